@@ -38,7 +38,7 @@ class Actuator:
     def rest_length(self, /, gauge_pressure: SupportsFloat | SupportsIndex) -> float:
         """
         The longest distance between the ends in m at which the actuator, at rest at a gauge pressure in Pa and without
-        friction, does not pull; its shortest length where it pulls even there.
+        friction, does not pull; its shortest length where it pulls even there. A tendon is included.
 
         Raises `InputError` for a pressure below vacuum, and where there is no such length.
         """
@@ -55,8 +55,10 @@ class Actuator:
         """
         Goes on from `state` by `dt` in s while the ends go in a straight line to a distance of `length` in m.
 
-        `command` is a duty cycle from 0 to 1, "fill", "hold" or "exhaust"; with `None` what was asked before goes on, and an
-        actuator without a valve takes nothing else. `velocity` in m/s is that of the ends at the end of the step.
+        `command` is a duty cycle from 0 to 1, "fill", "hold" or "exhaust"; of a pressure regulator the set point, a gauge
+        pressure in Pa; of a proportional spool the position from -1 to 1. With `None` what was asked before goes on, and an
+        actuator without a valve takes nothing else. `length` includes the tendon, if there is one. `velocity` in m/s is that of
+        the ends at the end of the step.
 
         With `max_step` in s the step is divided into equal parts no longer than that, over which the length is interpolated
         linearly: the air is then as exact as in steps of `max_step`.
@@ -107,7 +109,7 @@ class ActuatorState:
     @property
     def valve(self, /) -> str:
         """
-        Which passage of the valve is open: "supply", "exhaust", "both" or "closed".
+        Which port of the valve is open: "supply", "exhaust", "both" or "closed".
         """
 
 @final

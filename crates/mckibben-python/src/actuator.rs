@@ -6,11 +6,10 @@ use crate::raised::{Raised, exception};
 use crate::scenario::Scenario;
 use crate::signals::Watch;
 use crate::typed::{Numbers, Sequence};
-use mckibben::control::Drive;
-use mckibben::parameter;
-use mckibben::simulation::{MOST_PARTS, ModularActuator, Snapshot, State};
-use mckibben::valve::Request;
-use mckibben::{Error, GaugePressure};
+use mckibben::plant::{Plant, PlantRun, PlantSteps};
+use mckibben::simulation::{MOST_PARTS, Method};
+use mckibben::valve::{Demand, Request};
+use mckibben::{Error, GaugePressure, parameter};
 use mckibben_cli::failure::Failure;
 use numpy::PyArray1;
 use pyo3::inspect::PyStaticExpr;
@@ -19,12 +18,17 @@ use pyo3::types::PyString;
 use pyo3::{type_hint_identifier as name, type_hint_union};
 use std::sync::{Mutex, PoisonError};
 
-/// The actuator of a scenario, and how its valve is pulsed.
+/// The actuator of a scenario as a plant whose ends a host moves, and how its valve is pulsed.
 pub(crate) struct Model {
-    pub(crate) actuator: ModularActuator,
+    /// Where it begins.
+    pub(crate) steps: PlantSteps,
+    /// How many numbers a state of the plant is.
+    size: usize,
     pub(crate) pulses: Pulses,
-    /// What the numbers of its states begin with: of which actuator they are.
+    /// What its states begin with: of which actuator they are.
     pub(crate) mark: f64,
+    /// What the ends must be closer together than in m, and the name of that limit; none with a tendon in between.
+    end: Option<(&'static str, f64)>,
 }
 
 /// Sections of a scenario that an actuator in a loop of one's own has nothing of.
@@ -34,29 +38,60 @@ const ELSEWHERE: &[&str] = &["command", "controller", "initial", "load", "run", 
 const SWIFTEST: f64 = 1e6;
 /// Parts of a step that go on without a look at Ctrl-C.
 const UNHEARD: f64 = 2e4;
+/// What a state of an actuator has before the numbers of the plant: mark, count, time, length, pressure, air mass, open ports.
+const HEAD: usize = 7;
+/// The ports by the number that stands for them.
+const PORTS: [&str; 4] = ["closed", "supply", "exhaust", "both"];
 
 impl Model {
-    /// The scenario's actuator with its air line and its valve, whatever the load; pulses come at a frequency in Hz, else at
-    /// that of the scenario's PWM.
+    /// The scenario's actuator with its valve and all that feeds it, whatever the load; pulses come at a frequency in Hz, else
+    /// at that of the scenario's PWM.
     pub(crate) fn of(scenario: &Scenario, pulse_frequency: Option<f64>) -> Result<Self, Failure> {
         let document = &scenario.document;
         let experiment = match document.controlled_experiment()? {
             Some(controlled) => controlled.experiment,
             None => document.experiment()?,
         };
-        let command = experiment.rig.actuation().map(|actuation| &actuation.command);
-        let pulses = Pulses::of(command, pulse_frequency)?;
-        let actuator = ModularActuator::new(&experiment.rig, experiment.start, pulses.frequency)
-            .map_err(|error| Failure::of_core(&error, document))?;
+        let rig = &experiment.rig;
+        let pulsed = rig.actuation().filter(|actuation| actuation.solenoid.has_seats());
+        let pulses = Pulses::of(pulsed.map(|actuation| &actuation.command), pulse_frequency)?;
+        let of_core = |error| Failure::of_core(&error, document);
+        let plant = Plant::of_rig(rig).without_commands(&[0]);
+        let start = Plant::start_of_rig(rig, &experiment.start);
+        let (plant, start) = plant.to_external(&start).map_err(of_core)?;
+        let mut steps = PlantRun::new(&plant, &start, TOLERANCE).map_err(of_core)?.steps(Method::Stable);
+        let size = steps.state_size();
+        let end = plant.end_distance(0).map_err(of_core)?;
         let mut table: toml::Table = scenario.of_one()?.to_toml().parse().unwrap_or_default();
         table.retain(|section, _| ELSEWHERE.iter().all(|elsewhere| section != *elsewhere));
-        Ok(Self { actuator, pulses, mark: mark(&format!("{table}{}", pulses.frequency)) })
+        Ok(Self { steps, size, pulses, mark: mark(&format!("{table}{}", pulses.frequency)), end })
     }
 
-    /// The state that numbers are of, which begin with the mark of its actuator.
-    pub(crate) fn state_of(&self, state: &ActuatorState) -> Result<Snapshot, Failure> {
-        if state.mark == self.mark {
-            return Ok(state.snapshot);
+    /// What is asked of the valve, by a request or a number in the kind of the valve.
+    pub(crate) fn demand(&self, name: &str, asked: &Asked) -> Result<Demand, Failure> {
+        let Some(valve) = self.steps.plant().network().valves.first() else {
+            return Err(Failure::input(
+                "something is asked of a valve, but the actuator has none",
+                "give the actuator a valve, or leave it sealed",
+            ));
+        };
+        let demand = match *asked {
+            Asked::Request(request) => Demand::Request(request),
+            Asked::Number(gauge) if valve.solenoid.regulator().is_some() => Demand::SetPoint(GaugePressure(gauge)),
+            Asked::Number(position) if valve.solenoid.spool().is_some() => Demand::Position(position),
+            Asked::Number(duty) => {
+                arguments::number(name, duty, "", "a duty cycle from 0 to 1", (0.0..=1.0).contains(&duty))?;
+                self.pulses.of_duty(duty)
+            }
+        };
+        valve.solenoid.check_demand(&demand).map_err(|error| Failure::from(error).of(name))?;
+        Ok(demand)
+    }
+
+    /// Goes to where numbers say, which begin with the mark of this actuator.
+    pub(crate) fn restore(&self, steps: &mut PlantSteps, state: &ActuatorState) -> Result<(), Failure> {
+        if state.numbers[0] == self.mark {
+            return Ok(steps.restore_from(&state.numbers[HEAD..])?);
         }
         Err(Failure::input(
             "`state` is of another actuator: its valve, its air or its law need not have such a state",
@@ -64,6 +99,49 @@ impl Model {
              only what the scenario says of its load, command and run may differ",
         ))
     }
+
+    /// Where the steps are.
+    pub(crate) fn state_of(&self, steps: &mut PlantSteps) -> Result<ActuatorState, Failure> {
+        let mut numbers = vec![0.0; HEAD + self.size];
+        steps.save_to(&mut numbers[HEAD..])?;
+        let here = steps.plant().places().actuators[0];
+        let valve = steps.mode().network.valves.first().map(|valve| valve.ports);
+        let ports = valve.map_or(0, |ports| usize::from(ports.supply) + 2 * usize::from(ports.exhaust));
+        let (air, count) = ([steps.state()[here.pressure], steps.state()[here.mass()]], self.size as f64);
+        numbers[..HEAD].copy_from_slice(&[
+            self.mark,
+            count,
+            steps.time(),
+            distance(steps),
+            air[0],
+            air[1],
+            ports as f64,
+        ]);
+        Ok(ActuatorState { numbers })
+    }
+
+    /// Refuses a distance between the ends that is none; one that the actuator cannot be stretched to stops it.
+    pub(crate) fn check_length(&self, name: &str, length: f64) -> Result<(), Failure> {
+        arguments::number(name, length, "m", "a distance between the ends in m above zero", length > 0.0)?;
+        let Some((limit, end)) = self.end.filter(|(_, end)| length >= *end) else { return Ok(()) };
+        let limit = if limit == parameter::THREAD_LENGTH.key { "its thread" } else { limit };
+        let longer = format!("{name} = {length:?} m is longer than {limit} of {:.1} mm", 1e3 * end);
+        Err(Failure::stopped(format!("{longer}: keep the ends closer together")))
+    }
+}
+
+/// The relative tolerance that a start is told from rounding by.
+const TOLERANCE: f64 = 1e-9;
+
+/// The distance between the ends in m.
+pub(crate) fn distance(steps: &PlantSteps) -> f64 {
+    steps.state()[steps.plant().places().mechanisms[0].position(0)]
+}
+
+/// What the actuator answers while its ends move apart at a velocity in m/s.
+pub(crate) fn respond(steps: &mut PlantSteps, velocity: f64) -> Result<mckibben::Response, Error> {
+    let rate = steps.state()[steps.plant().places().mechanisms[0].rate(0)];
+    if rate.to_bits() == velocity.to_bits() { steps.compute(0) } else { steps.compute_at(0, &[velocity]) }
 }
 
 /// A number that tells texts from each other, exact as a float.
@@ -117,30 +195,18 @@ pub(crate) fn check_velocity(name: &str, velocity: f64) -> Result<(), Failure> {
     arguments::number(name, velocity, "m/s", "a velocity in m/s between -1e6 and 1e6", is_in)
 }
 
-/// Refuses a distance between the ends that is none; one that the actuator cannot be stretched to stops it.
-pub(crate) fn check_length(actuator: &ModularActuator, name: &str, length: f64) -> Result<(), Failure> {
-    arguments::number(name, length, "m", "a distance between the ends in m above zero", length > 0.0)?;
-    let (limit, end) = actuator.end_length();
-    if length < end {
-        return Ok(());
-    }
-    let limit = if limit == parameter::THREAD_LENGTH.key { "its thread" } else { limit };
-    let longer = format!("{name} = {length:?} m is longer than {limit} of {:.1} mm", 1e3 * end);
-    Err(Failure::stopped(format!("{longer}: keep the ends closer together")))
-}
-
 /// Moves the ends in parts between which `watch` is called with the time, where there are many; nothing has changed where
 /// that fails.
 pub(crate) fn advance(
-    actuator: &mut ModularActuator,
+    actuator: &mut PlantSteps,
     (until, length): (f64, f64),
     watch: &mut dyn FnMut(f64) -> Result<(), Error>,
 ) -> Result<(), Error> {
     let spans = (actuator.parts_until(until) / UNHEARD).ceil();
     if !(spans > 1.0 && spans <= MOST_PARTS) {
-        return actuator.move_to(until, length);
+        return actuator.move_to(until, &[length]);
     }
-    let (before, from, begin) = (actuator.snapshot(), actuator.time(), actuator.state().length);
+    let (before, from, begin) = (actuator.save(), actuator.time(), distance(actuator));
     let mut span = 0.0;
     while span < spans {
         span += 1.0;
@@ -150,10 +216,9 @@ pub(crate) fn advance(
         } else {
             (until, length)
         };
-        let went = watch(actuator.time()).and_then(|()| actuator.move_to(to.0, to.1));
+        let went = watch(actuator.time()).and_then(|()| actuator.move_to(to.0, &[to.1]));
         if went.is_err() {
-            actuator.restore(&before);
-            return went;
+            return actuator.restore(&before).and(went);
         }
     }
     Ok(())
@@ -161,7 +226,8 @@ pub(crate) fn advance(
 
 /// What is asked of a valve in a step.
 pub(crate) enum Asked {
-    Duty(f64),
+    /// A duty cycle of seats, the set point of a regulator (gauge pressure in Pa), or the position of a spool.
+    Number(f64),
     Request(Request),
 }
 
@@ -171,9 +237,7 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Asked {
 
     fn extract(asked: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
         let Ok(word) = asked.cast::<PyString>() else {
-            let duty: f64 = asked.extract()?;
-            arguments::number("command", duty, "", "a duty cycle from 0 to 1", (0.0..=1.0).contains(&duty)).raised()?;
-            return Ok(Self::Duty(duty));
+            return Ok(Self::Number(asked.extract()?));
         };
         match word.to_cow()?.as_ref() {
             "fill" => Ok(Self::Request(Request::Fill)),
@@ -200,7 +264,7 @@ pub(crate) struct Actuator {
     pulse_frequency: Option<f64>,
     model: Model,
     /// Where steps are taken.
-    desk: Mutex<ModularActuator>,
+    desk: Mutex<PlantSteps>,
 }
 
 /// Where an `Actuator` is: its air, its valve's seats and pulses, and what its hysteresis remembers.
@@ -211,19 +275,38 @@ pub(crate) struct Actuator {
 /// Raises `InputError` for numbers that are no state.
 #[pyclass(frozen, module = "mckibben")]
 pub(crate) struct ActuatorState {
-    mark: f64,
-    snapshot: Snapshot,
+    /// Those of [`HEAD`] and those of the plant.
+    numbers: Vec<f64>,
 }
 
 impl ActuatorState {
-    /// The numbers that it is made of: the mark of its actuator before those of the core.
-    pub(crate) fn numbers_of(mark: f64, snapshot: &Snapshot) -> impl Iterator<Item = f64> {
-        [mark].into_iter().chain(snapshot.numbers())
+    /// The numbers that it is made of.
+    pub(crate) fn numbers(&self) -> &[f64] {
+        &self.numbers
     }
 
+    /// What was kept as numbers; those of the plant are checked once its actuator goes there.
     pub(crate) fn of_numbers(numbers: &[f64]) -> Result<Self, Failure> {
-        let (mark, rest) = numbers.split_first().map_or((f64::NAN, [].as_slice()), |(mark, rest)| (*mark, rest));
-        Ok(Self { mark, snapshot: Snapshot::of_numbers(rest)? })
+        let is_number = |number: &f64| number.is_finite() || *number == f64::INFINITY;
+        let is_state = match numbers {
+            [mark, count, time, length, pressure, air_mass, ports, plant @ ..] => {
+                let head = [mark, time, length, pressure, air_mass];
+                *count == plant.len() as f64
+                    && head.into_iter().all(|number| number.is_finite())
+                    && *pressure > 0.0
+                    && *air_mass > 0.0
+                    && [0.0, 1.0, 2.0, 3.0].contains(ports)
+                    && plant.iter().all(is_number)
+            }
+            _ => false,
+        };
+        if is_state {
+            return Ok(Self { numbers: numbers.to_vec() });
+        }
+        Err(Failure::input(
+            "these numbers are no state of an actuator",
+            "give those that a state of this version was kept as, all of them in their order",
+        ))
     }
 }
 
@@ -255,19 +338,21 @@ impl Actuator {
     #[pyo3(signature = (scenario, pulse_frequency = None))]
     fn new(scenario: Py<Scenario>, pulse_frequency: Option<f64>) -> PyResult<Self> {
         let model = Model::of(scenario.get(), pulse_frequency).raised()?;
-        let desk = Mutex::new(model.actuator.clone());
+        let desk = Mutex::new(model.steps.clone());
         Ok(Self { scenario, pulse_frequency, model, desk })
     }
 
     /// The state at t = 0: that of the scenario, with the coils released.
-    fn start(&self) -> ActuatorState {
-        ActuatorState { mark: self.model.mark, snapshot: self.model.actuator.snapshot() }
+    fn start(&self) -> PyResult<ActuatorState> {
+        self.model.state_of(&mut self.model.steps.clone()).raised()
     }
 
     /// Goes on from `state` by `dt` in s while the ends go in a straight line to a distance of `length` in m.
     ///
-    /// `command` is a duty cycle from 0 to 1, "fill", "hold" or "exhaust"; with `None` what was asked before goes on, and an
-    /// actuator without a valve takes nothing else. `velocity` in m/s is that of the ends at the end of the step.
+    /// `command` is a duty cycle from 0 to 1, "fill", "hold" or "exhaust"; of a pressure regulator the set point, a gauge
+    /// pressure in Pa; of a proportional spool the position from -1 to 1. With `None` what was asked before goes on, and an
+    /// actuator without a valve takes nothing else. `length` includes the tendon, if there is one. `velocity` in m/s is that of
+    /// the ends at the end of the step.
     ///
     /// With `max_step` in s the step is divided into equal parts no longer than that, over which the length is interpolated
     /// linearly: the air is then as exact as in steps of `max_step`.
@@ -288,38 +373,34 @@ impl Actuator {
         dt: f64,
         max_step: Option<f64>,
     ) -> PyResult<(ActuatorState, f64, Response)> {
-        let before = self.model.state_of(state.get()).raised()?;
         check_dt(dt).raised()?;
         check_velocity("velocity", velocity).raised()?;
-        check_length(&self.model.actuator, "length", length).raised()?;
+        self.model.check_length("length", length).raised()?;
         let longest = longest_part(max_step).raised()?;
+        let demand = command.map(|asked| self.model.demand("command", &asked)).transpose().raised()?;
         // It is set to where the state is before anything is done with it, so whoever left it anywhere does no harm.
         let mut actuator = self.desk.lock().unwrap_or_else(PoisonError::into_inner);
-        actuator.restore(&before);
-        let asked = match command {
-            None => Ok(()),
-            Some(Asked::Duty(duty)) => actuator.drive(self.model.pulses.of_duty(duty)),
-            Some(Asked::Request(request)) => actuator.drive(Drive::Steady(request)),
-        };
-        asked.and_then(|()| actuator.limit_step(longest)).raised()?;
-        let until = before.time() + dt;
-        if until <= before.time() {
-            let title =
-                format!("dt = {dt:?} s is lost in the rounding of the {} s that have been reached", before.time());
+        self.model.restore(&mut actuator, state.get()).raised()?;
+        demand.map_or(Ok(()), |demand| actuator.set(0, demand)).raised()?;
+        actuator.limit_step(longest).raised()?;
+        let from = actuator.time();
+        let until = from + dt;
+        if until <= from {
+            let title = format!("dt = {dt:?} s is lost in the rounding of the {from} s that have been reached");
             return Err(Failure::input(title, "give a longer dt")).raised();
         }
         let parts = actuator.parts_until(until);
         check_parts(parts, dt).raised()?;
         if parts <= UNHEARD {
-            actuator.move_to(until, length).raised()?;
-            return self.answer(&actuator, velocity);
+            actuator.move_to(until, &[length]).raised()?;
+            return self.answer(&mut actuator, velocity);
         }
         // A handler of a signal may take a step of the same actuator: the desk must be free.
         let (mut own, mut watch) = (actuator.clone(), Watch::new());
         drop(actuator);
         let went = py.detach(|| advance(&mut own, (until, length), &mut |time| watch.at(time)));
         watch.outcome(went)?;
-        self.answer(&own, velocity)
+        self.answer(&mut own, velocity)
     }
 
     /// What the actuator answers at `state` while its ends move apart at `velocity` in m/s: the tension with which a loop
@@ -328,22 +409,21 @@ impl Actuator {
     /// Raises `InputError` for a state of another actuator.
     #[pyo3(signature = (state, velocity = 0.0))]
     fn respond(&self, state: &Bound<'_, ActuatorState>, velocity: f64) -> PyResult<Response> {
-        let at = self.model.state_of(state.get()).raised()?;
         check_velocity("velocity", velocity).raised()?;
         let mut actuator = self.desk.lock().unwrap_or_else(PoisonError::into_inner);
-        actuator.restore(&at);
-        self.answer(&actuator, velocity).map(|(_, _, response)| response)
+        self.model.restore(&mut actuator, state.get()).raised()?;
+        self.answer(&mut actuator, velocity).map(|(_, _, response)| response)
     }
 
     /// The longest distance between the ends in m at which the actuator, at rest at a gauge pressure in Pa and without
-    /// friction, does not pull; its shortest length where it pulls even there.
+    /// friction, does not pull; its shortest length where it pulls even there. A tendon is included.
     ///
     /// Raises `InputError` for a pressure below vacuum, and where there is no such length.
     fn rest_length(&self, gauge_pressure: f64) -> PyResult<f64> {
         let is_in = gauge_pressure.is_finite();
         arguments::number("gauge_pressure", gauge_pressure, "Pa", "a gauge pressure in Pa, such as 2e5", is_in)
             .raised()?;
-        let length = self.model.actuator.rest_length(GaugePressure(gauge_pressure));
+        let length = self.model.steps.plant().rest_distance(0, GaugePressure(gauge_pressure));
         length.map_err(|error| Failure::from(error).of("gauge_pressure")).raised()
     }
 
@@ -364,8 +444,8 @@ impl Actuator {
 
 impl Actuator {
     /// Where an actuator is, its tension, and its whole answer.
-    fn answer(&self, actuator: &ModularActuator, velocity: f64) -> PyResult<(ActuatorState, f64, Response)> {
-        let response = actuator.respond(velocity);
+    fn answer(&self, actuator: &mut PlantSteps, velocity: f64) -> PyResult<(ActuatorState, f64, Response)> {
+        let response = respond(actuator, velocity).raised()?;
         let answer = Response {
             tension: response.tension,
             per_length: response.per_length,
@@ -382,7 +462,7 @@ impl Actuator {
             let title = format!("at velocity = {velocity:?} m/s the actuator answers with numbers that are not finite");
             return Err(Failure::stopped(title)).raised();
         }
-        let state = ActuatorState { mark: self.model.mark, snapshot: actuator.snapshot() };
+        let state = self.model.state_of(actuator).raised()?;
         Ok((state, answer.tension, answer))
     }
 }
@@ -397,46 +477,46 @@ impl ActuatorState {
     /// The time in s that has been reached.
     #[getter]
     fn time(&self) -> f64 {
-        self.snapshot.time()
+        self.numbers[2]
     }
 
     /// Distance between the ends in m.
     #[getter]
     fn length(&self) -> f64 {
-        self.snapshot.state().length
+        self.numbers[3]
     }
 
     /// Absolute pressure of the air in Pa.
     #[getter]
     fn pressure(&self) -> f64 {
-        self.snapshot.state().pressure.0
+        self.numbers[4]
     }
 
     /// Mass of the air in kg.
     #[getter]
     fn air_mass(&self) -> f64 {
-        self.snapshot.state().air_mass
+        self.numbers[5]
     }
 
-    /// Which passage of the valve is open: "supply", "exhaust", "both" or "closed".
+    /// Which port of the valve is open: "supply", "exhaust", "both" or "closed".
     #[getter]
     fn valve(&self) -> &'static str {
-        self.snapshot.ports().name()
+        PORTS.get(self.numbers[6] as usize).copied().unwrap_or_default()
     }
 
     /// Whether both are the same to the bit.
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
-        let bits = |state: &Self| Self::numbers_of(state.mark, &state.snapshot).map(f64::to_bits).collect::<Vec<_>>();
+        let bits = |state: &Self| state.numbers.iter().map(|number| number.to_bits()).collect::<Vec<_>>();
         other.cast::<Self>().is_ok_and(|other| bits(other.get()) == bits(self))
     }
 
     fn __repr__(&self) -> String {
-        let State { length, pressure, .. } = self.snapshot.state();
-        format!("<mckibben.ActuatorState at {:?} s, {length:?} m, {:?} Pa>", self.snapshot.time(), pressure.0)
+        let [_, _, time, length, pressure, ..] = self.numbers[..] else { return String::new() };
+        format!("<mckibben.ActuatorState at {time:?} s, {length:?} m, {pressure:?} Pa>")
     }
 
     fn __getnewargs__<'py>(&self, py: Python<'py>) -> (Numbers<'py>,) {
-        (Numbers(PyArray1::from_iter(py, Self::numbers_of(self.mark, &self.snapshot)).into_any()),)
+        (Numbers(PyArray1::from_slice(py, &self.numbers).into_any()),)
     }
 }
 

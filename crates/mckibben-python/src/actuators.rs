@@ -1,7 +1,7 @@
 //! Many modular actuators stepped together on arrays that the caller owns: the class `Actuators`.
 
 use crate::actuator::{
-    ActuatorState, Model, advance, check_dt, check_length, check_parts, check_velocity, longest_part,
+    ActuatorState, Asked, Model, advance, check_dt, check_parts, check_velocity, longest_part, respond,
 };
 use crate::arguments::{self, fitting};
 use crate::pool;
@@ -9,7 +9,7 @@ use crate::raised::{Raised, exception};
 use crate::scenario::Scenario;
 use crate::signals::{self, Heard};
 use crate::typed::{Count, Given, Numbers, Table};
-use mckibben::simulation::{ModularActuator, Snapshot};
+use mckibben::plant::{PlantSnapshot, PlantSteps};
 use mckibben_cli::failure::Failure;
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadwriteArray1};
 use pyo3::prelude::*;
@@ -21,6 +21,9 @@ const ALONE: usize = 128;
 const TOGETHER: usize = 32;
 /// Parts of one row, and of all together, that go on without a look at Ctrl-C and a copy to go back to.
 const UNHEARD: [f64; 2] = [2e4, 2e7];
+
+/// Bytes that one of them takes, about: states, mode, and what a step computes with.
+const EACH: usize = 16 << 10;
 
 /// Many actuators of one scenario, each with its own air, valve and memory, stepped together in loops of your own.
 ///
@@ -37,7 +40,7 @@ pub(crate) struct Actuators {
     pulse_frequency: Option<f64>,
     model: Model,
     count: usize,
-    rows: Mutex<Vec<ModularActuator>>,
+    rows: Mutex<Vec<PlantSteps>>,
 }
 
 /// Where the ends go in a step, and what is asked of the valves.
@@ -53,7 +56,7 @@ struct Motion<'a> {
 struct Span<'a> {
     /// The number of the first among all.
     first: usize,
-    rows: &'a mut [ModularActuator],
+    rows: &'a mut [PlantSteps],
     /// `None` where they only answer where they are.
     motion: Option<Motion<'a>>,
     velocity: &'a [f64],
@@ -77,15 +80,15 @@ impl Motion<'_> {
     }
 
     /// Takes the actuator of a row through the step.
-    fn take(&self, row: usize, actuator: &mut ModularActuator, by: &By<'_>) -> Result<(), Failure> {
-        check_length(actuator, "length", self.length[row])?;
+    fn take(&self, row: usize, actuator: &mut PlantSteps, by: &By<'_>) -> Result<(), Failure> {
+        by.model.check_length("length", self.length[row])?;
         if let Some(duty) = self.duty {
-            actuator.drive(by.model.pulses.of_duty(duty[row]))?;
+            actuator.set(0, by.model.demand("duty", &Asked::Number(duty[row]))?)?;
         }
         actuator.limit_step(self.longest)?;
         let (until, length) = (actuator.time() + self.dt, self.length[row]);
         match by.heard {
-            None => actuator.move_to(until, length)?,
+            None => actuator.move_to(until, &[length])?,
             Some(heard) => {
                 heard(actuator.time())?;
                 advance(actuator, (until, length), &mut |time| heard(time))?;
@@ -137,9 +140,19 @@ impl<'a> Span<'a> {
                 fault.get_or_insert_with(|| of_row(failure, self.first + row));
                 continue;
             }
-            let response = actuator.respond(self.velocity[row]);
+            let response = match respond(actuator, self.velocity[row]) {
+                Ok(response) => response,
+                Err(error) => {
+                    fault.get_or_insert_with(|| of_row(error.into(), self.first + row));
+                    continue;
+                }
+            };
             self.tension[row] = response.tension;
-            let values = [response.per_length, response.per_velocity, actuator.state().pressure.0];
+            let values = [
+                response.per_length,
+                response.per_velocity,
+                actuator.state()[actuator.plant().places().actuators[0].pressure],
+            ];
             for (slice, value) in self.beside.iter_mut().zip(values) {
                 if let Some(slice) = slice {
                     slice[row] = value;
@@ -159,10 +172,10 @@ fn of_row(failure: Failure, row: usize) -> Failure {
 struct Answers<'py>([Option<PyReadwriteArray1<'py, f64>>; 4]);
 
 /// Those arrays as they are given: the tension, its derivatives by length and velocity, and the pressure.
-type Asked<'py> = [Option<Given<'py>>; 4];
+type Targets<'py> = [Option<Given<'py>>; 4];
 
 impl<'py> Answers<'py> {
-    fn of(given: &Asked<'py>, count: usize) -> PyResult<Self> {
+    fn of(given: &Targets<'py>, count: usize) -> PyResult<Self> {
         let mut arrays = [None, None, None, None];
         let names = ["tension", "per_length", "per_velocity", "pressure"];
         for ((array, given), name) in arrays.iter_mut().zip(given).zip(names) {
@@ -197,20 +210,18 @@ fn check_velocities(velocity: &[f64]) -> Result<(), Failure> {
     velocity.iter().enumerate().try_for_each(|(row, velocity)| check_velocity(&format!("velocity[{row}]"), *velocity))
 }
 
-/// Refuses duty cycles that are none.
-fn check_duties(duty: &[f64]) -> Result<(), Failure> {
-    match duty.iter().position(|duty| !(0.0..=1.0).contains(duty)) {
-        None => Ok(()),
-        Some(row) => Err(Failure::input(
-            format!("actuator {row}: duty[{row}] = {:?} is no duty cycle", duty[row]),
-            "give duty cycles from 0 to 1",
-        )),
-    }
+/// Refuses what a valve cannot be asked for, before any is.
+fn check_duties(model: &Model, duty: &[f64]) -> Result<(), Failure> {
+    let of_row = |(row, duty): (usize, &f64)| {
+        let demand = model.demand(&format!("duty[{row}]"), &Asked::Number(*duty));
+        demand.map(drop).map_err(|failure| of_row(failure, row))
+    };
+    duty.iter().enumerate().try_for_each(of_row)
 }
 
 impl Actuators {
     /// The rows, unless another thread works on them.
-    fn rows(&self) -> PyResult<MutexGuard<'_, Vec<ModularActuator>>> {
+    fn rows(&self) -> PyResult<MutexGuard<'_, Vec<PlantSteps>>> {
         match self.rows.try_lock() {
             Ok(rows) => Ok(rows),
             Err(TryLockError::Poisoned(rows)) => Ok(rows.into_inner()),
@@ -222,8 +233,11 @@ impl Actuators {
     }
 
     /// The parts of the longest step of a row, with the edges of its pulses.
-    fn parts(&self, rows: &[ModularActuator], motion: &Motion<'_>) -> f64 {
-        let edges = |actuator: &ModularActuator| actuator.edges_until(actuator.time() + motion.dt);
+    fn parts(&self, rows: &[PlantSteps], motion: &Motion<'_>) -> f64 {
+        let edges = |actuator: &PlantSteps| {
+            let mut frequencies = actuator.mode().network.valves.iter().filter_map(|valve| valve.pulse_frequency());
+            frequencies.next().map_or(0.0, |frequency| 2.0 * motion.dt * frequency)
+        };
         let edges = match motion.duty {
             Some(_) => 2.0 * motion.dt * self.model.pulses.frequency,
             None => rows.iter().map(edges).fold(0.0, f64::max),
@@ -237,12 +251,12 @@ impl Actuators {
     #[new]
     #[pyo3(signature = (scenario, count, pulse_frequency = None))]
     fn new(py: Python<'_>, scenario: Py<Scenario>, count: Count, pulse_frequency: Option<f64>) -> PyResult<Self> {
-        let (count, each) = (count.0, size_of::<ModularActuator>());
+        let (count, each) = (count.0, EACH);
         arguments::room(py, count, "actuators", each)?;
         let model = Model::of(scenario.get(), pulse_frequency).raised()?;
         let mut rows = Vec::new();
         rows.try_reserve_exact(count).map_err(|_| arguments::no_room(count, "actuators", each))?;
-        rows.resize(count, model.actuator.clone());
+        rows.resize(count, model.steps.clone());
         Ok(Self { scenario, pulse_frequency, model, count, rows: Mutex::new(rows) })
     }
 
@@ -282,17 +296,16 @@ impl Actuators {
         let (length, velocity) = (length.as_slice()?, velocity.as_slice()?);
         let duty = duty.as_ref().map(|duty| duty.as_slice()).transpose()?;
         if let Some(row) = length.iter().position(|length| *length <= 0.0) {
-            return check_length(&model.actuator, &format!("length[{row}]"), length[row]).raised();
+            return model.check_length(&format!("length[{row}]"), length[row]).raised();
         }
         check_velocities(velocity).raised()?;
-        check_duties(duty.unwrap_or_default()).raised()?;
+        check_duties(model, duty.unwrap_or_default()).raised()?;
         let mut rows = self.rows()?;
         let motion = Motion { dt, longest, length, duty };
         let parts = self.parts(&rows, &motion);
         check_parts(parts, dt).raised()?;
         let is_long = parts > UNHEARD[0] || parts * count as f64 > UNHEARD[1];
-        let before: Vec<Snapshot> =
-            if is_long { rows.iter().map(ModularActuator::snapshot).collect() } else { Vec::new() };
+        let before: Vec<PlantSnapshot> = if is_long { rows.iter().map(PlantSteps::save).collect() } else { Vec::new() };
         let (tension, beside) = answers.slices();
         let span = Span { first: 0, rows: &mut rows, motion: Some(motion), velocity, tension, beside };
         let fault = match (is_long, count < ALONE) {
@@ -304,7 +317,7 @@ impl Actuators {
             Ok(None) => Ok(()),
             Ok(Some(failure)) => Err(exception(&failure)),
             Err(error) => {
-                rows.iter_mut().zip(&before).for_each(|(actuator, state)| actuator.restore(state));
+                rows.iter_mut().zip(&before).try_for_each(|(actuator, state)| actuator.restore(state)).raised()?;
                 Err(error)
             }
         }
@@ -335,8 +348,7 @@ impl Actuators {
 
     /// All of them go back to t = 0 and the scenario's state, with the coils released.
     fn reset(&self) -> PyResult<()> {
-        let start = self.model.actuator.snapshot();
-        self.rows()?.iter_mut().for_each(|actuator| actuator.restore(&start));
+        self.rows()?.iter_mut().for_each(PlantSteps::reset);
         Ok(())
     }
 
@@ -355,23 +367,29 @@ impl Actuators {
 
     /// Where each of them is, a row for each as an `ActuatorState` is pickled.
     fn __getstate__<'py>(&self, py: Python<'py>) -> PyResult<Numbers<'py>> {
-        let numbers = |snapshot: Snapshot| ActuatorState::numbers_of(self.model.mark, &snapshot).collect::<Vec<_>>();
-        let width = numbers(self.model.actuator.snapshot()).len();
-        let numbers = self.rows()?.iter().flat_map(|actuator| numbers(actuator.snapshot())).collect();
+        let mut numbers = Vec::new();
+        for actuator in self.rows()?.iter_mut() {
+            numbers.extend_from_slice(self.model.state_of(actuator).raised()?.numbers());
+        }
+        let width = numbers.len() / self.count.max(1);
         Ok(Numbers(PyArray1::from_vec(py, numbers).reshape([self.count, width])?.into_any()))
     }
 
     fn __setstate__(&self, numbers: Table<'_>) -> PyResult<()> {
         let numbers = numbers.read("state")?;
-        let state = |row: &[f64]| self.model.state_of(&ActuatorState::of_numbers(row)?);
         let rows = numbers.as_array();
-        let states: Vec<Snapshot> =
+        let state = |row: &[f64]| ActuatorState::of_numbers(row);
+        let states: Vec<ActuatorState> =
             rows.rows().into_iter().map(|row| state(&row.to_vec())).collect::<Result<_, _>>().raised()?;
         if states.len() != self.count {
             let title = format!("{} states are given for {} actuators", states.len(), self.count);
             return Err(Failure::input(title, "give one for each")).raised();
         }
-        self.rows()?.iter_mut().zip(&states).for_each(|(actuator, state)| actuator.restore(state));
-        Ok(())
+        // All of them are tried before any of the rows is changed.
+        let mut trial = self.model.steps.clone();
+        states.iter().try_for_each(|state| self.model.restore(&mut trial, state)).raised()?;
+        let mut actuators = self.rows()?;
+        let mut both = actuators.iter_mut().zip(&states);
+        both.try_for_each(|(actuator, state)| self.model.restore(actuator, state)).raised()
     }
 }
