@@ -3,11 +3,12 @@
 use crate::common::joint::Pair;
 use crate::common::{PSI, Paper};
 use crate::plant_host::{asked, on_a_bottle};
+use crate::plant_ledger::{leg_on_its_belt, unlike_muscles_on_one_tank};
 use mckibben::control::{Output, Pid, Quantity, Regulator, Sampling, Sensors, SetPoint, Tracker};
 use mckibben::plant::{Plant, PlantBatch, PlantRun, PlantStart, PlantSteps, RigPlant, Width};
-use mckibben::simulation::Method;
-use mckibben::valve::{Demand, FlowStandard, Request, ValveKind};
-use mckibben::{Error, parameter};
+use mckibben::simulation::{Actuation, Method, Rig};
+use mckibben::valve::{self, Command, Demand, FlowStandard, Request, Solenoid, ValveKind};
+use mckibben::{Error, GaugePressure, parameter};
 
 /// The numbers of a state, to the bit.
 pub(crate) fn bits(state: &[f64]) -> Vec<u64> {
@@ -92,6 +93,50 @@ fn joints_of_two_muscles_are_those_alone() {
         for (method, step) in [(Method::Rk4, 5e-5), (Method::Stable, 1e-3)] {
             agree(&rows(&plant, &start, method, 21).expect("rows"), step, 300);
         }
+    }
+}
+
+/// Legs that step on their belts and against their stops, with muscles that stick and without.
+#[test]
+fn legs_on_belts_are_those_alone() {
+    for coulomb in [0.0, 1e-4] {
+        let (plant, start) = leg_on_its_belt(&Paper::sealed().friction(3.5, coulomb));
+        assert!(PlantBatch::covers(&plant), "it goes in lanes");
+        for (method, step) in [(Method::Rk4, 1e-4), (Method::Stable, 1e-3)] {
+            agree(&rows(&plant, &start, method, 19).expect("rows"), step, 500);
+        }
+    }
+}
+
+/// Muscles on a tank that a compressor fills, behind a regulator with a dead band that the tank may limit.
+#[test]
+fn muscles_on_regulated_tanks_are_those_alone() {
+    for seed in [0, 6, 12, 18] {
+        let (plant, start) = unlike_muscles_on_one_tank(seed);
+        assert!(PlantBatch::covers(&plant), "it goes in lanes");
+        for (method, step) in [(Method::Rk4, 2e-5), (Method::Stable, 1e-3)] {
+            agree(&rows(&plant, &start, method, 19).expect("rows"), step, 300);
+        }
+    }
+}
+
+/// Proportional regulators at the limit of their rate and within it, whose set points are set on the way.
+#[test]
+fn proportional_regulators_are_those_alone() {
+    let paper = Paper::pwm(25.0, 0.5).gauge(10.0 * PSI).friction(3.5, 1e-4);
+    let actuator = paper.actuator().with_valve(paper.valve());
+    let regulator = valve::Regulator::new(0.02, 0.003, 4e6).expect("a regulator");
+    let command = Command::SetPoints { time: vec![0.0, 0.1], gauge_pressure: vec![2e5, 1e5] };
+    let actuation = Actuation { solenoid: Solenoid::regulating(regulator), command };
+    let rig = Rig::new(actuator, Some(actuation), paper.load.clone()).expect("a rig");
+    let (plant, start) = (Plant::of_rig(&rig), Plant::start_of_rig(&rig, &paper.start()));
+    assert!(PlantBatch::covers(&plant), "it goes in lanes");
+    for (method, step) in [(Method::Rk4, 5e-5), (Method::Stable, 1e-3)] {
+        let mut made = rows(&plant, &start, method, 19).expect("rows");
+        for (index, row) in made.iter_mut().enumerate() {
+            row.set(0, Demand::SetPoint(GaugePressure(5e4 + 3e4 * index as f64))).expect("a set point");
+        }
+        agree(&made, step, 300);
     }
 }
 

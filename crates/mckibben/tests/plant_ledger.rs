@@ -366,52 +366,56 @@ fn a_pressure_regulator_closes() {
 
 /// Unlike muscles on one bottle or tank, with and without a regulator: laws, loads, processes, hoses and leaks by a row of
 /// numbers that look random.
+pub(crate) fn unlike_muscles_on_one_tank(seed: usize) -> (Plant, PlantStart) {
+    let number = |column: usize, low: f64, high: f64| {
+        let any = (12.9898 * (1 + seed) as f64 + 78.233 * column as f64).sin() * 43_758.545_3;
+        low + (high - low) * (any - any.floor())
+    };
+    let air = Paper::sealed().air();
+    let process = [
+        Process::Isentropic,
+        Process::Isothermal,
+        Process::Polytropic { index: 1.15 },
+        Process::EnergyBalance { heat_transfer: 0.3, wall_temperature: 300.0 },
+    ];
+    let muscles: Vec<Muscle> = (0..1 + seed % 5)
+        .map(|i| {
+            let at = |column: usize, low: f64, high: f64| number(20 * i + column, low, high);
+            let command = Command::pwm(at(0, 5.0, 40.0), at(1, 0.2, 0.8), Request::Fill, Request::Exhaust);
+            let paper = Paper::driven(command.expect("a command"))
+                .mass(at(2, 1.0, 6.0))
+                .process(process[(seed + i) % 4])
+                .gauge(at(3, 1e5, 4e5))
+                .with(|it| {
+                    it.viscous = at(4, 0.0, 10.0);
+                    it.coulomb_width = if at(5, 0.0, 1.0) < 0.3 { 0.0 } else { at(6, 1e-5, 2e-4) };
+                    it.external_volume = at(7, 1e-6, 1e-5);
+                    it.effectiveness = Effectiveness::Constant(at(8, 0.8, 1.0));
+                    it.temperature = at(9, 280.0, 320.0);
+                    it.length = InitialLength::At(at(10, 3.2, 3.9) * INCH);
+                });
+            let kind = [HoseKind::Lumped, HoseKind::Distributed { cells: 2 }][i % 2];
+            let hose = Hose::new(kind, [at(11, 0.1, 1.5), 3e-3], [1.8e-5, at(12, 280.0, 310.0), 1.1], &air);
+            Muscle {
+                paper,
+                hose: (at(13, 0.0, 1.0) < 0.5).then(|| hose.expect("a hose")),
+                leak: (at(14, 0.0, 1.0) < 0.5).then(|| Leakage::new(1e-11).expect("a leak")),
+                copies: if at(15, 0.0, 1.0) < 0.2 { 3.0 } else { 1.0 },
+            }
+        })
+        .collect();
+    let switch = [GaugePressure(5e5), GaugePressure(6e5)];
+    let compressor = Compressor::new([number(101, 1e-5, 5e-4), 0.03], switch, &air).expect("a compressor");
+    let with_compressor = (seed % 3 == 0).then_some(compressor);
+    let tank = reservoir([number(102, 2e-5, 2e-3), number(103, 1.0, 1.4)], 5.5e5, with_compressor);
+    let regulator = (seed % 2 == 0).then(|| Regulator::new(2e7, 1e3, 0.01).expect("a regulator"));
+    on_one_tank(tank, regulator, &muscles)
+}
+
 #[test]
 fn unlike_muscles_on_one_tank_close() {
     for seed in 0..24 {
-        let number = |column: usize, low: f64, high: f64| {
-            let any = (12.9898 * (1 + seed) as f64 + 78.233 * column as f64).sin() * 43_758.545_3;
-            low + (high - low) * (any - any.floor())
-        };
-        let air = Paper::sealed().air();
-        let process = [
-            Process::Isentropic,
-            Process::Isothermal,
-            Process::Polytropic { index: 1.15 },
-            Process::EnergyBalance { heat_transfer: 0.3, wall_temperature: 300.0 },
-        ];
-        let muscles: Vec<Muscle> = (0..1 + seed % 5)
-            .map(|i| {
-                let at = |column: usize, low: f64, high: f64| number(20 * i + column, low, high);
-                let command = Command::pwm(at(0, 5.0, 40.0), at(1, 0.2, 0.8), Request::Fill, Request::Exhaust);
-                let paper = Paper::driven(command.expect("a command"))
-                    .mass(at(2, 1.0, 6.0))
-                    .process(process[(seed + i) % 4])
-                    .gauge(at(3, 1e5, 4e5))
-                    .with(|it| {
-                        it.viscous = at(4, 0.0, 10.0);
-                        it.coulomb_width = if at(5, 0.0, 1.0) < 0.3 { 0.0 } else { at(6, 1e-5, 2e-4) };
-                        it.external_volume = at(7, 1e-6, 1e-5);
-                        it.effectiveness = Effectiveness::Constant(at(8, 0.8, 1.0));
-                        it.temperature = at(9, 280.0, 320.0);
-                        it.length = InitialLength::At(at(10, 3.2, 3.9) * INCH);
-                    });
-                let kind = [HoseKind::Lumped, HoseKind::Distributed { cells: 2 }][i % 2];
-                let hose = Hose::new(kind, [at(11, 0.1, 1.5), 3e-3], [1.8e-5, at(12, 280.0, 310.0), 1.1], &air);
-                Muscle {
-                    paper,
-                    hose: (at(13, 0.0, 1.0) < 0.5).then(|| hose.expect("a hose")),
-                    leak: (at(14, 0.0, 1.0) < 0.5).then(|| Leakage::new(1e-11).expect("a leak")),
-                    copies: if at(15, 0.0, 1.0) < 0.2 { 3.0 } else { 1.0 },
-                }
-            })
-            .collect();
-        let switch = [GaugePressure(5e5), GaugePressure(6e5)];
-        let compressor = Compressor::new([number(101, 1e-5, 5e-4), 0.03], switch, &air).expect("a compressor");
-        let with_compressor = (seed % 3 == 0).then_some(compressor);
-        let tank = reservoir([number(102, 2e-5, 2e-3), number(103, 1.0, 1.4)], 5.5e5, with_compressor);
-        let regulator = (seed % 2 == 0).then(|| Regulator::new(2e7, 1e3, 0.01).expect("a regulator"));
-        let (plant, start) = on_one_tank(tank, regulator, &muscles);
+        let (plant, start) = unlike_muscles_on_one_tank(seed);
         let run = simulate_plant(&plant, &start, 0.3, 1e-8).unwrap_or_else(|error| panic!("{seed}: {error}"));
         let ledger = run.ledger();
         assert_closes(&format!("seed {seed}"), &ledger, 1e-6);
@@ -424,9 +428,8 @@ fn unlike_muscles_on_one_tank_close() {
     }
 }
 
-/// Two joints with gravity, stops and a belt.
-#[test]
-fn a_leg_on_its_belt_closes() {
+/// Two joints with gravity, stops and a belt, and four muscles like that of a paper, sealed.
+pub(crate) fn leg_on_its_belt(paper: &Paper) -> (Plant, PlantStart) {
     let stops = JointStops { ends: [Some(-0.6), Some(0.6)], stiffness: 50.0, damping: 0.3 };
     let joint = Revolute { torque: 0.1, damping: 0.01, stops };
     let segment = |mass| ChainSegment { length: 0.22, mass, distance: 0.1, inertia: 1e-3 };
@@ -440,14 +443,14 @@ fn a_leg_on_its_belt_closes() {
             arm: MomentArm::Pulley(radius.abs()),
         });
         Mounted {
-            actuator: Paper::sealed().actuator(),
+            actuator: paper.actuator(),
             mechanism: 0,
             coupling: Coupling::arms(0.085, arms.collect()).expect("a coupling"),
             tendon: None,
             pressure: None,
         }
     });
-    let network = Network::new(&Paper::sealed().air());
+    let network = Network::new(&paper.air());
     let mechanism = Mechanism::Chain(chain.expect("a chain"));
     let plant = Plant::new(mounted.to_vec(), network, vec![mechanism]).expect("a plant");
     let air = |gauge| InitialAir { gauge_pressure: GaugePressure(gauge), temperature: ROOM };
@@ -458,6 +461,12 @@ fn a_leg_on_its_belt_closes() {
         lengths: vec![None; 4],
         ..PlantStart::default()
     };
+    (plant, start)
+}
+
+#[test]
+fn a_leg_on_its_belt_closes() {
+    let (plant, start) = leg_on_its_belt(&Paper::sealed());
     let ledger = simulate_plant(&plant, &start, 1.0, 1e-8).expect("a run").ledger();
     let of = &ledger.mechanisms[0];
     assert!(of.belt > 0.0 && of.damping > 0.0 && of.belt_work != 0.0, "{of:?}");

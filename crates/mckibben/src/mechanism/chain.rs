@@ -34,7 +34,7 @@ use crate::error::{Error, Requirement};
 use crate::load::leg::parameter as leg;
 use crate::parameter;
 use crate::plant::Part;
-use crate::scalar::{Over, Real, Scalar};
+use crate::scalar::{Mask, Over, Real, Scalar};
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -90,6 +90,14 @@ pub struct Belt<S = f64> {
     pub slipping_speed: S,
 }
 
+impl<S: Scalar> Belt<S> {
+    /// Normal force in N on a foot that is `depth` (m) below it and comes up at a velocity in m/s, before it is kept from pulling.
+    #[inline(always)]
+    pub(crate) fn press<T: Over<S>>(&self, depth: T, up: T) -> T {
+        T::of(self.stiffness) * depth - T::of(self.damping) * up
+    }
+}
+
 /// How something that only pushes touches.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Contact {
@@ -109,6 +117,26 @@ pub struct Contacts<'a> {
     pub stops: &'a [[Contact; 2]],
     /// Of the foot with the belt.
     pub foot: Contact,
+}
+
+/// Which contacts of a chain press: masks, so that chains side by side may differ.
+pub trait Presses<M> {
+    /// Whether a joint presses the stop at its least (0) or its greatest angle (1).
+    fn stop(&self, joint: usize, end: usize) -> M;
+    /// Whether the foot presses the belt.
+    fn foot(&self) -> M;
+}
+
+impl<M: Mask> Presses<M> for Contacts<'_> {
+    #[inline(always)]
+    fn stop(&self, joint: usize, end: usize) -> M {
+        M::splat(self.stops[joint][end] == Contact::Pressed)
+    }
+
+    #[inline(always)]
+    fn foot(&self) -> M {
+        M::splat(self.foot == Contact::Pressed)
+    }
 }
 
 /// Powers of a chain in W besides those of the actuators.
@@ -370,12 +398,11 @@ impl<S: Scalar> Chain<S> {
             return;
         }
         for i in 0..count {
-            for j in 0..count {
+            matrix[i * count + i] = T::of(self.couplings[i * count + i]);
+            for j in i + 1..count {
                 // Between two inclinations lie the angles of the joints from one to the other.
-                let (low, high) = (i.min(j), i.max(j));
-                let between = sum(&angle[low + 1..=high]);
-                let coupling = T::of(self.couplings[i * count + j]);
-                matrix[i * count + j] = if i == j { coupling } else { coupling * between.cos() };
+                let coupling = T::of(self.couplings[i * count + j]) * sum(&angle[i + 1..=j]).cos();
+                (matrix[i * count + j], matrix[j * count + i]) = (coupling, coupling);
             }
         }
         // An angle turns all segments beyond its joint: sums from the end on, along both directions.
@@ -393,38 +420,98 @@ impl<S: Scalar> Chain<S> {
 
     /// Torques in N·m about the joints besides those of the actuators, less what the motion itself needs: `τ − h`.
     #[inline(always)]
-    pub fn torques<T: Over<S>>(&self, angle: &[T], rate: &[T], contacts: Contacts<'_>, torque: &mut [T]) {
+    pub fn torques<T: Over<S>>(&self, angle: &[T], rate: &[T], presses: &impl Presses<T::Mask>, torque: &mut [T]) {
         let count = self.segments.len();
-        let foot = self.belt_force(angle, rate, contacts.foot);
-        let mut inclination = -T::of(self.hanging_angle);
-        let mut along = T::zero();
+        let on_foot = presses.foot();
+        let has_foot = on_foot.any() && self.belt.is_some();
+        let mut directions = [[T::zero(); 2]; MAX_JOINTS];
+        self.enter_directions(angle, &mut directions, has_foot);
+        let foot = if has_foot { self.belt_force(&directions, rate) } else { None };
+        let (mut along, mut turning) = (T::zero(), T::zero());
         for i in 0..count {
-            inclination = inclination + angle[i];
-            let mut on_segment = -T::of(self.weights[i]) * inclination.sin();
+            let [sine, cosine] = directions[i];
+            let mut on_segment = -T::of(self.weights[i]) * sine;
             if let Some([across, up]) = foot {
-                let length = T::of(self.segments[i].length);
-                on_segment = on_segment + length * (across * inclination.cos() + up * inclination.sin());
-            }
-            let mut other = T::zero();
-            for j in 0..count {
-                other = other + rate[j];
-                if i != j {
-                    let (low, high) = (i.min(j), i.max(j));
-                    let between = sum(&angle[low + 1..=high]);
-                    let turned = if i > j { between } else { -between };
-                    on_segment = on_segment - T::of(self.couplings[i * count + j]) * turned.sin() * other * other;
-                }
+                let pushed = on_segment + T::of(self.segments[i].length) * (across * cosine + up * sine);
+                on_segment = T::select(on_foot, pushed, on_segment);
             }
             torque[i] = on_segment;
+        }
+        for i in 0..count {
+            turning = turning + rate[i];
+            let mut other = turning;
+            for j in i + 1..count {
+                other = other + rate[j];
+                // Each of two segments pulls the other along.
+                let coupling = T::of(self.couplings[i * count + j]) * sum(&angle[i + 1..=j]).sin();
+                torque[i] = torque[i] + coupling * other * other;
+                torque[j] = torque[j] - coupling * turning * turning;
+            }
         }
         for k in (0..count).rev() {
             along = along + torque[k];
             let joint = &self.joints[k];
             torque[k] = along + T::of(joint.torque) - T::of(joint.damping) * rate[k];
             for end in 0..2 {
-                if contacts.stops[k][end] == Contact::Pressed {
-                    torque[k] = torque[k] - T::constant(OUTWARDS[end]) * self.stop_torque(k, end, angle[k], rate[k]);
+                let on_stop = presses.stop(k, end);
+                if on_stop.any() {
+                    let push = T::constant(OUTWARDS[end]) * self.stop_torque(k, end, angle[k], rate[k]);
+                    torque[k] = T::select(on_stop, torque[k] - push, torque[k]);
                 }
+            }
+        }
+    }
+
+    /// How the torques about the joints answer to angles (N·m/rad) and to rates (N·m·s/rad) where that is stiff, row by row: the
+    /// damping of joints, and contacts that press. Both matrices are positive semidefinite.
+    ///
+    /// ```text
+    /// joint k    C_kk = c_k                        at a stop that presses  S_kk = K_stop, C_kk = c_k + C_stop
+    /// foot       S = k_b u uᵀ                      C = c_b u uᵀ + μ N v_s²/(s² + v_s²)^(3/2) a aᵀ
+    /// a, u       how far the foot goes across and up with each angle, in m/rad
+    /// ```
+    #[inline(always)]
+    pub(crate) fn stiffness(
+        &self,
+        angle: &[S],
+        rate: &[S],
+        presses: &impl Presses<S::Mask>,
+        (by_angle, by_rate): (&mut [S], &mut [S]),
+    ) {
+        let (count, zero) = (self.segments.len(), S::zero());
+        by_angle.fill(zero);
+        by_rate.fill(zero);
+        for (k, joint) in self.joints.iter().enumerate() {
+            let place = k * count + k;
+            by_rate[place] = joint.damping;
+            for end in 0..2 {
+                let presses = presses.stop(k, end);
+                by_angle[place] = by_angle[place] + S::select(presses, joint.stops.stiffness, zero);
+                by_rate[place] = by_rate[place] + S::select(presses, joint.stops.damping, zero);
+            }
+        }
+        let (Some(belt), true) = (&self.belt, presses.foot().any()) else { return };
+        let mut directions = [[zero; 2]; MAX_JOINTS];
+        self.enter_directions(angle, &mut directions, true);
+        let (depth, [across, up]) = self.foot_along(belt, &directions, rate);
+        let (slip, slow) = (belt.velocity - across, belt.slipping_speed * belt.slipping_speed);
+        let size = slip * slip + slow;
+        let drag = belt.friction * belt.press(depth, up).larger(zero) * slow / (size * size.sqrt());
+        let mut lever = [[zero; 2]; MAX_JOINTS];
+        let mut beyond = [zero; 2];
+        for k in (0..count).rev() {
+            let (length, [sine, cosine]) = (self.segments[k].length, directions[k]);
+            beyond = [beyond[0] + length * cosine, beyond[1] + length * sine];
+            lever[k] = beyond;
+        }
+        for row in 0..count {
+            for column in 0..count {
+                let place = row * count + column;
+                let (across, up) = (lever[row][0] * lever[column][0], lever[row][1] * lever[column][1]);
+                let by_depth = S::select(presses.foot(), belt.stiffness * up, zero);
+                let by_speed = S::select(presses.foot(), belt.damping * up + drag * across, zero);
+                by_angle[place] = by_angle[place] + by_depth;
+                by_rate[place] = by_rate[place] + by_speed;
             }
         }
     }
@@ -478,38 +565,56 @@ impl<S: Scalar> Chain<S> {
         place
     }
 
+    /// Sines of the segments' inclinations, and their cosines if they are asked for.
+    #[inline(always)]
+    fn enter_directions<T: Over<S>>(&self, angle: &[T], directions: &mut [[T; 2]; MAX_JOINTS], cosines: bool) {
+        let mut inclination = -T::of(self.hanging_angle);
+        for (direction, angle) in directions.iter_mut().zip(angle) {
+            inclination = inclination + *angle;
+            direction[0] = inclination.sin();
+            if cosines {
+                direction[1] = inclination.cos();
+            }
+        }
+    }
+
     /// Depth in m of the foot under the belt, and its velocity in m/s across and up; none without a belt.
     #[inline(always)]
     pub fn foot<T: Over<S>>(&self, angle: &[T], rate: &[T]) -> Option<(T, [T; 2])> {
         let belt = self.belt.as_ref()?;
-        let mut height = T::zero();
-        let (mut inclination, mut turning) = (-T::of(self.hanging_angle), T::zero());
-        let mut velocity = [T::zero(); 2];
-        for i in 0..self.segments.len() {
-            inclination = inclination + angle[i];
+        let mut directions = [[T::zero(); 2]; MAX_JOINTS];
+        self.enter_directions(angle, &mut directions, true);
+        Some(self.foot_along(belt, &directions, rate))
+    }
+
+    /// Depth and velocity of the foot, by the sines and cosines of the segments' inclinations.
+    #[inline(always)]
+    fn foot_along<T: Over<S>>(&self, belt: &Belt<S>, directions: &[[T; 2]; MAX_JOINTS], rate: &[T]) -> (T, [T; 2]) {
+        let (mut height, mut turning, mut velocity) = (T::zero(), T::zero(), [T::zero(); 2]);
+        for (i, segment) in self.segments.iter().enumerate() {
             turning = turning + rate[i];
-            let (length, sine, cosine) = (T::of(self.segments[i].length), inclination.sin(), inclination.cos());
+            let (length, [sine, cosine]) = (T::of(segment.length), directions[i]);
             height = height - length * cosine;
             velocity = [velocity[0] + length * turning * cosine, velocity[1] + length * turning * sine];
         }
-        Some((-height - T::of(belt.depth), velocity))
+        (-height - T::of(belt.depth), velocity)
     }
 
     /// Normal force in N between belt and foot before it is kept from pulling.
     #[inline(always)]
     pub fn foot_press<T: Over<S>>(&self, angle: &[T], rate: &[T]) -> T {
         match (&self.belt, self.foot(angle, rate)) {
-            (Some(belt), Some((depth, [_, up]))) => T::of(belt.stiffness) * depth - T::of(belt.damping) * up,
+            (Some(belt), Some((depth, [_, up]))) => belt.press(depth, up),
             _ => T::zero(),
         }
     }
 
-    /// Force in N of the belt on the foot, across and up.
+    /// Force in N of the belt on a foot that presses it, across and up.
     #[inline(always)]
-    fn belt_force<T: Over<S>>(&self, angle: &[T], rate: &[T], contact: Contact) -> Option<[T; 2]> {
-        let belt = self.belt.as_ref().filter(|_| contact == Contact::Pressed)?;
-        let (_, [across, _]) = self.foot(angle, rate)?;
-        let normal = self.foot_press(angle, rate);
+    fn belt_force<T: Over<S>>(&self, directions: &[[T; 2]; MAX_JOINTS], rate: &[T]) -> Option<[T; 2]> {
+        let belt = self.belt.as_ref()?;
+        let (depth, [across, up]) = self.foot_along(belt, directions, rate);
+        let normal = belt.press(depth, up);
         let (slip, slow) = (T::of(belt.velocity) - across, T::of(belt.slipping_speed));
         Some([T::of(belt.friction) * normal * slip / (slip * slip + slow * slow).sqrt(), normal])
     }
@@ -534,7 +639,10 @@ impl<S: Scalar> Chain<S> {
         }
         if let (Some(belt), Some((depth, [across, up]))) = (&self.belt, self.foot(angle, rate)) {
             let spring = T::of(belt.stiffness) * depth.larger(zero);
-            let [drag, normal] = self.belt_force(angle, rate, contacts.foot).unwrap_or([zero; 2]);
+            let mut directions = [[zero; 2]; MAX_JOINTS];
+            self.enter_directions(angle, &mut directions, true);
+            let force = self.belt_force(&directions, rate).filter(|_| contacts.foot == Contact::Pressed);
+            let [drag, normal] = force.unwrap_or([zero; 2]);
             powers.belt = (spring - normal) * up + drag * (T::of(belt.velocity) - across);
             powers.belt_drive = drag * T::of(belt.velocity);
         }

@@ -20,12 +20,11 @@
 //! reservoirs and regulators](crate::line) have their own. Checked by `tests/plant_ledger.rs` and `tests/simulation.rs`.
 
 use super::formulas::FlowFormulas;
-use super::mode::NetworkMode;
 use super::piping::{End, Orifice, Pipe, Piping};
 use super::{Branch, BranchKind, Network, Node, NodeKind};
 use crate::air::{Air, Chamber};
 use crate::dual::Dual;
-use crate::scalar::{Mask, Over, Real, Scalar};
+use crate::scalar::{Mask, Over, Scalar};
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -221,6 +220,7 @@ impl<R: Scalar> Network<R> {
     }
 
     /// The rate of a node's pressure in Pa/s, once all flows are known; of a chamber the actuator's to say.
+    #[inline(always)]
     pub(crate) fn node_rate<T: Over<R>>(&self, node: usize, mode: &impl FlowFormulas<R>, at: &NetworkState<T>) -> T {
         match &self.nodes[node].kind {
             NodeKind::Hose(hose) => hose.pressure_rate(at.nodes[node].net()),
@@ -231,6 +231,7 @@ impl<R: Scalar> Network<R> {
     }
 
     /// The rate of the flow through a cell of a distributed hose in kg/s².
+    #[inline(always)]
     pub(crate) fn branch_rate<T: Over<R>>(&self, branch: usize, at: &NetworkState<T>) -> T {
         let Branch { from, to, kind } = &self.branches[branch];
         match kind {
@@ -242,23 +243,21 @@ impl<R: Scalar> Network<R> {
     }
 }
 
-impl<R: Real> Network<R> {
-    /// The error in Pa of a regulator's outlet, once all flows are known.
-    pub(crate) fn outlet_error<T: Over<R>>(
-        &self,
-        node: usize,
-        mode: &NetworkMode<R>,
-        at: &NetworkState<T>,
-    ) -> Option<T> {
+impl<R: Scalar> Network<R> {
+    /// The error in Pa of a regulator's outlet, which its inlet may limit, once all flows are known.
+    #[inline(always)]
+    pub(crate) fn outlet_error<T: Over<R>>(&self, node: usize, limited: T::Mask, at: &NetworkState<T>) -> Option<T> {
         let NodeKind::Outlet { regulator, set, inlet } = &self.nodes[node].kind else { return None };
         let pressure = at.nodes[node].pressure;
-        Some(match (mode.nodes[node].limited, inlet) {
-            (true, Some(inlet)) => at.nodes[*inlet].pressure - pressure,
-            _ => regulator.error(pressure, T::of(self.absolute(*set)), None, -at.nodes[node].net()),
+        let error = regulator.error(pressure, T::of(self.absolute(*set)), None, -at.nodes[node].net());
+        Some(match inlet {
+            Some(inlet) => T::select(limited, at.nodes[*inlet].pressure - pressure, error),
+            None => error,
         })
     }
 
     /// By how much in Pa the inlet of a regulator's outlet lies above what the outlet goes to without that limit.
+    #[inline(always)]
     pub(crate) fn inlet_margin<T: Over<R>>(&self, node: usize, at: &NetworkState<T>) -> Option<T> {
         let NodeKind::Outlet { regulator, set, inlet: Some(inlet) } = &self.nodes[node].kind else { return None };
         let inlet = at.nodes[*inlet].pressure;

@@ -79,7 +79,7 @@ impl<R: Real> FlowFormulas<R> for NetworkMode<R> {
         let its = &self.nodes[node];
         match &network.nodes[node].kind {
             NodeKind::Outlet { regulator, .. } => network
-                .outlet_error(node, self, at)
+                .outlet_error(node, its.limited, at)
                 .map_or(T::zero(), |error| regulator.pressure_rate(error, its.poppet)),
             NodeKind::Port { regulator, .. } => match (its.approach, network.set_point(node, self)) {
                 (Some(approach), Some(set)) => regulator.rate_in(approach, at.nodes[node].pressure, T::of(set)),

@@ -257,14 +257,16 @@ impl<R: Real> Network<R> {
                 _ => None,
             },
             NetworkGuard::Poppet { node, up } => match &self.nodes[node].kind {
-                NodeKind::Outlet { regulator, .. } => self.outlet_error(node, mode, at).map(|error| {
-                    // From feeding to rest at the upper end of the dead band, from rest to relieving at the lower, and back.
-                    let rests = mode.nodes[node].poppet == Poppet::Rests;
-                    let bound = if rests == up { 1.0 } else { -1.0 };
-                    let sign = T::constant(if up { 1.0 } else { -1.0 });
-                    let width: T = self.error_band(node, mode, band);
-                    (T::of(regulator.dead_band()) * T::constant(bound) - error) * sign + width
-                }),
+                NodeKind::Outlet { regulator, .. } => {
+                    self.outlet_error(node, mode.nodes[node].limited, at).map(|error| {
+                        // From feeding to rest at the upper end of the dead band, from rest to relieving at the lower, and back.
+                        let rests = mode.nodes[node].poppet == Poppet::Rests;
+                        let bound = if rests == up { 1.0 } else { -1.0 };
+                        let sign = T::constant(if up { 1.0 } else { -1.0 });
+                        let width: T = self.error_band(node, mode, band);
+                        (T::of(regulator.dead_band()) * T::constant(bound) - error) * sign + width
+                    })
+                }
                 _ => None,
             },
             NetworkGuard::Limit { node } => self.inlet_margin(node, at).map(|margin| {

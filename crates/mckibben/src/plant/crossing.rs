@@ -144,7 +144,7 @@ impl<R: Real> System<R> {
             if let NodeKind::Outlet { regulator, .. } = &network.nodes[node].kind {
                 let limited = network.inlet_margin(node, &at.network).is_some_and(|margin| margin.value() < 0.0);
                 mode.network.nodes[node].limited = limited;
-                let Some(error) = network.outlet_error(node, &mode.network, &at.network) else { continue };
+                let Some(error) = network.outlet_error(node, limited, &at.network) else { continue };
                 mode.network.nodes[node].poppet = regulator.poppet(error);
             }
         }

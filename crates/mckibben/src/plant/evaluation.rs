@@ -257,6 +257,7 @@ impl<R: Scalar> System<R> {
     }
 
     /// Computes all flows, and what of them goes into each chamber.
+    #[inline(always)]
     pub(crate) fn enter_air<T: Over<R>>(&self, time: T, state: &[T], mode: &impl Formulas<R>, at: &mut Evaluation<T>) {
         self.enter_flows(time, state, mode, at);
         for (i, wire) in self.wires.iter().enumerate() {
@@ -507,6 +508,7 @@ impl<R: Scalar> System<R> {
     }
 
     /// The rate of the pressure of a node in Pa/s, once everything is evaluated.
+    #[inline(always)]
     pub(crate) fn pressure_rate<T: Over<R>>(&self, node: usize, mode: &impl Formulas<R>, at: &Evaluation<T>) -> T {
         match self.plant.network.nodes[node].kind {
             NodeKind::Chamber { actuator } => at.units[actuator].pressure_rate,

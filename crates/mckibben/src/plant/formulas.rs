@@ -46,6 +46,9 @@ pub(crate) trait Formulas<S: Scalar> {
     /// Torques in N·m on a chain besides those of the actuators, less what its motion itself needs.
     fn torques<T: Over<S>>(&self, system: &System<S>, mechanism: usize, motion: (&[T], &[T]), torque: &mut [T]);
 
+    /// How the torques on a chain answer to angles and rates where that is stiff, by two matrices row by row.
+    fn stiff_torques(&self, system: &System<S>, mechanism: usize, motion: (&[S], &[S]), answers: (&mut [S], &mut [S]));
+
     /// The rate in Pa/s of a pressure that is given.
     fn given_rate<T: Over<S>>(&self, system: &System<S>, actuator: usize, time: T) -> T;
 
@@ -118,7 +121,14 @@ impl<R: Real> Formulas<R> for PlantMode<R> {
     fn torques<T: Over<R>>(&self, system: &System<R>, m: usize, (angle, rate): (&[T], &[T]), torque: &mut [T]) {
         let its = &self.mechanisms[m];
         if let Mechanism::Chain(chain) = &system.plant.mechanisms[m] {
-            chain.torques(angle, rate, Contacts { stops: &its.stops, foot: its.foot }, torque);
+            chain.torques(angle, rate, &Contacts { stops: &its.stops, foot: its.foot }, torque);
+        }
+    }
+
+    fn stiff_torques(&self, system: &System<R>, m: usize, (angle, rate): (&[R], &[R]), answers: (&mut [R], &mut [R])) {
+        let its = &self.mechanisms[m];
+        if let Mechanism::Chain(chain) = &system.plant.mechanisms[m] {
+            chain.stiffness(angle, rate, &Contacts { stops: &its.stops, foot: its.foot }, answers);
         }
     }
 

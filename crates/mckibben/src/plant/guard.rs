@@ -444,6 +444,15 @@ impl<R: Real> System<R> {
         (TENSE * member.force_band / member.band / tendon.stiffness().value()).min(member.longest)
     }
 
+    /// By how much in N·m the torque of a stop of a chain must pass zero, or by how much in N the press of its foot.
+    pub(super) fn contact_band(&self, m: usize, is_stop: bool) -> f64 {
+        let band = self.band * self.usual_torque[m];
+        match &self.plant.mechanisms[m] {
+            Mechanism::Chain(chain) if !is_stop => band / chain.belt().map_or(1.0, |belt| belt.depth.value()),
+            _ => band,
+        }
+    }
+
     fn touch_guard<T: Differentiable<R>>(
         &self,
         m: usize,
@@ -453,19 +462,11 @@ impl<R: Real> System<R> {
     ) -> T {
         let Mechanism::Chain(chain) = &self.plant.mechanisms[m] else { return T::one() };
         let (angle, rate) = self.plant.places.mechanisms[m].of(state);
-        let (beyond, press, band) = match stop {
-            Some((k, end)) => (
-                chain.beyond_stop(k, end, angle[k]),
-                chain.stop_torque(k, end, angle[k], rate[k]),
-                self.band * self.usual_torque[m],
-            ),
-            None => (
-                chain.foot(angle, rate).map_or(-T::one(), |(depth, _)| depth),
-                chain.foot_press(angle, rate),
-                self.band * self.usual_torque[m] / chain.belt().map_or(1.0, |belt| belt.depth.value()),
-            ),
+        let (beyond, press) = match stop {
+            Some((k, end)) => (chain.beyond_stop(k, end, angle[k]), chain.stop_torque(k, end, angle[k], rate[k])),
+            None => (chain.foot(angle, rate).map_or(-T::one(), |(depth, _)| depth), chain.foot_press(angle, rate)),
         };
-        let band = T::constant(band);
+        let band = T::constant(self.contact_band(m, stop.is_some()));
         match touch {
             Touching::Reach => -beyond,
             Touching::Leave => beyond,

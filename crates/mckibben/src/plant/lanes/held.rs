@@ -8,21 +8,16 @@ use super::super::evaluation::{Evaluation, System, Unit};
 use super::super::formulas::Formulas;
 use super::super::steps::TensionResponse;
 use super::super::wire::Wire;
+use super::flows::HeldFlows;
 use crate::air::Chamber;
 use crate::friction::{Branch, Rubbing, Touch};
 use crate::lanes::wide::{Number, Wide};
-use crate::line::Hose;
 use crate::load::{MomentArm, Motion};
-use crate::mechanism::chain::{Contacts, MAX_JOINTS};
+use crate::mechanism::chain::Presses;
 use crate::mechanism::{Contact, Mechanism};
-use crate::network::flow::{NetworkState, OrificeEnds, SquaredDrive};
-use crate::network::formulas::FlowFormulas;
-use crate::network::implicit::RegulatedResponse;
-use crate::network::piping::Orifice;
-use crate::network::{BranchKind, Network, NodeKind};
+use crate::network::Network;
 use crate::scalar::{Differentiable, Mask, Over, Scalar};
 use crate::simulation::{Extent, Sliding};
-use crate::valve::Port;
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -52,22 +47,28 @@ struct Flags<W> {
     direction: W,
 }
 
+/// Which contacts of a chain press.
+#[derive(Clone, Debug)]
+struct HeldContacts<W: Scalar> {
+    /// At the least and the greatest angle of each joint.
+    stops: Vec<[W::Mask; 2]>,
+    foot: W::Mask,
+    stop_flags: Vec<[W; 2]>,
+    foot_flag: W,
+}
+
 /// The discrete states of the plants in all lanes.
 #[derive(Clone, Debug)]
 pub(super) struct Held<W: Scalar> {
     actuators: Vec<HeldActuator<W>>,
     frozen: Vec<W::Mask>,
     flows: HeldFlows<W>,
+    contacts: Vec<HeldContacts<W>>,
     flags: Vec<Flags<W>>,
     frozen_flags: Vec<W>,
-    open_flags: Vec<W>,
     /// Whether actuators have a hysteresis that follows the length alone.
     has_branches: Vec<bool>,
 }
-
-/// Which branches are open, and of compressors which run.
-#[derive(Clone, Debug)]
-pub(super) struct HeldFlows<W: Scalar>(Vec<W::Mask>);
 
 /// Whether lanes can take the stages of a plant with a structure.
 pub(super) fn covers_structure(plant: &super::super::Plant) -> bool {
@@ -79,19 +80,34 @@ pub(super) fn covers_structure(plant: &super::super::Plant) -> bool {
         mounted.tendon.is_none() && mounted.pressure.is_none() && smooth
     });
     let mechanisms = plant.mechanisms.iter().all(|mechanism| !matches!(mechanism, Mechanism::Prescribed(_)));
-    let nodes =
-        plant.network.nodes.iter().all(|node| !matches!(node.kind, NodeKind::Outlet { .. } | NodeKind::Port { .. }));
-    actuators && mechanisms && nodes
+    actuators && mechanisms
 }
 
 /// Whether a lane can take a step in a mode from a time in s on.
 pub(super) fn covers_mode<R: Number>(mode: &PlantMode<R>, time: R) -> bool {
-    let touches = |contact: &Contact| *contact != Contact::None;
-    let mechanism = mode.mechanisms.iter().all(|its| {
-        (its.basis.is_empty() || its.frozen) && !its.stops.iter().flatten().any(touches) && !touches(&its.foot)
-    });
+    let mechanism = mode.mechanisms.iter().all(|its| its.basis.is_empty() || its.frozen);
     let subsonic = mode.network.branches.iter().all(|its| its.sonic.is_none());
     mechanism && subsonic && mode.network.valves.iter().all(|valve| valve.openings.at(time).is_none())
+}
+
+impl<W: Wide> HeldContacts<W> {
+    #[inline(always)]
+    fn new(joints: usize) -> Self {
+        let (no, zero) = (W::Mask::splat(false), W::zero());
+        Self { stops: vec![[no; 2]; joints], foot: no, stop_flags: vec![[zero; 2]; joints], foot_flag: zero }
+    }
+}
+
+impl<W: Wide> Presses<W::Mask> for HeldContacts<W> {
+    #[inline(always)]
+    fn stop(&self, joint: usize, end: usize) -> W::Mask {
+        self.stops[joint][end]
+    }
+
+    #[inline(always)]
+    fn foot(&self) -> W::Mask {
+        self.foot
+    }
 }
 
 impl<W: Wide> Held<W> {
@@ -117,16 +133,16 @@ impl<W: Wide> Held<W> {
         Self {
             actuators: vec![nothing; plant.actuators.len()],
             frozen: vec![no; plant.mechanisms.len()],
-            flows: HeldFlows(vec![no; plant.network.branches.len()]),
+            flows: HeldFlows::new(&plant.network),
+            contacts: plant.mechanisms.iter().map(|mechanism| HeldContacts::new(mechanism.coordinates())).collect(),
             flags: vec![flags; plant.actuators.len()],
             frozen_flags: vec![zero; plant.mechanisms.len()],
-            open_flags: vec![zero; plant.network.branches.len()],
             has_branches,
         }
     }
 
     /// Enters the mode of the row in a lane; [`Held::update`] makes masks of it.
-    pub(super) fn enter<S: Scalar>(&mut self, lane: usize, network: &Network<S>, mode: &PlantMode<W::Lane>) {
+    pub(super) fn enter(&mut self, lane: usize, network: &Network<W::Lane>, mode: &PlantMode<W::Lane>) {
         let put = |number: &mut W, holds: bool| number.put(lane, W::Lane::constant(if holds { 1.0 } else { 0.0 }));
         for (flags, its) in self.flags.iter_mut().zip(&mode.actuators) {
             let (slack, stuck) = (its.mode.extent == Extent::Slack, its.mode.sliding == Sliding::Stuck);
@@ -149,17 +165,14 @@ impl<W: Wide> Held<W> {
         for (flag, its) in self.frozen_flags.iter_mut().zip(&mode.mechanisms) {
             put(flag, its.frozen);
         }
-        for ((flag, branch), its) in self.open_flags.iter_mut().zip(&network.branches).zip(&mode.network.branches) {
-            let open = match branch.kind {
-                BranchKind::Path { valve, port, .. } => {
-                    let ports = mode.network.valves[valve].ports;
-                    if port == Port::Supply { ports.supply } else { ports.exhaust }
-                }
-                _ => true,
-            };
-            let runs = !matches!(branch.kind, BranchKind::Compressor) || its.runs;
-            put(flag, open && runs);
+        for (contacts, its) in self.contacts.iter_mut().zip(&mode.mechanisms) {
+            for (flags, stops) in contacts.stop_flags.iter_mut().zip(&its.stops) {
+                put(&mut flags[0], stops[0] == Contact::Pressed);
+                put(&mut flags[1], stops[1] == Contact::Pressed);
+            }
+            put(&mut contacts.foot_flag, its.foot == Contact::Pressed);
         }
+        self.flows.enter(lane, network, &mode.network);
     }
 
     /// Makes masks of what has been entered.
@@ -177,9 +190,13 @@ impl<W: Wide> Held<W> {
         for (mask, flag) in self.frozen.iter_mut().zip(&self.frozen_flags) {
             *mask = zero.lt(*flag);
         }
-        for (mask, flag) in self.flows.0.iter_mut().zip(&self.open_flags) {
-            *mask = zero.lt(*flag);
+        for contacts in &mut self.contacts {
+            for (masks, flags) in contacts.stops.iter_mut().zip(&contacts.stop_flags) {
+                (masks[0], masks[1]) = (zero.lt(flags[0]), zero.lt(flags[1]));
+            }
+            contacts.foot = zero.lt(contacts.foot_flag);
         }
+        self.flows.update();
     }
 
     /// Where an actuator rests on its shortest length.
@@ -252,8 +269,14 @@ impl<W: Wide> Formulas<W> for Held<W> {
     #[inline(always)]
     fn torques<T: Over<W>>(&self, system: &System<W>, m: usize, (angle, rate): (&[T], &[T]), torque: &mut [T]) {
         if let Mechanism::Chain(chain) = &system.plant.mechanisms[m] {
-            let none = [[Contact::None; 2]; MAX_JOINTS];
-            chain.torques(angle, rate, Contacts { stops: &none, foot: Contact::None }, torque);
+            chain.torques(angle, rate, &self.contacts[m], torque);
+        }
+    }
+
+    #[inline(always)]
+    fn stiff_torques(&self, system: &System<W>, m: usize, (angle, rate): (&[W], &[W]), answers: (&mut [W], &mut [W])) {
+        if let Mechanism::Chain(chain) = &system.plant.mechanisms[m] {
+            chain.stiffness(angle, rate, &self.contacts[m], answers);
         }
     }
 
@@ -298,65 +321,4 @@ impl<W: Wide> Formulas<W> for Held<W> {
     }
 
     fn hold<T: Differentiable<W>>(&self, _: &System<W>, _: usize, _: &[T], _: &mut Evaluation<T>) {}
-}
-
-impl<W: Wide> FlowFormulas<W> for HeldFlows<W> {
-    #[inline(always)]
-    fn orifice<T: Over<W>>(
-        &self,
-        orifice: &Orifice<W>,
-        ends: OrificeEnds<'_, T, impl SquaredDrive<T>>,
-        _: T,
-    ) -> Option<(W::Mask, T)> {
-        let mut open = self.0[orifice.branch];
-        if !open.any() {
-            return None;
-        }
-        let [near, far] = ends.pressures();
-        if orifice.opened.is_none() {
-            // A check valve lets nothing back.
-            open = open & far.le(near);
-        }
-        let (critical, laminar) = (T::of(orifice.law.critical_ratio()), T::of(orifice.law.laminar_ratio()));
-        let is_inward = far.le(near);
-        // No closures: they would be compiled by themselves, without the instructions of a batch.
-        let flow = if !(!is_inward).any() {
-            ends.inwards(orifice, [critical, laminar])
-        } else if is_inward.any() {
-            let flows = [ends.inwards(orifice, [critical, laminar]), ends.outwards(orifice, [critical, laminar])];
-            T::select(is_inward, flows[0], flows[1])
-        } else {
-            ends.outwards(orifice, [critical, laminar])
-        };
-        Some((is_inward, T::select(open, flow, T::zero())))
-    }
-
-    #[inline(always)]
-    fn is_under_way(&self, _: W) -> bool {
-        false
-    }
-
-    #[inline(always)]
-    fn loss<T: Over<W>>(&self, _: usize, hose: &Hose<W>, [near, far]: [T; 2]) -> T {
-        hose.tube().flow_in_lanes(near, far)
-    }
-
-    #[inline(always)]
-    fn runs(&self, branch: usize) -> W::Mask {
-        self.0[branch]
-    }
-
-    // What lanes do not cover.
-
-    fn regulated_rate<T: Over<W>>(&self, _: &Network<W>, _: usize, _: &NetworkState<T>) -> T {
-        T::zero()
-    }
-
-    fn regulated_response(&self, _: &Network<W>, _: usize, _: W) -> RegulatedResponse<W> {
-        RegulatedResponse { answer: W::zero(), own: W::one(), by_inlet: W::zero() }
-    }
-
-    fn sonic<T: Over<W>>(&self, _: &Network<W>, _: usize) -> Option<(usize, T)> {
-        None
-    }
 }

@@ -7,18 +7,23 @@
 //! | tension comes to zero, or back | the sum of its forces |
 //! | the taut braid lets go, or pulls again | the force of the taut braid |
 //! | what sticks on one coordinate lets go | the force that is held, conservatively |
+//! | a stop or the belt presses, or ceases to | the press of the contact; of the foot its depth as well |
+//! | the poppet of a regulator, and what limits it | its error and the margin of its inlet, conservatively |
 //!
 //! A step that leaves a range is taken again by the row alone, which finds the event. That a range is left although no guard is
 //! violated is harmless; so states that are no numbers and chambers without air are found by ranges, too.
 
 use super::super::evaluation::System;
-use super::super::guard::PlantGuard;
+use super::super::guard::{PlantGuard, Touching};
 use super::super::mode::PlantMode;
 use super::held::Held;
 use crate::engine::GuardForm;
 use crate::friction::{Rubbing, Touch};
 use crate::lanes::wide::Wide;
+use crate::line::Poppet;
 use crate::mechanism::Mechanism;
+use crate::network::NodeKind;
+use crate::network::guard::NetworkGuard;
 use crate::plant::evaluation::Evaluation;
 use crate::plant::formulas::Formulas;
 use crate::scalar::{Mask, Scalar};
@@ -29,6 +34,11 @@ use alloc::vec::Vec;
 
 /// Part of the forces on a coordinate by which those that hold it must have more room, or the row looks itself.
 const HOLD_MARGIN: f64 = 1e-9;
+
+/// Part of the atmosphere by which the error of a regulator must have more room, or the row looks itself.
+const ERROR_MARGIN: f64 = 1e-9;
+/// Part of its outlet's pressure above which the inlet of a regulator is watched no more: its guard is far below.
+const FAR_FROM_EMPTY: f64 = 2e-3;
 
 /// A range in every lane.
 #[derive(Clone, Copy, Debug)]
@@ -46,6 +56,24 @@ struct ActuatorRanges<W> {
     taut_force: Range<W>,
 }
 
+/// The ranges of a contact: of a stop, or of the foot with the belt.
+#[derive(Clone, Copy, Debug)]
+struct ContactRanges<W> {
+    press: Range<W>,
+    depth: Range<W>,
+    /// Whether any lane has one.
+    watched: bool,
+}
+
+/// The ranges of a regulator's outlet.
+#[derive(Clone, Copy, Debug)]
+struct OutletRanges<W> {
+    node: usize,
+    inlet: Option<usize>,
+    error: Range<W>,
+    margin: Range<W>,
+}
+
 /// Which quantities of a row are watched besides its states.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Watched {
@@ -58,6 +86,10 @@ struct Watched {
 pub(super) struct Watch<W: Wide> {
     states: Vec<Range<W>>,
     actuators: Vec<ActuatorRanges<W>>,
+    /// Of each mechanism: both stops of each joint, then the foot.
+    contacts: Vec<Vec<ContactRanges<W>>>,
+    /// Of regulators whose law has pieces.
+    outlets: Vec<OutletRanges<W>>,
     /// 1 where a mechanism is held at rest, 0 elsewhere.
     holds: Vec<W>,
     /// What is watched of each actuator in any lane, and which mechanisms are held in any.
@@ -87,6 +119,15 @@ impl<W: Wide> Range<W> {
         self.high.put(lane, self.high.lane(lane).smaller(bound));
     }
 
+    /// Whether it has an end in any lane.
+    fn is_any(&self) -> bool {
+        let ends = |lane| {
+            W::Lane::constant(f64::NEG_INFINITY).lt(self.low.lane(lane))
+                || self.high.lane(lane).lt(W::Lane::constant(f64::INFINITY))
+        };
+        (0..W::LANES).any(ends)
+    }
+
     fn bound(&mut self, lane: usize, (bound, lasts_above): (f64, bool)) {
         if lasts_above { self.above(lane, bound) } else { self.below(lane, bound) }
     }
@@ -104,9 +145,24 @@ impl<W: Wide> Watch<W> {
     pub(super) fn new(system: &System<W>) -> Self {
         let (all, actuators) = (Range::all(), system.wires.len());
         let of_actuator = ActuatorRanges { length: all, rate: all, force: all, taut_force: all };
+        let contact = ContactRanges { press: all, depth: all, watched: false };
+        let mut contacts = Vec::new();
+        for mechanism in &system.plant.mechanisms {
+            contacts.push(vec![contact; 2 * mechanism.coordinates() + 1]);
+        }
+        let mut outlets = Vec::new();
+        for (node, its) in system.plant.network.nodes.iter().enumerate() {
+            if let NodeKind::Outlet { regulator, inlet, .. } = its.kind
+                && (inlet.is_some() || W::zero().lt(regulator.dead_band()).any())
+            {
+                outlets.push(OutletRanges { node, inlet, error: all, margin: all });
+            }
+        }
         Self {
             states: vec![all; system.plant.places.states],
             actuators: vec![of_actuator; actuators],
+            contacts,
+            outlets,
             holds: vec![W::zero(); system.assemblies.len()],
             watched: vec![Watched::default(); actuators],
             held: vec![false; system.assemblies.len()],
@@ -139,6 +195,14 @@ impl<W: Wide> Watch<W> {
                 range.put(lane, nowhere);
             }
         }
+        for its in self.contacts.iter_mut().flatten() {
+            its.press.put(lane, nowhere);
+            its.depth.put(lane, nowhere);
+        }
+        for its in &mut self.outlets {
+            its.error.put(lane, nowhere);
+            its.margin.put(lane, nowhere);
+        }
         self.of_lanes[lane].fill(Watched::default());
         for hold in &mut self.holds {
             hold.put(lane, W::Lane::constant(0.0));
@@ -150,6 +214,9 @@ impl<W: Wide> Watch<W> {
         for i in 0..self.watched.len() {
             let any = |which: fn(&Watched) -> bool| self.of_lanes.iter().any(|of_lane| which(&of_lane[i]));
             self.watched[i] = Watched { ends: any(|its| its.ends), forces: any(|its| its.forces) };
+        }
+        for its in self.contacts.iter_mut().flatten() {
+            its.watched = its.press.is_any() || its.depth.is_any();
         }
         for (held, hold) in self.held.iter_mut().zip(&self.holds) {
             *held = (0..W::LANES).any(|lane| W::Lane::constant(0.0).lt(hold.lane(lane)));
@@ -211,7 +278,44 @@ impl<W: Wide> Watch<W> {
                 }
                 self.holds[mechanism].put(lane, W::Lane::constant(1.0));
             }
+            (GuardForm::Function, PlantGuard::Touch { mechanism, stop, touch }) => {
+                let contacts = &mut self.contacts[mechanism];
+                let place = stop.map_or(contacts.len() - 1, |(k, end)| 2 * k + end);
+                let (its, band) = (&mut contacts[place], system.contact_band(mechanism, stop.is_some()));
+                match touch {
+                    Touching::Reach => its.depth.below(lane, 0.0),
+                    Touching::Leave => its.depth.above(lane, 0.0),
+                    Touching::Rebound => its.press.above(lane, -band),
+                    Touching::Press => its.press.below(lane, band),
+                }
+            }
+            (GuardForm::Function, PlantGuard::Network(guard)) => return self.enter_outlet(lane, system, mode, guard),
             _ => return false,
+        }
+        true
+    }
+
+    /// Enters a guard of a regulator's outlet; whether it is one.
+    fn enter_outlet(&mut self, lane: usize, system: &System<f64>, mode: &PlantMode, guard: NetworkGuard) -> bool {
+        let (NetworkGuard::Poppet { node, .. } | NetworkGuard::Limit { node } | NetworkGuard::Empty { node }) = guard
+        else {
+            return false;
+        };
+        let (network, modes) = (&system.plant.network, &mode.network.nodes[node]);
+        let Some(ranges) = self.outlets.iter_mut().find(|its| its.node == node) else { return false };
+        let NodeKind::Outlet { regulator, .. } = &network.nodes[node].kind else { return false };
+        let room = ERROR_MARGIN * network.atmosphere;
+        match guard {
+            NetworkGuard::Poppet { up, .. } => {
+                let rests = modes.poppet == Poppet::Rests;
+                let bound = if rests == up { regulator.dead_band() } else { -regulator.dead_band() };
+                ranges.error.bound(lane, if up { (bound - room, false) } else { (bound + room, true) });
+            }
+            NetworkGuard::Limit { .. } => {
+                ranges.margin.bound(lane, if modes.limited { (-room, false) } else { (room, true) });
+            }
+            // In `holds`, of all lanes.
+            _ => {}
         }
         true
     }
@@ -251,8 +355,66 @@ impl<W: Wide> Watch<W> {
                 within = within & (holds.le(W::zero()) | hold_margin(system, m, end, held, at));
             }
         }
+        for (m, contacts) in self.contacts.iter().enumerate() {
+            within = within & contacts_hold(system, m, contacts, end);
+        }
+        if !self.outlets.is_empty() {
+            within = within & self.outlets_hold(system, (time, end), held, at);
+        }
         within
     }
+
+    /// Where the errors of all regulators, and what feeds them, are within their ranges.
+    #[inline(always)]
+    fn outlets_hold(
+        &self,
+        system: &System<W>,
+        (time, end): (W, &[W]),
+        held: &Held<W>,
+        at: &mut Evaluation<W>,
+    ) -> W::Mask {
+        let network = &system.plant.network;
+        system.enter_distances(time, end, held, at);
+        system.enter_air(time, end, held, at);
+        let mut within = W::Mask::splat(true);
+        for its in &self.outlets {
+            let limited = held.flows().is_limited(its.node);
+            if let Some(error) = network.outlet_error(its.node, limited, &at.network) {
+                within = within & its.error.holds(error);
+            }
+            let (Some(inlet), Some(margin)) = (its.inlet, network.inlet_margin(its.node, &at.network)) else {
+                continue;
+            };
+            within = within & its.margin.holds(margin);
+            if let NodeKind::Reservoir(_) = network.nodes[inlet].kind {
+                let [inlet, outlet] = [at.network.nodes[inlet].pressure, at.network.nodes[its.node].pressure];
+                within = within & (W::constant(FAR_FROM_EMPTY) * outlet).le(inlet);
+            }
+        }
+        within
+    }
+}
+
+/// Where the contacts of a mechanism are within their ranges.
+#[inline(always)]
+fn contacts_hold<W: Wide>(system: &System<W>, m: usize, contacts: &[ContactRanges<W>], end: &[W]) -> W::Mask {
+    let mut within = W::Mask::splat(true);
+    let Mechanism::Chain(chain) = &system.plant.mechanisms[m] else { return within };
+    let (angle, rate) = system.plant.places.mechanisms[m].of(end);
+    for (place, its) in contacts.iter().enumerate() {
+        if !its.watched {
+            continue;
+        }
+        let (k, side) = (place / 2, place % 2);
+        let (depth, press) = if k < angle.len() {
+            (chain.beyond_stop(k, side, angle[k]), chain.stop_torque(k, side, angle[k], rate[k]))
+        } else {
+            let (Some(belt), Some((depth, [_, up]))) = (chain.belt(), chain.foot(angle, rate)) else { continue };
+            (depth, belt.press(depth, up))
+        };
+        within = within & its.depth.holds(depth) & its.press.holds(press);
+    }
+    within
 }
 
 /// Where sticking actuators on the one coordinate of a mechanism hold it by more than a margin.

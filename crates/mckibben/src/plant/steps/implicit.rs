@@ -1,15 +1,15 @@
 //! The linear system of a stable step: `(I − rA) k = f`, with `r = γh`.
 //!
-//! A holds what is stiff: how tensions answer to lengths and velocities, torques to coordinates and rates, the ends of actuators
-//! on tendons and bristles to both, and the pressures of the network to each other. Air and mechanisms do not answer to each
-//! other within a stage; the method is of order 2 whatever matrix stands in for the Jacobian.
+//! A holds what is stiff: how tensions answer to lengths and velocities, joints to their damping and contacts, the ends of
+//! actuators on tendons and bristles to both, and the pressures of the network to each other. Air and mechanisms do not answer
+//! to each other within a stage, nor does weight to angles; the method is of order 2 whatever matrix stands in for the Jacobian.
 //!
 //! ```text
 //! end on a tendon    k_L = (f_L + r (u_x k_x + u_v k_ẋ))/(1 − r u_L)                  u = L̇(x, ẋ, L)
 //! bristles           k_z = (f_z + r z_v k_ẋ)/(1 − r z_z)
 //! tension            φ = K k_x + D k_ẋ + o                                         both put in
 //! mechanism          k_q = f_q + r k_v
-//!                    [M − r T_v − r² T_q + Σ Jᵀ (r D + r² K) J] k_v = M f_v + r T_q f_q − r Σ Jᵀ (K J f_q + o)
+//!                    [M + r C + r² S + Σ Jᵀ (r D + r² K) J] k_v = M f_v − r S f_q − r Σ Jᵀ (K J f_q + o)
 //! network            by elimination on its tree
 //! ```
 //!
@@ -17,7 +17,7 @@
 //! |---|---|---|
 //! | x, L, z | distance and length of an actuator, deflection of its bristles | m |
 //! | K, D | how its tension answers to distance and rate, with its end and its bristles | N/m, N·s/m |
-//! | T_q, T_v | how the other forces answer to coordinates and rates, their symmetric part | … |
+//! | S, C | stiffness and damping of joints and contacts ([`Chain::stiffness`](crate::mechanism::chain::Chain)): positive semidefinite | … |
 //! | J, M | gradients of the distances, inertia | … |
 
 use super::super::dense;
@@ -57,14 +57,14 @@ pub(super) struct Implicit<R> {
     gamma_h: R,
     network: Elimination<R>,
     tensions: Vec<TensionResponse<R>>,
-    /// Of each mechanism one after the other: M, T_q and the factored matrix.
+    /// Of each mechanism one after the other: M, S, C and the factored matrix.
     mass: Vec<R>,
-    turning: Vec<R>,
+    stiffness: Vec<R>,
+    damping: Vec<R>,
     factors: Vec<R>,
     /// Where each begins.
     begins: Vec<usize>,
     work: Vec<R>,
-    seeded: Vec<Dual<R, 1>>,
 }
 
 impl<R: Scalar> Implicit<R> {
@@ -83,11 +83,11 @@ impl<R: Scalar> Implicit<R> {
             network: Elimination::new(plant),
             tensions: vec![TensionResponse::none(); plant.actuators().len()],
             mass: vec![zero; size],
-            turning: vec![zero; size],
+            stiffness: vec![zero; size],
+            damping: vec![zero; size],
             factors: vec![zero; size],
             begins,
             work: vec![zero; 2 * most],
-            seeded: vec![Dual { value: zero, slope: [zero] }; 3 * most],
         }
     }
 
@@ -128,35 +128,16 @@ impl<R: Scalar> Implicit<R> {
         if !(!mode.is_frozen(m)).any() || !system.plant.mechanisms[m].is_dynamic() {
             return;
         }
-        let (r, half) = (self.gamma_h, R::constant(0.5));
+        let r = self.gamma_h;
         let all = from..from + count * count;
         system.mass_matrix(m, state, &mut self.mass[all.clone()]);
         self.factors[all.clone()].copy_from_slice(&self.mass[all.clone()]);
-        self.turning[all].fill(R::zero());
-        // The forces on a mass answer to nothing.
-        let answers = if let Mechanism::Mass(_) = &system.plant.mechanisms[m] { 0 } else { 2 * count };
-        for k in 0..answers {
-            // How the forces answer to one coordinate, or to one rate.
-            let by_rate = k >= count;
-            let (seeded, force) = self.seeded.split_at_mut(2 * count);
-            for (place, seeded) in seeded.iter_mut().enumerate() {
-                let slope = if place == k { R::one() } else { R::zero() };
-                *seeded = Dual { value: state[here.first + place], slope: [slope] };
-            }
-            match &system.plant.mechanisms[m] {
-                Mechanism::Chain(_) => mode.torques(system, m, seeded.split_at(count), &mut force[..count]),
-                _ => return,
-            }
-            let column = k % count;
-            for (row, force) in force[..count].iter().enumerate() {
-                let slope = force.slope[0] * half;
-                for place in [from + row * count + column, from + column * count + row] {
-                    let factor = if by_rate { r } else { r * r };
-                    self.factors[place] = self.factors[place] - factor * slope;
-                    if !by_rate {
-                        self.turning[place] = self.turning[place] + slope;
-                    }
-                }
+        if let Mechanism::Chain(_) = &system.plant.mechanisms[m] {
+            let (stiffness, damping) = (&mut self.stiffness[all.clone()], &mut self.damping[all.clone()]);
+            mode.stiff_torques(system, m, here.of(state), (&mut *stiffness, &mut *damping));
+            let answers = stiffness.iter().zip(&*damping);
+            for (factor, (stiffness, damping)) in self.factors[all].iter_mut().zip(answers) {
+                *factor = *factor + r * (*damping + r * *stiffness);
             }
         }
         for &i in &system.plant.places.members[m] {
@@ -211,8 +192,8 @@ impl<R: Scalar> Implicit<R> {
         let (positions, rates) = here.of(right);
         for row in 0..count {
             let its = from + row * count..from + (row + 1) * count;
-            let by_positions = dense::dot(&self.turning[its.clone()], positions);
-            self.work[row] = dense::dot(&self.mass[its], rates) + r * by_positions;
+            let by_positions = dense::dot(&self.stiffness[its.clone()], positions);
+            self.work[row] = dense::dot(&self.mass[its], rates) - r * by_positions;
         }
         for &i in &system.plant.places.members[m] {
             let gradient = system.gradient(i, &at.gradient);
@@ -291,12 +272,14 @@ impl<R: Scalar> TensionResponse<R> {
 
 impl<R: Scalar> System<R> {
     /// The state of an actuator that answers within a stage beside its mechanism: the length of an end on a tendon, or bristles.
+    #[inline(always)]
     fn own_place(&self, i: usize) -> Option<usize> {
         let here = &self.plant.places.actuators[i];
         here.length.or(here.bristles)
     }
 
     /// The inertia of a mechanism in a state, row by row; that of a motion that is given counts as one.
+    #[inline(always)]
     pub(crate) fn mass_matrix<T: Over<R>>(&self, m: usize, state: &[T], matrix: &mut [T]) {
         match &self.plant.mechanisms[m] {
             Mechanism::Mass(mass) => matrix[0] = T::of(mass.mass()),
@@ -343,6 +326,7 @@ impl<R: Scalar> System<R> {
     }
 
     /// How fast in 1/s the air of an actuator comes to the temperature of its wall: `(γ − 1) h/(m R)` of an energy balance.
+    #[inline(always)]
     pub(in super::super) fn heat_settling(&self, i: usize, at: &Evaluation<R>) -> R {
         let air = self.plant.actuators[i].actuator.air();
         match air.process() {
