@@ -141,6 +141,15 @@ impl<S: Scalar> Coupling<S> {
         }
     }
 
+    /// Whether its gradient is the same at all coordinates.
+    pub(crate) fn is_linear(&self) -> bool {
+        match self {
+            Self::Direct { .. } => true,
+            Self::Arms { arms, .. } => arms.iter().all(|arm| matches!(arm.arm, MomentArm::Pulley(_))),
+            Self::Points(_) => false,
+        }
+    }
+
     /// How many pieces of moment arms a mode keeps for it.
     pub(crate) fn arm_count(&self) -> usize {
         match self {

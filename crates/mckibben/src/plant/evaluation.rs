@@ -22,10 +22,11 @@
 //! Source: Colbrunn, Nelson & Quinn (2001), section 3.1, for one actuator; virtual work for several. Checked by
 //! `tests/simulation.rs`, `tests/joint.rs` and, against an independent program, `tests/plant_reference.rs`.
 
+use super::Plant;
 use super::formulas::Formulas;
-use super::mode::{ActuatorMode, PlantMode};
+use super::held_motion::Holding;
+use super::mode::ActuatorMode;
 use super::wire::{Assembly, Span, Wire};
-use super::{Mounted, Plant};
 use crate::air::{Chamber, Flow};
 use crate::line::split;
 use crate::load::MomentArm;
@@ -61,7 +62,7 @@ pub(crate) struct Unit<T> {
 
 /// A plant at an instant, and room for what is computed on the way.
 #[derive(Clone, Debug)]
-pub(crate) struct Evaluation<T> {
+pub(crate) struct Evaluation<T: Scalar> {
     pub(crate) units: Vec<Unit<T>>,
     pub(crate) chambers: Vec<Chamber<T>>,
     pub(crate) network: NetworkState<T>,
@@ -72,6 +73,7 @@ pub(crate) struct Evaluation<T> {
     /// Forces on the coordinates of one mechanism, and its mass matrix.
     pub(crate) force: Vec<T>,
     pub(crate) matrix: Vec<T>,
+    pub(super) holding: Holding<T>,
     /// How fast the pressure of each node settles, in 1/s.
     pub(crate) settling: Vec<f64>,
 }
@@ -112,6 +114,7 @@ impl<T: Scalar> Evaluation<T> {
             acceleration: vec![zero; coordinates.sum()],
             force: vec![zero; most],
             matrix: vec![zero; most * most],
+            holding: Holding::new(most),
             settling: vec![0.0; plant.network.nodes.len()],
         }
     }
@@ -132,10 +135,10 @@ pub(crate) struct System<R: Scalar> {
 }
 
 /// The moment arms of an actuator as a discrete state knows them.
-struct ArmsOf<'m, F> {
-    mode: &'m F,
+pub(super) struct ArmsOf<'m, F> {
+    pub(super) mode: &'m F,
     /// The first of them among those of all actuators.
-    first: usize,
+    pub(super) first: usize,
 }
 
 impl<S: Scalar, F: Formulas<S>> ArmPieces<S> for ArmsOf<'_, F> {
@@ -162,6 +165,18 @@ impl<R: Scalar> System<R> {
 
     /// Computes everything at a time in s and a state.
     pub(crate) fn evaluate<T: Differentiable<R>>(
+        &self,
+        time: T,
+        state: &[T],
+        mode: &impl Formulas<R>,
+        at: &mut Evaluation<T>,
+    ) {
+        self.evaluate_here(time, state, mode, at);
+    }
+
+    /// As [`System::evaluate`], compiled into its caller.
+    #[inline(always)]
+    pub(super) fn evaluate_here<T: Differentiable<R>>(
         &self,
         time: T,
         state: &[T],
@@ -408,7 +423,7 @@ impl<R: Scalar> System<R> {
         let acceleration = &mut at.acceleration[first..first + count];
         acceleration.copy_from_slice(&at.force[..count]);
         super::dense::solve(&at.matrix[..count * count], count, acceleration);
-        mode.hold(self, m, state, at);
+        self.hold(m, state, mode, at);
     }
 
     /// Generalised forces on a mechanism, of all but sticking actuators without a tendon: `τ − h − Σ Jᵀ F`.
@@ -514,70 +529,6 @@ impl<R: Scalar> System<R> {
             NodeKind::Chamber { actuator } => at.units[actuator].pressure_rate,
             _ => self.plant.network.node_rate(node, mode.flows(), &at.network),
         }
-    }
-}
-
-impl<R: Real> System<R> {
-    /// Takes from the accelerations of a mechanism what sticking actuators hold.
-    ///
-    /// ```text
-    /// λ = W⁻¹ (J q̈₀ + J̇ q̇)      W = J M⁻¹ Jᵀ      q̈ = q̈₀ − M⁻¹ Jᵀ λ
-    /// ```
-    pub(super) fn hold<T: Differentiable<R>>(
-        &self,
-        m: usize,
-        state: &[T],
-        mode: &PlantMode<R>,
-        at: &mut Evaluation<T>,
-    ) {
-        let count = self.plant.places.mechanisms[m].coordinates;
-        let first = self.plant.places.mechanisms[m].acceleration;
-        let basis = &mode.mechanisms[m].basis;
-        let held = basis.len();
-        // Rows M⁻¹ Jᵀ, the matrix W and the right-hand side: what is small is made where it is needed.
-        let mut rows: Vec<T> = Vec::with_capacity(held * count);
-        for &i in basis {
-            let from = rows.len();
-            rows.extend_from_slice(self.gradient(i, &at.gradient));
-            super::dense::solve(&at.matrix[..count * count], count, &mut rows[from..]);
-        }
-        let mut weights = vec![T::zero(); held * held];
-        let mut pulls = vec![T::zero(); held];
-        for (a, &i) in basis.iter().enumerate() {
-            let gradient = self.gradient(i, &at.gradient);
-            for b in 0..held {
-                weights[a * held + b] = super::dense::dot(gradient, &rows[b * count..(b + 1) * count]);
-            }
-            let acceleration = &at.acceleration[first..first + count];
-            pulls[a] = super::dense::dot(gradient, acceleration) + self.bending(i, m, state, mode);
-        }
-        super::dense::factor(&mut weights, held);
-        super::dense::solve(&weights, held, &mut pulls);
-        for (b, pull) in pulls.iter().enumerate() {
-            for k in 0..count {
-                at.acceleration[first + k] = at.acceleration[first + k] - rows[b * count + k] * *pull;
-            }
-        }
-    }
-
-    /// `J̇ q̇` of an actuator in m/s²: what its distance accelerates by at constant rates.
-    pub(crate) fn bending<T: Differentiable<R>>(&self, i: usize, m: usize, state: &[T], mode: &PlantMode<R>) -> T {
-        let Mounted { coupling, .. } = &self.plant.actuators[i];
-        let Mechanism::Chain(chain) = &self.plant.mechanisms[m] else { return T::zero() };
-        if coupling.constant_gradient().is_some() {
-            return T::zero();
-        }
-        let (position, rates) = self.plant.places.mechanisms[m].of(state);
-        let along: Vec<T::Dual> = position.iter().zip(rates).map(|(q, v)| q.along(*v)).collect();
-        let mut gradient: Vec<T::Dual> = along.clone();
-        let from = self.plant.places.actuators[i].arms;
-        let pieces = &mode.arms[from..from + coupling.arm_count()];
-        let _ = coupling.distance(Some(chain), &along, pieces, &mut gradient);
-        let mut sum = T::zero();
-        for (entry, rate) in gradient.into_iter().zip(rates) {
-            sum = sum + T::split(entry)[1] * *rate;
-        }
-        sum
     }
 }
 

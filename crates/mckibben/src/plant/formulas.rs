@@ -77,8 +77,15 @@ pub(crate) trait Formulas<S: Scalar> {
         at: &Evaluation<S>,
     ) -> TensionResponse<S>;
 
-    /// Takes from the accelerations of a chain what sticking actuators hold.
-    fn hold<T: Differentiable<S>>(&self, system: &System<S>, mechanism: usize, state: &[T], at: &mut Evaluation<T>);
+    /// How many independent distances of a chain that moves on do not change, since their actuators stick.
+    fn held_count(&self, mechanism: usize) -> usize;
+
+    /// Writes the gradient of one of them, of all gradients, to `row`; where there is one.
+    fn enter_held<T: Over<S>>(&self, system: &System<S>, of: (usize, usize), gradients: &[T], row: &mut [T])
+    -> S::Mask;
+
+    /// `J̇ q̇` of one of them in m/s².
+    fn held_bending<T: Differentiable<S>>(&self, system: &System<S>, of: (usize, usize), state: &[T]) -> T;
 }
 
 impl<R: Real> Formulas<R> for PlantMode<R> {
@@ -179,9 +186,24 @@ impl<R: Real> Formulas<R> for PlantMode<R> {
     }
 
     #[inline(always)]
-    fn hold<T: Differentiable<R>>(&self, system: &System<R>, m: usize, state: &[T], at: &mut Evaluation<T>) {
-        if !self.mechanisms[m].basis.is_empty() {
-            system.hold(m, state, self, at);
-        }
+    fn held_count(&self, mechanism: usize) -> usize {
+        self.mechanisms[mechanism].basis.len()
+    }
+
+    #[inline(always)]
+    fn enter_held<T: Over<R>>(
+        &self,
+        system: &System<R>,
+        (m, place): (usize, usize),
+        gradients: &[T],
+        row: &mut [T],
+    ) -> bool {
+        row.copy_from_slice(system.gradient(self.mechanisms[m].basis[place], gradients));
+        true
+    }
+
+    #[inline(never)]
+    fn held_bending<T: Differentiable<R>>(&self, system: &System<R>, (m, place): (usize, usize), state: &[T]) -> T {
+        system.bending(self.mechanisms[m].basis[place], state, self)
     }
 }

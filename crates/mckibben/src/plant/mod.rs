@@ -26,6 +26,7 @@ mod feed;
 mod formulas;
 mod friction_start;
 mod guard;
+mod held_motion;
 mod holding;
 mod hybrid;
 mod joint;

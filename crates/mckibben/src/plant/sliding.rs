@@ -160,7 +160,7 @@ impl<R: Real> System<R> {
         let pull: Vec<f64> = resting
             .iter()
             .enumerate()
-            .map(|(a, &i)| dot(&gradients[a], &free) + self.bending(i, m, state, mode).value())
+            .map(|(a, &i)| dot(&gradients[a], &free) + self.bending(i, state, mode).value())
             .collect();
         let bounds: Vec<[f64; 2]> = resting
             .iter()
@@ -267,7 +267,7 @@ impl<R: Real> System<R> {
     }
 
     /// Lets actuators of a mechanism stick: finds which of them hold it, whether they hold all of it, and their facets.
-    fn stick(&self, m: usize, state: &mut [R], mode: &mut PlantMode<R>, at: &Evaluation<R>, sticking: &[usize]) {
+    fn stick(&self, m: usize, state: &mut [R], mode: &mut PlantMode<R>, at: &mut Evaluation<R>, sticking: &[usize]) {
         let here = self.plant.places.mechanisms[m];
         let gradient =
             |i: usize| -> Vec<f64> { self.gradient(i, &at.gradient).iter().map(|entry| entry.value()).collect() };
@@ -280,44 +280,6 @@ impl<R: Real> System<R> {
             state[here.rate(0)..here.rate(0) + here.coordinates].fill(R::zero());
         } else {
             self.hold_rates(m, state, mode, at);
-        }
-    }
-
-    /// Brings the rates of a mechanism to where its sticking actuators are at rest, by the least change in kinetic energy.
-    pub(crate) fn hold_rates(&self, m: usize, state: &mut [R], mode: &PlantMode<R>, at: &Evaluation<R>) {
-        let here = self.plant.places.mechanisms[m];
-        let (count, basis) = (here.coordinates, &mode.mechanisms[m].basis);
-        if basis.is_empty() {
-            return;
-        }
-        let mut matrix = vec![R::zero(); count * count];
-        self.mass_matrix(m, state, &mut matrix);
-        factor(&mut matrix, count);
-        let rows: Vec<Vec<R>> = basis
-            .iter()
-            .map(|&i| {
-                let mut row = self.gradient(i, &at.gradient).to_vec();
-                solve(&matrix, count, &mut row);
-                row
-            })
-            .collect();
-        let size = basis.len();
-        let mut weights = vec![R::zero(); size * size];
-        let mut slip = vec![R::zero(); size];
-        let from = here.rate(0);
-        for (a, &i) in basis.iter().enumerate() {
-            let gradient = self.gradient(i, &at.gradient);
-            for b in 0..size {
-                weights[a * size + b] = dot(gradient, &rows[b]);
-            }
-            slip[a] = dot(gradient, &state[from..from + count]);
-        }
-        factor(&mut weights, size);
-        solve(&weights, size, &mut slip);
-        for (row, slip) in rows.iter().zip(&slip) {
-            for k in 0..count {
-                state[from + k] = state[from + k] - row[k] * *slip;
-            }
         }
     }
 

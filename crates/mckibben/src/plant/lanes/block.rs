@@ -6,6 +6,7 @@
 
 use super::super::Plant;
 use super::super::evaluation::{Evaluation, System};
+use super::super::formulas::Formulas;
 use super::super::steps::Stages;
 use super::super::wire::{Assembly, Wire};
 use super::held::{self, Held};
@@ -234,6 +235,7 @@ impl<W: Wide<Lane = f64>> Block<W> {
             if together.any() {
                 let span = (self.from, self.goal - self.from);
                 believed = believed & stages.take_unchecked(system, self.method, span, state, held, at, end);
+                keep_rates(system, self.goal, held, at, end);
                 if self.is_isothermal {
                     keep_contents(system, self.goal, &self.contents, held, at, end);
                 }
@@ -403,7 +405,7 @@ impl<W: Wide<Lane = f64>> Block<W> {
         let Row { steps, .. } = row;
         let (system, mode, guards) = steps.watched();
         self.looks[lane] = !self.watch.enter(lane, system, mode, guards);
-        self.held.enter(lane, &system.plant.network, mode);
+        self.held.enter(lane, &system.plant, mode);
         self.goes.put(lane, if held::covers_mode(mode, time) { 1.0 } else { 0.0 });
         for (content, its) in self.contents.iter_mut().zip(&mode.actuators) {
             content.put(lane, its.isothermal.unwrap_or(0.0));
@@ -429,6 +431,17 @@ fn read<W: Wide<Lane = f64>>(lanes: &[W], lane: usize, numbers: &mut [f64]) {
 fn write<W: Wide<Lane = f64>>(numbers: &[f64], lane: usize, lanes: &mut [W]) {
     for (number, of_lanes) in numbers.iter().zip(lanes) {
         of_lanes.put(lane, *number);
+    }
+}
+
+/// Sets the rates of chains to where what sticks on them rests.
+#[inline(always)]
+fn keep_rates<W: Wide>(system: &System<W>, time: W, held: &Held<W>, at: &mut Evaluation<W>, end: &mut [W]) {
+    for m in 0..system.assemblies.len() {
+        if held.held_count(m) > 0 {
+            system.enter_distances(time, end, held, at);
+            system.hold_rates(m, end, held, at);
+        }
     }
 }
 

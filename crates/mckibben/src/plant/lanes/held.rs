@@ -3,11 +3,11 @@
 //! Where a border lies between pieces of a law that agree there, each lane takes the piece of its own state by a select. The
 //! formulas are those that a [`PlantMode`] names, so that a lane has the numbers of its plant alone, bit for bit.
 
-use super::super::PlantMode;
 use super::super::evaluation::{Evaluation, System, Unit};
 use super::super::formulas::Formulas;
 use super::super::steps::TensionResponse;
 use super::super::wire::Wire;
+use super::super::{Plant, PlantMode};
 use super::flows::HeldFlows;
 use crate::air::Chamber;
 use crate::friction::{Branch, Rubbing, Touch};
@@ -15,7 +15,6 @@ use crate::lanes::wide::{Number, Wide};
 use crate::load::{MomentArm, Motion};
 use crate::mechanism::chain::Presses;
 use crate::mechanism::{Contact, Mechanism};
-use crate::network::Network;
 use crate::scalar::{Differentiable, Mask, Over, Scalar};
 use crate::simulation::{Extent, Sliding};
 use alloc::vec;
@@ -57,6 +56,16 @@ struct HeldContacts<W: Scalar> {
     foot_flag: W,
 }
 
+/// Which actuators of a chain that moves on stick: a list in every lane, of those whose gradients are independent.
+#[derive(Clone, Debug)]
+struct HeldRows<W: Scalar> {
+    /// By place in the list and by member of the mechanism: where it stands there.
+    is_member: Vec<Vec<W::Mask>>,
+    member_flags: Vec<Vec<W>>,
+    /// How long the longest list is.
+    count: usize,
+}
+
 /// The discrete states of the plants in all lanes.
 #[derive(Clone, Debug)]
 pub(super) struct Held<W: Scalar> {
@@ -64,6 +73,7 @@ pub(super) struct Held<W: Scalar> {
     frozen: Vec<W::Mask>,
     flows: HeldFlows<W>,
     contacts: Vec<HeldContacts<W>>,
+    rows: Vec<HeldRows<W>>,
     flags: Vec<Flags<W>>,
     frozen_flags: Vec<W>,
     /// Whether actuators have a hysteresis that follows the length alone.
@@ -85,9 +95,8 @@ pub(super) fn covers_structure(plant: &super::super::Plant) -> bool {
 
 /// Whether a lane can take a step in a mode from a time in s on.
 pub(super) fn covers_mode<R: Number>(mode: &PlantMode<R>, time: R) -> bool {
-    let mechanism = mode.mechanisms.iter().all(|its| its.basis.is_empty() || its.frozen);
     let subsonic = mode.network.branches.iter().all(|its| its.sonic.is_none());
-    mechanism && subsonic && mode.network.valves.iter().all(|valve| valve.openings.at(time).is_none())
+    subsonic && mode.network.valves.iter().all(|valve| valve.openings.at(time).is_none())
 }
 
 impl<W: Wide> HeldContacts<W> {
@@ -110,6 +119,39 @@ impl<W: Wide> Presses<W::Mask> for HeldContacts<W> {
     }
 }
 
+impl<W: Wide> HeldRows<W> {
+    #[inline(always)]
+    fn new(coordinates: usize, members: usize) -> Self {
+        Self {
+            is_member: vec![vec![W::Mask::splat(false); members]; coordinates],
+            member_flags: vec![vec![W::zero(); members]; coordinates],
+            count: 0,
+        }
+    }
+
+    fn enter(&mut self, lane: usize, members: &[usize], list: &[usize]) {
+        for (place, flags) in self.member_flags.iter_mut().enumerate() {
+            for (flag, member) in flags.iter_mut().zip(members) {
+                let stands = list.get(place) == Some(member);
+                flag.put(lane, W::Lane::constant(if stands { 1.0 } else { 0.0 }));
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn update(&mut self) {
+        self.count = 0;
+        for (place, (masks, flags)) in self.is_member.iter_mut().zip(&self.member_flags).enumerate() {
+            for (mask, flag) in masks.iter_mut().zip(flags) {
+                *mask = W::zero().lt(*flag);
+                if mask.any() {
+                    self.count = place + 1;
+                }
+            }
+        }
+    }
+}
+
 impl<W: Wide> Held<W> {
     /// Of a plant, before any lane is entered.
     #[inline(always)]
@@ -129,12 +171,17 @@ impl<W: Wide> Held<W> {
             let friction = wire.member.actuator.friction();
             has_branches.push(friction.hysteresis().is_some() && friction.lugre().is_none());
         }
+        let mut rows = Vec::new();
+        for (mechanism, members) in plant.mechanisms.iter().zip(&plant.places.members) {
+            rows.push(HeldRows::new(mechanism.coordinates(), members.len()));
+        }
         let flags = Flags { slack: zero, taut: zero, stuck: zero, on_stop: zero, idle: zero, direction: zero };
         Self {
             actuators: vec![nothing; plant.actuators.len()],
             frozen: vec![no; plant.mechanisms.len()],
             flows: HeldFlows::new(&plant.network),
             contacts: plant.mechanisms.iter().map(|mechanism| HeldContacts::new(mechanism.coordinates())).collect(),
+            rows,
             flags: vec![flags; plant.actuators.len()],
             frozen_flags: vec![zero; plant.mechanisms.len()],
             has_branches,
@@ -142,7 +189,7 @@ impl<W: Wide> Held<W> {
     }
 
     /// Enters the mode of the row in a lane; [`Held::update`] makes masks of it.
-    pub(super) fn enter(&mut self, lane: usize, network: &Network<W::Lane>, mode: &PlantMode<W::Lane>) {
+    pub(super) fn enter(&mut self, lane: usize, plant: &Plant<W::Lane>, mode: &PlantMode<W::Lane>) {
         let put = |number: &mut W, holds: bool| number.put(lane, W::Lane::constant(if holds { 1.0 } else { 0.0 }));
         for (flags, its) in self.flags.iter_mut().zip(&mode.actuators) {
             let (slack, stuck) = (its.mode.extent == Extent::Slack, its.mode.sliding == Sliding::Stuck);
@@ -172,7 +219,10 @@ impl<W: Wide> Held<W> {
             }
             put(&mut contacts.foot_flag, its.foot == Contact::Pressed);
         }
-        self.flows.enter(lane, network, &mode.network);
+        for (rows, (its, members)) in self.rows.iter_mut().zip(mode.mechanisms.iter().zip(&plant.places.members)) {
+            rows.enter(lane, members, &its.basis);
+        }
+        self.flows.enter(lane, &plant.network, &mode.network);
     }
 
     /// Makes masks of what has been entered.
@@ -195,6 +245,9 @@ impl<W: Wide> Held<W> {
                 (masks[0], masks[1]) = (zero.lt(flags[0]), zero.lt(flags[1]));
             }
             contacts.foot = zero.lt(contacts.foot_flag);
+        }
+        for rows in &mut self.rows {
+            rows.update();
         }
         self.flows.update();
     }
@@ -297,6 +350,44 @@ impl<W: Wide> Formulas<W> for Held<W> {
         }
     }
 
+    #[inline(always)]
+    fn held_count(&self, mechanism: usize) -> usize {
+        self.rows[mechanism].count
+    }
+
+    #[inline(always)]
+    fn enter_held<T: Over<W>>(
+        &self,
+        system: &System<W>,
+        (m, place): (usize, usize),
+        gradients: &[T],
+        row: &mut [T],
+    ) -> W::Mask {
+        row.fill(T::zero());
+        let mut used = W::Mask::splat(false);
+        for (&i, mask) in system.plant.places.members[m].iter().zip(&self.rows[m].is_member[place]) {
+            if !mask.any() {
+                continue;
+            }
+            used = used | *mask;
+            for (entry, its) in row.iter_mut().zip(system.gradient(i, gradients)) {
+                *entry = T::select(*mask, *its, *entry);
+            }
+        }
+        used
+    }
+
+    #[inline(always)]
+    fn held_bending<T: Differentiable<W>>(&self, system: &System<W>, (m, place): (usize, usize), state: &[T]) -> T {
+        let mut bending = T::zero();
+        for (&i, mask) in system.plant.places.members[m].iter().zip(&self.rows[m].is_member[place]) {
+            if mask.any() {
+                bending = T::select(*mask, system.bending(i, state, self), bending);
+            }
+        }
+        bending
+    }
+
     // What lanes do not cover.
 
     fn motion<T: Over<W>>(&self, _: usize, _: &Motion<W>, _: T) -> [T; 3] {
@@ -319,6 +410,4 @@ impl<W: Wide> Formulas<W> for Held<W> {
     fn end_response(&self, _: &System<W>, _: usize, _: W, _: &[W], _: &Evaluation<W>) -> TensionResponse<W> {
         TensionResponse::none()
     }
-
-    fn hold<T: Differentiable<W>>(&self, _: &System<W>, _: usize, _: &[T], _: &mut Evaluation<T>) {}
 }

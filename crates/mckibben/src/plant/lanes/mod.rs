@@ -3,13 +3,16 @@
 //! A step is taken side by side, by as many plants as two registers of this machine have lanes, with masks where their discrete
 //! states differ ([`block`]). What ends a mode is watched in lanes ([`watch`]); a plant to which something happens takes the step
 //! again alone, which locates the event. Where valves move or controllers sample, each plant goes to its own instant. Some go alone
-//! from the start: while a seat moves or a chain sticks in part, and plants with parts that [`PlantBatch::covers`] leaves out.
+//! from the start: while a seat moves or air in a hose goes at the speed of sound, and plants with parts that
+//! [`PlantBatch::covers`] leaves out.
 //!
 //! Checked by `tests/plant_batch.rs`, `tests/plant_rows.rs` and `tests/plant_set.rs`: every row is the run of [`PlantSteps`] alone, bit
 //! for bit.
 
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 mod block;
+#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
+mod facets;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 mod flows;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]

@@ -7,6 +7,7 @@
 //! | tension comes to zero, or back | the sum of its forces |
 //! | the taut braid lets go, or pulls again | the force of the taut braid |
 //! | what sticks on one coordinate lets go | the force that is held, conservatively |
+//! | what sticks on a chain lets go | the torque that is held along the normal of each [facet](super::facets) |
 //! | a stop or the belt presses, or ceases to | the press of the contact; of the foot its depth as well |
 //! | the poppet of a regulator, and what limits it | its error and the margin of its inlet, conservatively |
 //!
@@ -16,6 +17,7 @@
 use super::super::evaluation::System;
 use super::super::guard::{PlantGuard, Touching};
 use super::super::mode::PlantMode;
+use super::facets::Facets;
 use super::held::Held;
 use crate::engine::GuardForm;
 use crate::friction::{Rubbing, Touch};
@@ -33,7 +35,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 
 /// Part of the forces on a coordinate by which those that hold it must have more room, or the row looks itself.
-const HOLD_MARGIN: f64 = 1e-9;
+pub(super) const HOLD_MARGIN: f64 = 1e-9;
 
 /// Part of the atmosphere by which the error of a regulator must have more room, or the row looks itself.
 const ERROR_MARGIN: f64 = 1e-9;
@@ -90,6 +92,8 @@ pub(super) struct Watch<W: Wide> {
     contacts: Vec<Vec<ContactRanges<W>>>,
     /// Of regulators whose law has pieces.
     outlets: Vec<OutletRanges<W>>,
+    /// Of chains of several joints.
+    facets: Facets<W>,
     /// 1 where a mechanism is held at rest, 0 elsewhere.
     holds: Vec<W>,
     /// What is watched of each actuator in any lane, and which mechanisms are held in any.
@@ -163,6 +167,7 @@ impl<W: Wide> Watch<W> {
             actuators: vec![of_actuator; actuators],
             contacts,
             outlets,
+            facets: Facets::new(actuators),
             holds: vec![W::zero(); system.assemblies.len()],
             watched: vec![Watched::default(); actuators],
             held: vec![false; system.assemblies.len()],
@@ -203,6 +208,7 @@ impl<W: Wide> Watch<W> {
             its.error.put(lane, nowhere);
             its.margin.put(lane, nowhere);
         }
+        self.facets.leave(lane);
         self.of_lanes[lane].fill(Watched::default());
         for hold in &mut self.holds {
             hold.put(lane, W::Lane::constant(0.0));
@@ -218,6 +224,7 @@ impl<W: Wide> Watch<W> {
         for its in self.contacts.iter_mut().flatten() {
             its.watched = its.press.is_any() || its.depth.is_any();
         }
+        self.facets.update();
         for (held, hold) in self.held.iter_mut().zip(&self.holds) {
             *held = (0..W::LANES).any(|lane| W::Lane::constant(0.0).lt(hold.lane(lane)));
         }
@@ -270,11 +277,10 @@ impl<W: Wide> Watch<W> {
                     _ => return false,
                 }
             }
-            (GuardForm::Function, PlantGuard::Release { mechanism, .. }) => {
+            (GuardForm::Function, PlantGuard::Release { mechanism, facet, .. }) => {
                 let (its, places) = (&mode.mechanisms[mechanism], &system.plant.places);
-                let is_one = its.frozen && places.mechanisms[mechanism].coordinates == 1;
-                if !is_one {
-                    return false;
+                if !(its.frozen && places.mechanisms[mechanism].coordinates == 1) {
+                    return self.facets.enter(lane, mechanism, &its.facets[facet]);
                 }
                 self.holds[mechanism].put(lane, W::Lane::constant(1.0));
             }
@@ -323,7 +329,7 @@ impl<W: Wide> Watch<W> {
     /// Where every quantity is within its range at the end of a step.
     #[inline(always)]
     pub(super) fn holds(
-        &self,
+        &mut self,
         system: &System<W>,
         (time, end): (W, &[W]),
         held: &Held<W>,
@@ -358,6 +364,7 @@ impl<W: Wide> Watch<W> {
         for (m, contacts) in self.contacts.iter().enumerate() {
             within = within & contacts_hold(system, m, contacts, end);
         }
+        within = within & self.facets.hold(system, (time, end), held, at);
         if !self.outlets.is_empty() {
             within = within & self.outlets_hold(system, (time, end), held, at);
         }
@@ -417,6 +424,16 @@ fn contacts_hold<W: Wide>(system: &System<W>, m: usize, contacts: &[ContactRange
     within
 }
 
+/// The least and the largest tension in N that an actuator at rest can hold, which is not slack.
+#[inline(always)]
+pub(super) fn holdable<W: Wide>(system: &System<W>, i: usize, end: &[W], held: &Held<W>, at: &Evaluation<W>) -> (W, W) {
+    let (wire, unit, zero) = (&system.wires[i], &at.units[i], W::zero());
+    let width = held.width(wire, [unit.length, zero], system.bristles(i, end));
+    let rubbing = Rubbing { direction: zero, width, touch: Touch::ByPressure };
+    let pressure = end[wire.places.pressure];
+    wire.member.actuator.holdable(unit.length, pressure, held.is_on_stop(i), rubbing)
+}
+
 /// Where sticking actuators on the one coordinate of a mechanism hold it by more than a margin.
 #[inline(always)]
 fn hold_margin<W: Wide>(system: &System<W>, m: usize, end: &[W], held: &Held<W>, at: &mut Evaluation<W>) -> W::Mask {
@@ -438,10 +455,8 @@ fn hold_margin<W: Wide>(system: &System<W>, m: usize, end: &[W], held: &Held<W>,
         let arm = system.gradient(i, &at.gradient)[0];
         let pressure = end[wire.places.pressure];
         let bent = system.bristles(i, end);
-        let width = held.width(wire, [unit.length, zero], bent);
-        let rubbing = Rubbing { direction: zero, width, touch: Touch::ByPressure };
         let sticks = held.is_stuck(i) & !held.is_slack(i);
-        let (low, high) = wire.member.actuator.holdable(unit.length, pressure, held.is_on_stop(i), rubbing);
+        let (low, high) = holdable(system, i, end, held, at);
         let pulls = held.tension(wire, [unit.length, zero, pressure], bent).larger(zero);
         load = load - arm * pulls;
         let (by_low, by_high) = (arm * low, arm * high);

@@ -1,0 +1,233 @@
+//! What actuators that stick on a chain of several joints can hold, watched of several plants side by side.
+//!
+//! What is held is a torque R over the coordinates. Along the normal z of each facet of what can be held it lies between two bounds
+//! ([`sliding`](super::super::sliding)). The list of facets differs from plant to plant: each that any of them has is evaluated once
+//! for all, and counts where it is watched. A bound has to be kept by a margin, so that no rounding decides.
+//!
+//! ```text
+//! R = τ − h − Σ Jᵀ F − M q̈        F of those that do not stick        Σ min(λ F_least, λ F_most) ≤ zᵀR ≤ Σ max(λ F_least, λ F_most)
+//! λ = zᵀ J                         the lever of one that sticks
+//! ```
+
+use super::super::dense::dot;
+use super::super::evaluation::{Evaluation, System};
+use super::super::formulas::Formulas;
+use super::super::sliding::Facet;
+use super::held::Held;
+use super::watch::{HOLD_MARGIN, holdable};
+use crate::lanes::wide::Wide;
+use crate::mechanism::chain::MAX_JOINTS;
+use crate::scalar::{Mask, Scalar, Work};
+use alloc::vec;
+use alloc::vec::Vec;
+
+/// The rank up to which normals are known here.
+const HIGHEST_RANK: usize = 3;
+
+/// A facet that is watched in some lanes.
+#[derive(Clone, Debug)]
+struct Watched<W> {
+    mechanism: usize,
+    facet: Facet,
+    /// 1 where it is watched, 0 elsewhere.
+    flag: W,
+    any: bool,
+}
+
+/// All facets that are watched in any lane.
+#[derive(Clone, Debug)]
+pub(super) struct Facets<W> {
+    watched: Vec<Watched<W>>,
+    /// The least and the largest tension in N of each actuator.
+    bounds: Vec<[W; 2]>,
+    any: bool,
+}
+
+/// The look at all facets at the end of a step, in a function of its own: few steps need it.
+struct Look<'a, W: Wide> {
+    facets: &'a mut Facets<W>,
+    system: &'a System<W>,
+    time: W,
+    end: &'a [W],
+    held: &'a Held<W>,
+    at: &'a mut Evaluation<W>,
+}
+
+impl<W: Wide> Facets<W> {
+    /// Nothing is watched, of a plant of so many actuators.
+    #[inline(always)]
+    pub(super) fn new(actuators: usize) -> Self {
+        Self { watched: Vec::new(), bounds: vec![[W::zero(); 2]; actuators], any: false }
+    }
+
+    /// Ceases to watch a lane.
+    pub(super) fn leave(&mut self, lane: usize) {
+        for watched in &mut self.watched {
+            watched.flag.put(lane, W::Lane::constant(0.0));
+        }
+    }
+
+    /// Watches a facet of a row; whether that can be done here.
+    pub(super) fn enter(&mut self, lane: usize, mechanism: usize, facet: &Facet) -> bool {
+        if facet.span.len() > HIGHEST_RANK {
+            return false;
+        }
+        let is_it = |its: &Watched<W>| its.mechanism == mechanism && its.facet == *facet;
+        let place = self.watched.iter().position(is_it).unwrap_or_else(|| {
+            let new = Watched {
+                mechanism,
+                facet: facet.clone(),
+                flag: W::from_lanes(|_| W::Lane::constant(0.0)),
+                any: false,
+            };
+            match self.watched.iter().position(Watched::is_free) {
+                Some(free) => {
+                    self.watched[free] = new;
+                    free
+                }
+                None => {
+                    self.watched.push(new);
+                    self.watched.len() - 1
+                }
+            }
+        });
+        self.watched[place].flag.put(lane, W::Lane::constant(1.0));
+        true
+    }
+
+    /// Takes up what has been entered.
+    pub(super) fn update(&mut self) {
+        for watched in &mut self.watched {
+            watched.any = !watched.is_free();
+        }
+        self.any = self.watched.iter().any(|watched| watched.any);
+    }
+
+    /// Where all that is watched is held at the end of a step.
+    #[inline(always)]
+    pub(super) fn hold(
+        &mut self,
+        system: &System<W>,
+        (time, end): (W, &[W]),
+        held: &Held<W>,
+        at: &mut Evaluation<W>,
+    ) -> W::Mask {
+        match self.any {
+            true => W::apart(Look { facets: self, system, time, end, held, at }),
+            false => W::Mask::splat(true),
+        }
+    }
+}
+
+impl<W: Wide> Watched<W> {
+    /// Whether no lane watches it.
+    fn is_free(&self) -> bool {
+        (0..W::LANES).all(|lane| self.flag.lane(lane) == W::Lane::constant(0.0))
+    }
+}
+
+impl<W: Wide> Work for Look<'_, W> {
+    type Output = W::Mask;
+
+    #[inline(always)]
+    fn done(self) -> W::Mask {
+        let Self { facets, system, time, end, held, at } = self;
+        let mut within = W::Mask::splat(true);
+        system.evaluate_here(time, end, held, at);
+        for m in 0..system.assemblies.len() {
+            let mut any = false;
+            for watched in &facets.watched {
+                any = any || (watched.any && watched.mechanism == m);
+            }
+            if !any {
+                continue;
+            }
+            let mut load = [W::zero(); MAX_JOINTS];
+            enter_load(system, m, end, held, at, &mut load);
+            for &i in &system.plant.places.members[m] {
+                let (least, most) = holdable(system, i, end, held, at);
+                facets.bounds[i] = [least, most];
+            }
+            for watched in &facets.watched {
+                if watched.any && watched.mechanism == m {
+                    let is_held = holds(system, &watched.facet, &load, &facets.bounds, at);
+                    within = within & (watched.flag.le(W::zero()) | is_held);
+                }
+            }
+        }
+        within
+    }
+}
+
+/// What sticking actuators hold of a mechanism that has been evaluated.
+#[inline(always)]
+fn enter_load<W: Wide>(
+    system: &System<W>,
+    m: usize,
+    end: &[W],
+    held: &Held<W>,
+    at: &mut Evaluation<W>,
+    load: &mut [W; MAX_JOINTS],
+) {
+    let here = system.plant.places.mechanisms[m];
+    let (count, frozen) = (here.coordinates, held.is_frozen(m));
+    for &i in &system.plant.places.members[m] {
+        // No mode says whether what rests would push.
+        let unit = &mut at.units[i];
+        unit.tension = W::select(frozen, unit.tension.larger(W::zero()), unit.tension);
+    }
+    system.enter_force(m, end, held, at);
+    let Evaluation { force, matrix, acceleration, .. } = at;
+    system.mass_matrix(m, end, &mut matrix[..count * count]);
+    let acceleration = &acceleration[here.acceleration..here.acceleration + count];
+    for k in 0..count {
+        load[k] = force[k] - dot(&matrix[k * count..(k + 1) * count], acceleration);
+    }
+}
+
+/// Where the load lies between what can be held along the normal of a facet.
+#[inline(always)]
+fn holds<W: Wide>(
+    system: &System<W>,
+    Facet { span, along, block }: &Facet,
+    load: &[W; MAX_JOINTS],
+    bounds: &[[W; 2]],
+    at: &Evaluation<W>,
+) -> W::Mask {
+    let zero = W::zero();
+    // The weights of the span are orthogonal to the products of its gradients with those along the facet.
+    let mut products = [[zero; HIGHEST_RANK]; HIGHEST_RANK];
+    for (row, &f) in products.iter_mut().zip(along) {
+        for (product, &b) in row.iter_mut().zip(span) {
+            *product = dot(system.gradient(f, &at.gradient), system.gradient(b, &at.gradient));
+        }
+    }
+    let [p, q, _] = products;
+    let weights = match span.len() {
+        1 => [W::one(), zero, zero],
+        2 => [p[1], -p[0], zero],
+        _ => [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]],
+    };
+    let mut normal = [zero; MAX_JOINTS];
+    for (&b, weight) in span.iter().zip(weights) {
+        for (entry, its) in normal.iter_mut().zip(system.gradient(b, &at.gradient)) {
+            *entry = *entry + weight * *its;
+        }
+    }
+    let (mut least, mut most, mut size, mut along_normal) = (zero, zero, zero, zero);
+    for k in 0..MAX_JOINTS {
+        let part = normal[k] * load[k];
+        along_normal = along_normal + part;
+        size = size + part.magnitude();
+    }
+    for &i in block {
+        let gradient = system.gradient(i, &at.gradient);
+        let lever = dot(gradient, &normal[..gradient.len()]);
+        let [low, high] = [lever * bounds[i][0], lever * bounds[i][1]];
+        least = least + low.smaller(high);
+        most = most + low.larger(high);
+        size = size + low.magnitude() + high.magnitude();
+    }
+    let margin = W::constant(HOLD_MARGIN) * size;
+    (least + margin).le(along_normal) & along_normal.le(most - margin)
+}
