@@ -9,10 +9,6 @@
 
 use crate::error::Error;
 use crate::scalar::Real;
-use crate::simulation::fixed_step::Walk;
-use crate::simulation::piped::Stepped;
-use crate::simulation::timetable::Timetable;
-use crate::simulation::{Method, Rig, Sample};
 #[cfg(feature = "alloc")]
 use crate::{
     actuator::Response,
@@ -20,7 +16,7 @@ use crate::{
     plant::{
         Plant, PlantMode, PlantReader, PlantRun, PlantSample, PlantStart, PlantSteps, PlantTrajectory, TimeStepping,
     },
-    simulation::{JointRig, joint::kernel::Held},
+    simulation::Method,
     valve::Demand,
 };
 #[cfg(feature = "alloc")]
@@ -112,17 +108,4 @@ entry_points! {
     #[cfg(feature = "alloc")]
     fn read_plant_sample(reader: &mut PlantReader<'_, Self>, time: Self, sample: &mut PlantSample<Self>) =
         reader.generic_read_into(time, sample);
-
-    #[cfg(feature = "alloc")]
-    fn step_joint(
-        rig: &JointRig<Self>, method: Method, span: (Self, Self), state: &[Self; 6], held: &Held<Self>
-    ) -> [Self; 6] = rig.generic_take_tenable(method, span, state, held);
-
-    fn advance_walk(
-        walk: &mut Walk<Self>, rig: &Rig<Self>, timetable: &Timetable<'_, <Self as Real>::Time>, method: Method,
-        to: (<Self as Real>::Time, &mut Option<Stepped<Self>>)
-    ) -> Result<(), Error> = walk.generic_advance_to(rig, timetable, method, to);
-    fn pass_walk(walk: &mut Walk<Self>, rig: &Rig<Self>, timetable: &Timetable<'_, <Self as Real>::Time>) =
-        walk.generic_pass(rig, timetable);
-    fn sample_walk(walk: &Walk<Self>, rig: &Rig<Self>) -> Sample<Self> = walk.generic_sample(rig);
 }

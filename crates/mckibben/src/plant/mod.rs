@@ -45,7 +45,7 @@ mod scale;
 mod shares;
 mod sliding;
 mod start;
-mod steps;
+pub(crate) mod steps;
 mod stream;
 mod tendon;
 mod trajectory;

@@ -23,7 +23,6 @@ mod opening;
 mod passage;
 mod ramp;
 mod regulator;
-mod regulator_clock;
 mod solenoid;
 mod spool;
 mod spool_clock;
@@ -42,7 +41,6 @@ pub use opening::Openings;
 pub use passage::{FlowStandard, REFERENCE_DENSITY, REFERENCE_TEMPERATURE};
 pub use ramp::{Ramp, Stroke};
 pub use regulator::{Approach, Regulated, Regulator};
-pub use regulator_clock::RegulatorClock;
 pub use solenoid::{Ports, SeatClock, Solenoid, ValveKind};
 pub(crate) use solenoid::{SIMULTANEOUS, is_due};
 pub use spool::{Spool, SpoolMotion};
@@ -307,23 +305,6 @@ impl<S: Scalar> Valve<S> {
         let flow = self.flow_by(&self.law, &one.over(), chamber).where_open(supply | exhaust);
         let both = supply & exhaust;
         if both.any() { flow.and(self.flow(Port::Exhaust, chamber).where_open(both)) } else { flow }
-    }
-
-    /// Flow at a time in s through the open passages, as far as they are open and to what; none where they are whole.
-    #[inline(always)]
-    pub(crate) fn flow_through<T: Over<S>>(
-        &self,
-        openings: &Openings<S>,
-        time: T,
-        [supply, exhaust]: [S::Mask; 2],
-        chamber: &Chamber<T>,
-    ) -> Option<Flow<T>> {
-        if let Some(pressure) = openings.pressure(time) {
-            return Some(self.flow_at(pressure, chamber));
-        }
-        let [share, other] = openings.at(time)?;
-        let inlet = self.flow(Port::Supply, chamber).where_open(supply).through(share);
-        Some(inlet.and(self.flow(Port::Exhaust, chamber).where_open(exhaust).through(other)))
     }
 
     /// Flow to or from air at an absolute pressure in Pa behind the passage to the supply, with the supply's temperature.

@@ -102,12 +102,6 @@ impl<S: Scalar> Regulator<S> {
         }
     }
 
-    /// The same with numbers of another kind.
-    pub(super) fn map<T>(&self, number: impl Fn(S) -> T) -> Regulator<T> {
-        let Self { time_constant, dead_time, rate_limit } = *self;
-        Regulator { time_constant: number(time_constant), dead_time: number(dead_time), rate_limit: number(rate_limit) }
-    }
-
     /// The same with another dead time in s.
     pub(super) fn with_dead_time(self, dead_time: S) -> Self {
         Self { dead_time, ..self }
@@ -182,14 +176,5 @@ impl<S: Scalar> Regulator<S> {
     #[inline(always)]
     pub fn flow<T: Over<S>>(&self, valve: &Valve<S>, pressure: S, chamber: &Chamber<T>) -> Flow<T> {
         valve.flow_at(T::of(pressure), chamber)
-    }
-}
-
-impl<S: Scalar> Regulated<S> {
-    /// The same with numbers of another kind.
-    pub(super) fn map<T>(&self, number: impl Fn(S) -> T) -> Regulated<T> {
-        let Self { time, pressure, setpoint } = *self;
-        let [pressure, setpoint] = [pressure, setpoint].map(|at| AbsolutePressure(number(at.0)));
-        Regulated { time: number(time), pressure, setpoint }
     }
 }
