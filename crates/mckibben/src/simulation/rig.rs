@@ -285,21 +285,15 @@ impl<S: Scalar> Rig<S> {
     }
 
     fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Rig<T> {
-        let mut rig = self.undriven(convert);
-        rig.actuation = self.actuation.as_ref().map(|actuation| actuation.convert(convert));
-        rig.with_transport()
-    }
-
-    /// The actuator and its load over another scalar, without what drives the valve.
-    pub(crate) fn undriven<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Rig<T> {
-        Rig {
+        let rig = Rig {
             actuator: self.actuator.convert(convert),
-            actuation: None,
             load: self.load.convert(convert),
             line: self.line.convert(convert),
             tendon: self.tendon.as_ref().map(|tendon| tendon.convert(convert)),
             pressure: self.pressure.as_ref().map(|course| course.convert(convert)),
-        }
+            actuation: self.actuation.as_ref().map(|actuation| actuation.convert(convert)),
+        };
+        rig.with_transport()
     }
 
     /// The same with the seats seen as late as the line makes them.

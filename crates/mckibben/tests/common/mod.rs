@@ -5,6 +5,7 @@ pub(crate) mod accounts;
 pub(crate) mod joint;
 pub(crate) mod laws;
 pub(crate) mod random;
+pub(crate) mod regulated;
 pub(crate) mod steps;
 pub(crate) mod tendon;
 
