@@ -26,7 +26,7 @@ use alloc::vec::Vec;
 #[cfg(feature = "alloc")]
 type Watch<'w> = &'w mut dyn FnMut(f64) -> Result<(), Error>;
 
-/// Declares the entry points and their three implementations, those with an attribute under that condition.
+/// Declares the entry points and their two implementations, those with an attribute under that condition.
 macro_rules! entry_points {
     (
         $(
@@ -44,12 +44,6 @@ macro_rules! entry_points {
         #[allow(private_interfaces, reason = "as in the trait")]
         impl Instantiate for f64 {
             $($(#[$condition])? #[inline(never)] fn $name $(<$life>)? ($($argument: $type),*) $(-> $result)? { $body })*
-        }
-
-        // Compiled where they are called, as few do.
-        #[allow(private_interfaces, reason = "as in the trait")]
-        impl Instantiate for f32 {
-            $($(#[$condition])? #[inline] fn $name $(<$life>)? ($($argument: $type),*) $(-> $result)? { $body })*
         }
 
         #[allow(private_interfaces, reason = "as in the trait")]

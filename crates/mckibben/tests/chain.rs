@@ -81,12 +81,12 @@ fn its_accelerations_are_newton_s_for_both_centres_of_mass() {
     let mut pressed = 0;
     for belt in [None, Some(belt)] {
         for row in 0..40 {
-            let joints = [joint(between(row, 10, -1.0, 1.0), 0.1), joint(between(row, 11, -1.0, 1.0), 0.02)];
-            let hanging = between(row, 12, -0.2, 0.2);
+            let joints = [joint(between(row, 4, -1.0, 1.0), 0.1), joint(between(row, 5, -1.0, 1.0), 0.02)];
+            let hanging = between(row, 6, -0.2, 0.2);
             let plant = on(chain(joints, hanging, belt), &Paper::sealed(), None);
             let angles = [between(row, 0, -0.4, 0.4), between(row, 1, -0.5, 0.3)];
             let rates = [between(row, 2, -3.0, 3.0), between(row, 3, -4.0, 4.0)];
-            let gauges = std::array::from_fn(|i| between(row, 4 + i, 0.0, 4e5));
+            let gauges = std::array::from_fn(|i| between(row + 100 * i, 7, 0.0, 4e5));
             let sample = at_start(&plant, &start(angles, rates, gauges));
             let turns = &sample.mechanisms[0].acceleration;
             let at = |time: f64| [0, 1].map(|k| angles[k] + rates[k] * time + 0.5 * turns[k] * time * time);
@@ -135,7 +135,7 @@ fn an_actuator_does_the_work_that_it_loses_by_shortening() {
     for row in 0..20 {
         let angles = [between(row, 0, -0.4, 0.4), between(row, 1, -0.5, 0.3)];
         let rates = [between(row, 2, -3.0, 3.0), between(row, 3, -4.0, 4.0)];
-        let gauges = std::array::from_fn(|i| between(row, 4 + i, 1e4, 4e5));
+        let gauges = std::array::from_fn(|i| between(row + 100 * i, 7, 1e4, 4e5));
         let sample = at_start(&plant, &start(angles, rates, gauges));
         for (arms, its) in ARMS.iter().zip(&sample.actuators) {
             assert_close(its.distance, REST - arms[0] * angles[0] - arms[1] * angles[1], 1e-14);
@@ -154,16 +154,18 @@ fn energy_of_leg_and_sealed_air_stays_and_steps_keep_their_order() {
     let leg = chain([joint(0.0, 0.0); 2], 0.0, None);
     let plant = on(leg.clone(), &Paper::sealed().friction(0.0, 0.0), None);
     let start = start([0.25, -0.2], [0.0, 1.0], [30.0 * PSI; 6]);
-    let exact = simulate_plant(&plant, &start, 0.5, 1e-12).expect("a run").sample(0.5);
+    let run = simulate_plant(&plant, &start, 0.5, 1e-12).expect("a run");
+    let exact = run.sample(0.5);
     let energy = |sample: &PlantSample| {
         let gas = sample.actuators.iter().map(|its| its.pressure.0 * its.volume / 0.4 + ATMOSPHERE * its.volume);
         let [kinetic, potential] = leg.energies(&sample.mechanisms[0].position, &sample.mechanisms[0].rate);
         kinetic + potential + gas.sum::<f64>()
     };
     let begin = at_start(&plant, &start);
-    let [kinetic, _] = leg.energies(&exact.mechanisms[0].position, &exact.mechanisms[0].rate);
-    assert!(kinetic > 0.05 && begin.mechanisms[0].position[0] - exact.mechanisms[0].position[0] > 0.02, "it swings");
-    assert_within(energy(&exact), energy(&begin), 1e-9 * kinetic);
+    let of_swing = |sample: PlantSample| leg.energies(&sample.mechanisms[0].position, &sample.mechanisms[0].rate)[0];
+    let kinetic = run.samples(5e-3).map(of_swing).fold(0.0, f64::max);
+    assert!(kinetic > 0.05, "it swings: {kinetic} J");
+    assert_within(energy(&exact), energy(&begin), 1e-8 * kinetic);
     for (method, order, counts) in [(Method::Stable, 2.0, [1000_u32, 2000]), (Method::Rk4, 4.0, [50, 100])] {
         let errors = counts.map(|count| {
             let mut steps = PlantRun::new(&plant, &start, 1e-9).expect("a start").steps(method);

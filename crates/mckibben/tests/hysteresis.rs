@@ -141,7 +141,6 @@ fn a_fixed_step_comes_to_the_event_located_run() {
     };
     // The force has corners where elements slip, at which a step is divided: the method keeps its order.
     let (coarse, fine) = (error(Method::Rk4, 2e-3), error(Method::Rk4, 1e-3));
-    println!("{coarse:e} {fine:e} {:e} {:e}", error(Method::Rk4, 4e-3), error(Method::Rk4, 5e-4));
     assert!((14.0..18.0).contains(&(coarse / fine)), "{coarse:e} {fine:e}");
     // The stable method has order 2. No spring is stiffer than the muscle's own, 6 P L/(4πn²) where it is longest, with
     // elements that all stick.

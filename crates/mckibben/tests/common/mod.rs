@@ -248,12 +248,6 @@ pub(crate) fn stable_error(omega: f64, step: f64, duration: f64, amplitude: f64)
     constant.abs() * omega.powi(3) * step.powi(2) * duration * amplitude
 }
 
-/// What rounding to single precision may make of a state, as a part of it: each of `steps` steps rounds it by at most half a
-/// unit in the last place, and what is damped makes no more of it.
-pub(crate) fn single_rounding(steps: u64) -> f64 {
-    steps as f64 * 0.5 * f64::from(f32::EPSILON)
-}
-
 /// Derivative by the central five-point rule, of fourth order in `step`.
 pub(crate) fn slope(step: f64, function: impl Fn(f64) -> f64) -> f64 {
     let pair = |h: f64| function(h) - function(-h);
