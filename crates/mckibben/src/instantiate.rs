@@ -7,6 +7,7 @@
 //!
 //! What is called in an inner loop has no entry point, so that the compiler may inline it.
 
+#[cfg(feature = "alloc")]
 use crate::error::Error;
 use crate::scalar::Real;
 #[cfg(feature = "alloc")]

@@ -1,6 +1,6 @@
 //! The scalars: derivatives of dual numbers, eight lanes side by side.
 
-use crate::common::{ATMOSPHERE, Paper, assert_close, assert_within, between, slope};
+use crate::common::{ATMOSPHERE, Paper, between, slope};
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 use mckibben::air::{Chamber, Process};
 use mckibben::force::Effectiveness;

@@ -16,6 +16,7 @@ use super::rig::Rig;
 #[cfg(feature = "alloc")]
 use crate::actuator::Actuator;
 use crate::convert::Convert;
+#[cfg(feature = "alloc")]
 use crate::error::Error;
 #[cfg(feature = "alloc")]
 use crate::line::Line;

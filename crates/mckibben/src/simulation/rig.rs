@@ -328,6 +328,7 @@ impl<S: Scalar> Rig<S> {
     }
 
     /// Whether there is an air line or a pressure regulator: most of them have states beyond the four.
+    #[cfg(feature = "alloc")]
     pub(crate) fn has_plumbing(&self) -> bool {
         !self.line.is_none() || self.regulator().is_some()
     }
