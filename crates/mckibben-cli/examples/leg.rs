@@ -71,7 +71,7 @@ fn pulsed() -> Result<Document, Box<dyn Error>> {
         leg.remove(&format!("actuators.{muscle}.command"));
     }
     leg.set_text("valve.preset", "\"matrix-eight-channel\"")?;
-    leg.set_text("command", "{ kind = \"constant\", request = \"exhaust\" }")?;
+    leg.set_text("command.kind", "\"exhaust\"")?;
     Ok(leg)
 }
 
