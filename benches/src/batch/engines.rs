@@ -1,8 +1,6 @@
 //! What a step of each form of our engine costs, and how far it is from the truth.
 
-use crate::count::Operations;
 use crate::ours::Engine;
-use crate::peak::Peak;
 use crate::peers::{ROWS, nanoseconds};
 use crate::reference::{Error, Reference};
 use crate::work::{STEPS, Work};
@@ -64,27 +62,20 @@ fn agreement(engine: Engine) -> Error {
 ///
 /// # Errors
 /// When a run fails or an answer is wrong.
-pub fn print(work: &Work, reference: &Reference, peak: Option<&Peak>, operations: &Operations) -> Result<(), String> {
+pub fn print(work: &Work, reference: &Reference) -> Result<(), String> {
     println!("mckibben::plant::PlantBatch, {ROWS} rows, {STEPS} steps of 0.1 ms");
+    println!("{:<22} {:>27} {:>8} {:>16} {:>19}", "", "ns/actuator-step", "speed-up", "million steps/s", "error");
     println!(
-        "{:<22} {:>27} {:>8} {:>16} {:>19} {:>8}",
-        "", "ns/actuator-step", "speed-up", "million steps/s", "error", "of peak"
-    );
-    println!(
-        "{:<22} {:>8} {:>8} {:>9} {:>8} {:>8} {:>7} {:>9} {:>9} {:>8}",
-        "", "one core", "two", "CPU", "", "one core", "two", "median", "worst", "one core"
+        "{:<22} {:>8} {:>8} {:>9} {:>8} {:>8} {:>7} {:>9} {:>9}",
+        "", "one core", "two", "CPU", "", "one core", "two", "median", "worst"
     );
     let mut wrong = Vec::new();
     for engine in Engine::all() {
         let taken = Measurement::take(engine, work, reference)?;
         let [one, two] = taken.seconds.map(nanoseconds);
-        let share = peak.map_or(f64::NAN, |peak| {
-            let rate = operations.floating_point(engine.method) as f64 / one;
-            100.0 * rate / peak.double
-        });
         let Error { median, worst } = taken.error;
         println!(
-            "{engine:<22} {one:>8.2} {two:>8.2} {:>9.2} {:>8.2} {:>8.1} {:>7.1} {median:>9.1e} {worst:>9.1e} {share:>6.1} %",
+            "{engine:<22} {one:>8.2} {two:>8.2} {:>9.2} {:>8.2} {:>8.1} {:>7.1} {median:>9.1e} {worst:>9.1e}",
             nanoseconds(taken.processor_seconds),
             one / two,
             1e3 / one,
@@ -94,9 +85,5 @@ pub fn print(work: &Work, reference: &Reference, peak: Option<&Peak>, operations
             wrong.push(format!("{engine} is off by {:?}", taken.error));
         }
     }
-    println!(
-        "peak: of multiply-adds in the same numbers; a row's numbers must not depend on the machine, so ours are not"
-    );
-    println!("fused, and half the peak is the most that it could reach");
     if wrong.is_empty() { Ok(()) } else { Err(wrong.join("\n")) }
 }

@@ -1,27 +1,23 @@
-//! Many actuators at fixed steps: our speed against that of peers, at equal error, and against the machine's peak.
+//! Many actuators at fixed steps: our speed against that of peers, at equal error.
 //!
 //! See README.md; in short: `cargo run --release --bin batch` in this folder.
 
-mod count;
 mod engines;
 mod memory;
 mod ours;
-mod peak;
 mod peers;
 mod program;
 mod reference;
 mod sizes;
 mod work;
 
-use count::Operations;
-use peak::Peak;
 use reference::Reference;
 use std::path::Path;
 use std::process::ExitCode;
 use work::Work;
 
 /// What can be asked for; without an argument, everything.
-const PARTS: [&str; 6] = ["count", "peak", "engines", "peers", "sizes", "memory"];
+const PARTS: [&str; 4] = ["engines", "peers", "sizes", "memory"];
 
 fn main() -> ExitCode {
     let asked: Vec<String> = std::env::args().skip(1).collect();
@@ -48,29 +44,13 @@ fn run(asked: Vec<String>) -> Result<bool, String> {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     let sources = here.join("peers");
     let work = Work::new()?;
-    let operations = Operations::count(&work.rows(1)?[0]);
     let mut missing = Vec::new();
     println!("{}", machine());
-    if wants("count") {
-        println!();
-        operations.print();
-    }
-    let mut peak = None;
-    if wants("peak") {
-        println!();
-        match Peak::measure(&sources) {
-            Ok(measured) => {
-                measured.print();
-                peak = Some(measured);
-            }
-            Err(message) => missing.push(message),
-        }
-    }
     if wants("engines") || wants("peers") {
         let reference = Reference::new(&work.rows(peers::CHECKED)?)?;
         if wants("engines") {
             println!();
-            engines::print(&work, &reference, peak.as_ref(), &operations)?;
+            engines::print(&work, &reference)?;
         }
         if wants("peers") {
             println!();

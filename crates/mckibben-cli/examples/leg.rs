@@ -1,4 +1,5 @@
-//! A leg of two segments steps on a belt: three antagonistic pairs of the paper's actuator, each valve under PWM.
+//! The leg of `examples/plant/leg.toml` with pulsed valves, stepped by a loop of one's own: six of the paper's actuators, each valve
+//! under PWM, and a belt under the foot.
 //!
 //! ```text
 //! cargo run --release --example leg -- FOLDER [svg|png]
@@ -7,29 +8,19 @@
 //! writes `leg.svg`, the courses over time, and `leg-sticks.svg`, the leg in one stride, into a folder. Nobody measures
 //! anything: the duty cycles are a table over the stride. The leg's numbers are assumed, of the size of a small dog's.
 
-use mckibben::GaugePressure;
-use mckibben::control::Drive;
-use mckibben::load::leg::{Leg, LegState, STRANDS};
-use mckibben::simulation::LegStepper;
-use mckibben::valve::Request;
+use mckibben::mechanism::{Chain, Mechanism};
+use mckibben::plant::{PlantRun, PlantSteps};
+use mckibben::simulation::Method;
+use mckibben::valve::{Demand, Request};
 use mckibben_cli::plot::{Axis, Colour, Figure, Legend, Panel, Series, Theme};
-use mckibben_scenario::Document;
+use mckibben_scenario::{Document, PlantExperiment};
 use std::error::Error;
 use std::f64::consts::TAU;
 use std::path::PathBuf;
 
-const MUSCLE: &str = r#"
-actuator.preset = "colbrunn-2001"
-supply.gauge_pressure = "100 psi"
-valve.preset = "matrix-eight-channel"
-command = { kind = "pwm", frequency = "25 Hz", duty = 0.5 }
-load.kind = "isometric"
-initial = { gauge_pressure = "15 psi", length = "80 mm" }
-run.duration = "1 s"
-"#;
-
-/// Pulses in a second.
-const FREQUENCY: f64 = 25.0;
+const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/plant/leg.toml");
+/// The actuators in the order of the duty cycles; a pair stands together.
+const MUSCLES: [&str; 6] = ["hip-forward", "hip-back", "knee-forward", "knee-back", "both-forward", "both-back"];
 /// Time of a stride in s.
 const STRIDE: f64 = 1.2;
 /// Strides that are walked, and those of them that are drawn.
@@ -42,43 +33,54 @@ const DRAWN: (u32, u32) = (24, 600);
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = std::env::args_os().nth(1).map_or(PathBuf::from("."), PathBuf::from);
     let ending = std::env::args().nth(2).unwrap_or("svg".into());
-    let rig = Document::parse(MUSCLE, "muscle")?.experiment()?.rig;
-    let leg = Leg::small_dog();
-    let start = LegState { angles: [0.1, -0.5], rates: [0.0; 2] };
-    let gauge = GaugePressure(1e5);
-    let mut stepper = LegStepper::new(leg, start, [(&rig, gauge); STRANDS], 293.15, FREQUENCY)?;
+    let PlantExperiment { plant, start, names, .. } = pulsed()?.plant_experiment()?.ok_or("the file has no plant")?;
+    let [Mechanism::Chain(leg)] = plant.mechanisms() else { return Err("the leg is one chain".into()) };
+    let actuator = |name: &str| names.actuators.iter().position(|its| its == name).ok_or("an actuator is missing");
+    let places = MUSCLES.iter().map(|name| actuator(name)).collect::<Result<Vec<usize>, _>>()?;
+    let valves = places.iter().map(|i| names.valves[*i].ok_or("a valve is missing")).collect::<Result<Vec<_>, _>>()?;
+    let mut steps = PlantRun::new(&plant, &start, 1e-9)?.steps(Method::Stable);
     let mut walked = Walked::default();
     for stride in 0..STRIDES.0 {
         for count in 0..STEPS {
-            let phase = f64::from(count) / f64::from(STEPS);
-            stepper.drive(duties(phase).map(pulses))?;
-            let drawn = stride + STRIDES.1 >= STRIDES.0;
-            if drawn && count % DRAWN.0 == 0 {
-                walked.see(&stepper, f64::from(STRIDES.0 - STRIDES.1) * STRIDE);
+            for (valve, duty) in valves.iter().zip(duties(f64::from(count) / f64::from(STEPS))) {
+                let pulses = Demand::Pulses { frequency: 25.0, duty, pulse: Request::Fill, rest: Request::Exhaust };
+                steps.set(*valve, pulses)?;
+            }
+            if stride + STRIDES.1 >= STRIDES.0 && count % DRAWN.0 == 0 {
+                walked.see(leg, &places, &steps);
             }
             if stride + 1 == STRIDES.0 && count % DRAWN.1 == 0 {
-                walked.stand(&stepper);
+                walked.stand(leg, &steps);
             }
-            stepper.advance_to(STRIDE * (f64::from(stride) + f64::from(count + 1) / f64::from(STEPS)))?;
+            steps.advance_to(STRIDE * (f64::from(stride) + f64::from(count + 1) / f64::from(STEPS)))?;
         }
     }
     walked.tell();
     walked.courses().write(&folder.join(format!("leg.{ending}")), Theme::default())?;
-    walked.sticks(&leg).write(&folder.join(format!("leg-sticks.{ending}")), Theme::default())?;
+    walked.sticks(leg).write(&folder.join(format!("leg-sticks.{ending}")), Theme::default())?;
     println!("wrote leg.{ending} and leg-sticks.{ending} into {}", folder.display());
     Ok(())
 }
 
+/// The leg of the file with the paper's valves in place of pressure regulators, and no command of its own.
+fn pulsed() -> Result<Document, Box<dyn Error>> {
+    let mut leg = Document::load(FILE)?;
+    leg.remove("valve");
+    leg.remove("command");
+    for muscle in MUSCLES {
+        leg.remove(&format!("actuators.{muscle}.command"));
+    }
+    leg.set_text("valve.preset", "\"matrix-eight-channel\"")?;
+    leg.set_text("command.kind", "\"exhaust\"")?;
+    Ok(leg)
+}
+
 /// Duty cycles over a stride. It begins as the foot lifts: the hip swings forward while the knee is bent, then the knee
 /// stretches and the hip draws back.
-fn duties(phase: f64) -> [f64; STRANDS] {
+fn duties(phase: f64) -> [f64; 6] {
     let hip = 0.19 * (TAU * (phase - 0.02)).sin();
     let bend = 0.40 * (0.5 + 0.5 * (TAU * (phase - 0.08)).cos()).powi(2);
     [0.44 + hip, 0.42 - hip, 0.46 - bend, 0.24 + bend, 0.25, 0.25]
-}
-
-fn pulses(duty: f64) -> Drive {
-    Drive::Pulses { duty, pulse: Request::Fill, rest: Request::Exhaust }
 }
 
 /// What is drawn of a walk.
@@ -86,32 +88,33 @@ fn pulses(duty: f64) -> Drive {
 struct Walked {
     time: Vec<f64>,
     angles: [Vec<f64>; 2],
-    pressures: [Vec<f64>; STRANDS],
-    belt: [Vec<f64>; 2],
+    pressures: [Vec<f64>; 6],
+    press: Vec<f64>,
     foot: [Vec<f64>; 2],
     sticks: Vec<[[f64; 2]; 2]>,
 }
 
 impl Walked {
-    fn see(&mut self, stepper: &LegStepper, from: f64) {
-        let (leg, state) = (stepper.leg(), stepper.state());
-        self.time.push(stepper.time() - from);
-        for joint in 0..2 {
-            self.angles[joint].push(state.angles[joint].to_degrees());
+    fn see(&mut self, leg: &Chain, places: &[usize], steps: &PlantSteps) {
+        self.time.push(steps.time() - f64::from(STRIDES.0 - STRIDES.1) * STRIDE);
+        let sample = steps.sample();
+        let (angle, rate) = (&sample.mechanisms[0].position, &sample.mechanisms[0].rate);
+        for (angles, angle) in self.angles.iter_mut().zip(angle) {
+            angles.push(angle.to_degrees());
         }
-        for (pressures, actuator) in self.pressures.iter_mut().zip(stepper.actuators()) {
-            pressures.push(actuator.state().pressure.0 - 101_325.0);
+        for (pressures, place) in self.pressures.iter_mut().zip(places) {
+            pressures.push(sample.actuators[*place].pressure.0 - 101_325.0);
         }
-        let [_, foot] = leg.places(&state.angles);
-        let force = leg.belt_force(state);
-        for axis in 0..2 {
-            self.belt[axis].push(force[axis]);
-            self.foot[axis].push(foot[axis]);
+        let is_down = leg.foot(angle, rate).is_some_and(|(depth, _)| depth > 0.0);
+        self.press.push(if is_down { leg.foot_press(angle, rate).max(0.0) } else { 0.0 });
+        for (axis, place) in leg.joint_place(2, angle).into_iter().enumerate() {
+            self.foot[axis].push(place);
         }
     }
 
-    fn stand(&mut self, stepper: &LegStepper) {
-        self.sticks.push(stepper.leg().places(&stepper.state().angles));
+    fn stand(&mut self, leg: &Chain, steps: &PlantSteps) {
+        let angle = &steps.sample().mechanisms[0].position;
+        self.sticks.push([1, 2].map(|joint| leg.joint_place(joint, angle)));
     }
 
     fn tell(&self) {
@@ -124,12 +127,12 @@ impl Walked {
             ("knee", &self.angles[1], "deg", 1.0),
             ("foot forward", &self.foot[0], "mm", 1e3),
             ("foot up", &self.foot[1], "mm", 1e3),
-            ("belt up", &self.belt[1], "N", 1.0),
+            ("belt up", &self.press, "N", 1.0),
         ] {
             let (low, high) = range(values);
             println!("{name:13} {:7.1} to {:7.1} {unit}", low * factor, high * factor);
         }
-        let carried = self.belt[1].iter().filter(|force| **force > 0.0).count();
+        let carried = self.press.iter().filter(|force| **force > 0.0).count();
         println!("on the belt   {:7.1} % of the stride", 100.0 * carried as f64 / self.time.len() as f64);
     }
 
@@ -143,27 +146,19 @@ impl Walked {
                 .series(line("back", &self.pressures[first + 1], 1))
                 .legend(Legend::Above)
         };
-        let angles = Panel::new(Axis::new("angle", "deg")).series(line("hip", &self.angles[0], 0)).series(line(
-            "knee",
-            &self.angles[1],
-            1,
-        ));
-        let force = Panel::new(Axis::new("belt on foot", "N")).series(line("up", &self.belt[1], 0)).series(line(
-            "forward",
-            &self.belt[0],
-            1,
-        ));
+        let angles = Panel::new(Axis::new("angle", "deg"));
+        let [hip, knee] = &self.angles;
         Figure::new(Axis::new("time", "s"))
             .title("A leg steps under PWM")
-            .panel(angles)
+            .panel(angles.series(line("hip", hip, 0)).series(line("knee", knee, 1)))
             .panel(pair("hip", 0))
             .panel(pair("knee", 2))
             .panel(pair("both", 4))
-            .panel(force)
+            .panel(Panel::new(Axis::new("belt on foot", "N")).series(line("up", &self.press, 0)))
             .size_mm(120.0, 26.0)
     }
 
-    fn sticks(&self, leg: &Leg) -> Figure {
+    fn sticks(&self, leg: &Chain) -> Figure {
         let mut panel = Panel::new(Axis::new("height", "m"));
         let axis = Axis::new("forward", "m").starting_at(-0.28).ending_at(0.28);
         for (count, [knee, foot]) in self.sticks.iter().enumerate() {
@@ -172,7 +167,7 @@ impl Walked {
         }
         let [x, y] = &self.foot;
         panel = panel.series(Series::line("foot", x.clone(), y.clone()).colour(Colour::Category(1)));
-        if let Some(belt) = leg.belt {
+        if let Some(belt) = leg.belt() {
             panel = panel.horizontal(-belt.depth, "belt");
         }
         Figure::new(axis).title("One stride").panel(panel).size_mm(110.0, 95.0)

@@ -26,7 +26,7 @@ use crate::air::{Air, Chamber, Flow};
 use crate::convert::{Anew, Convert};
 use crate::dual::Dual;
 use crate::error::Error;
-use crate::force::{Characteristic, Effective, IdealBraid, LengthLimits, StaticForce, Statics};
+use crate::force::{Characteristic, Effective, LengthLimits, StaticForce, Statics};
 use crate::friction::{Friction, Memory, Pressing, Rubbing, Touch};
 use crate::parameter::{self, Parameter};
 use crate::pressure::{AbsolutePressure, GaugePressure};
@@ -34,11 +34,9 @@ use crate::scalar::{Mask, Over, Scalar};
 use crate::valve::{Ports, Valve};
 
 /// One braided pneumatic actuator with its air and, if it has one, its valve.
-///
-/// `L` is what is static about it. Whoever steps many ideal braids may name that law here and spares the choice of law.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Actuator<S = f64, L = Characteristic<S>> {
-    law: Effective<L, S>,
+pub struct Actuator<S = f64> {
+    law: Effective<Characteristic<S>, S>,
     limits: LengthLimits<S>,
     friction: Friction<S>,
     external_volume: S,
@@ -133,19 +131,9 @@ impl<S: Scalar> Actuator<S> {
         }
     }
 
-    /// The same actuator with the ideal braid for its law, if that is its law.
-    pub fn ideal(&self) -> Option<Actuator<S, IdealBraid<S>>> {
-        let ideal = self.law.law.ideal()?;
-        let Self { law: Effective { effectiveness, .. }, limits, friction, external_volume, air, valve } = self.clone();
-        let law = Effective { law: ideal, effectiveness };
-        Some(Actuator { law, limits, friction, external_volume, air, valve })
-    }
-}
-
-impl<S: Scalar, L: Statics<S>> Actuator<S, L> {
     /// The static force law with its effectiveness.
     #[inline(always)]
-    pub fn law(&self) -> &Effective<L, S> {
+    pub fn law(&self) -> &Effective<Characteristic<S>, S> {
         &self.law
     }
 

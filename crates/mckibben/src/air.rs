@@ -126,12 +126,6 @@ impl<T: Scalar> Flow<T> {
         Self { inward: T::select(open, self.inward, T::zero()), outward: T::select(open, self.outward, T::zero()) }
     }
 
-    /// The flow through a passage that is open to a share of it.
-    #[inline(always)]
-    pub(crate) fn through(self, share: T) -> Self {
-        Self { inward: share * self.inward, outward: share * self.outward }
-    }
-
     /// Net flow into the actuator in kg/s.
     #[inline(always)]
     pub fn net(&self) -> T {

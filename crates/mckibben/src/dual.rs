@@ -156,18 +156,9 @@ impl<S: Scalar, const K: usize> Scalar for Dual<S, K> {
 
 impl<S: Real, const K: usize> Real for Dual<S, K> {
     const HAS_DERIVATIVES: bool = true;
-    type Time = Dual<S::Time, K>;
     #[inline(always)]
     fn value(self) -> f64 {
         self.value.value()
-    }
-    #[inline(always)]
-    fn of_time(time: Self::Time) -> Self {
-        Self { value: S::of_time(time.value), slope: time.slope.map(S::of_time) }
-    }
-    #[inline(always)]
-    fn to_time(self) -> Self::Time {
-        Dual { value: self.value.to_time(), slope: self.slope.map(S::to_time) }
     }
 }
 

@@ -6,7 +6,7 @@
 //!
 //! Both grow with the length, so that there is one such length at most between the shortest one and the end of the law.
 //!
-//! Source: Colbrunn, Nelson & Quinn (2001), (9) and (14). Checked by `tests/modular.rs`, `tests/simulation.rs` and
+//! Source: Colbrunn, Nelson & Quinn (2001), (9) and (14). Checked by `tests/plant_host_pulses.rs`, `tests/simulation.rs` and
 //! `tests/plant_host.rs`.
 
 use crate::actuator::Actuator;

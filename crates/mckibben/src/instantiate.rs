@@ -7,12 +7,9 @@
 //!
 //! What is called in an inner loop has no entry point, so that the compiler may inline it.
 
+#[cfg(feature = "alloc")]
 use crate::error::Error;
 use crate::scalar::Real;
-use crate::simulation::fixed_step::Walk;
-use crate::simulation::piped::Stepped;
-use crate::simulation::timetable::Timetable;
-use crate::simulation::{Method, Rig, Sample};
 #[cfg(feature = "alloc")]
 use crate::{
     actuator::Response,
@@ -20,7 +17,7 @@ use crate::{
     plant::{
         Plant, PlantMode, PlantReader, PlantRun, PlantSample, PlantStart, PlantSteps, PlantTrajectory, TimeStepping,
     },
-    simulation::{JointRig, joint::kernel::Held},
+    simulation::Method,
     valve::Demand,
 };
 #[cfg(feature = "alloc")]
@@ -30,7 +27,7 @@ use alloc::vec::Vec;
 #[cfg(feature = "alloc")]
 type Watch<'w> = &'w mut dyn FnMut(f64) -> Result<(), Error>;
 
-/// Declares the entry points and their three implementations, those with an attribute under that condition.
+/// Declares the entry points and their two implementations, those with an attribute under that condition.
 macro_rules! entry_points {
     (
         $(
@@ -48,12 +45,6 @@ macro_rules! entry_points {
         #[allow(private_interfaces, reason = "as in the trait")]
         impl Instantiate for f64 {
             $($(#[$condition])? #[inline(never)] fn $name $(<$life>)? ($($argument: $type),*) $(-> $result)? { $body })*
-        }
-
-        // Compiled where they are called, as few do.
-        #[allow(private_interfaces, reason = "as in the trait")]
-        impl Instantiate for f32 {
-            $($(#[$condition])? #[inline] fn $name $(<$life>)? ($($argument: $type),*) $(-> $result)? { $body })*
         }
 
         #[allow(private_interfaces, reason = "as in the trait")]
@@ -112,17 +103,4 @@ entry_points! {
     #[cfg(feature = "alloc")]
     fn read_plant_sample(reader: &mut PlantReader<'_, Self>, time: Self, sample: &mut PlantSample<Self>) =
         reader.generic_read_into(time, sample);
-
-    #[cfg(feature = "alloc")]
-    fn step_joint(
-        rig: &JointRig<Self>, method: Method, span: (Self, Self), state: &[Self; 6], held: &Held<Self>
-    ) -> [Self; 6] = rig.generic_take_tenable(method, span, state, held);
-
-    fn advance_walk(
-        walk: &mut Walk<Self>, rig: &Rig<Self>, timetable: &Timetable<'_, <Self as Real>::Time>, method: Method,
-        to: (<Self as Real>::Time, &mut Option<Stepped<Self>>)
-    ) -> Result<(), Error> = walk.generic_advance_to(rig, timetable, method, to);
-    fn pass_walk(walk: &mut Walk<Self>, rig: &Rig<Self>, timetable: &Timetable<'_, <Self as Real>::Time>) =
-        walk.generic_pass(rig, timetable);
-    fn sample_walk(walk: &Walk<Self>, rig: &Rig<Self>) -> Sample<Self> = walk.generic_sample(rig);
 }

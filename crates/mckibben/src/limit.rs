@@ -79,14 +79,6 @@ limits! {
     PRESSURE_LINEAR: "a linear model by `linearize`",
         "of an actuator on a tendon whose pressure is given and that has no viscous friction",
         "give actuator.friction.viscous, however small: without it the tendon's balance follows the pressure's rate, which is no input";
-    MODULAR_TENDON: "a tendon in series", "in a modular actuator",
-        "move the ends of a plant with an external mechanism by `PlantSteps`, or leave out [tendon]";
-    MODULAR_VALVE: "a pressure regulator or a proportional spool", "as the valve of a modular actuator",
-        "choose a valve with seats such as valve.kind = \"three-way\"";
-    BEGIN_MOTION: "a beginning in the middle of a run", "for a load whose motion is given from t = 0",
-        "give it a load that moves by itself, or begin a new run";
-    DEAD_TIME_HOST: "a valve with a dead time", "driven step by step by a host",
-        "leave out valve.dead_time, give the command beforehand, or run the plant with `PlantRun`";
     SAVE_DRIVERS: "a state as numbers", "where drivers command valves",
         "save it by `PlantSteps::save`, or let the host set the valves";
     SAVE_COMMANDS: "a state as numbers", "where more than 64 commands of one valve are on their way",

@@ -139,6 +139,7 @@ macro_rules! parameters {
     };
 }
 
+#[cfg(feature = "alloc")]
 pub(crate) use parameters;
 
 parameters! {

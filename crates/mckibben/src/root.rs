@@ -7,6 +7,7 @@
 //! known of the last few points, and bisects where that does not converge (as Brent 1973 does with three points). Each error is
 //! of the order of the product of those before, so that three to five evaluations do.
 
+#[cfg(feature = "alloc")]
 use crate::scalar::Real;
 
 /// A point between `low` and `high` at which `function` changes sign, to `tolerance` in the argument.
@@ -55,9 +56,11 @@ pub(crate) fn bracketed(mut low: f64, mut high: f64, tolerance: f64, mut functio
 }
 
 /// How many points the inverse is interpolated by.
+#[cfg(feature = "alloc")]
 const POINTS: usize = 4;
 
 /// A search between zero and one for the point at which a function that is above zero ceases to be.
+#[cfg(feature = "alloc")]
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Search<R> {
     low: R,
@@ -69,6 +72,7 @@ pub(crate) struct Search<R> {
     moves: [R; 2],
 }
 
+#[cfg(feature = "alloc")]
 impl<R: Real> Search<R> {
     /// A search from a point, zero or above, to one, by the values there.
     pub(crate) fn between(low: [R; 2], at_high: R) -> Self {

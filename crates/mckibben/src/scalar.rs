@@ -5,7 +5,6 @@
 //! | scalar | use |
 //! |---|---|
 //! | `f64` | simulation |
-//! | `f32` | batches where half the precision is enough |
 //! | [`Dual`](crate::Dual) | exact derivatives, with respect to a state or to a parameter |
 //! | a vector of lanes | batches: each lane is another actuator with its own parameters |
 //!
@@ -155,15 +154,8 @@ pub trait Real: Scalar<Mask = bool> + Instantiate {
     /// Whether it carries derivatives besides its value.
     const HAS_DERIVATIVES: bool = false;
 
-    /// A number that is precise enough for points in time, whose differences are steps.
-    type Time: Real<Time = Self::Time>;
-
     /// The value without any derivative.
     fn value(self) -> f64;
-    /// The nearest number to a point or a span of time.
-    fn of_time(time: Self::Time) -> Self;
-    /// A span as time.
-    fn to_time(self) -> Self::Time;
 }
 
 /// A scalar that extends `S`: arguments of this type may meet parameters of type `S`.
@@ -192,14 +184,14 @@ pub trait Differentiable<S: Scalar>: Over<S> {
 
 #[cfg(feature = "std")]
 macro_rules! mathematics {
-    ($type:ident: $($method:ident => $libm:path),*) => {
-        $(#[inline(always)] fn $method(self) -> Self { $type::$method(self) })*
+    ($($method:ident => $libm:path),*) => {
+        $(#[inline(always)] fn $method(self) -> Self { f64::$method(self) })*
     };
 }
 
 #[cfg(all(not(feature = "std"), feature = "libm"))]
 macro_rules! mathematics {
-    ($type:ident: $($method:ident => $libm:path),*) => {
+    ($($method:ident => $libm:path),*) => {
         $(#[inline(always)] fn $method(self) -> Self { $libm(self) })*
     };
 }
@@ -207,48 +199,39 @@ macro_rules! mathematics {
 #[cfg(not(any(feature = "std", feature = "libm")))]
 compile_error!("without the feature `std`, the feature `libm` is needed for the square root and the exponential");
 
-macro_rules! float {
-    ($type:ident, { $($own:ident => $function:ident),* }, $($method:ident => $libm:path),*) => {
-        impl Scalar for $type {
-            type Mask = bool;
-            const IS_ONE: bool = true;
-            $(#[inline(always)] fn $own(self) -> Self { crate::trigonometry::$function(self) })*
-            #[inline(always)]
-            fn constant(value: f64) -> Self {
-                value as $type
-            }
-            mathematics!($type: $($method => $libm),*);
-            #[inline(always)]
-            fn lt(self, other: Self) -> bool {
-                self < other
-            }
-            #[inline(always)]
-            fn le(self, other: Self) -> bool {
-                self <= other
-            }
-            #[inline(always)]
-            fn select(mask: bool, yes: Self, no: Self) -> Self {
-                if mask { yes } else { no }
-            }
-        }
-
-        impl Real for $type {
-            type Time = f64;
-            #[inline(always)]
-            fn value(self) -> f64 {
-                self as f64
-            }
-            #[inline(always)]
-            fn of_time(time: f64) -> Self {
-                time as $type
-            }
-            #[inline(always)]
-            fn to_time(self) -> f64 {
-                self as f64
-            }
-        }
-    };
+impl Scalar for f64 {
+    type Mask = bool;
+    const IS_ONE: bool = true;
+    #[inline(always)]
+    fn constant(value: f64) -> Self {
+        value
+    }
+    #[inline(always)]
+    fn sin(self) -> Self {
+        crate::trigonometry::sine(self)
+    }
+    #[inline(always)]
+    fn cos(self) -> Self {
+        crate::trigonometry::cosine(self)
+    }
+    mathematics!(sqrt => libm::sqrt, ln => libm::log, exp => libm::exp, exp_m1 => libm::expm1);
+    #[inline(always)]
+    fn lt(self, other: Self) -> bool {
+        self < other
+    }
+    #[inline(always)]
+    fn le(self, other: Self) -> bool {
+        self <= other
+    }
+    #[inline(always)]
+    fn select(mask: bool, yes: Self, no: Self) -> Self {
+        if mask { yes } else { no }
+    }
 }
 
-float!(f64, { sin => sine, cos => cosine }, sqrt => libm::sqrt, ln => libm::log, exp => libm::exp, exp_m1 => libm::expm1);
-float!(f32, {}, sqrt => libm::sqrtf, ln => libm::logf, exp => libm::expf, exp_m1 => libm::expm1f, sin => libm::sinf, cos => libm::cosf);
+impl Real for f64 {
+    #[inline(always)]
+    fn value(self) -> f64 {
+        self
+    }
+}

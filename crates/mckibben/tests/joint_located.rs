@@ -2,14 +2,16 @@
 //! Dahl's law, the orders of fixed steps, energy and exergy, derivatives.
 
 use crate::common::joint::{Pair, on_a_line};
+use crate::common::regulated::Regulated;
+use crate::common::steps::JointSteps;
 use crate::common::{ATMOSPHERE, PSI, Paper, ROOM, assert_close, assert_within};
 use mckibben::air::Process;
 use mckibben::friction::{BoucWen, Hysteresis, LuGre};
 use mckibben::load::Stops;
 use mckibben::plant::{JointPlant, JointTrajectory};
-use mckibben::simulation::{Actuation, EventKind, InitialAngle, JointInitial, JointStepper, Method, Rig, simulate};
-use mckibben::valve::{Command, FlowStandard, Ramp, Regulated, Regulator, Request, Solenoid, Spool, ValveKind};
-use mckibben::{AbsolutePressure, Dual, GaugePressure, Real};
+use mckibben::simulation::{Actuation, EventKind, InitialAngle, JointInitial, Method, Rig, simulate};
+use mckibben::valve::{Command, FlowStandard, Ramp, Regulator, Request, Solenoid, Spool, ValveKind};
+use mckibben::{Dual, GaugePressure, Real};
 
 const TIGHT: f64 = 1e-11;
 
@@ -130,16 +132,15 @@ fn a_regulated_pressure_follows_its_closed_form() {
     let (times, gauges) = ([0.02, 0.15], [4e5, 1e5]);
     let points = Command::set_points(times.to_vec(), gauges.to_vec()).expect("set points");
     let pair = pair(Solenoid::regulating(regulator()), points, None).with(|pair| pair.papers[0].gauge = 0.0);
-    let (run, valve) = (pair.run(0.3, TIGHT), pair.papers[0].valve());
-    let at_rest = AbsolutePressure(ATMOSPHERE);
-    let mut course = Regulated { time: 0.0, pressure: at_rest, setpoint: at_rest };
-    for (step, (time, gauge)) in times.into_iter().zip(gauges).enumerate() {
-        course = regulator().set(&course, time, AbsolutePressure(gauge + ATMOSPHERE), &valve);
+    let run = pair.run(0.3, TIGHT);
+    let closed_form = Regulated { time_constant: 0.02, dead_time: 5e-3, rate_limit: 2e6 };
+    let courses = closed_form.courses(ATMOSPHERE, &times, &gauges.map(|gauge| gauge + ATMOSPHERE));
+    for (step, course) in courses.into_iter().enumerate() {
         let until = times.get(step + 1).map_or(0.3, |time| time + 5e-3);
         for n in 0..=50 {
             let time = course.time + (until - course.time) * f64::from(n) / 50.0;
             let supply = run.at(time).actuators[0].supply_pressure.expect("it is regulated").0;
-            assert_close(supply, regulator().pressure(&course, time), 1e-8);
+            assert_close(supply, closed_form.pressure(&course, time), 1e-8);
         }
     }
     let count = |kind| run.events().iter().filter(|event| event.kind.kind == kind).count();
@@ -147,12 +148,13 @@ fn a_regulated_pressure_follows_its_closed_form() {
     assert!(count(EventKind::Regulator) >= 2);
 }
 
-fn difference(stepper: &JointStepper, pair: &Pair, steps: u32, until: f64, exact: &JointTrajectory) -> f64 {
-    let mut course = stepper.begin(stepper.rig().start(&pair.initial()).expect("a start"));
+fn difference(pair: &Pair, method: Method, steps: u32, until: f64, exact: &JointTrajectory) -> f64 {
+    let rig = pair.rig().expect("a rig");
+    let mut stepper = JointSteps::new(&rig, rig.start(&pair.initial()).expect("a start"), method);
     for step in 1..=steps {
-        stepper.advance_to(&mut course, until * (f64::from(step) / f64::from(steps))).expect("a step");
+        stepper.advance_to(until * (f64::from(step) / f64::from(steps))).expect("a step");
     }
-    let (ours, theirs) = (stepper.sample(&course), exact.at(until));
+    let (ours, theirs) = (stepper.sample(), exact.at(until));
     let pressures = [0, 1].map(|i| (ours.actuators[i].pressure.0 / theirs.actuators[i].pressure.0 - 1.0).abs());
     (ours.angle - theirs.angle).abs().max(pressures[0]).max(pressures[1])
 }
@@ -175,8 +177,7 @@ fn fixed_steps_come_to_it_at_their_order() {
         let pair = choked(pair(solenoid, command, None));
         let exact = pair.run(until, 1e-12);
         for (method, order, counts) in [(Method::Stable, 2.0, [400, 1600]), (Method::Rk4, 4.0, [50, 200])] {
-            let stepper = JointStepper::new(pair.rig().expect("a rig"), method).expect("a stepper");
-            let errors = counts.map(|steps| difference(&stepper, &pair, steps, until, &exact));
+            let errors = counts.map(|steps| difference(&pair, method, steps, until, &exact));
             let fitted = (errors[0] / errors[1]).log2() / 2.0;
             println!("{name} {method:?} {fitted} {errors:?}");
             // A regulated pressure crosses the actuator's, where the flow has a kink.
@@ -187,8 +188,7 @@ fn fixed_steps_come_to_it_at_their_order() {
     // Bristles turn with the joint: between two turns the order is the method's, and a step spans the turn.
     let pair = choked(pair(valves()[0].1, pulses(10.0, 0.5), Some(falling())));
     let exact = pair.run(until, 1e-12);
-    let stepper = JointStepper::new(pair.rig().expect("a rig"), Method::Stable).expect("a stepper");
-    let errors = [2000, 8000].map(|steps| difference(&stepper, &pair, steps, until, &exact));
+    let errors = [2000, 8000].map(|steps| difference(&pair, Method::Stable, steps, until, &exact));
     let fitted = (errors[0] / errors[1]).log2() / 2.0;
     println!("LuGre {fitted} {errors:?}");
     assert!(fitted > 1.7 && errors[1] < 1e-5, "order {fitted}, {errors:?}");

@@ -2,10 +2,13 @@
 //! closed form; no air is lost, and no step takes more than there is.
 
 use crate::common;
+use common::steps::RigSteps;
 use common::{ATMOSPHERE, INCH, PSI, Paper, ROOM, assert_close, assert_within};
 use mckibben::air::Process;
 use mckibben::line::{Compressor, Hose, HoseKind, Leakage, Line, Regulator, Reservoir, SupplyLine};
-use mckibben::simulation::{Actuation, FixedStepper, Method, Rig, Sample, State, simulate};
+use mckibben::network::NodeKind;
+use mckibben::plant::{RigPlant, TimeStepping};
+use mckibben::simulation::{Actuation, Method, Rig, Sample, State, simulate};
 use mckibben::valve::{Command, FlowStandard, Ramp, Request, Solenoid};
 use mckibben::{Dual, GaugePressure, Scalar, parameter};
 
@@ -50,7 +53,7 @@ fn filling() -> Paper {
 
 /// The samples at the ends of equal steps.
 fn steps(rig: &Rig, start: State, method: Method, duration: f64, count: u32) -> Vec<Sample> {
-    let mut stepper = FixedStepper::new(rig, start, method);
+    let mut stepper = RigSteps::new(rig, start, method);
     let sample = |step| {
         stepper.advance_to(duration * f64::from(step) / f64::from(count)).expect("a step");
         stepper.sample()
@@ -132,14 +135,16 @@ fn no_air_is_lost_between_bottle_and_actuators() {
             let rig = rig(&paper, Line { hose, ..fed(Some(bottle), regulator, actuators) });
             let per_pressure = volume / (GAS * ROOM);
             for (method, count) in [(Method::Rk4, 4000), (Method::Stable, 4000), (Method::Stable, 40)] {
-                let mut stepper = FixedStepper::new(&rig, paper.start(), method);
+                let mut stepper = RigSteps::new(&rig, paper.start(), method);
                 let start = stepper.sample();
                 (1..=count).for_each(|n| stepper.advance_to(0.2 * f64::from(n) / f64::from(count)).expect("a step"));
                 let sample = stepper.sample();
                 let gained = [sample, start].map(|s| s.air_mass + s.hose_air_mass);
                 let gained = actuators * (gained[0] - gained[1]);
-                let states: Vec<f64> = stepper.line().collect();
-                let bottled = states[states.len() - 1 - usize::from(regulator.is_some())];
+                let plant = stepper.steps.plant();
+                let is_bottle = |node: usize| matches!(plant.network().nodes[node].kind, NodeKind::Reservoir(_));
+                let bottle = (0..plant.network().nodes.len()).find(|node| is_bottle(*node)).expect("a bottle");
+                let bottled = stepper.steps.state()[plant.places().nodes[bottle].expect("a state")];
                 let lost = (1.2 * SUPPLY + ATMOSPHERE - bottled) * per_pressure;
                 assert!(gained > 1e-6 * actuators, "{gained}");
                 assert_close(lost, gained, 1e-9);
@@ -278,9 +283,9 @@ fn derivatives_pass_through_a_line_at_fixed_steps() {
             },
         );
         let start = seeded.begin(&paper.initial().map(|_, value| common::Seeded::constant(value))).expect("a start");
-        let mut stepper = FixedStepper::new(&seeded, start, Method::Stable);
-        (1..=100).for_each(|n| stepper.advance_to(Dual::constant(1e-3 * f64::from(n))).expect("a step"));
-        let exact = stepper.sample().pressure.0.slope[0];
+        let stepping = TimeStepping::Fixed { method: Method::Stable, step: 1e-3 };
+        let run = RigPlant::new(&seeded).simulate(&start, Dual::constant(0.1), stepping).expect("a run");
+        let exact = run.at(Dual::constant(0.1)).pressure.0.slope[0];
         let near = common::slope(1e-6 * size, |h| {
             let changed = rig.map(|parameter, value| value + if same(parameter) { h } else { 0.0 });
             end(&changed, &paper, Method::Stable, 0.1, 100).pressure.0

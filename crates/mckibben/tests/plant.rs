@@ -4,12 +4,13 @@
 
 mod common;
 
+mod chain;
 mod joint;
 mod joint_circuit;
 mod joint_control;
 mod joint_fittings;
 mod joint_located;
-mod joint_stepper;
+mod joint_steps;
 mod linearize;
 mod linearize_analysis;
 mod linearize_joint;

@@ -2,13 +2,12 @@
 
 use crate::common::steps::RigSteps;
 use crate::common::{INCH, PSI, Paper, ROOM, assert_close, assert_within};
-use mckibben::control::Drive;
 use mckibben::line::{Hose, HoseKind, Line};
 use mckibben::parameter;
 use mckibben::plant::{Part, Plant, PlantRun, PlantStart, PlantTrajectory, simulate_plant};
-use mckibben::simulation::{Actuation, EventKind, Method, ModularActuator, Rig, State, simulate};
+use mckibben::simulation::{Actuation, EventKind, Method, Rig, State, simulate};
 use mckibben::valve::{Command, FiveWay, FiveWayRest, Ramp, Regulator, Request, SeatClock, Solenoid, Spool, ValveKind};
-use mckibben::{Dual, Error, GaugePressure, Scalar};
+use mckibben::{Dual, GaugePressure, Scalar};
 
 const OPEN: f64 = 4e-3;
 const CLOSE: f64 = 1e-3;
@@ -244,9 +243,4 @@ fn instants_move_with_the_dead_time_and_errors_name_it() {
         let error = Solenoid::new(ValveKind::TwoWay, 0.0, 0.0).and_then(|valve| valve.with_dead_time(wrong));
         assert!(error.expect_err("refused").to_string().contains("valve.dead_time"));
     }
-    // A host that keeps nothing of what it asks for cannot have it.
-    let (rig, start) = rig(solenoid(ValveKind::ThreeWay, 7e-3), Command::Constant(Request::Exhaust));
-    let mut actuator = ModularActuator::new(&rig, start, 25.0).expect("an actuator");
-    let refused = actuator.drive(Drive::Steady(Request::Fill));
-    assert!(matches!(refused, Err(Error::NotImplemented(_))), "{refused:?}");
 }

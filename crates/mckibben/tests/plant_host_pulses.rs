@@ -235,7 +235,8 @@ fn what_would_never_end_is_refused() {
     let paper = Paper::pwm(FREQUENCY, 0.5);
     let refused = |mut actuator: PlantSteps, until: f64| {
         let before = actuator.sample();
-        actuator.move_to(until, &[0.09]).expect_err("refused");
+        let said = actuator.move_to(until, &[0.09]).expect_err("refused").to_string();
+        assert!(until > 1e6 || said.contains("ten million"), "{said}");
         assert_eq!(actuator.sample(), before);
     };
     for (frequency, until) in [(FREQUENCY, f64::INFINITY), (FREQUENCY, 1e300), (1e300, 1e-3), (1e13, 1e-3)] {
@@ -247,6 +248,11 @@ fn what_would_never_end_is_refused() {
     let mut actuator = hosted(&paper);
     actuator.limit_step(1e-300).expect("a limit");
     refused(actuator, 1e-3);
+    // As many pulses as can be counted later on, and none that can.
+    let mut actuator = hosted(&paper);
+    actuator.move_to(1.0, &[0.09]).expect("no pulses yet");
+    actuator.set(0, pulses_at(1e300, 0.5)).expect("pulses");
+    refused(actuator, 1.001);
     for wrong in [0.0, f64::NAN, -1.0] {
         assert!(hosted(&paper).limit_step(wrong).is_err());
     }

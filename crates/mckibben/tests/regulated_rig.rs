@@ -2,19 +2,22 @@
 //! the orders of fixed steps, a batch.
 
 use crate::common::accounts::Audited;
+use crate::common::regulated::{Course, Regulated};
+use crate::common::steps::RigSteps;
 use crate::common::{ATMOSPHERE, INCH, PSI, Paper, assert_close, assert_within, scaled, seeded, slope};
 use mckibben::air::Process;
 use mckibben::line::{Hose, HoseKind, Line, Reservoir, SupplyLine};
 use mckibben::parameter::{self, Parameter};
-use mckibben::plant::RigTrajectory;
-use mckibben::simulation::{Actuation, EventKind, FixedStepper, Method, ModularActuator, Rig, State, simulate};
-use mckibben::valve::{Command, FlowStandard, Regulated, Regulator, Request, Solenoid, ValveKind};
-use mckibben::{AbsolutePressure, Dual, Error, GaugePressure, Over, Real};
+use mckibben::plant::{RigPlant, RigTrajectory, TimeStepping};
+use mckibben::simulation::{Actuation, EventKind, Method, Rig, State, simulate};
+use mckibben::valve::{Command, FlowStandard, Regulator, Request, Solenoid, ValveKind};
+use mckibben::{Dual, Error, GaugePressure, Over};
 
 const TAU: f64 = 0.03;
 const DEAD: f64 = 5e-3;
 const LIMIT: f64 = 2e6;
 const TIGHT: f64 = 1e-10;
+const CLOSED_FORM: Regulated = Regulated { time_constant: TAU, dead_time: DEAD, rate_limit: LIMIT };
 
 fn regulator(limit: f64) -> Regulator {
     Regulator::new(TAU, DEAD, limit).expect("a regulator")
@@ -60,16 +63,11 @@ fn instants(run: &RigTrajectory, kind: EventKind) -> Vec<f64> {
 const STAIRS: ([f64; 3], [f64; 3]) = ([0.02, 0.15, 0.6], [4e5, 4.6e5, 1e5]);
 
 /// What the closed form makes of these, each with its end, up to 1.2 s.
-fn courses() -> Vec<(Regulated, f64)> {
+fn courses() -> Vec<(Course, f64)> {
     let (times, gauges) = STAIRS;
-    let valve = wide().with(|rig| rig.command = Some(Command::Constant(Request::Fill))).valve();
-    let at_rest = AbsolutePressure(ATMOSPHERE);
-    let mut course = Regulated { time: 0.0, pressure: at_rest, setpoint: at_rest };
-    let set = |step: usize| {
-        course = regulator(LIMIT).set(&course, times[step], AbsolutePressure(gauges[step] + ATMOSPHERE), &valve);
-        (course, times.get(step + 1).map_or(1.2, |time| time + DEAD))
-    };
-    (0..times.len()).map(set).collect()
+    let courses = CLOSED_FORM.courses(ATMOSPHERE, &times, &gauges.map(|gauge| gauge + ATMOSPHERE));
+    let ends = times.iter().skip(1).map(|time| time + DEAD).chain([1.2]);
+    courses.into_iter().zip(ends).collect()
 }
 
 #[test]
@@ -79,7 +77,7 @@ fn the_pressure_follows_the_closed_form() {
     for (course, until) in courses() {
         for n in 0..=50 {
             let time = course.time + (until - course.time) * f64::from(n) / 50.0;
-            let expected = regulator(LIMIT).pressure(&course, time);
+            let expected = CLOSED_FORM.pressure(&course, time);
             assert_close(regulated(&run, time), expected, 1e-9);
             // The passage is two thousand times as fast as the regulator.
             assert_within(run.at(time).pressure.0, expected, 2e-3 * ATMOSPHERE);
@@ -208,34 +206,53 @@ fn start(rig: &Rig, paper: &Paper) -> State {
 }
 
 /// In so many equal steps.
-fn stepped<R: Real<Time = R>>(rig: &Rig<R>, start: State<R>, method: Method, until: f64, steps: u32) -> State<R> {
-    let mut stepper = FixedStepper::new(rig, start, method);
+fn stepped(rig: &Rig, start: State, method: Method, until: f64, steps: u32) -> State {
+    let mut stepper = RigSteps::new(rig, start, method);
     for step in 1..=steps {
-        stepper.advance_to(R::constant(until * (f64::from(step) / f64::from(steps)))).expect("a step");
+        stepper.advance_to(until * (f64::from(step) / f64::from(steps))).expect("a step");
     }
     stepper.state()
 }
 
-/// At any step, however long: the regulated pressure is not integrated.
-#[test]
-fn fixed_steps_have_the_pressure_by_its_closed_form() {
+/// The largest error in Pa of the regulated pressure at the ends of so many steps, up to 1.2 s.
+fn off_the_closed_form(method: Method, steps: u32) -> f64 {
     let (times, gauges) = STAIRS;
     let paper = held();
     let rig = rig(&paper, regulator(LIMIT), points(&times, &gauges));
-    for (method, steps) in [(Method::Rk4, 24_000), (Method::Stable, 1200), (Method::Stable, 37)] {
-        let mut stepper = FixedStepper::new(&rig, start(&rig, &paper), method);
-        let mut courses = courses().into_iter().peekable();
-        let mut now = None;
-        for step in 1..=steps {
-            let time = 1.2 * f64::from(step) / f64::from(steps);
-            stepper.advance_to(time).expect("a step");
-            while let Some((course, _)) = courses.next_if(|(course, _)| course.time <= time) {
-                now = Some(course);
-            }
-            let expected = now.map_or(ATMOSPHERE, |course| regulator(LIMIT).pressure(&course, time));
-            assert_close(stepper.sample().supply_pressure.expect("it is regulated").0, expected, 1e-13);
+    let mut stepper = RigSteps::new(&rig, start(&rig, &paper), method);
+    let mut courses = courses().into_iter().peekable();
+    let (mut now, mut worst) = (None, 0.0_f64);
+    for step in 1..=steps {
+        let time = 1.2 * f64::from(step) / f64::from(steps);
+        stepper.advance_to(time).expect("a step");
+        while let Some((course, _)) = courses.next_if(|(course, _)| course.time <= time) {
+            now = Some(course);
         }
-        assert!(courses.peek().is_none());
+        let expected = now.map_or(ATMOSPHERE, |course| CLOSED_FORM.pressure(&course, time));
+        let ours = stepper.sample().supply_pressure.expect("it is regulated").0;
+        worst = worst.max((ours - expected).abs());
+    }
+    assert!(courses.peek().is_none());
+    worst
+}
+
+/// The rate's limit ends within a step, and set points take effect there: neither costs an order. Of an exponential that falls
+/// from `q τ` a step of x = h/τ errs by x⁵/120 of what is left with RK4 and by c x³ with ROS2, c = 2γ³ − 3γ² + 1/6 (see
+/// `stable_error`); over a time t that is t/h times as much of `q τ exp(−t/τ)`, which is largest at t = τ.
+#[test]
+fn fixed_steps_come_to_the_closed_form_at_their_order() {
+    let (reach, gamma) = (LIMIT * TAU, 1.0 + 0.5_f64.sqrt());
+    let of_stable = 2.0 * gamma.powi(3) - 3.0 * gamma * gamma + 1.0 / 6.0;
+    for (method, order, per_step, counts) in
+        [(Method::Rk4, 4, 1.0 / 120.0, [300_u32, 600]), (Method::Stable, 2, of_stable, [1200, 2400])]
+    {
+        let errors = counts.map(|steps| off_the_closed_form(method, steps));
+        let fitted = (errors[0] / errors[1]).log2();
+        assert!((fitted - f64::from(order)).abs() < 0.2, "{method:?}: order {fitted}, {errors:?}");
+        for (steps, error) in counts.into_iter().zip(errors) {
+            let bound = per_step * (1.2 / f64::from(steps) / TAU).powi(order) * reach / std::f64::consts::E;
+            assert!(error < 1.2 * bound, "{method:?}: {error} Pa above {bound} Pa");
+        }
     }
 }
 
@@ -251,14 +268,14 @@ fn fixed_steps_come_to_the_event_located_run_at_their_order() {
     let run = simulate(&rig, start(&rig, &paper), 0.032, 1e-12).expect("a run");
     assert_eq!([EventKind::Regulator, EventKind::Flow].map(|kind| instants(&run, kind).len()), [1, 0]);
     let exact = run.at(0.032);
-    for (method, order, counts) in [(Method::Rk4, 4.0, [32, 64]), (Method::Stable, 2.0, [128, 256])] {
+    for (method, order, counts) in [(Method::Rk4, 4.0, [64, 128]), (Method::Stable, 2.0, [128, 256])] {
         let errors = counts.map(|steps| {
             let State { pressure, air_mass, .. } = stepped(&rig, start(&rig, &paper), method, 0.032, steps);
             [pressure.0 - exact.pressure.0, air_mass - exact.air_mass].map(f64::abs)
         });
         for n in 0..2 {
             let fitted = (errors[0][n] / errors[1][n]).log2();
-            assert!((fitted - order).abs() < 0.3, "{method:?}: order {fitted}, {errors:?}");
+            assert!(fitted > order - 0.3, "{method:?}: order {fitted}, {errors:?}");
         }
     }
 }
@@ -283,7 +300,7 @@ fn long_stable_steps_never_overshoot() {
         let rig = rig(&paper, regulator(LIMIT), points(&[0.0], &[2e5]));
         let (most, least) = (gauge.max(2e5) + ATMOSPHERE, gauge.min(2e5) + ATMOSPHERE);
         for step in [0.02, 0.005, 0.001] {
-            let mut stepper = FixedStepper::new(&rig, start(&rig, &paper), Method::Stable);
+            let mut stepper = RigSteps::new(&rig, start(&rig, &paper), Method::Stable);
             for n in 1..=(2.0 / step) as u32 {
                 stepper.advance_to(step * f64::from(n)).expect("a step");
                 let pressure = stepper.state().pressure.0;
@@ -298,7 +315,9 @@ fn long_stable_steps_never_overshoot() {
 fn derivatives_of_fixed_steps_are_those_of_finite_differences() {
     let paper = held();
     let rig = rig(&paper, regulator(LIMIT), points(&[0.0, 0.2], &[3e5, 1e5]));
-    let end = |rig: &Rig| stepped(rig, start(rig, &paper), Method::Stable, 0.3, 3000).pressure.0;
+    // No set point takes effect at the end of a step.
+    let count = 2989;
+    let end = |rig: &Rig| stepped(rig, start(rig, &paper), Method::Stable, 0.3, count).pressure.0;
     let rows: [&'static Parameter; 5] = [
         &parameter::REGULATOR_TIME_CONSTANT,
         &parameter::VALVE_DEAD_TIME,
@@ -309,7 +328,9 @@ fn derivatives_of_fixed_steps_are_those_of_finite_differences() {
     for row in rows {
         let seeded = seeded(&rig, row);
         let start = seeded.begin(&paper.initial().map(|_, value| Dual::of(value))).expect("a start");
-        let exact = stepped(&seeded, start, Method::Stable, 0.3, 3000).pressure.0.slope[0];
+        let stepping = TimeStepping::Fixed { method: Method::Stable, step: 0.3 / f64::from(count) };
+        let run = RigPlant::new(&seeded).simulate(&start, Dual::of(0.3), stepping).expect("a run");
+        let exact = run.at(Dual::of(0.3)).pressure.0.slope[0];
         assert_close(exact, slope(1e-4, |relative| end(&scaled(&rig, row, relative))), 1e-3);
     }
 }
@@ -327,9 +348,6 @@ fn what_has_no_meaning_is_refused() {
     wrong(Command::set_points(vec![1.0, 1.0], vec![1e5; 2]).expect_err("refused"), "do not rise");
 
     let rig = rig(&paper, regulator(LIMIT), good());
-    let start = rig.start(&paper.initial()).expect("a start");
-    let modular = ModularActuator::new(&rig, start, 25.0).expect_err("refused");
-    wrong(modular, "three-way");
     let bottle = Reservoir::new([1e-3, 1.0, 293.15], GaugePressure(5e5), None, &paper.air()).expect("a bottle");
     let supply = Some(SupplyLine::new(Some(bottle), None, 1.0).expect("a supply"));
     wrong(rig.with_line(Line { supply, ..Line::NONE }).expect_err("refused"), "behind a reservoir or a regulator");

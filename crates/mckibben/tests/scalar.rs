@@ -1,6 +1,6 @@
-//! The scalars: derivatives of dual numbers, eight lanes side by side, single precision.
+//! The scalars: derivatives of dual numbers, eight lanes side by side.
 
-use crate::common::{ATMOSPHERE, Paper, assert_close, assert_within, between, slope};
+use crate::common::{ATMOSPHERE, Paper, between, slope};
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 use mckibben::air::{Chamber, Process};
 use mckibben::force::Effectiveness;
@@ -295,33 +295,6 @@ fn lanes_may_have_different_passages_open() {
                 let expected = actuator.flow(&chamber, supply[lane], exhaust[lane]);
                 assert_eq!(flow.inward.0[lane].to_bits(), expected.inward.to_bits());
                 assert_eq!(flow.outward.0[lane].to_bits(), expected.outward.to_bits());
-            }
-        }
-    }
-}
-
-#[test]
-fn single_precision_is_close_to_double() {
-    for paper in variants() {
-        let actuator = paper.actuator();
-        let small: Actuator<f32> = actuator.map(|_, value| value as f32);
-        for row in 0..500 {
-            let (_, velocity, pressure, air_mass) = random_state(row);
-            // Away from the slack end, where the ideal force is the difference of two nearly equal numbers.
-            let distance = between(row, 4, 0.075, 0.095);
-            for ports in [Ports { supply: true, exhaust: false }, Ports { supply: false, exhaust: true }] {
-                let state = ActuatorState::new(AbsolutePressure(pressure), air_mass, RELAXED);
-                let exact = actuator.respond(&state, distance, velocity, ports);
-                let pressure32 = AbsolutePressure(pressure as f32);
-                let state32 = ActuatorState::new(pressure32, air_mass as f32, RELAXED as f32);
-                let rough = small.respond(&state32, distance as f32, velocity as f32, ports);
-                // Single precision rounds to 6e-8; sums of terms of either sign and fourfold powers take some of it.
-                let force = paper.actuator().law().law.braid.volume_slope(distance).abs() * pressure;
-                assert_within(f64::from(rough.tension), exact.tension, 3e-6 * (force + 10.0));
-                assert_close(f64::from(rough.temperature), exact.temperature, 1e-5);
-                // Near equal pressures the ratio's rounding counts against 1 − r: compare with the choked flow.
-                let choked = actuator.valve().expect("a valve").law.conductance() * pressure.max(7.9e5) / 17.0;
-                assert_within(f64::from(rough.mass_flow), exact.mass_flow, 1e-4 * choked);
             }
         }
     }

@@ -9,7 +9,7 @@ use mckibben::air::Process;
 use mckibben::line::{Hose, HoseKind, Line};
 use mckibben::parameter::{self, Parameter};
 use mckibben::plant::RigTrajectory;
-use mckibben::simulation::{Actuation, EventKind, Method, ModularActuator, Rig, State, simulate};
+use mckibben::simulation::{Actuation, EventKind, Method, Rig, State, simulate};
 use mckibben::valve::{Command, FlowStandard, Request, Solenoid, Spool, ValveKind};
 use mckibben::{Dual, Error, Over};
 use std::f64::consts::TAU;
@@ -226,8 +226,6 @@ fn what_has_no_meaning_is_refused() {
     wrong(Command::positions(vec![0.0], vec![1.5]).expect_err("refused"), "command.position = 1.5");
     wrong(Command::positions(vec![0.0, 1.0], vec![0.5]).expect_err("refused"), "entry 2");
     wrong(Command::positions(vec![1.0, 0.0], vec![0.5; 2]).expect_err("refused"), "do not rise");
-    let rig = rig(&paper, spool(50.0, 0.7, 0.0), positions(&[0.0], &[0.5]));
-    wrong(ModularActuator::new(&rig, start(&rig, &paper), 25.0).expect_err("refused"), "three-way");
 }
 
 /// A supply above the paper's does not change where the spool rests without a command: in the middle.

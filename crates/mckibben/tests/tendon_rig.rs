@@ -2,11 +2,12 @@
 
 use crate::common::steps::RigSteps;
 use crate::common::tendon::{MASS, Muscle, REST, STIFFNESS, independent, on_tendon, smooth};
-use crate::common::{GRAVITY, INCH, Paper, assert_close, assert_within, scaled, seeded, slope};
+use crate::common::{GRAVITY, INCH, Paper, assert_close, assert_within, scaled, seeded, slope, stable_error};
 use mckibben::load::{Load, Motion};
 use mckibben::parameter::{self, Parameter};
-use mckibben::simulation::{FixedStepper, Method, ModularActuator, Rig, Sample, SeriesTendon, State, simulate};
-use mckibben::{Dual, Over, Real};
+use mckibben::plant::{RigPlant, RigTrajectory, TimeStepping};
+use mckibben::simulation::{Method, Rig, Sample, SeriesTendon, State, simulate};
+use mckibben::{Dual, Over};
 use std::f64::consts::TAU;
 
 fn rig(paper: &Paper) -> Rig {
@@ -14,11 +15,11 @@ fn rig(paper: &Paper) -> Rig {
 }
 
 /// Every sample of so many equal steps.
-fn stepped<R: Real<Time = R>>(rig: &Rig<R>, start: State<R>, method: Method, until: f64, steps: u32) -> Vec<Sample<R>> {
-    let mut stepper = FixedStepper::new(rig, start, method);
+fn stepped(rig: &Rig, start: State, method: Method, until: f64, steps: u32) -> Vec<Sample> {
+    let mut stepper = RigSteps::new(rig, start, method);
     let mut samples = vec![stepper.sample()];
     for step in 1..=steps {
-        stepper.advance_to(R::constant(until * (f64::from(step) / f64::from(steps)))).expect("a step");
+        stepper.advance_to(until * (f64::from(step) / f64::from(steps))).expect("a step");
         samples.push(stepper.sample());
     }
     samples
@@ -50,12 +51,12 @@ fn two_springs_in_series_swing_at_their_frequency() {
 #[test]
 fn it_comes_to_an_independent_integration_at_its_order() {
     let until = 0.2;
-    for (viscous, order, counts) in [(0.0, 2.0, [200, 400]), (60.0, 1.0, [400, 800])] {
+    for viscous in [0.0, 60.0] {
         let at_rest = smooth().friction(viscous, 0.0);
         let balanced = at_rest.start().length;
         let paper = at_rest.from(balanced, 0.15);
         let exact = independent(&paper, viscous, until);
-        for method in [Method::Rk4, Method::Stable] {
+        for (method, order, counts) in [(Method::Rk4, 4.0, [40, 80]), (Method::Stable, 2.0, [200, 400])] {
             let errors = counts.map(|steps| {
                 let samples = stepped(&rig(&paper), paper.start(), method, until, steps);
                 let last = samples.last().expect("a sample");
@@ -64,7 +65,7 @@ fn it_comes_to_an_independent_integration_at_its_order() {
             for n in 0..2 {
                 assert!(errors[1][n] < 2e-5, "{errors:?}");
                 let fitted = (errors[0][n] / errors[1][n]).log2();
-                assert!((fitted - order).abs() < 0.25, "{viscous} N·s/m, {method:?}: order {fitted}, {errors:?}");
+                assert!(fitted > order - 0.25, "{viscous} N·s/m, {method:?}: order {fitted}, {errors:?}");
             }
         }
     }
@@ -102,7 +103,8 @@ fn what_holds_the_muscle_leaves_the_tendon_to_swing() {
         for sample in stepped(&rig(&paper), start, Method::Stable, 0.3, 6000) {
             assert_eq!(sample.length, start.length);
             let swing = 0.02 / omega * (omega * sample.time).sin();
-            assert_within(sample.load_distance - at_rest, swing, 1e-4 * 0.02 / omega);
+            let allowed = stable_error(omega, 0.3 / 6000.0, 0.3, 0.02 / omega);
+            assert_within(sample.load_distance - at_rest, swing, allowed);
         }
     }
 }
@@ -118,27 +120,37 @@ fn a_load_that_is_thrown_flies_on_a_loose_tendon() {
         let time = sample.time - left.time;
         assert_eq!(sample.tension, 0.0);
         let expected = left.load_distance + left.load_velocity * time + 0.5 * GRAVITY * time * time;
-        assert_close(sample.load_distance, expected, 1e-9);
+        // It passes the axis of distances: against the length of the tendon.
+        assert_within(sample.load_distance, expected, 1e-9 * REST);
     }
     // Let go, the muscle contracts until it no longer pulls.
     let last = samples.last().expect("a sample");
     assert!(last.length < start.length - 1e-3 && last.length >= 4.3218 * INCH / 3.0_f64.sqrt());
 }
 
+/// But for its stretch. Fixed steps come to that at order one, since the muscle follows the tendon within far less than a step;
+/// Runge and Kutta's do once they resolve that.
 #[test]
 fn a_stiff_tendon_is_none() {
     let paper = Paper::pwm(25.0, 0.5);
     let alone = simulate(&paper.rig(), paper.start(), 0.3, 1e-9).expect("a run");
-    let samples = stepped(&on_tendon(&paper, 1e8), paper.start(), Method::Stable, 0.3, 30_000);
-    for sample in samples {
-        let expected = alone.at(sample.time);
-        assert_within(sample.load_distance - REST, expected.length, 2e-5);
-        // A load that is thrown leaves the muscle behind.
-        if sample.tension > 0.0 {
-            assert_within(sample.length, expected.length, 2e-5);
-        }
-        assert_within(sample.pressure.0, expected.pressure.0, 2e3);
+    let run = |stiffness| simulate(&on_tendon(&paper, stiffness), paper.start(), 0.3, 1e-9).expect("a run");
+    let (stiff, less) = (run(1e8), run(1e6));
+    for sample in alone.samples(1e-4) {
+        let own = stiff.at(sample.time);
+        // A pull of 600 N stretches it by 6 µm.
+        assert_within(own.load_distance - REST, sample.length, 1e-5);
+        assert_close(own.pressure.0, sample.pressure.0, 2e-4);
     }
+    let off = |stiffness, method, steps, run: &RigTrajectory| {
+        let samples = stepped(&on_tendon(&paper, stiffness), paper.start(), method, 0.3, steps);
+        let of = |sample: &Sample| (sample.load_distance - run.at(sample.time).load_distance).abs();
+        samples.iter().map(of).fold(0.0, f64::max)
+    };
+    let [coarse, fine] = [15_000, 30_000].map(|steps| off(1e8, Method::Stable, steps, &stiff));
+    assert!(fine < 0.55 * coarse && fine < 2e-4, "{coarse:e} {fine:e}");
+    let resolved = off(1e6, Method::Rk4, 60_000, &less);
+    assert!(resolved < 1e-9, "{resolved:e}");
 }
 
 /// Both springs share what held ends leave them: what the muscle pulls is what the tendon gives.
@@ -174,19 +186,14 @@ fn derivatives_are_those_of_finite_differences() {
     for row in rows {
         let seeded = seeded(&rig, row);
         let start = seeded.begin(&paper.initial().map(|_, value| Dual::of(value))).expect("a start");
-        let last = stepped(&seeded, start, Method::Stable, 0.15, 600)[600];
+        let stepping = TimeStepping::Fixed { method: Method::Stable, step: 0.15 / 600.0 };
+        let run = RigPlant::new(&seeded).simulate(&start, Dual::of(0.15), stepping).expect("a run");
+        let last = run.at(Dual::of(0.15));
         let exact = [last.load_distance.slope[0], last.pressure.0.slope[0]];
         for (n, exact) in exact.into_iter().enumerate() {
             assert_close(exact, slope(1e-3, |relative| end(&scaled(&rig, row, relative))[n]), 2e-3);
         }
     }
-}
-
-#[test]
-fn whoever_does_not_take_it_says_so() {
-    let paper = smooth();
-    let (rig, start) = (rig(&paper), paper.start());
-    assert!(ModularActuator::new(&rig, start, 25.0).is_err());
 }
 
 /// The tendon's far end on a given motion, at fixed steps: near the event-located engine, by the order of the method.

@@ -6,7 +6,6 @@
 use super::{CONTROLLER, Key, Section, choice, key, list, quantity, section};
 use crate::choice::{FrictionStart, InletKind, MechanismKind, ValveOutput};
 use crate::keys::Kind;
-use mckibben::load::leg::parameter as leg;
 use mckibben::mechanism::parameter as mechanism;
 use mckibben::parameter::{self as p, Parameter, Range};
 use mckibben::plant::INITIAL_FRICTION_FORCE;
@@ -67,7 +66,7 @@ pub(crate) static SEGMENT_LENGTH: Parameter = meaning(
     Parameter {
         default: Some(0.0),
         range: Range::NON_NEGATIVE,
-        ..at("mechanism.joints.*.length", &leg::SEGMENT_LENGTH)
+        ..at("mechanism.joints.*.length", &mechanism::SEGMENT_LENGTH)
     },
     "Length of the segment that the joint moves, to the next joint or to the foot; only the last may have none.",
 );
@@ -95,15 +94,15 @@ pub(crate) static ANGLE: Parameter = meaning(
 );
 pub(crate) static ANGULAR_VELOCITY: Parameter = at("mechanism.joints.*.angular_velocity", &p::INITIAL_ANGULAR_VELOCITY);
 pub(crate) static BELT_DEPTH: Parameter =
-    meaning(at("mechanism.belt.depth", &leg::BELT_DEPTH), "How far the belt is under the first joint.");
+    meaning(at("mechanism.belt.depth", &mechanism::BELT_DEPTH), "How far the belt is under the first joint.");
 pub(crate) static BELT_VELOCITY: Parameter = meaning(
-    at("mechanism.belt.velocity", &leg::BELT_VELOCITY),
+    at("mechanism.belt.velocity", &mechanism::BELT_VELOCITY),
     "Velocity of the belt, positive the way in which positive angles swing.",
 );
-pub(crate) static BELT_STIFFNESS: Parameter = at("mechanism.belt.stiffness", &leg::BELT_STIFFNESS);
-pub(crate) static BELT_DAMPING: Parameter = at("mechanism.belt.damping", &leg::BELT_DAMPING);
-pub(crate) static BELT_FRICTION: Parameter = at("mechanism.belt.friction", &leg::BELT_FRICTION);
-pub(crate) static SLIPPING_SPEED: Parameter = at("mechanism.belt.slipping_speed", &leg::SLIPPING_SPEED);
+pub(crate) static BELT_STIFFNESS: Parameter = at("mechanism.belt.stiffness", &mechanism::BELT_STIFFNESS);
+pub(crate) static BELT_DAMPING: Parameter = at("mechanism.belt.damping", &mechanism::BELT_DAMPING);
+pub(crate) static BELT_FRICTION: Parameter = at("mechanism.belt.friction", &mechanism::BELT_FRICTION);
+pub(crate) static SLIPPING_SPEED: Parameter = at("mechanism.belt.slipping_speed", &mechanism::SLIPPING_SPEED);
 pub(crate) static REST_LENGTH: Parameter = meaning(
     at("coupling.rest_length", &p::REST_LENGTH),
     "Distance between the actuator's attachments where all angles are zero.",

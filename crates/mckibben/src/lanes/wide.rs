@@ -12,7 +12,7 @@ use pulp::bytemuck::{cast_slice, cast_slice_mut};
 use pulp::{Simd, WithSimd};
 
 /// A number that lanes hold.
-pub(crate) trait Number: Real<Time = f64> + PartialEq + Send + Sync {}
+pub(crate) trait Number: Real + PartialEq + Send + Sync {}
 impl Number for f64 {}
 
 /// A scalar of several lanes that can be looked at one by one.

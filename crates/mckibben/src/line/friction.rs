@@ -54,6 +54,7 @@ const TURBULENT_ROOT: f64 = 502.973_371_873_174_8;
 const TURBULENT_DRIVE: f64 = BLASIUS * TURBULENT_START * TURBULENT_ROOT;
 const TURBULENT_SLOPE: f64 = 1.75 * BLASIUS * TURBULENT_ROOT;
 /// A bound for the slope of the law between both flows.
+#[cfg(feature = "alloc")]
 const STEEPEST: f64 = 194.0;
 
 /// Slopes of u over t where the laminar flow ends and where the turbulent one starts.
@@ -292,6 +293,7 @@ impl<S: Scalar> Tube<S> {
 
 impl<S: Scalar> Tube<S> {
     /// A bound for `∂Δp/∂ṁ` in Pa·s/kg at a flow (kg/s), and at the flow which two pressures (Pa, absolute) could keep up.
+    #[cfg(feature = "alloc")]
     #[inline(always)]
     pub(crate) fn steepest_loss(&self, flow: S, from: S, to: S) -> S {
         let drive = drive_at(self.reynolds(flow.magnitude())).larger(self.drive(from, to).magnitude());
@@ -302,6 +304,7 @@ impl<S: Scalar> Tube<S> {
 
 /// A bound for `∂σ/∂Re` at drives up to σ: where the flow is turbulent it is `1.75 · 0.1582 (σ/0.1582)^(3/7)`, here with the
 /// power 7/16, which roots make; the law below that is nowhere steeper than [`STEEPEST`].
+#[cfg(feature = "alloc")]
 #[inline(always)]
 fn steepest_drive<T: Scalar>(drive: T) -> T {
     let beyond = (drive * T::constant(1.0 / BLASIUS)).larger(T::one());

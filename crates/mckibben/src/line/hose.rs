@@ -218,6 +218,7 @@ impl<S: Scalar> Hose<S> {
 
     /// A bound for `∂Δp/∂w` in Pa·s/kg of a cell at `pressure` before what lies at `next`, for the flow that there is and for
     /// what these pressures could keep up.
+    #[cfg(feature = "alloc")]
     #[inline(always)]
     pub(crate) fn steepest_loss(&self, flow: S, pressure: S, next: S) -> S {
         self.tube.steepest_loss(flow, pressure, next)

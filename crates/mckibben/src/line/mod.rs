@@ -29,6 +29,7 @@ mod supply;
 pub use friction::{FlowRegime, LAMINAR_END, TURBULENT_START, Tube, drive_at, reynolds_at};
 pub use hose::{Hose, HoseKind, MAX_CELLS};
 pub use leakage::Leakage;
+#[cfg(feature = "alloc")]
 pub(crate) use leakage::split;
 pub use regulator::{Poppet, Regulator};
 pub use reservoir::{Compressor, Reservoir};

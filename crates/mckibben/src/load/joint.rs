@@ -236,20 +236,8 @@ impl<S: Scalar> Joint<S> {
     /// Where both actuators pull at an angle in rad.
     #[inline(always)]
     pub fn leverage<T: Over<S>>(&self, angle: T) -> Leverage<T> {
-        self.leverage_of([self.tendons[0].arm.at(angle), self.tendons[1].arm.at(angle)])
-    }
-
-    #[cfg(feature = "alloc")]
-    /// The same by the formulas of a piece of each moment arm.
-    #[inline(always)]
-    pub(crate) fn leverage_in<T: Over<S>>(&self, pieces: [usize; 2], angle: T) -> Leverage<T> {
-        let [agonist, antagonist] = &self.tendons;
-        let of = [agonist.arm.in_piece(pieces[0], angle), antagonist.arm.in_piece(pieces[1], angle)];
-        self.leverage_of(of)
-    }
-
-    #[inline(always)]
-    fn leverage_of<T: Over<S>>(&self, [[arm, excursion], [other_arm, other_excursion]]: [[T; 2]; 2]) -> Leverage<T> {
+        let [[arm, excursion], [other_arm, other_excursion]] =
+            self.tendons.each_ref().map(|tendon| tendon.arm.at(angle));
         let [agonist, antagonist] = self.tendons.each_ref().map(|tendon| T::of(tendon.rest_length));
         Leverage { lengths: [agonist - excursion, antagonist + other_excursion], arms: [arm, other_arm] }
     }
@@ -290,12 +278,6 @@ impl<S: Scalar> Joint<S> {
 }
 
 impl<S: Real> Joint<S> {
-    #[cfg(feature = "alloc")]
-    /// The pieces of both moment arms that hold at an angle in rad.
-    pub(crate) fn pieces(&self, angle: S) -> [usize; 2] {
-        self.tendons.each_ref().map(|tendon| tendon.arm.piece(angle))
-    }
-
     /// The angle in rad at which an actuator, 0 or 1, has a length in m.
     pub(crate) fn angle_at(&self, actuator: usize, length: S) -> S {
         let Tendon { arm, rest_length } = &self.tendons[actuator];

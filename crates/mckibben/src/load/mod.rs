@@ -19,16 +19,14 @@
 //! Source: Colbrunn, Nelson & Quinn (2001), (15) and (16). Checked by `tests/simulation.rs`.
 
 mod joint;
-pub mod leg;
 mod moment_arm;
 mod motion;
 mod series_tendon;
 
 pub(crate) use joint::SIGN;
 pub use joint::{Joint, Leverage, Limb, Stops, Tendon};
-pub use leg::{Belt, Leg, LegState, Segment, Strand};
 pub use moment_arm::{ArmTable, MAX_ARMS, MomentArm};
-pub use motion::{Line, Motion};
+pub use motion::Motion;
 pub use series_tendon::SeriesTendon;
 
 use crate::convert::Convert;

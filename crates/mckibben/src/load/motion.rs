@@ -3,7 +3,6 @@
 //! ```text
 //! sinusoid   x(t) = L₀ + A sin(2π f₀ t + φ)
 //! table      straight lines between (t, x), constant before the first row and after the last
-//! guided     the straight line that somebody else's simulation gives for each of its steps
 //! ```
 //!
 //! | symbol | name in code | unit |
@@ -44,33 +43,6 @@ pub enum Motion<S = f64> {
         /// Lengths in m.
         length: alloc::vec::Vec<S>,
     },
-    /// Where whoever steps the actuator moves it: [`ModularActuator`](crate::simulation::ModularActuator).
-    Guided,
-}
-
-/// A straight line of a table: `length + slope · (t − time)`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Line<S = f64> {
-    /// Where it starts, in s.
-    pub time: S,
-    /// Length there in m.
-    pub length: S,
-    /// Velocity in m/s.
-    pub slope: S,
-}
-
-impl<S: Scalar> Line<S> {
-    /// At rest at a length in m.
-    pub fn resting(length: S) -> Self {
-        Self { time: S::zero(), length, slope: S::zero() }
-    }
-
-    /// Length (m), velocity (m/s) and acceleration (m/s²) at `time`.
-    #[inline(always)]
-    fn at<T: Over<S>>(&self, time: T) -> [T; 3] {
-        let slope = T::of(self.slope);
-        [T::of(self.length) + slope * (time - T::of(self.time)), slope, T::zero()]
-    }
 }
 
 impl Motion {
@@ -135,9 +107,13 @@ impl<S: Real> Motion<S> {
     /// # Errors
     /// [`Error::TooMany`] otherwise.
     pub fn check_counts(&self, duration: f64) -> Result<(), Error> {
-        if let Self::Sinusoid { frequency, .. } = self {
-            let frequency = frequency.value();
-            parameter::MOTION_FREQUENCY.check_count(frequency, frequency * duration, "periods of the motion")?;
+        match self {
+            Self::Sinusoid { frequency, .. } => {
+                let frequency = frequency.value();
+                parameter::MOTION_FREQUENCY.check_count(frequency, frequency * duration, "periods of the motion")?;
+            }
+            #[cfg(feature = "alloc")]
+            Self::Table { .. } => {}
         }
         Ok(())
     }
@@ -158,14 +134,13 @@ impl<S: Scalar> Motion<S> {
                 time: time.iter().map(|&t| convert.parameter(&parameter::MOTION_TIME, t)).collect(),
                 length: length.iter().map(|&x| convert.parameter(&parameter::MOTION_TABLE_LENGTH, x)).collect(),
             },
-            Self::Guided => Motion::Guided,
         }
     }
 
     /// Number of corners in a table.
     pub fn corners(&self) -> usize {
         match self {
-            Self::Sinusoid { .. } | Self::Guided => 0,
+            Self::Sinusoid { .. } => 0,
             #[cfg(feature = "alloc")]
             Self::Table { time, .. } => time.len(),
         }
@@ -176,39 +151,17 @@ impl<S: Scalar> Motion<S> {
         #[cfg(not(feature = "alloc"))]
         let _ = corner;
         match self {
-            Self::Sinusoid { .. } | Self::Guided => None,
+            Self::Sinusoid { .. } => None,
             #[cfg(feature = "alloc")]
             Self::Table { time, .. } => time.get(corner).copied(),
         }
     }
 
-    /// The straight line after `passed` corners of a table; before the first and after the last the motion rests.
-    pub fn line(&self, passed: usize) -> Line<S> {
+    /// Length (m), velocity (m/s) and acceleration (m/s²) at `time`. Of a table, on the straight line after `passed` corners;
+    /// before the first and after the last it rests.
+    pub fn at<T: Over<S>>(&self, time: T, passed: usize) -> [T; 3] {
         #[cfg(not(feature = "alloc"))]
         let _ = passed;
-        match self {
-            Self::Sinusoid { .. } | Self::Guided => Line::resting(S::zero()),
-            #[cfg(feature = "alloc")]
-            Self::Table { time, length } => {
-                let next = passed.min(length.len());
-                if next == 0 || next == length.len() {
-                    return Line::resting(length[next.max(1) - 1]);
-                }
-                let (start, end) = (time[next - 1], time[next]);
-                let slope = (length[next] - length[next - 1]) / (end - start);
-                Line { time: start, length: length[next - 1], slope }
-            }
-        }
-    }
-
-    /// Length (m), velocity (m/s) and acceleration (m/s²) at `time`, on the straight line after `passed` corners.
-    pub fn at<T: Over<S>>(&self, time: T, passed: usize) -> [T; 3] {
-        self.on_line(time, &self.line(passed))
-    }
-
-    /// Length (m), velocity (m/s) and acceleration (m/s²) at `time`, on a straight line of a table or of a guided motion.
-    #[inline(always)]
-    pub fn on_line<T: Over<S>>(&self, time: T, line: &Line<S>) -> [T; 3] {
         match self {
             Self::Sinusoid { length, amplitude, frequency, phase } => {
                 let rate = T::constant(TAU) * T::of(*frequency);
@@ -217,8 +170,15 @@ impl<S: Scalar> Motion<S> {
                 [T::of(*length) + swing, T::of(*amplitude) * rate * angle.cos(), -rate * rate * swing]
             }
             #[cfg(feature = "alloc")]
-            Self::Table { .. } => line.at(time),
-            Self::Guided => line.at(time),
+            Self::Table { time: corners, length } => {
+                let next = passed.min(length.len());
+                if next == 0 || next == length.len() {
+                    return [T::of(length[next.max(1) - 1]), T::zero(), T::zero()];
+                }
+                let [start, end] = [corners[next - 1], corners[next]];
+                let slope = (length[next] - length[next - 1]) / (end - start);
+                [T::of(length[next - 1]) + T::of(slope) * (time - T::of(start)), T::of(slope), T::zero()]
+            }
         }
     }
 }

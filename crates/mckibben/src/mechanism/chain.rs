@@ -29,9 +29,9 @@
 //! Source: Lagrange's equations; the paper's legs are chains of this kind. Checked by `tests/plant_linear_closed_forms.rs` and
 //! `tests/plant_linear_analysis.rs`: frequencies of pendulums; by `tests/joint.rs` and `tests/plant_ledger.rs`.
 
+use super::parameter as own;
 use crate::convert::Convert;
 use crate::error::{Error, Requirement};
-use crate::load::leg::parameter as leg;
 use crate::parameter;
 use crate::plant::Part;
 use crate::scalar::{Mask, Over, Real, Scalar};
@@ -195,7 +195,7 @@ impl Chain {
         for (index, segment) in segments.iter().enumerate() {
             let is_last = index + 1 == segments.len();
             if !(is_last && segment.length == 0.0) {
-                leg::SEGMENT_LENGTH.check(segment.length)?;
+                own::SEGMENT_LENGTH.check(segment.length)?;
             }
             parameter::MASS.check(segment.mass)?;
             parameter::LIMB_DISTANCE.check(segment.distance)?;
@@ -226,12 +226,12 @@ impl Chain {
             }
         }
         if let Some(belt) = &belt {
-            leg::BELT_DEPTH.check(belt.depth)?;
-            leg::BELT_VELOCITY.check(belt.velocity)?;
-            leg::BELT_STIFFNESS.check(belt.stiffness)?;
-            leg::BELT_DAMPING.check(belt.damping)?;
-            leg::BELT_FRICTION.check(belt.friction)?;
-            leg::SLIPPING_SPEED.check(belt.slipping_speed)?;
+            own::BELT_DEPTH.check(belt.depth)?;
+            own::BELT_VELOCITY.check(belt.velocity)?;
+            own::BELT_STIFFNESS.check(belt.stiffness)?;
+            own::BELT_DAMPING.check(belt.damping)?;
+            own::BELT_FRICTION.check(belt.friction)?;
+            own::SLIPPING_SPEED.check(belt.slipping_speed)?;
         }
         let last = segments[segments.len() - 1];
         if last.inertia + last.mass * last.distance * last.distance <= 0.0 {
@@ -322,7 +322,7 @@ impl<S: Scalar> Chain<S> {
             convert.turn_to(Some(Part::Joint(index, place)));
             let mut number = |row, value| convert.parameter(row, value);
             segments.push(ChainSegment {
-                length: number(&leg::SEGMENT_LENGTH, segment.length),
+                length: number(&own::SEGMENT_LENGTH, segment.length),
                 mass: number(&parameter::MASS, segment.mass),
                 distance: number(&parameter::LIMB_DISTANCE, segment.distance),
                 inertia: number(&parameter::LIMB_INERTIA, segment.inertia),
@@ -344,12 +344,12 @@ impl<S: Scalar> Chain<S> {
         let mut number = |row, value| convert.parameter(row, value);
         let base = [number(&parameter::GRAVITY, self.gravity), number(&parameter::HANGING_ANGLE, self.hanging_angle)];
         let belt = self.belt.map(|belt| Belt {
-            depth: number(&leg::BELT_DEPTH, belt.depth),
-            velocity: number(&leg::BELT_VELOCITY, belt.velocity),
-            stiffness: number(&leg::BELT_STIFFNESS, belt.stiffness),
-            damping: number(&leg::BELT_DAMPING, belt.damping),
-            friction: number(&leg::BELT_FRICTION, belt.friction),
-            slipping_speed: number(&leg::SLIPPING_SPEED, belt.slipping_speed),
+            depth: number(&own::BELT_DEPTH, belt.depth),
+            velocity: number(&own::BELT_VELOCITY, belt.velocity),
+            stiffness: number(&own::BELT_STIFFNESS, belt.stiffness),
+            damping: number(&own::BELT_DAMPING, belt.damping),
+            friction: number(&own::BELT_FRICTION, belt.friction),
+            slipping_speed: number(&own::SLIPPING_SPEED, belt.slipping_speed),
         });
         Chain::assemble(segments, joints, base, belt)
     }

@@ -35,7 +35,9 @@ pub(crate) mod guard;
 pub(crate) mod implicit;
 pub(crate) mod mode;
 pub(crate) mod piping;
+pub(crate) mod progress;
 mod setting;
+mod told;
 
 use crate::air::Air;
 use crate::convert::Convert;

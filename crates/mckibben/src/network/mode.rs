@@ -1,11 +1,11 @@
 //! The discrete state of a network: which formulas hold, and what its clocks remember.
 
+use super::progress::Progress;
 use super::setting::Setting;
 use super::{Branch, BranchKind, Network, NodeKind};
 use crate::line::{FlowRegime, Poppet};
 use crate::scalar::Real;
 use crate::simulation::Actuation;
-use crate::simulation::timetable::{Progress, Timetable};
 use crate::valve::{Approach, FlowZone, Openings, Port, Ports};
 use alloc::vec::Vec;
 
@@ -87,10 +87,9 @@ impl<R: Real> Network<R> {
     /// The mode at t = 0, before zones and regimes are entered.
     pub(crate) fn begin(&self) -> NetworkMode<R> {
         let valve = |actuation| {
-            let timetable = Timetable { actuation: Some(actuation), motion: None, pressure: None };
             let mut progress = Progress::none();
-            let ports = timetable.pass(&mut progress, R::zero());
-            ValveMode { ports, progress, openings: timetable.openings(&progress), setting: None }
+            let ports = progress.pass(actuation, R::zero());
+            ValveMode { ports, progress, openings: progress.openings(actuation), setting: None }
         };
         NetworkMode {
             branches: self.branches.iter().map(|_| BranchMode::AT_REST).collect(),
@@ -158,10 +157,7 @@ impl<R: Real> Network<R> {
 
     /// The next instant in s, up to and with `until`, at which a valve does something or a set point takes effect.
     pub(crate) fn next_instant(&self, mode: &NetworkMode<R>, until: R) -> Option<R> {
-        let of_valves = mode.valves.iter().enumerate().filter_map(|(valve, of_valve)| {
-            let actuation = Some(self.actuation(valve, mode));
-            Timetable { actuation, motion: None, pressure: None }.next(&of_valve.progress, until)
-        });
+        let of_valves = (0..mode.valves.len()).filter_map(|valve| self.next_of_valve(valve, until, mode));
         let of_ports = (0..self.nodes.len()).filter_map(|node| self.next_set_point(node, mode, until));
         of_valves.chain(of_ports).min_by(|a, b| a.value().total_cmp(&b.value()))
     }
@@ -201,20 +197,23 @@ impl<R: Real> Network<R> {
     pub(crate) fn pass_valve(&self, valve: usize, time: R, mode: &mut NetworkMode<R>) -> bool {
         let ValveMode { ports: ports_of_valve, progress, openings, setting } = &mut mode.valves[valve];
         let actuation = setting.as_ref().map_or(&self.valves[valve], |setting| setting.actuation());
-        let timetable = Timetable { actuation: Some(actuation), motion: None, pressure: None };
         let (ports, counted) = (*ports_of_valve, progress.openings_counted());
-        *ports_of_valve = timetable.pass_seats(progress, time);
+        *ports_of_valve = progress.pass(actuation, time);
         let moved = *ports_of_valve != ports || progress.openings_counted() != counted;
         if moved {
-            *openings = timetable.openings(progress);
+            *openings = progress.openings(actuation);
         }
         moved
     }
 
     /// Whether a valve has something to pass at a time in s.
     pub(crate) fn is_valve_due(&self, valve: usize, time: R, mode: &NetworkMode<R>) -> bool {
-        let timetable = Timetable { actuation: Some(self.actuation(valve, mode)), motion: None, pressure: None };
-        timetable.next(&mode.valves[valve].progress, time).is_some()
+        self.next_of_valve(valve, time, mode).is_some()
+    }
+
+    /// The next instant in s, up to and with `until`, at which a valve does something.
+    fn next_of_valve(&self, valve: usize, until: R, mode: &NetworkMode<R>) -> Option<R> {
+        mode.valves[valve].progress.next(self.actuation(valve, mode), until)
     }
 }
 

@@ -4,6 +4,7 @@
 //! that they would have if all had been known beforehand, and memory stays bounded however often a valve is set.
 
 use super::mode::{BranchMode, NetworkMode, NodeMode, ValveMode};
+use super::told::Told;
 use super::{Network, NodeKind};
 use crate::error::Error;
 use crate::line::Poppet;
@@ -11,9 +12,7 @@ use crate::numbered::Row;
 use crate::parameter;
 use crate::scalar::Real;
 use crate::simulation::Actuation;
-use crate::simulation::timetable::{Progress, Timetable};
-use crate::simulation::told::Told;
-use crate::valve::{Approach, Command, Demand, Openings};
+use crate::valve::{Approach, Command, Demand};
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 
@@ -137,7 +136,7 @@ impl Network {
             let ValveMode { ports, progress, openings, setting } = its;
             row.truth(&mut ports.supply);
             row.truth(&mut ports.exhaust);
-            progress.each_number_of_valve(row);
+            progress.each_number(row);
             let (mut is_set, mut blank) = (setting.is_some(), Setting::blank(&self.valves[index]));
             row.truth(&mut is_set);
             setting.as_deref_mut().unwrap_or(&mut blank).each_number(time, row);
@@ -149,7 +148,7 @@ impl Network {
                 None if is_set => *setting = Some(Box::new(blank)),
                 _ => {}
             }
-            *openings = self.openings(index, progress);
+            *openings = progress.openings(&self.valves[index]);
         }
         for (index, its) in nodes.iter_mut().enumerate() {
             let NodeMode { poppet, limited, approach, set_points } = its;
@@ -170,11 +169,6 @@ impl Network {
             }
         }
     }
-
-    /// How far the ports of a valve are open that has come so far.
-    fn openings(&self, valve: usize, progress: &Progress<f64>) -> Openings {
-        Timetable { actuation: Some(&self.valves[valve]), motion: None, pressure: None }.openings(progress)
-    }
 }
 
 impl<R: Real> Network<R> {
@@ -194,7 +188,7 @@ impl<R: Real> Network<R> {
         let setting = of_valve.setting.get_or_insert_with(|| Box::new(Setting::of(&self.valves[valve])));
         let Setting { actuation, told, pulse_frequency } = &mut **setting;
         *pulse_frequency = if let Demand::Pulses { frequency, .. } = demand { Some(frequency) } else { None };
-        told.tell(|| Ok((Some(&mut *actuation), &mut of_valve.progress)), time, demand)?;
+        told.tell(actuation, &mut of_valve.progress, time, demand);
         self.forget_set_points(valve, mode);
         Ok(())
     }
@@ -231,7 +225,7 @@ impl<R: Real> Network<R> {
             let pulses = frequency.value() * (until - time).value();
             parameter::PWM_FREQUENCY.check_count(frequency.value(), pulses, "pulses")?;
         }
-        told.hear(|| (Some(actuation), &mut of_valve.progress), [time, until]);
+        told.hear(actuation, &mut of_valve.progress, [time, until]);
         Ok(())
     }
 

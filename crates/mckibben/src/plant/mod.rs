@@ -46,7 +46,7 @@ mod scale;
 mod shares;
 mod sliding;
 mod start;
-mod steps;
+pub(crate) mod steps;
 mod stream;
 mod tendon;
 mod trajectory;

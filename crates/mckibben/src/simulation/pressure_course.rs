@@ -16,8 +16,8 @@ use super::rig::Rig;
 #[cfg(feature = "alloc")]
 use crate::actuator::Actuator;
 use crate::convert::Convert;
+#[cfg(feature = "alloc")]
 use crate::error::Error;
-use crate::force::Statics;
 #[cfg(feature = "alloc")]
 use crate::line::Line;
 #[cfg(feature = "alloc")]
@@ -140,21 +140,5 @@ impl Rig {
     pub fn with_pressure(self, course: PressureCourse) -> Result<Self, Error> {
         course.check(self.actuator(), self.line())?;
         Ok(self.driven_at(course))
-    }
-}
-
-impl<S: Scalar, L: Statics<S>> Rig<S, L> {
-    /// That the rig can be stepped at fixed steps.
-    ///
-    /// # Errors
-    /// [`Error::Misuse`] for a pressure that is given over time, and for a prescribed motion of a tendon's end.
-    pub(crate) fn check_fixed_steps(&self) -> Result<(), Error> {
-        match (self.pressure_course(), self.tendon(), self.load().motion()) {
-            (Some(_), ..) | (None, Some(_), Some(_)) => Err(Error::Misuse {
-                what: "a stepper of one actuator is given a pressure over time, or a prescribed motion of a tendon's end",
-                remedy: "run its plant, by `RigPlant::simulate` or `PlantRun::steps`",
-            }),
-            _ => Ok(()),
-        }
     }
 }

@@ -15,14 +15,13 @@
 //! | m | `air_mass` | kg |
 
 use super::pressure_course::PressureCourse;
-use super::timetable::Timetable;
 use crate::actuator::Actuator;
 use crate::convert::{Anew, Convert};
 use crate::error::{Error, Requirement};
-use crate::force::{Characteristic, IdealBraid, Statics};
+use crate::force::Statics;
 use crate::friction::Rubbing;
 use crate::line::Line;
-use crate::load::{Load, Motion, SeriesTendon};
+use crate::load::{Load, SeriesTendon};
 use crate::parameter::{self, Parameter};
 use crate::pressure::{AbsolutePressure, GaugePressure};
 use crate::scalar::{Over, Real, Scalar};
@@ -39,8 +38,8 @@ pub struct Actuation<S = f64> {
 
 /// One actuator, what drives its valve, and its load.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Rig<S = f64, L = Characteristic<S>> {
-    actuator: Actuator<S, L>,
+pub struct Rig<S = f64> {
+    actuator: Actuator<S>,
     actuation: Option<Actuation<S>>,
     load: Load<S>,
     line: Line<S>,
@@ -216,12 +215,6 @@ impl Rig {
     /// cannot do what the command asks; [`Error::Inconsistent`] for a set point beyond the supply.
     pub fn new(actuator: Actuator, actuation: Option<Actuation>, load: Load) -> Result<Self, Error> {
         check_drive(&actuator, actuation.as_ref())?;
-        if load.motion() == Some(&Motion::Guided) {
-            return Err(Error::Misuse {
-                what: "nobody moves the ends of a rig whose motion is guided from outside",
-                remedy: "make a `ModularActuator` of a rig with any other load",
-            });
-        }
         Ok(Self { actuator, actuation, load, line: Line::NONE, tendon: None, pressure: None })
     }
 
@@ -292,21 +285,15 @@ impl<S: Scalar> Rig<S> {
     }
 
     fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Rig<T> {
-        let mut rig = self.undriven(convert);
-        rig.actuation = self.actuation.as_ref().map(|actuation| actuation.convert(convert));
-        rig.with_transport()
-    }
-
-    /// The actuator and its load over another scalar, without what drives the valve.
-    pub(crate) fn undriven<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Rig<T> {
-        Rig {
+        let rig = Rig {
             actuator: self.actuator.convert(convert),
-            actuation: None,
             load: self.load.convert(convert),
             line: self.line.convert(convert),
             tendon: self.tendon.as_ref().map(|tendon| tendon.convert(convert)),
             pressure: self.pressure.as_ref().map(|course| course.convert(convert)),
-        }
+            actuation: self.actuation.as_ref().map(|actuation| actuation.convert(convert)),
+        };
+        rig.with_transport()
     }
 
     /// The same with the seats seen as late as the line makes them.
@@ -318,22 +305,6 @@ impl<S: Scalar> Rig<S> {
         self
     }
 
-    /// The same rig with the ideal braid for its law, if that is its law and it has neither an air line nor a pressure
-    /// regulator.
-    pub fn ideal(&self) -> Option<Rig<S, IdealBraid<S>>> {
-        let actuator = self.actuator.ideal().filter(|_| !self.has_plumbing())?;
-        Some(Rig {
-            actuator,
-            actuation: self.actuation.clone(),
-            load: self.load.clone(),
-            line: self.line,
-            tendon: self.tendon,
-            pressure: self.pressure.clone(),
-        })
-    }
-}
-
-impl<S: Scalar, L: Statics<S>> Rig<S, L> {
     /// The air line.
     #[inline(always)]
     pub fn line(&self) -> &Line<S> {
@@ -351,24 +322,20 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
         self.pressure.as_ref()
     }
 
-    /// The same rig with another load.
-    pub(super) fn with_load_of(self, load: Load<S>) -> Self {
-        Self { load, ..self }
-    }
-
     /// The pressure regulator in the valve's place, if there is one.
     pub fn regulator(&self) -> Option<&Regulator<S>> {
         self.actuation.as_ref()?.solenoid.regulator()
     }
 
     /// Whether there is an air line or a pressure regulator: most of them have states beyond the four.
+    #[cfg(feature = "alloc")]
     pub(crate) fn has_plumbing(&self) -> bool {
         !self.line.is_none() || self.regulator().is_some()
     }
 
     /// The actuator.
     #[inline(always)]
-    pub fn actuator(&self) -> &Actuator<S, L> {
+    pub fn actuator(&self) -> &Actuator<S> {
         &self.actuator
     }
 
@@ -379,24 +346,12 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
 
     /// This rig with another command of its valve.
     #[cfg(feature = "alloc")]
-    pub(crate) fn commanded(&self, command: Command<S>) -> Self
-    where
-        L: Clone,
-    {
+    pub(crate) fn commanded(&self, command: Command<S>) -> Self {
         let mut rig = self.clone();
         if let Some(actuation) = &mut rig.actuation {
             actuation.command = command;
         }
         rig
-    }
-
-    /// The same rig with nothing asked of its valve, for whoever moves its ends and asks for himself.
-    #[cfg(feature = "alloc")]
-    pub(super) fn guided(mut self) -> Self {
-        if let Some(actuation) = &mut self.actuation {
-            actuation.command = Command::nothing();
-        }
-        Self { load: Load::Prescribed(Motion::Guided), ..self }
     }
 
     /// The load.
@@ -415,16 +370,6 @@ impl<S: Scalar, L: Statics<S>> Rig<S, L> {
 }
 
 impl<S: Real> Rig<S> {
-    /// The instants at which its seats move.
-    pub(super) fn seats(&self) -> Timetable<'_, S> {
-        Timetable { actuation: self.actuation.as_ref(), motion: None, pressure: None }
-    }
-
-    /// Where instants come from.
-    pub(crate) fn timetable(&self) -> Timetable<'_, S> {
-        Timetable { actuation: self.actuation.as_ref(), motion: self.load.motion(), pressure: self.pressure.as_ref() }
-    }
-
     /// The state at a start that has been checked, over any scalar with one value.
     ///
     /// # Errors

@@ -1,8 +1,6 @@
 //! What is known at an instant, whichever engine computed it.
 
-use super::kernel::Observed;
 use crate::pressure::AbsolutePressure;
-use crate::scalar::Scalar;
 use crate::valve::{Ports, SIMULTANEOUS};
 
 /// Everything that is known at an instant: the columns of a result file.
@@ -39,46 +37,6 @@ pub struct Sample<R = f64> {
     pub load_distance: R,
     /// Its rate in m/s.
     pub load_velocity: R,
-}
-
-impl<R: Scalar> Sample<R> {
-    /// The sample of four states with what has been computed from them.
-    pub(super) fn new(
-        time: R,
-        &[length, velocity, pressure, air_mass]: &[R; 4],
-        observed: &Observed<R>,
-        ports: Ports,
-    ) -> Self {
-        let &Observed { tension, volume, temperature, flow } = observed;
-        let tension = tension.larger(R::zero());
-        let (pressure, mass_flow) = (AbsolutePressure(pressure), flow.net());
-        let hose_pressure = pressure;
-        let supply_pressure = None;
-        Self {
-            time,
-            length,
-            velocity,
-            pressure,
-            air_mass,
-            temperature,
-            volume,
-            tension,
-            mass_flow,
-            ports,
-            hose_pressure,
-            hose_air_mass: R::zero(),
-            supply_pressure,
-            load_distance: length,
-            load_velocity: velocity,
-        }
-    }
-
-    /// The same with the absolute pressure (Pa) at the valve's end of the hose and the air in it (kg), and the absolute
-    /// pressure of a supply that is not constant.
-    pub(super) fn with_line(self, [hose, air]: [R; 2], supply: Option<R>) -> Self {
-        let (hose_pressure, supply_pressure) = (AbsolutePressure(hose), supply.map(AbsolutePressure));
-        Self { hose_pressure, hose_air_mass: air, supply_pressure, ..self }
-    }
 }
 
 /// The times of samples: 0, every interval, and the end.

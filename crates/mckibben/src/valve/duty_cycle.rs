@@ -38,14 +38,14 @@ pub struct Interval<S = f64> {
 
 /// The actual duty cycles of the paths to the supply and to the surroundings, each from 0 to 1: the mean openings over a
 /// period. `None` unless the command is a PWM and the valve has seats.
-pub fn actual_duty_cycle<S: Real<Time = S>>(solenoid: &Solenoid<S>, command: &Command<S>) -> Option<[S; 2]> {
+pub fn actual_duty_cycle<S: Real>(solenoid: &Solenoid<S>, command: &Command<S>) -> Option<[S; 2]> {
     let intervals = period(solenoid, command)?;
     Some([0, 1].map(|port| intervals.iter().fold(S::zero(), |sum, part| sum + part.share * part.openings[port])))
 }
 
 /// The intervals of a period, in order from the instant at which the pulse is commanded; `None` unless the command is a
 /// PWM and the valve has seats.
-pub(crate) fn period<S: Real<Time = S>>(solenoid: &Solenoid<S>, command: &Command<S>) -> Option<Vec<Interval<S>>> {
+pub(crate) fn period<S: Real>(solenoid: &Solenoid<S>, command: &Command<S>) -> Option<Vec<Interval<S>>> {
     let Command::Pwm { frequency, .. } = command else { return None };
     if !solenoid.has_seats() {
         return None;

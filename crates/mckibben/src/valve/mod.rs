@@ -23,7 +23,6 @@ mod opening;
 mod passage;
 mod ramp;
 mod regulator;
-mod regulator_clock;
 mod solenoid;
 mod spool;
 mod spool_clock;
@@ -41,8 +40,7 @@ pub use flow::{FlowLaw, FlowZone, flow_parameter};
 pub use opening::Openings;
 pub use passage::{FlowStandard, REFERENCE_DENSITY, REFERENCE_TEMPERATURE};
 pub use ramp::{Ramp, Stroke};
-pub use regulator::{Approach, Regulated, Regulator};
-pub use regulator_clock::RegulatorClock;
+pub use regulator::{Approach, Regulator};
 pub use solenoid::{Ports, SeatClock, Solenoid, ValveKind};
 pub(crate) use solenoid::{SIMULTANEOUS, is_due};
 pub use spool::{Spool, SpoolMotion};
@@ -307,31 +305,6 @@ impl<S: Scalar> Valve<S> {
         let flow = self.flow_by(&self.law, &one.over(), chamber).where_open(supply | exhaust);
         let both = supply & exhaust;
         if both.any() { flow.and(self.flow(Port::Exhaust, chamber).where_open(both)) } else { flow }
-    }
-
-    /// Flow at a time in s through the open passages, as far as they are open and to what; none where they are whole.
-    #[inline(always)]
-    pub(crate) fn flow_through<T: Over<S>>(
-        &self,
-        openings: &Openings<S>,
-        time: T,
-        [supply, exhaust]: [S::Mask; 2],
-        chamber: &Chamber<T>,
-    ) -> Option<Flow<T>> {
-        if let Some(pressure) = openings.pressure(time) {
-            return Some(self.flow_at(pressure, chamber));
-        }
-        let [share, other] = openings.at(time)?;
-        let inlet = self.flow(Port::Supply, chamber).where_open(supply).through(share);
-        Some(inlet.and(self.flow(Port::Exhaust, chamber).where_open(exhaust).through(other)))
-    }
-
-    /// Flow to or from air at an absolute pressure in Pa behind the passage to the supply, with the supply's temperature.
-    #[inline(always)]
-    pub fn flow_at<T: Over<S>>(&self, pressure: T, chamber: &Chamber<T>) -> Flow<T> {
-        let squared_drive = pressure * pressure * T::of(self.supply.per_temperature);
-        let beyond = Beyond { pressure, per_pressure: T::one() / pressure, squared_drive };
-        self.flow_by(&self.law, &beyond, chamber)
     }
 
     /// Flow by a law to what lies beyond a passage, whatever the zone: selects instead of branches.

@@ -108,14 +108,6 @@ impl<S: Scalar> Stroke<S> {
     }
 }
 
-impl<S: Scalar> Stroke<S> {
-    /// The same over another scalar.
-    pub(super) fn map<T>(&self, number: impl Fn(S) -> T) -> Stroke<T> {
-        let Self { start, end, from, to } = *self;
-        Stroke { start: number(start), end: number(end), from: number(from), to: number(to) }
-    }
-}
-
 #[cfg(feature = "alloc")]
 impl Stroke {
     /// As numbers in a row.

@@ -12,27 +12,22 @@
 //! | τ | `time_constant` | s |
 //! | q | `rate_limit` | Pa/s |
 //!
-//! While the setpoint stays the same the pressure is known in closed form: with `e = p − u`, a straight line for
+//! The pressure is a state: the rate limit's two ends and what lies between are three [`Approach`]es, each a formula by itself.
+//! Tests know it in closed form while the setpoint stays the same: with `e = p − u`, a straight line for
 //! `t₁ = max(0, |e₀|/q − τ)`, then `e = ±qτ exp(−(t − t₁)/τ)`, or `e₀ exp(−t/τ)` where the limit is never reached.
 //!
-//! Fixed steps take the closed form as it is, between the instants of a [`RegulatorClock`](super::RegulatorClock). In the
-//! event-located engine the pressure is a state: the rate limit's two ends and what lies between are three [`Approach`]es,
-//! each a formula by itself.
-//!
-//! The passage is that of a [`Valve`]: a large actuator fills as slowly as C and b let it, and its pressure comes to rest at
+//! The passage is that of a [`Valve`](super::Valve): a large actuator fills as slowly as C and b let it, and its pressure comes to rest at
 //! p from both sides. The setpoint is kept between the surroundings and the supply, beyond which no regulator can go; the
 //! passage is taken as fed at p whatever the supply, so a supply close to the setpoint is outside the law, as are dead band,
 //! hysteresis and offset under flow.
 //!
 //! Source: the first-order model with dead time of process control; rate and passage limit it as data sheets state them, by a
-//! rise time into a volume and a flow. Checked by `tests/regulator.rs`: both branches against the equation, dead time, rest.
+//! rise time into a volume and a flow. Checked by `tests/regulator.rs`: its branches against the closed
+//! form; `tests/regulated_rig.rs`: dead time, rest, passage.
 
-use super::Valve;
-use crate::air::{Chamber, Flow};
 use crate::convert::Convert;
 use crate::error::Error;
 use crate::parameter;
-use crate::pressure::AbsolutePressure;
 use crate::scalar::{Over, Real, Scalar};
 
 /// A proportional pressure regulator.
@@ -54,17 +49,6 @@ pub enum Approach {
     Falls,
 }
 
-/// The regulated pressure from an instant on, under a setpoint that stays the same.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Regulated<S = f64> {
-    /// When it begins, in s: `dead_time` after the setpoint was given.
-    pub time: S,
-    /// The regulated pressure then.
-    pub pressure: AbsolutePressure<S>,
-    /// What it goes to.
-    pub setpoint: AbsolutePressure<S>,
-}
-
 impl Regulator {
     /// A regulator with its time constant in s (above zero), dead time in s (zero or more) and largest rate in Pa/s.
     ///
@@ -80,19 +64,6 @@ impl Regulator {
 }
 
 impl<S: Scalar> Regulator<S> {
-    /// What follows a setpoint given at `time` (s), when `before` held; `valve` says between which pressures it is kept.
-    pub fn set(&self, before: &Regulated<S>, time: S, setpoint: AbsolutePressure<S>, valve: &Valve<S>) -> Regulated<S> {
-        let time = time + self.dead_time;
-        let [supply, ambient] = [super::Port::Supply, super::Port::Exhaust].map(|port| valve.port_pressure(port));
-        let (low, high) = (supply.smaller(ambient), supply.larger(ambient));
-        self.turn(before, time, AbsolutePressure(setpoint.0.larger(low).smaller(high)))
-    }
-
-    /// What follows a setpoint that takes effect at `time` (s), when `before` held.
-    pub(super) fn turn(&self, before: &Regulated<S>, time: S, setpoint: AbsolutePressure<S>) -> Regulated<S> {
-        Regulated { time, pressure: AbsolutePressure(self.pressure(before, time)), setpoint }
-    }
-
     /// The same over another scalar.
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Regulator<T> {
         Regulator {
@@ -100,12 +71,6 @@ impl<S: Scalar> Regulator<S> {
             dead_time: convert.parameter(&parameter::VALVE_DEAD_TIME, self.dead_time),
             rate_limit: convert.parameter(&parameter::REGULATOR_RATE_LIMIT, self.rate_limit),
         }
-    }
-
-    /// The same with numbers of another kind.
-    pub(super) fn map<T>(&self, number: impl Fn(S) -> T) -> Regulator<T> {
-        let Self { time_constant, dead_time, rate_limit } = *self;
-        Regulator { time_constant: number(time_constant), dead_time: number(dead_time), rate_limit: number(rate_limit) }
     }
 
     /// The same with another dead time in s.
@@ -151,45 +116,5 @@ impl<S: Scalar> Regulator<S> {
             Approach::Settles => (setpoint - pressure) / T::of(self.time_constant),
             Approach::Falls => -T::of(self.rate_limit),
         }
-    }
-
-    /// Rate of the regulated pressure in Pa/s at an absolute pressure and setpoint in Pa.
-    #[inline(always)]
-    pub fn rate<T: Over<S>>(&self, pressure: T, setpoint: T) -> T {
-        let limit = T::of(self.rate_limit);
-        ((setpoint - pressure) / T::of(self.time_constant)).smaller(limit).larger(-limit)
-    }
-
-    /// Time in s from the start of a course for which the rate is at its limit, t₁.
-    #[inline(always)]
-    pub(super) fn straight(&self, course: &Regulated<S>) -> S {
-        let apart = course.pressure.0 - course.setpoint.0;
-        (apart.magnitude() / self.rate_limit - self.time_constant).larger(S::zero())
-    }
-
-    /// The regulated absolute pressure in Pa at a time in s, not before it begins.
-    #[inline(always)]
-    pub fn pressure<T: Over<S>>(&self, course: &Regulated<S>, time: T) -> T {
-        let elapsed = time - T::of(course.time);
-        let apart = course.pressure.0 - course.setpoint.0;
-        let line = elapsed.smaller(T::of(self.straight(course)));
-        let left = T::of(apart.magnitude()) - T::of(self.rate_limit) * line;
-        let settled = (-((elapsed - line) / T::of(self.time_constant))).exp();
-        T::of(course.setpoint.0) + T::of(apart.sign()) * left * settled
-    }
-
-    /// Flow between the regulator, at `pressure` (Pa, absolute), and the actuator, through the passage of `valve`.
-    #[inline(always)]
-    pub fn flow<T: Over<S>>(&self, valve: &Valve<S>, pressure: S, chamber: &Chamber<T>) -> Flow<T> {
-        valve.flow_at(T::of(pressure), chamber)
-    }
-}
-
-impl<S: Scalar> Regulated<S> {
-    /// The same with numbers of another kind.
-    pub(super) fn map<T>(&self, number: impl Fn(S) -> T) -> Regulated<T> {
-        let Self { time, pressure, setpoint } = *self;
-        let [pressure, setpoint] = [pressure, setpoint].map(|at| AbsolutePressure(number(at.0)));
-        Regulated { time: number(time), pressure, setpoint }
     }
 }

@@ -283,21 +283,6 @@ impl<S: Scalar> Solenoid<S> {
         self.regulator.as_ref().map_or(self.dead_time, Regulator::dead_time)
     }
 
-    /// That what is asked drives the coil at once, for those that keep no command.
-    ///
-    /// # Errors
-    /// [`Error::NotImplemented`] for a valve with a dead time.
-    #[cfg(feature = "alloc")]
-    pub(crate) fn check_acts_at_once(&self) -> Result<(), Error>
-    where
-        S: Real,
-    {
-        if self.dead_time().value() > 0.0 {
-            return Err(Error::NotImplemented(&crate::limit::DEAD_TIME_HOST));
-        }
-        Ok(())
-    }
-
     /// By how much it is seen late, in s.
     #[cfg(feature = "alloc")]
     pub(crate) fn transport(&self) -> S {
@@ -440,12 +425,6 @@ impl<S: Real> SeatClock<S> {
     #[cfg(feature = "alloc")]
     pub(crate) fn passed(&mut self) -> &mut u64 {
         &mut self.next_change
-    }
-
-    /// Drives the coils by a request at `time` in s, as whoever has no command on paper does.
-    #[cfg(feature = "alloc")]
-    pub(crate) fn ask(&mut self, time: S, solenoid: &Solenoid<S>, request: Request) {
-        self.drive(time, solenoid, solenoid.coils(request));
     }
 
     fn drive(&mut self, time: S, solenoid: &Solenoid<S>, coil: [bool; 2]) {

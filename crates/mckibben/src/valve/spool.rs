@@ -98,16 +98,6 @@ impl<S: Scalar> Spool<S> {
         }
     }
 
-    /// Number by number over another scalar.
-    pub(super) fn map<T>(&self, number: impl Fn(S) -> T) -> Spool<T> {
-        Spool {
-            angular_frequency: number(self.angular_frequency),
-            damping_ratio: number(self.damping_ratio),
-            supply_overlap: number(self.supply_overlap),
-            exhaust_overlap: number(self.exhaust_overlap),
-        }
-    }
-
     /// The positions at which the edges to the supply and to the exhaust are.
     pub(super) fn edges(&self) -> [S; 2] {
         [self.supply_overlap, -self.exhaust_overlap]
@@ -137,19 +127,6 @@ impl<S: Scalar> Spool<S> {
         let [c, s] = responses(omega * (time - T::of(motion.time)), zeta);
         let (apart, speed) = (T::of(motion.position - motion.command), T::of(motion.velocity) / omega);
         [T::of(motion.command) + (c + zeta * s) * apart + s * speed, omega * ((c - zeta * s) * speed - s * apart)]
-    }
-}
-
-impl<S: Scalar> SpoolMotion<S> {
-    /// Number by number over another scalar.
-    pub(super) fn map<T>(&self, number: impl Fn(S) -> T) -> SpoolMotion<T> {
-        let Self { time, position, velocity, command } = *self;
-        SpoolMotion {
-            time: number(time),
-            position: number(position),
-            velocity: number(velocity),
-            command: number(command),
-        }
     }
 }
 

@@ -5,6 +5,7 @@ pub(crate) mod accounts;
 pub(crate) mod joint;
 pub(crate) mod laws;
 pub(crate) mod random;
+pub(crate) mod regulated;
 pub(crate) mod steps;
 pub(crate) mod tendon;
 
@@ -245,12 +246,6 @@ pub(crate) fn stable_error(omega: f64, step: f64, duration: f64, amplitude: f64)
     let gamma = 1.0 + std::f64::consts::FRAC_1_SQRT_2;
     let constant = 3.0 * gamma.powi(2) - 2.0 * gamma.powi(3) - 1.0 / 6.0;
     constant.abs() * omega.powi(3) * step.powi(2) * duration * amplitude
-}
-
-/// What rounding to single precision may make of a state, as a part of it: each of `steps` steps rounds it by at most half a
-/// unit in the last place, and what is damped makes no more of it.
-pub(crate) fn single_rounding(steps: u64) -> f64 {
-    steps as f64 * 0.5 * f64::from(f32::EPSILON)
 }
 
 /// Derivative by the central five-point rule, of fourth order in `step`.

@@ -53,7 +53,7 @@
 use super::super::run::PlantRun;
 use super::super::sample::ActuatorSample;
 use super::super::{Mounted, Plant, PlantStart};
-use super::{NARROW, PlantSteps, part};
+use super::{Method, NARROW, PlantSteps, part};
 use crate::actuator::Response;
 use crate::dual::Dual;
 use crate::error::Error;
@@ -62,7 +62,7 @@ use crate::mechanism::{Coupling, Mechanism};
 use crate::parameter;
 use crate::pressure::GaugePressure;
 use crate::scalar::{Over, Real};
-use crate::simulation::{MOST_PARTS, Method, Sliding};
+use crate::simulation::Sliding;
 use alloc::vec;
 
 /// What is said of an actuator that is not there.
@@ -70,6 +70,9 @@ const NO_ACTUATOR: Error = Error::Misuse {
     what: "an actuator is asked for that is not there",
     remedy: "name one of the plant's actuators, counted from zero",
 };
+
+/// Parts of a move, and edges of pulses within it, at most: more would take minutes, and nobody means them.
+pub const MOST_PARTS: f64 = 1e7;
 
 /// A part that is this much longer than the longest is as long.
 const ROUNDING: f64 = 1e-9;

@@ -32,9 +32,17 @@ use crate::engine::Arc;
 use crate::error::Error;
 use crate::network::formulas::FlowFormulas;
 use crate::scalar::{Mask, Real, Scalar};
-use crate::simulation::Method;
 use alloc::vec;
 use alloc::vec::Vec;
+
+/// How a step is taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// The classical Runge–Kutta method of order 4, as in the paper.
+    Rk4,
+    /// A linearly implicit method of order 2 that is stable at any step.
+    Stable,
+}
 
 /// Part of a pressure and of the air that a step of ROS2 leaves at least, or is not believed. From the paper's supply to the
 /// atmosphere at a constant temperature it is more than this.

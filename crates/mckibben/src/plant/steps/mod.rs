@@ -27,7 +27,9 @@ mod pieces;
 mod saved;
 
 pub use accuracy::{PILOT, PlantReference, PlantStepError, SHORTEST, plant_step_for_accuracy};
+pub use host::MOST_PARTS;
 pub(crate) use implicit::TensionResponse;
+pub use method::Method;
 #[cfg(feature = "batch")]
 pub(super) use method::Stages;
 
@@ -42,7 +44,6 @@ use crate::engine::GuardForm;
 use crate::error::Error;
 use crate::parameter;
 use crate::scalar::Real;
-use crate::simulation::Method;
 use crate::valve::Demand;
 use alloc::vec::Vec;
 use part::Workspace;

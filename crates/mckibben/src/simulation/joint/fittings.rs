@@ -33,11 +33,6 @@ pub struct Fittings<S = f64> {
 impl<S> Fittings<S> {
     /// None at all: the valve joins the actuator to a supply of constant pressure.
     pub const NONE: Self = Self { line: Line::NONE, tendon: None, pressure: None };
-
-    /// Whether there are none.
-    pub fn is_none(&self) -> bool {
-        self.line.is_none() && self.tendon.is_none() && self.pressure.is_none()
-    }
 }
 
 #[cfg(feature = "alloc")]
@@ -136,21 +131,6 @@ impl<S: Scalar> JointRig<S> {
         match self.supply {
             JointSupply::Shared => self.fittings[0].line.supply.as_ref(),
             JointSupply::Separate => None,
-        }
-    }
-
-    /// That neither actuator has more than its valve, for a stepper of joints.
-    ///
-    /// # Errors
-    /// [`Error::Misuse`] otherwise.
-    #[cfg(feature = "alloc")]
-    pub(crate) fn check_bare(&self) -> Result<(), Error> {
-        match self.fittings.iter().all(Fittings::is_none) {
-            true => Ok(()),
-            false => Err(Error::Misuse {
-                what: "a stepper of joints is given one with a hose, a leak, a reservoir, a regulator, a tendon or a given pressure",
-                remedy: "run its plant, by `JointPlant::simulate` or `PlantRun::steps`",
-            }),
         }
     }
 }

@@ -15,26 +15,17 @@
 //!
 //! Actuators may have [`Fittings`] beside: an air line, a tendon, a given pressure. These add states of the plant.
 //!
-//! [`JointPlant`](crate::plant::JointPlant) goes through time with every event located, [`JointStepper`] at
-//! fixed steps. Checked by `tests/joint.rs` and `tests/joint_stepper.rs`.
+//! [`JointPlant`](crate::plant::JointPlant) goes through time. Checked by `tests/joint.rs` and `tests/joint_steps.rs`.
 
 mod fittings;
 #[cfg(feature = "alloc")]
-pub(crate) mod kernel;
-#[cfg(feature = "alloc")]
 mod sample;
-#[cfg(feature = "alloc")]
-mod stepper;
 
 pub use fittings::{Fittings, JointSupply};
 #[cfg(feature = "alloc")]
 pub use sample::JointSample;
-#[cfg(feature = "alloc")]
-pub use stepper::{JointCourse, JointStepper};
 
 use super::rig::{Actuation, check_air, check_drive};
-#[cfg(feature = "alloc")]
-use super::timetable::Timetable;
 use crate::actuator::Actuator;
 use crate::control::Held;
 #[cfg(feature = "alloc")]
@@ -51,15 +42,6 @@ use crate::root;
 use crate::scalar::{Over, Real, Scalar};
 #[cfg(feature = "alloc")]
 use crate::valve::Command;
-
-/// Places of angle and angular velocity among the six states.
-#[cfg(feature = "alloc")]
-const ANGLE: usize = 0;
-#[cfg(feature = "alloc")]
-const VELOCITY: usize = 1;
-/// Places of the pressures; each is followed by the mass of the air.
-#[cfg(feature = "alloc")]
-const PRESSURE: [usize; 2] = [2, 4];
 
 /// An actuator and what drives its valve.
 #[derive(Clone, Debug, PartialEq)]
@@ -90,20 +72,6 @@ pub struct JointState<S = f64> {
     pub pressure: [AbsolutePressure<S>; 2],
     /// Masses of the air in kg.
     pub air_mass: [S; 2],
-}
-
-impl<S: Scalar> JointState<S> {
-    #[cfg(feature = "alloc")]
-    pub(crate) fn to_array(self) -> [S; 6] {
-        let Self { angle, angular_velocity, pressure, air_mass } = self;
-        [angle, angular_velocity, pressure[0].0, air_mass[0], pressure[1].0, air_mass[1]]
-    }
-
-    #[cfg(feature = "alloc")]
-    fn from_array([angle, angular_velocity, first, mass, second, other_mass]: [S; 6]) -> Self {
-        let pressure = [AbsolutePressure(first), AbsolutePressure(second)];
-        Self { angle, angular_velocity, pressure, air_mass: [mass, other_mass] }
-    }
 }
 
 /// Where the angle starts.
@@ -338,11 +306,6 @@ impl<S: Real> JointRig<S> {
             arm.value * arm.value * stiffness + S::constant(SIGN[i]) * arm.slope[0] * force
         };
         of(0) + of(1)
-    }
-
-    #[cfg(feature = "alloc")]
-    fn timetable(&self, actuator: usize) -> Timetable<'_, S> {
-        Timetable { actuation: self.driven[actuator].actuation.as_ref(), motion: None, pressure: None }
     }
 
     /// The state at a start that has been checked, over any scalar with one value.

@@ -1,6 +1,6 @@
 //! A valve that is told what to do while time goes on.
 //!
-//! What is told becomes the continuation of the rig's own command: the run is that of the command which would have been known
+//! What is told becomes the continuation of the valve's own command: the run is that of the command which would have been known
 //! beforehand, seats move at the same exact instants, and no step is divided where something is only asked. What has been
 //! passed of the command is dropped, so that it holds what is still on its way and no more, however often something is told.
 //!
@@ -12,16 +12,14 @@
 //!
 //! Of two in one instant the later counts.
 //!
-//! Checked by `tests/told.rs`: against the command known beforehand, bit for bit.
+//! Checked by `tests/plant_set.rs`: against the command known beforehand, bit for bit.
 
-use super::rig::Actuation;
-use super::timetable::Progress;
+use super::progress::Progress;
 use crate::control::{Drive, Modulator};
-use crate::error::Error;
 use crate::numbered::Row;
-use crate::parameter;
 use crate::pressure::GaugePressure;
 use crate::scalar::Real;
+use crate::simulation::Actuation;
 use crate::valve::{Demand, Request, Solenoid, is_due};
 
 /// What a valve has been told.
@@ -35,9 +33,6 @@ pub(crate) struct Told<R> {
     /// Something has been told since it was last heard.
     unheard: bool,
 }
-
-/// The valve of a rig, if it has one, and where it is in its timetable.
-pub(crate) type Driven<'a, R> = (Option<&'a mut Actuation<R>>, &'a mut Progress<R>);
 
 impl<R: Real> Told<R> {
     /// Nothing so far.
@@ -56,9 +51,7 @@ impl<R: Real> Told<R> {
                 Some(Demand::Pulses { frequency: before, pulse: pulse_before, rest: rest_before, .. }),
                 Demand::Pulses { frequency, duty, pulse, rest },
             ) => {
-                let goes_on = before.value() == frequency.value()
-                    && (pulse_before, rest_before) == (pulse, rest)
-                    && parameter::DUTY.range.contains(duty.value());
+                let goes_on = before.value() == frequency.value() && (pulse_before, rest_before) == (pulse, rest);
                 if goes_on {
                     self.last = Some(*demand);
                     let drive = Drive::Pulses { duty: *duty, pulse: *pulse, rest: *rest };
@@ -70,29 +63,21 @@ impl<R: Real> Told<R> {
         }
     }
 
-    /// Tells a valve that has come to `time` in s what it is to do from then on. The valve is asked for only where there is
-    /// something to change.
+    /// Tells a valve that has come to `time` in s what it is to do from then on, which is something that it can do.
     #[inline]
-    pub(crate) fn tell<'a>(
+    pub(crate) fn tell(
         &mut self,
-        valve: impl FnOnce() -> Result<Driven<'a, R>, Error>,
+        actuation: &mut Actuation<R>,
+        progress: &mut Progress<R>,
         time: R,
         demand: Demand<R>,
-    ) -> Result<(), Error> {
-        match self.follow(time, &demand) {
-            true => Ok(()),
-            false => self.change(valve()?, time, demand),
+    ) {
+        if !self.follow(time, &demand) {
+            self.change(actuation, progress, time, demand);
         }
     }
 
-    fn change(&mut self, (valve, progress): Driven<'_, R>, time: R, demand: Demand<R>) -> Result<(), Error> {
-        let Some(actuation) = valve else {
-            return Err(Error::Misuse {
-                what: "something is asked of a valve, but the actuator has none",
-                remedy: "give the actuator a valve, or leave it sealed",
-            });
-        };
-        actuation.solenoid.check_demand(&demand)?;
+    fn change(&mut self, actuation: &mut Actuation<R>, progress: &mut Progress<R>, time: R, demand: Demand<R>) {
         let drive = match demand {
             Demand::Request(request) => Some((Drive::Steady(request), self.pulse_frequency)),
             Demand::Pulses { frequency, duty, pulse, rest } => Some((Drive::Pulses { duty, pulse, rest }, frequency)),
@@ -114,7 +99,6 @@ impl<R: Real> Told<R> {
         }
         (self.last, self.unheard) = (Some(demand), true);
         self.look_ahead();
-        Ok(())
     }
 
     fn look_ahead(&mut self) {
@@ -134,27 +118,26 @@ impl<R: Real> Told<R> {
         Some(self.edge).filter(|edge| !is_due(until, *edge))
     }
 
-    /// Continues the command of a valve that has come to `time` by the pulses before `until`, both in s; whether it is
-    /// another than before. The valve is asked for only where there is something to hear.
+    /// Continues the command of a valve that has come to `time` by the pulses before `until`, both in s.
     #[inline]
-    pub(crate) fn hear<'a>(&mut self, valve: impl FnOnce() -> Driven<'a, R>, span: [R; 2]) -> bool {
-        (self.unheard || self.edge(span[1]).is_some()) && self.go_on(valve(), span)
+    pub(crate) fn hear(&mut self, actuation: &mut Actuation<R>, progress: &mut Progress<R>, [time, until]: [R; 2]) {
+        if self.unheard || self.edge(until).is_some() {
+            self.go_on(actuation, progress, [time, until]);
+        }
     }
 
-    fn go_on(&mut self, (valve, progress): Driven<'_, R>, [time, until]: [R; 2]) -> bool {
-        let mut changed = core::mem::take(&mut self.unheard);
-        let Some(actuation) = valve else { return changed };
+    fn go_on(&mut self, actuation: &mut Actuation<R>, progress: &mut Progress<R>, [time, until]: [R; 2]) {
+        let mut settled = core::mem::take(&mut self.unheard);
         while let Some(edge) = self.edge(until) {
-            if !changed {
+            if !settled {
                 progress.settle(actuation, time, R::constant(f64::INFINITY));
-                changed = true;
+                settled = true;
             }
             if let Some(request) = self.modulator.pass(edge, self.pulse_frequency) {
                 actuation.command.append(edge, Demand::Request(request));
             }
             self.look_ahead();
         }
-        changed
     }
 }
 
