@@ -406,9 +406,9 @@ pub(crate) fn unlike_muscles_on_one_tank(seed: usize) -> (Plant, PlantStart) {
         .collect();
     let switch = [GaugePressure(5e5), GaugePressure(6e5)];
     let compressor = Compressor::new([number(101, 1e-5, 5e-4), 0.03], switch, &air).expect("a compressor");
-    let with_compressor = (seed % 3 == 0).then_some(compressor);
+    let with_compressor = seed.is_multiple_of(3).then_some(compressor);
     let tank = reservoir([number(102, 2e-5, 2e-3), number(103, 1.0, 1.4)], 5.5e5, with_compressor);
-    let regulator = (seed % 2 == 0).then(|| Regulator::new(2e7, 1e3, 0.01).expect("a regulator"));
+    let regulator = seed.is_multiple_of(2).then(|| Regulator::new(2e7, 1e3, 0.01).expect("a regulator"));
     on_one_tank(tank, regulator, &muscles)
 }
 
