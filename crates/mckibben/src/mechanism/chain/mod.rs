@@ -19,7 +19,8 @@
 //! | K_stop, C_stop | stiffness and damping of its stops | N·m/rad, N·m·s/rad |
 //! | k_b, c_b, μ, v_s | stiffness, damping, friction and slipping speed of the belt | N/m, N·s/m, –, m/s |
 //!
-//! The chain hangs from a fixed axis. What it touches, `S_k` and the belt, are [`contacts`].
+//! The chain hangs from a fixed axis. Its stops and the belt push and never pull: whether they press is a
+//! part of the mode ([`Contact`]).
 //!
 //! Source: Lagrange's equations; the paper's legs are chains of this kind. Checked by `tests/plant_linear_closed_forms.rs` and
 //! `tests/plant_linear_analysis.rs`: frequencies of pendulums; by `tests/joint.rs` and `tests/plant_ledger.rs`.
