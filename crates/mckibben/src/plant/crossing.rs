@@ -138,7 +138,6 @@ impl<R: Real> System<R> {
         if !network.nodes.iter().any(|node| matches!(node.kind, NodeKind::Outlet { .. })) {
             return;
         }
-        self.enter_distances(time, state, mode, at);
         self.enter_air(time, state, mode, at);
         for node in 0..network.nodes.len() {
             if let NodeKind::Outlet { regulator, .. } = &network.nodes[node].kind {

@@ -37,7 +37,7 @@ use crate::network::NodeKind;
 use crate::network::flow::{NetworkState, Surroundings};
 use crate::network::formulas::FlowFormulas;
 use crate::network::piping::Piping;
-use crate::scalar::{Differentiable, Mask, Over, Real, Scalar};
+use crate::scalar::{Differentiable, Mask, Over, Real, Scalar, Work};
 use crate::simulation::Extent;
 use alloc::sync::Arc;
 use alloc::vec;
@@ -134,6 +134,57 @@ pub(crate) struct System<R: Scalar> {
     pub(crate) usual_torque: Vec<f64>,
 }
 
+/// How much of a plant is computed.
+#[derive(Clone, Copy, PartialEq, PartialOrd)]
+enum Part {
+    /// Distances and chambers.
+    Distances,
+    /// With them all flows.
+    Air,
+    /// With them tensions and accelerations.
+    Motion,
+    /// With them the rates of all states.
+    Rates,
+}
+
+/// The way through a plant. There are many callers, and it is long: it is compiled once for each scalar, in a function of its own.
+struct Compute<'a, R: Scalar, T: Scalar, F> {
+    system: &'a System<R>,
+    extent: Part,
+    time: T,
+    state: &'a [T],
+    mode: &'a F,
+    at: &'a mut Evaluation<T>,
+    rates: &'a mut [T],
+}
+
+impl<R: Scalar, T: Differentiable<R>, F: Formulas<R>> Work for Compute<'_, R, T, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn done(self) {
+        let Self { system, extent, time, state, mode, at, rates } = self;
+        system.compute_distances(time, state, mode, at);
+        if extent >= Part::Air {
+            system.enter_flows(time, state, mode, at);
+        }
+        if extent == Part::Air {
+            for (i, wire) in system.wires.iter().enumerate() {
+                system.fill(wire, time, mode, &at.network, &mut at.units[i]);
+            }
+        }
+        if extent >= Part::Motion {
+            system.enter_actuators(time, state, mode, at);
+            for assembly in &system.assemblies {
+                system.accelerate(assembly, time, state, mode, at);
+            }
+        }
+        if extent == Part::Rates {
+            system.enter_rates(time, state, mode, at, rates);
+        }
+    }
+}
+
 /// The moment arms of an actuator as a discrete state knows them.
 pub(super) struct ArmsOf<'m, F> {
     pub(super) mode: &'m F,
@@ -164,6 +215,7 @@ impl<R: Scalar> System<R> {
     }
 
     /// Computes everything at a time in s and a state.
+    #[inline(always)]
     pub(crate) fn evaluate<T: Differentiable<R>>(
         &self,
         time: T,
@@ -171,35 +223,48 @@ impl<R: Scalar> System<R> {
         mode: &impl Formulas<R>,
         at: &mut Evaluation<T>,
     ) {
-        self.evaluate_here(time, state, mode, at);
-    }
-
-    /// As [`System::evaluate`], compiled into its caller.
-    #[inline(always)]
-    pub(super) fn evaluate_here<T: Differentiable<R>>(
-        &self,
-        time: T,
-        state: &[T],
-        mode: &impl Formulas<R>,
-        at: &mut Evaluation<T>,
-    ) {
-        self.enter_distances(time, state, mode, at);
-        self.enter_flows(time, state, mode, at);
-        self.enter_actuators(time, state, mode, at);
-        for assembly in &self.assemblies {
-            self.accelerate(assembly, time, state, mode, at);
-        }
+        T::apart(Compute { system: self, extent: Part::Motion, time, state, mode, at, rates: &mut [] });
     }
 
     /// Computes distances and chambers.
     #[inline(always)]
-    pub(crate) fn enter_distances<T: Over<R>>(
+    pub(crate) fn enter_distances<T: Differentiable<R>>(
         &self,
         time: T,
         state: &[T],
         mode: &impl Formulas<R>,
         at: &mut Evaluation<T>,
     ) {
+        T::apart(Compute { system: self, extent: Part::Distances, time, state, mode, at, rates: &mut [] });
+    }
+
+    /// Computes distances, chambers, all flows, and what of them goes into each chamber.
+    #[inline(always)]
+    pub(crate) fn enter_air<T: Differentiable<R>>(
+        &self,
+        time: T,
+        state: &[T],
+        mode: &impl Formulas<R>,
+        at: &mut Evaluation<T>,
+    ) {
+        T::apart(Compute { system: self, extent: Part::Air, time, state, mode, at, rates: &mut [] });
+    }
+
+    /// The rates of all states at a time in s.
+    #[inline(always)]
+    pub(crate) fn rates<T: Differentiable<R>>(
+        &self,
+        time: T,
+        state: &[T],
+        mode: &impl Formulas<R>,
+        at: &mut Evaluation<T>,
+        rates: &mut [T],
+    ) {
+        T::apart(Compute { system: self, extent: Part::Rates, time, state, mode, at, rates });
+    }
+
+    #[inline(always)]
+    fn compute_distances<T: Over<R>>(&self, time: T, state: &[T], mode: &impl Formulas<R>, at: &mut Evaluation<T>) {
         let Evaluation { units, chambers, gradient, .. } = at;
         for (i, wire) in self.wires.iter().enumerate() {
             let [length, velocity] = self.enter_ends(wire, time, state, mode, (&mut units[i], gradient));
@@ -269,15 +334,6 @@ impl<R: Scalar> System<R> {
         let distance = mounted.coupling.distance(chain, position, pieces, gradient);
         let rate = super::dense::dot(gradient, rates);
         [distance, T::select(mode.is_frozen(mounted.mechanism), T::zero(), rate)]
-    }
-
-    /// Computes all flows, and what of them goes into each chamber.
-    #[inline(always)]
-    pub(crate) fn enter_air<T: Over<R>>(&self, time: T, state: &[T], mode: &impl Formulas<R>, at: &mut Evaluation<T>) {
-        self.enter_flows(time, state, mode, at);
-        for (i, wire) in self.wires.iter().enumerate() {
-            self.fill(wire, time, mode, &at.network, &mut at.units[i]);
-        }
     }
 
     /// Takes what flows into the chamber of an actuator, or the rate of a pressure that is given, which an end on a tendon
@@ -451,19 +507,16 @@ impl<R: Scalar> System<R> {
         }
     }
 
-    /// The rates of all states at a time in s.
+    /// Writes the rates of all states, once everything is computed.
     #[inline(always)]
-    pub(crate) fn rates<T: Differentiable<R>>(
+    fn enter_rates<T: Differentiable<R>>(
         &self,
         time: T,
         state: &[T],
         mode: &impl Formulas<R>,
-        at: &mut Evaluation<T>,
+        at: &Evaluation<T>,
         rates: &mut [T],
     ) {
-        self.enter_distances(time, state, mode, at);
-        self.enter_flows(time, state, mode, at);
-        self.enter_actuators(time, state, mode, at);
         for (wire, unit) in self.wires.iter().zip(&at.units) {
             let places = &wire.places;
             (rates[places.pressure], rates[places.pressure + 1]) = (unit.pressure_rate, unit.mass_rate);
@@ -475,7 +528,6 @@ impl<R: Scalar> System<R> {
             }
         }
         for assembly in &self.assemblies {
-            self.accelerate(assembly, time, state, mode, at);
             self.enter_motion(assembly, time, state, mode, &at.acceleration, rates);
         }
         let Plant { network, places, .. } = &*self.plant;

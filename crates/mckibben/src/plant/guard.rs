@@ -301,7 +301,6 @@ impl<R: Real> System<R> {
                 }
             }
             PlantGuard::Jump(i) => {
-                self.enter_distances(time, state, mode, at);
                 self.enter_air(time, state, mode, at);
                 let Some(tendon) = &self.plant.actuators[i].tendon else { return T::one() };
                 let of_unit = (&at.units[i], &at.chambers[i]);
@@ -334,7 +333,6 @@ impl<R: Real> System<R> {
             }
             PlantGuard::Network(guard) => {
                 if let NetworkGuard::Poppet { .. } | NetworkGuard::Limit { .. } = guard {
-                    self.enter_distances(time, state, mode, at);
                     self.enter_air(time, state, mode, at);
                 } else {
                     self.piping.enter_pressures(state, &mut at.network);

@@ -133,7 +133,7 @@ impl<W: Wide> Work for Look<'_, W> {
     fn done(self) -> W::Mask {
         let Self { facets, system, time, end, held, at } = self;
         let mut within = W::Mask::splat(true);
-        system.evaluate_here(time, end, held, at);
+        system.evaluate(time, end, held, at);
         for m in 0..system.assemblies.len() {
             let mut any = false;
             for watched in &facets.watched {

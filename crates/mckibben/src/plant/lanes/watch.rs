@@ -381,7 +381,6 @@ impl<W: Wide> Watch<W> {
         at: &mut Evaluation<W>,
     ) -> W::Mask {
         let network = &system.plant.network;
-        system.enter_distances(time, end, held, at);
         system.enter_air(time, end, held, at);
         let mut within = W::Mask::splat(true);
         for its in &self.outlets {

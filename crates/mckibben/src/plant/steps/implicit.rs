@@ -31,7 +31,7 @@ use crate::mechanism::Mechanism;
 use crate::network::NodeKind;
 use crate::network::flow::Surroundings;
 use crate::network::implicit::{Answers, Elimination, NodeResponse};
-use crate::scalar::{Mask, Over, Real, Scalar};
+use crate::scalar::{Mask, Over, Real, Scalar, Work};
 use crate::simulation::Sliding;
 use alloc::vec;
 use alloc::vec::Vec;
@@ -96,6 +96,18 @@ impl<R: Scalar> Implicit<R> {
     pub(super) fn factor(
         &mut self,
         system: &System<R>,
+        span: (R, R),
+        state: &[R],
+        mode: &impl Formulas<R>,
+        at: &Evaluation<R>,
+    ) {
+        R::apart(Factor { implicit: self, system, span, state, mode, at });
+    }
+
+    #[inline(always)]
+    fn factor_here(
+        &mut self,
+        system: &System<R>,
         (time, gamma_h): (R, R),
         state: &[R],
         mode: &impl Formulas<R>,
@@ -157,6 +169,18 @@ impl<R: Scalar> Implicit<R> {
     /// Writes the slopes that have `right` for their right side.
     #[inline(always)]
     pub(super) fn solve(
+        &mut self,
+        system: &System<R>,
+        mode: &impl Formulas<R>,
+        at: &Evaluation<R>,
+        right: &[R],
+        slopes: &mut [R],
+    ) {
+        R::apart(Solve { implicit: self, system, mode, at, right, slopes });
+    }
+
+    #[inline(always)]
+    fn solve_here(
         &mut self,
         system: &System<R>,
         mode: &impl Formulas<R>,
@@ -235,6 +259,46 @@ impl<R: Scalar> Implicit<R> {
         if let (Some(_), Some(bristles)) = (its.length, its.bristles) {
             slopes[bristles] = right[bristles] * self.tensions[i].beside;
         }
+    }
+}
+
+/// Setting the numbers of a stage, in a function of its own: it is long, and every stage asks for it.
+struct Factor<'a, R: Scalar, F> {
+    implicit: &'a mut Implicit<R>,
+    system: &'a System<R>,
+    span: (R, R),
+    state: &'a [R],
+    mode: &'a F,
+    at: &'a Evaluation<R>,
+}
+
+impl<R: Scalar, F: Formulas<R>> Work for Factor<'_, R, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn done(self) {
+        let Self { implicit, system, span, state, mode, at } = self;
+        implicit.factor_here(system, span, state, mode, at);
+    }
+}
+
+/// Solving it for one right side.
+struct Solve<'a, R: Scalar, F> {
+    implicit: &'a mut Implicit<R>,
+    system: &'a System<R>,
+    mode: &'a F,
+    at: &'a Evaluation<R>,
+    right: &'a [R],
+    slopes: &'a mut [R],
+}
+
+impl<R: Scalar, F: Formulas<R>> Work for Solve<'_, R, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn done(self) {
+        let Self { implicit, system, mode, at, right, slopes } = self;
+        implicit.solve_here(system, mode, at, right, slopes);
     }
 }
 
