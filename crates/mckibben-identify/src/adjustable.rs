@@ -2,14 +2,9 @@
 //!
 //! Derivatives are exact and come in blocks of [`WIDTH`] directions, each a pass of its own.
 
-use mckibben::{Dual, Error, parameter};
+pub use mckibben::{DIRECTIONS as WIDTH, Seeded};
+use mckibben::{Error, parameter};
 use mckibben_scenario::{Load, Place, Scenario, Seeds};
-
-/// Directions of one pass.
-pub const WIDTH: usize = 8;
-
-/// A number with its derivatives by up to [`WIDTH`] unknowns.
-pub type Seeded = Dual<f64, WIDTH>;
 
 /// A scenario and the numbers of it that are looked for.
 #[derive(Clone, Debug)]

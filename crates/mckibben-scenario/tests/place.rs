@@ -103,12 +103,12 @@ fn every_number_of_an_actuator_is_differentiated_by_as_it_is_set() {
             let value = place.value(&mut scenario.clone()).expect("a number");
             let mut seeds = Seeds::new([place]);
             let actuator = scenario.driven().expect("an actuator").actuator;
-            let seeded = actuator.map(|parameter, value| seeds.over::<1>(parameter, value));
+            let seeded = actuator.map(|parameter, value| seeds.over::<{ mckibben::DIRECTIONS }>(parameter, value));
             // Numbers of solenoid, command, load and start; and parts that are absent at zero.
             if seeds.missed().count() > 0 {
                 continue;
             }
-            let exact = shown::<Dual<f64, 1>>(&seeded, length, pressure).map(|number| number.slope[0]);
+            let exact = shown::<mckibben::Seeded>(&seeded, length, pressure).map(|number| number.slope[0]);
             // A zero may stand for a part that is absent: no friction has no direction.
             if value == 0.0 {
                 continue;
@@ -169,8 +169,8 @@ duration = "0.11 s"
         }
         let mut seeds = Seeds::new([place]);
         let experiment = scenario.experiment().expect("an experiment");
-        let rig = experiment.rig.map(|parameter, value| seeds.over::<1>(parameter, value));
-        let start = scenario.initial().map(|parameter, value| seeds.over::<1>(parameter, value));
+        let rig = experiment.rig.map(|parameter, value| seeds.over::<{ mckibben::DIRECTIONS }>(parameter, value));
+        let start = scenario.initial().map(|parameter, value| seeds.over::<{ mckibben::DIRECTIONS }>(parameter, value));
         if seeds.missed().count() > 0 {
             continue;
         }
@@ -286,9 +286,11 @@ fn numbers_of_a_joint_are_differentiated_by_as_they_are_set() {
             continue;
         }
         let mut seeds = Seeds::new([place]);
-        let rig = plain.map_of_each(|actuator, row, value| seeds.over_of::<1>(actuator, row, value));
+        let rig =
+            plain.map_of_each(|actuator, row, value| seeds.over_of::<{ mckibben::DIRECTIONS }>(actuator, row, value));
         let initial = scenario.joint_initial().expect("a joint");
-        let initial = initial.map_of_each(|actuator, row, value| seeds.over_of::<1>(actuator, row, value));
+        let initial =
+            initial.map_of_each(|actuator, row, value| seeds.over_of::<{ mckibben::DIRECTIONS }>(actuator, row, value));
         if seeds.missed().count() > 0 {
             continue;
         }

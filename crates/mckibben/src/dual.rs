@@ -16,6 +16,12 @@
 use crate::scalar::{Function, Over, Real, Scalar, Work};
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
+/// Directions of [`Seeded`] numbers.
+pub const DIRECTIONS: usize = 8;
+
+/// Numbers with derivatives in up to eight directions: those for which the engines are compiled.
+pub type Seeded = Dual<f64, DIRECTIONS>;
+
 /// A value and its derivatives in `K` directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dual<S, const K: usize> {

@@ -1,9 +1,10 @@
-//! The entry points of the engines, each instantiated once for `f64`, in this crate.
+//! The entry points of the engines, each instantiated once, in this crate: for `f64`, and for
+//! [`Seeded`](crate::Seeded) dual numbers.
 //!
 //! The engines are generic over their scalar, because dual numbers go through them as well. A generic function is compiled
 //! again in every crate that calls it, and an engine is much to compile. So each entry point that other crates call goes
-//! through a method of [`Instantiate`], whose body for `f64` is an ordinary function: it is compiled with this crate, and its
-//! callers only link to it. For dual numbers the same bodies are generic, since only the caller knows the width.
+//! through a method of [`Instantiate`], whose bodies are ordinary functions: they are compiled with this crate, and their
+//! callers only link to them. More directions than those numbers have are several runs.
 //!
 //! What is called in an inner loop has no entry point, so that the compiler may inline it.
 
@@ -35,10 +36,11 @@ macro_rules! entry_points {
             fn $name:ident $(<$life:lifetime>)? ($($argument:ident: $type:ty),* $(,)?) $(-> $result:ty)? = $body:expr;
         )*
     ) => {
-        /// Entry points of the engines. Every [`Real`] has them; only the engines call them.
+        /// Numbers that the engines step: `f64`, and [`Seeded`](crate::Seeded) with the feature `derivatives`. Only the engines call
+        /// what it has.
         #[allow(private_interfaces, reason = "only the engines call them")]
-        pub trait Instantiate: Sized {
-            $($(#[$condition])? fn $name $(<$life>)? ($($argument: $type),*) $(-> $result)? where Self: Real;)*
+        pub trait Instantiate: Real {
+            $($(#[$condition])? #[doc(hidden)] fn $name $(<$life>)? ($($argument: $type),*) $(-> $result)?;)*
         }
 
         // Ordinary functions, compiled here.
@@ -47,9 +49,10 @@ macro_rules! entry_points {
             $($(#[$condition])? #[inline(never)] fn $name $(<$life>)? ($($argument: $type),*) $(-> $result)? { $body })*
         }
 
+        #[cfg(feature = "derivatives")]
         #[allow(private_interfaces, reason = "as in the trait")]
-        impl<S: Real, const K: usize> Instantiate for crate::Dual<S, K> {
-            $($(#[$condition])? fn $name $(<$life>)? ($($argument: $type),*) $(-> $result)? { $body })*
+        impl Instantiate for crate::Seeded {
+            $($(#[$condition])? #[inline(never)] fn $name $(<$life>)? ($($argument: $type),*) $(-> $result)? { $body })*
         }
     };
 }

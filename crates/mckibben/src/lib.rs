@@ -82,6 +82,7 @@ mod dual;
 mod equilibrium;
 mod error;
 mod instantiate;
+pub use instantiate::Instantiate;
 #[cfg(feature = "batch")]
 mod lanes;
 mod nested;
@@ -93,7 +94,7 @@ mod trigonometry;
 
 pub use actuator::{Actuator, ActuatorState, Response};
 pub use braid::Braid;
-pub use dual::Dual;
+pub use dual::{DIRECTIONS, Dual, Seeded};
 pub use error::{Count, Error, Requirement};
 pub use nested::Nested;
 pub use pressure::{AbsolutePressure, GaugePressure};

@@ -17,7 +17,6 @@
 //!
 //! Checked by `tests/scalar.rs` (dual against finite differences, lanes of eight against `f64`, bit for bit).
 
-use crate::instantiate::Instantiate;
 use core::fmt::Debug;
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
@@ -150,7 +149,7 @@ pub trait Scalar:
 }
 
 /// A scalar with one value to branch on: not lanes.
-pub trait Real: Scalar<Mask = bool> + Instantiate {
+pub trait Real: Scalar<Mask = bool> {
     /// Whether it carries derivatives besides its value.
     const HAS_DERIVATIVES: bool = false;
 

@@ -5,12 +5,13 @@ use crate::common::joint::{Pair, pairs};
 use crate::common::laws;
 use crate::common::random;
 use crate::common::{ATMOSPHERE, GRAVITY, PSI, Paper, assert_close, assert_within, bisect};
+use mckibben::Scalar as _;
 use mckibben::friction::{Hysteresis, MaxwellSlip};
 use mckibben::load::{Limb, MomentArm, Stops, Tendon};
 use mckibben::plant::{JointPlant, JointTrajectory, Turning};
 use mckibben::simulation::{EventKind, InitialAngle, InitialLength, JointInitial};
 use mckibben::valve::{Command, Request};
-use mckibben::{Dual, Error, GaugePressure, Real};
+use mckibben::{Error, GaugePressure, Real};
 use proptest::prelude::*;
 use proptest::test_runner::TestCaseError;
 use random::{Accounted, falling_power, runner};
@@ -244,19 +245,19 @@ fn the_joint_rests_where_an_actuator_is_at_its_shortest() {
 
 #[test]
 fn derivatives_by_a_parameter_are_those_of_finite_differences() {
-    type Number = Dual<f64, 1>;
+    type Number = mckibben::Seeded;
     let pair = Pair::of(Paper::driven(pulses(20.0, 0.5))).with(|pair| {
         pair.papers[1].command = Some(pulses(15.0, 0.35));
         pair.limb.distance = 0.1;
     });
     let at = |mass: f64| pair.clone().with(|pair| pair.limb.mass = mass).run(0.2, 1e-11).at(0.2).angle;
     let rig = pair.rig().expect("a rig").map(|parameter, value| {
-        let mut number = Number { value, slope: [0.0] };
+        let mut number = Number::constant(value);
         number.slope[0] = f64::from(u8::from(parameter.key == "load.mass"));
         number
     });
     let plain = pair.initial();
-    let constant = |value: f64| Number { value, slope: [0.0] };
+    let constant = |value: f64| Number::constant(value);
     let initial = JointInitial {
         gauge_pressure: plain.gauge_pressure.map(|gauge| GaugePressure(constant(gauge.0))),
         temperature: plain.temperature.map(constant),

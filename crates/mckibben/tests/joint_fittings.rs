@@ -3,6 +3,7 @@
 
 use crate::common::joint::Pair;
 use crate::common::{PSI, Paper, assert_close, assert_within};
+use mckibben::Scalar as _;
 use mckibben::air::Process;
 use mckibben::control::Held;
 use mckibben::line::{Compressor, Hose, HoseKind, Leakage, Line, Regulator, Reservoir, SupplyLine};
@@ -14,7 +15,7 @@ use mckibben::simulation::{
     EventKind, Fittings, InitialAngle, JointInitial, JointRig, JointSupply, Method, PressureCourse,
 };
 use mckibben::valve::{Command, Request};
-use mckibben::{AbsolutePressure, Dual, Error, GaugePressure, parameter};
+use mckibben::{AbsolutePressure, Error, GaugePressure, parameter};
 
 const ROOM: f64 = 293.15;
 
@@ -245,16 +246,16 @@ fn derivatives_by_numbers_of_the_fittings_are_those_of_differences() {
             end(&rig.map_of_each(change))
         };
         let difference = (scaled(1e-5) - scaled(-1e-5)) / 2e-5;
-        let seeded: JointRig<Dual<f64, 1>> = rig.map_of_each(|i, parameter, value| {
+        let seeded: JointRig<mckibben::Seeded> = rig.map_of_each(|i, parameter, value| {
             let seed = if i == Some(whose) && parameter.key == row.key { value } else { 0.0 };
-            Dual { value, slope: [seed] }
+            crate::common::toward(value, seed)
         });
-        let initial = pair.initial().map_of_each(|_, _, value| Dual::<f64, 1> { value, slope: [0.0] });
+        let initial = pair.initial().map_of_each(|_, _, value| mckibben::Seeded::constant(value));
         let start = seeded.begin(&initial).expect("a start");
         let run = JointPlant::new(&seeded)
-            .and_then(|plant| plant.simulate(&start, Dual { value: 0.08, slope: [0.0] }, 1e-11))
+            .and_then(|plant| plant.simulate(&start, mckibben::Seeded::constant(0.08), 1e-11))
             .expect("a run");
-        let exact = run.at(Dual { value: 0.08, slope: [0.0] }).angle.slope[0];
+        let exact = run.at(mckibben::Seeded::constant(0.08)).angle.slope[0];
         assert!(exact.abs() > 1e-6, "{}: {exact}", row.key);
         assert_within(exact, difference, 2e-4 * exact.abs() + 1e-7);
     }

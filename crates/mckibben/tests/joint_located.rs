@@ -5,13 +5,14 @@ use crate::common::joint::{Pair, on_a_line};
 use crate::common::regulated::Regulated;
 use crate::common::steps::JointSteps;
 use crate::common::{ATMOSPHERE, PSI, Paper, ROOM, assert_close, assert_within};
+use mckibben::Scalar as _;
 use mckibben::air::Process;
 use mckibben::friction::{BoucWen, Hysteresis, LuGre};
 use mckibben::load::Stops;
 use mckibben::plant::{JointPlant, JointTrajectory};
 use mckibben::simulation::{Actuation, EventKind, InitialAngle, JointInitial, Method, Rig, simulate};
 use mckibben::valve::{Command, FlowStandard, Ramp, Regulator, Request, Solenoid, Spool, ValveKind};
-use mckibben::{Dual, GaugePressure, Real};
+use mckibben::{GaugePressure, Real};
 
 const TIGHT: f64 = 1e-11;
 
@@ -235,15 +236,15 @@ fn the_audits_close() {
 
 #[test]
 fn derivatives_are_those_of_finite_differences() {
-    type Number = Dual<f64, 1>;
+    type Number = mckibben::Seeded;
     for (name, solenoid, command) in valves() {
         let pair = pair(solenoid, command, Some(falling()));
         let at = |mass: f64| pair.clone().with(|pair| pair.limb.mass = mass).run(0.2, TIGHT).at(0.2).angle;
-        let rig = pair.rig().expect("a rig").map(|parameter, value| {
-            let slope = [f64::from(u8::from(parameter.key == "load.mass"))];
-            Number { value, slope }
-        });
-        let constant = |value: f64| Number { value, slope: [0.0] };
+        let rig = pair
+            .rig()
+            .expect("a rig")
+            .map(|parameter, value| crate::common::toward(value, f64::from(u8::from(parameter.key == "load.mass"))));
+        let constant = |value: f64| Number::constant(value);
         let plain = pair.initial();
         let initial = JointInitial {
             gauge_pressure: plain.gauge_pressure.map(|gauge| GaugePressure(constant(gauge.0))),

@@ -20,7 +20,7 @@ use mckibben::simulation::{Actuation, EventKind, InitialAngle, JointSample, Meth
 use mckibben::valve::{
     Command, Demand, FlowStandard, Port, Regulator as Proportional, Request, Solenoid, Spool, ValveKind,
 };
-use mckibben::{Dual, Error, GaugePressure, Scalar};
+use mckibben::{Error, GaugePressure, Scalar};
 use std::fmt::Debug;
 
 const TOLERANCE: f64 = 1e-10;
@@ -489,7 +489,7 @@ fn what_makes_no_sense_is_refused() {
 /// Over dual numbers a run under a driver carries its derivatives, through every sampling instant and pulse.
 #[test]
 fn derivatives_pass_through_a_driver() {
-    type D = Dual<f64, 1>;
+    type D = mckibben::Seeded;
     let (plant, start, _) = on_one_bottle(&[fill_hold_exhaust()], 3e-4);
     let law = tracker(
         Quantity::Pressure,

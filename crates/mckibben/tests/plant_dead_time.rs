@@ -7,7 +7,7 @@ use mckibben::parameter;
 use mckibben::plant::{Part, Plant, PlantRun, PlantStart, PlantTrajectory, simulate_plant};
 use mckibben::simulation::{Actuation, EventKind, Method, Rig, State, simulate};
 use mckibben::valve::{Command, FiveWay, FiveWayRest, Ramp, Regulator, Request, SeatClock, Solenoid, Spool, ValveKind};
-use mckibben::{Dual, GaugePressure, Scalar};
+use mckibben::{GaugePressure, Scalar};
 
 const OPEN: f64 = 4e-3;
 const CLOSE: f64 = 1e-3;
@@ -201,7 +201,7 @@ fn what_is_set_at_run_time_acts_after_the_dead_time() {
 fn instants_move_with_the_dead_time_and_errors_name_it() {
     let command = Command::pwm(25.0, 0.5, Request::Fill, Request::Exhaust).expect("a command");
     let (plant, start) = plant(solenoid(ValveKind::ThreeWay, 7e-3), command);
-    type D = Dual<f64, 1>;
+    type D = mckibben::Seeded;
     let of = |row: &'static parameter::Parameter, value: f64| {
         if row.key == parameter::VALVE_DEAD_TIME.key { D::variable(value, 0) } else { D::constant(value) }
     };
@@ -226,7 +226,7 @@ fn instants_move_with_the_dead_time_and_errors_name_it() {
         run.events().iter().filter(|event| event.kind.kind == EventKind::Valve).map(|event| event.time).collect();
     assert_eq!(moved.len(), 10);
     for time in moved {
-        assert_eq!(time.slope, [1.0]);
+        assert_eq!(time.slope[0], 1.0);
     }
     // So it is behind a hose, which lets the valve be seen later still, over any scalar.
     let (piped, state) = rig(solenoid(ValveKind::ThreeWay, 7e-3), Command::Constant(Request::Fill));

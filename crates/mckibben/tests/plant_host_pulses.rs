@@ -127,7 +127,7 @@ fn dual_numbers_carry_derivatives_through_pulses_and_motion() {
         (1..=50).for_each(|k| actuator.move_to(f64::from(k) * 2e-3, &[0.09]).expect("a step"));
         air(&actuator)[0]
     };
-    let seeded: Plant<Dual<f64, 1>> =
+    let seeded: Plant<mckibben::Seeded> =
         plant.map(
             |_, its, value| {
                 if its.key == parameter::EFFICIENCY.key { Dual::variable(value, 0) } else { Dual::of(value) }

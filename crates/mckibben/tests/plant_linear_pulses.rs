@@ -1,7 +1,6 @@
 //! The actual duty cycle of pulsed valves: the paper's formula, its ends, seats that take their time, two coils, derivatives.
 
-use crate::common::{Paper, assert_close, assert_within, slope};
-use mckibben::Dual;
+use crate::common::{Paper, assert_close, assert_within, slope, toward};
 use mckibben::network::Network;
 use mckibben::plant::Plant;
 use mckibben::simulation::Actuation;
@@ -77,7 +76,6 @@ fn a_seat_that_takes_its_time_passes_the_area_of_its_strokes() {
 /// Over dual numbers it carries its derivative with respect to the commanded duty.
 #[test]
 fn its_derivative_is_exact() {
-    type D = Dual<f64, 1>;
     let valve = solenoid(ValveKind::ThreeWay);
     let frequency = 25.0;
     for (duty, expected) in [(0.05, 0.0), (0.4, 1.0), (0.99, 0.0)] {
@@ -88,7 +86,7 @@ fn its_derivative_is_exact() {
         let mut network = Network::new(&Paper::sealed().air());
         network.valve(Actuation { solenoid: valve, command: pulses(frequency, duty, Request::Exhaust) });
         let plant = Plant::new(vec![], network, vec![]).expect("a plant");
-        let wide = plant.map(|_, row, value| D { value, slope: [f64::from(u8::from(row.key == "command.duty"))] });
+        let wide = plant.map(|_, row, value| toward(value, f64::from(u8::from(row.key == "command.duty"))));
         let Actuation { solenoid, command } = &wide.network().valves[0];
         assert_within(actual_duty_cycle(solenoid, command).expect("pulses")[0].slope[0], expected, 1e-12);
     }

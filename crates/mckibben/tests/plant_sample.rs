@@ -398,12 +398,12 @@ fn samples_carry_derivatives() {
         let plant = Plant::of_rig(rig);
         simulate_plant(&plant, &Plant::start_of_rig(rig, &start), 0.08, 1e-12).expect("a run")
     };
-    let plant: Plant<Dual<f64, 1>> = Plant::of_rig(&rig).map(|_, parameter, value| {
+    let plant: Plant<mckibben::Seeded> = Plant::of_rig(&rig).map(|_, parameter, value| {
         let factor = if std::ptr::eq(parameter, row) { Dual::variable(1.0, 0) } else { Dual::constant(1.0) };
-        Dual { value, slope: [0.0] } * factor
+        Dual::constant(value) * factor
     });
     let own = Plant::start_of_rig(&rig, &rig.start(&paper.initial()).expect("a start"));
-    let constant = |value: f64| Dual { value, slope: [0.0] };
+    let constant = mckibben::Seeded::constant;
     let start = PlantStart {
         positions: vec![own.positions[0].iter().map(|x| constant(*x)).collect()],
         rates: vec![own.rates[0].iter().map(|x| constant(*x)).collect()],

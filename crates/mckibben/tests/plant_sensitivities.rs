@@ -1,7 +1,7 @@
 //! Derivatives of runs of plants with respect to every parameter and every number of the start, against differences of runs:
 //! through pulses, sticking, hoses, a tendon, stops and what else happens on the way.
 
-use crate::common::{GRAVITY, Paper, ROOM};
+use crate::common::{GRAVITY, Paper, ROOM, toward};
 use mckibben::force::Effectiveness;
 use mckibben::friction::{Hysteresis, MaxwellSlip};
 use mckibben::line::{self, Compressor, Hose, HoseKind, Leakage, Reservoir};
@@ -14,9 +14,9 @@ use mckibben::parameter::Parameter;
 use mckibben::plant::{InitialAir, Mounted, Part, Plant, PlantStart, StartNumber, simulate_plant};
 use mckibben::simulation::Actuation;
 use mckibben::valve::{Command, Port, Regulator, Request, Solenoid, Spool, ValveKind};
-use mckibben::{Dual, GaugePressure, Scalar};
+use mckibben::{GaugePressure, Scalar};
 
-type D = Dual<f64, 1>;
+type D = mckibben::Seeded;
 
 const FREE: JointStops = JointStops { ends: [None; 2], stiffness: 500.0, damping: 1.0 };
 const PULSED: (f64, f64) = (40.0, 0.45);
@@ -142,7 +142,7 @@ fn masses() -> (Plant, PlantStart) {
 }
 
 /// The end of a run, and usual sizes of what changes.
-fn end<S: mckibben::Real>(plant: &Plant<S>, start: &PlantStart<S>, time: f64, tolerance: f64) -> Vec<S> {
+fn end<S: mckibben::Instantiate>(plant: &Plant<S>, start: &PlantStart<S>, time: f64, tolerance: f64) -> Vec<S> {
     simulate_plant(plant, start, S::constant(time), tolerance).expect("a run").at(S::constant(time)).0
 }
 
@@ -212,7 +212,7 @@ fn check_parameters(plant: &Plant, start: &PlantStart, time: f64, least: usize) 
             continue;
         }
         let is_it = |its: Option<Part>, other: &'static Parameter| its == part && std::ptr::eq(other, row);
-        let seeded = plant.map(|its, other, value: f64| D { value, slope: [f64::from(u8::from(is_it(its, other)))] });
+        let seeded = plant.map(|its, other, value: f64| toward(value, f64::from(u8::from(is_it(its, other)))));
         let exact: Vec<f64> = end(&seeded, &start.map(|_, value| D::constant(value)), time, 1e-11)
             .into_iter()
             .map(|number| number.slope[0])
@@ -235,7 +235,7 @@ fn check_start(plant: &Plant, start: &PlantStart, time: f64) {
     let mut all = Vec::new();
     for (number, value) in which {
         let wide = plant.map(|_, _, value: f64| D::constant(value));
-        let seeded = start.map(|its, value| D { value, slope: [f64::from(u8::from(its == number))] });
+        let seeded = start.map(|its, value| toward(value, f64::from(u8::from(its == number))));
         let exact = end(&wide, &seeded, time, 1e-11).into_iter().map(|number| number.slope[0]).collect();
         let size = if value == 0.0 { 0.1 } else { value.abs() };
         let changed =
@@ -282,7 +282,7 @@ fn instants_of_one_value_differ_in_their_derivatives() {
         let is_it = |part: Option<Part>, row: &'static Parameter| {
             part == Some(Part::Valve(valve)) && row.key == "valve.opening_delay"
         };
-        let seeded = plant.map(|part, row, value: f64| D { value, slope: [f64::from(u8::from(is_it(part, row)))] });
+        let seeded = plant.map(|part, row, value: f64| toward(value, f64::from(u8::from(is_it(part, row)))));
         let exact = end(&seeded, &start.map(|_, value| D::constant(value)), time, 1e-11);
         let changed = |h: f64| {
             end(&plant.map(|part, row, value| if is_it(part, row) { value + h } else { value }), &start, time, 1e-11)

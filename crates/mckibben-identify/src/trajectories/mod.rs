@@ -42,7 +42,8 @@ pub use simulated::{Simulated, SimulatedReader, Watch};
 pub use subject::{AdjustablePlant, Described, Subject, SubjectError};
 
 use crate::least_squares::{Evaluation, Model};
-use mckibben::{Error, Real};
+use mckibben::Error;
+use mckibben::Instantiate;
 use rayon::prelude::*;
 use simulated::{Built, Ready};
 
@@ -175,14 +176,14 @@ impl Runs<'_> {
     }
 
     /// Runs a plant and visits each reading with its residual, over any scalar.
-    fn course<R: Real>(&self, run: &Recorded, ready: &Ready<R>, visit: impl FnMut(R)) -> Result<(), Error> {
+    fn course<R: Instantiate>(&self, run: &Recorded, ready: &Ready<R>, visit: impl FnMut(R)) -> Result<(), Error> {
         let duration = run.duration(self.until).max(1e-9);
         self.compare(run, &ready.simulate(R::constant(duration), self.tolerance, &|_| Ok(()))?, visit);
         Ok(())
     }
 
     /// Visits each reading with its residual.
-    fn compare<R: Real>(&self, run: &Recorded, simulated: &Simulated<R>, mut visit: impl FnMut(R)) {
+    fn compare<R: Instantiate>(&self, run: &Recorded, simulated: &Simulated<R>, mut visit: impl FnMut(R)) {
         let mut reading = SimulatedReader::new(simulated);
         for course in &run.courses {
             let scale = R::constant(self.scale(&course.observed));

@@ -9,7 +9,8 @@
 
 use super::simulated::{Ready, Watch};
 use super::{Observed, Simulated, SimulatedReader, Subject, SubjectError};
-use mckibben::{Error, Real};
+use mckibben::Error;
+use mckibben::Instantiate;
 use rayon::prelude::*;
 
 /// What a run is asked for: quantities, the times in s, and the relative tolerance of each step.
@@ -61,12 +62,12 @@ impl Asked {
         Ok((read, slopes))
     }
 
-    fn run<R: Real>(&self, plant: &Ready<R>, watch: &Watch<'_>) -> Result<Simulated<R>, Error> {
+    fn run<R: Instantiate>(&self, plant: &Ready<R>, watch: &Watch<'_>) -> Result<Simulated<R>, Error> {
         let last = self.times.iter().copied().fold(1e-9, f64::max);
         plant.simulate(R::constant(last), self.tolerance, watch)
     }
 
-    fn read<'r, R: Real>(&'r self, run: &'r Simulated<R>) -> impl Iterator<Item = R> + 'r {
+    fn read<'r, R: Instantiate>(&'r self, run: &'r Simulated<R>) -> impl Iterator<Item = R> + 'r {
         let (mut reading, width) = (SimulatedReader::new(run), self.observed.len());
         (0..width * self.times.len())
             .map(move |place| reading.read(&self.observed[place % width], R::constant(self.times[place / width])))

@@ -20,8 +20,9 @@ use super::{Observed, Recorded, Runs, Simulated, SubjectError, TrajectoryError};
 use crate::adjustable::Seeded;
 use crate::least_squares::{self, Evaluation, Fit, Model, Search, Unknown};
 use crate::series::Polynomial;
+use mckibben::Instantiate;
 use mckibben::simulation::{Rig, State, simulate_in_segments};
-use mckibben::{AbsolutePressure, Error, Real, Scalar};
+use mckibben::{AbsolutePressure, Error, Scalar};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
@@ -118,7 +119,7 @@ fn measured(run: &Recorded, rig: &Rig, reached: State, joint: f64, every: f64) -
 impl Segments<'_> {
     /// Runs one chain over any scalar, the state at each joint seeded as `seed` does, and visits the residuals: those of
     /// the readings, then those of the joints in order.
-    fn course<R: Real>(
+    fn course<R: Instantiate>(
         &self,
         (run, chain): (&Recorded, &Chain),
         (rig, start): (&Rig<R>, State<R>),

@@ -3,10 +3,11 @@
 use super::Observed;
 use super::subject::{Subject, SubjectError};
 use crate::adjustable::Seeded;
+use mckibben::Error;
+use mckibben::Instantiate;
 use mckibben::parameter::{self, Parameter};
 use mckibben::plant::{Plant, PlantReader, PlantRun, PlantSample, PlantStart, PlantTrajectory};
 use mckibben::simulation::{Initial, JointInitial, JointRig, Rig, State};
-use mckibben::{Error, Real};
 use mckibben_scenario::{AdjustedPlant, Scenario};
 
 /// What is called now and then with the time in s that a run has reached; its error, such as [`Error::Interrupted`], ends the
@@ -24,7 +25,7 @@ pub(super) enum Built {
 }
 
 /// A plant and its start.
-pub(super) struct Ready<R: Real = f64> {
+pub(super) struct Ready<R: Instantiate = f64> {
     pub(super) plant: Plant<R>,
     start: PlantStart<R>,
     /// The rig that the plant is, if it is one, and its state at the start.
@@ -88,7 +89,7 @@ impl Built {
     }
 }
 
-impl<R: Real> Ready<R> {
+impl<R: Instantiate> Ready<R> {
     fn of_rig(rig: Rig<R>, initial: &Initial<R>) -> Result<Self, Error> {
         let state = rig.begin(initial)?;
         let (plant, start) = (Plant::of_rig(&rig), Plant::start_of_rig(&rig, &state));
@@ -119,11 +120,11 @@ impl<R: Real> Ready<R> {
 
 /// A simulated run.
 #[derive(Clone, Debug)]
-pub struct Simulated<R: Real = f64> {
+pub struct Simulated<R: Instantiate = f64> {
     pub(super) trajectory: PlantTrajectory<R>,
 }
 
-impl<R: Real> Simulated<R> {
+impl<R: Instantiate> Simulated<R> {
     /// End of the run in s.
     pub fn duration(&self) -> R {
         self.trajectory.duration()
@@ -137,7 +138,7 @@ impl<R: Real> Simulated<R> {
 
 /// Reads quantities of a simulated run: quickest where the times do not fall from one to the next.
 #[derive(Debug)]
-pub struct SimulatedReader<'r, R: Real = f64> {
+pub struct SimulatedReader<'r, R: Instantiate = f64> {
     plant: &'r Plant<R>,
     reader: PlantReader<'r, R>,
     sample: PlantSample<R>,
@@ -145,7 +146,7 @@ pub struct SimulatedReader<'r, R: Real = f64> {
     time: Option<f64>,
 }
 
-impl<'r, R: Real> SimulatedReader<'r, R> {
+impl<'r, R: Instantiate> SimulatedReader<'r, R> {
     /// Reads a run.
     pub fn new(simulated: &'r Simulated<R>) -> Self {
         let plant = simulated.trajectory.plant();

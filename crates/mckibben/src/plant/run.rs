@@ -9,8 +9,8 @@ use super::{Plant, PlantEventKind};
 use crate::command::{Driver, PlantMeasurement};
 use crate::engine::{Integrator, Pace, Piece, Statistics};
 use crate::error::Error;
+use crate::instantiate::Instantiate;
 use crate::parameter;
-use crate::scalar::Real;
 use crate::valve::{Command, Demand};
 use alloc::sync::Arc;
 use alloc::vec::Vec;
@@ -19,14 +19,14 @@ use alloc::vec::Vec;
 ///
 /// It is a value: a run can be restored to it as often as wanted, and goes on to the same bits.
 #[derive(Debug)]
-pub struct PlantSnapshot<R: Real = f64> {
+pub struct PlantSnapshot<R: Instantiate = f64> {
     time: R,
     state: Vec<R>,
     mode: PlantMode<R>,
     pace: Pace,
 }
 
-impl<R: Real> Clone for PlantSnapshot<R> {
+impl<R: Instantiate> Clone for PlantSnapshot<R> {
     fn clone(&self) -> Self {
         let Self { time, state, mode, pace } = self;
         Self { time: *time, state: state.clone(), mode: mode.clone(), pace: *pace }
@@ -41,7 +41,7 @@ impl<R: Real> Clone for PlantSnapshot<R> {
     }
 }
 
-impl<R: Real> PlantSnapshot<R> {
+impl<R: Instantiate> PlantSnapshot<R> {
     /// The time in s.
     pub fn time(&self) -> R {
         self.time
@@ -163,7 +163,7 @@ impl<R: Real> PlantSnapshot<R> {
 /// # }
 /// ```
 #[derive(Clone, Debug)]
-pub struct PlantRun<R: Real = f64> {
+pub struct PlantRun<R: Instantiate = f64> {
     system: System<R>,
     stepping: TimeStepping,
     reached: PlantSnapshot<R>,
@@ -172,7 +172,7 @@ pub struct PlantRun<R: Real = f64> {
 /// Takes a piece of a run, with the time in s and the discrete state that it leads to.
 pub(crate) type Keep<'k, R> = dyn FnMut(&Piece<'_, R, PlantMode<R>, PlantEventKind>) -> Result<(), Error> + 'k;
 
-impl<R: Real> PlantRun<R> {
+impl<R: Instantiate> PlantRun<R> {
     /// Starts at t = 0: by the event-located engine with a relative tolerance for each step, or by another
     /// [`TimeStepping`]. Valves follow their own commands until they are set.
     ///

@@ -13,9 +13,9 @@ use super::mode::PlantMode;
 use super::steps::TimeStepping;
 use super::trajectory::PlantTrajectory;
 use crate::air::Process;
+use crate::instantiate::Instantiate;
 use crate::network::{BranchKind, NodeKind, flow::NetworkState};
 use crate::pressure::AbsolutePressure;
-use crate::scalar::Real;
 use crate::simulation::{Extent, SampleTimes};
 use crate::valve::Ports;
 use alloc::sync::Arc;
@@ -111,7 +111,7 @@ pub struct PlantSample<R = f64> {
     pub valves: Vec<ValveSample<R>>,
 }
 
-impl<R: Real> PlantSample<R> {
+impl<R: Instantiate> PlantSample<R> {
     /// A sample of a plant with zeros, to be overwritten.
     pub fn new(plant: &Plant<R>) -> Self {
         R::new_plant_sample(plant)
@@ -155,7 +155,7 @@ impl<R: Real> PlantSample<R> {
 
 /// Evaluates a plant in states and modes and makes samples of it, with room that is used again.
 #[derive(Debug)]
-pub(crate) struct Observer<R: Real> {
+pub(crate) struct Observer<R: Instantiate> {
     pub(crate) system: System<R>,
     pub(crate) at: Evaluation<R>,
     /// `Σ ṁ T` of what flows into each actuator, in kg·K/s.
@@ -164,7 +164,7 @@ pub(crate) struct Observer<R: Real> {
     is_fixed: bool,
 }
 
-impl<R: Real> Observer<R> {
+impl<R: Instantiate> Observer<R> {
     /// Of a run that goes through time by a [`TimeStepping`].
     pub(crate) fn new(plant: &Arc<Plant<R>>, stepping: TimeStepping) -> Self {
         let system = System::new(plant, stepping.tolerance());
@@ -328,7 +328,12 @@ pub(crate) struct Actual<R> {
 }
 
 /// Where an actuator itself is: slack, it rests on its shortest length.
-pub(crate) fn actual<R: Real>(system: &System<R>, i: usize, mode: &PlantMode<R>, at: &Evaluation<R>) -> Actual<R> {
+pub(crate) fn actual<R: Instantiate>(
+    system: &System<R>,
+    i: usize,
+    mode: &PlantMode<R>,
+    at: &Evaluation<R>,
+) -> Actual<R> {
     let unit = &at.units[i];
     match mode.actuators[i].mode.extent {
         Extent::Slack => Actual { length: system.wires[i].member.actuator.limits().min_length(), velocity: R::zero() },
@@ -338,7 +343,7 @@ pub(crate) fn actual<R: Real>(system: &System<R>, i: usize, mode: &PlantMode<R>,
 
 /// Reads samples of a run, with room that is used again: quickest where the times do not fall from one to the next.
 #[derive(Debug)]
-pub struct PlantReader<'t, R: Real = f64> {
+pub struct PlantReader<'t, R: Instantiate = f64> {
     trajectory: &'t PlantTrajectory<R>,
     observer: Observer<R>,
     state: Vec<R>,
@@ -346,7 +351,7 @@ pub struct PlantReader<'t, R: Real = f64> {
     begun: usize,
 }
 
-impl<'t, R: Real> PlantReader<'t, R> {
+impl<'t, R: Instantiate> PlantReader<'t, R> {
     /// Reads a run.
     pub fn new(trajectory: &'t PlantTrajectory<R>) -> Self {
         R::new_plant_reader(trajectory)
@@ -378,7 +383,7 @@ impl<'t, R: Real> PlantReader<'t, R> {
     }
 }
 
-impl<R: Real> PlantTrajectory<R> {
+impl<R: Instantiate> PlantTrajectory<R> {
     /// The sample at `time` in s, by dense output; at the instant of an event, what holds after it. Times before the start and
     /// after the end give the first and the last sample. For many samples use [`PlantTrajectory::samples`] or a
     /// [`PlantReader`].

@@ -8,6 +8,7 @@ use crate::actuator::Actuator;
 use crate::error::{Error, Requirement};
 use crate::force::Statics;
 use crate::friction::Memory;
+use crate::instantiate::Instantiate;
 use crate::mechanism::{Contact, Mechanism};
 use crate::network::NodeKind;
 use crate::parameter;
@@ -97,7 +98,7 @@ impl<S: Scalar> PlantStart<S> {
     }
 }
 
-impl<R: Real> Plant<R> {
+impl<R: Instantiate> Plant<R> {
     /// The states at t = 0. Air in hoses starts at the pressure of the chamber that they lead to, bristles as the friction of
     /// the start says.
     ///

@@ -10,8 +10,8 @@ use super::steps::TimeStepping;
 use crate::command::PlantDecision;
 use crate::engine::{Statistics, arc};
 use crate::error::Error;
+use crate::instantiate::Instantiate;
 use crate::parameter;
-use crate::scalar::Real;
 use crate::valve::SIMULTANEOUS;
 use alloc::sync::Arc;
 use alloc::vec;
@@ -39,7 +39,7 @@ struct Kept<R> {
 
 /// A step of a run: its control points, from `start` for `step` s, valid up to `end`, and the mode.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct PieceView<'t, R: Real = f64> {
+pub(crate) struct PieceView<'t, R: Instantiate = f64> {
     pub(crate) start: R,
     pub(crate) step: R,
     pub(crate) end: R,
@@ -47,7 +47,7 @@ pub(crate) struct PieceView<'t, R: Real = f64> {
     pub(crate) mode: &'t PlantMode<R>,
 }
 
-impl<R: Real> PieceView<'_, R> {
+impl<R: Instantiate> PieceView<'_, R> {
     /// Reads the states at a time in s, kept within the step, and returns that. A time that differs from the start by rounding has
     /// the states of the start, to the bit.
     pub(crate) fn state(&self, time: R, state: &mut [R]) -> R {
@@ -65,7 +65,7 @@ impl<R: Real> PieceView<'_, R> {
 
 /// A run of a plant.
 #[derive(Clone, Debug)]
-pub struct PlantTrajectory<R: Real = f64> {
+pub struct PlantTrajectory<R: Instantiate = f64> {
     plant: Arc<Plant<R>>,
     stepping: TimeStepping,
     /// The modes, each stored once.
@@ -89,7 +89,7 @@ const MOST_NUMBERS: usize = 250_000_000;
 /// # Errors
 /// As [`Plant::start`]; [`Error::OutOfRange`] for a duration outside its range; [`Error::Stopped`] when the plant leaves
 /// what the model describes or no step is short enough.
-pub fn simulate_plant<R: Real>(
+pub fn simulate_plant<R: Instantiate>(
     plant: &Plant<R>,
     start: &PlantStart<R>,
     duration: R,
@@ -99,7 +99,7 @@ pub fn simulate_plant<R: Real>(
     PlantRun::new(plant, start, stepping)?.record_to(duration, &mut |_| Ok(()))
 }
 
-impl<R: Real> PlantTrajectory<R> {
+impl<R: Instantiate> PlantTrajectory<R> {
     /// Takes a run on to `until` in s and keeps it from here to there.
     pub(crate) fn record(
         run: &mut PlantRun<R>,
@@ -315,7 +315,7 @@ impl<R: Real> PlantTrajectory<R> {
     }
 }
 
-impl<R: Real> Plant<R> {
+impl<R: Instantiate> Plant<R> {
     /// What a kept run of this plant takes in bytes for each step, its events not counted.
     pub fn bytes_per_step(&self) -> usize {
         size_of::<Kept<R>>() + arc_size(self.places().states) * size_of::<R>()
@@ -328,6 +328,6 @@ fn arc_size(states: usize) -> usize {
 }
 
 /// Whether a piece with a start in s has begun at a time. Two instants that differ by rounding are one.
-fn begins_by<R: Real>(start: R, time: f64) -> bool {
+fn begins_by<R: Instantiate>(start: R, time: f64) -> bool {
     start.value() <= time * (1.0 + SIMULTANEOUS)
 }

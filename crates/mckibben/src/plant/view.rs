@@ -13,15 +13,15 @@ use super::{
 use crate::command::{Driver, PlantDecision};
 use crate::engine::Statistics;
 use crate::error::Error;
+use crate::instantiate::Instantiate;
 use crate::network::Network;
 use crate::parameter;
-use crate::scalar::Real;
 use crate::simulation::{Readable, SampleTimes};
 use alloc::vec::Vec;
 use core::fmt::Debug;
 
 /// Something smaller that a plant is.
-pub trait PlantView<R: Real = f64>: Clone + Debug {
+pub trait PlantView<R: Instantiate = f64>: Clone + Debug {
     /// What it is, with the commands of its valves.
     type Rig: Clone + Debug;
     /// Its states.
@@ -73,7 +73,7 @@ pub trait PlantView<R: Real = f64>: Clone + Debug {
 
 /// A run that is kept: samples at any time and the log of events.
 #[derive(Clone, Debug)]
-pub struct ViewTrajectory<V: PlantView<R>, R: Real = f64> {
+pub struct ViewTrajectory<V: PlantView<R>, R: Instantiate = f64> {
     view: V,
     rig: V::Rig,
     trajectory: PlantTrajectory<R>,
@@ -89,7 +89,7 @@ pub struct ViewStep<'s, V> {
 
 /// Reads samples of a run, with room that is used again: quickest where the times do not fall from one to the next.
 #[derive(Debug)]
-pub struct ViewReader<'t, V, R: Real = f64> {
+pub struct ViewReader<'t, V, R: Instantiate = f64> {
     view: &'t V,
     reader: PlantReader<'t, R>,
     sample: PlantSample<R>,
@@ -106,7 +106,7 @@ pub struct ViewRunEnd<V: PlantView> {
     pub run: PlantRun,
 }
 
-impl<'t, V: PlantView<R>, R: Real> ViewReader<'t, V, R> {
+impl<'t, V: PlantView<R>, R: Instantiate> ViewReader<'t, V, R> {
     /// Reads a run.
     pub fn new(of: &'t ViewTrajectory<V, R>) -> Self {
         let sample = PlantSample::new(of.trajectory.plant());
@@ -122,7 +122,7 @@ impl<'t, V: PlantView<R>, R: Real> ViewReader<'t, V, R> {
 
 /// A run from a state at t = 0, with a driver in place of the commands of its valves if there is one, that is to go on for
 /// `duration` s.
-fn begin<V: PlantView<R>, R: Real>(
+fn begin<V: PlantView<R>, R: Instantiate>(
     view: &V,
     state: &V::State,
     (duration, stepping): (R, TimeStepping),
@@ -139,7 +139,7 @@ fn begin<V: PlantView<R>, R: Real>(
 ///
 /// # Errors
 /// As [`RigPlant::record`](super::RigPlant::record).
-pub fn record_view<V: PlantView<R>, R: Real>(
+pub fn record_view<V: PlantView<R>, R: Instantiate>(
     view: &V,
     state: &V::State,
     (duration, stepping): (R, TimeStepping),
@@ -175,7 +175,7 @@ pub fn stream_view<V: PlantView>(
     Ok(ViewRunEnd { rig: view.commanded(&network), sample: view.sample(&run.sample()), run })
 }
 
-impl<V: PlantView<R>, R: Real> ViewTrajectory<V, R> {
+impl<V: PlantView<R>, R: Instantiate> ViewTrajectory<V, R> {
     /// The run of the plant of a view.
     pub(crate) fn of(view: &V, trajectory: PlantTrajectory<R>) -> Self {
         let mut events = Vec::new();

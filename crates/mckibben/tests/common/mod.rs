@@ -254,9 +254,12 @@ pub(crate) fn slope(step: f64, function: impl Fn(f64) -> f64) -> f64 {
     (8.0 * pair(step) - pair(2.0 * step)) / (12.0 * step)
 }
 
-/// A number with derivatives in up to four directions: tests that run an engine over dual numbers take one width, since the engine
-/// is compiled for each.
-pub(crate) type Seeded = Dual<f64, 4>;
+pub(crate) use mckibben::Seeded;
+
+/// A number that changes by a slope in the first direction.
+pub(crate) fn toward(value: f64, slope: f64) -> Seeded {
+    Dual::constant(value) + Dual::variable(0.0, 0) * Dual::constant(slope)
+}
 
 /// A rig with one direction of change: that of all numbers which a row describes, each by its own size.
 pub(crate) fn seeded(rig: &Rig, row: &'static Parameter) -> Rig<Seeded> {

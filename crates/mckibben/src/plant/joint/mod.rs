@@ -39,23 +39,23 @@ use super::start::{InitialAir, PlantStart};
 use crate::command::Driver;
 use crate::control::{JointController, JointSensors, Sampling};
 use crate::error::Error;
+use crate::instantiate::Instantiate;
 use crate::line::Line;
 use crate::mechanism::{Arm, Chain, ChainSegment, Coupling, JointStops, Mechanism, Revolute};
 use crate::network::Network;
-use crate::scalar::Real;
 use crate::simulation::{Driven, Fittings, JointRig, JointState};
 use alloc::vec;
 use core::fmt::Debug;
 
 /// A joint with the plant that it is, and where the joint's parts lie in that.
 #[derive(Clone, Debug, PartialEq)]
-pub struct JointPlant<R: Real = f64> {
+pub struct JointPlant<R: Instantiate = f64> {
     rig: JointRig<R>,
     plant: Plant<R>,
     feeds: [Feed; 2],
 }
 
-impl<S: Real> Plant<S> {
+impl<S: Instantiate> Plant<S> {
     /// The plant of a joint: agonist and antagonist are its actuators 0 and 1, the joint that of its only mechanism.
     ///
     /// # Errors
@@ -119,7 +119,7 @@ impl<S: Real> Plant<S> {
     }
 }
 
-impl<R: Real> JointPlant<R> {
+impl<R: Instantiate> JointPlant<R> {
     /// The plant of a joint.
     ///
     /// # Errors

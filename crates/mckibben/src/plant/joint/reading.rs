@@ -3,10 +3,10 @@
 use super::JointPlant;
 use crate::air::Flow;
 use crate::command::PlantDecision;
+use crate::instantiate::Instantiate;
 use crate::mechanism::Contact;
 use crate::network::NodeKind;
 use crate::plant::{Feed, Part, PlantEventKind, PlantMode, PlantSample, SupplyNodes};
-use crate::scalar::Real;
 use crate::simulation::{EventKind, JointDecision, JointSample, Mode, Sliding};
 
 /// How the joint turns, which decides the Coulomb friction of both actuators.
@@ -58,7 +58,7 @@ pub struct JointEvent<R = f64> {
     pub after: JointMode,
 }
 
-impl<R: Real> JointPlant<R> {
+impl<R: Instantiate> JointPlant<R> {
     /// A sample of the plant as one of the joint. While the joint sticks only the torque of both tensions is determined: see
     /// [`ActuatorSample::tension`](crate::plant::ActuatorSample::tension).
     pub fn sample(&self, of: &PlantSample<R>) -> JointSample<R> {

@@ -3,9 +3,9 @@
 use super::JointPlant;
 use crate::command::Driver;
 use crate::error::Error;
+use crate::instantiate::Instantiate;
 use crate::plant::steps::TimeStepping;
 use crate::plant::view::{self, ViewReader, ViewRunEnd, ViewStep, ViewTrajectory};
-use crate::scalar::Real;
 use crate::simulation::JointState;
 
 /// A run of a joint that is kept: samples at any time and the log of events.
@@ -19,7 +19,7 @@ pub type JointConsumer<'c> = dyn FnMut(&JointStep<'_>) -> Result<(), Error> + 'c
 /// What holds at the end of a joint's run of which nothing else is kept.
 pub type JointRunEnd = ViewRunEnd<JointPlant>;
 
-impl<R: Real> JointPlant<R> {
+impl<R: Instantiate> JointPlant<R> {
     /// Simulates the joint from a state at t = 0 for `duration` s: every event located, with a relative tolerance for each step,
     /// or by another [`TimeStepping`].
     ///

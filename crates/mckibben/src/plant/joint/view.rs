@@ -4,13 +4,13 @@ use super::{JointEvent, JointMode, JointPlant};
 use crate::air::Flow;
 use crate::command::PlantDecision;
 use crate::error::Error;
+use crate::instantiate::Instantiate;
 use crate::network::Network;
 use crate::plant::view::PlantView;
 use crate::plant::{Plant, PlantEvent, PlantMode, PlantSample, PlantStart};
-use crate::scalar::Real;
 use crate::simulation::{JointDecision, JointRig, JointSample, JointState};
 
-impl<R: Real> PlantView<R> for JointPlant<R> {
+impl<R: Instantiate> PlantView<R> for JointPlant<R> {
     type Rig = JointRig<R>;
     type State = JointState<R>;
     type Sample = JointSample<R>;

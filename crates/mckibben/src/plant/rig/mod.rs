@@ -41,17 +41,17 @@ use super::view::{self, ViewReader, ViewRunEnd, ViewStep, ViewTrajectory};
 use crate::command::Driver;
 use crate::control::{Controller, Sampling, Sensors};
 use crate::error::Error;
+use crate::instantiate::Instantiate;
 use crate::load::Load;
 use crate::mechanism::{Coupling, Mass, Mechanism, Pull};
 use crate::network::{Network, NodeKind};
-use crate::scalar::Real;
 use crate::simulation::{Rig, State};
 use alloc::vec;
 use core::fmt::Debug;
 
 /// A rig with the plant that it is, and where the rig's parts lie in that.
 #[derive(Clone, Debug, PartialEq)]
-pub struct RigPlant<R: Real = f64> {
+pub struct RigPlant<R: Instantiate = f64> {
     rig: Rig<R>,
     plant: Plant<R>,
     feed: Feed,
@@ -68,7 +68,7 @@ pub type RigConsumer<'c> = dyn FnMut(&RigStep<'_>) -> Result<(), Error> + 'c;
 /// What holds at the end of a rig's run of which nothing else is kept.
 pub type RigRunEnd = ViewRunEnd<RigPlant>;
 
-impl<R: Real> Plant<R> {
+impl<R: Instantiate> Plant<R> {
     /// The plant of a rig: its actuator on a mass, a fixed length or a given motion.
     pub fn of_rig(rig: &Rig<R>) -> Self {
         Self::with_feed(rig).0
@@ -126,7 +126,7 @@ impl<R: Real> Plant<R> {
     }
 }
 
-impl<R: Real> RigPlant<R> {
+impl<R: Instantiate> RigPlant<R> {
     /// The plant of a rig.
     pub fn new(rig: &Rig<R>) -> Self {
         let (plant, feed) = Plant::with_feed(rig);
@@ -214,7 +214,7 @@ impl RigPlant {
 ///
 /// # Errors
 /// As [`RigPlant::simulate`].
-pub fn simulate<R: Real>(
+pub fn simulate<R: Instantiate>(
     rig: &Rig<R>,
     start: State<R>,
     duration: R,

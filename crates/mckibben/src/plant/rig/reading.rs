@@ -4,10 +4,10 @@ use super::{RigPlant, RigTrajectory};
 use crate::air::Flow;
 use crate::command::PlantDecision;
 use crate::error::Error;
+use crate::instantiate::Instantiate;
 use crate::network::{BranchKind, Network};
 use crate::plant::view::PlantView;
 use crate::plant::{Part, Plant, PlantEvent, PlantMode, PlantSample, PlantStart};
-use crate::scalar::Real;
 use crate::simulation::{Decision, EventKind, Mode, Rig, Sample, State};
 use alloc::vec::Vec;
 
@@ -24,7 +24,7 @@ pub struct RigEvent<R = f64> {
     pub after: Mode,
 }
 
-impl<R: Real> PlantView<R> for RigPlant<R> {
+impl<R: Instantiate> PlantView<R> for RigPlant<R> {
     type Rig = Rig<R>;
     type State = State<R>;
     type Sample = Sample<R>;
@@ -79,7 +79,7 @@ impl<R: Real> PlantView<R> for RigPlant<R> {
     }
 }
 
-impl<R: Real> RigTrajectory<R> {
+impl<R: Instantiate> RigTrajectory<R> {
     /// The least and the greatest value of length (m), velocity of the load (m/s), absolute pressure (Pa) and mass of the air
     /// (kg), at five points of each step.
     pub fn ranges(&self) -> [(f64, f64); 4] {

@@ -9,9 +9,9 @@
 
 use super::{RigPlant, RigTrajectory};
 use crate::error::Error;
+use crate::instantiate::Instantiate;
 use crate::parameter;
 use crate::plant::{PlantRun, PlantTrajectory};
-use crate::scalar::Real;
 use crate::simulation::{Rig, State};
 use alloc::vec;
 
@@ -22,7 +22,7 @@ use alloc::vec;
 /// As [`simulate`](super::simulate); [`Error::Stopped`] also for a state at a joint that no actuator can be in, and
 /// [`Error::NotImplemented`] for a rig that remembers more than its four states: with an air line, a pressure regulator,
 /// a tendon in series or hysteresis.
-pub fn simulate_in_segments<R: Real>(
+pub fn simulate_in_segments<R: Instantiate>(
     rig: &Rig<R>,
     start: State<R>,
     (duration, relative_tolerance): (R, f64),
@@ -56,7 +56,7 @@ pub fn simulate_in_segments<R: Real>(
 }
 
 /// That an actuator can be in a state at a joint.
-fn check<R: Real>(time: f64, state: &State<R>) -> Result<(), Error> {
+fn check<R: Instantiate>(time: f64, state: &State<R>) -> Result<(), Error> {
     let State { length, velocity, pressure, air_mass } = state;
     let numbers = [
         ("length", length.value(), "m", length.value() > 0.0),

@@ -58,10 +58,11 @@ use crate::actuator::Response;
 use crate::dual::Dual;
 use crate::error::Error;
 use crate::force::Statics;
+use crate::instantiate::Instantiate;
 use crate::mechanism::{Coupling, Mechanism};
 use crate::parameter;
 use crate::pressure::GaugePressure;
-use crate::scalar::{Over, Real};
+use crate::scalar::Over;
 use crate::simulation::Sliding;
 use alloc::vec;
 
@@ -99,7 +100,7 @@ impl Plant {
     }
 }
 
-impl<R: Real> Plant<R> {
+impl<R: Instantiate> Plant<R> {
     /// The longest distance in m between the ends of an actuator, with its tendon, at which it does not pull: at rest at a
     /// gauge pressure, without friction.
     ///
@@ -123,7 +124,7 @@ impl<R: Real> Plant<R> {
     }
 }
 
-impl<R: Real> PlantSteps<R> {
+impl<R: Instantiate> PlantSteps<R> {
     /// Divides every step from now on into equal parts no longer than `longest` in s; infinity leaves steps whole. Along them
     /// the distances are interpolated linearly, so that a host with long steps has the air of one with short steps.
     ///

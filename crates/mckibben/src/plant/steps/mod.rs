@@ -39,11 +39,11 @@ use super::guard::PlantGuard;
 use super::run::{Keep, PlantRun, PlantSnapshot};
 use super::sample::{Observer, PlantSample};
 use super::{Plant, PlantMode};
-#[cfg(feature = "batch")]
 use crate::engine::GuardForm;
 use crate::error::Error;
+#[cfg(feature = "batch")]
+use crate::instantiate::Instantiate;
 use crate::parameter;
-use crate::scalar::Real;
 use crate::valve::Demand;
 use alloc::vec::Vec;
 use part::Workspace;
@@ -105,14 +105,14 @@ impl TimeStepping {
 }
 
 /// The end in s of the step that begins at a time, of a run that goes on to `until`.
-fn step_end<R: Real>(time: R, step: f64, until: R) -> R {
+fn step_end<R: Instantiate>(time: R, step: f64, until: R) -> R {
     let count = (time.value() / step * (1.0 + SLIVER)) as u64 + 1;
     let end = step * count as f64;
     if end < until.value() - SLIVER * step { R::constant(end) } else { until }
 }
 
 /// Advances a run from where it is to `until` in s at fixed steps, and hands each part to `keep`.
-pub(super) fn extend<R: Real>(
+pub(super) fn extend<R: Instantiate>(
     system: &System<R>,
     (method, step): (Method, f64),
     reached: &mut PlantSnapshot<R>,
@@ -147,7 +147,7 @@ pub(super) fn extend<R: Real>(
 /// # }
 /// ```
 #[derive(Clone, Debug)]
-pub struct PlantSteps<R: Real = f64> {
+pub struct PlantSteps<R: Instantiate = f64> {
     system: System<R>,
     method: Method,
     reached: PlantSnapshot<R>,
@@ -162,14 +162,14 @@ pub struct PlantSteps<R: Real = f64> {
     longest_part: f64,
 }
 
-impl<R: Real> PlantRun<R> {
+impl<R: Instantiate> PlantRun<R> {
     /// Steps of a method from where the run is; the run itself stays there.
     pub fn steps(&self, method: Method) -> PlantSteps<R> {
         R::begin_plant_steps(self, method)
     }
 }
 
-impl<R: Real> PlantSteps<R> {
+impl<R: Instantiate> PlantSteps<R> {
     pub(crate) fn generic_begin(run: &PlantRun<R>, method: Method) -> Self {
         let system = System::new(run.shared_plant(), NARROW);
         let reached = run.save();

@@ -17,6 +17,7 @@ use super::method::Stages;
 use super::pieces::is_between_pieces;
 use crate::engine::{Arc, GuardForm, Piece, Statistics};
 use crate::error::Error;
+use crate::instantiate::Instantiate;
 use crate::root::Search;
 use crate::scalar::Real;
 use crate::simulation::Method;
@@ -54,7 +55,7 @@ pub(super) struct Workspace<R: Real> {
     arc: Arc<R>,
 }
 
-impl<R: Real> Workspace<R> {
+impl<R: Instantiate> Workspace<R> {
     pub(super) fn new(plant: &Plant<R>) -> Self {
         let states = plant.places().states;
         Self {
@@ -123,7 +124,7 @@ impl<R: Real> Workspace<R> {
 }
 
 /// Advances a plant to `until` in s, through every instant up to then, and hands each part to `keep`, if anybody keeps it.
-pub(super) fn advance<R: Real>(
+pub(super) fn advance<R: Instantiate>(
     system: &System<R>,
     method: Method,
     reached: &mut PlantSnapshot<R>,
@@ -135,7 +136,12 @@ pub(super) fn advance<R: Real>(
     work.begin(*time, state);
     loop {
         let instant = system.next_instant(mode, until);
-        let target = instant.map_or(until, |instant| if instant.lt(until) { instant } else { until });
+        let target = match instant {
+            // Its derivatives are how it moves, also where it is due at the end by rounding.
+            Some(instant) if until.lt(instant) => until + (instant - R::constant(instant.value())),
+            Some(instant) => instant,
+            None => until,
+        };
         let keep = keep.as_deref_mut();
         let mut part = Part { system, method, time: &mut *time, state: &mut *state, mode: &mut *mode, work, keep };
         part.advance(target, None)?;
@@ -148,7 +154,7 @@ pub(super) fn advance<R: Real>(
 
 /// Advances a plant to a time in s before which nothing is due, where the stages of a step have come to an end.
 #[cfg(feature = "batch")]
-pub(super) fn advance_to_end<R: Real>(
+pub(super) fn advance_to_end<R: Instantiate>(
     system: &System<R>,
     method: Method,
     reached: &mut PlantSnapshot<R>,
@@ -163,7 +169,7 @@ pub(super) fn advance_to_end<R: Real>(
 
 /// Passes what is due at the time that a plant has reached, on the way to `until` in s.
 #[cfg(feature = "batch")]
-pub(super) fn pass_on_the_way<R: Real>(
+pub(super) fn pass_on_the_way<R: Instantiate>(
     system: &System<R>,
     method: Method,
     reached: &mut PlantSnapshot<R>,
@@ -194,14 +200,14 @@ struct Part<'p, 'k, R: Real> {
     keep: Option<&'p mut Keep<'k, R>>,
 }
 
-impl<R: Real> Part<'_, '_, R> {
+impl<R: Instantiate> Part<'_, '_, R> {
     /// Goes on to `until`; `end` is where the stages of that step come to, if it is known.
     fn advance(&mut self, until: R, mut end: Option<&[R]>) -> Result<(), Error> {
         let parts = self.system.wires.len() + self.system.assemblies.len();
         for _ in 0..MOST_EVENTS * parts {
             let step = until - *self.time;
             if step.le(R::zero()) {
-                return Ok(());
+                return self.stretch(step, until);
             }
             match end.take() {
                 Some(end) => self.come_to(step, end),
@@ -230,6 +236,17 @@ impl<R: Real> Part<'_, '_, R> {
             self.hand_on(Some(kind))?;
         }
         Ok(())
+    }
+
+    /// Takes a step of no length, which carries derivatives by the times of its ends.
+    fn stretch(&mut self, step: R, until: R) -> Result<(), Error> {
+        if !R::HAS_DERIVATIVES || step.lt(R::zero()) {
+            return Ok(());
+        }
+        self.take(step);
+        self.arrive(step, until)?;
+        self.stay();
+        self.hand_on(None)
     }
 
     /// Passes the instant at the current time.
