@@ -39,9 +39,9 @@ use super::guard::PlantGuard;
 use super::run::{Keep, PlantRun, PlantSnapshot};
 use super::sample::{Observer, PlantSample};
 use super::{Plant, PlantMode};
+#[cfg(feature = "batch")]
 use crate::engine::GuardForm;
 use crate::error::Error;
-#[cfg(feature = "batch")]
 use crate::instantiate::Instantiate;
 use crate::parameter;
 use crate::valve::Demand;
