@@ -81,7 +81,9 @@ mod convert;
 mod dual;
 mod equilibrium;
 mod error;
+#[cfg(feature = "alloc")]
 mod instantiate;
+#[cfg(feature = "alloc")]
 pub use instantiate::Instantiate;
 #[cfg(feature = "batch")]
 mod lanes;

@@ -136,7 +136,7 @@ pub(crate) struct System<R: Scalar> {
 
 /// How much of a plant is computed.
 #[derive(Clone, Copy, PartialEq, PartialOrd)]
-enum Part {
+enum Scope {
     /// Distances and chambers.
     Distances,
     /// With them all flows.
@@ -150,7 +150,7 @@ enum Part {
 /// The way through a plant. There are many callers, and it is long: it is compiled once for each scalar, in a function of its own.
 struct Compute<'a, R: Scalar, T: Scalar, F> {
     system: &'a System<R>,
-    extent: Part,
+    scope: Scope,
     time: T,
     state: &'a [T],
     mode: &'a F,
@@ -163,23 +163,23 @@ impl<R: Scalar, T: Differentiable<R>, F: Formulas<R>> Work for Compute<'_, R, T,
 
     #[inline(always)]
     fn done(self) {
-        let Self { system, extent, time, state, mode, at, rates } = self;
+        let Self { system, scope, time, state, mode, at, rates } = self;
         system.compute_distances(time, state, mode, at);
-        if extent >= Part::Air {
+        if scope >= Scope::Air {
             system.enter_flows(time, state, mode, at);
         }
-        if extent == Part::Air {
+        if scope == Scope::Air {
             for (i, wire) in system.wires.iter().enumerate() {
                 system.fill(wire, time, mode, &at.network, &mut at.units[i]);
             }
         }
-        if extent >= Part::Motion {
+        if scope >= Scope::Motion {
             system.enter_actuators(time, state, mode, at);
             for assembly in &system.assemblies {
                 system.accelerate(assembly, time, state, mode, at);
             }
         }
-        if extent == Part::Rates {
+        if scope == Scope::Rates {
             system.enter_rates(time, state, mode, at, rates);
         }
     }
@@ -223,7 +223,7 @@ impl<R: Scalar> System<R> {
         mode: &impl Formulas<R>,
         at: &mut Evaluation<T>,
     ) {
-        T::apart(Compute { system: self, extent: Part::Motion, time, state, mode, at, rates: &mut [] });
+        T::apart(Compute { system: self, scope: Scope::Motion, time, state, mode, at, rates: &mut [] });
     }
 
     /// Computes distances and chambers.
@@ -235,7 +235,7 @@ impl<R: Scalar> System<R> {
         mode: &impl Formulas<R>,
         at: &mut Evaluation<T>,
     ) {
-        T::apart(Compute { system: self, extent: Part::Distances, time, state, mode, at, rates: &mut [] });
+        T::apart(Compute { system: self, scope: Scope::Distances, time, state, mode, at, rates: &mut [] });
     }
 
     /// Computes distances, chambers, all flows, and what of them goes into each chamber.
@@ -247,7 +247,7 @@ impl<R: Scalar> System<R> {
         mode: &impl Formulas<R>,
         at: &mut Evaluation<T>,
     ) {
-        T::apart(Compute { system: self, extent: Part::Air, time, state, mode, at, rates: &mut [] });
+        T::apart(Compute { system: self, scope: Scope::Air, time, state, mode, at, rates: &mut [] });
     }
 
     /// The rates of all states at a time in s.
@@ -260,7 +260,7 @@ impl<R: Scalar> System<R> {
         at: &mut Evaluation<T>,
         rates: &mut [T],
     ) {
-        T::apart(Compute { system: self, extent: Part::Rates, time, state, mode, at, rates });
+        T::apart(Compute { system: self, scope: Scope::Rates, time, state, mode, at, rates });
     }
 
     #[inline(always)]

@@ -284,7 +284,6 @@ impl<R: Real> System<R> {
     ) -> T {
         match guard {
             PlantGuard::Release { mechanism, facet, positive } => {
-                self.enter_distances(time, state, mode, at);
                 self.facet_guard((mechanism, facet, positive), time, state, mode, at)
             }
             PlantGuard::Touch { mechanism, stop, touch } => self.touch_guard(mechanism, stop, touch, state),
@@ -460,10 +459,7 @@ impl<R: Real> System<R> {
     ) -> T {
         let Mechanism::Chain(chain) = &self.plant.mechanisms[m] else { return T::one() };
         let (angle, rate) = self.plant.places.mechanisms[m].of(state);
-        let (beyond, press) = match stop {
-            Some((k, end)) => (chain.beyond_stop(k, end, angle[k]), chain.stop_torque(k, end, angle[k], rate[k])),
-            None => (chain.foot(angle, rate).map_or(-T::one(), |(depth, _)| depth), chain.foot_press(angle, rate)),
-        };
+        let [beyond, press] = chain.contact(stop, angle, rate);
         let band = T::constant(self.contact_band(m, stop.is_some()));
         match touch {
             Touching::Reach => -beyond,

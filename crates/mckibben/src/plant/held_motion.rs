@@ -138,6 +138,27 @@ impl<R: Scalar> System<R> {
         holding.take_from(rates, held);
     }
 
+    /// Enters as forces what sticking actuators hold of a mechanism that has been computed: `τ − h − Σ Jᵀ F − M q̈`, with the
+    /// tensions of all others.
+    #[inline(always)]
+    pub(super) fn enter_load<T: Over<R>>(
+        &self,
+        m: usize,
+        state: &[T],
+        mode: &impl Formulas<R>,
+        at: &mut Evaluation<T>,
+    ) {
+        let here = self.plant.places.mechanisms[m];
+        let count = here.coordinates;
+        self.enter_force(m, state, mode, at);
+        let Evaluation { force, matrix, acceleration, .. } = at;
+        self.mass_matrix(m, state, &mut matrix[..count * count]);
+        let acceleration = &acceleration[here.acceleration..here.acceleration + count];
+        for k in 0..count {
+            force[k] = force[k] - dot(&matrix[k * count..(k + 1) * count], acceleration);
+        }
+    }
+
     /// `J̇ q̇` of an actuator in m/s²: what its distance accelerates by at constant rates.
     #[inline(always)]
     pub(super) fn bending<T: Differentiable<R>>(&self, i: usize, state: &[T], mode: &impl Formulas<R>) -> T {

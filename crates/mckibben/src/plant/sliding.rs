@@ -339,7 +339,7 @@ impl<R: Real> System<R> {
         let count = places.mechanisms[m].coordinates;
         let normal = self.normal(span, along, count, at);
         // What is to be held.
-        let load = if of_mechanism.frozen {
+        if of_mechanism.frozen {
             for &i in &places.members[m] {
                 let unit = &mut at.units[i];
                 unit.tension = match &self.plant.actuators[i].tendon {
@@ -348,11 +348,11 @@ impl<R: Real> System<R> {
                 };
             }
             self.enter_force(m, state, mode, at);
-            dot(&normal, &at.force[..count])
         } else {
             self.evaluate(time, state, mode, at);
-            self.held_load(m, &normal, state, mode, at)
-        };
+            self.enter_load(m, state, mode, at);
+        }
+        let load = dot(&normal, &at.force[..count]);
         let (mut most, mut band) = (load, T::zero());
         if !positive {
             most = -load;
@@ -381,29 +381,6 @@ impl<R: Real> System<R> {
         let remembered = (&of_actuator.trace, self.bristles(i, state));
         // No mode says whether what rests would push.
         self.wires[i].member.tension(ends, &of_actuator.mode, remembered).larger(T::zero())
-    }
-
-    /// `zᵀR` of what sticking actuators hold of a mechanism that moves.
-    fn held_load<T: Differentiable<R>>(
-        &self,
-        m: usize,
-        normal: &[T],
-        state: &[T],
-        mode: &PlantMode<R>,
-        at: &mut Evaluation<T>,
-    ) -> T {
-        let count = self.plant.places.mechanisms[m].coordinates;
-        let first = self.plant.places.mechanisms[m].acceleration;
-        // R = τ − h − Σ Jᵀ F − M q̈.
-        self.enter_force(m, state, mode, at);
-        let mut matrix = vec![T::zero(); count * count];
-        self.mass_matrix(m, state, &mut matrix);
-        let mut load = T::zero();
-        for k in 0..count {
-            let inertial = dot(&matrix[k * count..(k + 1) * count], &at.acceleration[first..first + count]);
-            load = load + normal[k] * (at.force[k] - inertial);
-        }
-        load
     }
 
     /// The normal of a facet in coordinates of the mechanism.

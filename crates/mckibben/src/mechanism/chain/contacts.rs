@@ -120,6 +120,19 @@ impl<S: Scalar> Chain<S> {
         }
     }
 
+    /// How far a contact is passed (rad or m, negative before it) and how hard it would press (N·m or N, before it is kept from
+    /// pulling): that of a joint with one of its stops, or of the foot with the belt.
+    #[inline(always)]
+    pub(crate) fn contact<T: Over<S>>(&self, stop: Option<(usize, usize)>, angle: &[T], rate: &[T]) -> [T; 2] {
+        if let Some((k, end)) = stop {
+            return [self.beyond_stop(k, end, angle[k]), self.stop_torque(k, end, angle[k], rate[k])];
+        }
+        match (&self.belt, self.foot(angle, rate)) {
+            (Some(belt), Some((depth, [_, up]))) => [depth, belt.press(depth, up)],
+            _ => [-T::one(), T::zero()],
+        }
+    }
+
     /// Depth in m of the foot under the belt, and its velocity in m/s across and up; none without a belt.
     #[inline(always)]
     pub fn foot<T: Over<S>>(&self, angle: &[T], rate: &[T]) -> Option<(T, [T; 2])> {

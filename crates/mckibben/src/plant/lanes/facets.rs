@@ -26,7 +26,7 @@ const HIGHEST_RANK: usize = 3;
 
 /// A facet that is watched in some lanes.
 #[derive(Clone, Debug)]
-struct Watched<W> {
+struct WatchedFacet<W> {
     mechanism: usize,
     facet: Facet,
     /// 1 where it is watched, 0 elsewhere.
@@ -37,7 +37,7 @@ struct Watched<W> {
 /// All facets that are watched in any lane.
 #[derive(Clone, Debug)]
 pub(super) struct Facets<W> {
-    watched: Vec<Watched<W>>,
+    watched: Vec<WatchedFacet<W>>,
     /// The least and the largest tension in N of each actuator.
     bounds: Vec<[W; 2]>,
     any: bool,
@@ -72,15 +72,15 @@ impl<W: Wide> Facets<W> {
         if facet.span.len() > HIGHEST_RANK {
             return false;
         }
-        let is_it = |its: &Watched<W>| its.mechanism == mechanism && its.facet == *facet;
+        let is_it = |its: &WatchedFacet<W>| its.mechanism == mechanism && its.facet == *facet;
         let place = self.watched.iter().position(is_it).unwrap_or_else(|| {
-            let new = Watched {
+            let new = WatchedFacet {
                 mechanism,
                 facet: facet.clone(),
                 flag: W::from_lanes(|_| W::Lane::constant(0.0)),
                 any: false,
             };
-            match self.watched.iter().position(Watched::is_free) {
+            match self.watched.iter().position(WatchedFacet::is_free) {
                 Some(free) => {
                     self.watched[free] = new;
                     free
@@ -119,7 +119,7 @@ impl<W: Wide> Facets<W> {
     }
 }
 
-impl<W: Wide> Watched<W> {
+impl<W: Wide> WatchedFacet<W> {
     /// Whether no lane watches it.
     fn is_free(&self) -> bool {
         (0..W::LANES).all(|lane| self.flag.lane(lane) == W::Lane::constant(0.0))
@@ -135,22 +135,24 @@ impl<W: Wide> Work for Look<'_, W> {
         let mut within = W::Mask::splat(true);
         system.evaluate(time, end, held, at);
         for m in 0..system.assemblies.len() {
-            let mut any = false;
-            for watched in &facets.watched {
-                any = any || (watched.any && watched.mechanism == m);
-            }
-            if !any {
+            let is_asked = |watched: &WatchedFacet<W>| watched.any && watched.mechanism == m;
+            if !facets.watched.iter().any(is_asked) {
                 continue;
             }
-            let mut load = [W::zero(); MAX_JOINTS];
-            enter_load(system, m, end, held, at, &mut load);
+            let frozen = held.is_frozen(m);
+            for &i in &system.plant.places.members[m] {
+                // No mode says whether what rests would push.
+                let unit = &mut at.units[i];
+                unit.tension = W::select(frozen, unit.tension.larger(W::zero()), unit.tension);
+            }
+            system.enter_load(m, end, held, at);
             for &i in &system.plant.places.members[m] {
                 let (least, most) = holdable(system, i, end, held, at);
                 facets.bounds[i] = [least, most];
             }
             for watched in &facets.watched {
-                if watched.any && watched.mechanism == m {
-                    let is_held = holds(system, &watched.facet, &load, &facets.bounds, at);
+                if is_asked(watched) {
+                    let is_held = holds(system, &watched.facet, &facets.bounds, at);
                     within = within & (watched.flag.le(W::zero()) | is_held);
                 }
             }
@@ -159,38 +161,11 @@ impl<W: Wide> Work for Look<'_, W> {
     }
 }
 
-/// What sticking actuators hold of a mechanism that has been evaluated.
-#[inline(always)]
-fn enter_load<W: Wide>(
-    system: &System<W>,
-    m: usize,
-    end: &[W],
-    held: &Held<W>,
-    at: &mut Evaluation<W>,
-    load: &mut [W; MAX_JOINTS],
-) {
-    let here = system.plant.places.mechanisms[m];
-    let (count, frozen) = (here.coordinates, held.is_frozen(m));
-    for &i in &system.plant.places.members[m] {
-        // No mode says whether what rests would push.
-        let unit = &mut at.units[i];
-        unit.tension = W::select(frozen, unit.tension.larger(W::zero()), unit.tension);
-    }
-    system.enter_force(m, end, held, at);
-    let Evaluation { force, matrix, acceleration, .. } = at;
-    system.mass_matrix(m, end, &mut matrix[..count * count]);
-    let acceleration = &acceleration[here.acceleration..here.acceleration + count];
-    for k in 0..count {
-        load[k] = force[k] - dot(&matrix[k * count..(k + 1) * count], acceleration);
-    }
-}
-
-/// Where the load lies between what can be held along the normal of a facet.
+/// Where the load, entered as forces, lies between what can be held along the normal of a facet.
 #[inline(always)]
 fn holds<W: Wide>(
     system: &System<W>,
     Facet { span, along, block }: &Facet,
-    load: &[W; MAX_JOINTS],
     bounds: &[[W; 2]],
     at: &Evaluation<W>,
 ) -> W::Mask {
@@ -215,8 +190,9 @@ fn holds<W: Wide>(
         }
     }
     let (mut least, mut most, mut size, mut along_normal) = (zero, zero, zero, zero);
-    for k in 0..MAX_JOINTS {
-        let part = normal[k] * load[k];
+    let coordinates = system.gradient(span[0], &at.gradient).len();
+    for (entry, load) in normal.iter().zip(&at.force[..coordinates]) {
+        let part = *entry * *load;
         along_normal = along_normal + part;
         size = size + part.magnitude();
     }

@@ -412,12 +412,8 @@ fn contacts_hold<W: Wide>(system: &System<W>, m: usize, contacts: &[ContactRange
             continue;
         }
         let (k, side) = (place / 2, place % 2);
-        let (depth, press) = if k < angle.len() {
-            (chain.beyond_stop(k, side, angle[k]), chain.stop_torque(k, side, angle[k], rate[k]))
-        } else {
-            let (Some(belt), Some((depth, [_, up]))) = (chain.belt(), chain.foot(angle, rate)) else { continue };
-            (depth, belt.press(depth, up))
-        };
+        let stop = if k < angle.len() { Some((k, side)) } else { None };
+        let [depth, press] = chain.contact(stop, angle, rate);
         within = within & its.depth.holds(depth) & its.press.holds(press);
     }
     within

@@ -105,28 +105,6 @@ impl<R: Scalar> Implicit<R> {
     }
 
     #[inline(always)]
-    fn factor_here(
-        &mut self,
-        system: &System<R>,
-        (time, gamma_h): (R, R),
-        state: &[R],
-        mode: &impl Formulas<R>,
-        at: &Evaluation<R>,
-    ) {
-        self.gamma_h = gamma_h;
-        for i in 0..self.tensions.len() {
-            self.tensions[i] = system.tension_response(i, gamma_h, state, mode, at);
-        }
-        for m in 0..system.assemblies.len() {
-            self.factor_mechanism(system, m, state, mode, at);
-        }
-        if !system.wires.is_empty() {
-            let answers = AtInstant { system, span: (time, gamma_h), state, mode, at };
-            self.network.factor(&system.plant.network, mode.flows(), gamma_h, &answers);
-        }
-    }
-
-    #[inline(always)]
     fn factor_mechanism(
         &mut self,
         system: &System<R>,
@@ -177,29 +155,6 @@ impl<R: Scalar> Implicit<R> {
         slopes: &mut [R],
     ) {
         R::apart(Solve { implicit: self, system, mode, at, right, slopes });
-    }
-
-    #[inline(always)]
-    fn solve_here(
-        &mut self,
-        system: &System<R>,
-        mode: &impl Formulas<R>,
-        at: &Evaluation<R>,
-        right: &[R],
-        slopes: &mut [R],
-    ) {
-        slopes.copy_from_slice(right);
-        for m in 0..system.assemblies.len() {
-            let here = system.plant.places.mechanisms[m];
-            let moves = !mode.is_frozen(m);
-            if moves.any() && system.plant.mechanisms[m].is_dynamic() {
-                self.solve_mechanism(system, (m, here), moves, at, right, slopes);
-            }
-            for &i in &system.plant.places.members[m] {
-                self.solve_own(system, (i, here), at, right, slopes);
-            }
-        }
-        self.network.solve(self.gamma_h, right, slopes);
     }
 
     #[inline(always)]
@@ -278,7 +233,18 @@ impl<R: Scalar, F: Formulas<R>> Work for Factor<'_, R, F> {
     #[inline(always)]
     fn done(self) {
         let Self { implicit, system, span, state, mode, at } = self;
-        implicit.factor_here(system, span, state, mode, at);
+        let (_, gamma_h) = span;
+        implicit.gamma_h = gamma_h;
+        for i in 0..implicit.tensions.len() {
+            implicit.tensions[i] = system.tension_response(i, gamma_h, state, mode, at);
+        }
+        for m in 0..system.assemblies.len() {
+            implicit.factor_mechanism(system, m, state, mode, at);
+        }
+        if !system.wires.is_empty() {
+            let answers = AtInstant { system, span, state, mode, at };
+            implicit.network.factor(&system.plant.network, mode.flows(), gamma_h, &answers);
+        }
     }
 }
 
@@ -298,7 +264,18 @@ impl<R: Scalar, F: Formulas<R>> Work for Solve<'_, R, F> {
     #[inline(always)]
     fn done(self) {
         let Self { implicit, system, mode, at, right, slopes } = self;
-        implicit.solve_here(system, mode, at, right, slopes);
+        slopes.copy_from_slice(right);
+        for m in 0..system.assemblies.len() {
+            let here = system.plant.places.mechanisms[m];
+            let moves = !mode.is_frozen(m);
+            if moves.any() && system.plant.mechanisms[m].is_dynamic() {
+                implicit.solve_mechanism(system, (m, here), moves, at, right, slopes);
+            }
+            for &i in &system.plant.places.members[m] {
+                implicit.solve_own(system, (i, here), at, right, slopes);
+            }
+        }
+        implicit.network.solve(implicit.gamma_h, right, slopes);
     }
 }
 
