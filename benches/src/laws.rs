@@ -6,8 +6,9 @@
 //! the event-located engine at its own tolerance, whose end the rows must come to: how near is printed, and a row that is
 //! further off than a thousandth of the muscle's length fails the benchmark.
 
-use mckibben::plant::{Plant, PlantBatch, PlantRun};
+use mckibben::plant::{Plant, PlantRun};
 use mckibben::simulation::{Method, simulate};
+use mckibben_batch::PlantBatch;
 use mckibben_scenario::{Document, Experiment};
 use std::path::Path;
 use std::process::ExitCode;

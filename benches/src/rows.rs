@@ -6,8 +6,9 @@
 
 use mckibben::Error;
 use mckibben::command::Driver;
-use mckibben::plant::{JointPlant, PlantBatch, PlantRun, PlantSteps, PlantView, RigPlant};
+use mckibben::plant::{JointPlant, PlantRun, PlantSteps, PlantView, RigPlant};
 use mckibben::simulation::Method;
+use mckibben_batch::PlantBatch;
 use mckibben_scenario::{Diagnostics, Document};
 use std::path::Path;
 use std::process::ExitCode;

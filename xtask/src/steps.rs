@@ -189,7 +189,7 @@ pub(crate) fn accuracy() -> ExitCode {
 pub(crate) fn rows(count: Option<&String>) -> ExitCode {
     let count = count.map_or("10000000", String::as_str);
     let mut command = cargo(&root());
-    command.args(["test", "--release", "--package", "mckibben", "--test", "plant", "--locked", "--"]);
+    command.args(["test", "--release", "--package", "mckibben-batch", "--locked", "--"]);
     command.args(["--nocapture", "plant_rows::any_admissible_row"]);
     ended(succeed(command.env("MCKIBBEN_CASES", count)))
 }

@@ -63,7 +63,7 @@ fn agreement(engine: Engine) -> Error {
 /// # Errors
 /// When a run fails or an answer is wrong.
 pub fn print(work: &Work, reference: &Reference) -> Result<(), String> {
-    println!("mckibben::plant::PlantBatch, {ROWS} rows, {STEPS} steps of 0.1 ms");
+    println!("mckibben_batch::PlantBatch, {ROWS} rows, {STEPS} steps of 0.1 ms");
     println!("{:<22} {:>27} {:>8} {:>16} {:>19}", "", "ns/actuator-step", "speed-up", "million steps/s", "error");
     println!(
         "{:<22} {:>8} {:>8} {:>9} {:>8} {:>8} {:>7} {:>9} {:>9}",

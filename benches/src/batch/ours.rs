@@ -1,8 +1,9 @@
 //! Our engine on the work: [`PlantBatch`] by instructions and method.
 
 use crate::work::{Row, STEP};
-use mckibben::plant::{Plant, PlantBatch, PlantRun, PlantSteps, Width};
+use mckibben::plant::{Plant, PlantRun, PlantSteps};
 use mckibben::simulation::Method;
+use mckibben_batch::{PlantBatch, Width};
 use std::fmt::{Display, Formatter, Result as Formatted};
 use std::time::Instant;
 

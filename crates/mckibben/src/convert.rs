@@ -10,7 +10,7 @@ use crate::plant::Part;
 use crate::scalar::Scalar;
 
 /// Turns numbers of `S` into numbers of `T`.
-pub(crate) trait Convert<S, T> {
+pub trait Convert<S, T> {
     /// A parameter's number.
     fn parameter(&mut self, parameter: &'static Parameter, value: S) -> T;
 

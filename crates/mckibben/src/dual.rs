@@ -19,8 +19,11 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 /// Directions of [`Seeded`] numbers.
 pub const DIRECTIONS: usize = 8;
 
-/// Numbers with derivatives in up to eight directions: those for which the engines are compiled.
+/// Numbers with derivatives in up to [`DIRECTIONS`] directions: those for which the engines are compiled.
 pub type Seeded = Dual<f64, DIRECTIONS>;
+
+/// Up to so many bytes of a number, its operations are compiled into whatever they stand in.
+const MOST_INLINE: usize = (1 + DIRECTIONS) * size_of::<f64>();
 
 /// A value and its derivatives in `K` directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,11 +54,27 @@ impl<S: Scalar, const K: usize> Dual<S, K> {
     #[inline(always)]
     fn zip(self, other: Self, value: S, combine: impl Fn(S, S) -> S) -> Self {
         // A loop, so that it is compiled as a part of whatever kernel it stands in.
+        if S::IS_ONE && size_of::<Self>() > MOST_INLINE {
+            self.zip_apart(&other, value, combine)
+        } else {
+            self.zip_here(&other, value, combine)
+        }
+    }
+
+    #[inline(always)]
+    fn zip_here(&self, other: &Self, value: S, combine: impl Fn(S, S) -> S) -> Self {
         let mut slope = self.slope;
         for i in 0..K {
             slope[i] = combine(self.slope[i], other.slope[i]);
         }
         Self { value, slope }
+    }
+
+    /// Derivatives of derivatives are more numbers than there are registers: in functions of their own they take no longer, and the
+    /// engines half as long to compile.
+    #[inline(never)]
+    fn zip_apart(&self, other: &Self, value: S, combine: impl Fn(S, S) -> S) -> Self {
+        self.zip_here(other, value, combine)
     }
 }
 

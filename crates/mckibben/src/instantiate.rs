@@ -78,6 +78,10 @@ entry_points! {
     fn record_plant_run(
         run: &mut PlantRun<Self>, until: Self, watch: Watch<'_>
     ) -> Result<PlantTrajectory<Self>, Error> = PlantTrajectory::record(run, until, watch);
+    fn keep_plant_run(
+        trajectory: &mut PlantTrajectory<Self>, run: &mut PlantRun<Self>, until: Self, watch: Watch<'_>
+    ) -> Result<(), Error> = trajectory.generic_keep(run, until, watch);
+    fn go_on_with_plant_run(run: &mut PlantRun<Self>, state: &[Self]) = run.generic_go_on_from(state);
     fn read_plant_state<'t>(trajectory: &'t PlantTrajectory<Self>, time: Self) -> (Vec<Self>, &'t PlantMode<Self>) =
         trajectory.generic_at(time);
     fn new_plant_sample(plant: &Plant<Self>) -> PlantSample<Self> = PlantSample::generic_new(plant);

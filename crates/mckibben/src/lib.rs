@@ -85,8 +85,8 @@ mod error;
 mod instantiate;
 #[cfg(feature = "alloc")]
 pub use instantiate::Instantiate;
-#[cfg(feature = "batch")]
-mod lanes;
+#[doc(hidden)]
+pub mod internals;
 mod nested;
 #[cfg(feature = "alloc")]
 mod numbered;

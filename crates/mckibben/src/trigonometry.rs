@@ -33,7 +33,7 @@ const fn series(odd: usize) -> [f64; TERMS] {
 
 /// The sine of an angle in rad.
 #[inline(always)]
-pub(crate) fn sine<S: Scalar>(angle: S) -> S {
+pub fn sine<S: Scalar>(angle: S) -> S {
     let ([sine, cosine], quadrant) = reduced(angle);
     let magnitude = S::select(is_odd(quadrant), cosine, sine);
     S::select(S::constant(1.5).lt(quadrant), -magnitude, magnitude)
@@ -41,7 +41,7 @@ pub(crate) fn sine<S: Scalar>(angle: S) -> S {
 
 /// The cosine of an angle in rad.
 #[inline(always)]
-pub(crate) fn cosine<S: Scalar>(angle: S) -> S {
+pub fn cosine<S: Scalar>(angle: S) -> S {
     let ([sine, cosine], quadrant) = reduced(angle);
     let magnitude = S::select(is_odd(quadrant), sine, cosine);
     let is_negative = S::constant(0.5).lt(quadrant) & quadrant.lt(S::constant(2.5));

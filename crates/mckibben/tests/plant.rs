@@ -18,8 +18,6 @@ mod linearize_line;
 mod linearize_pwm;
 mod linearize_tendon;
 mod moment_arm;
-#[cfg(feature = "batch")]
-mod plant_batch;
 mod plant_control;
 mod plant_dead_time;
 mod plant_ends;
@@ -36,13 +34,9 @@ mod plant_progress;
 mod plant_random;
 mod plant_reference;
 mod plant_refused;
-#[cfg(feature = "batch")]
-mod plant_rows;
 mod plant_sample;
 mod plant_saved;
 mod plant_sensitivities;
-#[cfg(feature = "batch")]
-mod plant_set;
 mod plant_span;
 mod plant_start_friction;
 mod plant_steps;

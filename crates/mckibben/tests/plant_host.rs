@@ -1,14 +1,14 @@
 //! The external mechanism, whose ends a host moves: tensions with their derivatives, tendons, friction that holds, a shared
 //! bottle, and steps that fail or are only tried.
 
+use crate::common::plants::{asked, external, on_a_bottle};
 use crate::common::{ATMOSPHERE, Paper, ROOM, assert_close, assert_within, bisect};
-use mckibben::line::Reservoir;
 use mckibben::load::SeriesTendon;
-use mckibben::mechanism::{Coupling, Mass, Mechanism, Pull};
-use mckibben::network::{BranchKind, Network, NodeKind};
+use mckibben::mechanism::{Coupling, Mechanism};
+use mckibben::network::{Network, NodeKind};
 use mckibben::plant::{InitialAir, Mounted, Plant, PlantRun, PlantStart, PlantSteps};
-use mckibben::simulation::{Actuation, Method};
-use mckibben::valve::{Command, Demand, Port, Request, Solenoid, ValveKind};
+use mckibben::simulation::Method;
+use mckibben::valve::Request;
 use mckibben::{Error, GaugePressure};
 
 const STIFFNESS: f64 = 2e4;
@@ -33,10 +33,6 @@ fn sealed(papers: &[Paper], tendon: Option<SeriesTendon>, mechanism: Mechanism) 
         ..PlantStart::default()
     };
     (plant, start)
-}
-
-fn external(distances: usize) -> Mechanism {
-    Mechanism::External { distances }
 }
 
 fn steps(plant: &Plant, start: &PlantStart) -> PlantSteps {
@@ -159,55 +155,6 @@ fn a_tendon_that_is_let_go_hangs_loose() {
     pulled.move_to(0.2, &[REST + 0.5 * paper.balance(0.0)]).expect("a step");
     let here = pulled.compute(0).expect("one");
     assert_eq!([here.tension, here.per_length], [0.0, 0.0]);
-}
-
-/// Two unlike actuators with their valves on one bottle, beside a mass that a third one carries.
-pub(crate) fn on_a_bottle() -> (Plant, PlantStart, usize) {
-    let papers =
-        [Paper::sealed().gauge(1e5), Paper::sealed().gauge(2e5).friction(20.0, 1e-4), Paper::sealed().gauge(3e5)];
-    let air = papers[0].air();
-    let mut network = Network::new(&air);
-    let bottle = Reservoir::new([3e-4, 1.4, ROOM], GaugePressure(7e5), None, &air).expect("a bottle");
-    let bottle = network.node(NodeKind::Reservoir(bottle), 0.0, ROOM);
-    let outside = network.node(NodeKind::Atmosphere, 0.0, ROOM);
-    for index in 0..papers.len() {
-        let solenoid = Solenoid::new(ValveKind::FillHoldExhaust, 4e-3, 2e-3).expect("a solenoid");
-        let valve = network.valve(Actuation { solenoid, command: Command::Constant(Request::Hold) });
-        let chamber = network.chamber(index, ROOM);
-        for (from, port) in [(bottle, Port::Supply), (outside, Port::Exhaust)] {
-            let law = *papers[0].valve().law_of(port);
-            network.branch(from, chamber, BranchKind::Path { law, valve, port, ambient: false, copies: 1.0 });
-        }
-    }
-    let mounted = papers.iter().enumerate().map(|(index, paper)| Mounted {
-        actuator: paper.actuator().without_valve(),
-        mechanism: usize::from(index == 2),
-        coupling: Coupling::Direct { coordinate: index % 2 },
-        tendon: None,
-        pressure: None,
-    });
-    let mass = Mechanism::Mass(Mass::new(3.0, Pull::Gravity(9.81), None).expect("a mass"));
-    let plant = Plant::new(mounted.collect(), network, vec![external(2), mass]).expect("a plant");
-    let start = PlantStart {
-        positions: vec![vec![0.085, 0.088], vec![0.086]],
-        rates: vec![vec![0.0; 2], vec![0.0]],
-        air: papers
-            .iter()
-            .map(|paper| InitialAir { gauge_pressure: GaugePressure(paper.gauge), temperature: ROOM })
-            .collect(),
-        lengths: vec![None; 3],
-        ..PlantStart::default()
-    };
-    (plant, start, bottle)
-}
-
-/// What a host asks of the three valves in a step of 1 ms, if anything, and where it moves the ends.
-pub(crate) fn asked(count: i32) -> (Option<[Demand; 3]>, [f64; 2]) {
-    let phase = f64::from(count) * 0.05;
-    let pulses = Demand::Pulses { frequency: 25.0, duty: 0.4, pulse: Request::Fill, rest: Request::Exhaust };
-    let second = if count % 80 == 0 { Request::Fill } else { Request::Exhaust };
-    let demands = [pulses, second.into(), Request::Fill.into()];
-    ((count % 40 == 0).then_some(demands), [0.085 + 2e-3 * phase.sin(), 0.088 - 1e-3 * phase.cos() + 1e-3])
 }
 
 fn driven(steps: &mut PlantSteps, from: i32, until: i32) {

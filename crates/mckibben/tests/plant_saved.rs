@@ -1,8 +1,8 @@
 //! A plant's state as numbers in the caller's memory: what has gone through them is bit-identical and goes on so.
 
 use crate::common::joint::Pair;
+use crate::common::plants::{asked, on_a_bottle};
 use crate::common::{PSI, Paper, ROOM, spread};
-use crate::plant_host::{asked, on_a_bottle};
 use mckibben::command::{Driver, PlantMeasurement, PlantSensors};
 use mckibben::control::Sampling;
 use mckibben::friction::{BoucWen, Coulomb, Hysteresis, LuGre, MaxwellSlip};

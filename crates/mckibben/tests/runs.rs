@@ -10,7 +10,6 @@ mod bouc_wen;
 mod circuit;
 mod closed_loop;
 mod events;
-#[cfg(feature = "batch")]
 mod exhaust;
 mod fixed_step;
 mod force_map;

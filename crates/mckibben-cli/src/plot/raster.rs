@@ -4,8 +4,8 @@ use super::PlotError;
 use super::scene::{Anchor, Ink, Item, Outline, Scene, Step, Words};
 use super::text::Faces;
 use super::theme::{Theme, colour};
-use skrifa::outline::OutlinePen;
 use tiny_skia::{Color, FillRule, LineJoin, Paint, Path, PathBuilder, Pixmap, Stroke, StrokeDash, Transform};
+use ttf_parser::OutlineBuilder;
 
 /// Pixels in a point at a scale of 1, which is 96 pixels per inch.
 const PIXELS: f64 = 96.0 / 72.0;
@@ -110,8 +110,9 @@ impl Canvas {
             Anchor::End => -self.faces.width(&words.text, size, words.bold),
         };
         let [x, y] = words.at.map(|v| v * self.scale);
-        let mut pen = Pen { builder: PathBuilder::new(), origin: [x, y], turned: words.turned };
-        self.faces.draw((&words.text, size, words.bold), &mut pen, |pen, along, rise| {
+        let mut pen = Pen { builder: PathBuilder::new(), origin: [x, y], unit: 0.0, turned: words.turned };
+        self.faces.draw((&words.text, size, words.bold), &mut pen, |pen, along, rise, unit| {
+            pen.unit = unit;
             pen.origin = if pen.turned { [x - rise, y - start - along] } else { [x + start + along, y - rise] };
         });
         let Some(path) = pen.builder.finish() else {
@@ -129,18 +130,20 @@ struct Pen {
     builder: PathBuilder,
     /// Where the present glyph starts.
     origin: [f64; 2],
+    /// Pixels in a unit of the face.
+    unit: f64,
     turned: bool,
 }
 
 impl Pen {
     fn at(&self, x: f32, y: f32) -> [f32; 2] {
-        let (x, y) = (f64::from(x), f64::from(y));
+        let (x, y) = (self.unit * f64::from(x), self.unit * f64::from(y));
         let [u, v] = if self.turned { [-y, -x] } else { [x, -y] };
         [(self.origin[0] + u) as f32, (self.origin[1] + v) as f32]
     }
 }
 
-impl OutlinePen for Pen {
+impl OutlineBuilder for Pen {
     fn move_to(&mut self, x: f32, y: f32) {
         let [x, y] = self.at(x, y);
         self.builder.move_to(x, y);

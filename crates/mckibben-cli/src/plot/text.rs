@@ -8,9 +8,7 @@
 //! faces have them all, and one from another face beside one that is built in looks like a mistake.
 
 use super::PlotError;
-use skrifa::instance::{LocationRef, Size};
-use skrifa::outline::{DrawSettings, OutlinePen};
-use skrifa::{FontRef, GlyphId, MetadataProvider};
+use ttf_parser::{Face, GlyphId, OutlineBuilder};
 
 /// The size of raised and lowered figures, of the ordinary one.
 pub(super) const SCRIPT: f64 = 0.66;
@@ -67,14 +65,15 @@ fn plain(c: char) -> (Script, char) {
 
 /// The two weights.
 pub(super) struct Faces {
-    regular: FontRef<'static>,
-    bold: FontRef<'static>,
+    regular: Face<'static>,
+    bold: Face<'static>,
 }
 
 impl Faces {
     pub(super) fn load() -> Result<Self, PlotError> {
         let face = |bytes: &'static [u8]| {
-            FontRef::new(bytes).map_err(|e| PlotError::Raster { reason: format!("the built-in face is damaged: {e}") })
+            Face::parse(bytes, 0)
+                .map_err(|e| PlotError::Raster { reason: format!("the built-in face is damaged: {e}") })
         };
         Ok(Self { regular: face(notosans::REGULAR_TTF)?, bold: face(notosans::BOLD_TTF)? })
     }
@@ -82,14 +81,13 @@ impl Faces {
     /// Walks over the glyphs of a line: identifier, x, rise of the baseline, size. Returns the width.
     fn walk(&self, text: &str, size: f64, bold: bool, mut visit: impl FnMut(GlyphId, f64, f64, f64)) -> f64 {
         let face = if bold { &self.bold } else { &self.regular };
-        let (characters, mut x) = (face.charmap(), 0.0);
+        let (em, mut x) = (f64::from(face.units_per_em()), 0.0);
         for (script, part) in scripts(text) {
             let (rise, scale) = script.shape();
-            let metrics = face.glyph_metrics(Size::new((size * scale) as f32), LocationRef::default());
             for c in part.chars() {
-                let glyph = characters.map(c).unwrap_or(GlyphId::NOTDEF);
+                let glyph = face.glyph_index(c).unwrap_or(GlyphId::default());
                 visit(glyph, x, rise * size, size * scale);
-                x += metrics.advance_width(glyph).map_or(0.6 * size * scale, f64::from);
+                x += size * scale * face.glyph_hor_advance(glyph).map_or(0.6, |advance| f64::from(advance) / em);
             }
         }
         x
@@ -100,22 +98,20 @@ impl Faces {
         self.walk(text, size, bold, |_, _, _, _| {})
     }
 
-    /// Draws a line with y upwards. Before each glyph `start` tells the pen how far along and how high it begins.
-    pub(super) fn draw<P: OutlinePen>(
+    /// Draws a line, y upwards. Before each glyph `start` tells the pen how far along and how high it begins, and how long an em of
+    /// the face is.
+    pub(super) fn draw<P: OutlineBuilder>(
         &self,
         (text, size, bold): (&str, f64, bool),
         pen: &mut P,
-        start: impl Fn(&mut P, f64, f64),
+        start: impl Fn(&mut P, f64, f64, f64),
     ) {
         let face = if bold { &self.bold } else { &self.regular };
-        let outlines = face.outline_glyphs();
+        let em = f64::from(face.units_per_em());
         self.walk(text, size, bold, |glyph, x, rise, size| {
-            if let Some(outline) = outlines.get(glyph) {
-                let settings = DrawSettings::unhinted(Size::new(size as f32), LocationRef::default());
-                // A glyph that cannot be drawn leaves its room empty; the others still say the most.
-                start(pen, x, rise);
-                let _ = outline.draw(settings, pen);
-            }
+            start(pen, x, rise, size / em);
+            // A glyph that cannot be drawn leaves its room empty; the others still say the most.
+            let _ = face.outline_glyph(glyph, pen);
         });
     }
 
@@ -167,7 +163,7 @@ mod tests {
         let faces = Faces::load().unwrap();
         for c in "−–·×°µΩαβγδεθλμνπρστφω Δ±≤≥≈∂∞√ ⁻⁰¹²³⁴⁵⁶⁷⁸⁹₀₁₂₃₄₅₆₇₈₉éüß…".chars()
         {
-            faces.walk(&c.to_string(), 10.0, false, |glyph, _, _, _| assert_ne!(glyph, GlyphId::NOTDEF, "{c}"));
+            faces.walk(&c.to_string(), 10.0, false, |glyph, _, _, _| assert_ne!(glyph, GlyphId::default(), "{c}"));
         }
     }
 

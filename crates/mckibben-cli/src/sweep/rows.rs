@@ -20,11 +20,11 @@ use mckibben::Error;
 use mckibben::air::Flow;
 use mckibben::command::Driver;
 use mckibben::plant::{
-    Plant, PlantBatch, PlantRun, PlantSample, PlantSampler, PlantStart, PlantStep, PlantSteps, PlantView, TimeStepping,
-    Width,
+    Plant, PlantRun, PlantSample, PlantSampler, PlantStart, PlantStep, PlantSteps, PlantView, TimeStepping,
 };
 use mckibben::simulation::{JointRig, JointSample, Reading, Rig, Sample, SampleTimes};
 use mckibben::valve::Command;
+use mckibben_batch::{PlantBatch, Width};
 use mckibben_scenario::sweep::Quantity;
 use mckibben_scenario::{
     AxisValue, ControlledExperiment, ControlledJointExperiment, Experiment, JointExperiment, PlantExperiment, Record,

@@ -2,7 +2,8 @@
 
 use mckibben::Error;
 use mckibben::mechanism::{Coupling, Mechanism};
-use mckibben::plant::{Plant, PlantBatch};
+use mckibben::plant::Plant;
+use mckibben_batch::PlantBatch;
 use mckibben_scenario::{PlantExperiment, PlantQuantity};
 
 /// A column with where its number is.

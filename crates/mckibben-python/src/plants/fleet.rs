@@ -4,7 +4,8 @@ use super::asked::Asked;
 use super::columns;
 use super::file::{Begin, File};
 use mckibben::parameter;
-use mckibben::plant::{PlantBatch, PlantRun, PlantSteps, TimeStepping};
+use mckibben::plant::{PlantRun, PlantSteps, TimeStepping};
+use mckibben_batch::PlantBatch;
 use mckibben_cli::failure::Failure;
 use rayon::prelude::*;
 

@@ -138,17 +138,19 @@ impl<S: Scalar> LuGre<S> {
     }
 
     /// The rate ż of the deflection in m/s, at a velocity (m/s) whose sign is `direction`.
+    #[doc(hidden)]
     #[cfg(feature = "alloc")]
     #[inline(always)]
-    pub(crate) fn rate<T: Over<S>>(&self, deflection: T, velocity: T, direction: T) -> T {
+    pub fn rate<T: Over<S>>(&self, deflection: T, velocity: T, direction: T) -> T {
         let decay = self.decay(self.fallen(velocity));
         velocity - direction * velocity * decay * deflection
     }
 
     /// The force over the secant stiffness in m.
+    #[doc(hidden)]
     #[cfg(feature = "alloc")]
     #[inline(always)]
-    pub(crate) fn width_at<T: Over<S>>(&self, deflection: T, velocity: T, direction: T) -> T {
+    pub fn width_at<T: Over<S>>(&self, deflection: T, velocity: T, direction: T) -> T {
         let fallen = self.fallen(velocity);
         let rate = velocity - direction * velocity * self.decay(fallen) * deflection;
         let damping = T::of(self.damping_time) * (T::one() - fallen);

@@ -10,7 +10,6 @@ use super::lugre::LuGre;
 use super::maxwell_slip::MaxwellSlip;
 use crate::convert::Convert;
 use crate::force::relative_exponential;
-#[cfg(feature = "batch")]
 use crate::scalar::Mask;
 use crate::scalar::{Over, Real, Scalar, Work};
 
@@ -65,17 +64,18 @@ pub struct Branch<S = f64> {
     pub end: Option<S>,
 }
 
-#[cfg(feature = "batch")]
 impl<S: Scalar> Branch<S> {
     /// A force of zero.
-    pub(crate) fn nothing() -> Self {
+    #[doc(hidden)]
+    pub fn nothing() -> Self {
         let zero = S::zero();
         Self { from: zero, width: zero, slope: zero, decay: zero, slipping: zero, wear: zero, end: None }
     }
 
     /// The width in m at an actuator length in m, each lane by its own branch.
+    #[doc(hidden)]
     #[inline(always)]
-    pub(crate) fn width_in_lanes<T: Over<S>>(&self, length: T) -> T {
+    pub fn width_in_lanes<T: Over<S>>(&self, length: T) -> T {
         let way = length - T::of(self.from);
         let mut straight = T::of(self.slope) * way;
         let bent = S::zero().lt(self.decay.magnitude());

@@ -244,9 +244,9 @@ impl<S: Scalar> Tube<S> {
     }
 
     /// Mass flow in kg/s from an absolute pressure (Pa) to another, each lane by the formula of the piece that its drive lies in.
-    #[cfg(feature = "batch")]
+    #[doc(hidden)]
     #[inline(always)]
-    pub(crate) fn flow_in_lanes<T: Over<S>>(&self, from: T, to: T) -> T {
+    pub fn flow_in_lanes<T: Over<S>>(&self, from: T, to: T) -> T {
         let (drive, number) = (self.drive(from, to), T::constant);
         let mut flow = self.flow_in(FlowRegime::Laminar, from, to);
         // What no lane needs is not computed.

@@ -30,9 +30,9 @@ use alloc::vec::Vec;
 
 /// A node at an instant.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct NodeState<T> {
+pub struct NodeState<T> {
     /// Absolute pressure in Pa.
-    pub(crate) pressure: T,
+    pub pressure: T,
     /// `1/P`.
     pub(crate) per_pressure: T,
     /// `1/√T` of its air in 1/√K, where it does not change.
@@ -71,8 +71,9 @@ impl<T: Scalar> NodeState<T> {
 
 /// The nodes and branches of a network at an instant.
 #[derive(Clone, Debug)]
-pub(crate) struct NetworkState<T> {
-    pub(crate) nodes: Vec<NodeState<T>>,
+pub struct NetworkState<T> {
+    /// All nodes.
+    pub nodes: Vec<NodeState<T>>,
     /// Flow through each branch in kg/s, positive from `from` to `to`.
     pub(crate) flows: Vec<T>,
 }
@@ -245,8 +246,9 @@ impl<R: Scalar> Network<R> {
 
 impl<R: Scalar> Network<R> {
     /// The error in Pa of a regulator's outlet, which its inlet may limit, once all flows are known.
+    #[doc(hidden)]
     #[inline(always)]
-    pub(crate) fn outlet_error<T: Over<R>>(&self, node: usize, limited: T::Mask, at: &NetworkState<T>) -> Option<T> {
+    pub fn outlet_error<T: Over<R>>(&self, node: usize, limited: T::Mask, at: &NetworkState<T>) -> Option<T> {
         let NodeKind::Outlet { regulator, set, inlet } = &self.nodes[node].kind else { return None };
         let pressure = at.nodes[node].pressure;
         let error = regulator.error(pressure, T::of(self.absolute(*set)), None, -at.nodes[node].net());
@@ -257,8 +259,9 @@ impl<R: Scalar> Network<R> {
     }
 
     /// By how much in Pa the inlet of a regulator's outlet lies above what the outlet goes to without that limit.
+    #[doc(hidden)]
     #[inline(always)]
-    pub(crate) fn inlet_margin<T: Over<R>>(&self, node: usize, at: &NetworkState<T>) -> Option<T> {
+    pub fn inlet_margin<T: Over<R>>(&self, node: usize, at: &NetworkState<T>) -> Option<T> {
         let NodeKind::Outlet { regulator, set, inlet: Some(inlet) } = &self.nodes[node].kind else { return None };
         let inlet = at.nodes[*inlet].pressure;
         Some(-regulator.error(inlet, T::of(self.absolute(*set)), None, -at.nodes[node].net()))
@@ -302,7 +305,7 @@ pub(crate) struct Densities<'a, S, C> {
 }
 
 /// `P²/T` of the air of actuators.
-pub(crate) trait SquaredDrive<T> {
+pub trait SquaredDrive<T> {
     /// `P²/T` in Pa²/K of the air of an actuator at a pressure in Pa.
     fn squared_drive(&self, actuator: usize, pressure: T) -> T;
 }
@@ -315,7 +318,7 @@ impl<S: Scalar, C: Over<S>, T: Over<S> + Over<C>> SquaredDrive<T> for Densities<
 }
 
 /// What lies at the two ends of an orifice.
-pub(crate) struct OrificeEnds<'a, T, D> {
+pub struct OrificeEnds<'a, T, D> {
     pub(super) near: &'a NodeState<T>,
     pub(super) far: &'a NodeState<T>,
     pub(super) densities: D,
@@ -323,9 +326,8 @@ pub(crate) struct OrificeEnds<'a, T, D> {
 
 impl<T: Scalar, D: SquaredDrive<T>> OrificeEnds<'_, T, D> {
     /// Flow in kg/s inwards, each lane by the zone of its own pressures, whose ratios are given.
-    #[cfg(feature = "batch")]
     #[inline(always)]
-    pub(crate) fn inwards<S: Scalar>(&self, orifice: &Orifice<S>, [critical, laminar]: [T; 2]) -> T
+    pub fn inwards<S: Scalar>(&self, orifice: &Orifice<S>, [critical, laminar]: [T; 2]) -> T
     where
         T: Over<S>,
     {
@@ -336,9 +338,8 @@ impl<T: Scalar, D: SquaredDrive<T>> OrificeEnds<'_, T, D> {
     }
 
     /// Flow in kg/s outwards, as [`OrificeEnds::inwards`].
-    #[cfg(feature = "batch")]
     #[inline(always)]
-    pub(crate) fn outwards<S: Scalar>(&self, orifice: &Orifice<S>, [critical, laminar]: [T; 2]) -> T
+    pub fn outwards<S: Scalar>(&self, orifice: &Orifice<S>, [critical, laminar]: [T; 2]) -> T
     where
         T: Over<S>,
     {
@@ -349,9 +350,8 @@ impl<T: Scalar, D: SquaredDrive<T>> OrificeEnds<'_, T, D> {
     }
 
     /// The pressures at its first and its second node in Pa.
-    #[cfg(feature = "batch")]
     #[inline(always)]
-    pub(crate) fn pressures(&self) -> [T; 2] {
+    pub fn pressures(&self) -> [T; 2] {
         [self.near.pressure, self.far.pressure]
     }
 

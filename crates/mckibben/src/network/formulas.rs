@@ -10,7 +10,7 @@ use crate::scalar::{Over, Real, Scalar};
 use crate::valve::Approach;
 
 /// The discrete state of a network as its flows ask for it.
-pub(crate) trait FlowFormulas<S: Scalar> {
+pub trait FlowFormulas<S: Scalar> {
     /// Flow in kg/s through an orifice at a time in s, zero or more, and whether it goes from its first node to its second;
     /// none where it is shut.
     fn orifice<T: Over<S>>(

@@ -92,10 +92,13 @@ pub(crate) struct Elimination<R> {
 }
 
 /// How the pressure of a node that a regulator keeps answers: r χ, 1 + r/τ and l.
-pub(crate) struct RegulatedResponse<R> {
-    pub(crate) answer: R,
-    pub(crate) own: R,
-    pub(crate) by_inlet: R,
+pub struct RegulatedResponse<R> {
+    /// `r χ`.
+    pub answer: R,
+    /// `1 + r/τ`.
+    pub own: R,
+    /// `l`.
+    pub by_inlet: R,
 }
 
 /// A plant at an instant, as the system asks for it. A trait, not functions: those would be compiled by themselves, without the

@@ -74,7 +74,6 @@ impl<R: Clone> Clone for NetworkMode<R> {
     }
 }
 
-#[cfg(feature = "batch")]
 impl<R: Real> NetworkMode<R> {
     /// When in s the pulses of valves that have been set must be laid out next; infinite when never.
     pub(crate) fn pulse_edge(&self) -> f64 {
@@ -99,7 +98,8 @@ impl<R: Real> Network<R> {
     }
 
     /// Whether a branch is open as its valve stands; true for one without a valve.
-    pub(crate) fn is_open(&self, branch: usize, mode: &NetworkMode<R>) -> bool {
+    #[doc(hidden)]
+    pub fn is_open(&self, branch: usize, mode: &NetworkMode<R>) -> bool {
         match self.branches[branch].kind {
             BranchKind::Path { valve, port, .. } => match port {
                 Port::Supply => mode.valves[valve].ports.supply,
@@ -172,7 +172,8 @@ impl<R: Real> Network<R> {
     }
 
     /// The absolute pressure in Pa that a port goes to, once a set point has taken effect.
-    pub(crate) fn set_point(&self, node: usize, mode: &NetworkMode<R>) -> Option<R> {
+    #[doc(hidden)]
+    pub fn set_point(&self, node: usize, mode: &NetworkMode<R>) -> Option<R> {
         let NodeKind::Port { valve, .. } = &self.nodes[node].kind else { return None };
         let passed = mode.nodes[node].set_points.checked_sub(1)?;
         self.actuation(*valve, mode).command.set_point(passed).map(|(_, gauge)| self.absolute(gauge))

@@ -31,12 +31,13 @@ pub(crate) struct End {
 
 /// A flow path of a valve, or a check valve, between its ends.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Orifice<R> {
+pub struct Orifice<R> {
     /// Which branch.
-    pub(crate) branch: usize,
-    pub(crate) law: FlowLaw<R>,
+    pub branch: usize,
+    /// Its flow.
+    pub law: FlowLaw<R>,
     /// The valve that opens it, and by which of its ports.
-    pub(crate) opened: Option<(usize, Port)>,
+    pub opened: Option<(usize, Port)>,
     /// Whether air that comes back counts with the ambient temperature.
     pub(crate) ambient: bool,
     /// How many alike draw from `from`.
@@ -59,7 +60,7 @@ pub(super) struct Pipe<R> {
 
 /// All branches of a network, and the nodes whose pressure changes.
 #[derive(Clone, Debug)]
-pub(crate) struct Piping<R> {
+pub struct Piping<R> {
     pub(super) orifices: Vec<Orifice<R>>,
     /// Which of them each branch is, if it is one.
     orifice_of: Vec<Option<usize>>,
@@ -71,7 +72,7 @@ pub(crate) struct Piping<R> {
 
 impl<R: Scalar> Piping<R> {
     /// That of a plant.
-    pub(crate) fn new(plant: &Plant<R>) -> Self {
+    pub fn new(plant: &Plant<R>) -> Self {
         let (network, places) = (plant.network(), plant.places());
         let end = |node: usize| {
             let kind = &network.nodes[node].kind;

@@ -37,7 +37,6 @@ impl<R: Real> Setting<R> {
     }
 
     /// When in s its pulses must be laid out next; infinite when never.
-    #[cfg(feature = "batch")]
     pub(crate) fn edge(&self) -> R {
         self.told.next_edge()
     }

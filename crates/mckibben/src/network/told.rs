@@ -12,7 +12,7 @@
 //!
 //! Of two in one instant the later counts.
 //!
-//! Checked by `tests/plant_set.rs`: against the command known beforehand, bit for bit.
+//! Checked by `crates/mckibben-batch/tests/plant_set.rs`: against the command known beforehand, bit for bit.
 
 use super::progress::Progress;
 use crate::control::{Drive, Modulator};
@@ -106,7 +106,6 @@ impl<R: Real> Told<R> {
     }
 
     /// When in s it asks for something by itself next; infinite when never, and any time where something has not been heard.
-    #[cfg(feature = "batch")]
     pub(crate) fn next_edge(&self) -> R {
         if self.unheard { R::constant(f64::NEG_INFINITY) } else { self.edge }
     }

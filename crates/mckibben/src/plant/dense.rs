@@ -4,7 +4,7 @@ use crate::scalar::Scalar;
 
 /// `Σ aᵢ bᵢ`.
 #[inline(always)]
-pub(crate) fn dot<T: Scalar>(a: &[T], b: &[T]) -> T {
+pub fn dot<T: Scalar>(a: &[T], b: &[T]) -> T {
     // No closure: it would be compiled by itself, without the instructions of a batch.
     let mut sum = T::zero();
     for (a, b) in a.iter().zip(b) {

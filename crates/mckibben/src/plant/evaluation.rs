@@ -39,21 +39,24 @@ use crate::network::formulas::FlowFormulas;
 use crate::network::piping::Piping;
 use crate::scalar::{Differentiable, Mask, Over, Real, Scalar, Work};
 use crate::simulation::Extent;
+use crate::simulation::member::Member;
 use alloc::sync::Arc;
 use alloc::vec;
 use alloc::vec::Vec;
 
 /// An actuator at an instant.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Unit<T> {
-    /// Between the attachments in m, and its rate in m/s.
+pub struct Unit<T> {
+    /// Between the attachments in m.
     pub(crate) distance: T,
-    pub(crate) rate: T,
-    /// Of the actuator in m, and its rate in m/s: those of the distance without a tendon, as long as it is not slack.
-    pub(crate) length: T,
-    pub(crate) velocity: T,
+    /// Its rate in m/s.
+    pub rate: T,
+    /// Of the actuator in m: without a tendon the distance, as long as it is not slack.
+    pub length: T,
+    /// The rate of the length in m/s.
+    pub velocity: T,
     /// In N; of a sticking actuator without a tendon not known here.
-    pub(crate) tension: T,
+    pub tension: T,
     pub(crate) flow: Flow<T>,
     pub(crate) warmth: T,
     pub(crate) pressure_rate: T,
@@ -62,16 +65,19 @@ pub(crate) struct Unit<T> {
 
 /// A plant at an instant, and room for what is computed on the way.
 #[derive(Clone, Debug)]
-pub(crate) struct Evaluation<T: Scalar> {
-    pub(crate) units: Vec<Unit<T>>,
-    pub(crate) chambers: Vec<Chamber<T>>,
-    pub(crate) network: NetworkState<T>,
+pub struct Evaluation<T: Scalar> {
+    /// The actuators.
+    pub units: Vec<Unit<T>>,
+    /// Their chambers.
+    pub chambers: Vec<Chamber<T>>,
+    /// The air network.
+    pub network: NetworkState<T>,
     /// `J`: the gradient of each actuator's distance over the coordinates of its mechanism.
-    pub(crate) gradient: Vec<T>,
+    pub gradient: Vec<T>,
     /// Accelerations of all coordinates.
     pub(crate) acceleration: Vec<T>,
     /// Forces on the coordinates of one mechanism, and its mass matrix.
-    pub(crate) force: Vec<T>,
+    pub force: Vec<T>,
     pub(crate) matrix: Vec<T>,
     pub(super) holding: Holding<T>,
     /// How fast the pressure of each node settles, in 1/s.
@@ -80,7 +86,7 @@ pub(crate) struct Evaluation<T: Scalar> {
 
 impl<T: Scalar> Evaluation<T> {
     /// Room for a plant.
-    pub(crate) fn new<R: Scalar>(plant: &Plant<R>) -> Self
+    pub fn new<R: Scalar>(plant: &Plant<R>) -> Self
     where
         T: Over<R>,
     {
@@ -122,10 +128,13 @@ impl<T: Scalar> Evaluation<T> {
 
 /// A plant with what its events are told from rounding by.
 #[derive(Clone, Debug)]
-pub(crate) struct System<R: Scalar> {
-    pub(crate) plant: Arc<Plant<R>>,
-    pub(crate) wires: Vec<Wire<R>>,
-    pub(crate) assemblies: Vec<Assembly<R>>,
+pub struct System<R: Scalar> {
+    /// The plant.
+    pub plant: Arc<Plant<R>>,
+    /// Its actuators with their places.
+    pub wires: Vec<Wire<R>>,
+    /// Its mechanisms with their places.
+    pub assemblies: Vec<Assembly<R>>,
     pub(crate) piping: Piping<R>,
     /// Relative width of a border between agreeing formulas.
     pub(crate) band: f64,
@@ -200,9 +209,26 @@ impl<S: Scalar, F: Formulas<S>> ArmPieces<S> for ArmsOf<'_, F> {
 }
 
 impl<R: Scalar> System<R> {
+    /// Of a plant in lanes, where no event is told from rounding.
+    #[inline(always)]
+    pub fn in_lanes(plant: Plant<R>) -> Self {
+        let plant = Arc::new(plant);
+        let wires = plant.actuators.iter().enumerate();
+        let wires = wires.map(|(index, mounted)| Wire::new(&plant, index, Member::in_lanes(&mounted.actuator)));
+        Self {
+            wires: wires.collect(),
+            assemblies: (0..plant.mechanisms.len()).map(|m| Assembly::new(&plant, m)).collect(),
+            piping: Piping::new(&plant),
+            band: 0.0,
+            arms: Vec::new(),
+            usual_torque: Vec::new(),
+            plant,
+        }
+    }
+
     /// Gradient of an actuator's distance.
     #[inline(always)]
-    pub(crate) fn gradient<'e, T>(&self, i: usize, gradient: &'e [T]) -> &'e [T] {
+    pub fn gradient<'e, T>(&self, i: usize, gradient: &'e [T]) -> &'e [T] {
         let plant = &*self.plant;
         let from = plant.places.actuators[i].gradient;
         &gradient[from..from + plant.places.mechanisms[plant.actuators[i].mechanism].coordinates]
@@ -210,13 +236,13 @@ impl<R: Scalar> System<R> {
 
     /// The deflection of an actuator's bristles.
     #[inline(always)]
-    pub(crate) fn bristles<T: Copy>(&self, i: usize, state: &[T]) -> Option<T> {
+    pub fn bristles<T: Copy>(&self, i: usize, state: &[T]) -> Option<T> {
         self.plant.places.actuators[i].bristles.map(|place| state[place])
     }
 
     /// Computes everything at a time in s and a state.
     #[inline(always)]
-    pub(crate) fn evaluate<T: Differentiable<R>>(
+    pub fn evaluate<T: Differentiable<R>>(
         &self,
         time: T,
         state: &[T],
@@ -228,7 +254,7 @@ impl<R: Scalar> System<R> {
 
     /// Computes distances and chambers.
     #[inline(always)]
-    pub(crate) fn enter_distances<T: Differentiable<R>>(
+    pub fn enter_distances<T: Differentiable<R>>(
         &self,
         time: T,
         state: &[T],
@@ -240,7 +266,7 @@ impl<R: Scalar> System<R> {
 
     /// Computes distances, chambers, all flows, and what of them goes into each chamber.
     #[inline(always)]
-    pub(crate) fn enter_air<T: Differentiable<R>>(
+    pub fn enter_air<T: Differentiable<R>>(
         &self,
         time: T,
         state: &[T],
@@ -275,7 +301,7 @@ impl<R: Scalar> System<R> {
 
     /// Computes distance, length and their rates of an actuator.
     #[inline(always)]
-    pub(crate) fn enter_ends_of<T: Over<R>>(
+    pub fn enter_ends_of<T: Over<R>>(
         &self,
         i: usize,
         time: T,

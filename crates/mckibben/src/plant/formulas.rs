@@ -18,7 +18,7 @@ use crate::scalar::{Differentiable, Over, Real, Scalar};
 use crate::simulation::{Extent, Sliding};
 
 /// The discrete state of a plant as an evaluation asks for it.
-pub(crate) trait Formulas<S: Scalar> {
+pub trait Formulas<S: Scalar> {
     /// The network's.
     type Flows: FlowFormulas<S>;
 

@@ -75,7 +75,7 @@ const SLOW: f64 = 0.1;
 
 impl<R: Real> System<R> {
     /// The velocity in m/s by which zero must be passed before an actuator is at rest: what a few steps may err.
-    pub(crate) fn rest_band(&self, i: usize) -> f64 {
+    pub fn rest_band(&self, i: usize) -> f64 {
         10.0 * self.band * SLOW * self.wires[i].member.longest
     }
 
@@ -442,7 +442,7 @@ impl<R: Real> System<R> {
     }
 
     /// By how much in N·m the torque of a stop of a chain must pass zero, or by how much in N the press of its foot.
-    pub(super) fn contact_band(&self, m: usize, is_stop: bool) -> f64 {
+    pub fn contact_band(&self, m: usize, is_stop: bool) -> f64 {
         let band = self.band * self.usual_torque[m];
         match &self.plant.mechanisms[m] {
             Mechanism::Chain(chain) if !is_stop => band / chain.belt().map_or(1.0, |belt| belt.depth.value()),

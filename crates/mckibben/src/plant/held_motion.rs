@@ -121,7 +121,7 @@ impl<R: Scalar> System<R> {
     /// Brings the rates of a chain to where its sticking actuators are at rest, by the least change in kinetic energy. Distances
     /// have been entered.
     #[inline(always)]
-    pub(super) fn hold_rates(&self, m: usize, state: &mut [R], mode: &impl Formulas<R>, at: &mut Evaluation<R>) {
+    pub fn hold_rates(&self, m: usize, state: &mut [R], mode: &impl Formulas<R>, at: &mut Evaluation<R>) {
         let (here, held) = (self.plant.places.mechanisms[m], mode.held_count(m));
         if held == 0 {
             return;
@@ -141,13 +141,7 @@ impl<R: Scalar> System<R> {
     /// Enters as forces what sticking actuators hold of a mechanism that has been computed: `τ − h − Σ Jᵀ F − M q̈`, with the
     /// tensions of all others.
     #[inline(always)]
-    pub(super) fn enter_load<T: Over<R>>(
-        &self,
-        m: usize,
-        state: &[T],
-        mode: &impl Formulas<R>,
-        at: &mut Evaluation<T>,
-    ) {
+    pub fn enter_load<T: Over<R>>(&self, m: usize, state: &[T], mode: &impl Formulas<R>, at: &mut Evaluation<T>) {
         let here = self.plant.places.mechanisms[m];
         let count = here.coordinates;
         self.enter_force(m, state, mode, at);
@@ -161,7 +155,7 @@ impl<R: Scalar> System<R> {
 
     /// `J̇ q̇` of an actuator in m/s²: what its distance accelerates by at constant rates.
     #[inline(always)]
-    pub(super) fn bending<T: Differentiable<R>>(&self, i: usize, state: &[T], mode: &impl Formulas<R>) -> T {
+    pub fn bending<T: Differentiable<R>>(&self, i: usize, state: &[T], mode: &impl Formulas<R>) -> T {
         let Plant { actuators, mechanisms, places, .. } = &*self.plant;
         let (m, coupling) = (actuators[i].mechanism, &actuators[i].coupling);
         let Mechanism::Chain(chain) = &mechanisms[m] else { return T::zero() };

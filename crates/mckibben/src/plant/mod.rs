@@ -17,21 +17,19 @@
 
 mod bookkeeping;
 mod crossing;
-mod dense;
+pub(crate) mod dense;
 mod ends;
 mod equipment;
-mod evaluation;
+pub(crate) mod evaluation;
 mod exergy;
 mod feed;
-mod formulas;
+pub(crate) mod formulas;
 mod friction_start;
 mod guard;
 mod held_motion;
 mod holding;
 mod hybrid;
 mod joint;
-#[cfg(feature = "batch")]
-mod lanes;
 mod ledger;
 mod linear;
 mod measure;
@@ -44,17 +42,15 @@ mod sample;
 mod saved;
 mod scale;
 mod shares;
-mod sliding;
+pub(crate) mod sliding;
 mod start;
 pub(crate) mod steps;
 mod stream;
 mod tendon;
 mod trajectory;
 mod view;
-mod wire;
+pub(crate) mod wire;
 
-#[cfg(feature = "batch")]
-pub use crate::lanes::Width;
 pub use crossing::{Part, PlantEventKind};
 pub use equipment::SupplyNodes;
 pub use feed::Feed;
@@ -65,8 +61,6 @@ pub use joint::{
     JointConsumer, JointEvent, JointEventKind, JointMode, JointPlant, JointReader, JointRunEnd, JointStep,
     JointTrajectory, Turning,
 };
-#[cfg(feature = "batch")]
-pub use lanes::PlantBatch;
 pub use ledger::{
     ActuatorLedger, Balance, BranchLedger, Carried, LedgerTotal, MechanismLedger, NodeLedger, PlantLedger,
 };
@@ -151,8 +145,9 @@ impl MechanismPlaces {
     }
 
     /// Coordinates and rates.
+    #[doc(hidden)]
     #[inline(always)]
-    pub(crate) fn of<'s, T>(&self, state: &'s [T]) -> (&'s [T], &'s [T]) {
+    pub fn of<'s, T>(&self, state: &'s [T]) -> (&'s [T], &'s [T]) {
         state[self.first..self.first + 2 * self.coordinates].split_at(self.coordinates)
     }
 }
@@ -300,7 +295,8 @@ impl<S: Scalar> Plant<S> {
         self.convert(&mut AnewOfEach { function, part: None })
     }
 
-    pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Plant<T> {
+    #[doc(hidden)]
+    pub fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Plant<T> {
         let actuators = self.actuators.iter().enumerate().map(|(index, mounted)| {
             convert.turn_to(Some(Part::Actuator(index)));
             Mounted {

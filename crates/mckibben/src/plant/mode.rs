@@ -23,9 +23,11 @@ pub struct ActuatorMode<R = f64> {
     /// Whether its tendon in series hangs loose.
     pub loose: bool,
     /// What the hysteresis remembers, where there is one.
-    pub(crate) trace: Option<Trace<R>>,
+    #[doc(hidden)]
+    pub trace: Option<Trace<R>>,
     /// `P V/m` of an isothermal process, which nothing changes.
-    pub(crate) isothermal: Option<R>,
+    #[doc(hidden)]
+    pub isothermal: Option<R>,
     /// Rows of a given pressure that have been passed.
     pub(crate) rows_passed: usize,
 }
@@ -40,9 +42,11 @@ pub struct MechanismMode {
     /// Contact of the foot with the belt.
     pub foot: Contact,
     /// Sticking actuators whose gradients are independent: those that hold what is held.
-    pub(crate) basis: Vec<usize>,
+    #[doc(hidden)]
+    pub basis: Vec<usize>,
     /// Facets of what they can hold.
-    pub(crate) facets: Vec<Facet>,
+    #[doc(hidden)]
+    pub facets: Vec<Facet>,
     /// Corners of a given motion that have been passed.
     pub(crate) corners_passed: usize,
 }

@@ -324,6 +324,10 @@ impl<R: Instantiate> PlantRun<R> {
 
     /// Goes on from other states: valves, drivers and what is given over time go on as they were, hysteresis is relaxed.
     pub(crate) fn go_on_from(&mut self, state: &[R]) {
+        R::go_on_with_plant_run(self, state);
+    }
+
+    pub(crate) fn generic_go_on_from(&mut self, state: &[R]) {
         let PlantSnapshot { time, state: own, mode, pace } = &mut self.reached;
         own.copy_from_slice(state);
         *mode = self.system.begin((*time, Some(mode)), own, &[], &mut Evaluation::new(&self.system.plant));

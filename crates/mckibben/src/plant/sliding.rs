@@ -44,13 +44,13 @@ const DEAD_CENTRE: f64 = 1e-3;
 
 /// A facet of what sticking actuators can hold.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Facet {
+pub struct Facet {
     /// Sticking actuators of the block whose gradients are independent.
-    pub(super) span: Vec<usize>,
+    pub span: Vec<usize>,
     /// Those in whose directions the facet lies: one fewer.
-    pub(super) along: Vec<usize>,
+    pub along: Vec<usize>,
     /// All sticking actuators of the block.
-    pub(super) block: Vec<usize>,
+    pub block: Vec<usize>,
 }
 
 impl<R: Real> System<R> {

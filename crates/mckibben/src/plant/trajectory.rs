@@ -133,6 +133,15 @@ impl<R: Instantiate> PlantTrajectory<R> {
         until: R,
         watch: &mut dyn FnMut(f64) -> Result<(), Error>,
     ) -> Result<(), Error> {
+        R::keep_plant_run(self, run, until, watch)
+    }
+
+    pub(crate) fn generic_keep(
+        &mut self,
+        run: &mut PlantRun<R>,
+        until: R,
+        watch: &mut dyn FnMut(f64) -> Result<(), Error>,
+    ) -> Result<(), Error> {
         self.segments.push(run.mode().clone());
         let Self { plant, segments, pieces, points, events, decisions, .. } = self;
         run.extend(until, &mut |piece| {

@@ -29,11 +29,13 @@ pub(crate) enum Span {
 
 /// An actuator, its states and what it spans.
 #[derive(Clone, Debug)]
-pub(crate) struct Wire<R: Scalar> {
+pub struct Wire<R: Scalar> {
     /// Which of the plant.
-    pub(crate) index: usize,
-    pub(crate) member: Member<R>,
-    pub(crate) places: ActuatorPlaces,
+    pub index: usize,
+    /// The actuator with what its events are told by.
+    pub member: Member<R>,
+    /// Where its states are.
+    pub places: ActuatorPlaces,
     pub(crate) mechanism: usize,
     pub(crate) span: Span,
     /// The node of the network that is its chamber.
@@ -44,7 +46,7 @@ pub(crate) struct Wire<R: Scalar> {
 
 /// A mechanism, its states and the actuators at it.
 #[derive(Clone, Debug)]
-pub(crate) struct Assembly<R: Scalar> {
+pub struct Assembly<R: Scalar> {
     /// Which of the plant.
     pub(crate) index: usize,
     pub(crate) mechanism: Mechanism<R>,
@@ -54,7 +56,7 @@ pub(crate) struct Assembly<R: Scalar> {
 
 impl<R: Scalar> Assembly<R> {
     /// That of a mechanism of a plant.
-    pub(crate) fn new(plant: &Plant<R>, index: usize) -> Self {
+    pub fn new(plant: &Plant<R>, index: usize) -> Self {
         let places = &plant.places;
         Self {
             index,
@@ -74,7 +76,7 @@ impl<R: Scalar> Wire<R> {
     }
 
     /// Place of its length among the states, where it is one.
-    pub(crate) fn length_place(&self) -> Option<usize> {
+    pub fn length_place(&self) -> Option<usize> {
         match (self.places.length, self.span) {
             (Some(place), _) | (None, Span::Direct { position: place, .. }) => Some(place),
             _ => None,
@@ -82,7 +84,7 @@ impl<R: Scalar> Wire<R> {
     }
 
     /// That of an actuator of a plant.
-    pub(crate) fn new(plant: &Plant<R>, index: usize, member: Member<R>) -> Self {
+    pub fn new(plant: &Plant<R>, index: usize, member: Member<R>) -> Self {
         let (mounted, places) = (&plant.actuators[index], &plant.places);
         let of_mechanism = &places.mechanisms[mounted.mechanism];
         let span = match (&plant.mechanisms[mounted.mechanism], &mounted.coupling) {

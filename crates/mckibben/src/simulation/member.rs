@@ -27,8 +27,9 @@ const TAUT: f64 = 0.5;
 
 /// An actuator with the tolerance to which its events are told from rounding.
 #[derive(Clone, Debug)]
-pub(crate) struct Member<R: Scalar> {
-    pub(crate) actuator: Actuator<R>,
+pub struct Member<R: Scalar> {
+    /// The actuator.
+    pub actuator: Actuator<R>,
     /// Usual sizes: the longest length, the atmosphere's pressure, the air at that.
     pub(crate) longest: f64,
     pub(crate) atmosphere: f64,
@@ -36,14 +37,14 @@ pub(crate) struct Member<R: Scalar> {
     /// Relative width of a border between agreeing formulas.
     pub(crate) band: f64,
     /// The same as a force in N.
-    pub(crate) force_band: f64,
+    pub force_band: f64,
     /// Scale of the length in m while the braid is taut.
     pub(crate) taut_scale: f64,
 }
 
 /// What the hysteresis of a member remembers, and the branch of it that holds in the mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Trace<R> {
+pub struct Trace<R> {
     memory: Memory<R>,
     branch: Branch<R>,
     /// −1, 0 or +1: the way that the length goes.
@@ -58,8 +59,7 @@ impl<R: Real> Trace<R> {
     }
 
     /// The branch that holds.
-    #[cfg(feature = "batch")]
-    pub(crate) fn branch(&self) -> &Branch<R> {
+    pub fn branch(&self) -> &Branch<R> {
         &self.branch
     }
 
@@ -70,7 +70,7 @@ impl<R: Real> Trace<R> {
     }
 
     /// The guard of the next slip: the actuator length in m, and whether the branch lasts above it.
-    pub(crate) fn end(&self) -> Option<(R, bool)> {
+    pub fn end(&self) -> Option<(R, bool)> {
         self.branch.end.map(|length| (length, self.direction < 0.0))
     }
 }
@@ -91,10 +91,9 @@ impl Trace<f64> {
 /// A length in m that ends an extent: the guard, the length, and whether the extent lasts above it.
 pub(crate) type LengthGuard<R> = (Guard, R, bool);
 
-#[cfg(feature = "batch")]
 impl<S: Scalar> Member<S> {
     /// An actuator in lanes, where no event is told from rounding.
-    pub(crate) fn in_lanes(actuator: &Actuator<S>) -> Self {
+    pub fn in_lanes(actuator: &Actuator<S>) -> Self {
         let actuator = actuator.clone();
         Self { actuator, longest: 0.0, atmosphere: 0.0, air_mass: 0.0, band: 0.0, force_band: 0.0, taut_scale: 0.0 }
     }
@@ -124,7 +123,7 @@ impl<R: Real> Member<R> {
     }
 
     /// Length in m at which the braid would be straight, or its wall would close the bore.
-    pub(crate) fn thread_length(&self) -> R {
+    pub fn thread_length(&self) -> R {
         self.actuator.law().law.end_length()
     }
 
@@ -251,7 +250,7 @@ impl<R: Real> Member<R> {
     }
 
     /// The guards that end an extent: by length, and by the force of the taut braid.
-    pub(crate) fn extent_guards(&self, extent: Extent) -> ([Option<LengthGuard<R>>; 2], Option<Guard>) {
+    pub fn extent_guards(&self, extent: Extent) -> ([Option<LengthGuard<R>>; 2], Option<Guard>) {
         let limits = self.actuator.limits();
         let (shortest, longest) = (limits.min_length(), limits.max_length());
         match extent {

@@ -3,7 +3,7 @@
 //! It says of one instant what a [`Command`](super::Command) says of all: a request of seats for the present, pulses that
 //! follow a duty cycle, a set point of a pressure regulator, a position of a proportional spool.
 //!
-//! Checked by `tests/plant_set.rs`.
+//! Checked by `crates/mckibben-batch/tests/plant_set.rs`.
 
 use super::Request;
 use super::solenoid::{NO_REGULATOR, NO_SPOOL, Solenoid};

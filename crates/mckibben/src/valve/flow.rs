@@ -287,8 +287,8 @@ impl<S: Scalar> FlowLaw<S> {
     }
 
     /// ψ where the flow is choked, on the straight line near equal pressure, and between: the formulas of [`FlowLaw::in_zone`].
-    #[cfg(feature = "batch")]
     #[inline(always)]
+    #[cfg(feature = "alloc")]
     pub(crate) fn in_zones<T: Over<S>>(&self, choked: S::Mask, straight: S::Mask, gap: T) -> T {
         let between = T::select(straight, T::of(self.shape.laminar_slope) * gap, self.shape.subsonic(gap));
         T::select(choked, T::one(), between)

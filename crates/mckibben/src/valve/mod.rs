@@ -23,7 +23,7 @@ mod opening;
 mod passage;
 mod ramp;
 mod regulator;
-mod solenoid;
+pub(crate) mod solenoid;
 mod spool;
 mod spool_clock;
 

@@ -454,7 +454,7 @@ impl SeatClock {
 }
 
 /// Whether an instant has come. Two instants that differ by the rounding of their own computation are one.
-pub(crate) fn is_due<S: Real>(instant: S, time: S) -> bool {
+pub fn is_due<S: Real>(instant: S, time: S) -> bool {
     let (instant, time) = (instant.value(), time.value());
     instant <= time + SIMULTANEOUS * time.abs()
 }

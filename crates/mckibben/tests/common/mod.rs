@@ -4,7 +4,9 @@
 pub(crate) mod accounts;
 pub(crate) mod joint;
 pub(crate) mod laws;
+pub(crate) mod plants;
 pub(crate) mod random;
+pub(crate) mod random_plants;
 pub(crate) mod regulated;
 pub(crate) mod steps;
 pub(crate) mod tendon;

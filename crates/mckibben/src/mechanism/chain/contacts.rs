@@ -10,7 +10,7 @@
 //! Symbols are those of the [chain](super). A stop never holds the segment back on rebound, and the belt never pulls: whether they
 //! press is a part of the mode ([`Contact`]).
 //!
-//! Source: this project's choice, springs and dampers that only push. Checked by `tests/plant_ledger.rs` and `tests/plant_batch.rs`.
+//! Source: this project's choice, springs and dampers that only push. Checked by `tests/plant_ledger.rs` and `crates/mckibben-batch/tests/plant_batch.rs`.
 
 use super::{Chain, MAX_JOINTS};
 use crate::scalar::{Mask, Over, Scalar};
@@ -122,8 +122,9 @@ impl<S: Scalar> Chain<S> {
 
     /// How far a contact is passed (rad or m, negative before it) and how hard it would press (N·m or N, before it is kept from
     /// pulling): that of a joint with one of its stops, or of the foot with the belt.
+    #[doc(hidden)]
     #[inline(always)]
-    pub(crate) fn contact<T: Over<S>>(&self, stop: Option<(usize, usize)>, angle: &[T], rate: &[T]) -> [T; 2] {
+    pub fn contact<T: Over<S>>(&self, stop: Option<(usize, usize)>, angle: &[T], rate: &[T]) -> [T; 2] {
         if let Some((k, end)) = stop {
             return [self.beyond_stop(k, end, angle[k]), self.stop_torque(k, end, angle[k], rate[k])];
         }
@@ -182,8 +183,9 @@ impl<S: Scalar> Chain<S> {
     /// foot       S = k_b u uᵀ                      C = c_b u uᵀ + μ N v_s²/(s² + v_s²)^(3/2) a aᵀ
     /// a, u       how far the foot goes across and up with each angle, in m/rad
     /// ```
+    #[doc(hidden)]
     #[inline(always)]
-    pub(crate) fn stiffness(
+    pub fn stiffness(
         &self,
         angle: &[S],
         rate: &[S],

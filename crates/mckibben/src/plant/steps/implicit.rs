@@ -38,7 +38,7 @@ use alloc::vec::Vec;
 
 /// How the tension of an actuator answers.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct TensionResponse<R> {
+pub struct TensionResponse<R> {
     stiffness: R,
     damping: R,
     /// How the tension answers to what its end or its bristles would do by themselves.
@@ -305,7 +305,7 @@ impl<R: Scalar, F: Formulas<R>> Answers<R> for AtInstant<'_, R, F> {
 
 impl<R: Scalar> TensionResponse<R> {
     /// A tension that does not answer.
-    pub(in super::super) fn none() -> Self {
+    pub fn none() -> Self {
         let (zero, one) = (R::zero(), R::one());
         Self { stiffness: zero, damping: zero, by_own: zero, share: one, by_distance: zero, by_rate: zero, beside: one }
     }

@@ -52,7 +52,7 @@ const MOST_PARTS: u32 = 256;
 
 /// The stages of a step.
 #[derive(Clone, Debug)]
-pub(in super::super) struct Stages<R: Scalar> {
+pub struct Stages<R: Scalar> {
     /// The slopes of up to four stages.
     slopes: [Vec<R>; 4],
     /// The state that a stage is evaluated at.
@@ -66,17 +66,17 @@ pub(in super::super) struct Stages<R: Scalar> {
 type Span<R> = (R, R);
 
 impl<R: Scalar> Stages<R> {
-    pub(in super::super) fn new(plant: &Plant<R>) -> Self {
+    /// Room for a plant.
+    pub fn new(plant: &Plant<R>) -> Self {
         let zeros = vec![R::zero(); plant.places().states];
         let slopes = core::array::from_fn(|_| zeros.clone());
         Self { slopes, state: zeros, implicit: Implicit::new(plant), second: Evaluation::new(plant) }
     }
 
     /// Takes a step to `end` without looking what comes of it; where the end is to be believed.
-    #[cfg(feature = "batch")]
     #[allow(clippy::too_many_arguments)]
     #[inline(always)]
-    pub(in super::super) fn take_unchecked(
+    pub fn take_unchecked(
         &mut self,
         system: &System<R>,
         method: Method,
@@ -282,7 +282,7 @@ impl<R: Scalar> System<R> {
 
 impl<R: Real> System<R> {
     /// The places of pressures and masses of air.
-    pub(in super::super) fn places_of_air(&self) -> impl Iterator<Item = usize> + '_ {
+    pub fn places_of_air(&self) -> impl Iterator<Item = usize> + '_ {
         let places = &self.plant.places;
         let air = places.actuators.iter().flat_map(|here| [here.pressure, here.mass()]);
         air.chain(places.nodes.iter().flatten().copied())

@@ -28,18 +28,15 @@ mod saved;
 
 pub use accuracy::{PILOT, PlantReference, PlantStepError, SHORTEST, plant_step_for_accuracy};
 pub use host::MOST_PARTS;
-pub(crate) use implicit::TensionResponse;
+pub use implicit::TensionResponse;
 pub use method::Method;
-#[cfg(feature = "batch")]
-pub(super) use method::Stages;
+pub use method::Stages;
 
 use super::evaluation::System;
-#[cfg(feature = "batch")]
 use super::guard::PlantGuard;
 use super::run::{Keep, PlantRun, PlantSnapshot};
 use super::sample::{Observer, PlantSample};
 use super::{Plant, PlantMode};
-#[cfg(feature = "batch")]
 use crate::engine::GuardForm;
 use crate::error::Error;
 use crate::instantiate::Instantiate;
@@ -295,30 +292,34 @@ impl<R: Instantiate> PlantSteps<R> {
     }
 }
 
-#[cfg(feature = "batch")]
 impl PlantSteps {
     /// Lays pulses out to `until` in s.
-    pub(super) fn lay_out(&mut self, until: f64) -> Result<(), Error> {
+    #[doc(hidden)]
+    pub fn lay_out(&mut self, until: f64) -> Result<(), Error> {
         self.reached.pulse(&self.system.plant, until)
     }
 
     /// The next instant in s up to `until`; infinite when there is none.
-    pub(super) fn next_instant(&self, until: f64) -> f64 {
+    #[doc(hidden)]
+    pub fn next_instant(&self, until: f64) -> f64 {
         self.system.next_instant(self.reached.mode(), until).unwrap_or(f64::INFINITY)
     }
 
     /// When in s pulses have to be laid out next; infinite when never.
-    pub(super) fn pulse_edge(&self) -> f64 {
+    #[doc(hidden)]
+    pub fn pulse_edge(&self) -> f64 {
         self.reached.mode().network.pulse_edge()
     }
 
     /// Events since the steps began.
-    pub(super) fn events(&self) -> u64 {
+    #[doc(hidden)]
+    pub fn events(&self) -> u64 {
         self.work.statistics.events
     }
 
     /// Takes on a time in s and a state that have been reached in the mode that holds.
-    pub(super) fn put(&mut self, time: f64, state: impl Fn(usize) -> f64) {
+    #[doc(hidden)]
+    pub fn put(&mut self, time: f64, state: impl Fn(usize) -> f64) {
         let (own_time, own_state, mode) = self.reached.parts();
         *own_time = time;
         for (place, number) in own_state.iter_mut().enumerate() {
@@ -328,13 +329,15 @@ impl PlantSteps {
     }
 
     /// Passes what is due at the time that has been reached, on the way to `until` in s.
-    pub(super) fn pass_on_the_way(&mut self, until: f64) -> Result<(), Error> {
+    #[doc(hidden)]
+    pub fn pass_on_the_way(&mut self, until: f64) -> Result<(), Error> {
         let Self { system, method, reached, work, .. } = self;
         part::pass_on_the_way(system, *method, reached, until, work)
     }
 
     /// What watches the mode that holds: the plant, the mode, and the guards that end it with an event.
-    pub(super) fn watched(&mut self) -> (&System<f64>, &PlantMode, &[(PlantGuard, GuardForm)]) {
+    #[doc(hidden)]
+    pub fn watched(&mut self) -> (&System<f64>, &PlantMode, &[(PlantGuard, GuardForm)]) {
         let Self { system, reached, work, .. } = self;
         let mode = reached.mode();
         work.list_guards(system, mode);
@@ -342,7 +345,8 @@ impl PlantSteps {
     }
 
     /// Goes on to `until` in s, before which nothing is due, where the stages of the step have come to `end`.
-    pub(super) fn advance_to_end(&mut self, until: f64, end: &[f64]) -> Result<(), Error> {
+    #[doc(hidden)]
+    pub fn advance_to_end(&mut self, until: f64, end: &[f64]) -> Result<(), Error> {
         let Self { system, method, reached, work, .. } = self;
         let done = part::advance_to_end(system, *method, reached, (until, end), work);
         if done.is_err() {

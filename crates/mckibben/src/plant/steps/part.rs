@@ -95,7 +95,6 @@ impl<R: Instantiate> Workspace<R> {
     }
 
     /// The guards that have been listed.
-    #[cfg(feature = "batch")]
     pub(super) fn guards(&self) -> &[(PlantGuard, GuardForm)] {
         &self.guards
     }
@@ -153,7 +152,6 @@ pub(super) fn advance<R: Instantiate>(
 }
 
 /// Advances a plant to a time in s before which nothing is due, where the stages of a step have come to an end.
-#[cfg(feature = "batch")]
 pub(super) fn advance_to_end<R: Instantiate>(
     system: &System<R>,
     method: Method,
@@ -168,7 +166,6 @@ pub(super) fn advance_to_end<R: Instantiate>(
 }
 
 /// Passes what is due at the time that a plant has reached, on the way to `until` in s.
-#[cfg(feature = "batch")]
 pub(super) fn pass_on_the_way<R: Instantiate>(
     system: &System<R>,
     method: Method,

@@ -1,7 +1,7 @@
 //! What actuators that stick on a chain of several joints can hold, watched of several plants side by side.
 //!
 //! What is held is a torque R over the coordinates. Along the normal z of each facet of what can be held it lies between two bounds
-//! ([`sliding`](super::super::sliding)). The list of facets differs from plant to plant: each that any of them has is evaluated once
+//! ([`sliding`](mckibben::plant::sliding)). The list of facets differs from plant to plant: each that any of them has is evaluated once
 //! for all, and counts where it is watched. A bound has to be kept by a margin, so that no rounding decides.
 //!
 //! ```text
@@ -9,17 +9,12 @@
 //! λ = zᵀ J                         the lever of one that sticks
 //! ```
 
-use super::super::dense::dot;
-use super::super::evaluation::{Evaluation, System};
-use super::super::formulas::Formulas;
-use super::super::sliding::Facet;
-use super::held::Held;
-use super::watch::{HOLD_MARGIN, holdable};
-use crate::lanes::wide::Wide;
-use crate::mechanism::chain::MAX_JOINTS;
-use crate::scalar::{Mask, Scalar, Work};
-use alloc::vec;
-use alloc::vec::Vec;
+use crate::held::Held;
+use crate::watch::{HOLD_MARGIN, holdable};
+use crate::wide::Wide;
+use mckibben::internals::{Evaluation, Facet, Formulas, System, dot};
+use mckibben::mechanism::chain::MAX_JOINTS;
+use mckibben::scalar::{Mask, Scalar, Work};
 
 /// The rank up to which normals are known here.
 const HIGHEST_RANK: usize = 3;
@@ -36,7 +31,7 @@ struct WatchedFacet<W> {
 
 /// All facets that are watched in any lane.
 #[derive(Clone, Debug)]
-pub(super) struct Facets<W> {
+pub(crate) struct Facets<W> {
     watched: Vec<WatchedFacet<W>>,
     /// The least and the largest tension in N of each actuator.
     bounds: Vec<[W; 2]>,
@@ -56,19 +51,19 @@ struct Look<'a, W: Wide> {
 impl<W: Wide> Facets<W> {
     /// Nothing is watched, of a plant of so many actuators.
     #[inline(always)]
-    pub(super) fn new(actuators: usize) -> Self {
+    pub(crate) fn new(actuators: usize) -> Self {
         Self { watched: Vec::new(), bounds: vec![[W::zero(); 2]; actuators], any: false }
     }
 
     /// Ceases to watch a lane.
-    pub(super) fn leave(&mut self, lane: usize) {
+    pub(crate) fn leave(&mut self, lane: usize) {
         for watched in &mut self.watched {
             watched.flag.put(lane, W::Lane::constant(0.0));
         }
     }
 
     /// Watches a facet of a row; whether that can be done here.
-    pub(super) fn enter(&mut self, lane: usize, mechanism: usize, facet: &Facet) -> bool {
+    pub(crate) fn enter(&mut self, lane: usize, mechanism: usize, facet: &Facet) -> bool {
         if facet.span.len() > HIGHEST_RANK {
             return false;
         }
@@ -96,7 +91,7 @@ impl<W: Wide> Facets<W> {
     }
 
     /// Takes up what has been entered.
-    pub(super) fn update(&mut self) {
+    pub(crate) fn update(&mut self) {
         for watched in &mut self.watched {
             watched.any = !watched.is_free();
         }
@@ -105,7 +100,7 @@ impl<W: Wide> Facets<W> {
 
     /// Where all that is watched is held at the end of a step.
     #[inline(always)]
-    pub(super) fn hold(
+    pub(crate) fn hold(
         &mut self,
         system: &System<W>,
         (time, end): (W, &[W]),
@@ -140,13 +135,13 @@ impl<W: Wide> Work for Look<'_, W> {
                 continue;
             }
             let frozen = held.is_frozen(m);
-            for &i in &system.plant.places.members[m] {
+            for &i in &system.plant.places().members[m] {
                 // No mode says whether what rests would push.
                 let unit = &mut at.units[i];
                 unit.tension = W::select(frozen, unit.tension.larger(W::zero()), unit.tension);
             }
             system.enter_load(m, end, held, at);
-            for &i in &system.plant.places.members[m] {
+            for &i in &system.plant.places().members[m] {
                 let (least, most) = holdable(system, i, end, held, at);
                 facets.bounds[i] = [least, most];
             }

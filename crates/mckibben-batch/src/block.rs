@@ -4,30 +4,21 @@
 //! has not, or for which something is due within the step, takes the step again alone, from where it was: so each row goes the
 //! way of [`PlantSteps`], bit for bit. What a row alone is asked for is its mode, and only where that changes.
 
-use super::super::Plant;
-use super::super::evaluation::{Evaluation, System};
-use super::super::formulas::Formulas;
-use super::super::steps::Stages;
-use super::super::wire::{Assembly, Wire};
-use super::held::{self, Held};
-use super::row::{Change, Row};
-use super::span::Span;
-use super::watch::Watch;
-use crate::air::Process;
-use crate::error::Error;
-use crate::lanes::deal::{Blank, Deal, List};
-use crate::lanes::wide::{Compiled, Wide, compiled};
-use crate::network::piping::Piping;
-use crate::scalar::Mask;
-use crate::simulation::Method;
-use crate::simulation::member::Member;
-use crate::valve::{Command, Request, is_due};
-use alloc::sync::Arc;
-use alloc::vec;
-use alloc::vec::Vec;
-use core::fmt::Debug;
-use core::marker::PhantomData;
+use crate::deal::{Blank, Deal, List};
+use crate::held::{self, Held};
+use crate::row::{Change, Row};
+use crate::span::Span;
+use crate::watch::Watch;
+use crate::wide::{Compiled, Wide, compiled};
+use mckibben::Error;
+use mckibben::air::Process;
+use mckibben::internals::{Evaluation, Formulas, Stages, System, is_due};
+use mckibben::plant::Plant;
+use mckibben::scalar::Mask;
+use mckibben::simulation::Method;
 use pulp::Simd;
+use std::fmt::Debug;
+use std::marker::PhantomData;
 
 /// Rows that are left within a step go on side by side; where they are fewer than this, each alone, which is less work.
 const FEW: usize = 4;
@@ -37,7 +28,7 @@ const KEEPS: f64 = 2.0;
 const SPANS_AHEAD: f64 = 64.0;
 
 /// Rows in lanes, whatever the width.
-pub(super) trait Lanes: Debug + Send + Sync {
+pub(crate) trait Lanes: Debug + Send + Sync {
     /// Takes the rows, whose lanes these are, through a span.
     fn advance(&mut self, rows: &mut [Row], span: Span<'_>);
 
@@ -52,22 +43,19 @@ pub(super) trait Lanes: Debug + Send + Sync {
 }
 
 /// A plant with all its numbers zero: two plants of equal structure are equal.
-pub(super) fn structure(plant: &Plant) -> Plant {
+pub(crate) fn structure(plant: &Plant) -> Plant {
     without_commands(plant).convert(&mut Blank)
 }
 
 /// Commands differ from row to row, and no stage asks for them.
 fn without_commands(plant: &Plant) -> Plant {
-    let mut plant = plant.clone();
-    for actuation in &mut plant.network.valves {
-        actuation.command = Command::Constant(Request::Hold);
-    }
-    plant
+    let valves: Vec<usize> = (0..plant.network().valves.len()).collect();
+    plant.clone().without_commands(&valves)
 }
 
 /// Rows in lanes.
 #[derive(Debug)]
-pub(super) struct Block<W: Wide<Lane = f64>> {
+pub(crate) struct Block<W: Wide<Lane = f64>> {
     method: Method,
     /// The time in s that all rows have reached.
     time: f64,
@@ -107,7 +95,7 @@ struct Advance<'a, W: Wide<Lane = f64>>(&'a mut Block<W>, &'a mut [Row], Span<'a
 
 impl<W: Wide<Lane = f64>> Block<W> {
     /// A block of rows of equal structure, as many as there are lanes at most.
-    pub(super) fn new(rows: &mut [Row]) -> Self {
+    pub(crate) fn new(rows: &mut [Row]) -> Self {
         compiled(Create::<W>(rows, PhantomData))
     }
 }
@@ -151,23 +139,11 @@ impl<W: Wide<Lane = f64>> Compiled for Create<'_, W> {
                 list.0
             })
             .collect();
-        let plant: Plant<W> = without_commands(rows[0].steps.plant()).convert(&mut Deal::new(&lists));
-        let plant = Arc::new(plant);
-        let wires = plant.actuators.iter().enumerate();
-        let wires = wires.map(|(index, mounted)| Wire::new(&plant, index, Member::in_lanes(&mounted.actuator)));
-        let system = System {
-            wires: wires.collect(),
-            assemblies: (0..plant.mechanisms.len()).map(|m| Assembly::new(&plant, m)).collect(),
-            piping: Piping::new(&plant),
-            band: 0.0,
-            arms: Vec::new(),
-            usual_torque: Vec::new(),
-            plant,
-        };
+        let system = System::in_lanes(without_commands(rows[0].steps.plant()).convert(&mut Deal::new(&lists)));
         let plant = &system.plant;
-        let (states, zero) = (plant.places.states, W::zero());
+        let (states, zero) = (plant.places().states, W::zero());
         let is_isothermal =
-            plant.actuators.iter().any(|mounted| matches!(mounted.actuator.air().process(), Process::Isothermal));
+            plant.actuators().iter().any(|mounted| matches!(mounted.actuator.air().process(), Process::Isothermal));
         for row in rows.iter_mut() {
             row.change = Change::All;
         }
@@ -184,7 +160,7 @@ impl<W: Wide<Lane = f64>> Compiled for Create<'_, W> {
             goes: zero,
             looks: vec![false; W::LANES],
             any_looks: false,
-            contents: vec![zero; plant.actuators.len()],
+            contents: vec![zero; plant.actuators().len()],
             is_isothermal,
             is_changed: true,
             known_until: f64::NEG_INFINITY,
@@ -253,7 +229,7 @@ impl<W: Wide<Lane = f64>> Block<W> {
             if apart.any() || self.any_looks {
                 self.part(rows, come(), until);
             }
-            core::mem::swap(&mut self.state, &mut self.end);
+            std::mem::swap(&mut self.state, &mut self.end);
             break;
         }
         self.time = until;

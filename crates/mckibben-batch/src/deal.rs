@@ -3,11 +3,10 @@
 //! Systems whose parts are of the same kind hand out their numbers in the same order, so that the numbers of each are listed once
 //! and then dealt to the lanes.
 
-use super::wide::{Number, Wide};
-use crate::convert::Convert;
-use crate::parameter::Parameter;
-use crate::scalar::Scalar;
-use alloc::vec::Vec;
+use crate::wide::{Number, Wide};
+use mckibben::internals::Convert;
+use mckibben::parameter::Parameter;
+use mckibben::scalar::Scalar;
 
 /// All numbers zero.
 pub(crate) struct Blank;

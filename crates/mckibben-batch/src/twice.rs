@@ -3,9 +3,9 @@
 //! A rate is one long chain, in which each result waits for the one before; with two chains side by side the processor
 //! works at one while the other waits.
 
-use super::wide::Wide;
-use crate::scalar::{Mask, Scalar, Work};
-use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
+use crate::wide::Wide;
+use mckibben::scalar::{Mask, Scalar, Work};
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 /// Two vectors of the same kind, the lanes of one after those of the other.
 #[derive(Clone, Copy, Debug)]

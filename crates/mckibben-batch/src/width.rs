@@ -1,7 +1,6 @@
 //! Which instructions a batch uses, chosen when the program runs.
 
-use super::wide::Instructions;
-use alloc::vec::Vec;
+use crate::wide::Instructions;
 
 /// The vector instructions of a batch. Its results do not depend on them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,45 +1,20 @@
-//! Batches of plants: many of equal structure, each with its own numbers, commands and start, stepped together.
-//!
-//! A step is taken side by side, by as many plants as two registers of this machine have lanes, with masks where their discrete
-//! states differ ([`block`]). What ends a mode is watched in lanes ([`watch`]); a plant to which something happens takes the step
-//! again alone, which locates the event. Where valves move or controllers sample, each plant goes to its own instant. Some go alone
-//! from the start: while a seat moves or air in a hose goes at the speed of sound, and plants with parts that
-//! [`PlantBatch::covers`] leaves out.
-//!
-//! Checked by `tests/plant_batch.rs`, `tests/plant_rows.rs` and `tests/plant_set.rs`: every row is the run of [`PlantSteps`] alone, bit
-//! for bit.
+//! Rows, dealt to blocks of equal structure, and their way through time on all cores.
 
-#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
-mod block;
-#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
-mod facets;
-#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
-mod flows;
-#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
-mod held;
-mod row;
-mod span;
-#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
-mod watch;
-
-use super::steps::PlantSteps;
-use super::{Plant, PlantSample};
-use crate::error::Error;
-use crate::lanes::Width;
 #[cfg(target_arch = "x86_64")]
-use crate::lanes::twice::Twice;
+use crate::block::Block;
+use crate::block::{self, Lanes};
+use crate::held;
+use crate::row::{Change, Row};
+use crate::span::Span;
 #[cfg(target_arch = "x86_64")]
-use crate::lanes::wide::Doubles;
-use crate::parameter;
-use crate::valve::Demand;
-use alloc::boxed::Box;
-use alloc::vec::Vec;
+use crate::twice::Twice;
 #[cfg(target_arch = "x86_64")]
-use block::Block;
-use block::Lanes;
+use crate::wide::Doubles;
+use crate::width::Width;
+use mckibben::plant::{Plant, PlantSample, PlantSteps};
+use mckibben::valve::Demand;
+use mckibben::{Error, parameter};
 use rayon::prelude::*;
-use row::{Change, Row};
-use span::Span;
 
 /// Rows that a thread takes together where they go by themselves.
 const BY_THEMSELVES: usize = 8;
@@ -47,7 +22,8 @@ const BY_THEMSELVES: usize = 8;
 /// Plants that are stepped together, in numbers of `f64`.
 ///
 /// ```
-/// use mckibben::plant::{PlantBatch, PlantRun, PlantSteps, Plant, PlantStart};
+/// use mckibben::plant::{Plant, PlantRun, PlantStart, PlantSteps};
+/// use mckibben_batch::PlantBatch;
 /// use mckibben::simulation::Method;
 /// use mckibben::valve::Request;
 ///

@@ -8,9 +8,10 @@ use crate::common::random;
 use crate::common::{INCH, LB, PSI, Paper, ROOM};
 use mckibben::line::{Compressor, Hose, HoseKind, Leakage, Line, Regulator, Reservoir, SupplyLine};
 use mckibben::load::{Load, Motion, SeriesTendon};
-use mckibben::plant::{Plant, PlantBatch, PlantRun, PlantSteps, Width};
+use mckibben::plant::{Plant, PlantRun, PlantSteps};
 use mckibben::simulation::{InitialLength, Method, Rig, State};
 use mckibben::{Error, GaugePressure, air::Process};
+use mckibben_batch::{PlantBatch, Width};
 use proptest::strategy::{Strategy, ValueTree};
 use random::{cases, runner};
 

@@ -14,28 +14,19 @@
 //! A step that leaves a range is taken again by the row alone, which finds the event. That a range is left although no guard is
 //! violated is harmless; so states that are no numbers and chambers without air are found by ranges, too.
 
-use super::super::evaluation::System;
-use super::super::guard::{PlantGuard, Touching};
-use super::super::mode::PlantMode;
-use super::facets::Facets;
-use super::held::Held;
-use crate::engine::GuardForm;
-use crate::friction::{Rubbing, Touch};
-use crate::lanes::wide::Wide;
-use crate::line::Poppet;
-use crate::mechanism::Mechanism;
-use crate::network::NodeKind;
-use crate::network::guard::NetworkGuard;
-use crate::plant::evaluation::Evaluation;
-use crate::plant::formulas::Formulas;
-use crate::scalar::{Mask, Scalar};
-use crate::simulation::Guard;
-use crate::simulation::member::Trace;
-use alloc::vec;
-use alloc::vec::Vec;
+use crate::facets::Facets;
+use crate::held::Held;
+use crate::wide::Wide;
+use mckibben::internals::{Evaluation, Formulas, GuardForm, NetworkGuard, Rubbing, System, Touch, Trace};
+use mckibben::line::Poppet;
+use mckibben::mechanism::Mechanism;
+use mckibben::network::NodeKind;
+use mckibben::plant::{PlantGuard, PlantMode, Touching};
+use mckibben::scalar::{Mask, Scalar};
+use mckibben::simulation::Guard;
 
 /// Part of the forces on a coordinate by which those that hold it must have more room, or the row looks itself.
-pub(super) const HOLD_MARGIN: f64 = 1e-9;
+pub(crate) const HOLD_MARGIN: f64 = 1e-9;
 
 /// Part of the atmosphere by which the error of a regulator must have more room, or the row looks itself.
 const ERROR_MARGIN: f64 = 1e-9;
@@ -85,7 +76,7 @@ struct Watched {
 
 /// The ranges of all quantities in every lane.
 #[derive(Clone, Debug)]
-pub(super) struct Watch<W: Wide> {
+pub(crate) struct Watch<W: Wide> {
     states: Vec<Range<W>>,
     actuators: Vec<ActuatorRanges<W>>,
     /// Of each mechanism: both stops of each joint, then the foot.
@@ -146,16 +137,16 @@ impl<W: Wide> Range<W> {
 impl<W: Wide> Watch<W> {
     /// Of a plant, before anything is watched.
     #[inline(always)]
-    pub(super) fn new(system: &System<W>) -> Self {
+    pub(crate) fn new(system: &System<W>) -> Self {
         let (all, actuators) = (Range::all(), system.wires.len());
         let of_actuator = ActuatorRanges { length: all, rate: all, force: all, taut_force: all };
         let contact = ContactRanges { press: all, depth: all, watched: false };
         let mut contacts = Vec::new();
-        for mechanism in &system.plant.mechanisms {
+        for mechanism in system.plant.mechanisms() {
             contacts.push(vec![contact; 2 * mechanism.coordinates() + 1]);
         }
         let mut outlets = Vec::new();
-        for (node, its) in system.plant.network.nodes.iter().enumerate() {
+        for (node, its) in system.plant.network().nodes.iter().enumerate() {
             if let NodeKind::Outlet { regulator, inlet, .. } = its.kind
                 && (inlet.is_some() || W::zero().lt(regulator.dead_band()).any())
             {
@@ -163,7 +154,7 @@ impl<W: Wide> Watch<W> {
             }
         }
         Self {
-            states: vec![all; system.plant.places.states],
+            states: vec![all; system.plant.places().states],
             actuators: vec![of_actuator; actuators],
             contacts,
             outlets,
@@ -176,7 +167,7 @@ impl<W: Wide> Watch<W> {
     }
 
     /// Enters what is watched of a row in its mode, whose guards are given; whether that is all that there is to watch.
-    pub(super) fn enter(
+    pub(crate) fn enter(
         &mut self,
         lane: usize,
         system: &System<f64>,
@@ -278,7 +269,7 @@ impl<W: Wide> Watch<W> {
                 }
             }
             (GuardForm::Function, PlantGuard::Release { mechanism, facet, .. }) => {
-                let (its, places) = (&mode.mechanisms[mechanism], &system.plant.places);
+                let (its, places) = (&mode.mechanisms[mechanism], system.plant.places());
                 if !(its.frozen && places.mechanisms[mechanism].coordinates == 1) {
                     return self.facets.enter(lane, mechanism, &its.facets[facet]);
                 }
@@ -307,7 +298,7 @@ impl<W: Wide> Watch<W> {
         else {
             return false;
         };
-        let (network, modes) = (&system.plant.network, &mode.network.nodes[node]);
+        let (network, modes) = (&system.plant.network(), &mode.network.nodes[node]);
         let Some(ranges) = self.outlets.iter_mut().find(|its| its.node == node) else { return false };
         let NodeKind::Outlet { regulator, .. } = &network.nodes[node].kind else { return false };
         let room = ERROR_MARGIN * network.atmosphere;
@@ -328,7 +319,7 @@ impl<W: Wide> Watch<W> {
 
     /// Where every quantity is within its range at the end of a step.
     #[inline(always)]
-    pub(super) fn holds(
+    pub(crate) fn holds(
         &mut self,
         system: &System<W>,
         (time, end): (W, &[W]),
@@ -380,7 +371,7 @@ impl<W: Wide> Watch<W> {
         held: &Held<W>,
         at: &mut Evaluation<W>,
     ) -> W::Mask {
-        let network = &system.plant.network;
+        let network = &system.plant.network();
         system.enter_air(time, end, held, at);
         let mut within = W::Mask::splat(true);
         for its in &self.outlets {
@@ -405,8 +396,8 @@ impl<W: Wide> Watch<W> {
 #[inline(always)]
 fn contacts_hold<W: Wide>(system: &System<W>, m: usize, contacts: &[ContactRanges<W>], end: &[W]) -> W::Mask {
     let mut within = W::Mask::splat(true);
-    let Mechanism::Chain(chain) = &system.plant.mechanisms[m] else { return within };
-    let (angle, rate) = system.plant.places.mechanisms[m].of(end);
+    let Mechanism::Chain(chain) = &system.plant.mechanisms()[m] else { return within };
+    let (angle, rate) = system.plant.places().mechanisms[m].of(end);
     for (place, its) in contacts.iter().enumerate() {
         if !its.watched {
             continue;
@@ -421,7 +412,7 @@ fn contacts_hold<W: Wide>(system: &System<W>, m: usize, contacts: &[ContactRange
 
 /// The least and the largest tension in N that an actuator at rest can hold, which is not slack.
 #[inline(always)]
-pub(super) fn holdable<W: Wide>(system: &System<W>, i: usize, end: &[W], held: &Held<W>, at: &Evaluation<W>) -> (W, W) {
+pub(crate) fn holdable<W: Wide>(system: &System<W>, i: usize, end: &[W], held: &Held<W>, at: &Evaluation<W>) -> (W, W) {
     let (wire, unit, zero) = (&system.wires[i], &at.units[i], W::zero());
     let width = held.width(wire, [unit.length, zero], system.bristles(i, end));
     let rubbing = Rubbing { direction: zero, width, touch: Touch::ByPressure };
@@ -433,8 +424,8 @@ pub(super) fn holdable<W: Wide>(system: &System<W>, i: usize, end: &[W], held: &
 #[inline(always)]
 fn hold_margin<W: Wide>(system: &System<W>, m: usize, end: &[W], held: &Held<W>, at: &mut Evaluation<W>) -> W::Mask {
     let zero = W::zero();
-    let position = end[system.plant.places.mechanisms[m].first];
-    let mut load = match &system.plant.mechanisms[m] {
+    let position = end[system.plant.places().mechanisms[m].first];
+    let mut load = match &system.plant.mechanisms()[m] {
         Mechanism::Mass(mass) => mass.force(position),
         Mechanism::Chain(_) => {
             let mut torque = [zero];
@@ -445,7 +436,7 @@ fn hold_margin<W: Wide>(system: &System<W>, m: usize, end: &[W], held: &Held<W>,
     };
     let (mut least, mut most) = (zero, zero);
     let mut size = load.magnitude();
-    for &i in &system.plant.places.members[m] {
+    for &i in &system.plant.places().members[m] {
         let (wire, unit) = (&system.wires[i], at.units[i]);
         let arm = system.gradient(i, &at.gradient)[0];
         let pressure = end[wire.places.pressure];

@@ -5,10 +5,11 @@ use crate::common::{LB, PSI, Paper, ROOM, between, spread};
 use mckibben::friction::Coulomb;
 use mckibben::line::{Hose, HoseKind, Line};
 use mckibben::load::SeriesTendon;
-use mckibben::plant::{Plant, PlantBatch, PlantRun, PlantSteps, Width};
+use mckibben::plant::{Plant, PlantRun, PlantSteps};
 use mckibben::simulation::{Actuation, Method, Rig, State};
 use mckibben::valve::{Command, Demand, Ramp, Regulator, Request, Solenoid, Spool, ValveKind};
 use mckibben::{Error, GaugePressure};
+use mckibben_batch::{PlantBatch, Width};
 
 /// A rig and its state at the start.
 #[derive(Clone, Debug)]

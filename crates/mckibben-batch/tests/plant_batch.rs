@@ -1,14 +1,16 @@
 //! Plants side by side: each is the run of its own steps, bit for bit, on any width of instructions.
 
 use crate::common::joint::Pair;
+use crate::common::plants::{asked, leg_on_its_belt, on_a_bottle, unlike_muscles_on_one_tank};
+use crate::common::random::runner;
+use crate::common::random_plants::{drawn, plant};
 use crate::common::{PSI, Paper};
-use crate::plant_host::{asked, on_a_bottle};
-use crate::plant_ledger::{leg_on_its_belt, unlike_muscles_on_one_tank};
 use mckibben::control::{Output, Pid, Quantity, Regulator, Sampling, Sensors, SetPoint, Tracker};
-use mckibben::plant::{Plant, PlantBatch, PlantRun, PlantStart, PlantSteps, RigPlant, Width};
+use mckibben::plant::{Plant, PlantRun, PlantStart, PlantSteps, RigPlant};
 use mckibben::simulation::{Actuation, Method, Rig};
 use mckibben::valve::{self, Command, Demand, FlowStandard, Request, Solenoid, ValveKind};
 use mckibben::{Error, GaugePressure, parameter};
+use mckibben_batch::{PlantBatch, Width};
 
 /// The numbers of a state, to the bit.
 pub(crate) fn bits(state: &[f64]) -> Vec<u64> {
@@ -252,4 +254,27 @@ fn what_does_not_fit_is_refused() {
     assert!(matches!(batch.restart(0, other), Err(Error::Misuse { .. })));
     assert!(matches!(batch.advance_to(f64::NAN), Err(Error::OutOfRange { .. })));
     assert_eq!(batch.time(), 0.0);
+}
+
+/// Random plants that are stepped.
+const STEPPED: u32 = 60;
+
+/// Whatever plants are made of, those of a batch are those alone, to the bit. Nearly all of these have parts that lanes leave
+/// out, so that rows go by themselves beside each other.
+#[test]
+fn random_plants_in_a_batch_are_those_alone() {
+    let count = std::cell::Cell::new(0);
+    let result = runner(STEPPED).run(&drawn(), |drawn| {
+        let (plant, start, _) = plant(&drawn);
+        let Ok(plant) = plant else { return Ok(()) };
+        for (method, step) in [(Method::Stable, 1e-3), (Method::Rk4, 2e-5)] {
+            if let Ok(rows) = rows(&plant, &start, method, 18) {
+                agree(&rows, step, 60);
+                count.set(count.get() + 1);
+            }
+        }
+        Ok(())
+    });
+    result.unwrap_or_else(|error| panic!("{error}"));
+    assert!(count.get() > STEPPED, "{} batches of {STEPPED} plants ran", count.get());
 }

@@ -3,22 +3,15 @@
 //! Where a border lies between pieces of a law that agree there, each lane takes the piece of its own state by a select. The
 //! formulas are those that a [`PlantMode`] names, so that a lane has the numbers of its plant alone, bit for bit.
 
-use super::super::evaluation::{Evaluation, System, Unit};
-use super::super::formulas::Formulas;
-use super::super::steps::TensionResponse;
-use super::super::wire::Wire;
-use super::super::{Plant, PlantMode};
-use super::flows::HeldFlows;
-use crate::air::Chamber;
-use crate::friction::{Branch, Rubbing, Touch};
-use crate::lanes::wide::{Number, Wide};
-use crate::load::{MomentArm, Motion};
-use crate::mechanism::chain::Presses;
-use crate::mechanism::{Contact, Mechanism};
-use crate::scalar::{Differentiable, Mask, Over, Scalar};
-use crate::simulation::{Extent, Sliding};
-use alloc::vec;
-use alloc::vec::Vec;
+use crate::flows::HeldFlows;
+use crate::wide::{Number, Wide};
+use mckibben::air::Chamber;
+use mckibben::internals::{Branch, Evaluation, Formulas, Presses, Rubbing, System, TensionResponse, Touch, Unit, Wire};
+use mckibben::load::{MomentArm, Motion};
+use mckibben::mechanism::{Contact, Mechanism};
+use mckibben::plant::{Plant, PlantMode};
+use mckibben::scalar::{Differentiable, Mask, Over, Scalar};
+use mckibben::simulation::{Extent, Sliding};
 
 /// Of an actuator in every lane.
 #[derive(Clone, Copy, Debug)]
@@ -68,7 +61,7 @@ struct HeldRows<W: Scalar> {
 
 /// The discrete states of the plants in all lanes.
 #[derive(Clone, Debug)]
-pub(super) struct Held<W: Scalar> {
+pub(crate) struct Held<W: Scalar> {
     actuators: Vec<HeldActuator<W>>,
     frozen: Vec<W::Mask>,
     flows: HeldFlows<W>,
@@ -81,20 +74,20 @@ pub(super) struct Held<W: Scalar> {
 }
 
 /// Whether lanes can take the stages of a plant with a structure.
-pub(super) fn covers_structure(plant: &super::super::Plant) -> bool {
-    let actuators = plant.actuators.iter().all(|mounted| {
+pub(crate) fn covers_structure(plant: &mckibben::plant::Plant) -> bool {
+    let actuators = plant.actuators().iter().all(|mounted| {
         let law = mounted.actuator.law();
         let smooth = law.effectiveness.piece_bounds(0).1.is_none()
             && law.law.length_bounds(0).1.is_none()
             && law.law.pressure_bounds(0).1.is_none();
         mounted.tendon.is_none() && mounted.pressure.is_none() && smooth
     });
-    let mechanisms = plant.mechanisms.iter().all(|mechanism| !matches!(mechanism, Mechanism::Prescribed(_)));
+    let mechanisms = plant.mechanisms().iter().all(|mechanism| !matches!(mechanism, Mechanism::Prescribed(_)));
     actuators && mechanisms
 }
 
 /// Whether a lane can take a step in a mode from a time in s on.
-pub(super) fn covers_mode<R: Number>(mode: &PlantMode<R>, time: R) -> bool {
+pub(crate) fn covers_mode<R: Number>(mode: &PlantMode<R>, time: R) -> bool {
     let subsonic = mode.network.branches.iter().all(|its| its.sonic.is_none());
     subsonic && mode.network.valves.iter().all(|valve| valve.openings.at(time).is_none())
 }
@@ -155,7 +148,7 @@ impl<W: Wide> HeldRows<W> {
 impl<W: Wide> Held<W> {
     /// Of a plant, before any lane is entered.
     #[inline(always)]
-    pub(super) fn new(system: &System<W>) -> Self {
+    pub(crate) fn new(system: &System<W>) -> Self {
         let (no, zero, plant) = (W::Mask::splat(false), W::zero(), &system.plant);
         let nothing = HeldActuator {
             slack: no,
@@ -172,24 +165,24 @@ impl<W: Wide> Held<W> {
             has_branches.push(friction.hysteresis().is_some() && friction.lugre().is_none());
         }
         let mut rows = Vec::new();
-        for (mechanism, members) in plant.mechanisms.iter().zip(&plant.places.members) {
+        for (mechanism, members) in plant.mechanisms().iter().zip(&plant.places().members) {
             rows.push(HeldRows::new(mechanism.coordinates(), members.len()));
         }
         let flags = Flags { slack: zero, taut: zero, stuck: zero, on_stop: zero, idle: zero, direction: zero };
         Self {
-            actuators: vec![nothing; plant.actuators.len()],
-            frozen: vec![no; plant.mechanisms.len()],
-            flows: HeldFlows::new(&plant.network),
-            contacts: plant.mechanisms.iter().map(|mechanism| HeldContacts::new(mechanism.coordinates())).collect(),
+            actuators: vec![nothing; plant.actuators().len()],
+            frozen: vec![no; plant.mechanisms().len()],
+            flows: HeldFlows::new(plant.network()),
+            contacts: plant.mechanisms().iter().map(|mechanism| HeldContacts::new(mechanism.coordinates())).collect(),
             rows,
-            flags: vec![flags; plant.actuators.len()],
-            frozen_flags: vec![zero; plant.mechanisms.len()],
+            flags: vec![flags; plant.actuators().len()],
+            frozen_flags: vec![zero; plant.mechanisms().len()],
             has_branches,
         }
     }
 
     /// Enters the mode of the row in a lane; [`Held::update`] makes masks of it.
-    pub(super) fn enter(&mut self, lane: usize, plant: &Plant<W::Lane>, mode: &PlantMode<W::Lane>) {
+    pub(crate) fn enter(&mut self, lane: usize, plant: &Plant<W::Lane>, mode: &PlantMode<W::Lane>) {
         let put = |number: &mut W, holds: bool| number.put(lane, W::Lane::constant(if holds { 1.0 } else { 0.0 }));
         for (flags, its) in self.flags.iter_mut().zip(&mode.actuators) {
             let (slack, stuck) = (its.mode.extent == Extent::Slack, its.mode.sliding == Sliding::Stuck);
@@ -219,15 +212,15 @@ impl<W: Wide> Held<W> {
             }
             put(&mut contacts.foot_flag, its.foot == Contact::Pressed);
         }
-        for (rows, (its, members)) in self.rows.iter_mut().zip(mode.mechanisms.iter().zip(&plant.places.members)) {
+        for (rows, (its, members)) in self.rows.iter_mut().zip(mode.mechanisms.iter().zip(&plant.places().members)) {
             rows.enter(lane, members, &its.basis);
         }
-        self.flows.enter(lane, &plant.network, &mode.network);
+        self.flows.enter(lane, plant.network(), &mode.network);
     }
 
     /// Makes masks of what has been entered.
     #[inline(always)]
-    pub(super) fn update(&mut self) {
+    pub(crate) fn update(&mut self) {
         let zero = W::zero();
         for (masks, flags) in self.actuators.iter_mut().zip(&self.flags) {
             masks.slack = zero.lt(flags.slack);
@@ -254,13 +247,13 @@ impl<W: Wide> Held<W> {
 
     /// Where an actuator rests on its shortest length.
     #[inline(always)]
-    pub(super) fn is_on_stop(&self, actuator: usize) -> W::Mask {
+    pub(crate) fn is_on_stop(&self, actuator: usize) -> W::Mask {
         self.actuators[actuator].on_stop
     }
 
     /// Force of the hysteresis over the secant stiffness in m, at a length and a velocity, if there is such a law.
     #[inline(always)]
-    pub(super) fn width<T: Over<W>>(&self, wire: &Wire<W>, [length, velocity]: [T; 2], bent: Option<T>) -> Option<T> {
+    pub(crate) fn width<T: Over<W>>(&self, wire: &Wire<W>, [length, velocity]: [T; 2], bent: Option<T>) -> Option<T> {
         let held = &self.actuators[wire.index];
         match (bent, wire.member.actuator.friction().lugre()) {
             (Some(bent), Some(law)) => Some(law.width_at(bent, velocity, T::of(held.direction))),
@@ -271,7 +264,7 @@ impl<W: Wide> Held<W> {
 
     /// The sum of the forces of an actuator at its length, velocity and pressure.
     #[inline(always)]
-    pub(super) fn signed_force<T: Over<W>>(&self, wire: &Wire<W>, ends: [T; 3], bent: Option<T>) -> T {
+    pub(crate) fn signed_force<T: Over<W>>(&self, wire: &Wire<W>, ends: [T; 3], bent: Option<T>) -> T {
         let (held, actuator) = (&self.actuators[wire.index], &wire.member.actuator);
         let factors = actuator.factors(ends[0], ends[2]);
         let width = self.width(wire, [ends[0], ends[1]], bent);
@@ -321,14 +314,14 @@ impl<W: Wide> Formulas<W> for Held<W> {
 
     #[inline(always)]
     fn torques<T: Over<W>>(&self, system: &System<W>, m: usize, (angle, rate): (&[T], &[T]), torque: &mut [T]) {
-        if let Mechanism::Chain(chain) = &system.plant.mechanisms[m] {
+        if let Mechanism::Chain(chain) = &system.plant.mechanisms()[m] {
             chain.torques(angle, rate, &self.contacts[m], torque);
         }
     }
 
     #[inline(always)]
     fn stiff_torques(&self, system: &System<W>, m: usize, (angle, rate): (&[W], &[W]), answers: (&mut [W], &mut [W])) {
-        if let Mechanism::Chain(chain) = &system.plant.mechanisms[m] {
+        if let Mechanism::Chain(chain) = &system.plant.mechanisms()[m] {
             chain.stiffness(angle, rate, &self.contacts[m], answers);
         }
     }
@@ -365,7 +358,7 @@ impl<W: Wide> Formulas<W> for Held<W> {
     ) -> W::Mask {
         row.fill(T::zero());
         let mut used = W::Mask::splat(false);
-        for (&i, mask) in system.plant.places.members[m].iter().zip(&self.rows[m].is_member[place]) {
+        for (&i, mask) in system.plant.places().members[m].iter().zip(&self.rows[m].is_member[place]) {
             if !mask.any() {
                 continue;
             }
@@ -380,7 +373,7 @@ impl<W: Wide> Formulas<W> for Held<W> {
     #[inline(always)]
     fn held_bending<T: Differentiable<W>>(&self, system: &System<W>, (m, place): (usize, usize), state: &[T]) -> T {
         let mut bending = T::zero();
-        for (&i, mask) in system.plant.places.members[m].iter().zip(&self.rows[m].is_member[place]) {
+        for (&i, mask) in system.plant.places().members[m].iter().zip(&self.rows[m].is_member[place]) {
             if mask.any() {
                 bending = T::select(*mask, system.bending(i, state, self), bending);
             }

@@ -4,12 +4,12 @@
 //! instruction, and rounds like the same operation on one number. A constant is made from nothing, so it asks the thread
 //! for the proof, which was left there by [`compiled`].
 
-use crate::scalar::{Mask, Real, Scalar, Work};
-use core::cell::Cell;
-use core::fmt::Debug;
-use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
+use mckibben::scalar::{Mask, Real, Scalar, Work};
 use pulp::bytemuck::{cast_slice, cast_slice_mut};
 use pulp::{Simd, WithSimd};
+use std::cell::Cell;
+use std::fmt::Debug;
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 /// A number that lanes hold.
 pub(crate) trait Number: Real + PartialEq + Send + Sync {}
@@ -218,11 +218,11 @@ macro_rules! wide {
             one_by_one!(ln, exp, exp_m1);
             #[inline(always)]
             fn sin(self) -> Self {
-                crate::trigonometry::sine(self)
+                mckibben::internals::sine(self)
             }
             #[inline(always)]
             fn cos(self) -> Self {
-                crate::trigonometry::cosine(self)
+                mckibben::internals::cosine(self)
             }
             #[inline(always)]
             fn lt(self, other: Self) -> $mask<S> {
@@ -255,18 +255,18 @@ macro_rules! wide {
             #[inline(always)]
             fn from_lanes(mut lane: impl FnMut(usize) -> $number) -> Self {
                 let mut wide = Self::constant(0.0);
-                for (index, value) in cast_slice_mut::<_, $number>(core::slice::from_mut(&mut wide.lanes)).iter_mut().enumerate() {
+                for (index, value) in cast_slice_mut::<_, $number>(std::slice::from_mut(&mut wide.lanes)).iter_mut().enumerate() {
                     *value = lane(index);
                 }
                 wide
             }
             #[inline(always)]
             fn lane(&self, lane: usize) -> $number {
-                cast_slice::<_, $number>(core::slice::from_ref(&self.lanes))[lane]
+                cast_slice::<_, $number>(std::slice::from_ref(&self.lanes))[lane]
             }
             #[inline(always)]
             fn put(&mut self, lane: usize, value: $number) {
-                cast_slice_mut::<_, $number>(core::slice::from_mut(&mut self.lanes))[lane] = value;
+                cast_slice_mut::<_, $number>(std::slice::from_mut(&mut self.lanes))[lane] = value;
             }
         }
     };

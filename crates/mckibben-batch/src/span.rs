@@ -2,15 +2,15 @@
 
 /// Steps from one time in s on, by the times in s at which they end.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Span<'s> {
-    pub(super) from: f64,
+pub(crate) struct Span<'s> {
+    pub(crate) from: f64,
     /// Rising.
-    pub(super) ends: &'s [f64],
+    pub(crate) ends: &'s [f64],
 }
 
 impl Span<'_> {
     /// The time in s at which it ends.
-    pub(super) fn until(&self) -> f64 {
+    pub(crate) fn until(&self) -> f64 {
         self.ends.last().copied().unwrap_or(self.from)
     }
 }

@@ -1,17 +1,12 @@
 //! Which formulas of a network hold in several plants side by side, as masks.
 
-use crate::lanes::wide::Wide;
-use crate::line::{Hose, Poppet};
-use crate::network::flow::{NetworkState, OrificeEnds, SquaredDrive};
-use crate::network::formulas::FlowFormulas;
-use crate::network::implicit::RegulatedResponse;
-use crate::network::mode::NetworkMode;
-use crate::network::piping::Orifice;
-use crate::network::{BranchKind, Network, NodeKind};
-use crate::scalar::{Mask, Over, Scalar};
-use crate::valve::Approach;
-use alloc::vec;
-use alloc::vec::Vec;
+use crate::wide::Wide;
+use mckibben::internals::{
+    Approach, FlowFormulas, NetworkMode, NetworkState, Orifice, OrificeEnds, RegulatedResponse, SquaredDrive,
+};
+use mckibben::line::{Hose, Poppet};
+use mckibben::network::{BranchKind, Network, NodeKind};
+use mckibben::scalar::{Mask, Over, Scalar};
 
 /// Of a regulator's outlet or a regulated port in every lane.
 #[derive(Clone, Copy, Debug)]
@@ -30,7 +25,7 @@ struct HeldNode<W: Scalar> {
 
 /// Which branches are open, of compressors which run, and what regulators do.
 #[derive(Clone, Debug)]
-pub(super) struct HeldFlows<W: Scalar> {
+pub(crate) struct HeldFlows<W: Scalar> {
     open: Vec<W::Mask>,
     open_flags: Vec<W>,
     nodes: Vec<HeldNode<W>>,
@@ -39,7 +34,7 @@ pub(super) struct HeldFlows<W: Scalar> {
 impl<W: Wide> HeldFlows<W> {
     /// Of a network, before any lane is entered.
     #[inline(always)]
-    pub(super) fn new(network: &Network<W>) -> Self {
+    pub(crate) fn new(network: &Network<W>) -> Self {
         let (no, zero) = (W::Mask::splat(false), W::zero());
         let node =
             HeldNode { moves: no, limited: no, direction: zero, set: zero, moves_flag: zero, limited_flag: zero };
@@ -51,7 +46,7 @@ impl<W: Wide> HeldFlows<W> {
     }
 
     /// Enters the mode of the row in a lane; [`HeldFlows::update`] makes masks of it.
-    pub(super) fn enter(&mut self, lane: usize, network: &Network<W::Lane>, mode: &NetworkMode<W::Lane>) {
+    pub(crate) fn enter(&mut self, lane: usize, network: &Network<W::Lane>, mode: &NetworkMode<W::Lane>) {
         let put = |number: &mut W, holds: bool| number.put(lane, W::Lane::constant(if holds { 1.0 } else { 0.0 }));
         for (index, flag) in self.open_flags.iter_mut().enumerate() {
             let rests = matches!(network.branches[index].kind, BranchKind::Compressor) && !mode.branches[index].runs;
@@ -77,7 +72,7 @@ impl<W: Wide> HeldFlows<W> {
 
     /// Makes masks of what has been entered.
     #[inline(always)]
-    pub(super) fn update(&mut self) {
+    pub(crate) fn update(&mut self) {
         let zero = W::zero();
         for (mask, flag) in self.open.iter_mut().zip(&self.open_flags) {
             *mask = zero.lt(*flag);
@@ -89,7 +84,7 @@ impl<W: Wide> HeldFlows<W> {
 
     /// Where the inlet of a regulator's outlet limits it.
     #[inline(always)]
-    pub(super) fn is_limited(&self, node: usize) -> W::Mask {
+    pub(crate) fn is_limited(&self, node: usize) -> W::Mask {
         self.nodes[node].limited
     }
 }

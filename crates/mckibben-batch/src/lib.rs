@@ -1,0 +1,45 @@
+//! Batches of plants: many of equal structure, each with its own numbers, commands and start, stepped together.
+//!
+//! A step is taken side by side, by as many plants as two registers of this machine have lanes, with masks where their discrete
+//! states differ. What ends a mode is watched in lanes; a plant to which something happens takes the step again alone, which
+//! locates the event. Where valves move or controllers sample, each plant goes to its own instant. Some go alone from the start:
+//! while a seat moves or air in a hose goes at the speed of sound, and plants with parts that [`PlantBatch::covers`] leaves out.
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | `batch` | rows, dealt to blocks; threads over blocks |
+//! | `block` | rows in lanes, and how they go through time together |
+//! | `held`, `flows` | the discrete states of all lanes, as masks |
+//! | `watch`, `facets` | the range that each quantity keeps as long as a mode lasts |
+//! | `wide`, `twice`, `width` | registers as one scalar, and which of them this machine has |
+//! | `deal` | the numbers of plants, dealt to lanes |
+//!
+//! The physics is that of the crate `mckibben`, over another scalar.
+//!
+//! Checked by `tests/`: every row is the run of [`PlantSteps`](mckibben::plant::PlantSteps) alone, bit for bit.
+
+#![forbid(unsafe_code)]
+
+mod batch;
+#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
+mod block;
+#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
+mod deal;
+#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
+mod facets;
+#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
+mod flows;
+#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
+mod held;
+mod row;
+mod span;
+#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
+mod twice;
+#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
+mod watch;
+#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
+mod wide;
+mod width;
+
+pub use batch::PlantBatch;
+pub use width::Width;

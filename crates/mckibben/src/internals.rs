@@ -1,0 +1,28 @@
+//! What `mckibben-batch` takes a plant's steps in lanes with. It may change with every version, and is no part of the interface.
+
+pub use crate::convert::Convert;
+pub use crate::trigonometry::{cosine, sine};
+pub use crate::valve::solenoid::is_due;
+#[cfg(feature = "alloc")]
+pub use of_plants::*;
+
+#[cfg(feature = "alloc")]
+mod of_plants {
+    pub use crate::engine::GuardForm;
+    pub use crate::friction::{Branch, Rubbing, Touch};
+    pub use crate::mechanism::chain::{MAX_JOINTS, Presses};
+    pub use crate::network::flow::{NetworkState, OrificeEnds, SquaredDrive};
+    pub use crate::network::formulas::FlowFormulas;
+    pub use crate::network::guard::NetworkGuard;
+    pub use crate::network::implicit::RegulatedResponse;
+    pub use crate::network::mode::NetworkMode;
+    pub use crate::network::piping::{Orifice, Piping};
+    pub use crate::plant::dense::dot;
+    pub use crate::plant::evaluation::{Evaluation, System, Unit};
+    pub use crate::plant::formulas::Formulas;
+    pub use crate::plant::sliding::Facet;
+    pub use crate::plant::steps::{Stages, TensionResponse};
+    pub use crate::plant::wire::{Assembly, Wire};
+    pub use crate::simulation::member::{Member, Trace};
+    pub use crate::valve::Approach;
+}
