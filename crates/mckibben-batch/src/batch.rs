@@ -97,8 +97,8 @@ impl PlantBatch {
         Ok(Self { width, time, groups, places })
     }
 
-    /// Whether plants of a structure go side by side. Left out are tendons, tables of effectiveness, force maps, given pressures
-    /// and motions, and regulators: such plants go alone, with the same results.
+    /// Whether plants of a structure go side by side. Left out are given pressures and motions, and tendons of actuators whose dry
+    /// friction falls with velocity: such plants go alone, with the same results.
     pub fn covers(plant: &Plant) -> bool {
         held::covers_structure(plant)
     }

@@ -212,6 +212,9 @@ impl<W: Wide<Lane = f64>> Block<W> {
                 let span = (self.from, self.goal - self.from);
                 believed = believed & stages.take_unchecked(system, self.method, span, state, held, at, end);
                 keep_rates(system, self.goal, held, at, end);
+                for i in 0..system.wires.len() {
+                    system.keep_balance(i, self.goal, end, held, at);
+                }
                 if self.is_isothermal {
                     keep_contents(system, self.goal, &self.contents, held, at, end);
                 }

@@ -6,7 +6,8 @@
 use crate::flows::HeldFlows;
 use crate::wide::{Number, Wide};
 use mckibben::air::Chamber;
-use mckibben::internals::{Branch, Evaluation, Formulas, Presses, Rubbing, System, TensionResponse, Touch, Unit, Wire};
+use mckibben::friction::LuGre;
+use mckibben::internals::{Branch, Evaluation, Formulas, Presses, Rubbing, System, Touch, Unit, Wire};
 use mckibben::load::{MomentArm, Motion};
 use mckibben::mechanism::{Contact, Mechanism};
 use mckibben::plant::{Plant, PlantMode};
@@ -20,6 +21,8 @@ struct HeldActuator<W: Scalar> {
     taut: W::Mask,
     stuck: W::Mask,
     on_stop: W::Mask,
+    /// Whether its tendon hangs loose.
+    loose: W::Mask,
     /// Whether it has no tension: the sum of its forces is kept from pushing, or it is slack, or it sticks.
     idle: W::Mask,
     /// −1, 0 or +1.
@@ -35,6 +38,7 @@ struct Flags<W> {
     taut: W,
     stuck: W,
     on_stop: W,
+    loose: W,
     idle: W,
     direction: W,
 }
@@ -74,13 +78,11 @@ pub(crate) struct Held<W: Scalar> {
 }
 
 /// Whether lanes can take the stages of a plant with a structure.
-pub(crate) fn covers_structure(plant: &mckibben::plant::Plant) -> bool {
+pub(crate) fn covers_structure(plant: &Plant) -> bool {
     let actuators = plant.actuators().iter().all(|mounted| {
-        let law = mounted.actuator.law();
-        let smooth = law.effectiveness.piece_bounds(0).1.is_none()
-            && law.law.length_bounds(0).1.is_none()
-            && law.law.pressure_bounds(0).1.is_none();
-        mounted.tendon.is_none() && mounted.pressure.is_none() && smooth
+        let friction = mounted.actuator.friction();
+        let falls = friction.coulomb().falls() || friction.lugre().is_some_and(LuGre::falls);
+        mounted.pressure.is_none() && !(mounted.tendon.is_some() && falls)
     });
     let mechanisms = plant.mechanisms().iter().all(|mechanism| !matches!(mechanism, Mechanism::Prescribed(_)));
     actuators && mechanisms
@@ -155,6 +157,7 @@ impl<W: Wide> Held<W> {
             taut: no,
             stuck: no,
             on_stop: no,
+            loose: no,
             idle: no,
             direction: zero,
             branch: Branch::nothing(),
@@ -168,7 +171,8 @@ impl<W: Wide> Held<W> {
         for (mechanism, members) in plant.mechanisms().iter().zip(&plant.places().members) {
             rows.push(HeldRows::new(mechanism.coordinates(), members.len()));
         }
-        let flags = Flags { slack: zero, taut: zero, stuck: zero, on_stop: zero, idle: zero, direction: zero };
+        let flags =
+            Flags { slack: zero, taut: zero, stuck: zero, on_stop: zero, loose: zero, idle: zero, direction: zero };
         Self {
             actuators: vec![nothing; plant.actuators().len()],
             frozen: vec![no; plant.mechanisms().len()],
@@ -190,6 +194,7 @@ impl<W: Wide> Held<W> {
             put(&mut flags.taut, its.mode.extent == Extent::Taut);
             put(&mut flags.stuck, stuck);
             put(&mut flags.on_stop, its.on_stop);
+            put(&mut flags.loose, its.loose);
             put(&mut flags.idle, slack || stuck || its.mode.clamped);
             flags.direction.put(lane, W::Lane::constant(its.mode.sliding.direction()));
         }
@@ -227,6 +232,7 @@ impl<W: Wide> Held<W> {
             masks.taut = zero.lt(flags.taut);
             masks.stuck = zero.lt(flags.stuck);
             masks.on_stop = zero.lt(flags.on_stop);
+            masks.loose = zero.lt(flags.loose);
             masks.idle = zero.lt(flags.idle);
             masks.direction = flags.direction;
         }
@@ -260,24 +266,6 @@ impl<W: Wide> Held<W> {
             _ if self.has_branches[wire.index] => Some(held.branch.width_in_lanes(length)),
             _ => None,
         }
-    }
-
-    /// The sum of the forces of an actuator at its length, velocity and pressure.
-    #[inline(always)]
-    pub(crate) fn signed_force<T: Over<W>>(&self, wire: &Wire<W>, ends: [T; 3], bent: Option<T>) -> T {
-        let (held, actuator) = (&self.actuators[wire.index], &wire.member.actuator);
-        let factors = actuator.factors(ends[0], ends[2]);
-        let width = self.width(wire, [ends[0], ends[1]], bent);
-        let rubbing = Rubbing { direction: T::of(held.direction), width, touch: Touch::Pressed };
-        let force = actuator.signed_force(ends, rubbing, held.taut, factors);
-        if actuator.friction().has_direction() {
-            let apart = ends[2].lt(T::of(actuator.air().atmosphere().0));
-            if apart.any() {
-                let rubbing = Rubbing { touch: Touch::Apart, ..rubbing };
-                return T::select(apart, actuator.signed_force(ends, rubbing, held.taut, factors), force);
-            }
-        }
-        force
     }
 }
 
@@ -381,6 +369,40 @@ impl<W: Wide> Formulas<W> for Held<W> {
         bending
     }
 
+    #[inline(always)]
+    fn signed_force<T: Over<W>>(&self, wire: &Wire<W>, ends: [T; 3], bent: Option<T>) -> T {
+        let (held, actuator) = (&self.actuators[wire.index], &wire.member.actuator);
+        let factors = actuator.factors(ends[0], ends[2]);
+        let width = self.width(wire, [ends[0], ends[1]], bent);
+        let rubbing = Rubbing { direction: T::of(held.direction), width, touch: Touch::Pressed };
+        let force = actuator.signed_force(ends, rubbing, held.taut, factors);
+        if actuator.friction().has_direction() {
+            let apart = ends[2].lt(T::of(actuator.air().atmosphere().0));
+            if apart.any() {
+                let rubbing = Rubbing { touch: Touch::Apart, ..rubbing };
+                return T::select(apart, actuator.signed_force(ends, rubbing, held.taut, factors), force);
+            }
+        }
+        force
+    }
+
+    #[inline(always)]
+    fn direction(&self, actuator: usize) -> W {
+        self.actuators[actuator].direction
+    }
+
+    #[inline(always)]
+    fn is_loose(&self, actuator: usize) -> W::Mask {
+        self.actuators[actuator].loose
+    }
+
+    #[inline(always)]
+    fn is_damped(&self, system: &System<W>, actuator: usize) -> W::Mask {
+        let (its, zero) = (&system.wires[actuator].member.actuator, W::zero());
+        let by_taut_braid = self.actuators[actuator].taut & zero.lt(its.limits().damping());
+        by_taut_braid | zero.lt(its.friction().viscous())
+    }
+
     // What lanes do not cover.
 
     fn motion<T: Over<W>>(&self, _: usize, _: &Motion<W>, _: T) -> [T; 3] {
@@ -391,16 +413,13 @@ impl<W: Wide> Formulas<W> for Held<W> {
         T::zero()
     }
 
-    fn enter_end<T: Differentiable<W>>(
+    fn searched_velocity<T: Differentiable<W>>(
         &self,
         _: &System<W>,
         _: usize,
+        _: (&Unit<T>, &Chamber<T>),
         _: Option<T>,
-        _: (&mut Unit<T>, &mut Chamber<T>),
-    ) {
-    }
-
-    fn end_response(&self, _: &System<W>, _: usize, _: W, _: &[W], _: &Evaluation<W>) -> TensionResponse<W> {
-        TensionResponse::none()
+    ) -> Option<T> {
+        None
     }
 }

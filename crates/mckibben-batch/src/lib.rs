@@ -10,7 +10,7 @@
 //! | `batch` | rows, dealt to blocks; threads over blocks |
 //! | `block` | rows in lanes, and how they go through time together |
 //! | `held`, `flows` | the discrete states of all lanes, as masks |
-//! | `watch`, `facets` | the range that each quantity keeps as long as a mode lasts |
+//! | `watch`, `ends`, `facets` | the range that each quantity keeps as long as a mode lasts |
 //! | `wide`, `twice`, `width` | registers as one scalar, and which of them this machine has |
 //! | `deal` | the numbers of plants, dealt to lanes |
 //!
@@ -25,6 +25,8 @@ mod batch;
 mod block;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 mod deal;
+#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
+mod ends;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 mod facets;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]

@@ -9,15 +9,19 @@
 //! | what sticks on one coordinate lets go | the force that is held, conservatively |
 //! | what sticks on a chain lets go | the torque that is held along the normal of each [facet](super::facets) |
 //! | a stop or the belt presses, or ceases to | the press of the contact; of the foot its depth as well |
+//! | of the end of an actuator on a tendon | see [ends](crate::ends) |
 //! | the poppet of a regulator, and what limits it | its error and the margin of its inlet, conservatively |
 //!
 //! A step that leaves a range is taken again by the row alone, which finds the event. That a range is left although no guard is
 //! violated is harmless; so states that are no numbers and chambers without air are found by ranges, too.
 
+use crate::ends::Ends;
 use crate::facets::Facets;
 use crate::held::Held;
 use crate::wide::Wide;
-use mckibben::internals::{Evaluation, Formulas, GuardForm, NetworkGuard, Rubbing, System, Touch, Trace};
+use mckibben::internals::{
+    Evaluation, Formulas, GuardForm, NetworkGuard, Rubbing, System, Touch, Trace, tendon_tension,
+};
 use mckibben::line::Poppet;
 use mckibben::mechanism::Mechanism;
 use mckibben::network::NodeKind;
@@ -35,7 +39,7 @@ const FAR_FROM_EMPTY: f64 = 2e-3;
 
 /// A range in every lane.
 #[derive(Clone, Copy, Debug)]
-struct Range<W> {
+pub(crate) struct Range<W> {
     low: W,
     high: W,
 }
@@ -83,6 +87,8 @@ pub(crate) struct Watch<W: Wide> {
     contacts: Vec<Vec<ContactRanges<W>>>,
     /// Of regulators whose law has pieces.
     outlets: Vec<OutletRanges<W>>,
+    /// Of actuators on tendons.
+    ends: Ends<W>,
     /// Of chains of several joints.
     facets: Facets<W>,
     /// 1 where a mechanism is held at rest, 0 elsewhere.
@@ -95,27 +101,27 @@ pub(crate) struct Watch<W: Wide> {
 }
 
 impl<W: Wide> Range<W> {
-    fn all() -> Self {
+    pub(crate) fn all() -> Self {
         Self { low: W::constant(f64::NEG_INFINITY), high: W::constant(f64::INFINITY) }
     }
 
-    fn put(&mut self, lane: usize, [low, high]: [f64; 2]) {
+    pub(crate) fn put(&mut self, lane: usize, [low, high]: [f64; 2]) {
         self.low.put(lane, W::Lane::constant(low));
         self.high.put(lane, W::Lane::constant(high));
     }
 
-    fn above(&mut self, lane: usize, bound: f64) {
+    pub(crate) fn above(&mut self, lane: usize, bound: f64) {
         let bound = W::Lane::constant(bound);
         self.low.put(lane, self.low.lane(lane).larger(bound));
     }
 
-    fn below(&mut self, lane: usize, bound: f64) {
+    pub(crate) fn below(&mut self, lane: usize, bound: f64) {
         let bound = W::Lane::constant(bound);
         self.high.put(lane, self.high.lane(lane).smaller(bound));
     }
 
     /// Whether it has an end in any lane.
-    fn is_any(&self) -> bool {
+    pub(crate) fn is_any(&self) -> bool {
         let ends = |lane| {
             W::Lane::constant(f64::NEG_INFINITY).lt(self.low.lane(lane))
                 || self.high.lane(lane).lt(W::Lane::constant(f64::INFINITY))
@@ -123,13 +129,13 @@ impl<W: Wide> Range<W> {
         (0..W::LANES).any(ends)
     }
 
-    fn bound(&mut self, lane: usize, (bound, lasts_above): (f64, bool)) {
+    pub(crate) fn bound(&mut self, lane: usize, (bound, lasts_above): (f64, bool)) {
         if lasts_above { self.above(lane, bound) } else { self.below(lane, bound) }
     }
 
     /// Where a number lies within; nowhere for what is not a number.
     #[inline(always)]
-    fn holds(&self, number: W) -> W::Mask {
+    pub(crate) fn holds(&self, number: W) -> W::Mask {
         self.low.le(number) & number.le(self.high)
     }
 }
@@ -158,6 +164,7 @@ impl<W: Wide> Watch<W> {
             actuators: vec![of_actuator; actuators],
             contacts,
             outlets,
+            ends: Ends::new(system),
             facets: Facets::new(actuators),
             holds: vec![W::zero(); system.assemblies.len()],
             watched: vec![Watched::default(); actuators],
@@ -199,6 +206,7 @@ impl<W: Wide> Watch<W> {
             its.error.put(lane, nowhere);
             its.margin.put(lane, nowhere);
         }
+        self.ends.leave(lane);
         self.facets.leave(lane);
         self.of_lanes[lane].fill(Watched::default());
         for hold in &mut self.holds {
@@ -215,6 +223,7 @@ impl<W: Wide> Watch<W> {
         for its in self.contacts.iter_mut().flatten() {
             its.watched = its.press.is_any() || its.depth.is_any();
         }
+        self.ends.update();
         self.facets.update();
         for (held, hold) in self.held.iter_mut().zip(&self.holds) {
             *held = (0..W::LANES).any(|lane| W::Lane::constant(0.0).lt(hold.lane(lane)));
@@ -232,6 +241,10 @@ impl<W: Wide> Watch<W> {
         match (form, guard) {
             (GuardForm::Above { index, bound }, _) => self.states[index].above(lane, bound),
             (GuardForm::Below { index, bound }, _) => self.states[index].below(lane, bound),
+            (GuardForm::Function, PlantGuard::Jump(i)) => return self.ends.enter(lane, system, mode, (i, None)),
+            (GuardForm::Function, PlantGuard::Of(i, guard)) if system.wires[i].places.length.is_some() => {
+                return self.ends.enter(lane, system, mode, (i, Some(guard)));
+            }
             (GuardForm::Function, PlantGuard::Of(i, guard)) => {
                 let (wire, its, ranges) = (&system.wires[i], &mode.actuators[i].mode, &mut self.actuators[i]);
                 let band = wire.member.force_band;
@@ -355,6 +368,7 @@ impl<W: Wide> Watch<W> {
         for (m, contacts) in self.contacts.iter().enumerate() {
             within = within & contacts_hold(system, m, contacts, end);
         }
+        within = within & self.ends.hold(system, (time, end), held, at);
         within = within & self.facets.hold(system, (time, end), held, at);
         if !self.outlets.is_empty() {
             within = within & self.outlets_hold(system, (time, end), held, at);
@@ -439,6 +453,12 @@ fn hold_margin<W: Wide>(system: &System<W>, m: usize, end: &[W], held: &Held<W>,
     for &i in &system.plant.places().members[m] {
         let (wire, unit) = (&system.wires[i], at.units[i]);
         let arm = system.gradient(i, &at.gradient)[0];
+        if let Some(tendon) = &system.plant.actuators()[i].tendon {
+            let pull = tendon_tension(tendon, held.is_loose(i), unit.distance, unit.length);
+            load = load - arm * pull;
+            size = size + (arm * pull).magnitude();
+            continue;
+        }
         let pressure = end[wire.places.pressure];
         let bent = system.bristles(i, end);
         let sticks = held.is_stuck(i) & !held.is_slack(i);

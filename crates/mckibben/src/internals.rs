@@ -20,8 +20,10 @@ mod of_plants {
     pub use crate::plant::dense::dot;
     pub use crate::plant::evaluation::{Evaluation, System, Unit};
     pub use crate::plant::formulas::Formulas;
+    pub use crate::plant::guard::FASTEST;
     pub use crate::plant::sliding::Facet;
     pub use crate::plant::steps::{Stages, TensionResponse};
+    pub use crate::plant::tendon::tension as tendon_tension;
     pub use crate::plant::wire::{Assembly, Wire};
     pub use crate::simulation::member::{Member, Trace};
     pub use crate::valve::Approach;

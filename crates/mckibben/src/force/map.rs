@@ -373,10 +373,13 @@ impl<T: Scalar> Weights<T> {
     }
 }
 
-/// The part of an interval that lies before a place, from 0 to 1.
+/// The part of an interval that lies before a place, from 0 to 1. A knot belongs to the interval before it, as of pieces, so that
+/// derivatives there are those of one piece.
 #[inline(always)]
 fn part_before<T: Scalar>(place: T, start: T, width: T) -> T {
-    ((place - start) / width).larger(T::zero()).smaller(T::one())
+    let (part, zero, one) = ((place - start) / width, T::zero(), T::one());
+    let begun = T::select(zero.lt(part), part, zero);
+    T::select(begun.le(one), begun, one)
 }
 
 /// The share of a stretch from `low` to `high` that lies between two places; all of it where it is known to lie `inside`.

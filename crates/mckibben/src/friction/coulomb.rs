@@ -103,7 +103,8 @@ impl<S: Scalar> Coulomb<S> {
 
     /// Whether the force falls with velocity.
     #[cfg(feature = "alloc")]
-    pub(crate) fn falls(&self) -> bool {
+    #[doc(hidden)]
+    pub fn falls(&self) -> bool {
         self.acts && self.stribeck.is_some()
     }
 

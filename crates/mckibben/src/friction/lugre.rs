@@ -204,7 +204,8 @@ impl<R: Real> LuGre<R> {
 
     /// Whether the force depends on the velocity otherwise than by its sign.
     #[cfg(feature = "alloc")]
-    pub(crate) fn falls(&self) -> bool {
+    #[doc(hidden)]
+    pub fn falls(&self) -> bool {
         self.is_damped() || self.excess.value() > 0.0
     }
 

@@ -139,7 +139,7 @@ impl<'a> Bookkeeper<'a> {
             of.effectiveness_loss -= sign * bladder;
             of.braid_storage += sign * limits.stored_energy(unit.length);
             if let Some(tendon) = &mounted.tendon {
-                let pull = tendon::tension(tendon, &mode.actuators[i], unit.distance, unit.length).larger(0.0);
+                let pull = tendon::tension(tendon, mode.actuators[i].loose, unit.distance, unit.length).larger(0.0);
                 of.tendon_storage += sign * 0.5 * pull * pull / tendon.stiffness();
             }
             let Some(dead) = dead else { continue };

@@ -7,7 +7,6 @@ use super::evaluation::{Evaluation, System};
 use super::guard::PlantGuard;
 use super::mode::PlantMode;
 use super::tendon;
-use crate::dual::Dual;
 use crate::error::{Error, Requirement};
 use crate::parameter;
 use crate::scalar::Real;
@@ -46,7 +45,7 @@ impl<R: Real> System<R> {
         let on_the_stop = unit.length.value() <= limits.min_length().value();
         its.on_stop = on_the_stop;
         let (least, most) = self.holdable(i, state, mode, unit.length);
-        let pull = tendon::tension(tendon, &mode.actuators[i], unit.distance, unit.length).value();
+        let pull = tendon::tension(tendon, mode.actuators[i].loose, unit.distance, unit.length).value();
         let heading = if pull - most.value() > member.force_band {
             1.0
         } else if pull - least.value() < -member.force_band {
@@ -103,7 +102,7 @@ impl<R: Real> System<R> {
             if tendon::is_damped(actuator, &mode.actuators[i]) {
                 continue;
             }
-            let pull = tendon::tension(tendon, &mode.actuators[i], unit.distance, unit.length).value();
+            let pull = tendon::tension(tendon, mode.actuators[i].loose, unit.distance, unit.length).value();
             let (least, most) = self.holdable(i, state, mode, unit.length);
             let missed = (pull - most.value()).max(least.value() - pull);
             if missed > UNBALANCED * tendon.stiffness().value() * unit.length.value() {
@@ -205,7 +204,7 @@ impl<R: Real> System<R> {
         // Air below the atmosphere's pressure would push: then nothing holds the end against the slightest pull.
         self.enter_distances(time, state, mode, at);
         let ends = [at.units[i].distance, at.units[i].length, state[self.plant.places.actuators[i].pressure]];
-        let missed = self.excess(i, tendon, its, ends, self.bristles(i, state)).value();
+        let missed = self.excess(i, tendon, mode, ends, self.bristles(i, state)).value();
         if missed.abs() > JUMP * self.wires[i].member.force_band || !self.is_held(i, time, state, mode, at) {
             return Err(self.jumps(i, time, state, mode, at));
         }
@@ -317,32 +316,6 @@ impl<R: Real> System<R> {
                 mode.actuators[i].on_stop = false;
                 self.follow(i, time, state, mode, at, false);
             }
-        }
-    }
-
-    /// Brings the length of an actuator on a tendon to where both tensions are equal, with the air sealed, where nothing but
-    /// the balance holds it.
-    pub(super) fn keep_balance(&self, i: usize, time: R, state: &mut [R], mode: &PlantMode<R>, at: &mut Evaluation<R>) {
-        let (mounted, its) = (&self.plant.actuators[i], &mode.actuators[i]);
-        let here = self.plant.places.actuators[i];
-        let (Some(tendon), Some(place)) = (&mounted.tendon, here.length) else { return };
-        if its.mode.sliding == Sliding::Stuck || tendon::is_damped(&mounted.actuator, its) {
-            return;
-        }
-        self.enter_distances(time, state, mode, at);
-        let mut unit = at.units[i];
-        (unit.flow, unit.warmth) = (crate::air::Flow::none(), R::zero());
-        let sealed = (&unit, &at.chambers[i]);
-        let per_length = self.air_rate(i, sealed, R::one()) - self.air_rate(i, sealed, R::zero());
-        let distance = Dual::<R, 1> { value: unit.distance, slope: [R::zero()] };
-        let length = Dual::variable(state[place], 0);
-        let pressure = Dual { value: state[here.pressure], slope: [per_length] };
-        let bristles = self.bristles(i, state).map(|bent| Dual { value: bent, slope: [R::zero()] });
-        let excess = self.excess(i, tendon, its, [distance, length, pressure], bristles);
-        let step = excess.value / excess.slope[0];
-        if step.value().is_finite() {
-            state[place] = state[place] - step;
-            state[here.pressure] = state[here.pressure] - step * per_length;
         }
     }
 }

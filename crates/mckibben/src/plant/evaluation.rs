@@ -48,7 +48,7 @@ use alloc::vec::Vec;
 #[derive(Clone, Copy, Debug)]
 pub struct Unit<T> {
     /// Between the attachments in m.
-    pub(crate) distance: T,
+    pub distance: T,
     /// Its rate in m/s.
     pub rate: T,
     /// Of the actuator in m: without a tendon the distance, as long as it is not slack.
@@ -408,7 +408,7 @@ impl<R: Scalar> System<R> {
             let (unit, chamber) = (&mut units[i], &mut chambers[i]);
             self.fill(wire, time, mode, network, unit);
             if wire.places.length.is_some() {
-                mode.enter_end(self, i, self.bristles(i, state), (unit, chamber));
+                self.enter_end(i, mode, self.bristles(i, state), (unit, chamber));
             } else {
                 let ends = [unit.length, unit.velocity, chamber.pressure];
                 let bristles = wire.places.bristles.map(|place| state[place]);

@@ -6,7 +6,6 @@
 
 use super::evaluation::{Evaluation, System, Unit};
 use super::mode::PlantMode;
-use super::steps::TensionResponse;
 use super::wire::Wire;
 use crate::air::Chamber;
 use crate::load::{MomentArm, Motion};
@@ -58,24 +57,26 @@ pub trait Formulas<S: Scalar> {
     /// Rate of the bristles of an actuator in m/s.
     fn bristle_rate<T: Over<S>>(&self, wire: &Wire<S>, deflection: T, velocity: T) -> T;
 
-    /// Enters the velocity and the tension of an actuator on a tendon.
-    fn enter_end<T: Differentiable<S>>(
-        &self,
-        system: &System<S>,
-        actuator: usize,
-        bristles: Option<T>,
-        at: (&mut Unit<T>, &mut Chamber<T>),
-    );
+    /// The sum of the forces of an actuator in N at its length, velocity and pressure, as long as it slides.
+    fn signed_force<T: Over<S>>(&self, wire: &Wire<S>, ends: [T; 3], bristles: Option<T>) -> T;
 
-    /// How the tension of an actuator on a tendon answers within a stage for γh in s.
-    fn end_response(
+    /// The way that an actuator slides: −1, 0 or +1.
+    fn direction(&self, actuator: usize) -> S;
+
+    /// Whether the tendon of an actuator hangs loose.
+    fn is_loose(&self, actuator: usize) -> S::Mask;
+
+    /// Whether the velocity of an actuator's end on a tendon follows from the balance of both tensions at once.
+    fn is_damped(&self, system: &System<S>, actuator: usize) -> S::Mask;
+
+    /// That velocity in m/s where dry friction falls with it, so that it is searched for; none elsewhere.
+    fn searched_velocity<T: Differentiable<S>>(
         &self,
         system: &System<S>,
         actuator: usize,
-        gamma_h: S,
-        state: &[S],
-        at: &Evaluation<S>,
-    ) -> TensionResponse<S>;
+        at: (&Unit<T>, &Chamber<T>),
+        bristles: Option<T>,
+    ) -> Option<T>;
 
     /// How many independent distances of a chain that moves on do not change, since their actuators stick.
     fn held_count(&self, mechanism: usize) -> usize;
@@ -159,30 +160,35 @@ impl<R: Real> Formulas<R> for PlantMode<R> {
         wire.bristle_rate(deflection, velocity, &self.actuators[wire.index])
     }
 
-    #[inline(never)]
-    fn enter_end<T: Differentiable<R>>(
-        &self,
-        system: &System<R>,
-        i: usize,
-        bristles: Option<T>,
-        (unit, chamber): (&mut Unit<T>, &mut Chamber<T>),
-    ) {
-        let (mounted, its) = (&system.plant.actuators[i], &self.actuators[i]);
-        let Some(tendon) = &mounted.tendon else { return };
-        unit.velocity = system.end_velocity(i, tendon, its, (unit, chamber), bristles);
-        unit.tension = super::tendon::tension(tendon, its, unit.distance, unit.length);
-        *chamber = mounted.actuator.chamber(unit.length, unit.velocity, chamber.pressure, chamber.mass, false);
+    #[inline(always)]
+    fn signed_force<T: Over<R>>(&self, wire: &Wire<R>, ends: [T; 3], bristles: Option<T>) -> T {
+        let its = &self.actuators[wire.index];
+        wire.member.signed_force(ends, &its.mode, (&its.trace, bristles))
     }
 
-    fn end_response(
+    #[inline(always)]
+    fn direction(&self, actuator: usize) -> R {
+        R::constant(self.actuators[actuator].mode.sliding.direction())
+    }
+
+    #[inline(always)]
+    fn is_loose(&self, actuator: usize) -> bool {
+        self.actuators[actuator].loose
+    }
+
+    #[inline(always)]
+    fn is_damped(&self, system: &System<R>, actuator: usize) -> bool {
+        super::tendon::is_damped(&system.plant.actuators[actuator].actuator, &self.actuators[actuator])
+    }
+
+    fn searched_velocity<T: Differentiable<R>>(
         &self,
         system: &System<R>,
         i: usize,
-        gamma_h: R,
-        state: &[R],
-        at: &Evaluation<R>,
-    ) -> TensionResponse<R> {
-        system.end_response(i, gamma_h, state, self, at)
+        at: (&Unit<T>, &Chamber<T>),
+        bristles: Option<T>,
+    ) -> Option<T> {
+        system.searched_velocity(i, self, at, bristles)
     }
 
     #[inline(always)]

@@ -69,7 +69,7 @@ pub enum Touching {
 }
 
 /// The velocity in m/s above which an end without a mass does not slide any more, but jumps.
-pub(super) const FASTEST: f64 = 100.0;
+pub const FASTEST: f64 = 100.0;
 /// Part of the longest length by which velocities at rest are measured, in 1/s.
 const SLOW: f64 = 0.1;
 
@@ -303,7 +303,7 @@ impl<R: Real> System<R> {
                 self.enter_air(time, state, mode, at);
                 let Some(tendon) = &self.plant.actuators[i].tendon else { return T::one() };
                 let of_unit = (&at.units[i], &at.chambers[i]);
-                self.hold_of_end(i, tendon, &mode.actuators[i], of_unit, self.bristles(i, state), FASTEST)
+                self.hold_of_end(i, tendon, mode, of_unit, self.bristles(i, state), FASTEST)
             }
             PlantGuard::Network(NetworkGuard::Sonic { branch, forwards }) => {
                 let network = &self.plant.network;
@@ -386,13 +386,13 @@ impl<R: Real> System<R> {
         let pressure = state[self.plant.places.actuators[i].pressure];
         let bristles = self.bristles(i, state);
         let stretch = || unit.distance - unit.length - T::of(tendon.rest_length());
-        let slack = T::constant(member.band * self.tendon_scale(i, tendon));
-        let pull = || tendon::tension(tendon, of_actuator, unit.distance, unit.length);
+        let slack = T::constant(self.stretch_band(i, tendon));
+        let pull = || tendon::tension(tendon, of_actuator.loose, unit.distance, unit.length);
         let limits = member.actuator.limits();
         match guard {
             Guard::Rest if tendon::is_damped(&member.actuator, of_actuator) => {
                 let ends = [unit.distance, unit.length, pressure];
-                band - direction * self.excess(i, tendon, of_actuator, ends, bristles)
+                band - direction * self.excess(i, tendon, mode, ends, bristles)
             }
             Guard::Rest => {
                 let velocity = self.velocity_of_end(i, time, state, mode, at);
@@ -427,7 +427,7 @@ impl<R: Real> System<R> {
         match &self.plant.actuators[i].tendon {
             Some(tendon) => {
                 let of_unit = (&at.units[i], &at.chambers[i]);
-                self.end_velocity(i, tendon, &mode.actuators[i], of_unit, self.bristles(i, state))
+                self.end_velocity(i, tendon, mode, of_unit, self.bristles(i, state))
             }
             None => at.units[i].velocity,
         }
@@ -439,6 +439,11 @@ impl<R: Real> System<R> {
         const TENSE: f64 = 0.5;
         let member = &self.wires[i].member;
         (TENSE * member.force_band / member.band / tendon.stiffness().value()).min(member.longest)
+    }
+
+    /// By how much in m the stretch of a tendon must pass zero.
+    pub fn stretch_band(&self, i: usize, tendon: &SeriesTendon<R>) -> f64 {
+        self.wires[i].member.band * self.tendon_scale(i, tendon)
     }
 
     /// By how much in N·m the torque of a stop of a chain must pass zero, or by how much in N the press of its foot.

@@ -343,7 +343,7 @@ impl<R: Real> System<R> {
             for &i in &places.members[m] {
                 let unit = &mut at.units[i];
                 unit.tension = match &self.plant.actuators[i].tendon {
-                    Some(tendon) => super::tendon::tension(tendon, &mode.actuators[i], unit.distance, unit.length),
+                    Some(tendon) => super::tendon::tension(tendon, mode.actuators[i].loose, unit.distance, unit.length),
                     None => self.unstuck_tension(i, state, mode, unit.length),
                 };
             }

@@ -22,13 +22,16 @@
 //! Source: balance of forces at an end without mass. Checked by `tests/plant_reference.rs` against an independent program and by
 //! `tests/plant_linear.rs`.
 
-use super::evaluation::{System, Unit};
-use super::mode::ActuatorMode;
+use super::Plant;
+use super::evaluation::{Evaluation, System, Unit};
+use super::formulas::Formulas;
+use super::mode::{ActuatorMode, PlantMode};
 use crate::actuator::Actuator;
-use crate::air::Chamber;
+use crate::air::{Chamber, Flow};
+use crate::dual::Dual;
 use crate::load::SeriesTendon;
-use crate::scalar::{Differentiable, Over, Real};
-use crate::simulation::{Extent, Sliding};
+use crate::scalar::{Differentiable, Mask, Over, Real, Scalar, Work};
+use crate::simulation::Extent;
 
 /// A velocity in m/s at which no force falls any more.
 const FAST: f64 = 1e6;
@@ -36,18 +39,12 @@ const FAST: f64 = 1e6;
 const MOST_SEARCHED: u32 = 100;
 const SEARCHED: f64 = 1e-9;
 
-/// Tension in N of a tendon between a distance and an actuator length (m); in a mode that has it tight also below zero.
+/// Tension in N of a tendon between a distance and an actuator length (m) where it is not loose; in a mode that has it tight also
+/// below zero.
 #[inline(always)]
-pub(crate) fn tension<R: Real, T: Over<R>>(
-    tendon: &SeriesTendon<R>,
-    of_actuator: &ActuatorMode<R>,
-    distance: T,
-    length: T,
-) -> T {
-    if of_actuator.loose {
-        return T::zero();
-    }
-    T::of(tendon.stiffness()) * (distance - length - T::of(tendon.rest_length()))
+pub fn tension<R: Scalar, T: Over<R>>(tendon: &SeriesTendon<R>, loose: R::Mask, distance: T, length: T) -> T {
+    let tight = T::of(tendon.stiffness()) * (distance - length - T::of(tendon.rest_length()));
+    T::select(loose, T::zero(), tight)
 }
 
 /// Whether the velocity of an end follows from the balance at once.
@@ -56,92 +53,227 @@ pub(crate) fn is_damped<R: Real>(actuator: &Actuator<R>, of_actuator: &ActuatorM
     taut || actuator.friction().viscous().value() > 0.0
 }
 
-impl<R: Real> System<R> {
+/// An actuator on a tendon at an instant.
+#[derive(Clone, Copy)]
+struct End<'a, R: Scalar, F> {
+    system: &'a System<R>,
+    i: usize,
+    tendon: &'a SeriesTendon<R>,
+    mode: &'a F,
+}
+
+/// Entering the velocity and the tension of an end, in a function of its own: few actuators have one.
+struct EnterEnd<'a, R: Scalar, T, F> {
+    system: &'a System<R>,
+    i: usize,
+    mode: &'a F,
+    bristles: Option<T>,
+    at: (&'a mut Unit<T>, &'a mut Chamber<T>),
+}
+
+impl<R: Scalar, T: Differentiable<R>, F: Formulas<R>> Work for EnterEnd<'_, R, T, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn done(self) {
+        let Self { system, i, mode, bristles, at: (unit, chamber) } = self;
+        let mounted = &system.plant.actuators[i];
+        let Some(tendon) = &mounted.tendon else { return };
+        unit.velocity = system.end_velocity(i, tendon, mode, (unit, chamber), bristles);
+        unit.tension = tension(tendon, mode.is_loose(i), unit.distance, unit.length);
+        let slack = R::Mask::splat(false);
+        *chamber = mounted.actuator.chamber(unit.length, unit.velocity, chamber.pressure, chamber.mass, slack);
+    }
+}
+
+impl<R: Scalar> System<R> {
+    /// Enters the velocity and the tension of an actuator on a tendon.
+    #[inline(always)]
+    pub(crate) fn enter_end<T: Differentiable<R>>(
+        &self,
+        i: usize,
+        mode: &impl Formulas<R>,
+        bristles: Option<T>,
+        at: (&mut Unit<T>, &mut Chamber<T>),
+    ) {
+        T::apart(EnterEnd { system: self, i, mode, bristles, at });
+    }
+
     /// The rate L̇ in m/s of the length of an actuator on a tendon.
-    pub(crate) fn end_velocity<T: Differentiable<R>>(
+    #[inline(always)]
+    pub fn end_velocity<T: Differentiable<R>>(
         &self,
         i: usize,
         tendon: &SeriesTendon<R>,
-        of_actuator: &ActuatorMode<R>,
+        mode: &impl Formulas<R>,
         at: (&Unit<T>, &Chamber<T>),
         bristles: Option<T>,
     ) -> T {
-        match of_actuator.mode.sliding {
-            Sliding::Stuck => T::zero(),
-            _ if is_damped(&self.plant.actuators[i].actuator, of_actuator) => {
-                self.damped_velocity(i, tendon, of_actuator, at, bristles)
-            }
-            _ => self.kept_velocity(i, tendon, of_actuator, at, bristles),
+        let end = End { system: self, i, tendon, mode };
+        let (stuck, damped) = (mode.is_stuck(i), mode.is_damped(self, i));
+        let mut velocity = T::zero();
+        if (!stuck & damped).any() {
+            velocity = end.damped_velocity(at, bristles);
         }
-    }
-
-    /// The actuator's force in N as its end slides at a velocity, over one derivative more.
-    fn pull<T: Over<R>>(&self, i: usize, ends: [T; 3], bristles: Option<T>, of_actuator: &ActuatorMode<R>) -> T {
-        self.wires[i].member.signed_force(ends, &of_actuator.mode, (&of_actuator.trace, bristles))
+        if (!stuck & !damped).any() {
+            velocity = T::select(damped, velocity, end.kept_velocity(at, bristles));
+        }
+        T::select(stuck, T::zero(), velocity)
     }
 
     /// The actuator's force less the tendon's in N, as the end begins to slide.
-    pub(crate) fn excess<T: Over<R>>(
+    #[inline(always)]
+    pub fn excess<T: Over<R>>(
         &self,
         i: usize,
         tendon: &SeriesTendon<R>,
-        of_actuator: &ActuatorMode<R>,
+        mode: &impl Formulas<R>,
         [distance, length, pressure]: [T; 3],
         bristles: Option<T>,
     ) -> T {
-        self.pull(i, [length, T::zero(), pressure], bristles, of_actuator)
-            - tension(tendon, of_actuator, distance, length)
+        mode.signed_force(&self.wires[i], [length, T::zero(), pressure], bristles)
+            - tension(tendon, mode.is_loose(i), distance, length)
     }
 
     /// `dP/dt` in Pa/s while the length changes at a velocity in m/s; where it is given over time, that whatever the length does.
+    #[inline(always)]
     pub(crate) fn air_rate<T: Over<R>>(&self, i: usize, (unit, chamber): (&Unit<T>, &Chamber<T>), velocity: T) -> T {
         if self.wires[i].is_given {
             return unit.pressure_rate;
         }
-        let actuator = &self.plant.actuators[i].actuator;
-        let moving = actuator.chamber(unit.length, velocity, chamber.pressure, chamber.mass, false);
+        let actuator = &self.wires[i].member.actuator;
+        let slack = R::Mask::splat(false);
+        let moving = actuator.chamber(unit.length, velocity, chamber.pressure, chamber.mass, slack);
         actuator.air().pressure_rate_by(&moving, &unit.flow, || unit.warmth)
     }
 
-    /// The rate at which both tensions are equal.
-    fn damped_velocity<T: Differentiable<R>>(
+    /// By how much in N/s the stiffness of an end without viscous friction, that of its sealed air and of its tendon, keeps it
+    /// below a velocity in m/s; below zero where it jumps: it goes faster, or nothing brings it back to its balance.
+    #[inline(always)]
+    pub fn hold_of_end<T: Differentiable<R>>(
         &self,
         i: usize,
         tendon: &SeriesTendon<R>,
-        of_actuator: &ActuatorMode<R>,
+        mode: &impl Formulas<R>,
+        at: (&Unit<T>, &Chamber<T>),
+        bristles: Option<T>,
+        fastest: f64,
+    ) -> T {
+        let end = End { system: self, i, tendon, mode };
+        let at_rest = end.growth(at, bristles, T::zero());
+        (end.growth(at, bristles, T::one()) - at_rest) * T::constant(fastest) - at_rest.magnitude()
+    }
+
+    /// Brings the length of an actuator on a tendon to where both tensions are equal, with the air sealed, where nothing but
+    /// the balance holds it.
+    #[inline(always)]
+    pub fn keep_balance(&self, i: usize, time: R, state: &mut [R], mode: &impl Formulas<R>, at: &mut Evaluation<R>) {
+        let here = self.wires[i].places;
+        let (Some(tendon), Some(place)) = (&self.plant.actuators[i].tendon, here.length) else { return };
+        let kept = !mode.is_stuck(i) & !mode.is_damped(self, i);
+        if !kept.any() {
+            return;
+        }
+        self.enter_distances(time, state, mode, at);
+        let mut unit = at.units[i];
+        (unit.flow, unit.warmth) = (Flow::none(), R::zero());
+        let sealed = (&unit, &at.chambers[i]);
+        let per_length = self.air_rate(i, sealed, R::one()) - self.air_rate(i, sealed, R::zero());
+        let distance = Dual::<R, 1> { value: unit.distance, slope: [R::zero()] };
+        let length = Dual::variable(state[place], 0);
+        let pressure = Dual { value: state[here.pressure], slope: [per_length] };
+        let bristles = match self.bristles(i, state) {
+            Some(bent) => Some(Dual { value: bent, slope: [R::zero()] }),
+            None => None,
+        };
+        let excess = self.excess(i, tendon, mode, [distance, length, pressure], bristles);
+        let step = excess.value / excess.slope[0];
+        // What is not a number is no step.
+        let is_one = kept & step.magnitude().lt(R::constant(f64::INFINITY));
+        state[place] = R::select(is_one, state[place] - step, state[place]);
+        state[here.pressure] = R::select(is_one, state[here.pressure] - step * per_length, state[here.pressure]);
+    }
+}
+
+impl<R: Scalar, F: Formulas<R>> End<'_, R, F> {
+    /// The actuator's force less the tendon's in N at a velocity in m/s, and how it grows with that.
+    #[inline(always)]
+    fn excess_at<T: Differentiable<R>>(
+        &self,
         (unit, chamber): (&Unit<T>, &Chamber<T>),
         bristles: Option<T>,
-    ) -> T {
-        let tension = tension(tendon, of_actuator, unit.distance, unit.length);
-        let [length, pressure] = [unit.length, chamber.pressure].map(|number| number.along(T::zero()));
-        let bent = bristles.map(|bent| bent.along(T::zero()));
-        let at = |velocity: T| {
-            let ends = [length, velocity.along(T::one()), pressure];
-            let [force, slope] =
-                T::split(self.wires[i].member.signed_force(ends, &of_actuator.mode, (&of_actuator.trace, bent)));
-            [force - tension, slope]
+        velocity: T,
+    ) -> [T; 2] {
+        let tension = tension(self.tendon, self.mode.is_loose(self.i), unit.distance, unit.length);
+        let bent = match bristles {
+            Some(bent) => Some(bent.along(T::zero())),
+            None => None,
         };
+        let ends = [unit.length.along(T::zero()), velocity.along(T::one()), chamber.pressure.along(T::zero())];
+        let [force, slope] = T::split(self.mode.signed_force(&self.system.wires[self.i], ends, bent));
+        [force - tension, slope]
+    }
+
+    /// The rate at which both tensions are equal.
+    #[inline(always)]
+    fn damped_velocity<T: Differentiable<R>>(&self, at: (&Unit<T>, &Chamber<T>), bristles: Option<T>) -> T {
+        if let Some(velocity) = self.mode.searched_velocity(self.system, self.i, at, bristles) {
+            return velocity;
+        }
+        let [value, slope] = self.excess_at(at, bristles, T::zero());
+        -value / slope
+    }
+
+    /// The rate in N/s at which the actuator's force outgrows the tendon's, as the end slides at a velocity.
+    #[inline(always)]
+    fn growth<T: Differentiable<R>>(&self, at: (&Unit<T>, &Chamber<T>), bristles: Option<T>, velocity: T) -> T {
+        let ((unit, chamber), wire) = (at, &self.system.wires[self.i]);
+        let direction = T::of(self.mode.direction(self.i));
+        let stiffness = T::select(self.mode.is_loose(self.i), T::zero(), T::of(self.tendon.stiffness()));
+        let length = unit.length.along(velocity);
+        let pressure = chamber.pressure.along(self.system.air_rate(self.i, at, velocity));
+        let bent = match (wire.member.actuator.friction().lugre(), bristles) {
+            (Some(law), Some(bent)) => Some(bent.along(law.rate(bent, velocity, direction))),
+            _ => None,
+        };
+        let ends = [length, T::zero().along(T::zero()), pressure];
+        let force = self.mode.signed_force(wire, ends, bent);
+        T::split(force)[1] - stiffness * (unit.rate - velocity)
+    }
+
+    /// The rate at which both tensions stay equal.
+    #[inline(always)]
+    fn kept_velocity<T: Differentiable<R>>(&self, at: (&Unit<T>, &Chamber<T>), bristles: Option<T>) -> T {
+        if let Some(velocity) = self.mode.searched_velocity(self.system, self.i, at, bristles) {
+            return velocity;
+        }
+        let at_rest = self.growth(at, bristles, T::zero());
+        let slope = self.growth(at, bristles, T::one()) - at_rest;
+        -at_rest / slope
+    }
+}
+
+impl<R: Real> End<'_, R, PlantMode<R>> {
+    /// The rate at which both tensions are equal, where dry friction falls with velocity.
+    fn damped_where_friction_falls<T: Differentiable<R>>(&self, at: (&Unit<T>, &Chamber<T>), bristles: Option<T>) -> T {
+        let excess = |velocity: T| self.excess_at(at, bristles, velocity);
         let from_zero = || {
-            let [value, slope] = at(T::zero());
+            let [value, slope] = excess(T::zero());
             -value / slope
         };
-        let friction = self.plant.actuators[i].actuator.friction();
-        if !friction.coulomb().falls() && friction.lugre().is_none_or(|law| !law.falls()) {
-            return from_zero();
-        }
         // Above its solution the force rises to a straight line; zero lies below, as the end slides.
-        let direction = of_actuator.mode.sliding.direction();
+        let direction = self.mode.actuators[self.i].mode.sliding.direction();
         let fast = T::constant(direction * FAST);
-        let [value, slope] = at(fast);
+        let [value, slope] = excess(fast);
         let mut most = fast - value / slope;
         let sign = T::constant(direction);
-        if (sign * most).le(T::zero()) || T::zero().le(sign * at(T::zero())[0]) {
+        if (sign * most).le(T::zero()) || T::zero().le(sign * excess(T::zero())[0]) {
             return from_zero();
         }
         let (mut least, mut velocity) = (T::zero(), most);
         let mut left = None;
         for _ in 0..MOST_SEARCHED {
-            let [value, slope] = at(velocity);
+            let [value, slope] = excess(velocity);
             let below = (sign * value).lt(T::zero());
             least = T::select(below, velocity, least);
             most = T::select(below, most, velocity);
@@ -161,67 +293,40 @@ impl<R: Real> System<R> {
         velocity
     }
 
-    /// The rate in N/s at which the actuator's force outgrows the tendon's, as the end slides at a velocity.
-    fn growth<T: Differentiable<R>>(
-        &self,
-        i: usize,
-        tendon: &SeriesTendon<R>,
-        of_actuator: &ActuatorMode<R>,
-        at: (&Unit<T>, &Chamber<T>),
-        bristles: Option<T>,
-        velocity: T,
-    ) -> T {
-        let (unit, chamber) = at;
-        let direction = T::constant(of_actuator.mode.sliding.direction());
-        let stiffness = if of_actuator.loose { T::zero() } else { T::of(tendon.stiffness()) };
-        let length = unit.length.along(velocity);
-        let pressure = chamber.pressure.along(self.air_rate(i, at, velocity));
-        let lugre = self.wires[i].member.lugre().zip(bristles);
-        let bent = lugre.map(|(law, bent)| bent.along(law.rate(bent, velocity, direction)));
-        let ends = [length, T::zero().along(T::zero()), pressure];
-        let force = self.wires[i].member.signed_force(ends, &of_actuator.mode, (&of_actuator.trace, bent));
-        T::split(force)[1] - stiffness * (unit.rate - velocity)
-    }
-
-    /// By how much in N/s the stiffness of an end without viscous friction, that of its sealed air and of its tendon, keeps it
-    /// below a velocity in m/s; below zero where it jumps: it goes faster, or nothing brings it back to its balance.
-    pub(crate) fn hold_of_end<T: Differentiable<R>>(
-        &self,
-        i: usize,
-        tendon: &SeriesTendon<R>,
-        of_actuator: &ActuatorMode<R>,
-        at: (&Unit<T>, &Chamber<T>),
-        bristles: Option<T>,
-        fastest: f64,
-    ) -> T {
-        let growth = |velocity: T| self.growth(i, tendon, of_actuator, at, bristles, velocity);
-        let at_rest = growth(T::zero());
-        (growth(T::one()) - at_rest) * T::constant(fastest) - at_rest.magnitude()
-    }
-
-    /// The rate at which both tensions stay equal.
-    fn kept_velocity<T: Differentiable<R>>(
-        &self,
-        i: usize,
-        tendon: &SeriesTendon<R>,
-        of_actuator: &ActuatorMode<R>,
-        at: (&Unit<T>, &Chamber<T>),
-        bristles: Option<T>,
-    ) -> T {
-        let grows = |velocity: T| self.growth(i, tendon, of_actuator, at, bristles, velocity);
+    /// The rate at which both tensions stay equal, where the bristles' force falls with velocity.
+    fn kept_where_friction_falls<T: Differentiable<R>>(&self, at: (&Unit<T>, &Chamber<T>), bristles: Option<T>) -> T {
+        let grows = |velocity: T| self.growth(at, bristles, velocity);
         let at_rest = grows(T::zero());
         let slope = grows(T::one()) - at_rest;
         let mut velocity = -at_rest / slope;
-        let lugre = self.wires[i].member.lugre().zip(bristles);
-        if lugre.is_some_and(|(law, _)| law.falls()) {
-            for _ in 0..MOST_SEARCHED {
-                let step = grows(velocity) / slope;
-                velocity = velocity - step;
-                if step.magnitude().le(T::constant(SEARCHED * SEARCHED)) {
-                    break;
-                }
+        for _ in 0..MOST_SEARCHED {
+            let step = grows(velocity) / slope;
+            velocity = velocity - step;
+            if step.magnitude().le(T::constant(SEARCHED * SEARCHED)) {
+                break;
             }
         }
         velocity
+    }
+}
+
+impl<R: Real> System<R> {
+    /// The velocity in m/s of an end on a tendon where dry friction falls with velocity, so that it is searched for.
+    pub(super) fn searched_velocity<T: Differentiable<R>>(
+        &self,
+        i: usize,
+        mode: &PlantMode<R>,
+        at: (&Unit<T>, &Chamber<T>),
+        bristles: Option<T>,
+    ) -> Option<T> {
+        let Plant { actuators, .. } = &*self.plant;
+        let (friction, tendon) = (actuators[i].actuator.friction(), actuators[i].tendon.as_ref()?);
+        let end = End { system: self, i, tendon, mode };
+        let bristles_fall = friction.lugre().is_some_and(|law| law.falls());
+        if is_damped(&actuators[i].actuator, &mode.actuators[i]) {
+            (friction.coulomb().falls() || bristles_fall).then(|| end.damped_where_friction_falls(at, bristles))
+        } else {
+            (bristles_fall && bristles.is_some()).then(|| end.kept_where_friction_falls(at, bristles))
+        }
     }
 }

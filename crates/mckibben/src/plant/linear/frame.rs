@@ -196,7 +196,7 @@ impl Frame {
         let excess = plant.actuators.iter().enumerate().map(|(i, Mounted { tendon, .. })| {
             let (unit, bristles) = (&at.units[i], system.bristles(i, &state));
             let ends = [unit.distance, unit.length, state[plant.places.actuators[i].pressure]];
-            tendon.as_ref().map(|tendon| system.excess(i, tendon, &mode.actuators[i], ends, bristles))
+            tendon.as_ref().map(|tendon| system.excess(i, tendon, &mode, ends, bristles))
         });
         let excess = excess.collect();
         Instant { at, mode, rates, forces, excess }

@@ -23,7 +23,6 @@
 use super::super::dense;
 use super::super::evaluation::{Evaluation, System, Unit};
 use super::super::formulas::Formulas;
-use super::super::mode::PlantMode;
 use super::super::{MechanismPlaces, Plant};
 use crate::air::{Flow, Process};
 use crate::dual::Dual;
@@ -31,8 +30,7 @@ use crate::mechanism::Mechanism;
 use crate::network::NodeKind;
 use crate::network::flow::Surroundings;
 use crate::network::implicit::{Answers, Elimination, NodeResponse};
-use crate::scalar::{Mask, Over, Real, Scalar, Work};
-use crate::simulation::Sliding;
+use crate::scalar::{Mask, Over, Scalar, Work};
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -341,7 +339,7 @@ impl<R: Scalar> System<R> {
     ) -> TensionResponse<R> {
         let (wire, unit) = (&self.wires[i], &at.units[i]);
         if wire.places.length.is_some() {
-            return mode.end_response(self, i, gamma_h, state, at);
+            return self.end_response(i, gamma_h, state, mode, at);
         }
         let (zero, one) = (R::zero(), R::one());
         let Some(bent) = self.bristles(i, state) else {
@@ -399,54 +397,85 @@ impl<R: Scalar> System<R> {
     }
 }
 
-impl<R: Real> System<R> {
+impl<R: Scalar> System<R> {
     /// How the tension of an actuator on a tendon answers within a stage for γh in s.
-    pub(in super::super) fn end_response(
+    #[inline(always)]
+    fn end_response(
         &self,
         i: usize,
         gamma_h: R,
         state: &[R],
-        mode: &PlantMode<R>,
+        mode: &impl Formulas<R>,
         at: &Evaluation<R>,
     ) -> TensionResponse<R> {
-        let (zero, one) = (R::zero(), R::one());
-        let (wire, of_actuator, unit) = (&self.wires[i], &mode.actuators[i], &at.units[i]);
-        let Some(tendon) = &self.plant.actuators[i].tendon else { return TensionResponse::none() };
-        let constant = |number: R| Dual::<R, 3>::of(number);
-        let seeded = |number: R, direction: usize| Dual::<R, 3>::variable(number, direction);
-        let bristles = self.bristles(i, state);
-        let tight = if of_actuator.loose { zero } else { tendon.stiffness() };
-        if of_actuator.mode.sliding == Sliding::Stuck {
-            return TensionResponse { stiffness: tight, ..TensionResponse::none() };
+        R::apart(EndResponse { system: self, i, gamma_h, state, mode, at })
+    }
+}
+
+/// How an end answers, in a function of its own: few actuators have one.
+struct EndResponse<'a, R: Scalar, F> {
+    system: &'a System<R>,
+    i: usize,
+    gamma_h: R,
+    state: &'a [R],
+    mode: &'a F,
+    at: &'a Evaluation<R>,
+}
+
+impl<R: Scalar, F: Formulas<R>> Work for EndResponse<'_, R, F> {
+    type Output = TensionResponse<R>;
+
+    #[inline(always)]
+    fn done(self) -> TensionResponse<R> {
+        let Self { system, i, gamma_h, state, mode, at } = self;
+        let (zero, one, none) = (R::zero(), R::one(), TensionResponse::none());
+        let (wire, unit) = (&system.wires[i], &at.units[i]);
+        let Some(tendon) = &system.plant.actuators[i].tendon else { return none };
+        let tight = R::select(mode.is_loose(i), zero, tendon.stiffness());
+        let stuck = mode.is_stuck(i);
+        if !(!stuck).any() {
+            return TensionResponse { stiffness: tight, ..none };
         }
         let moving = Unit {
-            distance: seeded(unit.distance, 0),
-            rate: seeded(unit.rate, 1),
-            length: seeded(unit.length, 2),
-            velocity: constant(zero),
-            tension: constant(unit.tension),
-            flow: Flow { inward: constant(unit.flow.inward), outward: constant(unit.flow.outward) },
-            warmth: constant(unit.warmth),
-            pressure_rate: constant(unit.pressure_rate),
-            mass_rate: constant(unit.mass_rate),
+            distance: Dual::<R, 3>::variable(unit.distance, 0),
+            rate: Dual::variable(unit.rate, 1),
+            length: Dual::variable(unit.length, 2),
+            velocity: Dual::of(zero),
+            tension: Dual::of(unit.tension),
+            flow: Flow { inward: Dual::of(unit.flow.inward), outward: Dual::of(unit.flow.outward) },
+            warmth: Dual::of(unit.warmth),
+            pressure_rate: Dual::of(unit.pressure_rate),
+            mass_rate: Dual::of(unit.mass_rate),
         };
-        let [pressure, mass] = wire.air(state).map(constant);
-        let chamber = wire.member.actuator.chamber(moving.length, moving.velocity, pressure, mass, false);
-        let bent = bristles.map(constant);
-        let [by_distance, by_rate, by_length] =
-            self.end_velocity(i, tendon, of_actuator, (&moving, &chamber), bent).slope;
+        let [pressure, mass] = wire.air(state);
+        let slack = R::Mask::splat(false);
+        let (pressure, mass) = (Dual::of(pressure), Dual::of(mass));
+        let chamber = wire.member.actuator.chamber(moving.length, moving.velocity, pressure, mass, slack);
+        let bristles = system.bristles(i, state);
+        let bent = match bristles {
+            Some(bent) => Some(Dual::of(bent)),
+            None => None,
+        };
+        let [by_distance, by_rate, by_length] = system.end_velocity(i, tendon, mode, (&moving, &chamber), bent).slope;
         let share = one / (one - gamma_h * by_length).larger(one);
-        let none = TensionResponse::none();
-        let mut response =
-            TensionResponse { share, by_distance: gamma_h * by_distance, by_rate: gamma_h * by_rate, ..none };
+        let (by_distance, by_rate) = (gamma_h * by_distance, gamma_h * by_rate);
+        let beside = match bristles {
+            Some(bent) => {
+                let rate = mode.bristle_rate(wire, Dual::<R, 1>::variable(bent, 0), Dual::of(unit.velocity));
+                one / (one - gamma_h * rate.slope[0]).larger(one)
+            }
+            None => one,
+        };
         // φ = k (k_x − k_L), with k_L put in.
-        response.stiffness = tight * (one - share * response.by_distance).larger(zero);
-        response.damping = -tight * share * response.by_rate;
-        response.by_own = -tight * share;
-        if let Some(bent) = bristles {
-            let rate = wire.bristle_rate(seeded(bent, 2), constant(unit.velocity), of_actuator);
-            response.beside = one / (one - gamma_h * rate.slope[2]).larger(one);
+        let by_its_end = |number: R| R::select(stuck, zero, number);
+        TensionResponse {
+            stiffness: R::select(stuck, tight, tight * (one - share * by_distance).larger(zero)),
+            damping: by_its_end(-tight * share * by_rate),
+            by_own: by_its_end(-tight * share),
+            share: R::select(stuck, one, share),
+            by_distance: by_its_end(by_distance),
+            by_rate: by_its_end(by_rate),
+            beside: R::select(stuck, one, beside),
         }
-        response
     }
 }

@@ -267,10 +267,11 @@ impl<R: Instantiate> Part<'_, '_, R> {
         let (system, Workspace { at, stages, end, statistics, .. }) = (self.system, &mut *self.work);
         let time = *self.time;
         statistics.evaluations += stages.take(system, self.method, (time, step), self.state, self.mode, at, end);
+        system.project(time + step, end, self.mode, at);
         self.land(step);
     }
 
-    /// Takes a trial end that has been computed elsewhere.
+    /// Takes a trial end that has been computed elsewhere, with what a step knows exactly.
     fn come_to(&mut self, step: R, end: &[R]) {
         self.work.end.copy_from_slice(end);
         self.work.statistics.evaluations += if self.method == Method::Rk4 { 4 } else { 2 };
@@ -282,7 +283,6 @@ impl<R: Instantiate> Part<'_, '_, R> {
         let (system, time, Workspace { at, end, statistics, .. }) = (self.system, *self.time, &mut *self.work);
         // As if it were in vain, until it arrives.
         statistics.rejected_steps += 1;
-        system.project(time + step, end, self.mode, at);
         system.enter_pieces(time + step, end, self.mode, at);
     }
 
