@@ -1,11 +1,15 @@
 //! Plants side by side: each is the run of its own steps, bit for bit, on any width of instructions.
 
 use crate::common::joint::Pair;
+use crate::common::laws::measured;
 use crate::common::plants::{asked, leg_on_its_belt, on_a_bottle, unlike_muscles_on_one_tank};
 use crate::common::random::runner;
 use crate::common::random_plants::{drawn, plant};
+use crate::common::tendon::on_tendon;
 use crate::common::{PSI, Paper};
 use mckibben::control::{Output, Pid, Quantity, Regulator, Sampling, Sensors, SetPoint, Tracker};
+use mckibben::force::Effectiveness;
+use mckibben::friction::{Hysteresis, LuGre};
 use mckibben::plant::{Plant, PlantRun, PlantStart, PlantSteps, RigPlant};
 use mckibben::simulation::{Actuation, Method, Rig};
 use mckibben::valve::{self, Command, Demand, FlowStandard, Request, Solenoid, ValveKind};
@@ -108,6 +112,36 @@ fn legs_on_belts_are_those_alone() {
             agree(&rows(&plant, &start, method, 19).expect("rows"), step, 500);
         }
     }
+}
+
+/// Muscles on tendons that come loose and tight, whose ends slide by viscous friction, by the stiffness of their air alone, and
+/// with bristles; and a table of effectiveness and a measured map beside them.
+#[test]
+fn actuators_on_tendons_are_those_alone() {
+    let pulsed = |viscous, coulomb| Paper::pwm(25.0, 0.5).gauge(40.0 * PSI).friction(viscous, coulomb);
+    let lugre = LuGre::new(1e-4, 3e-5).map(Hysteresis::LuGre);
+    let papers = [
+        pulsed(3.5, 0.0),
+        pulsed(3.5, 1e-4),
+        pulsed(0.0, 0.0),
+        pulsed(0.0, 1e-4),
+        Paper { hysteresis: Some(lugre.expect("a law")), ..pulsed(3.5, 0.0) },
+        Paper { effectiveness: table(), ..pulsed(3.5, 1e-4) },
+        Paper { characteristic: Some(measured(&pulsed(0.0, 0.0))), ..pulsed(3.5, 1e-4) },
+    ];
+    for paper in papers {
+        let rig = on_tendon(&paper, 1e4);
+        let start = rig.start(&paper.initial()).expect("a start");
+        let (plant, start) = (Plant::of_rig(&rig), Plant::start_of_rig(&rig, &start));
+        assert!(PlantBatch::covers(&plant), "it goes in lanes");
+        for (method, step) in [(Method::Rk4, 2e-5), (Method::Stable, 1e-3)] {
+            agree(&rows(&plant, &start, method, 19).expect("rows"), step, 300);
+        }
+    }
+}
+
+fn table() -> Effectiveness {
+    Effectiveness::table(&[0.0, 1e5, 40.0 * PSI, 5e5], &[0.7, 0.85, 0.95, 1.0]).expect("a table")
 }
 
 /// Muscles on a tank that a compressor fills, behind a regulator with a dead band that the tank may limit.

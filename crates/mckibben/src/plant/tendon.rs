@@ -53,14 +53,23 @@ pub(crate) fn is_damped<R: Real>(actuator: &Actuator<R>, of_actuator: &ActuatorM
     taut || actuator.friction().viscous().value() > 0.0
 }
 
-/// An actuator on a tendon at an instant.
-#[derive(Clone, Copy)]
+/// An actuator on a tendon.
 struct End<'a, R: Scalar, F> {
     system: &'a System<R>,
     i: usize,
     tendon: &'a SeriesTendon<R>,
     mode: &'a F,
 }
+
+/// Its force less the tendon's at a velocity, and how that grows, in functions of their own: there are many callers.
+struct ExcessAt<'a, R: Scalar, T, F> {
+    end: &'a End<'a, R, F>,
+    at: (&'a Unit<T>, &'a Chamber<T>),
+    bristles: Option<T>,
+    velocity: T,
+}
+
+struct Growth<'a, R: Scalar, T, F>(ExcessAt<'a, R, T, F>);
 
 /// Entering the velocity and the tension of an end, in a function of its own: few actuators have one.
 struct EnterEnd<'a, R: Scalar, T, F> {
@@ -198,20 +207,14 @@ impl<R: Scalar> System<R> {
 impl<R: Scalar, F: Formulas<R>> End<'_, R, F> {
     /// The actuator's force less the tendon's in N at a velocity in m/s, and how it grows with that.
     #[inline(always)]
-    fn excess_at<T: Differentiable<R>>(
-        &self,
-        (unit, chamber): (&Unit<T>, &Chamber<T>),
-        bristles: Option<T>,
-        velocity: T,
-    ) -> [T; 2] {
-        let tension = tension(self.tendon, self.mode.is_loose(self.i), unit.distance, unit.length);
-        let bent = match bristles {
-            Some(bent) => Some(bent.along(T::zero())),
-            None => None,
-        };
-        let ends = [unit.length.along(T::zero()), velocity.along(T::one()), chamber.pressure.along(T::zero())];
-        let [force, slope] = T::split(self.mode.signed_force(&self.system.wires[self.i], ends, bent));
-        [force - tension, slope]
+    fn excess_at<T: Differentiable<R>>(&self, at: (&Unit<T>, &Chamber<T>), bristles: Option<T>, velocity: T) -> [T; 2] {
+        T::apart(ExcessAt { end: self, at, bristles, velocity })
+    }
+
+    /// The rate in N/s at which the actuator's force outgrows the tendon's, as the end slides at a velocity.
+    #[inline(always)]
+    fn growth<T: Differentiable<R>>(&self, at: (&Unit<T>, &Chamber<T>), bristles: Option<T>, velocity: T) -> T {
+        T::apart(Growth(ExcessAt { end: self, at, bristles, velocity }))
     }
 
     /// The rate at which both tensions are equal.
@@ -224,23 +227,6 @@ impl<R: Scalar, F: Formulas<R>> End<'_, R, F> {
         -value / slope
     }
 
-    /// The rate in N/s at which the actuator's force outgrows the tendon's, as the end slides at a velocity.
-    #[inline(always)]
-    fn growth<T: Differentiable<R>>(&self, at: (&Unit<T>, &Chamber<T>), bristles: Option<T>, velocity: T) -> T {
-        let ((unit, chamber), wire) = (at, &self.system.wires[self.i]);
-        let direction = T::of(self.mode.direction(self.i));
-        let stiffness = T::select(self.mode.is_loose(self.i), T::zero(), T::of(self.tendon.stiffness()));
-        let length = unit.length.along(velocity);
-        let pressure = chamber.pressure.along(self.system.air_rate(self.i, at, velocity));
-        let bent = match (wire.member.actuator.friction().lugre(), bristles) {
-            (Some(law), Some(bent)) => Some(bent.along(law.rate(bent, velocity, direction))),
-            _ => None,
-        };
-        let ends = [length, T::zero().along(T::zero()), pressure];
-        let force = self.mode.signed_force(wire, ends, bent);
-        T::split(force)[1] - stiffness * (unit.rate - velocity)
-    }
-
     /// The rate at which both tensions stay equal.
     #[inline(always)]
     fn kept_velocity<T: Differentiable<R>>(&self, at: (&Unit<T>, &Chamber<T>), bristles: Option<T>) -> T {
@@ -250,6 +236,44 @@ impl<R: Scalar, F: Formulas<R>> End<'_, R, F> {
         let at_rest = self.growth(at, bristles, T::zero());
         let slope = self.growth(at, bristles, T::one()) - at_rest;
         -at_rest / slope
+    }
+}
+
+impl<R: Scalar, T: Differentiable<R>, F: Formulas<R>> Work for ExcessAt<'_, R, T, F> {
+    type Output = [T; 2];
+
+    #[inline(always)]
+    fn done(self) -> [T; 2] {
+        let Self { end, at: (unit, chamber), bristles, velocity } = self;
+        let tension = tension(end.tendon, end.mode.is_loose(end.i), unit.distance, unit.length);
+        let bent = match bristles {
+            Some(bent) => Some(bent.along(T::zero())),
+            None => None,
+        };
+        let ends = [unit.length.along(T::zero()), velocity.along(T::one()), chamber.pressure.along(T::zero())];
+        let [force, slope] = T::split(end.mode.signed_force(&end.system.wires[end.i], ends, bent));
+        [force - tension, slope]
+    }
+}
+
+impl<R: Scalar, T: Differentiable<R>, F: Formulas<R>> Work for Growth<'_, R, T, F> {
+    type Output = T;
+
+    #[inline(always)]
+    fn done(self) -> T {
+        let ExcessAt { end, at, bristles, velocity } = self.0;
+        let ((unit, chamber), wire) = (at, &end.system.wires[end.i]);
+        let direction = T::of(end.mode.direction(end.i));
+        let stiffness = T::select(end.mode.is_loose(end.i), T::zero(), T::of(end.tendon.stiffness()));
+        let length = unit.length.along(velocity);
+        let pressure = chamber.pressure.along(end.system.air_rate(end.i, at, velocity));
+        let bent = match (wire.member.actuator.friction().lugre(), bristles) {
+            (Some(law), Some(bent)) => Some(bent.along(law.rate(bent, velocity, direction))),
+            _ => None,
+        };
+        let ends = [length, T::zero().along(T::zero()), pressure];
+        let force = end.mode.signed_force(wire, ends, bent);
+        T::split(force)[1] - stiffness * (unit.rate - velocity)
     }
 }
 
