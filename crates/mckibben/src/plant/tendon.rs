@@ -246,6 +246,10 @@ impl<R: Scalar, T: Differentiable<R>, F: Formulas<R>> Work for ExcessAt<'_, R, T
     fn done(self) -> [T; 2] {
         let Self { end, at: (unit, chamber), bristles, velocity } = self;
         let tension = tension(end.tendon, end.mode.is_loose(end.i), unit.distance, unit.length);
+        #[allow(
+            clippy::manual_map,
+            reason = "a closure would be compiled by itself, without the instructions of a batch"
+        )]
         let bent = match bristles {
             Some(bent) => Some(bent.along(T::zero())),
             None => None,

@@ -452,6 +452,10 @@ impl<R: Scalar, F: Formulas<R>> Work for EndResponse<'_, R, F> {
         let (pressure, mass) = (Dual::of(pressure), Dual::of(mass));
         let chamber = wire.member.actuator.chamber(moving.length, moving.velocity, pressure, mass, slack);
         let bristles = system.bristles(i, state);
+        #[allow(
+            clippy::manual_map,
+            reason = "a closure would be compiled by itself, without the instructions of a batch"
+        )]
         let bent = match bristles {
             Some(bent) => Some(Dual::of(bent)),
             None => None,
