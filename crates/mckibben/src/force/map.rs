@@ -295,8 +295,10 @@ impl<T: Scalar> Weights<T> {
             let (start, width) = Self::interval(knots, interval);
             weights.pass(interval, width, part_before(place, start, width));
         }
-        weights.slope[0] = weights.slope[0] + (place - T::of(knots[0])).smaller(T::zero());
-        weights.slope[last] = weights.slope[last] + (place - T::of(knots[last])).larger(T::zero());
+        let (first, end) = (T::of(knots[0]), T::of(knots[last]));
+        let [below, above] = [place - first, place - end];
+        weights.slope[0] = weights.slope[0] + T::select(place.le(first), below, T::zero());
+        weights.slope[last] = weights.slope[last] + T::select(end.lt(place), above, T::zero());
         weights
     }
 
