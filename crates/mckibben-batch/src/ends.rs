@@ -14,7 +14,7 @@ use crate::watch::{HOLD_MARGIN, Range, holdable};
 use crate::wide::Wide;
 use mckibben::internals::{Evaluation, FASTEST, Formulas, System, tendon_tension};
 use mckibben::plant::PlantMode;
-use mckibben::scalar::{Mask, Scalar, Work};
+use mckibben::scalar::{Mask, Work};
 use mckibben::simulation::Guard;
 
 /// The ranges of an end's quantities.
@@ -25,9 +25,11 @@ struct EndRanges<W> {
     velocity: Range<W>,
     stretch: Range<W>,
     taut_force: Range<W>,
-    /// 1 where it is held by friction, and where it may jump.
+    /// Where friction holds it, and where it may jump; and whether any lane has such.
     held: W,
     jumps: W,
+    is_held: bool,
+    may_jump: bool,
     /// Whether any lane has a guard of it, and one for which flows have to be known.
     is_watched: bool,
     moves: bool,
@@ -39,7 +41,7 @@ pub(crate) struct Ends<W> {
     ends: Vec<EndRanges<W>>,
 }
 
-/// Looking at all of them, in a function of its own.
+/// Looks at all of them, compiled once.
 struct Hold<'a, W: Wide> {
     ends: &'a Ends<W>,
     system: &'a System<W>,
@@ -65,6 +67,8 @@ impl<W: Wide> Ends<W> {
                     taut_force: all,
                     held: zero,
                     jumps: zero,
+                    is_held: false,
+                    may_jump: false,
                     is_watched: false,
                     moves: false,
                 });
@@ -75,13 +79,12 @@ impl<W: Wide> Ends<W> {
 
     /// Watches nothing of the row in a lane any more.
     pub(crate) fn leave(&mut self, lane: usize) {
-        let nowhere = [f64::NEG_INFINITY, f64::INFINITY];
         for its in &mut self.ends {
             for range in [&mut its.excess, &mut its.velocity, &mut its.stretch, &mut its.taut_force] {
-                range.put(lane, nowhere);
+                range.open(lane);
             }
-            its.held.put(lane, W::Lane::constant(0.0));
-            its.jumps.put(lane, W::Lane::constant(0.0));
+            its.held.mark(lane, false);
+            its.jumps.mark(lane, false);
         }
     }
 
@@ -98,7 +101,7 @@ impl<W: Wide> Ends<W> {
         let band = system.wires[i].member.force_band;
         let slack = system.stretch_band(i, tendon);
         match guard {
-            None => its.jumps.put(lane, W::Lane::constant(1.0)),
+            None => its.jumps.mark(lane, true),
             Some(Guard::Rest) => {
                 let is_longer = mode.direction(i) > 0.0;
                 if mode.is_damped(system, i) {
@@ -108,7 +111,7 @@ impl<W: Wide> Ends<W> {
                     its.velocity.bound(lane, (if is_longer { -rest } else { rest }, is_longer));
                 }
             }
-            Some(Guard::BreakLonger | Guard::BreakShorter) => its.held.put(lane, W::Lane::constant(1.0)),
+            Some(Guard::BreakLonger | Guard::BreakShorter) => its.held.mark(lane, true),
             Some(Guard::Rebound) => its.taut_force.above(lane, -band),
             Some(Guard::Retaut) => its.taut_force.below(lane, band),
             Some(Guard::TendonLoose) => its.stretch.above(lane, -slack),
@@ -121,9 +124,9 @@ impl<W: Wide> Ends<W> {
     /// Sums up what has been entered.
     pub(crate) fn update(&mut self) {
         for its in &mut self.ends {
-            let any = |flag: &W| (0..W::LANES).any(|lane| W::Lane::constant(0.0).lt(flag.lane(lane)));
-            its.moves = its.velocity.is_any() || its.taut_force.is_any() || any(&its.jumps);
-            its.is_watched = its.moves || its.excess.is_any() || its.stretch.is_any() || any(&its.held);
+            (its.is_held, its.may_jump) = (its.held.is_marked(), its.jumps.is_marked());
+            its.moves = its.velocity.is_any() || its.taut_force.is_any() || its.may_jump;
+            its.is_watched = its.moves || its.excess.is_any() || its.stretch.is_any() || its.is_held;
         }
     }
 
@@ -172,17 +175,21 @@ impl<W: Wide> Work for Hold<'_, W> {
             let force = held.signed_force(wire, [unit.length, zero, pressure], bent);
             within = within & its.excess.holds(force - pull);
             within = within & its.stretch.holds(unit.distance - unit.length - tendon.rest_length());
-            let (low, high) = holdable(system, i, end, held, at);
-            let margin = W::constant(HOLD_MARGIN) * (pull.magnitude() + high.magnitude());
-            let is_held = (low + margin).le(pull) & pull.le(high - margin);
-            within = within & (its.held.le(zero) | is_held);
+            if its.is_held {
+                let (low, high) = holdable(system, i, end, held, at);
+                let margin = W::constant(HOLD_MARGIN) * (pull.magnitude() + high.magnitude());
+                let is_held = (low + margin).le(pull) & pull.le(high - margin);
+                within = within & (its.held.le(zero) | is_held);
+            }
             if its.moves {
                 let of_unit = (&at.units[i], &at.chambers[i]);
                 let velocity = system.end_velocity(i, tendon, held, of_unit, bent);
                 let taut_force = wire.member.actuator.limits().taut_force(unit.length, velocity);
                 within = within & its.velocity.holds(velocity) & its.taut_force.holds(taut_force);
-                let hold = system.hold_of_end(i, tendon, held, of_unit, bent, FASTEST);
-                within = within & (its.jumps.le(zero) | zero.le(hold));
+                if its.may_jump {
+                    let hold = system.hold_of_end(i, tendon, held, of_unit, bent, FASTEST);
+                    within = within & (its.jumps.le(zero) | zero.le(hold));
+                }
             }
         }
         within

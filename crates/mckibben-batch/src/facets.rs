@@ -1,7 +1,7 @@
 //! What actuators that stick on a chain of several joints can hold, watched of several plants side by side.
 //!
 //! What is held is a torque R over the coordinates. Along the normal z of each facet of what can be held it lies between two bounds
-//! ([`sliding`](mckibben::plant::sliding)). The list of facets differs from plant to plant: each that any of them has is evaluated once
+//! (`plant/sliding.rs` of the core). The list of facets differs from plant to plant: each that any of them has is evaluated once
 //! for all, and counts where it is watched. A bound has to be kept by a margin, so that no rounding decides.
 //!
 //! ```text
@@ -58,7 +58,7 @@ impl<W: Wide> Facets<W> {
     /// Ceases to watch a lane.
     pub(crate) fn leave(&mut self, lane: usize) {
         for watched in &mut self.watched {
-            watched.flag.put(lane, W::Lane::constant(0.0));
+            watched.flag.mark(lane, false);
         }
     }
 
@@ -86,7 +86,7 @@ impl<W: Wide> Facets<W> {
                 }
             }
         });
-        self.watched[place].flag.put(lane, W::Lane::constant(1.0));
+        self.watched[place].flag.mark(lane, true);
         true
     }
 
@@ -117,7 +117,7 @@ impl<W: Wide> Facets<W> {
 impl<W: Wide> WatchedFacet<W> {
     /// Whether no lane watches it.
     fn is_free(&self) -> bool {
-        (0..W::LANES).all(|lane| self.flag.lane(lane) == W::Lane::constant(0.0))
+        !self.flag.is_marked()
     }
 }
 

@@ -47,10 +47,9 @@ impl<W: Wide> HeldFlows<W> {
 
     /// Enters the mode of the row in a lane; [`HeldFlows::update`] makes masks of it.
     pub(crate) fn enter(&mut self, lane: usize, network: &Network<W::Lane>, mode: &NetworkMode<W::Lane>) {
-        let put = |number: &mut W, holds: bool| number.put(lane, W::Lane::constant(if holds { 1.0 } else { 0.0 }));
         for (index, flag) in self.open_flags.iter_mut().enumerate() {
             let rests = matches!(network.branches[index].kind, BranchKind::Compressor) && !mode.branches[index].runs;
-            put(flag, network.is_open(index, mode) && !rests);
+            flag.mark(lane, network.is_open(index, mode) && !rests);
         }
         for (index, (held, its)) in self.nodes.iter_mut().zip(&mode.nodes).enumerate() {
             let (moves, direction) = match network.nodes[index].kind {
@@ -63,8 +62,8 @@ impl<W: Wide> HeldFlows<W> {
                 },
                 _ => continue,
             };
-            put(&mut held.moves_flag, moves);
-            put(&mut held.limited_flag, its.limited);
+            held.moves_flag.mark(lane, moves);
+            held.limited_flag.mark(lane, its.limited);
             held.direction.put(lane, W::Lane::constant(direction));
             held.set.put(lane, network.set_point(index, mode).unwrap_or(W::Lane::constant(0.0)));
         }

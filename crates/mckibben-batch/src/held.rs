@@ -7,7 +7,7 @@ use crate::flows::HeldFlows;
 use crate::wide::{Number, Wide};
 use mckibben::air::Chamber;
 use mckibben::friction::LuGre;
-use mckibben::internals::{Branch, Evaluation, Formulas, Presses, Rubbing, System, Touch, Unit, Wire};
+use mckibben::internals::{Branch, Evaluation, Formulas, Presses, Rubbing, System, Touch, Unit, Wire, end_is_damped};
 use mckibben::load::{MomentArm, Motion};
 use mckibben::mechanism::{Contact, Mechanism};
 use mckibben::plant::{Plant, PlantMode};
@@ -128,7 +128,7 @@ impl<W: Wide> HeldRows<W> {
         for (place, flags) in self.member_flags.iter_mut().enumerate() {
             for (flag, member) in flags.iter_mut().zip(members) {
                 let stands = list.get(place) == Some(member);
-                flag.put(lane, W::Lane::constant(if stands { 1.0 } else { 0.0 }));
+                flag.mark(lane, stands);
             }
         }
     }
@@ -187,15 +187,14 @@ impl<W: Wide> Held<W> {
 
     /// Enters the mode of the row in a lane; [`Held::update`] makes masks of it.
     pub(crate) fn enter(&mut self, lane: usize, plant: &Plant<W::Lane>, mode: &PlantMode<W::Lane>) {
-        let put = |number: &mut W, holds: bool| number.put(lane, W::Lane::constant(if holds { 1.0 } else { 0.0 }));
         for (flags, its) in self.flags.iter_mut().zip(&mode.actuators) {
             let (slack, stuck) = (its.mode.extent == Extent::Slack, its.mode.sliding == Sliding::Stuck);
-            put(&mut flags.slack, slack);
-            put(&mut flags.taut, its.mode.extent == Extent::Taut);
-            put(&mut flags.stuck, stuck);
-            put(&mut flags.on_stop, its.on_stop);
-            put(&mut flags.loose, its.loose);
-            put(&mut flags.idle, slack || stuck || its.mode.clamped);
+            flags.slack.mark(lane, slack);
+            flags.taut.mark(lane, its.mode.extent == Extent::Taut);
+            flags.stuck.mark(lane, stuck);
+            flags.on_stop.mark(lane, its.on_stop);
+            flags.loose.mark(lane, its.loose);
+            flags.idle.mark(lane, slack || stuck || its.mode.clamped);
             flags.direction.put(lane, W::Lane::constant(its.mode.sliding.direction()));
         }
         for (held, its) in self.actuators.iter_mut().zip(&mode.actuators) {
@@ -208,14 +207,14 @@ impl<W: Wide> Held<W> {
             }
         }
         for (flag, its) in self.frozen_flags.iter_mut().zip(&mode.mechanisms) {
-            put(flag, its.frozen);
+            flag.mark(lane, its.frozen);
         }
         for (contacts, its) in self.contacts.iter_mut().zip(&mode.mechanisms) {
             for (flags, stops) in contacts.stop_flags.iter_mut().zip(&its.stops) {
-                put(&mut flags[0], stops[0] == Contact::Pressed);
-                put(&mut flags[1], stops[1] == Contact::Pressed);
+                flags[0].mark(lane, stops[0] == Contact::Pressed);
+                flags[1].mark(lane, stops[1] == Contact::Pressed);
             }
-            put(&mut contacts.foot_flag, its.foot == Contact::Pressed);
+            contacts.foot_flag.mark(lane, its.foot == Contact::Pressed);
         }
         for (rows, (its, members)) in self.rows.iter_mut().zip(mode.mechanisms.iter().zip(&plant.places().members)) {
             rows.enter(lane, members, &its.basis);
@@ -398,9 +397,7 @@ impl<W: Wide> Formulas<W> for Held<W> {
 
     #[inline(always)]
     fn is_damped(&self, system: &System<W>, actuator: usize) -> W::Mask {
-        let (its, zero) = (&system.wires[actuator].member.actuator, W::zero());
-        let by_taut_braid = self.actuators[actuator].taut & zero.lt(its.limits().damping());
-        by_taut_braid | zero.lt(its.friction().viscous())
+        end_is_damped(&system.wires[actuator].member.actuator, self.actuators[actuator].taut)
     }
 
     // What lanes do not cover.

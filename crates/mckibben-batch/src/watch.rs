@@ -105,9 +105,14 @@ impl<W: Wide> Range<W> {
         Self { low: W::constant(f64::NEG_INFINITY), high: W::constant(f64::INFINITY) }
     }
 
-    pub(crate) fn put(&mut self, lane: usize, [low, high]: [f64; 2]) {
+    fn put(&mut self, lane: usize, [low, high]: [f64; 2]) {
         self.low.put(lane, W::Lane::constant(low));
         self.high.put(lane, W::Lane::constant(high));
+    }
+
+    /// Ends nowhere in a lane.
+    pub(crate) fn open(&mut self, lane: usize) {
+        self.put(lane, [f64::NEG_INFINITY, f64::INFINITY]);
     }
 
     pub(crate) fn above(&mut self, lane: usize, bound: f64) {
@@ -192,25 +197,24 @@ impl<W: Wide> Watch<W> {
                 self.states[place].below(lane, wire.member.thread_length().next_down());
             }
         }
-        let nowhere = [f64::NEG_INFINITY, f64::INFINITY];
         for its in &mut self.actuators {
             for range in [&mut its.length, &mut its.rate, &mut its.force, &mut its.taut_force] {
-                range.put(lane, nowhere);
+                range.open(lane);
             }
         }
         for its in self.contacts.iter_mut().flatten() {
-            its.press.put(lane, nowhere);
-            its.depth.put(lane, nowhere);
+            its.press.open(lane);
+            its.depth.open(lane);
         }
         for its in &mut self.outlets {
-            its.error.put(lane, nowhere);
-            its.margin.put(lane, nowhere);
+            its.error.open(lane);
+            its.margin.open(lane);
         }
         self.ends.leave(lane);
         self.facets.leave(lane);
         self.of_lanes[lane].fill(Watched::default());
         for hold in &mut self.holds {
-            hold.put(lane, W::Lane::constant(0.0));
+            hold.mark(lane, false);
         }
         let mut is_all = true;
         for (guard, form) in guards {
@@ -226,7 +230,7 @@ impl<W: Wide> Watch<W> {
         self.ends.update();
         self.facets.update();
         for (held, hold) in self.held.iter_mut().zip(&self.holds) {
-            *held = (0..W::LANES).any(|lane| W::Lane::constant(0.0).lt(hold.lane(lane)));
+            *held = hold.is_marked();
         }
         is_all
     }
@@ -286,7 +290,7 @@ impl<W: Wide> Watch<W> {
                 if !(its.frozen && places.mechanisms[mechanism].coordinates == 1) {
                     return self.facets.enter(lane, mechanism, &its.facets[facet]);
                 }
-                self.holds[mechanism].put(lane, W::Lane::constant(1.0));
+                self.holds[mechanism].mark(lane, true);
             }
             (GuardForm::Function, PlantGuard::Touch { mechanism, stop, touch }) => {
                 let contacts = &mut self.contacts[mechanism];
@@ -311,7 +315,7 @@ impl<W: Wide> Watch<W> {
         else {
             return false;
         };
-        let (network, modes) = (&system.plant.network(), &mode.network.nodes[node]);
+        let (network, modes) = (system.plant.network(), &mode.network.nodes[node]);
         let Some(ranges) = self.outlets.iter_mut().find(|its| its.node == node) else { return false };
         let NodeKind::Outlet { regulator, .. } = &network.nodes[node].kind else { return false };
         let room = ERROR_MARGIN * network.atmosphere;
@@ -385,7 +389,7 @@ impl<W: Wide> Watch<W> {
         held: &Held<W>,
         at: &mut Evaluation<W>,
     ) -> W::Mask {
-        let network = &system.plant.network();
+        let network = system.plant.network();
         system.enter_air(time, end, held, at);
         let mut within = W::Mask::splat(true);
         for its in &self.outlets {

@@ -30,6 +30,15 @@ pub(crate) trait Wide: Scalar<Mask: Send + Sync> + Send + Sync {
     fn lane(&self, lane: usize) -> Self::Lane;
     /// Changes what a lane holds.
     fn put(&mut self, lane: usize, value: Self::Lane);
+
+    /// Notes of a lane, in a number that becomes a mask, whether something holds: 1 where it does, else 0.
+    fn mark(&mut self, lane: usize, holds: bool) {
+        self.put(lane, Self::Lane::constant(if holds { 1.0 } else { 0.0 }));
+    }
+    /// Whether something holds in any lane.
+    fn is_marked(&self) -> bool {
+        (0..Self::LANES).any(|lane| Self::Lane::constant(0.0).lt(self.lane(lane)))
+    }
 }
 
 /// Vector instructions that a thread can be told of.

@@ -293,8 +293,8 @@ fn what_does_not_fit_is_refused() {
 /// Random plants that are stepped.
 const STEPPED: u32 = 60;
 
-/// Whatever plants are made of, those of a batch are those alone, to the bit. Nearly all of these have parts that lanes leave
-/// out, so that rows go by themselves beside each other.
+/// Whatever plants are made of, those of a batch are those alone, to the bit. Some of these have parts that lanes leave out, so
+/// that their rows go by themselves beside each other.
 #[test]
 fn random_plants_in_a_batch_are_those_alone() {
     let count = std::cell::Cell::new(0);

@@ -1,4 +1,4 @@
-//! Plants side by side: each is the run of its own steps, bit for bit.
+//! Plants side by side: each has the bits of its steps alone.
 //!
 //! One program: the engine of plants is compiled once. `cargo test -p mckibben-batch NAME::` runs one file.
 

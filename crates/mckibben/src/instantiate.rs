@@ -75,9 +75,6 @@ entry_points! {
         steps.generic_derivative(rates);
     fn compute_plant_steps(steps: &mut PlantSteps<Self>, actuator: usize) -> Result<Response<Self>, Error> =
         steps.generic_compute(actuator);
-    fn record_plant_run(
-        run: &mut PlantRun<Self>, until: Self, watch: Watch<'_>
-    ) -> Result<PlantTrajectory<Self>, Error> = PlantTrajectory::record(run, until, watch);
     fn keep_plant_run(
         trajectory: &mut PlantTrajectory<Self>, run: &mut PlantRun<Self>, until: Self, watch: Watch<'_>
     ) -> Result<(), Error> = trajectory.generic_keep(run, until, watch);

@@ -16,15 +16,15 @@ mod of_plants {
     pub use crate::network::guard::NetworkGuard;
     pub use crate::network::implicit::RegulatedResponse;
     pub use crate::network::mode::NetworkMode;
-    pub use crate::network::piping::{Orifice, Piping};
+    pub use crate::network::piping::Orifice;
     pub use crate::plant::dense::dot;
     pub use crate::plant::evaluation::{Evaluation, System, Unit};
     pub use crate::plant::formulas::Formulas;
     pub use crate::plant::guard::FASTEST;
     pub use crate::plant::sliding::Facet;
-    pub use crate::plant::steps::{Stages, TensionResponse};
-    pub use crate::plant::tendon::tension as tendon_tension;
-    pub use crate::plant::wire::{Assembly, Wire};
-    pub use crate::simulation::member::{Member, Trace};
+    pub use crate::plant::steps::Stages;
+    pub use crate::plant::tendon::{is_damped as end_is_damped, tension as tendon_tension};
+    pub use crate::plant::wire::Wire;
+    pub use crate::simulation::member::Trace;
     pub use crate::valve::Approach;
 }

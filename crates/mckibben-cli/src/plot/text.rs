@@ -85,7 +85,7 @@ impl Faces {
         for (script, part) in scripts(text) {
             let (rise, scale) = script.shape();
             for c in part.chars() {
-                let glyph = face.glyph_index(c).unwrap_or(GlyphId::default());
+                let glyph = face.glyph_index(c).unwrap_or_default();
                 visit(glyph, x, rise * size, size * scale);
                 x += size * scale * face.glyph_hor_advance(glyph).map_or(0.6, |advance| f64::from(advance) / em);
             }
@@ -98,7 +98,7 @@ impl Faces {
         self.walk(text, size, bold, |_, _, _, _| {})
     }
 
-    /// Draws a line, y upwards. Before each glyph `start` tells the pen how far along and how high it begins, and how long an em of
+    /// Draws a line, y upwards. Before each glyph `start` tells the pen how far along and how high it begins, and how long a unit of
     /// the face is.
     pub(super) fn draw<P: OutlineBuilder>(
         &self,

@@ -60,7 +60,7 @@ pub(super) struct Pipe<R> {
 
 /// All branches of a network, and the nodes whose pressure changes.
 #[derive(Clone, Debug)]
-pub struct Piping<R> {
+pub(crate) struct Piping<R> {
     pub(super) orifices: Vec<Orifice<R>>,
     /// Which of them each branch is, if it is one.
     orifice_of: Vec<Option<usize>>,
@@ -72,7 +72,7 @@ pub struct Piping<R> {
 
 impl<R: Scalar> Piping<R> {
     /// That of a plant.
-    pub fn new(plant: &Plant<R>) -> Self {
+    pub(crate) fn new(plant: &Plant<R>) -> Self {
         let (network, places) = (plant.network(), plant.places());
         let end = |node: usize| {
             let kind = &network.nodes[node].kind;

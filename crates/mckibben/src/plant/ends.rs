@@ -4,6 +4,7 @@
 //! of both tensions, whatever the mechanism does. The [tendon](super::tendon) says how fast it slides.
 
 use super::evaluation::{Evaluation, System};
+use super::formulas::Formulas;
 use super::guard::PlantGuard;
 use super::mode::PlantMode;
 use super::tendon;
@@ -99,7 +100,7 @@ impl<R: Real> System<R> {
                              would have no velocity of its own",
                 });
             }
-            if tendon::is_damped(actuator, &mode.actuators[i]) {
+            if mode.is_damped(self, i) {
                 continue;
             }
             let pull = tendon::tension(tendon, mode.actuators[i].loose, unit.distance, unit.length).value();
@@ -197,8 +198,8 @@ impl<R: Real> System<R> {
         mode: &PlantMode<R>,
         at: &mut Evaluation<R>,
     ) -> Result<(), Error> {
-        let (mounted, its) = (&self.plant.actuators[i], &mode.actuators[i]);
-        let Some(tendon) = mounted.tendon.as_ref().filter(|_| !tendon::is_damped(&mounted.actuator, its)) else {
+        let tendon = self.plant.actuators[i].tendon.as_ref();
+        let Some(tendon) = tendon.filter(|_| !mode.is_damped(self, i)) else {
             return Ok(());
         };
         // Air below the atmosphere's pressure would push: then nothing holds the end against the slightest pull.
@@ -264,7 +265,7 @@ impl<R: Real> System<R> {
         for (i, mounted) in self.plant.actuators.iter().enumerate() {
             let its = &mode.actuators[i];
             let slides = mounted.tendon.is_some() && its.mode.sliding != Sliding::Stuck;
-            if slides && !tendon::is_damped(&mounted.actuator, its) && !self.is_held(i, time, state, mode, at) {
+            if slides && !mode.is_damped(self, i) && !self.is_held(i, time, state, mode, at) {
                 return Err(self.jumps(i, time, state, mode, at));
             }
         }

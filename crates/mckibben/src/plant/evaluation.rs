@@ -209,7 +209,7 @@ impl<S: Scalar, F: Formulas<S>> ArmPieces<S> for ArmsOf<'_, F> {
 }
 
 impl<R: Scalar> System<R> {
-    /// Of a plant in lanes, where no event is told from rounding.
+    /// Of a plant in lanes, which watch their events by themselves: its borders have no width.
     #[inline(always)]
     pub fn in_lanes(plant: Plant<R>) -> Self {
         let plant = Arc::new(plant);

@@ -178,7 +178,8 @@ impl<R: Real> Formulas<R> for PlantMode<R> {
 
     #[inline(always)]
     fn is_damped(&self, system: &System<R>, actuator: usize) -> bool {
-        super::tendon::is_damped(&system.plant.actuators[actuator].actuator, &self.actuators[actuator])
+        let is_taut = self.actuators[actuator].mode.extent == Extent::Taut;
+        super::tendon::is_damped(&system.plant.actuators[actuator].actuator, is_taut)
     }
 
     fn searched_velocity<T: Differentiable<R>>(

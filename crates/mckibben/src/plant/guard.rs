@@ -5,6 +5,7 @@
 //! order, then the network.
 
 use super::evaluation::{Evaluation, System};
+use super::formulas::Formulas;
 use super::mode::PlantMode;
 use super::tendon;
 use crate::engine::GuardForm;
@@ -183,7 +184,7 @@ impl<R: Real> System<R> {
         {
             add(Guard::Slip, self.length_form(i, end, lasts_above));
         }
-        if let (Some(_), false, false) = (&mounted.tendon, stuck, tendon::is_damped(&mounted.actuator, of_actuator)) {
+        if let (Some(_), false, false) = (&mounted.tendon, stuck, mode.is_damped(self, i)) {
             guards.push((PlantGuard::Jump(i), GuardForm::Function));
         }
         let mut add = |guard, form| guards.push((PlantGuard::Of(i, guard), form));
@@ -390,7 +391,7 @@ impl<R: Real> System<R> {
         let pull = || tendon::tension(tendon, of_actuator.loose, unit.distance, unit.length);
         let limits = member.actuator.limits();
         match guard {
-            Guard::Rest if tendon::is_damped(&member.actuator, of_actuator) => {
+            Guard::Rest if mode.is_damped(self, i) => {
                 let ends = [unit.distance, unit.length, pressure];
                 band - direction * self.excess(i, tendon, mode, ends, bristles)
             }

@@ -413,6 +413,6 @@ impl<R: Instantiate> PlantRun<R> {
         until: R,
         watch: &mut dyn FnMut(f64) -> Result<(), Error>,
     ) -> Result<PlantTrajectory<R>, Error> {
-        R::record_plant_run(self, until, watch)
+        PlantTrajectory::record(self, until, watch)
     }
 }

@@ -2,9 +2,10 @@
 
 use super::dense;
 use super::evaluation::{Evaluation, System};
+use super::formulas::Formulas;
 use super::mode::PlantMode;
 use super::wire::{Assembly, Wire};
-use super::{Mounted, Plant, tendon};
+use super::{Mounted, Plant};
 use crate::dual::Dual;
 use crate::mechanism::{Contact, Mechanism};
 use crate::network::piping::Piping;
@@ -227,7 +228,7 @@ impl<R: Real> System<R> {
         }
         if let (Some(tendon), Some(_)) = (&mounted.tendon, here.length)
             && its.mode.sliding != Sliding::Stuck
-            && tendon::is_damped(&mounted.actuator, its)
+            && mode.is_damped(self, i)
         {
             // F(L, v) = T: ∂v/∂L = −(∂F/∂L + k)/(∂F/∂v).
             let unit = &at.units[i];

@@ -25,13 +25,12 @@
 use super::Plant;
 use super::evaluation::{Evaluation, System, Unit};
 use super::formulas::Formulas;
-use super::mode::{ActuatorMode, PlantMode};
+use super::mode::PlantMode;
 use crate::actuator::Actuator;
 use crate::air::{Chamber, Flow};
 use crate::dual::Dual;
 use crate::load::SeriesTendon;
 use crate::scalar::{Differentiable, Mask, Over, Real, Scalar, Work};
-use crate::simulation::Extent;
 
 /// A velocity in m/s at which no force falls any more.
 const FAST: f64 = 1e6;
@@ -47,10 +46,10 @@ pub fn tension<R: Scalar, T: Over<R>>(tendon: &SeriesTendon<R>, loose: R::Mask, 
     T::select(loose, T::zero(), tight)
 }
 
-/// Whether the velocity of an end follows from the balance at once.
-pub(crate) fn is_damped<R: Real>(actuator: &Actuator<R>, of_actuator: &ActuatorMode<R>) -> bool {
-    let taut = of_actuator.mode.extent == Extent::Taut && actuator.limits().damping().value() > 0.0;
-    taut || actuator.friction().viscous().value() > 0.0
+/// Where the velocity of an end follows from the balance at once: by viscous friction, or by that of the braid where it is taut.
+#[inline(always)]
+pub fn is_damped<R: Scalar>(actuator: &Actuator<R>, taut: R::Mask) -> R::Mask {
+    (taut & R::zero().lt(actuator.limits().damping())) | R::zero().lt(actuator.friction().viscous())
 }
 
 /// An actuator on a tendon.
@@ -61,7 +60,7 @@ struct End<'a, R: Scalar, F> {
     mode: &'a F,
 }
 
-/// Its force less the tendon's at a velocity, and how that grows, in functions of their own: there are many callers.
+/// Its force less the tendon's at a velocity, and how that grows. They have many callers, and are compiled once.
 struct ExcessAt<'a, R: Scalar, T, F> {
     end: &'a End<'a, R, F>,
     at: (&'a Unit<T>, &'a Chamber<T>),
@@ -71,7 +70,7 @@ struct ExcessAt<'a, R: Scalar, T, F> {
 
 struct Growth<'a, R: Scalar, T, F>(ExcessAt<'a, R, T, F>);
 
-/// Entering the velocity and the tension of an end, in a function of its own: few actuators have one.
+/// Enters the velocity and the tension of an end, compiled once: few actuators have one.
 struct EnterEnd<'a, R: Scalar, T, F> {
     system: &'a System<R>,
     i: usize,
@@ -223,6 +222,12 @@ impl<R: Scalar, F: Formulas<R>> End<'_, R, F> {
         if let Some(velocity) = self.mode.searched_velocity(self.system, self.i, at, bristles) {
             return velocity;
         }
+        self.damped_from_rest(at, bristles)
+    }
+
+    /// That rate where the force is a straight line over it.
+    #[inline(always)]
+    fn damped_from_rest<T: Differentiable<R>>(&self, at: (&Unit<T>, &Chamber<T>), bristles: Option<T>) -> T {
         let [value, slope] = self.excess_at(at, bristles, T::zero());
         -value / slope
     }
@@ -233,9 +238,15 @@ impl<R: Scalar, F: Formulas<R>> End<'_, R, F> {
         if let Some(velocity) = self.mode.searched_velocity(self.system, self.i, at, bristles) {
             return velocity;
         }
+        self.kept_from_rest(at, bristles)[0]
+    }
+
+    /// That rate where the growth is a straight line over it, and its slope.
+    #[inline(always)]
+    fn kept_from_rest<T: Differentiable<R>>(&self, at: (&Unit<T>, &Chamber<T>), bristles: Option<T>) -> [T; 2] {
         let at_rest = self.growth(at, bristles, T::zero());
         let slope = self.growth(at, bristles, T::one()) - at_rest;
-        -at_rest / slope
+        [-at_rest / slope, slope]
     }
 }
 
@@ -285,10 +296,6 @@ impl<R: Real> End<'_, R, PlantMode<R>> {
     /// The rate at which both tensions are equal, where dry friction falls with velocity.
     fn damped_where_friction_falls<T: Differentiable<R>>(&self, at: (&Unit<T>, &Chamber<T>), bristles: Option<T>) -> T {
         let excess = |velocity: T| self.excess_at(at, bristles, velocity);
-        let from_zero = || {
-            let [value, slope] = excess(T::zero());
-            -value / slope
-        };
         // Above its solution the force rises to a straight line; zero lies below, as the end slides.
         let direction = self.mode.actuators[self.i].mode.sliding.direction();
         let fast = T::constant(direction * FAST);
@@ -296,7 +303,7 @@ impl<R: Real> End<'_, R, PlantMode<R>> {
         let mut most = fast - value / slope;
         let sign = T::constant(direction);
         if (sign * most).le(T::zero()) || T::zero().le(sign * excess(T::zero())[0]) {
-            return from_zero();
+            return self.damped_from_rest(at, bristles);
         }
         let (mut least, mut velocity) = (T::zero(), most);
         let mut left = None;
@@ -323,12 +330,9 @@ impl<R: Real> End<'_, R, PlantMode<R>> {
 
     /// The rate at which both tensions stay equal, where the bristles' force falls with velocity.
     fn kept_where_friction_falls<T: Differentiable<R>>(&self, at: (&Unit<T>, &Chamber<T>), bristles: Option<T>) -> T {
-        let grows = |velocity: T| self.growth(at, bristles, velocity);
-        let at_rest = grows(T::zero());
-        let slope = grows(T::one()) - at_rest;
-        let mut velocity = -at_rest / slope;
+        let [mut velocity, slope] = self.kept_from_rest(at, bristles);
         for _ in 0..MOST_SEARCHED {
-            let step = grows(velocity) / slope;
+            let step = self.growth(at, bristles, velocity) / slope;
             velocity = velocity - step;
             if step.magnitude().le(T::constant(SEARCHED * SEARCHED)) {
                 break;
@@ -351,7 +355,7 @@ impl<R: Real> System<R> {
         let (friction, tendon) = (actuators[i].actuator.friction(), actuators[i].tendon.as_ref()?);
         let end = End { system: self, i, tendon, mode };
         let bristles_fall = friction.lugre().is_some_and(|law| law.falls());
-        if is_damped(&actuators[i].actuator, &mode.actuators[i]) {
+        if mode.is_damped(self, i) {
             (friction.coulomb().falls() || bristles_fall).then(|| end.damped_where_friction_falls(at, bristles))
         } else {
             (bristles_fall && bristles.is_some()).then(|| end.kept_where_friction_falls(at, bristles))

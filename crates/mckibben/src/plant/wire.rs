@@ -56,7 +56,7 @@ pub struct Assembly<R: Scalar> {
 
 impl<R: Scalar> Assembly<R> {
     /// That of a mechanism of a plant.
-    pub fn new(plant: &Plant<R>, index: usize) -> Self {
+    pub(crate) fn new(plant: &Plant<R>, index: usize) -> Self {
         let places = &plant.places;
         Self {
             index,
@@ -84,7 +84,7 @@ impl<R: Scalar> Wire<R> {
     }
 
     /// That of an actuator of a plant.
-    pub fn new(plant: &Plant<R>, index: usize, member: Member<R>) -> Self {
+    pub(crate) fn new(plant: &Plant<R>, index: usize, member: Member<R>) -> Self {
         let (mounted, places) = (&plant.actuators[index], &plant.places);
         let of_mechanism = &places.mechanisms[mounted.mechanism];
         let span = match (&plant.mechanisms[mounted.mechanism], &mounted.coupling) {

@@ -93,7 +93,7 @@ pub(crate) type LengthGuard<R> = (Guard, R, bool);
 
 impl<S: Scalar> Member<S> {
     /// An actuator in lanes, where no event is told from rounding.
-    pub fn in_lanes(actuator: &Actuator<S>) -> Self {
+    pub(crate) fn in_lanes(actuator: &Actuator<S>) -> Self {
         let actuator = actuator.clone();
         Self { actuator, longest: 0.0, atmosphere: 0.0, air_mass: 0.0, band: 0.0, force_band: 0.0, taut_scale: 0.0 }
     }

@@ -6,6 +6,7 @@ use super::signal::{PlantInput, PlantOutput, PlantState};
 use crate::mechanism::Mechanism;
 use crate::network::NodeKind;
 use crate::plant::{Plant, dense, tendon};
+use crate::simulation::Extent;
 use crate::valve::{Port, ValveKind};
 use alloc::vec;
 use alloc::vec::Vec;
@@ -203,7 +204,8 @@ pub(super) fn derivatives(frame: &Frame) -> PlantStateSpace {
     }
     // Without viscous friction both tensions give the length.
     for (i, mounted) in frame.plant.actuators.iter().enumerate() {
-        if mounted.tendon.is_none() || tendon::is_damped(&mounted.actuator, &none.mode.actuators[i]) {
+        let is_taut = none.mode.actuators[i].mode.extent == Extent::Taut;
+        if mounted.tendon.is_none() || tendon::is_damped(&mounted.actuator, is_taut) {
             continue;
         }
         let length = PlantState::Length { actuator: i };

@@ -36,7 +36,7 @@ use alloc::vec::Vec;
 
 /// How the tension of an actuator answers.
 #[derive(Clone, Copy, Debug)]
-pub struct TensionResponse<R> {
+struct TensionResponse<R> {
     stiffness: R,
     damping: R,
     /// How the tension answers to what its end or its bristles would do by themselves.
@@ -303,7 +303,7 @@ impl<R: Scalar, F: Formulas<R>> Answers<R> for AtInstant<'_, R, F> {
 
 impl<R: Scalar> TensionResponse<R> {
     /// A tension that does not answer.
-    pub fn none() -> Self {
+    fn none() -> Self {
         let (zero, one) = (R::zero(), R::one());
         Self { stiffness: zero, damping: zero, by_own: zero, share: one, by_distance: zero, by_rate: zero, beside: one }
     }
@@ -412,7 +412,7 @@ impl<R: Scalar> System<R> {
     }
 }
 
-/// How an end answers, in a function of its own: few actuators have one.
+/// How an end answers, compiled once: few actuators have one.
 struct EndResponse<'a, R: Scalar, F> {
     system: &'a System<R>,
     i: usize,
@@ -471,14 +471,13 @@ impl<R: Scalar, F: Formulas<R>> Work for EndResponse<'_, R, F> {
             None => one,
         };
         // φ = k (k_x − k_L), with k_L put in.
-        let by_its_end = |number: R| R::select(stuck, zero, number);
         TensionResponse {
             stiffness: R::select(stuck, tight, tight * (one - share * by_distance).larger(zero)),
-            damping: by_its_end(-tight * share * by_rate),
-            by_own: by_its_end(-tight * share),
+            damping: R::select(stuck, zero, -tight * share * by_rate),
+            by_own: R::select(stuck, zero, -tight * share),
             share: R::select(stuck, one, share),
-            by_distance: by_its_end(by_distance),
-            by_rate: by_its_end(by_rate),
+            by_distance: R::select(stuck, zero, by_distance),
+            by_rate: R::select(stuck, zero, by_rate),
             beside: R::select(stuck, one, beside),
         }
     }

@@ -28,7 +28,6 @@ mod saved;
 
 pub use accuracy::{PILOT, PlantReference, PlantStepError, SHORTEST, plant_step_for_accuracy};
 pub use host::MOST_PARTS;
-pub use implicit::TensionResponse;
 pub use method::Method;
 pub use method::Stages;
 
