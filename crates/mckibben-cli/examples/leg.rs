@@ -12,7 +12,8 @@ use mckibben::mechanism::{Chain, Mechanism};
 use mckibben::plant::{PlantRun, PlantSteps};
 use mckibben::simulation::Method;
 use mckibben::valve::{Demand, Request};
-use mckibben_cli::plot::{Axis, Colour, Figure, Legend, Panel, Series, Theme};
+use mckibben_plot::{Axis, Colour, Figure, Format, Legend, Panel, Series};
+use mckibben_run::output;
 use mckibben_scenario::{Document, PlantExperiment};
 use std::error::Error;
 use std::f64::consts::TAU;
@@ -56,8 +57,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     walked.tell();
-    walked.courses().write(&folder.join(format!("leg.{ending}")), Theme::default())?;
-    walked.sticks(leg).write(&folder.join(format!("leg-sticks.{ending}")), Theme::default())?;
+    for (stem, figure) in [("leg", walked.courses()), ("leg-sticks", walked.sticks(leg))] {
+        let path = folder.join(format!("{stem}.{ending}"));
+        output::write(&path, &figure.bytes(Format::of(&path)?)?)?;
+    }
     println!("wrote leg.{ending} and leg-sticks.{ending} into {}", folder.display());
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! A scenario in a few words.
 
-use crate::quantities::{digits, given, given_percent};
 use mckibben::control::Quantity;
+use mckibben_run::quantities::{digits, given, given_percent};
 use mckibben_scenario::{
     Aim, Command, CommandState, Controller, Engine, Load, Method, Motion, Process, Regulator, Run, Scenario, ValveKind,
 };

@@ -1,121 +1,79 @@
-//! The log of events: as a table for people, and as CSV.
-//!
-//! The columns of the CSV are `time_s,event,valve,supply_flow,exhaust_flow,extent,sliding,tension_clamped`; after the name
-//! of the event they say what holds from then on.
-//!
-//! [`Log`] holds the same in memory, of an actuator, a joint or a plant.
+//! The log of events as a table for people.
 
-use crate::failure::Failure;
 use crate::terminal::{FAINT, styled};
-use mckibben::plant::RigEvent;
-use mckibben::simulation::{EventKind, Extent, Mode, Sliding};
-use mckibben::valve::FlowZone;
-use std::borrow::Cow;
-use std::collections::BTreeMap;
+use mckibben_run::events::{Log, OF_ACTUATOR};
 use std::fmt::Write as _;
-use std::io::Write;
-use std::path::Path;
 
-/// The columns of the CSV that say what holds of an actuator.
-pub(crate) const OF_ACTUATOR: [&str; 6] =
-    ["valve", "supply_flow", "exhaust_flow", "extent", "sliding", "tension_clamped"];
+/// The columns of a log that say to what an event happened.
+const OF: [&str; 2] = ["actuator", "part"];
 
-/// How many events of each kind there are.
-pub fn counts(events: &[RigEvent]) -> BTreeMap<EventKind, u64> {
-    let mut counts = BTreeMap::new();
-    for event in events {
-        *counts.entry(event.kind).or_insert(0) += 1;
-    }
-    counts
-}
-
-/// The log as a table for people.
-pub fn table(events: &[RigEvent]) -> String {
-    let mut text = styled(FAINT, format!("{:>16}  {:<12}  {}", "time (s)", "event", "then")) + "\n";
-    for event in events {
-        let after = &event.after;
-        let mut then = vec![after.ports.name()];
-        then.extend(after.supply_zone.or(after.exhaust_zone).map(zone));
-        then.extend([extent(after.extent), sliding(after.sliding)]);
-        then.extend(after.clamped.then_some("tension kept at zero"));
+/// The log, with what holds after each event for whom it happened to.
+pub(crate) fn table(log: &Log) -> String {
+    let of = log.columns.iter().position(|column| OF.contains(&column.as_str()));
+    let wide = of.map_or(0, |of| log.rows.iter().map(|row| row[of].chars().count()).max().unwrap_or(0).max(2));
+    let whose = |words: &str| if of.is_some() { format!("  {words:<wide$}") } else { String::new() };
+    let head = format!("{:>16}  {:<12}{}  {}", "time (s)", "event", whose("of"), "then");
+    let mut text = styled(FAINT, head) + "\n";
+    for (time, words) in log.times.iter().zip(&log.rows) {
+        let part = of.map_or("", |of| &words[of]);
+        let its = |column: &str| match prefix(column) {
+            "" => !log.columns.iter().any(|column| !part.is_empty() && prefix(column) == part),
+            owner => owner == part,
+        };
+        let behind = log.columns.iter().zip(words).enumerate().skip(1);
+        let then = behind.filter(|(place, (column, _))| Some(*place) != of && its(column));
+        let then: Vec<&str> =
+            then.map(|(_, (column, word))| told(column, word)).filter(|word| !word.is_empty()).collect();
         // Writing to a string cannot fail.
-        let _ = writeln!(text, "{:>16.9}  {:<12}  {}", event.time, event.kind.name(), then.join(", "));
+        let _ = writeln!(text, "{time:>16.9}  {:<12}{}  {}", words[0], whose(part), then.join(", "));
     }
     text
 }
 
-/// A log of events in words.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Log {
-    /// The names of the words, the first of them `event`.
-    pub columns: Vec<String>,
-    /// The times of the events in s, in order.
-    pub times: Vec<f64>,
-    /// The words of each event.
-    pub rows: Vec<Vec<Cow<'static, str>>>,
+/// Whose a column is, of several actuators in one log: `agonist` of `agonist_valve`; empty where it says nobody.
+fn prefix(column: &str) -> &str {
+    let owner = |name: &&str| column.strip_suffix(name)?.strip_suffix('_');
+    OF_ACTUATOR.iter().find_map(owner).unwrap_or("")
 }
 
-impl Log {
-    /// The log of an actuator's run.
-    pub fn new(events: &[RigEvent]) -> Self {
-        let columns = ["event"].into_iter().chain(OF_ACTUATOR).map(str::to_owned).collect();
-        let row =
-            |event: &RigEvent| [event.kind.name()].into_iter().chain(words(&event.after)).map(Cow::Borrowed).collect();
-        let times = events.iter().map(|event| event.time).collect();
-        Self { columns, times, rows: events.iter().map(row).collect() }
-    }
-
-    /// Writes the log as CSV, with the time of each event before its words.
-    ///
-    /// # Errors
-    /// [`Failure::output`], which names `path`, when writing fails.
-    pub fn write(&self, path: &Path, out: &mut dyn Write) -> Result<(), Failure> {
-        let failed = |error: csv::Error| Failure::output(path, error);
-        let mut writer = csv::Writer::from_writer(out);
-        let columns = self.columns.iter().map(String::as_str);
-        writer.write_record(["time_s"].into_iter().chain(columns)).map_err(failed)?;
-        for (time, words) in self.times.iter().zip(&self.rows) {
-            let time = format!("{time:?}");
-            writer.write_record([time.as_str()].into_iter().chain(words.iter().map(AsRef::as_ref))).map_err(failed)?;
-        }
-        writer.flush().map_err(|error| Failure::output(path, error))
+/// What a word of a column says.
+fn told<'w>(column: &str, word: &'w str) -> &'w str {
+    match (column.ends_with("tension_clamped"), word) {
+        (true, "true") => "tension kept at zero",
+        (true, _) => "",
+        _ => word,
     }
 }
 
-/// What holds of an actuator, in the order of [`OF_ACTUATOR`].
-pub(crate) fn words<'w>(mode: &Mode) -> [&'w str; 6] {
-    let [supply, exhaust] = [mode.supply_zone, mode.exhaust_zone].map(|flow| flow.map_or("", zone));
-    let clamped = if mode.clamped { "true" } else { "false" };
-    [mode.ports.name(), supply, exhaust, extent(mode.extent), sliding(mode.sliding), clamped]
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-/// The name of a piece of the flow law.
-pub(crate) fn zone(zone: FlowZone) -> &'static str {
-    match zone {
-        FlowZone::ChokedIn => "choked-in",
-        FlowZone::SubsonicIn => "subsonic-in",
-        FlowZone::LaminarIn => "laminar-in",
-        FlowZone::LaminarOut => "laminar-out",
-        FlowZone::SubsonicOut => "subsonic-out",
-        FlowZone::ChokedOut => "choked-out",
-    }
-}
-
-pub(crate) fn extent(extent: Extent) -> &'static str {
-    match extent {
-        Extent::Slack => "slack",
-        Extent::Free => "free",
-        Extent::Taut => "taut",
-        Extent::Rebound => "rebound",
-    }
-}
-
-fn sliding(sliding: Sliding) -> &'static str {
-    match sliding {
-        Sliding::Lengthening => "lengthening",
-        Sliding::Shortening => "shortening",
-        Sliding::Stuck => "stuck",
-        Sliding::Held => "held",
-        Sliding::Frictionless => "frictionless",
+    #[test]
+    fn after_an_event_stands_what_holds_of_whom_it_happened_to() {
+        let own = ["event", "actuator", "turning"].map(String::from);
+        let both = ["agonist", "antagonist"].map(|name| OF_ACTUATOR.map(|column| format!("{name}_{column}")));
+        let row = |own: [&'static str; 3]| {
+            let agonist = ["closed", "", "", "free", "stuck", "true"];
+            let antagonist = ["exhaust", "", "choked-out", "taut", "held", "false"];
+            own.into_iter().chain(agonist).chain(antagonist).map(Into::into).collect()
+        };
+        let log = Log {
+            columns: own.into_iter().chain(both.concat()).collect(),
+            times: vec![0.25, 0.5, 0.75],
+            rows: vec![
+                row(["stick", "agonist", "stuck"]),
+                row(["taut", "antagonist", "stuck"]),
+                row(["stick", "", "stuck"]),
+            ],
+        };
+        let text = anstream::adapter::strip_str(&table(&log)).to_string();
+        let lines: Vec<Vec<&str>> = text
+            .lines()
+            .map(|line| line.split("  ").map(str::trim).filter(|part| !part.is_empty()).collect())
+            .collect();
+        assert_eq!(lines[1], ["0.250000000", "stick", "agonist", "closed, free, stuck, tension kept at zero"]);
+        assert_eq!(lines[2], ["0.500000000", "taut", "antagonist", "exhaust, choked-out, taut, held"]);
+        assert_eq!(lines[3], ["0.750000000", "stick", "stuck"]);
     }
 }

@@ -6,8 +6,10 @@
 //! | SIGINT (Ctrl-C) | 130 |
 //! | SIGTERM | 143 |
 //!
-//! Only the program listens, never this library in another host. A signal that the process was started with as ignored, as by
+//! A signal that the process was started with as ignored, as by
 //! `nohup`, stays ignored. A second signal ends the process at once. Checked by `tests/output.rs`.
+
+use std::sync::OnceLock;
 
 /// Listens from now on.
 #[cfg(unix)]
@@ -36,7 +38,7 @@ pub fn listen() {}
 
 #[cfg(unix)]
 fn end(signal: i32, name: &str) -> ! {
-    let words = match crate::output::stays(crate::temporary::abandon_all()) {
+    let words = match stays(mckibben_run::temporary::abandon_all()) {
         None => "nothing was left behind".to_owned(),
         Some(stays) => format!("what was under way was removed; {stays}"),
     };
@@ -51,4 +53,23 @@ fn is_ignored(signal: i32) -> bool {
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
     let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0);
     mask & (1 << (signal - 1)) != 0
+}
+
+/// What is said of a program that is ended while files of it are finished, where it has more to say than their number.
+static STAYS: OnceLock<Box<dyn Fn() -> String + Send + Sync>> = OnceLock::new();
+
+/// Words for what stays when this program ends before its work is done.
+pub(crate) fn on_end(words: impl Fn() -> String + Send + Sync + 'static) {
+    // The first says it: a program does one thing.
+    let _ = STAYS.set(Box::new(words));
+}
+
+/// What stays when this program ends now, so many files of its own being finished; `None` for nothing.
+pub(crate) fn stays(finished: u64) -> Option<String> {
+    match (STAYS.get(), finished) {
+        (Some(words), _) => Some(words()),
+        (None, 0) => None,
+        (None, 1) => Some("1 file that was finished stays".to_owned()),
+        (None, _) => Some(format!("{finished} files that were finished stay")),
+    }
 }

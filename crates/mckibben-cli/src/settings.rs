@@ -3,7 +3,7 @@
 //! The value is TOML where it reads as TOML (`0.5`, `["0 s", "1 s"]`) and a string where it does not (`10 lb`, `exhaust`),
 //! so that nothing needs to be quoted twice.
 
-use crate::failure::Failure;
+use mckibben_run::failure::Failure;
 use mckibben_scenario::Document;
 use std::fmt;
 use std::str::FromStr;

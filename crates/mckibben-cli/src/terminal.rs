@@ -3,8 +3,9 @@
 //! Colour codes are always written and taken out again by `anstream` when the output is no terminal, or `NO_COLOR` is
 //! set, or the terminal has none.
 
-use crate::failure::Failure;
 use clap::builder::styling::{AnsiColor, Style, Styles};
+use mckibben_run::failure::Failure;
+use mckibben_run::text;
 use std::io::{ErrorKind, Write};
 use std::path::Path;
 
@@ -58,31 +59,12 @@ fn console_width() -> Option<usize> {
     std::env::var("COLUMNS").ok()?.parse().ok()
 }
 
-/// Breaks text into lines of at most `width` characters, each after `indent`.
-pub fn wrap(text: &str, indent: &str, width: usize) -> String {
-    let mut lines = String::new();
-    let mut line = indent.to_owned();
-    for word in text.split(' ') {
-        let filled = line.chars().count();
-        if filled > indent.len() && filled + 1 + word.chars().count() > width {
-            lines.push_str(line.trim_end());
-            lines.push('\n');
-            line = indent.to_owned();
-        } else if filled > indent.len() {
-            line.push(' ');
-        }
-        line.push_str(word);
-    }
-    lines + line.trim_end()
+/// Breaks text into the lines of the terminal, each after `indent`.
+pub fn wrap(text: &str, indent: &str) -> String {
+    text::wrap(text, indent, width())
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn lines_are_no_longer_than_asked() {
-        let text = wrap("one two three four five six", "  ", 12);
-        assert_eq!(text, "  one two\n  three four\n  five six");
-    }
+/// The line that says that a file was written, with what is known of it.
+pub(crate) fn wrote(path: &Path, what: &str) -> String {
+    format!("{} {}{what}\n", styled(GOOD, "wrote"), path.display())
 }

@@ -32,7 +32,9 @@ fn the_page_says_what_is_measured() {
     if std::env::var_os("MCKIBBEN_WRITE").is_some() {
         std::fs::write(&path, &text).expect("writable");
         let figure = accuracy_table::figure(&rows);
-        figure.write(&of_repository(FIGURE), mckibben_cli::plot::Theme::Light).expect("a figure");
+        let path = of_repository(FIGURE);
+        let bytes = figure.bytes(mckibben_plot::Format::of(&path).expect("a known ending")).expect("a figure");
+        std::fs::write(&path, bytes).expect("writable");
         println!("wrote {PAGE} and {FIGURE}");
         return;
     }

@@ -1,4 +1,4 @@
-//! The architecture page names paths that exist, and every source file of the core is on it. The page of equations leads from
+//! The architecture page names paths that exist. The page of equations leads from
 //! each equation of the paper to a function and a test that exist, and the page of limits quotes messages that exist.
 
 use std::path::{Path, PathBuf};
@@ -30,17 +30,6 @@ fn links(cell: &str) -> Vec<(&str, &str)> {
     named.filter_map(|(name, rest)| Some((name, rest.split_once(')')?.0))).collect()
 }
 
-fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
-    for entry in std::fs::read_dir(folder).expect("a readable folder") {
-        let path = entry.expect("an entry").path();
-        if path.is_dir() {
-            sources(&path, found);
-        } else if path.extension().is_some_and(|ending| ending == "rs") {
-            found.push(path);
-        }
-    }
-}
-
 #[test]
 fn every_path_on_the_page_exists() {
     let page = std::fs::read_to_string(root().join("ARCHITECTURE.md")).expect("the page");
@@ -49,18 +38,6 @@ fn every_path_on_the_page_exists() {
     for path in paths {
         let in_scenario = root().join("crates/mckibben-scenario").join(path);
         assert!(root().join(path).exists() || in_scenario.exists(), "ARCHITECTURE.md names {path}, which is not there");
-    }
-}
-
-#[test]
-fn every_source_file_of_the_core_is_on_the_page() {
-    let page = std::fs::read_to_string(root().join("ARCHITECTURE.md")).expect("the page");
-    let core = root().join("crates/mckibben/src");
-    let mut files = Vec::new();
-    sources(&core, &mut files);
-    for file in files {
-        let relative = file.strip_prefix(root()).expect("inside the project").to_string_lossy().replace('\\', "/");
-        assert!(page.contains(&format!("`{relative}`")), "{relative} is not on the page");
     }
 }
 

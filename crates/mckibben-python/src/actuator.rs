@@ -10,7 +10,7 @@ use mckibben::plant::{Plant, PlantRun, PlantSteps};
 use mckibben::simulation::{MOST_PARTS, Method};
 use mckibben::valve::{Demand, Request};
 use mckibben::{Error, GaugePressure, parameter};
-use mckibben_cli::failure::Failure;
+use mckibben_run::failure::Failure;
 use numpy::PyArray1;
 use pyo3::inspect::PyStaticExpr;
 use pyo3::prelude::*;

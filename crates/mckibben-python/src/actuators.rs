@@ -10,7 +10,7 @@ use crate::scenario::Scenario;
 use crate::signals::{self, Heard};
 use crate::typed::{Count, Given, Numbers, Table};
 use mckibben::plant::{PlantSnapshot, PlantSteps};
-use mckibben_cli::failure::Failure;
+use mckibben_run::failure::Failure;
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadwriteArray1};
 use pyo3::prelude::*;
 use std::sync::{Mutex, MutexGuard, TryLockError};

@@ -2,7 +2,7 @@
 //!
 //! Each is refused before anything is allocated or has changed, by the argument's name and the element's index.
 
-use mckibben_cli::failure::Failure;
+use mckibben_run::failure::Failure;
 use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
 

@@ -1,6 +1,6 @@
 //! Columns of numbers and words as NumPy arrays.
 
-use mckibben_cli::record::{Filled, Values};
+use mckibben_run::record::{Filled, Values};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::intern;
 use pyo3::prelude::*;

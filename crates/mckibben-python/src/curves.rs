@@ -1,10 +1,11 @@
 //! `curves`, and the named actuators and valves.
 
+use crate::arguments;
 use crate::raised::Raised;
 use crate::scenario::Scenario;
-use crate::typed::{Numbered, Sections};
-use mckibben_cli::commands::curves::{Pressures, USUAL, data};
-use mckibben_cli::failure::Failure;
+use crate::typed::{GaugePressures, Numbered, Sections, Sequence};
+use mckibben_run::curves::{Curves, Pressures, USUAL};
+use mckibben_run::failure::Failure;
 use mckibben_scenario::presets::{ACTUATORS, Preset, VALVES};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
@@ -12,23 +13,36 @@ use pyo3::types::PyDict;
 
 /// Force, stiffness and volume of a scenario's actuator over length, at rest: the table of `mckibben curves`.
 ///
-/// `pressures` are gauge pressures as text, such as "35, 45, 55 psi"; those of the paper's Fig. 3 unless given. Each array
+/// `pressures` are gauge pressures: numbers in Pa, or text such as "35, 45, 55 psi"; those of the paper's Fig. 3 unless given. Each array
 /// has a row for each pressure and a column for each length, from the shortest to the longest; its name has its unit at
 /// the end. `stiffness_n_m` is (7), at constant pressure; `sealed_stiffness_n_m` is (5), with the valve shut.
 #[pyfunction]
-#[pyo3(signature = (scenario, pressures = USUAL))]
+#[pyo3(signature = (scenario, pressures = None))]
 pub(crate) fn curves<'py>(
     py: Python<'py>,
     scenario: &Bound<'py, Scenario>,
-    pressures: &str,
+    pressures: Option<GaugePressures>,
 ) -> PyResult<Numbered<'py>> {
     let document = &scenario.get().document;
     let (table, count) = py
         .detach(|| {
-            let pressures: Pressures = pressures.parse().map_err(|why: String| {
-                Failure::input(format!("`pressures`: {why}"), "give text such as \"35, 45, 55 psi\"")
-            })?;
-            Ok::<_, Failure>((data(document, &pressures)?, pressures.count()))
+            let text = |text: &str| {
+                text.parse().map_err(|why: String| {
+                    Failure::input(
+                        format!("`pressures`: {why}"),
+                        "give text such as \"35, 45, 55 psi\", or numbers in Pa",
+                    )
+                })
+            };
+            let pressures: Pressures = match pressures {
+                None => text(USUAL)?,
+                Some(GaugePressures::Text(list)) => text(&list)?,
+                Some(GaugePressures::Numbers(Sequence(numbers))) => {
+                    arguments::finite("pressures", &numbers)?;
+                    Pressures::of_pascals(&numbers)
+                }
+            };
+            Ok::<_, Failure>((Curves::of(document, &pressures)?.data()?, pressures.count()))
         })
         .raised()?;
     let arrays = PyDict::new(py);

@@ -20,9 +20,9 @@
 //! | `values` | dictionaries of Python to TOML and back |
 //! | `arguments` | numbers, arrays and counts that are refused by their argument's name |
 //! | `signals` | Ctrl-C while the core works |
-//! | `raised` | failures as the exceptions of `mckibben.errors`, in the words of the command line |
+//! | `raised` | failures as the exceptions of `mckibben.errors` |
 //!
-//! There is no physics here: everything is done by the core and by the library of the program, so that what Python gives
+//! There is no physics here: everything is done by the core and by `mckibben-run`, so that what Python gives
 //! is what `mckibben simulate` writes, to the last bit. Whatever takes longer than a microsecond runs with the interpreter
 //! released. What is thin and Python's own (plots, data frames) is in `python/mckibben`. Checked by `python/tests`.
 
@@ -71,10 +71,4 @@ mod _mckibben {
     use crate::sweep::Sweep;
     #[pymodule_export]
     use crate::trajectory::{Event, Trajectory, simulate};
-
-    /// A library has no progress bars.
-    #[pymodule_init]
-    fn quiet() {
-        mckibben_cli::progress::silence();
-    }
 }

@@ -2,9 +2,10 @@
 
 use crate::raised::Raised;
 use crate::scenario::Scenario;
-use crate::typed::{Complex, Items, Matrix, Parts, Point};
+use crate::typed::{Complex, Items, Matrix, Parts, Point, Quantity};
 use mckibben::linearize::Signal;
-use mckibben_cli::commands::linearize::{Found, LinearizeArguments};
+use mckibben_run::linearize::{Measure, Request};
+use mckibben_run::quantities;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -14,43 +15,46 @@ use pyo3::types::PyDict;
 /// Two of `pressure` (gauge), `length` and `load` give the third; what is not given is that of the scenario. `duty` gives the
 /// pressure by the valve's mean flow under PWM, and with `pwm` the duty follows from the pressure; else the valve is held
 /// shut, and the mass flow into the actuator is the input. Of a joint `angle` and `stiffness` give the pressures. With
-/// `amplitude` Coulomb friction is replaced by the viscous damping that takes as much. Quantities are text with units, such
-/// as "60 psi".
+/// `amplitude` Coulomb friction is replaced by the viscous damping that takes as much. Quantities are numbers in SI or text with
+/// units, such as "60 psi"; `load` is a force, as text also a mass.
 ///
 /// Raises `InputError` where there is no such point.
 #[pyfunction]
 #[pyo3(signature = (scenario, *, pressure = None, length = None, load = None, duty = None, pwm = false, temperature = None,
     angle = None, stiffness = None, amplitude = None, all_states = false))]
-#[expect(clippy::too_many_arguments, reason = "they are the options of the command line, each by its name")]
+#[expect(clippy::too_many_arguments, reason = "each is given by its name")]
 pub(crate) fn linearize(
     py: Python<'_>,
     scenario: &Bound<'_, Scenario>,
-    pressure: Option<String>,
-    length: Option<String>,
-    load: Option<String>,
+    pressure: Option<Quantity>,
+    length: Option<Quantity>,
+    load: Option<Quantity>,
     duty: Option<f64>,
     pwm: bool,
-    temperature: Option<String>,
-    angle: Option<String>,
-    stiffness: Option<String>,
-    amplitude: Option<String>,
+    temperature: Option<Quantity>,
+    angle: Option<Quantity>,
+    stiffness: Option<Quantity>,
+    amplitude: Option<Quantity>,
     all_states: bool,
 ) -> PyResult<LinearModel> {
-    let options = [
-        ("--pressure", pressure),
-        ("--length", length),
-        ("--load", load),
-        ("--duty", duty.map(|duty| format!("{duty:?}"))),
-        ("--temperature", temperature),
-        ("--angle", angle),
-        ("--stiffness", stiffness),
-        ("--amplitude", amplitude),
-    ];
-    let switches = [("--pwm", pwm), ("--all-states", all_states)];
-    let given = options.into_iter().filter_map(|(name, value)| Some(format!("{name}={}", value?)));
-    let asked: Vec<String> = given.chain(switches.into_iter().filter(|of| of.1).map(|of| of.0.to_owned())).collect();
+    let read = |name: &str, of: Option<Quantity>, [what, unit, example]: [&str; 3]| {
+        of.map(|of| of.read(name, |text| quantities::read(text, what, unit, example), |number| number)).transpose()
+    };
+    let of_length = ["length", "m", "85 mm"];
+    let request = Request {
+        pressure: read("pressure", pressure, ["pressure", "Pa", "60 psi"]).raised()?,
+        length: read("length", length, of_length).raised()?,
+        load: load.map(|load| load.read("load", Measure::read, Measure::Force)).transpose().raised()?,
+        duty,
+        pwm,
+        temperature: read("temperature", temperature, ["temperature", "K", "293 K"]).raised()?,
+        angle: read("angle", angle, ["angle", "rad", "20 deg"]).raised()?,
+        stiffness: read("stiffness", stiffness, ["stiffness of a joint", "N*m/rad", "2 N*m/rad"]).raised()?,
+        amplitude: read("amplitude", amplitude, of_length).raised()?,
+        all_states,
+    };
     let (name, document) = (scenario.get().document.source().name(), &scenario.get().document);
-    let found = py.detach(|| Found::of(name, document, &LinearizeArguments::of_options(asked)?)).raised()?;
+    let found = py.detach(|| mckibben_run::linearize::LinearModel::of(name, document, &request)).raised()?;
     LinearModel::new(py, &found)
 }
 
@@ -67,7 +71,7 @@ pub(crate) struct LinearModel {
 }
 
 impl LinearModel {
-    fn new(py: Python<'_>, found: &Found) -> PyResult<Self> {
+    fn new(py: Python<'_>, found: &mckibben_run::linearize::LinearModel) -> PyResult<Self> {
         let system = found.system();
         let [states, inputs, outputs] = [&system.states, &system.inputs, &system.outputs];
         let matrix = |rows: &[Vec<f64>], height: usize, width: usize| {

@@ -5,7 +5,7 @@
 //! `multiprocessing`, makes its own. Nothing here holds a lock while it is made, for a lock that another thread held when the
 //! process forked stays shut in the child.
 
-use mckibben_cli::failure::Failure;
+use mckibben_run::failure::Failure;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::ptr;
 use std::sync::atomic::{AtomicPtr, Ordering};

@@ -2,7 +2,7 @@
 
 use crate::arguments;
 use mckibben::valve::{Command, Demand, Request};
-use mckibben_cli::failure::Failure;
+use mckibben_run::failure::Failure;
 
 /// How often pulses come, and what is asked for in them and between.
 #[derive(Clone, Copy, Debug)]

@@ -3,7 +3,7 @@
 use crate::raised::Raised;
 use crate::typed::{Items, Sections, Values};
 use crate::values;
-use mckibben_cli::failure::Failure;
+use mckibben_run::failure::Failure;
 use mckibben_scenario::Document;
 use pyo3::prelude::*;
 use std::path::PathBuf;

@@ -7,7 +7,7 @@
 use crate::pool;
 use crate::raised::{Raised, exception};
 use mckibben::Error;
-use mckibben_cli::failure::Failure;
+use mckibben_run::failure::Failure;
 use pyo3::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};

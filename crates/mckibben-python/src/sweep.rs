@@ -3,14 +3,14 @@
 use crate::raised::Raised;
 use crate::scenario::Scenario;
 use crate::typed::{Items, Names};
-use mckibben_cli::failure::Failure;
-use mckibben_cli::output;
-use mckibben_cli::sweep::destination::Place;
-use mckibben_cli::sweep::folder::Folder;
-use mckibben_cli::sweep::prepared::Prepared;
-use mckibben_cli::sweep::step::Choice;
-use mckibben_cli::sweep::table::Kind;
-use mckibben_cli::sweep::tally::Tally;
+use mckibben_run::failure::Failure;
+use mckibben_run::output;
+use mckibben_run::sweep::destination::Place;
+use mckibben_run::sweep::folder::Folder;
+use mckibben_run::sweep::prepared::Prepared;
+use mckibben_run::sweep::step::Choice;
+use mckibben_run::sweep::table::Kind;
+use mckibben_run::sweep::tally::Tally;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use std::num::NonZeroUsize;
@@ -45,11 +45,6 @@ const OBSERVED: u64 = 16;
 
 /// Threads at most.
 const MOST_JOBS: usize = 4096;
-
-/// A failure whose `--output` is the argument `folder`.
-fn of_folder(failure: Failure) -> Failure {
-    failure.in_words(|words| words.replace("--output", "`folder`"))
-}
 
 fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, NonZeroUsize::get)
@@ -151,7 +146,7 @@ impl Sweep {
     /// Makes the sweep's folder, or takes up one that holds the same sweep: the numbers of the parts that are not finished in
     /// it, and how many runs failed in those that are.
     fn missing(&self, folder: PathBuf) -> PyResult<(Vec<u64>, u64)> {
-        self.prepared.folder(&folder).and_then(|folder| self.missing_in(&folder)).map_err(of_folder).raised()
+        self.prepared.folder(&folder).and_then(|folder| self.missing_in(&folder)).raised()
     }
 
     /// Puts the bytes of a part into the folder: it is there whole or not at all.
@@ -183,8 +178,7 @@ impl Sweep {
             return Err(Failure::input(format!("{jobs} jobs are more threads than can be started"), remedy)).raised();
         }
         let mut tally = Tally::new(self.prepared.sweep(), false);
-        let (missing, _) =
-            py.detach(|| self.missing_in(&self.prepared.folder(&folder)?)).map_err(of_folder).raised()?;
+        let (missing, _) = py.detach(|| self.missing_in(&self.prepared.folder(&folder)?)).raised()?;
         let mut done = self.parts() - missing.len() as u64;
         let of_rows = |rows: u64| (rows * jobs as u64).div_ceil(self.prepared.plan().part_rows.max(1));
         let together = match progress {
@@ -197,7 +191,6 @@ impl Sweep {
                 let place = Place::Folder(self.prepared.folder(&folder)?);
                 self.prepared.simulate(self.choice.as_ref(), parts.to_vec(), jobs, place, &mut tally)
             })
-            .map_err(of_folder)
             .raised()?;
             done += parts.len() as u64;
             progress.as_ref().map_or(Ok(()), |progress| progress.call1((done, self.parts())).map(|_| ()))?;

@@ -8,12 +8,12 @@ use crate::signals::Watch;
 use crate::typed::{
     self, Columns, Facts, Figure, Items, Listed, Name, Names, Numbers, Pandas, Parts, Polars, Row, Sequence, Words,
 };
-use mckibben_cli::failure::Failure;
-use mckibben_cli::finished::{Finished, Ready};
-use mckibben_cli::output;
-use mckibben_cli::plot::Theme;
-use mckibben_cli::portrait::Over;
-use mckibben_cli::record::{Format, Provenance};
+use mckibben_plot::Theme;
+use mckibben_run::failure::Failure;
+use mckibben_run::finished::{Finished, Ready};
+use mckibben_run::output;
+use mckibben_run::portrait::Over;
+use mckibben_run::record::{Format, Provenance};
 use pyo3::exceptions::{PyAttributeError, PyKeyError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -30,7 +30,7 @@ pub(crate) fn simulate(py: Python<'_>, scenario: &Bound<'_, Scenario>) -> PyResu
     let of = scenario.get();
     let finished = run(py, of)?;
     let (columns, log) = py.detach(|| finished.columns().map(|columns| (columns, finished.log()))).raised()?;
-    let of_column = |column: mckibben_cli::record::Filled| {
+    let of_column = |column: mckibben_run::record::Filled| {
         Ok(Column { name: column.name, unit: column.unit.to_owned(), values: array(py, column.values)?.unbind() })
     };
     let columns = columns.into_iter().map(of_column).collect::<PyResult<_>>()?;

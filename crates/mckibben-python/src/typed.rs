@@ -1,7 +1,7 @@
 //! Python objects with the types that the stubs give them.
 
 use crate::raised::exception;
-use mckibben_cli::failure::Failure;
+use mckibben_run::failure::Failure;
 use numpy::ndarray::Dimension;
 use numpy::{
     AllowTypeChange, BorrowError, Element, Ix1, Ix2, PyArray, PyArrayLike1, PyArrayMethods, PyReadonlyArray,
@@ -210,6 +210,49 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Name {
     }
 }
 
+/// A quantity: a number in SI, or text with its unit.
+pub(crate) enum Quantity {
+    Number(f64),
+    Text(String),
+}
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Quantity {
+    type Error = PyErr;
+    const INPUT_TYPE: PyStaticExpr = type_hint_union!(FLOAT, STR);
+
+    fn extract(given: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        match given.extract() {
+            Ok(text) => Ok(Self::Text(text)),
+            Err(_) => given.extract().map(Self::Number).map_err(|_| {
+                let what = kind(&given);
+                PyTypeError::new_err(format!(
+                    "a quantity is a number in SI or text with its unit, such as \"60 psi\", and no {what}"
+                ))
+            }),
+        }
+    }
+}
+
+impl Quantity {
+    /// What the argument of a name says, from text as `read` takes it.
+    pub(crate) fn read<T>(
+        self,
+        name: &str,
+        read: impl FnOnce(&str) -> Result<T, String>,
+        of: impl FnOnce(f64) -> T,
+    ) -> Result<T, Failure> {
+        match self {
+            Self::Number(number) if number.is_finite() => Ok(of(number)),
+            Self::Number(number) => {
+                Err(Failure::input(format!("{name} = {number:?} is no finite number"), "give a finite number"))
+            }
+            Self::Text(text) => read(&text).map_err(|why| {
+                Failure::input(format!("`{name}`: {why}"), "give a number in SI, or text with a unit of this quantity")
+            }),
+        }
+    }
+}
+
 /// How many there are to be of something.
 pub(crate) struct Count(pub(crate) usize);
 
@@ -247,6 +290,24 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Sequence {
     fn extract(numbers: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
         let array: PyArrayLike1<'py, f64, AllowTypeChange> = numbers.extract()?;
         Ok(Self(array.as_array().iter().copied().collect()))
+    }
+}
+
+/// Gauge pressures: numbers in Pa, or text with a unit.
+pub(crate) enum GaugePressures {
+    Numbers(Sequence),
+    Text(String),
+}
+
+impl<'a, 'py> FromPyObject<'a, 'py> for GaugePressures {
+    type Error = PyErr;
+    const INPUT_TYPE: PyStaticExpr = type_hint_union!(name!("numpy.typing", "ArrayLike"), STR);
+
+    fn extract(given: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        match given.extract() {
+            Ok(text) => Ok(Self::Text(text)),
+            Err(_) => given.extract().map(Self::Numbers),
+        }
     }
 }
 

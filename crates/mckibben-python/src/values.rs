@@ -2,7 +2,7 @@
 
 use crate::raised::exception;
 use crate::typed::kind;
-use mckibben_cli::failure::Failure;
+use mckibben_run::failure::Failure;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyMapping, PyString};

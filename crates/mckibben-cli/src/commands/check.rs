@@ -1,10 +1,10 @@
 //! `mckibben check`: reads scenario files with their sweeps and builds what they describe, without simulating.
 
 use crate::describe;
-use crate::engine;
-use crate::failure::Failure;
-use crate::quantities::{count, given};
 use crate::terminal::{self, GOOD, styled};
+use mckibben_run::engine;
+use mckibben_run::failure::Failure;
+use mckibben_run::quantities::{count, given};
 use mckibben_scenario::diagnostic::Class;
 use mckibben_scenario::{Diagnostic, Diagnostics, Document, PlantExperiment, Scenario, Style, Sweep};
 use std::path::{Path, PathBuf};

@@ -1,10 +1,10 @@
 //! `mckibben completions`: scripts that let a shell complete commands and options.
 
 use crate::arguments::Arguments;
-use crate::failure::Failure;
 use crate::terminal;
 use clap::CommandFactory as _;
 use clap_complete::Shell;
+use mckibben_run::failure::Failure;
 
 /// What `mckibben completions` is asked.
 #[derive(Clone, Copy, Debug, clap::Args)]

@@ -1,8 +1,8 @@
 //! `mckibben init`: writes a scenario file to start from.
 
-use crate::failure::Failure;
-use crate::output;
-use crate::terminal::{self, GOOD, styled};
+use crate::terminal;
+use mckibben_run::failure::Failure;
+use mckibben_run::output;
 use std::path::{Path, PathBuf};
 
 /// What `mckibben init` is asked.
@@ -41,8 +41,6 @@ pub fn run(arguments: &InitArguments) -> Result<(), Failure> {
     }
     output::write(path, text.as_bytes())?;
     let shown = path.display();
-    terminal::print(&format!(
-        "{} {shown}\nnext: mckibben simulate {shown} --output run.csv --plot run.svg\n",
-        styled(GOOD, "wrote")
-    ))
+    let next = format!("next: mckibben simulate {shown} --output run.csv --plot run.svg\n");
+    terminal::print(&(terminal::wrote(path, "") + &next))
 }

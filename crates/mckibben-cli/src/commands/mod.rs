@@ -14,7 +14,7 @@ pub mod simulate;
 pub mod sweep;
 
 use crate::arguments::Command;
-use crate::failure::Failure;
+use mckibben_run::failure::Failure;
 
 /// Does what a command asks.
 ///

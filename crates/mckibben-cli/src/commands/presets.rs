@@ -1,7 +1,7 @@
 //! `mckibben presets`: the named actuators and valves, each number with its value, source and whether it is assumed.
 
-use crate::failure::Failure;
 use crate::terminal::{self, FAINT, HEADING, NOTABLE, styled};
+use mckibben_run::failure::Failure;
 use mckibben_scenario::presets::{ACTUATORS, Preset, PresetValue, VALVES};
 use mckibben_scenario::quantity;
 use std::fmt::Write as _;

@@ -1,7 +1,7 @@
 //! `mckibben schema`: the JSON Schema of scenario files, for editors.
 
-use crate::failure::Failure;
 use crate::terminal;
+use mckibben_run::failure::Failure;
 
 /// What `mckibben schema` is asked.
 #[derive(Clone, Copy, Debug, clap::Args)]

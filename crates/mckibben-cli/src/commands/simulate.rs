@@ -3,18 +3,17 @@
 //! Everything that can be refused is refused before anything is simulated, and every file is complete before any of
 //! them takes its name. A run of which no figure and no events are wanted is written as it is made and not kept.
 
-use crate::engine;
-use crate::failure::Failure;
-use crate::finished::{Figures, Finished, Ready};
-use crate::joint;
-use crate::output::{self, Pending};
-use crate::plant;
-use crate::portrait;
-use crate::progress::Progress;
-use crate::record::{self, Provenance, Target};
 use crate::settings::Setting;
-use crate::summary::Summary;
-use crate::terminal;
+use crate::summary::{self, Summary};
+use crate::{events, files, terminal};
+use mckibben_plot::Format;
+use mckibben_run::engine;
+use mckibben_run::failure::Failure;
+use mckibben_run::finished::{Figures, Finished, Ready};
+use mckibben_run::output::{self, Pending};
+use mckibben_run::portrait;
+use mckibben_run::progress::Progress;
+use mckibben_run::record::{self, Provenance, Target};
 use mckibben_scenario::{Assumed, Document, Scenario};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -49,7 +48,7 @@ pub struct SimulateArguments {
     pub plot: Option<PathBuf>,
     /// What the figure is drawn over.
     #[arg(long, value_enum, default_value_t, value_name = "QUANTITY", requires = "plot")]
-    pub over: portrait::Over,
+    pub over: Over,
     /// Set a value of the scenario, such as `command.duty=0.3` or `load.mass=10 lb`; can be given again.
     #[arg(short, long, value_name = "KEY=VALUE")]
     pub set: Vec<Setting>,
@@ -64,6 +63,25 @@ pub struct SimulateArguments {
     pub quiet: bool,
 }
 
+/// What a run is drawn over.
+#[derive(Clone, Copy, Debug, Default, Eq, PartialEq, clap::ValueEnum)]
+pub enum Over {
+    /// Length, pressure and tension over time.
+    #[default]
+    Time,
+    /// Tension over length: the loops of hysteresis.
+    Length,
+}
+
+impl From<Over> for portrait::Over {
+    fn from(over: Over) -> Self {
+        match over {
+            Over::Time => Self::Time,
+            Over::Length => Self::Length,
+        }
+    }
+}
+
 /// Runs the scenario.
 ///
 /// # Errors
@@ -76,7 +94,7 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     }
     let scenario = if document.is_plant() { None } else { Some(document.scenario()?) };
     let ready = Ready::of(&document)?;
-    if ready.has_several() && arguments.over != portrait::Over::Time {
+    if ready.has_several() && arguments.over != Over::Time {
         return Err(Failure::input(
             "--over: several actuators have several lengths, so they are drawn over time",
             "leave --over out, and take the columns of --output for another figure",
@@ -106,12 +124,12 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
         let finished = ready.run(&document, &mut |_| Ok(()))?;
         let elapsed = started.elapsed();
         let pending = files.write(arguments, &provenance, &finished)?;
-        (finished.figures()?, elapsed, pending, Some(finished.table()))
+        (finished.figures()?, elapsed, pending, Some(events::table(&finished.log())))
     };
 
     let mut text = String::new();
     if !arguments.quiet {
-        text.push_str(&summary(&figures, &name, scenario.as_ref(), elapsed, &assumed)?);
+        text.push_str(&told(&figures, &name, scenario.as_ref(), elapsed, &assumed)?);
     }
     // The files take their names when nothing can fail any more.
     pending.into_iter().try_for_each(Pending::commit)?;
@@ -129,7 +147,7 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     terminal::print(&text)
 }
 
-fn summary(
+fn told(
     figures: &Figures,
     name: &str,
     scenario: Option<&Scenario>,
@@ -137,7 +155,7 @@ fn summary(
     assumed: &[Assumed],
 ) -> Result<String, Failure> {
     match (figures, scenario) {
-        (Figures::Plant(run), _) => plant::summary::Summary { name, run, elapsed, assumed }.render(),
+        (Figures::Plant(run), _) => summary::plant::Summary { name, run, elapsed, assumed }.render(),
         // Not reached: what is no plant has been read as a scenario. Said rather than assumed.
         (_, None) => Err(Failure::stopped("the run has no scenario")),
         (Figures::Actuator(of), Some(scenario)) => {
@@ -148,7 +166,7 @@ fn summary(
             let antagonist = scenario.of_antagonist();
             let scenarios = [scenario, antagonist.as_ref().unwrap_or(scenario)];
             let (rig, observation, control) = (&of.rig, &of.observation, of.control.as_ref());
-            joint::summary::Summary { name, scenarios, rig, observation, control, elapsed, assumed }.render()
+            summary::joint::Summary { name, scenarios, rig, observation, control, elapsed, assumed }.render()
         }
     }
 }
@@ -157,7 +175,7 @@ fn summary(
 #[derive(Debug)]
 struct Files<'a> {
     output: Option<(&'a Path, record::Format)>,
-    plot: Option<(&'a Path, portrait::Format)>,
+    plot: Option<(&'a Path, Format)>,
     events: Option<&'a Path>,
 }
 
@@ -174,7 +192,7 @@ impl<'a> Files<'a> {
         let help = "give --output, --plot and --events-output names of their own";
         output::distinct([arguments.file.as_path()], output.into_iter().chain(plot).chain(events), help)?;
         let output = output.map(|path| record::Format::of(path).map(|format| (path, format))).transpose()?;
-        let plot = plot.map(|path| portrait::Format::of(path).map(|format| (path, format))).transpose()?;
+        let plot = files::figure(plot)?;
         Ok(Self { output, plot, events })
     }
 
@@ -209,10 +227,9 @@ impl<'a> Files<'a> {
         }
         if let Some(target) = self.plot {
             let title = arguments.file.file_stem().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-            let bytes = portrait::bytes(&finished.figure(arguments.over, &title), target)?;
-            let mut file = Pending::create(target.0)?;
-            file.writer().write_all(&bytes).map_err(|error| Failure::output(target.0, error))?;
-            pending.push(file);
+            let (path, format) = target;
+            let figure = finished.figure(arguments.over.into(), &title);
+            pending.push(files::pending(path, &figure.bytes(format).map_err(|error| Failure::output(path, error))?)?);
         }
         if let Some(path) = self.events {
             let mut file = Pending::create(path)?;
@@ -227,8 +244,9 @@ impl<'a> Files<'a> {
         let mut text = String::new();
         for path in self.paths() {
             let is_output = self.output.is_some_and(|(output, _)| output == path);
-            let rows = if is_output { format!(", {} rows", crate::quantities::count(rows)) } else { String::new() };
-            text.push_str(&format!("{} {}{rows}\n", terminal::styled(terminal::GOOD, "wrote"), path.display()));
+            let rows =
+                if is_output { format!(", {} rows", mckibben_run::quantities::count(rows)) } else { String::new() };
+            text.push_str(&terminal::wrote(path, &rows));
         }
         if text.is_empty() { text } else { format!("\n{text}") }
     }

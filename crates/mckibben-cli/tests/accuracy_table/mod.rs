@@ -3,8 +3,8 @@
 use crate::common::of_repository;
 use mckibben::plant::{PlantReference, RigPlant};
 use mckibben::simulation::Method;
-use mckibben_cli::plot::{Axis, Colour, Figure, Panel, Series, Style};
 use mckibben_cli::settings::Setting;
+use mckibben_plot::{Axis, Colour, Figure, Panel, Series, Style};
 use mckibben_scenario::{Document, Experiment};
 use std::fmt::Write as _;
 
@@ -146,7 +146,7 @@ pub(crate) fn told(error: f64) -> String {
 
 /// A step in ms.
 pub(crate) fn milliseconds(step: f64) -> String {
-    format!("{} ms", mckibben_cli::quantities::digits(step * 1e3).trim_end_matches('0').trim_end_matches('.'))
+    format!("{} ms", mckibben_run::quantities::digits(step * 1e3).trim_end_matches('0').trim_end_matches('.'))
 }
 
 /// The order between two rows, where both errors are resolved and small enough to be told apart from chance.

@@ -3,7 +3,7 @@
 use crate::pulses::Pulses;
 use mckibben::valve::{Demand, Request, Solenoid};
 use mckibben::{Error, GaugePressure, parameter};
-use mckibben_cli::failure::Failure;
+use mckibben_run::failure::Failure;
 
 /// What a number in the array stands for.
 #[derive(Clone, Copy, Debug)]

@@ -6,8 +6,8 @@ use mckibben::parameter;
 use mckibben::plant::{Plant, PlantStart, plant_step_for_accuracy};
 use mckibben::simulation::{self, Method};
 use mckibben::valve::{Command, Solenoid};
-use mckibben_cli::failure::Failure;
 use mckibben_identify::adjustable::Adjustable;
+use mckibben_run::failure::Failure;
 use mckibben_scenario::{Document, Engine, PlaceError, PlantExperiment, PlantPlace, Run};
 use pyo3::prelude::*;
 

@@ -6,7 +6,7 @@ use super::file::{Begin, File};
 use mckibben::parameter;
 use mckibben::plant::{PlantRun, PlantSteps, TimeStepping};
 use mckibben_batch::PlantBatch;
-use mckibben_cli::failure::Failure;
+use mckibben_run::failure::Failure;
 use rayon::prelude::*;
 
 /// Numbers that the stages of a step keep for each state of a plant, and bytes of what the parts of a plant are.

@@ -24,7 +24,7 @@ use fleet::{Fleet, Span};
 use mckibben::network::NodeKind;
 use mckibben::simulation::MOST_PARTS;
 use mckibben::valve::{Command, Solenoid};
-use mckibben_cli::failure::Failure;
+use mckibben_run::failure::Failure;
 use numpy::PyArray1;
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;

@@ -13,10 +13,10 @@
 mod page;
 mod picture;
 
-use crate::failure::Failure;
-use crate::output;
-use crate::progress::Progress;
 use crate::terminal;
+use mckibben_run::failure::Failure;
+use mckibben_run::output;
+use mckibben_run::progress::Progress;
 use mckibben_scenario::Style;
 use page::{Entry, Group};
 use std::path::{Path, PathBuf};

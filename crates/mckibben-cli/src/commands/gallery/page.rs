@@ -1,9 +1,8 @@
 //! The page of the gallery: one HTML file without scripts that shows the figures beside it.
 
-use crate::report::escaped;
+use mckibben_run::report::{STYLE, escaped};
 use std::fmt::Write as _;
 
-const STYLE: &str = include_str!("../../report/style.css");
 /// What this page needs beyond the style of a report.
 const CARDS: &str = "\
 main, nav ol { max-width: 84rem; }

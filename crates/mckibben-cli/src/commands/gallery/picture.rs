@@ -1,12 +1,14 @@
 //! The figure of a scenario file: that of its sweep, its static curves, its linear model or its run.
 
-use crate::commands::{curves, linearize, sweep};
-use crate::failure::Failure;
-use crate::finished::{Finished, Ready};
-use crate::plot::Theme;
-use crate::portrait::Over;
-use crate::sweep::prepared::Prepared;
+use crate::commands::sweep;
 use mckibben::load::Load;
+use mckibben_plot::Theme;
+use mckibben_run::curves::{self, Curves, Pressures, USUAL};
+use mckibben_run::failure::Failure;
+use mckibben_run::finished::{Finished, Ready};
+use mckibben_run::linearize::{LinearModel, Request};
+use mckibben_run::portrait::Over;
+use mckibben_run::sweep::prepared::Prepared;
 use mckibben_scenario::{Document, Record};
 use std::path::Path;
 
@@ -43,9 +45,14 @@ pub(super) fn of(file: &Path, text: &str) -> Result<Picture, Failure> {
         }
     }
     match first_command(text) {
-        Some("curves") => return picture(curves::figure(&document)?.to_svg(Theme::Auto), "curves", ""),
+        Some("curves") => {
+            let usual: Pressures = USUAL.parse().map_err(Failure::stopped)?;
+            let figure = Curves::of(&document, &usual)?.figure(curves::Over::Length);
+            return picture(figure.to_svg(Theme::Auto), "curves", "");
+        }
         Some("linearize") => {
-            return picture(linearize::figure(file, &document)?.to_svg(Theme::Auto), "linearize", "");
+            let model = LinearModel::of(&file.display().to_string(), &document, &Request::default())?;
+            return picture(model.figure(None)?.to_svg(Theme::Auto), "linearize", "");
         }
         _ => {}
     }

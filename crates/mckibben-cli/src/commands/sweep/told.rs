@@ -1,0 +1,154 @@
+//! What a sweep came to, as text for people.
+
+use super::{SweepArguments, Target};
+use crate::describe;
+use crate::terminal::{self, FAINT, HEADING, NOTABLE, styled};
+use mckibben_run::quantities::{common_prefix, count, digits, given, quantity};
+use mckibben_run::sweep::plan::{Plan, Shard};
+use mckibben_run::sweep::step::Choice;
+use mckibben_run::sweep::tally::Tally;
+use mckibben_scenario::Sweep;
+use std::fmt::Write as _;
+use std::time::Duration;
+
+/// The summary.
+pub(super) fn summary(
+    arguments: &SweepArguments,
+    plan: &Plan,
+    (sweep, choice): (&Sweep, Option<&Choice>),
+    tally: &Tally,
+    (kept, written, elapsed): (u64, u64, Duration),
+) -> String {
+    let seconds = elapsed.as_secs_f64();
+    let mut text = format!(
+        "{}  {}\n",
+        styled(HEADING, arguments.file.display()),
+        styled(FAINT, format!("{} runs", count(plan.rows)))
+    );
+    /// Before what stands beside a name.
+    const INDENT: &str = "            ";
+    let line = |name: &str, what: &str| format!("  {name:<8}  {what}\n");
+    let varied: Vec<&str> = sweep.axes().iter().map(|axis| axis.path.as_str()).collect();
+    let varied = terminal::wrap(&format!("{} ({})", varied.join(", "), sweep.design().name()), INDENT);
+    text.push_str(&line("varied", varied.trim_start()));
+    let first = match sweep.plant(0) {
+        Some(first) => first.ok().map(|first| first.run),
+        None => sweep.scenario(0).ok().map(|first| first.run),
+    };
+    if let Some(run) = first {
+        text.push_str(&line("engine", &describe::engine(&run)));
+    }
+    if let Some(choice) = choice {
+        let step = terminal::wrap(&step_of(choice), INDENT);
+        text.push_str(&line("step", step.trim_start()));
+    }
+    let new = tally.runs() - kept;
+    if kept > 0 {
+        text.push_str(&line("kept", &format!("{} runs of parts that were finished before", count(kept))));
+    }
+    let rate = if seconds > 0.0 { digits(new as f64 / seconds) } else { String::new() };
+    text.push_str(&line("cost", &format!("{} runs in {}, {rate} runs/s", count(new), quantity(seconds, "s"))));
+    if arguments.shard != Shard::WHOLE {
+        let share = format!("{}: {} of {} runs", arguments.shard, count(tally.runs()), count(plan.rows));
+        text.push_str(&line("shard", &share));
+    }
+    text.push_str(&ranges(tally));
+    text.push_str(&failures(tally));
+    let mut files = String::new();
+    if let Some(path) = &arguments.output {
+        let is_folder = matches!(Target::of(arguments), Ok(Target::Folder(_)));
+        let parts = if written == 1 { "1 part".to_owned() } else { format!("{} parts", count(written)) };
+        if !is_folder {
+            files.push_str(&terminal::wrote(path, ""));
+        } else if written > 0 {
+            files.push_str(&terminal::wrote(path, &format!(", {parts}")));
+        }
+    }
+    if let Some(path) = &arguments.plot {
+        files.push_str(&terminal::wrote(path, ""));
+    }
+    if !files.is_empty() {
+        text.push('\n');
+    }
+    text + &files
+}
+
+/// The longest step, and on what ground it was taken.
+fn step_of(Choice { step, accuracy, reached, unreached }: &Choice) -> String {
+    let tried = match reached.len() {
+        1 => "1 run needs".to_owned(),
+        many => format!("{many} runs spread over the sweep need"),
+    };
+    let beside = match unreached.as_slice() {
+        [] => String::new(),
+        rows => {
+            let rows: Vec<String> = rows.iter().map(u64::to_string).collect();
+            format!("; not reached with any step in run {}", rows.join(", "))
+        }
+    };
+    format!("at most {}, the least that {tried} for an accuracy of {accuracy:e}{beside}", given(*step, "s"))
+}
+
+/// The range of each reduction as a table.
+fn ranges(tally: &Tally) -> String {
+    let mut text = String::new();
+    let known = || tally.ranges();
+    if known().next().is_none() {
+        return text;
+    }
+    let names = known().map(|(reduction, _)| reduction.name.len()).max().unwrap_or(0);
+    // Room for ten characters of digits and prefix before the longest unit.
+    let width = known().map(|(reduction, _)| 10 + reduction.unit.len()).max().unwrap_or(0).max(14);
+    put(&mut text, format_args!("\n{}\n", styled(HEADING, "Reductions")));
+    let head = format!("  {:<names$}{:>width$}{:>width$}{:>width$}", "", "least", "mean", "greatest");
+    put(&mut text, format_args!("{}\n", styled(FAINT, head)));
+    for (reduction, spread) in known() {
+        let values = [spread.least, spread.sum / spread.runs as f64, spread.greatest];
+        let [least, mean, greatest] = values.map(told(&values, reduction.unit));
+        let missing = tally.runs() - tally.failed() - spread.runs;
+        let note = if missing > 0 { format!("  none in {} runs", count(missing)) } else { String::new() };
+        put(
+            &mut text,
+            format_args!(
+                "  {:<names$}{least:>width$}{mean:>width$}{greatest:>width$}{}\n",
+                reduction.name,
+                styled(FAINT, note)
+            ),
+        );
+    }
+    text
+}
+
+/// The runs that failed, with the first reasons.
+fn failures(tally: &Tally) -> String {
+    if tally.failed() == 0 {
+        return String::new();
+    }
+    let heading = format!("{} of {} runs failed", count(tally.failed()), count(tally.runs()));
+    let mut text = format!("\n{}\n", styled(NOTABLE, heading));
+    for (row, reason) in tally.reasons() {
+        let reason = reason.split_whitespace().collect::<Vec<_>>().join(" ");
+        put(&mut text, format_args!("{}\n", terminal::wrap(&format!("run {row}: {reason}"), "  ")));
+    }
+    if tally.reasons().count() as u64 != tally.failed() {
+        text.push_str("  the column `error` has the others\n");
+    }
+    text
+}
+
+/// Values under one prefix.
+fn told<'a>(values: &[f64], unit: &'a str) -> impl Fn(f64) -> String + use<'a> {
+    // The kilogram has a prefix of its own, which only the gram can lose; what has no unit takes no prefix.
+    let (scale, unit) = match unit.strip_prefix("kg") {
+        Some(rest) => (1e3, format!("g{rest}")),
+        None => (1.0, unit.to_owned()),
+    };
+    let scaled: Vec<f64> = values.iter().map(|value| value * scale).collect();
+    let (factor, prefix) = if unit.is_empty() { (1.0, "") } else { common_prefix(&scaled) };
+    move |value| format!("{} {prefix}{unit}", digits(value * scale * factor)).trim_end().to_owned()
+}
+
+fn put(text: &mut String, arguments: std::fmt::Arguments<'_>) {
+    // Writing to a string cannot fail.
+    let _ = text.write_fmt(arguments);
+}

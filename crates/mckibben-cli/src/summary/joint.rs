@@ -1,0 +1,123 @@
+//! What the run of a joint came to, as text for people.
+
+use crate::describe;
+use crate::summary::{Exergy, Page, assumptions, circuit, cost, effort, events, goals, residual, sums};
+use crate::terminal::{FAINT, styled};
+use mckibben::plant::{ActuatorLedger, MechanismLedger, PlantLedger};
+use mckibben::simulation::JointRig;
+use mckibben_run::closed_loop::Closed;
+use mckibben_run::failure::Failure;
+use mckibben_run::joint::NAMES;
+use mckibben_run::joint::observation::Observation;
+use mckibben_run::observation::{AirUse, Range};
+use mckibben_run::quantities::given;
+use mckibben_scenario::{Assumed, Scenario};
+use std::time::Duration;
+
+/// Everything that the summary tells about.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Summary<'a> {
+    /// The name of the scenario file.
+    pub name: &'a str,
+    /// The scenario as it was understood, and as it stands for the antagonist.
+    pub scenarios: [&'a Scenario; 2],
+    /// The joint.
+    pub rig: &'a JointRig,
+    /// The figures of the run.
+    pub observation: &'a Observation,
+    /// The controller's part in it, if there is one.
+    pub control: Option<&'a Closed>,
+    /// How long the computer took.
+    pub elapsed: Duration,
+    /// The assumed values in force.
+    pub assumed: &'a [Assumed],
+}
+
+impl Summary<'_> {
+    /// The summary, with colours.
+    ///
+    /// # Errors
+    /// [`Failure::stopped`] for a number that is not finite.
+    pub(crate) fn render(&self) -> Result<String, Failure> {
+        let page = &Page::default();
+        self.what_ran(page);
+        self.events(page);
+        self.states(page);
+        let Observation { air: used, ended, .. } = self.observation;
+        if let Some(closed) = self.control {
+            goals(page, &closed.goals);
+            effort(page, closed, used.iter().map(|air| air.from_supply).sum());
+        }
+        air(page, *used);
+        energy(page, &ended.ledger);
+        if ended.draws {
+            let process = self.rig.driven()[0].actuator.air().process();
+            circuit(page, &Exergy::of_plant(&ended.ledger), process, sums(&ended.ledger.exergy()));
+        }
+        page.finish(&assumptions(self.assumed))
+    }
+
+    fn what_ran(&self, page: &Page) {
+        let [scenario, _] = self.scenarios;
+        let run = &scenario.run;
+        page.heading(&format!("{}  {}", self.name, styled(FAINT, given(run.duration, "s"))));
+        page.line("load", &describe::load(&scenario.load));
+        for (name, scenario) in NAMES.into_iter().zip(self.scenarios) {
+            page.line(name, &describe::drive(scenario));
+        }
+        page.line("air", &describe::air(&scenario.air.process));
+        page.line("engine", &describe::engine(run));
+        cost(page, &self.observation.ended, run, self.elapsed);
+    }
+
+    fn events(&self, page: &Page) {
+        page.heading("Events");
+        events(page, self.observation.events.iter().map(|(kind, number)| (kind.name(), *number)));
+    }
+
+    fn states(&self, page: &Page) {
+        let Observation { last, joint, actuators, .. } = self.observation;
+        page.heading("State");
+        page.head(["at the end", "least", "greatest"]);
+        page.range("angle", last.angle, joint[0], "rad");
+        page.range("angular vel.", last.angular_velocity, joint[1], "rad/s");
+        page.range("torque", last.torque, joint[2], "N*m");
+        for (index, name) in NAMES.into_iter().enumerate() {
+            let (last, [length, tension, pressure]) = (&last.actuators[index], actuators[index]);
+            let atmosphere = self.rig.driven()[index].actuator.air().atmosphere().0;
+            let Range { least, greatest } = pressure;
+            page.line("", name);
+            page.range("length", last.length, length, "m");
+            page.range("tension", last.tension, tension, "N");
+            let gauge = Range { least: least - atmosphere, greatest: greatest - atmosphere };
+            page.range("gauge pressure", last.pressure.0 - atmosphere, gauge, "Pa");
+        }
+    }
+}
+
+fn air(page: &Page, used: [AirUse; 2]) {
+    page.heading("Air");
+    for (name, air) in NAMES.into_iter().zip(used) {
+        let (from, to) = (page.quantity(air.from_supply, "kg"), page.quantity(air.to_surroundings, "kg"));
+        page.line(name, &format!("{from} from the supply, {to} to the exhaust"));
+    }
+}
+
+fn energy(page: &Page, ledger: &PlantLedger) {
+    page.heading("Energy");
+    let joules = |value: f64| format!("{} J", page.digits(value));
+    let (actuators, limbs) = (&ledger.actuators, &ledger.mechanisms);
+    for (of, (name, whose)) in actuators.iter().zip([("gas work", "agonist's gauge pressure"), ("", "antagonist's")]) {
+        page.value(name, &joules(of.gas_work), &format!("by the {whose}"));
+    }
+    let limb = |of: &dyn Fn(&MechanismLedger) -> f64| limbs.iter().map(of).sum::<f64>();
+    page.value(
+        "to the limb",
+        &joules(limb(&|of| of.kinetic + of.potential)),
+        "kinetic and potential, pressed stops included",
+    );
+    let dissipated = actuators.iter().map(ActuatorLedger::dissipated).sum();
+    page.value("dissipated", &joules(dissipated), "in both actuators");
+    page.value("", &joules(limb(&|of| of.damping + of.stops)), "in the joint and its stops");
+    residual(page, sums(&ledger.work()));
+}

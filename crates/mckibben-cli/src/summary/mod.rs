@@ -1,0 +1,545 @@
+//! What a run came to, as text for people: of an actuator on its load, and what that of a joint and that of a plant have in common.
+
+pub(crate) mod joint;
+pub(crate) mod plant;
+
+use crate::describe;
+use crate::terminal::{FAINT, HEADING, NOTABLE, styled, wrap};
+use mckibben::air::Process;
+use mckibben::engine::Statistics;
+use mckibben::plant::{Balance, PlantLedger};
+use mckibben::simulation::Rig;
+use mckibben::valve::REFERENCE_DENSITY;
+use mckibben_run::closed_loop::{Closed, Goal, Miss};
+use mckibben_run::failure::Failure;
+use mckibben_run::observation::{Ended, Observation, Range, Ripple, Steps};
+use mckibben_run::quantities::{self, common_prefix, count, given};
+use mckibben_scenario::{Assumed, Load, Run, Scenario};
+use std::cell::{Cell, RefCell};
+use std::fmt::Write as _;
+use std::time::Duration;
+
+/// A change of the mean length below this part of it is not worth telling.
+const SETTLED: f64 = 1e-7;
+
+/// A space at which no line is broken.
+const KEPT: &str = "\u{a0}";
+
+/// Width of the column of names.
+const NAMES: usize = 14;
+
+/// Everything that the summary tells about.
+#[derive(Clone, Copy, Debug)]
+pub struct Summary<'a> {
+    /// The name of the scenario file.
+    pub name: &'a str,
+    /// The scenario as it was understood.
+    pub scenario: &'a Scenario,
+    /// What was simulated.
+    pub rig: &'a Rig,
+    /// The controller's part in it, if there is one.
+    pub control: Option<&'a Closed>,
+    /// Its figures.
+    pub observation: &'a Observation,
+    /// How long the computer took.
+    pub elapsed: Duration,
+    /// The assumed values in force.
+    pub assumed: &'a [Assumed],
+}
+
+impl Summary<'_> {
+    /// The summary, with colours.
+    ///
+    /// # Errors
+    /// [`Failure::stopped`] for a number that is not finite.
+    pub fn render(&self) -> Result<String, Failure> {
+        let page = &Page::default();
+        self.what_ran(page);
+        self.events(page);
+        self.states(page);
+        if let Some(closed) = self.control {
+            goals(page, &closed.goals);
+            effort(page, closed, self.observation.air.from_supply);
+        }
+        self.air(page);
+        let ended = &self.observation.ended;
+        energy(page, &ended.ledger);
+        if ended.draws {
+            let process = self.rig.actuator().air().process();
+            circuit(page, &Exergy::of_plant(&ended.ledger), process, sums(&ended.ledger.exergy()));
+        }
+        page.finish(&assumptions(self.assumed))
+    }
+
+    fn what_ran(&self, page: &Page) {
+        let run = &self.scenario.run;
+        page.heading(&format!("{}  {}", self.name, styled(FAINT, given(run.duration, "s"))));
+        page.line("load", &describe::load(&self.scenario.load));
+        if let Some(tendon) = &self.scenario.tendon {
+            page.line("tendon", &format!("{} in series", given(tendon.stiffness, "N/m")));
+        }
+        page.line("drive", &describe::drive(self.scenario));
+        page.line("air", &describe::air(&self.scenario.air.process));
+        page.line("engine", &describe::engine(run));
+        cost(page, &self.observation.ended, run, self.elapsed);
+    }
+
+    fn states(&self, page: &Page) {
+        let (last, extremes) = (&self.observation.last, &self.observation.extremes);
+        let limits = self.rig.actuator().limits();
+        let longest = limits.max_length();
+        let contraction = |length: f64| (longest - length) / longest;
+        let atmosphere = self.rig.actuator().air().atmosphere().0;
+        let gauge = |range: Range| Range { least: range.least - atmosphere, greatest: range.greatest - atmosphere };
+        let shortening =
+            Range { least: contraction(extremes.length.greatest), greatest: contraction(extremes.length.least) };
+        page.heading("State");
+        page.head(["at the end", "least", "greatest"]);
+        page.range("length", last.length, extremes.length, "m");
+        let percents =
+            [contraction(last.length), shortening.least, shortening.greatest].map(|share| page.percent(share));
+        page.columns("contraction", percents);
+        page.range("velocity", last.velocity, extremes.velocity, "m/s");
+        page.range("tension", last.tension, extremes.tension, "N");
+        if let Some(tendon) = self.rig.tendon() {
+            let stretch = page.quantity(last.tension / tendon.stiffness(), "m");
+            let distance = page.quantity(last.load_distance, "m");
+            page.line("tendon", &format!("stretched by {stretch} at the end, the load at {distance}"));
+        }
+        page.range("gauge pressure", last.pressure.0 - atmosphere, gauge(extremes.pressure), "Pa");
+        let kelvin = |kelvin: f64| format!("{:.1} K", page.sound(kelvin));
+        let temperature = &extremes.temperature;
+        page.columns("temperature", [last.temperature, temperature.least, temperature.greatest].map(kelvin));
+        page.line("air", &format!("{} in {} at the end", page.quantity(last.air_mass, "kg"), page.volume(last.volume)));
+        match last.supply_pressure.filter(|_| self.rig.regulator().is_some()) {
+            Some(regulated) => {
+                page.line(
+                    "regulator",
+                    &format!("at {} gauge at the end", page.quantity(regulated.0 - atmosphere, "Pa")),
+                );
+            }
+            None => page.line("valve", &format!("{} at the end", last.ports.name())),
+        }
+        // A length that is fixed has no ripple, whatever the pressure does.
+        let moves = !matches!(self.scenario.load, Load::Isometric);
+        if let Some(ripple) = self.observation.ripple.as_ref().filter(|_| moves) {
+            page.line("under PWM", &under_pwm(page, ripple, contraction(ripple.mean)));
+        }
+    }
+
+    fn air(&self, page: &Page) {
+        let air = &self.observation.air;
+        if self.scenario.valve.is_none() {
+            return;
+        }
+        let said = |mass: f64| format!("{}, {} ANR", page.quantity(mass, "kg"), page.volume(mass / REFERENCE_DENSITY));
+        page.heading("Air");
+        page.line("from supply", &said(air.from_supply));
+        page.line("to exhaust", &said(air.to_surroundings));
+        // Flow against the usual direction is worth a line only where there is any.
+        for (name, mass) in [("to supply", air.to_supply), ("from exhaust", air.from_surroundings)] {
+            if page.sound(mass) > 1e-12 * (air.from_supply + air.to_surroundings) {
+                page.line(name, &said(mass));
+            }
+        }
+    }
+
+    fn events(&self, page: &Page) {
+        page.heading("Events");
+        events(page, self.observation.events.iter().map(|(kind, number)| (kind.name(), *number)));
+    }
+}
+
+/// How many events there were of each kind.
+pub(crate) fn events(page: &Page, counts: impl Iterator<Item = (&'static str, u64)>) {
+    let mut total = 0;
+    let kinds = counts.map(|(kind, number)| {
+        total += number;
+        format!("{kind}{KEPT}{}", count(number))
+    });
+    let kinds = kinds.collect::<Vec<_>>().join(", ");
+    match total {
+        0 => page.line("", "none"),
+        total => page.line(&count(total), &kinds),
+    }
+}
+
+/// How far the goals of a controller were missed.
+pub(crate) fn goals<'g>(page: &Page, goals: impl IntoIterator<Item = &'g Goal>) {
+    let name = |goal: &Goal| match goal.whose {
+        Some(1) => "  antagonist",
+        _ => describe::controlled(goal.quantity),
+    };
+    goals_by_name(page, goals.into_iter().map(|goal| (name(goal).to_owned(), goal)));
+}
+
+/// How far goals with names were missed.
+pub(crate) fn goals_by_name<'g>(page: &Page, goals: impl IntoIterator<Item = (String, &'g Goal)>) {
+    page.heading("Control");
+    // Wider than the other tables: a stiffness has a long unit.
+    let row = |name: &str, [a, b, c]: [String; 3]| {
+        page.ends(name);
+        page.put(format_args!("  {name:<NAMES$}{a:>16}{b:>16}{c:>12}\n"));
+    };
+    row("", ["rms error", "largest error", "at"].map(str::to_owned));
+    for (name, goal) in goals {
+        let (Miss { rms, largest, at }, unit) = (goal.miss(), goal.quantity.rows().set_point.unit);
+        row(&name, [page.quantity(rms, unit), page.quantity(largest, unit), page.quantity(at, "s")]);
+    }
+}
+
+/// What a controller did and what it took of air in kg.
+pub(crate) fn effort(page: &Page, closed: &Closed, air: f64) {
+    page.line("samples", &format!("{}; errors are as measured then", count(closed.samples as u64)));
+    let requests: Vec<String> = closed.requests.iter().map(|requests| count(*requests as u64)).collect();
+    page.line("requests", &format!("{} changes of what the valve is asked", requests.join(" and ")));
+    page.line("air used", &format!("{} from the supply", page.quantity(air, "kg")));
+}
+
+/// What a run cost, at fixed steps with their length and what that was chosen for.
+pub(crate) fn cost(page: &Page, ended: &Ended, run: &Run, elapsed: Duration) {
+    if let Some(Steps { step, chosen, .. }) = ended.steps {
+        page.line("step", &step_of(page, step, chosen, run));
+    }
+    page.line("cost", &format!("{}, {}", work(ended.counts), page.quantity(elapsed.as_secs_f64(), "s")));
+}
+
+/// How many steps and evaluations a run took.
+fn work(counts: Statistics) -> String {
+    let steps = count(counts.explicit_steps + counts.implicit_steps);
+    let implicit = match counts.implicit_steps {
+        0 => String::new(),
+        implicit => format!(" ({} of them implicit)", count(implicit)),
+    };
+    let (rejected, evaluations) = (count(counts.rejected_steps), count(counts.evaluations));
+    format!("{steps} steps{implicit}, {rejected} repeated, {evaluations} evaluations")
+}
+
+/// What does not close of an energy audit, and what share of its turnover that is, unless that is no more than rounding.
+pub(crate) fn residual(page: &Page, sums: [f64; 3]) {
+    residual_in(page, sums, "J");
+}
+
+/// What does not close of a sum in a unit.
+pub(crate) fn residual_in(page: &Page, [residual, turnover, rounding]: [f64; 3], unit: &str) {
+    let _ = page.sound(turnover);
+    let share = if turnover <= rounding {
+        format!("within rounding, which may leave {}", page.quantity(rounding, unit))
+    } else if residual == 0.0 {
+        "nothing is left".to_owned()
+    } else {
+        format!("{:.1e} of the turnover", page.sound(residual / turnover))
+    };
+    page.value("residual", &page.quantity(residual, unit), &share);
+}
+
+/// The longest step, and on what ground it was taken: the time in s that was compared, and the greatest error.
+fn step_of(page: &Page, step: f64, chosen: Option<[f64; 2]>, run: &Run) -> String {
+    let Some([compared, greatest]) = chosen else { return format!("at most {}, as given", given(step, "s")) };
+    let over =
+        if compared < run.duration { format!(" over the first {}", given(compared, "s")) } else { String::new() };
+    format!(
+        "at most {}, chosen for an accuracy of {:e}: measured error {:.1e} of the range{over}",
+        given(step, "s"),
+        run.accuracy,
+        page.sound(greatest)
+    )
+}
+
+/// The length under PWM in words.
+fn under_pwm(page: &Page, ripple: &Ripple, contraction: f64) -> String {
+    let periods = match ripple.periods {
+        1 => "the last period".to_owned(),
+        many => format!("the last {many} periods"),
+    };
+    let settled = |drift: f64| drift.abs() <= SETTLED * ripple.mean.abs();
+    let drift = match ripple.drift {
+        Some(drift) if settled(drift) => "; the mean has settled".to_owned(),
+        Some(drift) => format!("; the mean drifts by {} per period", page.quantity(drift, "m")),
+        None => String::new(),
+    };
+    format!(
+        "mean length {} (contraction {}), ripple {} peak to peak over {periods}{drift}",
+        page.quantity(ripple.mean, "m"),
+        page.percent(contraction),
+        page.quantity(ripple.peak_to_peak, "m"),
+    )
+}
+
+/// What does not close of a sum, the turnover, and what rounding may leave.
+pub(crate) fn sums(of: &Balance) -> [f64; 3] {
+    [of.residual, of.turnover, of.rounding]
+}
+
+fn energy(page: &Page, ledger: &PlantLedger) {
+    let ([audit], [load]) = (&ledger.actuators[..], &ledger.mechanisms[..]) else { return };
+    let (work, to_load) = (ledger.work(), load.kinetic + load.potential + load.driven);
+    page.heading("Energy");
+    let named = [
+        ("gas work", audit.gas_work, "by the gauge pressure"),
+        ("to the load", to_load, "kinetic and potential, or the work on a prescribed motion"),
+        ("stored", audit.braid_storage, "in the taut braid"),
+        ("stored", audit.tendon_storage, "in the tendon in series"),
+        ("in elements", audit.hysteresis_storage, "stored by the elements of the hysteresis"),
+        ("bladder", audit.bladder_storage, "stored in the bladder"),
+        ("viscous", audit.viscous, "dissipated by viscous friction"),
+        ("Coulomb", audit.coulomb, "dissipated by Coulomb friction"),
+        ("slip", audit.slip, "dissipated by the elements of the hysteresis that slip"),
+        ("braid damping", audit.braid, "dissipated by the taut braid"),
+        ("slack", audit.slack, "correction of friction while a tendon cannot push"),
+        (
+            "effectiveness",
+            audit.effectiveness_loss,
+            "taken by an effectiveness other than 1, or a law beside virtual work",
+        ),
+    ];
+    let turnover = work.turnover;
+    let (factor, prefix) = common_prefix(&named.map(|(_, value, _)| value));
+    for (index, (name, value, where_to)) in named.into_iter().enumerate() {
+        if index < 2 || value.abs() > 1e-12 * turnover {
+            page.value(name, &format!("{} {prefix}J", page.digits(value * factor)), where_to);
+        }
+    }
+    residual(page, sums(&work));
+}
+
+/// Exergy of the air from the supply and where it went, in J.
+pub(crate) struct Exergy {
+    drawn: f64,
+    gas_work: f64,
+    stored: f64,
+    exhaust: f64,
+    throttled: f64,
+    mixed: f64,
+    heat: f64,
+    /// Least work of a compressor for what was drawn.
+    compressor: f64,
+    /// Work on the load.
+    work: f64,
+}
+
+impl Exergy {
+    pub(crate) fn of_plant(of: &PlantLedger) -> Self {
+        let of = of.total();
+        Self {
+            drawn: of.drawn,
+            gas_work: of.gas_work,
+            stored: of.stored,
+            exhaust: of.exhaust,
+            throttled: of.throttled,
+            mixed: of.mixed,
+            heat: of.heat_loss,
+            compressor: of.least_work,
+            work: of.work,
+        }
+    }
+}
+
+/// Where the exergy of the air from the supply went; with what does not close, the turnover, and what rounding may leave, in J.
+pub(crate) fn circuit(page: &Page, of: &Exergy, process: Process, sums: [f64; 3]) {
+    page.heading("Exergy of the supply's air");
+    let heat = match process {
+        Process::Isentropic | Process::Polytropic { .. } => {
+            "lost through heat that the process implies; negative: gained"
+        }
+        Process::Isothermal | Process::EnergyBalance { .. } => "lost through heat",
+    };
+    let [_, turnover, _] = sums;
+    let named = [
+        ("drawn", of.drawn, "work potential at the supply's temperature and outside pressure"),
+        ("gas work", of.gas_work, "by the gauge pressure, see Energy"),
+        ("left inside", of.stored, "gained by the air in the actuator"),
+        ("exhaust", of.exhaust, "thrown out with the air"),
+        ("valve", of.throttled, "destroyed in the valve on the way in"),
+        ("mixing", of.mixed, "destroyed as air of two temperatures mixes"),
+        ("heat", of.heat, heat),
+    ];
+    let (factor, prefix) = common_prefix(&named.map(|(_, value, _)| value));
+    for (index, (name, value, where_to)) in named.into_iter().enumerate() {
+        if index < 2 || value.abs() > 1e-12 * turnover {
+            page.value(name, &format!("{} {prefix}J", page.digits(value * factor)), where_to);
+        }
+    }
+    residual(page, sums);
+    if of.drawn > 0.0 && of.compressor > 0.0 {
+        let compressor_work = page.quantity(of.compressor, "J");
+        page.value("efficiency", &page.percent(of.work / of.drawn), "work on the load over what was drawn");
+        page.value(
+            "of compressor",
+            &page.percent(of.work / of.compressor),
+            &format!("over its isothermal work, {compressor_work}"),
+        );
+    }
+}
+
+/// The closing note about numbers that nobody states.
+pub(crate) fn assumptions(assumed: &[Assumed]) -> String {
+    if assumed.is_empty() {
+        return String::new();
+    }
+    let named: Vec<String> =
+        assumed.iter().map(|value| format!("{} = {}", value.parameter.key, value.text).replace(' ', KEPT)).collect();
+    let mut presets: Vec<&str> = assumed.iter().filter_map(|value| value.preset).collect();
+    presets.dedup();
+    let commands: Vec<String> = presets.iter().map(|preset| format!("`mckibben{KEPT}presets{KEPT}{preset}`")).collect();
+    let from = if commands.is_empty() { String::new() } else { format!("; see {}", commands.join(" and ")) };
+    let note = wrap(&format!("{}{from}.", named.join(", ")), "  ").replace(KEPT, " ");
+    format!("\n{}\n{note}\n", styled(NOTABLE, "Assumed, stated by no source and not set in the file"))
+}
+
+/// The text with each number tied to the word behind it, which is its unit or its next group of digits.
+fn keep_numbers(text: &str) -> String {
+    let mut kept = String::new();
+    for word in text.split(' ') {
+        if !kept.is_empty() {
+            let before = kept.rsplit([' ', ',', '(']).next().unwrap_or_default();
+            let is_number = before.ends_with(|last: char| last.is_ascii_digit());
+            kept.push_str(if is_number { KEPT } else { " " });
+        }
+        kept.push_str(word);
+    }
+    kept
+}
+
+/// Text with a column of names. A number that is not finite is remembered with the name of its line.
+#[derive(Debug, Default)]
+pub(crate) struct Page {
+    text: RefCell<String>,
+    /// A number of the line under way that is not finite.
+    unsound: Cell<Option<f64>>,
+    /// The first line with such a number.
+    fault: RefCell<Option<String>>,
+}
+
+impl Page {
+    /// The text with what follows it.
+    ///
+    /// # Errors
+    /// [`Failure::stopped`] when a number was not finite.
+    pub(crate) fn finish(&self, end: &str) -> Result<String, Failure> {
+        match self.fault.take() {
+            None => Ok(self.text.take() + end),
+            Some(fault) => Err(Failure::not_finite(&fault)),
+        }
+    }
+
+    /// A number as it is, noted where it is not finite.
+    pub(crate) fn sound(&self, value: f64) -> f64 {
+        if !value.is_finite() {
+            self.unsound.set(Some(value));
+        }
+        value
+    }
+
+    /// A value with its unit.
+    pub(crate) fn quantity(&self, value: f64, unit: &str) -> String {
+        quantities::quantity(self.sound(value), unit)
+    }
+
+    /// Four digits.
+    pub(crate) fn digits(&self, value: f64) -> String {
+        quantities::digits(self.sound(value))
+    }
+
+    /// A ratio in percent.
+    pub(crate) fn percent(&self, value: f64) -> String {
+        quantities::percent(self.sound(value))
+    }
+
+    /// A volume in litres.
+    pub(crate) fn volume(&self, cubic_metres: f64) -> String {
+        self.quantity(cubic_metres * 1e3, "L")
+    }
+
+    /// Ends a line of this name: a number in it that was not finite is its fault.
+    fn ends(&self, name: &str) {
+        if let Some(value) = self.unsound.take() {
+            self.fault.borrow_mut().get_or_insert_with(|| format!("the summary's {} = {value}", name.trim()));
+        }
+    }
+
+    pub(crate) fn heading(&self, heading: &str) {
+        let gap = if self.text.borrow().is_empty() { "" } else { "\n" };
+        self.put(format_args!("{gap}{}\n", styled(HEADING, heading)));
+    }
+
+    /// A name and some text, broken where the terminal ends.
+    pub(crate) fn line(&self, name: &str, text: &str) {
+        self.ends(name);
+        let indent = " ".repeat(NAMES + 4);
+        let text = wrap(&keep_numbers(text), &indent).replace(KEPT, " ");
+        self.put(format_args!("  {name:<NAMES$}  {}\n", text.trim_start()));
+    }
+
+    /// A name, a value at the right of its column, and what it is.
+    pub(crate) fn value(&self, name: &str, value: &str, what: &str) {
+        self.ends(name);
+        self.put(format_args!("  {name:<NAMES$}{value:>14}  {}\n", styled(FAINT, what)));
+    }
+
+    pub(crate) fn head(&self, names: [&str; 3]) {
+        let [a, b, c] = names;
+        let line = format!("  {:<NAMES$}{a:>14}{b:>14}{c:>14}", "");
+        self.put(format_args!("{}\n", styled(FAINT, line)));
+    }
+
+    pub(crate) fn columns(&self, name: &str, [a, b, c]: [String; 3]) {
+        self.ends(name);
+        self.put(format_args!("  {name:<NAMES$}{a:>14}{b:>14}{c:>14}\n"));
+    }
+
+    /// Three values under one prefix.
+    pub(crate) fn range(&self, name: &str, end: f64, Range { least, greatest }: Range, unit: &str) {
+        let values = [end, least, greatest];
+        let (factor, prefix) = common_prefix(&values);
+        // A remainder of rounding is no value; the largest of the three gives the measure.
+        let fine = 1e-9 * values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+        let said = |value: f64| {
+            let value = if value.abs() < fine { 0.0 } else { value };
+            format!("{} {prefix}{unit}", self.digits(value * factor))
+        };
+        self.columns(name, values.map(said));
+    }
+
+    fn put(&self, text: std::fmt::Arguments<'_>) {
+        // Writing to a string cannot fail.
+        let _ = self.text.borrow_mut().write_fmt(text);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(sums: [f64; 3]) -> Result<String, Failure> {
+        let page = Page::default();
+        page.heading("NaN.toml, inf");
+        residual(&page, sums);
+        page.finish("")
+    }
+
+    #[test]
+    fn a_remainder_is_judged_against_a_turnover_that_is_more_than_rounding() {
+        let text = |sums| of(sums).expect("finite numbers");
+        assert!(text([2e-9, 4.0, 1e-12]).contains("5.0e-10 of the turnover"));
+        // The turnover of a muscle that is held at one length: half of it does not close, and says nothing.
+        let held = text([2e-17, 4e-17, 1e-12]);
+        assert!(held.contains("within rounding, which may leave 1.000 pJ") && !held.contains("turnover"), "{held}");
+        assert!(text([0.0, 0.0, 1e-12]).contains("within rounding"));
+    }
+
+    #[test]
+    fn what_is_not_finite_is_an_error_that_names_its_line() {
+        for sums in
+            [[f64::NAN, 4.0, 1e-12], [f64::INFINITY, 4.0, 1e-12], [0.0, f64::NAN, 1e-12], [1.0, f64::INFINITY, 0.0]]
+        {
+            let failure = of(sums).expect_err("no praise for what is not finite");
+            assert_eq!(failure.code(), 3);
+            assert!(failure.to_string().contains("the summary's residual = "), "{failure}");
+        }
+        let page = Page::default();
+        page.range("length", 1.0, Range { least: f64::NAN, greatest: 2.0 }, "m");
+        page.line("fine", &page.quantity(1.0, "m"));
+        assert!(page.finish("").expect_err("a length").to_string().contains("length = NaN"));
+    }
+}

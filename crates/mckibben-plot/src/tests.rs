@@ -1,0 +1,230 @@
+//! Whole figures: determinism, size, hostile words and data that are hardly data.
+
+use super::*;
+
+fn simple(x: Vec<f64>, y: Vec<f64>) -> Figure {
+    Figure::new(Axis::new("time", "s")).panel(Panel::new(Axis::new("length", "mm")).series(Series::line("run", x, y)))
+}
+
+/// A figure with one of everything.
+fn full() -> Figure {
+    let t: Vec<f64> = (0..500).map(|i| f64::from(i) * 0.01).collect();
+    let y: Vec<f64> = t.iter().map(|t| 180.0 + 20.0 * (-t).exp() * (6.0 * t).cos()).collect();
+    let low: Vec<f64> = y.iter().map(|y| y - 1.0).collect();
+    let high: Vec<f64> = y.iter().map(|y| y + 1.0).collect();
+    let upper = Panel::new(Axis::new("length", "mm"))
+        .series(Series::line("model", t.clone(), y.clone()))
+        .series(Series::points("measured", t.clone(), y.clone()).colour(Colour::Category(1)))
+        .span(Span::between("95 %", t.clone(), low, high))
+        .span(Span::strip("target", 178.0, 182.0))
+        .marks(Marks::at("peak", Symbol::Triangle, vec![1.0], vec![187.0]))
+        .marks(Marks::on_edge("edge", Symbol::TriangleDown, vec![0.5, 2.5]))
+        .horizontal(180.0, "rest")
+        .vertical(3.0, "release");
+    let lower = Panel::new(Axis::new("valve", "").words([(0.0, "closed"), (1.0, "open")]))
+        .series(Series::steps("valve", vec![0.0, 1.0, 2.0, 5.0], vec![0.0, 1.0, 0.0, 0.0]))
+        .span(Span::intervals("open", vec![(1.0, 2.0)]))
+        .height_mm(8.0);
+    Figure::new(Axis::new("time", "s")).title("A run").caption("What is seen.").panel(upper).panel(lower)
+}
+
+#[test]
+fn the_same_figure_gives_the_same_bytes() {
+    for theme in [Theme::Light, Theme::Dark, Theme::Auto] {
+        assert_eq!(full().to_svg(theme).unwrap(), full().to_svg(theme).unwrap());
+    }
+    assert_eq!(full().to_png(Theme::Light, 1.0).unwrap(), full().to_png(Theme::Light, 1.0).unwrap());
+}
+
+#[test]
+fn a_field_shows_its_extremes_its_gaps_and_its_scale() {
+    let field = |values: Vec<f64>| Field {
+        label: "tension".to_owned(),
+        unit: "N".to_owned(),
+        x: vec![1.0, 2.0, 4.0],
+        y: vec![10.0, 20.0],
+        values,
+    };
+    let figure = |values| {
+        let panel = Panel::new(Axis::new("pressure", "kPa")).field(field(values));
+        Figure::new(Axis::new("mass", "kg")).panel(panel)
+    };
+    let hex = |place: u8| {
+        let [r, g, b] = scale::colour(place);
+        format!("#{r:02x}{g:02x}{b:02x}")
+    };
+    let svg = figure(vec![1.0, 2.0, 3.0, 4.0, f64::NAN, 6.0]).to_svg(Theme::Light).unwrap();
+    // Cells are stroked in their own colour, the slices of the bar are not.
+    let cell = |place| svg.contains(&format!(r#"fill="{0}" stroke="{0}""#, hex(place)));
+    assert!(cell(0) && cell(255) && cell(51), "{svg}");
+    assert_eq!(svg.matches(r#"stroke-width="0.3""#).count(), 5);
+    for word in [">tension (N)<", ">mass (kg)<", ">pressure (kPa)<"] {
+        assert!(svg.contains(word), "{word}");
+    }
+    // What cannot be drawn is refused, what has one value or none is drawn.
+    assert!(figure(vec![1.0; 5]).to_svg(Theme::Light).is_err());
+    let mut falling = figure(vec![1.0; 6]);
+    falling.panels[0].field.as_mut().unwrap().x.reverse();
+    assert!(matches!(falling.to_svg(Theme::Light), Err(PlotError::Range { .. })));
+    for values in [vec![5.0; 6], vec![f64::NAN; 6]] {
+        assert!(figure(values).to_png(Theme::Dark, 1.0).is_ok());
+    }
+}
+
+#[test]
+fn figures_stand_side_by_side() {
+    let one = simple(vec![0.0, 1.0], vec![1.0, 2.0]);
+    let both = Beside { title: "two".to_owned(), caption: "of them".to_owned(), figures: vec![one.clone(), one] };
+    let svg = both.to_svg(Theme::Light).unwrap();
+    assert_eq!((svg.matches(">time (s)<").count(), svg.matches(">two</text>").count()), (2, 1));
+    assert!(svg.contains("width=\"170mm\"") && svg.contains(">of them<"), "{svg}");
+    assert!(Beside::default().to_svg(Theme::Light).is_ok());
+}
+
+#[test]
+fn themes_differ_only_in_colour() {
+    let [light, dark, auto] = [Theme::Light, Theme::Dark, Theme::Auto].map(|t| full().to_svg(t).unwrap());
+    let bare = |svg: &str| {
+        let style = svg.lines().filter(|l| !l.starts_with("<style")).collect::<Vec<_>>().join("\n");
+        let mut out = String::new();
+        for part in style.split(" class=\"") {
+            out.push_str(part.split_once('"').filter(|_| !out.is_empty()).map_or(part, |p| p.1));
+        }
+        let mut plain = String::new();
+        for part in out.split('#') {
+            plain.push_str(if plain.is_empty() { part } else { part.get(6..).unwrap_or("") });
+        }
+        plain
+    };
+    assert_eq!(bare(&light), bare(&dark));
+    assert_eq!(bare(&light), bare(&auto));
+    assert!(auto.contains("prefers-color-scheme:dark") && !light.contains("<style"));
+}
+
+#[test]
+fn a_long_series_gives_a_small_file() {
+    let t: Vec<f64> = (0..100_000).map(|i| f64::from(i) * 1e-4).collect();
+    let ripple: Vec<f64> = t.iter().map(|t| 200.0 + 5.0 * (t * 300.0).sin() + (t * 7919.0).sin()).collect();
+    let svg = simple(t, ripple).to_svg(Theme::Light).unwrap();
+    assert!(svg.len() < 60_000, "{}", svg.len());
+    let a: Vec<f64> = (0..100_000).map(|i| f64::from(i) * 1e-3).collect();
+    let smooth = simple(a.iter().map(|a| a.cos()).collect(), a.iter().map(|a| (a * 1.01).sin()).collect());
+    let svg = smooth.to_svg(Theme::Light).unwrap();
+    assert!(svg.len() < 60_000, "{}", svg.len());
+}
+
+#[test]
+fn many_intervals_are_shaded_by_their_share() {
+    let spans = |n: i32| (0..n).map(|i| (f64::from(i), f64::from(i) + 0.5)).collect::<Vec<_>>();
+    let svg = |n| {
+        let panel = Panel::new(Axis::new("p", "kPa")).span(Span::intervals("open", spans(n)));
+        Figure::new(Axis::new("t", "s")).panel(panel).to_svg(Theme::Light).unwrap()
+    };
+    assert!(svg(10).contains(r#"fill-opacity="0.16""#));
+    let dense = svg(100_000);
+    assert!(dense.contains(r#"fill-opacity="0.08""#) && dense.len() < 40_000, "{}", dense.len());
+}
+
+#[test]
+fn hostile_words_stay_words() {
+    let evil = "</text><script>alert(1)</script> \" & ' \u{0} \u{7} \u{fffe} ]]>";
+    let mut figure = full().title(evil).caption(evil);
+    figure.x = Axis::new(evil, evil);
+    figure.panels[0].y.label = evil.to_string();
+    figure.panels[0].series[0].label = evil.to_string();
+    figure.panels[0].references.push(Reference::Horizontal { y: 181.0, label: evil.to_string() });
+    let svg = figure.to_svg(Theme::Auto).unwrap();
+    assert!(!svg.contains("<script") && !svg.contains('\u{0}') && !svg.contains('\u{7}'));
+    assert_eq!(svg.matches("<text").count(), svg.matches("</text>").count());
+    assert!(figure.to_png(Theme::Light, 1.0).is_ok());
+}
+
+#[test]
+fn data_that_are_hardly_data_are_drawn() {
+    let nan = f64::NAN;
+    let inf = f64::INFINITY;
+    let cases: Vec<(Vec<f64>, Vec<f64>)> = vec![
+        (vec![], vec![]),
+        (vec![1.0], vec![2.0]),
+        (vec![nan], vec![nan]),
+        (vec![0.0, 1.0, 2.0], vec![5.0, 5.0, 5.0]),
+        (vec![0.0, 1.0, 2.0, 3.0], vec![1.0, nan, inf, 2.0]),
+        (vec![1.0, 1.0, 1.0], vec![0.0, 1.0, 2.0]),
+        (vec![0.0, 1.0], vec![1e-9, 3e-9]),
+        (vec![0.0, 1e9], vec![-1e9, 1e9]),
+        (vec![0.0, f64::MAX], vec![f64::MIN, f64::MAX]),
+        (vec![0.0, f64::MIN_POSITIVE], vec![0.0, 5e-324]),
+        (vec![0.0, 1.0], vec![101_325.0, 101_325.000_1]),
+        (vec![3.0, 2.0, 1.0], vec![-0.0, 0.0, -0.0]),
+    ];
+    for (x, y) in cases {
+        for style in [Style::Line, Style::Points, Style::LineAndPoints, Style::Steps] {
+            for legend in [Legend::Auto, Legend::Above, Legend::Direct, Legend::Hidden] {
+                let mut figure = simple(x.clone(), y.clone());
+                figure.panels[0].series[0].style = style;
+                figure.panels[0].legend = legend;
+                let panel = figure.panels.remove(0);
+                figure = figure.panel(panel.horizontal(nan, "nowhere").vertical(inf, "nowhere"));
+                let svg = figure.to_svg(Theme::Light).unwrap();
+                assert!(!svg.contains("NaN") && !svg.contains("inf"), "{x:?} {y:?} {svg}");
+                assert!(figure.to_png(Theme::Dark, 0.5).is_ok());
+            }
+        }
+    }
+    assert!(Figure::default().to_svg(Theme::Light).is_ok() && Figure::default().to_png(Theme::Light, 1.0).is_ok());
+}
+
+#[test]
+fn a_fixed_axis_over_distant_data_keeps_them_inside() {
+    let mut figure = simple(vec![0.0, 1.0, 2.0], vec![-1e300, 1e300, 0.5]);
+    figure.panels[0].y = Axis::new("y", "").starting_at(0.0).ending_at(1.0);
+    figure.x = Axis::new("x", "").starting_at(0.5).ending_at(1.5);
+    let svg = figure.to_svg(Theme::Light).unwrap();
+    let numbers = svg.split([' ', 'M', 'L', 'H', 'V', 'Z', '"']).filter_map(|s| s.parse::<f64>().ok());
+    assert!(numbers.into_iter().all(|v| v.abs() < 1000.0));
+}
+
+#[test]
+fn contradictions_are_refused_by_name() {
+    let uneven = simple(vec![0.0, 1.0], vec![0.0]).to_svg(Theme::Light).unwrap_err();
+    assert_eq!(uneven.to_string(), r#"series "run" has 2 values of x and 1 of y; give as many of one as of the other"#);
+    let mut backwards = full();
+    backwards.x = Axis::new("time", "s").starting_at(2.0).ending_at(1.0);
+    assert!(matches!(backwards.to_svg(Theme::Light), Err(PlotError::Range { .. })));
+    assert!(matches!(full().size_mm(f64::NAN, 30.0).to_svg(Theme::Light), Err(PlotError::Dimension { .. })));
+    assert!(matches!(full().to_png(Theme::Light, 100.0), Err(PlotError::Dimension { .. })));
+}
+
+#[test]
+fn a_name_is_told_once() {
+    let svg = full().to_svg(Theme::Light).unwrap();
+    // The lower panel's only series repeats its axis; its span is new.
+    assert_eq!(svg.matches(">valve</text>").count(), 1);
+    let twice = full().panel(full().panels.remove(0)).to_svg(Theme::Light).unwrap();
+    assert_eq!(twice.matches(">measured</text>").count(), 1);
+}
+
+#[test]
+fn words_on_a_reference_line_leave_before_they_cover_data() {
+    let svg = |points: i32| {
+        let t: Vec<f64> = (0..points).map(|i| f64::from(i) * 0.01).collect();
+        let y = t.iter().map(|t| (40.0 * t).sin()).collect();
+        let mut figure = simple(t, y);
+        figure.panels[0].references.push(Reference::Horizontal { y: 0.0, label: "rest".to_string() });
+        figure.x.max = Some(10.0);
+        figure.to_svg(Theme::Light).unwrap()
+    };
+    // Half of the axes is empty: the words stand on the line, set off from it. All is full: they are in the legend.
+    let (beside, above) = (svg(500), svg(1000));
+    assert!(beside.contains("paint-order") && beside.matches(">rest</text>").count() == 1);
+    assert!(!above.contains("paint-order") && above.matches(">rest</text>").count() == 1);
+}
+
+#[test]
+fn the_ending_of_a_name_says_how_to_draw() {
+    let of = |name: &str| Format::of(Path::new(name));
+    assert!(full().bytes(of("a.svg").unwrap()).unwrap().starts_with(b"<svg"));
+    assert!(full().bytes(of("b.PNG").unwrap()).unwrap().starts_with(b"\x89PNG"));
+    let wrong = of("c.pdf").unwrap_err().to_string();
+    assert!(wrong.contains("c.pdf") && wrong.contains(".svg"), "{wrong}");
+}

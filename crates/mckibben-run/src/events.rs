@@ -1,0 +1,103 @@
+//! The log of events in words, and as CSV.
+//!
+//! The columns of the CSV are `time_s,event,valve,supply_flow,exhaust_flow,extent,sliding,tension_clamped`; after the name
+//! of the event they say what holds from then on.
+//!
+//! [`Log`] holds the same in memory, of an actuator, a joint or a plant.
+
+use crate::failure::Failure;
+use mckibben::plant::RigEvent;
+use mckibben::simulation::{EventKind, Extent, Mode, Sliding};
+use mckibben::valve::FlowZone;
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::Path;
+
+/// The columns of the CSV that say what holds of an actuator.
+pub const OF_ACTUATOR: [&str; 6] = ["valve", "supply_flow", "exhaust_flow", "extent", "sliding", "tension_clamped"];
+
+/// How many events of each kind there are.
+pub fn counts(events: &[RigEvent]) -> BTreeMap<EventKind, u64> {
+    let mut counts = BTreeMap::new();
+    for event in events {
+        *counts.entry(event.kind).or_insert(0) += 1;
+    }
+    counts
+}
+
+/// A log of events in words.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Log {
+    /// The names of the words, the first of them `event`.
+    pub columns: Vec<String>,
+    /// The times of the events in s, in order.
+    pub times: Vec<f64>,
+    /// The words of each event.
+    pub rows: Vec<Vec<Cow<'static, str>>>,
+}
+
+impl Log {
+    /// The log of an actuator's run.
+    pub fn new(events: &[RigEvent]) -> Self {
+        let columns = ["event"].into_iter().chain(OF_ACTUATOR).map(str::to_owned).collect();
+        let row =
+            |event: &RigEvent| [event.kind.name()].into_iter().chain(words(&event.after)).map(Cow::Borrowed).collect();
+        let times = events.iter().map(|event| event.time).collect();
+        Self { columns, times, rows: events.iter().map(row).collect() }
+    }
+
+    /// Writes the log as CSV, with the time of each event before its words.
+    ///
+    /// # Errors
+    /// [`Failure::output`], which names `path`, when writing fails.
+    pub fn write(&self, path: &Path, out: &mut dyn Write) -> Result<(), Failure> {
+        let failed = |error: csv::Error| Failure::output(path, error);
+        let mut writer = csv::Writer::from_writer(out);
+        let columns = self.columns.iter().map(String::as_str);
+        writer.write_record(["time_s"].into_iter().chain(columns)).map_err(failed)?;
+        for (time, words) in self.times.iter().zip(&self.rows) {
+            let time = format!("{time:?}");
+            writer.write_record([time.as_str()].into_iter().chain(words.iter().map(AsRef::as_ref))).map_err(failed)?;
+        }
+        writer.flush().map_err(|error| Failure::output(path, error))
+    }
+}
+
+/// What holds of an actuator, in the order of [`OF_ACTUATOR`].
+pub(crate) fn words<'w>(mode: &Mode) -> [&'w str; 6] {
+    let [supply, exhaust] = [mode.supply_zone, mode.exhaust_zone].map(|flow| flow.map_or("", zone));
+    let clamped = if mode.clamped { "true" } else { "false" };
+    [mode.ports.name(), supply, exhaust, extent(mode.extent), sliding(mode.sliding), clamped]
+}
+
+/// The name of a piece of the flow law.
+pub(crate) fn zone(zone: FlowZone) -> &'static str {
+    match zone {
+        FlowZone::ChokedIn => "choked-in",
+        FlowZone::SubsonicIn => "subsonic-in",
+        FlowZone::LaminarIn => "laminar-in",
+        FlowZone::LaminarOut => "laminar-out",
+        FlowZone::SubsonicOut => "subsonic-out",
+        FlowZone::ChokedOut => "choked-out",
+    }
+}
+
+pub(crate) fn extent(extent: Extent) -> &'static str {
+    match extent {
+        Extent::Slack => "slack",
+        Extent::Free => "free",
+        Extent::Taut => "taut",
+        Extent::Rebound => "rebound",
+    }
+}
+
+fn sliding(sliding: Sliding) -> &'static str {
+    match sliding {
+        Sliding::Lengthening => "lengthening",
+        Sliding::Shortening => "shortening",
+        Sliding::Stuck => "stuck",
+        Sliding::Held => "held",
+        Sliding::Frictionless => "frictionless",
+    }
+}

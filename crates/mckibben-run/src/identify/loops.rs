@@ -1,0 +1,124 @@
+//! Loops of tension over length to friction and hysteresis: tables, figures and words.
+
+use super::outcome::{self, Outcome, Stems};
+use super::{Material, column, gauge_pressures, sought, values};
+use crate::failure::Failure;
+use crate::quantities::quantity;
+use crate::report::{Data, Plate, Section, Table};
+use mckibben::parameter;
+use mckibben_identify::adjustable::Adjustable;
+use mckibben_identify::loops::{Loop, LoopError, LoopFit, LoopTask, Sample, tensions};
+use mckibben_identify::study::{Quantity, Recording};
+use mckibben_plot::{Axis, Colour, Figure, Legend, Panel, Series};
+
+/// The figures of the loops.
+pub(super) const STEMS: Stems = ["loop-1", "loop-2", "loop-3", "loop-4", "loop-5", "loop-6"];
+
+pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
+    let scenario = material.document.scenario()?;
+    let (places, unknowns) = sought::all(material)?;
+    let atmosphere = scenario.air.atmospheric_pressure;
+    let loops =
+        material.recordings.iter().map(|recording| read(recording, atmosphere)).collect::<Result<Vec<_>, _>>()?;
+    let deviation = material.recordings.first().and_then(|recording| recording.column(Quantity::Tension)?.deviation);
+    let given = material.document.says_of_each(parameter::MIN_LENGTH.key);
+    let task = LoopTask {
+        adjustable: Adjustable::new(scenario, places, given),
+        starts: sought::more_starts(&unknowns, material.study.more_starts),
+        unknowns,
+        loops,
+        deviation,
+        search: material.search(),
+    };
+    let found = task.identify().map_err(|error| match error {
+        LoopError::Fit(_) => Failure::stopped(error.to_string()),
+        _ => Failure::input(error.to_string(), "see docs/identify.md"),
+    })?;
+    let mut warnings = material.notes();
+    warnings.extend(values::warnings(&found.found.fit));
+    let scenarios = vec![("scenario.toml".to_owned(), outcome::file(&found.scenario))];
+    let numbers = values::table("Numbers with their 95 % intervals".to_owned(), &found.found.fit);
+    let sections = sections(&task, &found, &numbers, &scenarios)?;
+    let readings = found.found.fit.residuals.len();
+    let introduction = format!(
+        "{} numbers from {readings} tensions of {} loops, length and pressure taken as they were measured. What is left of the tension: {} root mean square.",
+        task.unknowns.len(),
+        task.loops.len(),
+        quantity(found.left, "N")
+    );
+    Ok(Outcome {
+        title: format!("Loops of {}", material.name()),
+        introduction: vec![introduction],
+        sections,
+        table: Table::default(),
+        values: numbers,
+        estimates: found.found.fit.estimates,
+        warnings,
+        scenarios,
+        ..Outcome::default()
+    })
+}
+
+/// The samples of a recording that have a time, a length, a pressure and a tension.
+fn read(recording: &Recording, atmosphere: f64) -> Result<Loop, Failure> {
+    let values = |quantity: Quantity| column(recording, quantity).map(|column| &column.values);
+    let [times, lengths, forces] = [values(Quantity::Time)?, values(Quantity::Length)?, values(Quantity::Tension)?];
+    let pressures = gauge_pressures(recording, atmosphere)?;
+    let sample = |place: usize| Sample {
+        time: times[place],
+        length: lengths[place],
+        gauge_pressure: pressures[place],
+        tension: forces[place],
+    };
+    let whole = |sample: &Sample| {
+        [sample.time, sample.length, sample.gauge_pressure, sample.tension].iter().all(|number| number.is_finite())
+    };
+    let samples = (0..times.len()).map(sample).filter(whole).collect();
+    Loop::new(recording.name.clone(), samples)
+        .map_err(|error| Failure::input(error.to_string(), "see docs/identify.md"))
+}
+
+fn sections(
+    task: &LoopTask,
+    found: &LoopFit,
+    numbers: &Table,
+    scenarios: &[(String, String)],
+) -> Result<Vec<Section>, Failure> {
+    let driven = found.scenario.driven().map_err(|error| Failure::stopped(error.to_string()))?;
+    let plates = task.loops.iter().zip(STEMS).map(|(of, stem)| {
+        let pairs = tensions(of, &driven.actuator);
+        let lengths: Vec<f64> = pairs.iter().map(|(sample, _)| sample.length).collect();
+        let measured: Vec<f64> = pairs.iter().map(|(sample, _)| sample.tension).collect();
+        let fitted: Vec<f64> = pairs.iter().map(|(_, tension)| *tension).collect();
+        let off = measured.iter().zip(&fitted).map(|(measured, fitted)| fitted - measured).collect();
+        let mut data = Data::new(&["time_s", "length_m", "gauge_pressure_pa", "measured_n", "fitted_n"]);
+        data.rows = pairs
+            .iter()
+            .map(|(sample, tension)| vec![sample.time, sample.length, sample.gauge_pressure, sample.tension, *tension])
+            .collect();
+        let top = Panel::new(Axis::new("tension", "N"))
+            .legend(Legend::Above)
+            .height_mm(60.0)
+            .series(Series::dots("measured", lengths.clone(), measured).colour(Colour::Category(1)))
+            .series(Series::line("fitted", lengths.clone(), fitted));
+        let rest = outcome::off("off", "N", Series::dots("", lengths, off));
+        let figure =
+            Figure { width_mm: 130.0, x: Axis::new("length", "m"), panels: vec![top, rest], ..Figure::default() };
+        Plate {
+            stem,
+            caption: format!("`{}`: measured and fitted, and the one less the other.", of.name),
+            figure,
+            data,
+        }
+    });
+    Ok(vec![
+        outcome::numbers(vec![numbers.clone(), values::correlations(&found.found.fit)], scenarios),
+        Section {
+            id: "loops",
+            label: "Loops",
+            title: "Measured and fitted",
+            plates: plates.collect(),
+            ..Section::default()
+        },
+    ])
+}

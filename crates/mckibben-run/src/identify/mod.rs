@@ -1,0 +1,147 @@
+//! From measured data to a scenario file that runs, with how sure its numbers are.
+//!
+//! | file | its idea |
+//! |---|---|
+//! | `force_map` | laws of static force from tensions at held pressures and lengths |
+//! | `trajectories` | any numbers of a scenario from courses in time |
+//! | `plant` | the runs of trajectories of a plant, whose parts have names |
+//! | `loops` | friction and hysteresis from tension over length to and fro |
+//! | `rings` | friction from ring-downs, by every estimator |
+//! | `valve` | a valve from steady flow, a tank, or the pressure under a pulse train |
+//! | `sought` | the numbers that a study looks for |
+//! | `values` | numbers with their intervals, as tables |
+//! | `outcome` | what every kind of study comes to, and the files that are written of it |
+//!
+//! Everything is computed by the crate `mckibben-identify`. Checked by the tests of the program, `tests/identify.rs` and
+//! `tests/identify_valve.rs`.
+
+mod force_map;
+mod loops;
+mod outcome;
+mod plant;
+mod rings;
+mod sought;
+mod trajectories;
+mod values;
+mod valve;
+
+use crate::failure::{Failure, Reason};
+use mckibben_identify::least_squares::{Loss, Search};
+use mckibben_identify::study::{Column, Kind, Quantity, Recording, Severity, Study, StudyError};
+use mckibben_scenario::Document;
+pub use outcome::{Outcome, WARNED};
+use std::path::Path;
+
+/// What a study is made of, read.
+struct Material {
+    study: Study,
+    /// The scenario file.
+    document: Document,
+    recordings: Vec<Recording>,
+}
+
+/// Fits what a study file asks for. Where that fails, the outcome has what there is, and [`Outcome::verdict`] says so; `folder` is
+/// where it is to be written, if it is.
+///
+/// # Errors
+/// The input is wrong; also where the folder is one in which a file that is read would be written over.
+pub fn identified(study: &Path, folder: Option<&Path>) -> Result<Outcome, Failure> {
+    let study = Study::load(study).map_err(mistake)?;
+    folder.map_or(Ok(()), |folder| outcome::check_folder(&study, folder))?;
+    let document = Document::load(&study.scenario)?;
+    match study.kind {
+        Kind::Trajectories if document.is_plant() => document.plant_experiment().map(|_| ())?,
+        _ => document.scenario().map(|_| ())?,
+    }
+    let recordings = study.recordings().map_err(mistake)?;
+    let material = Material { study, document, recordings };
+    let found = match material.study.kind {
+        Kind::ForceMap => force_map::outcome(&material),
+        Kind::Trajectories => trajectories::outcome(&material),
+        Kind::Hysteresis => loops::outcome(&material),
+        Kind::RingDown => rings::outcome(&material),
+        Kind::FlowCurve => valve::flow_curve(&material),
+        Kind::SteadyFlow => valve::steady_flow(&material),
+        Kind::Tank => valve::tank(&material),
+        Kind::PulseTrain => valve::pulse_train(&material),
+    };
+    match found {
+        Err(failure) if failure.reason() == Reason::Stopped => Ok(Outcome::nothing(&material, failure)),
+        found => found,
+    }
+}
+
+fn mistake(error: StudyError) -> Failure {
+    let place = error.line.map_or(String::new(), |line| format!(", line {line}"));
+    Failure::input(format!("{}{place}: {}", error.file.display(), error.what), error.remedy)
+}
+
+impl Material {
+    /// The name of the scenario file, without its folder.
+    fn name(&self) -> &str {
+        let path = self.document.source().name();
+        Path::new(path).file_name().and_then(|name| name.to_str()).unwrap_or(path)
+    }
+
+    /// The scenario of a run: the file's, with what the run says of its own.
+    fn document_of(&self, recording: &Recording) -> Result<Document, Failure> {
+        let mut document = self.document.clone();
+        for (key, value) in &recording.set {
+            document.set_text_from(&format!("run `{}`", recording.name), key, value)?;
+        }
+        Ok(document)
+    }
+
+    /// How the minimum is looked for, where residuals are in units of the scatter that is expected.
+    fn search(&self) -> Search {
+        Search { loss: self.study.robust.map_or(Loss::Squares, Loss::Huber), ..Search::default() }
+    }
+
+    /// What was found in the data, the graver first.
+    fn notes(&self) -> Vec<String> {
+        let mut notes: Vec<_> = self.recordings.iter().flat_map(|recording| &recording.notes).collect();
+        notes.sort_by_key(|note| std::cmp::Reverse(note.severity));
+        let mark = |severity| if severity == Severity::Warned { outcome::WARNED } else { "" };
+        notes.into_iter().map(|note| format!("{}{note}", mark(note.severity))).collect()
+    }
+}
+
+/// A column that a study of this kind cannot do without.
+fn column(recording: &Recording, quantity: Quantity) -> Result<&Column, Failure> {
+    recording.column(quantity).ok_or_else(|| {
+        let title = format!("the run `{}` has no {}", recording.name, quantity.words());
+        Failure::input(title, format!("add `[columns.{}]`, or say what was held: `held = {{ … }}`", quantity.name()))
+    })
+}
+
+/// The pressure that a recording has over time, gauge or absolute, with its times in s and values in Pa.
+fn pressure_over_time(recording: &Recording) -> Result<(Quantity, Vec<f64>, Vec<f64>), Failure> {
+    pressure_of(recording, [Quantity::GaugePressure, Quantity::AbsolutePressure])
+}
+
+/// The same of a gauge or an absolute pressure of somebody.
+fn pressure_of(
+    recording: &Recording,
+    [gauge, absolute]: [Quantity; 2],
+) -> Result<(Quantity, Vec<f64>, Vec<f64>), Failure> {
+    // Says what is missing.
+    let measured = match recording.column(absolute) {
+        Some(_) if recording.column(gauge).is_none() => absolute,
+        _ => column(recording, gauge)?.quantity,
+    };
+    match recording.channel(measured) {
+        Some((times, values)) => Ok((measured, times, values)),
+        None => {
+            let title = format!("the run `{}` has no {} over time", recording.name, measured.words());
+            Err(Failure::input(title, "add `[columns.time]`, in the same table"))
+        }
+    }
+}
+
+/// The gauge pressures of a recording in Pa, from whichever pressure was measured.
+fn gauge_pressures(recording: &Recording, atmosphere: f64) -> Result<Vec<f64>, Failure> {
+    match recording.column(Quantity::AbsolutePressure) {
+        Some(absolute) => Ok(absolute.values.iter().map(|pressure| pressure - atmosphere).collect()),
+        None => column(recording, Quantity::GaugePressure).map(|gauge| gauge.values.clone()),
+    }
+}

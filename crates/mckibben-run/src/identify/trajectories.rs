@@ -1,0 +1,333 @@
+//! Courses in time to numbers of a scenario: tables, figures and words.
+
+use super::outcome::{self, Outcome, Stems, WARNED};
+use super::sought::{self, OfRun};
+use super::{Material, plant, pressure_of, values};
+use crate::failure::Failure;
+use crate::progress::Progress;
+use crate::quantities::quantity;
+use crate::report::{Data, Plate, Section, Table};
+use mckibben::parameter;
+use mckibben_identify::adjustable::Adjustable;
+use mckibben_identify::least_squares::Unknown;
+use mckibben_identify::study::{Input, Quantity, Recording};
+use mckibben_identify::trajectories::{
+    Course, Described, Drift, HeldOutRun, Identified, Observed, Recorded, Simulated, Task, TrajectoryError, Unexplained,
+};
+use mckibben_plot::{Axis, Colour, Figure, Legend, Panel, Series};
+use mckibben_scenario::{Load, PressureCourse, Scenario};
+
+/// The figures of the runs; the table speaks of all.
+pub(super) const STEMS: Stems = ["run-1", "run-2", "run-3", "run-4", "run-5", "run-6"];
+
+pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
+    let mut warnings = material.notes();
+    let task = task(material, &mut warnings)?;
+    let progress = Progress::begin("fitting", None);
+    let found = task.identify().map_err(|error| match error {
+        TrajectoryError::Fit(_) => Failure::stopped(error.to_string()),
+        _ => Failure::input(error.to_string(), "see docs/identify.md"),
+    })?;
+    let held_out = task.held_out(&found);
+    drop(progress);
+    warnings.extend(values::warnings(&found.found.fit));
+    if found.found.tried > 1 {
+        let (tried, agreeing) = (found.found.tried, found.found.agreeing);
+        warnings.push(format!("{agreeing} of {tried} starts led to this minimum."));
+    }
+    if let Some(every) = found.segments {
+        warnings.push(format!(
+            "{WARNED}the runs are too sensitive to be fitted whole: a small change of a number is another course in the end. They were \
+             fitted in segments of {} that join, and are drawn so; a simulation of the whole run with the values found leaves the \
+             measured course after a while.",
+            quantity(every, "s")
+        ));
+    }
+    warnings.extend(task.drifts(&found).iter().map(drifting));
+    warnings.extend(task.unexplained(&found).iter().map(unexplained));
+    let scenarios = outcome::files(
+        task.runs.iter().map(|run| run.name.as_str()).zip(found.scenarios.iter().map(Described::to_toml)),
+    );
+    let numbers = values::table("Numbers with their 95 % intervals".to_owned(), &found.found.fit);
+    let table = left(&found, &held_out);
+    let sections = sections(&task, &found, [&numbers, &table], &scenarios);
+    Ok(Outcome {
+        title: format!("{} from courses in time", material.name()),
+        introduction: introduction(&task, &found),
+        sections,
+        table,
+        values: numbers,
+        estimates: found.found.fit.estimates,
+        warnings,
+        scenarios,
+        ..Outcome::default()
+    })
+}
+
+fn task(material: &Material, warnings: &mut Vec<String>) -> Result<Task, Failure> {
+    let (runs, unknowns) = match material.document.is_plant() {
+        true => plant::runs(material, warnings)?,
+        false => runs(material, warnings)?,
+    };
+    let starts = sought::more_starts(&unknowns, material.study.more_starts);
+    Ok(Task {
+        runs,
+        unknowns,
+        starts,
+        horizon: material.study.horizon.clone(),
+        search: material.search(),
+        tolerance: 1e-8,
+    })
+}
+
+/// The runs of one actuator or a joint, and the numbers that are looked for in them.
+fn runs(material: &Material, warnings: &mut Vec<String>) -> Result<(Vec<Recorded>, Vec<Unknown>), Failure> {
+    let mut scenarios = Vec::new();
+    let mut documents = Vec::new();
+    for recording in &material.recordings {
+        let document = material.document_of(recording)?;
+        let mut scenario = document.scenario()?;
+        if material.study.input == Input::GaugePressure {
+            give_pressure(&mut scenario, recording, warnings)?;
+        }
+        if let Some((_, column)) = recording.of_parts().next() {
+            let title =
+                format!("the run `{}` has the {}, but its scenario names no parts", recording.name, column.words());
+            return Err(Failure::input(title, "name the quantity alone, as in `[columns.length]`"));
+        }
+        scenarios.push((recording.name.clone(), scenario));
+        documents.push(document);
+    }
+    let (unknowns, numbers) = sought::of_runs(material, |run, entry| {
+        sought::in_run(material, entry, (&documents[run], &mut scenarios[run]))
+    })?;
+    let mut runs = Vec::new();
+    for (((name, scenario), OfRun { places, unknowns }), (recording, document)) in
+        scenarios.into_iter().zip(numbers).zip(material.recordings.iter().zip(documents))
+    {
+        let given = document.says_of_each(parameter::MIN_LENGTH.key);
+        let mut courses = courses(recording, scenario.air.atmospheric_pressure);
+        let others = scenario.of_antagonist();
+        let driven = [scenario.pressure.is_some(), others.is_some_and(|of| of.pressure.is_some())];
+        for (driven, pressure) in driven.into_iter().zip([Observed::GaugePressure, Observed::AntagonistGaugePressure]) {
+            courses.retain(|course| !driven || course.observed != pressure);
+        }
+        runs.push(Recorded { name, subject: Adjustable::new(scenario, places, given).into(), unknowns, courses });
+    }
+    Ok((runs, unknowns))
+}
+
+/// Drives a run by the pressure that was measured, of a joint by both, in place of what the scenario says.
+fn give_pressure(scenario: &mut Scenario, recording: &Recording, warnings: &mut Vec<String>) -> Result<(), Failure> {
+    let had_valve = scenario.valve.is_some() || scenario.of_antagonist().is_some_and(|of| of.valve.is_some());
+    let its = measured_course(recording, [Quantity::GaugePressure, Quantity::AbsolutePressure], scenario, warnings)?;
+    let of_other = [Quantity::AntagonistGaugePressure, Quantity::AntagonistAbsolutePressure];
+    let others = match scenario.has_joint() {
+        true => Some(measured_course(recording, of_other, scenario, warnings)?),
+        false => None,
+    };
+    let words = "the pressure is the measured one: valve, supply, hose and command of the scenario take no part.";
+    if had_valve && !warnings.iter().any(|warning| warning == words) {
+        warnings.push(words.to_owned());
+    }
+    (scenario.valve, scenario.command, scenario.hose, scenario.supply) = (None, None, None, None);
+    scenario.pressure = Some(its);
+    if let Load::AntagonisticJoint(joint) = &mut scenario.load {
+        let second = &mut *joint.antagonist;
+        (second.valve, second.command, second.hose, second.supply) = (None, None, None, None);
+        second.has_own_supply = false;
+        second.pressure = others;
+    }
+    Ok(())
+}
+
+/// A pressure that was measured, gauge or absolute, over time.
+fn measured_course(
+    recording: &Recording,
+    of: [Quantity; 2],
+    scenario: &Scenario,
+    warnings: &mut Vec<String>,
+) -> Result<PressureCourse, Failure> {
+    let (measured, time, mut gauge_pressure) = pressure_of(recording, of)?;
+    if measured == of[1] {
+        gauge_pressure.iter_mut().for_each(|pressure| *pressure -= scenario.air.atmospheric_pressure);
+    }
+    let last = |(times, _): (Vec<f64>, Vec<f64>)| times.last().copied();
+    let others = FOLLOWING.into_iter().filter_map(|of| last(recording.channel(of)?));
+    held_at_its_end(recording, "the pressure", (&time, others.fold(0.0, f64::max)), warnings);
+    Ok(PressureCourse { time, gauge_pressure })
+}
+
+/// That a measured pressure ends before what follows it, which goes on until a time in s.
+pub(super) fn held_at_its_end(
+    recording: &Recording,
+    pressure: &str,
+    (time, until): (&[f64], f64),
+    warnings: &mut Vec<String>,
+) {
+    let ends = time.last().copied().unwrap_or(0.0);
+    if until > ends {
+        warnings.push(format!(
+            "{WARNED}`{}`: {pressure} was read up to {}, the others up to {}; it is held at its last value.",
+            recording.name,
+            quantity(ends, "s"),
+            quantity(until, "s")
+        ));
+    }
+}
+
+/// What follows the pressure.
+const FOLLOWING: [Quantity; 7] = [
+    Quantity::Length,
+    Quantity::Tension,
+    Quantity::Angle,
+    Quantity::AngularVelocity,
+    Quantity::Torque,
+    Quantity::AntagonistLength,
+    Quantity::AntagonistTension,
+];
+
+fn courses(recording: &Recording, atmosphere: f64) -> Vec<Course> {
+    let of = |quantity: Quantity, observed: Observed, shift: f64| {
+        let (times, values) = recording.channel(quantity)?;
+        let deviation = recording.column(quantity).and_then(|column| column.deviation);
+        Some(Course { observed, times, values: values.into_iter().map(|value| value - shift).collect(), deviation })
+    };
+    [
+        of(Quantity::Length, Observed::Length, 0.0),
+        of(Quantity::GaugePressure, Observed::GaugePressure, 0.0),
+        of(Quantity::AbsolutePressure, Observed::GaugePressure, atmosphere),
+        of(Quantity::Tension, Observed::Tension, 0.0),
+        of(Quantity::Angle, Observed::Angle, 0.0),
+        of(Quantity::AngularVelocity, Observed::AngularVelocity, 0.0),
+        of(Quantity::Torque, Observed::Torque, 0.0),
+        of(Quantity::AntagonistLength, Observed::AntagonistLength, 0.0),
+        of(Quantity::AntagonistGaugePressure, Observed::AntagonistGaugePressure, 0.0),
+        of(Quantity::AntagonistAbsolutePressure, Observed::AntagonistGaugePressure, atmosphere),
+        of(Quantity::AntagonistTension, Observed::AntagonistTension, 0.0),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+fn introduction(task: &Task, found: &Identified) -> Vec<String> {
+    let readings: usize = task.runs.iter().flat_map(|run| &run.courses).map(|course| course.values.len()).sum();
+    let numbers = counted(task.unknowns.len(), "parameter");
+    let runs = counted(task.runs.len(), "run");
+    vec![format!(
+        "{numbers} from {readings} readings of {runs}, by trajectories with every event located and their exact derivatives. \
+         Condition number {:.1e}.",
+        found.found.fit.condition
+    )]
+}
+
+/// So many of something.
+fn counted(count: usize, word: &str) -> String {
+    if count == 1 { format!("1 {word}") } else { format!("{count} {word}s") }
+}
+
+fn drifting(drift: &Drift) -> String {
+    let (words, unit) = (drift.observed.words(), drift.observed.unit());
+    format!(
+        "{WARNED}`{}`: what the model leaves of the {words} changes by {} from the first reading to the last, where readings scatter by {}: \
+         a sensor that drifts (`zero` takes off what you know of it), or something that the scenario lacks.",
+        drift.run,
+        quantity(drift.change, unit),
+        quantity(drift.scatter, unit)
+    )
+}
+
+fn unexplained(rest: &Unexplained) -> String {
+    let (words, unit) = (rest.observed.words(), rest.observed.unit());
+    format!(
+        "{WARNED}what the model leaves of the {words}, {}, is more than its readings scatter from one to the next, {}: the scenario \
+         lacks something, or the search has ended beside the best values (`more_starts`, `horizon` or `segments` in [search] help \
+         there). The intervals are too short.",
+        quantity(rest.left, unit),
+        quantity(rest.noise, unit)
+    )
+}
+
+/// What is left of each quantity over all runs, and of each run with and without it in the fit.
+fn left(found: &Identified, held_out: &[HeldOutRun]) -> Table {
+    let row = |(left, scale): (&(Observed, f64), &(Observed, f64))| {
+        let (words, unit) = (left.0.words(), left.0.unit());
+        let mut row = vec!["all".to_owned(), words, quantity(left.1, unit), quantity(scale.1, unit)];
+        row.resize(if held_out.is_empty() { 4 } else { 5 }, "–".to_owned());
+        row
+    };
+    let of_run = |of: &HeldOutRun| -> Vec<Vec<String>> {
+        let row = |(observed, [inside, outside]): &(Observed, [f64; 2])| {
+            let unit = observed.unit();
+            let [inside, outside] = [inside, outside].map(|error| quantity(*error, unit));
+            vec![format!("`{}`", of.name), observed.words(), inside, "–".to_owned(), outside]
+        };
+        of.errors.iter().map(row).collect()
+    };
+    let mut head = vec!["run", "quantity", "left", "scale"];
+    let mut caption = "What is left of each quantity, root mean square, and by what it was weighed.".to_owned();
+    if !held_out.is_empty() {
+        head.push("held out");
+        caption.push_str(" Held out: each run in turn is left out of the fit, and the error is taken there.");
+    }
+    let rows = found.left.iter().zip(&found.scales).map(row).chain(held_out.iter().flat_map(of_run));
+    Table { caption, head: head.into_iter().map(String::from).collect(), rows: rows.collect() }
+}
+
+fn sections(task: &Task, found: &Identified, tables: [&Table; 2], scenarios: &[(String, String)]) -> Vec<Section> {
+    let tables = tables.into_iter().cloned().chain([values::correlations(&found.found.fit)]).collect();
+    let plates = task.runs.iter().zip(&found.simulated).zip(STEMS);
+    vec![
+        outcome::numbers(tables, scenarios),
+        Section {
+            id: "runs",
+            label: "Runs",
+            title: "Measured and simulated",
+            plates: plates.map(|((run, simulated), stem)| plate(run, simulated, stem)).collect(),
+            ..Section::default()
+        },
+    ]
+}
+
+fn plate(run: &Recorded, simulated: &Simulated, stem: &'static str) -> Plate {
+    let last = simulated.duration();
+    let mut data = Data::new(&["quantity", "time_s", "measured", "simulated"]);
+    let mut panels = Vec::new();
+    // Many quantities take lower panels, so that a figure stays on one page.
+    let [height, height_off] = if run.courses.len() > 3 { [24.0, 15.0] } else { [32.0, 16.0] };
+    for (place, course) in run.courses.iter().enumerate() {
+        let kind = course.observed.index().unwrap_or(Observed::ALL.len() + place);
+        let times: Vec<f64> = (0..=600).map(|part| last * f64::from(part) / 600.0).collect();
+        let curve = times.iter().map(|time| simulated.read(&course.observed, *time)).collect();
+        let off: Vec<f64> = course
+            .times
+            .iter()
+            .zip(&course.values)
+            .map(|(time, value)| simulated.read(&course.observed, *time) - value)
+            .collect();
+        let (words, unit) = (course.observed.words(), course.observed.unit());
+        let panel =
+            Panel::new(Axis::new(words, unit)).legend(if panels.is_empty() { Legend::Above } else { Legend::Hidden });
+        panels.push(
+            panel
+                .height_mm(height)
+                .series(
+                    Series::dots("measured", course.times.clone(), course.values.clone()).colour(Colour::Category(1)),
+                )
+                .series(Series::line("simulated", times, curve)),
+        );
+        data.rows.extend(
+            course
+                .times
+                .iter()
+                .zip(&course.values)
+                .zip(&off)
+                .map(|((time, value), off)| vec![kind as f64, *time, *value, value + off]),
+        );
+        panels.push(outcome::off("off", unit, Series::dots("", course.times.clone(), off)).height_mm(height_off));
+    }
+    let figure = Figure { width_mm: 150.0, x: Axis::new("time", "s"), panels, ..Figure::default() };
+    let caption = format!("`{}`: measured and simulated, and the one less the other.", run.name);
+    Plate { stem, caption, figure, data }
+}

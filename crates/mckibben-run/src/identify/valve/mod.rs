@@ -1,0 +1,189 @@
+//! A valve from measurements: what the kinds of study have in common.
+//!
+//! | file | its idea |
+//! |---|---|
+//! | `steady` | C and b, efficiency or flow coefficient, from steady flow |
+//! | `tank` | C and b, or a volume, from the pressure in a tank |
+//! | `pulses` | delays from the pressure under a pulse train |
+
+mod pulses;
+mod steady;
+mod tank;
+
+pub(super) use pulses::pulse_train;
+pub(super) use steady::{flow_curve, steady_flow};
+pub(super) use tank::tank;
+
+use super::outcome::{Stems, WARNED};
+use super::{Material, column};
+use crate::failure::Failure;
+use mckibben::Actuator;
+use mckibben::parameter::{self, Parameter};
+use mckibben::valve::FlowLaw;
+use mckibben_identify::least_squares::Estimate;
+use mckibben_identify::study::{Direction, Quantity, Recording};
+use mckibben_identify::valve::ValveError;
+use mckibben_scenario::{Passage, Place, Scenario, Valve};
+
+/// What the figures of all studies of a valve are called.
+pub(super) const STEMS: [&[&str]; 4] = [&pulses::STEMS, &[pulses::DUTY], &tank::PRESSURES, &steady::STEMS];
+
+fn valve_of(scenario: &Scenario) -> Result<&Valve, Failure> {
+    scenario.valve.as_ref().ok_or_else(|| {
+        Failure::input(
+            "the scenario has no valve",
+            "add `[valve]`, `[supply]` and `[command]` as far as they are known",
+        )
+    })
+}
+
+/// The actuator with its air, whatever drives it.
+fn actuator_of(scenario: &Scenario) -> Result<Actuator, Failure> {
+    let bare = Scenario { valve: None, supply: None, command: None, hose: None, ..scenario.clone() };
+    Ok(bare.driven().map_err(|error| Failure::input(error.to_string(), "mend the scenario"))?.actuator)
+}
+
+/// The passage that the air takes.
+fn passage_of(valve: &Valve, direction: Direction) -> Passage {
+    match direction {
+        Direction::Supply => valve.passage,
+        Direction::Exhaust => valve.exhaust.unwrap_or(valve.passage),
+    }
+}
+
+fn law_of(passage: Passage, efficiency: f64, valve: &Valve, actuator: &Actuator) -> Result<FlowLaw, Failure> {
+    FlowLaw::new(passage.standard(), efficiency, valve.laminar_ratio, actuator.air())
+        .map_err(|error| Failure::input(error.to_string(), "mend `[valve]` of the scenario"))
+}
+
+/// Why a run tells nothing.
+fn failed(run: &str, error: &ValveError) -> Failure {
+    let title = format!("the run `{run}`: {error}");
+    match error {
+        ValveError::Fit(_) => Failure::stopped(title),
+        _ => Failure::input(title, "see docs/identify.md"),
+    }
+}
+
+/// Absolute pressures in Pa from whichever was measured, and what they were measured as.
+fn absolute_pressures(
+    recording: &Recording,
+    [gauge, absolute]: [Quantity; 2],
+    atmosphere: f64,
+) -> Result<(Vec<f64>, Quantity), Failure> {
+    match recording.column(gauge) {
+        Some(measured) => Ok((measured.values.iter().map(|pressure| pressure + atmosphere).collect(), gauge)),
+        None => Ok((column(recording, absolute)?.values.clone(), absolute)),
+    }
+}
+
+/// An estimate under the path of the number that it is of.
+fn named(estimate: &Estimate, row: &Parameter) -> Estimate {
+    Estimate { name: row.key.to_owned(), unit: row.unit, ..estimate.clone() }
+}
+
+/// A sonic conductance as data sheets have it.
+fn conductance(estimate: &Estimate) -> String {
+    told(estimate, 1e8, "L/(s·bar)")
+}
+
+/// A value with its interval, in a unit that is so many times smaller.
+fn told(estimate: &Estimate, factor: f64, unit: &str) -> String {
+    let deviation = estimate.deviation.map(|deviation| factor * deviation);
+    let rounded = |value: f64| super::values::rounded(factor * value, deviation);
+    let interval = estimate.interval.map(|[low, high]| format!(" ({} to {})", rounded(low), rounded(high)));
+    format!("{}{} {unit}", rounded(estimate.value), interval.unwrap_or_default()).trim_end().to_owned()
+}
+
+/// Sets numbers of a scenario by their paths.
+fn put(scenario: &mut Scenario, numbers: &[(&Parameter, f64)]) -> Result<(), Failure> {
+    for (row, value) in numbers {
+        let wrong = |error: String| Failure::stopped(format!("what was found is no `{}`: {error}", row.key));
+        let place = Place::find(row.key, scenario).map_err(|error| wrong(error.to_string()))?;
+        place.set(scenario, *value).map_err(|error| wrong(error.to_string()))?;
+    }
+    Ok(())
+}
+
+/// The rows of a passage's size: C and b, and the flow area.
+fn rows(direction: Direction, of: &Valve) -> [&'static Parameter; 3] {
+    match direction == Direction::Exhaust && of.exhaust.is_some() {
+        true => {
+            [&parameter::EXHAUST_SONIC_CONDUCTANCE, &parameter::EXHAUST_CRITICAL_RATIO, &parameter::EXHAUST_FLOW_AREA]
+        }
+        false => [&parameter::SONIC_CONDUCTANCE, &parameter::CRITICAL_RATIO, &parameter::FLOW_AREA],
+    }
+}
+
+/// The scenario with another passage, whose flow is the measured one: the efficiency is 1, and the passage that stays lets
+/// through what it did. Where the scenario states one for both ways and `split` is not asked for, it is that of both.
+fn with_passage(
+    scenario: &Scenario,
+    direction: Direction,
+    passage: Passage,
+    split: bool,
+    warnings: &mut Vec<String>,
+) -> Result<Scenario, Failure> {
+    let mut scenario = scenario.clone();
+    let Some(valve) = scenario.valve.as_mut() else { return Ok(scenario) };
+    let efficiency = valve.efficiency;
+    match direction {
+        Direction::Exhaust if valve.exhaust.is_some() || split => {
+            valve.passage = valve.passage.scaled(efficiency);
+            valve.exhaust = Some(passage);
+        }
+        _ => {
+            if valve.exhaust.is_none() {
+                warnings
+                    .push("the passage is taken for both ways, as the scenario has no `[valve.exhaust]`.".to_owned());
+            }
+            valve.passage = passage;
+            valve.exhaust = valve.exhaust.map(|exhaust| exhaust.scaled(efficiency));
+        }
+    }
+    if efficiency != 1.0 {
+        warnings.push(format!(
+            "`valve.efficiency` was {efficiency} and is 1 now: what was found is of the measured flow. A passage that was not \
+             measured lets through what it did."
+        ));
+        put(&mut scenario, &[(&parameter::EFFICIENCY, 1.0)])?;
+    }
+    Ok(scenario)
+}
+
+/// The scenario with C and b of a passage, and these under their paths. A b below zero is that of a passage with a b near zero.
+fn with_conductance(
+    scenario: &Scenario,
+    direction: Direction,
+    [conductance, ratio]: [&Estimate; 2],
+    split: bool,
+    warnings: &mut Vec<String>,
+) -> Result<(Scenario, Vec<Estimate>), Failure> {
+    if ratio.value < 0.0 {
+        let told = told(ratio, 1.0, "");
+        warnings.push(format!("{WARNED}b comes out as {told}; the scenario has 0, the least that a passage has."));
+    }
+    let [sonic_conductance, critical_ratio] = [conductance.value, ratio.value.max(0.0)];
+    let passage = Passage::Iso6358 { sonic_conductance, critical_ratio };
+    let mut scenario = with_passage(scenario, direction, passage, split, warnings)?;
+    let [of_conductance, of_ratio, _] = rows(direction, valve_of(&scenario)?);
+    put(&mut scenario, &[(of_conductance, sonic_conductance), (of_ratio, critical_ratio)])?;
+    Ok((scenario, vec![named(conductance, of_conductance), named(ratio, of_ratio)]))
+}
+
+/// Whether the study says of a quantity where its sensor ends: what is left then is meant.
+fn says_its_end(material: &Material, quantity: Quantity) -> bool {
+    material.study.columns.iter().any(|entry| entry.quantity == quantity && entry.rules.saturates.is_some())
+}
+
+/// The refusal of a sensor at its end.
+fn at_its_end(run: &str, words: &str, (count, largest): (usize, f64), why: &str) -> Failure {
+    Failure::input(
+        format!(
+            "the run `{run}`: the {words} reads {largest} Pa, its largest value, {count} times on end, {why}: the sensor is at its end"
+        ),
+        format!(
+            "say `saturates = \"{largest} Pa\"` in its column to leave these readings out, or a larger value to keep them"
+        ),
+    )
+}

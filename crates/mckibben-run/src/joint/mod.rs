@@ -1,0 +1,10 @@
+//! The run of a joint that two actuators turn: in words, as a log of events and as a figure.
+
+pub(crate) mod control;
+pub mod events;
+pub mod observation;
+pub(crate) mod pair;
+pub mod portrait;
+
+/// What the two actuators are called.
+pub const NAMES: [&str; 2] = ["agonist", "antagonist"];

@@ -1,0 +1,50 @@
+//! A scenario of any kind to a result: trajectory, columns, events, static curves, linear model, sweep, identification, the
+//! paper's experiments; each with its figure and its files.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | [`finished`] | whatever a scenario describes, run; its columns, events and figure |
+//! | [`curves`] | force, stiffness and volume over length |
+//! | [`linearize`] | the linear model at an operating point |
+//! | [`sweep`] | many runs of one scenario |
+//! | [`identify`] | measured data to the numbers of a scenario |
+//! | [`reproduce`] | the paper's experiments as a report |
+//! | [`engine`], [`closed_loop`] | a run by the engine that the scenario names, and a controller's part in it |
+//! | [`observation`] | the figures of a run: extremes, ripple, air used |
+//! | [`joint`], [`plant`] | all of this for a joint of two actuators, and for plants with names |
+//! | [`events`] | the log of events |
+//! | [`record`] | a run as columns in memory, as CSV or Parquet |
+//! | [`portrait`] | a run as a figure |
+//! | [`report`] | figures, tables and findings as a page |
+//! | [`output`], [`temporary`] | files that are whole or not there |
+//! | [`progress`] | how far work is, for whoever listens |
+//! | [`failure`] | why something could not be done |
+//! | [`quantities`], [`text`] | numbers with units, and lines, for people |
+//!
+//! Requests are typed and so are failures; nothing here reads arguments, prints, or knows a terminal. The program, the Python
+//! package and other hosts are built on this.
+
+#![forbid(unsafe_code)]
+
+mod alone;
+pub mod closed_loop;
+pub mod curves;
+pub mod engine;
+pub mod events;
+pub mod failure;
+pub mod finished;
+pub mod identify;
+pub mod joint;
+pub mod linearize;
+pub mod observation;
+pub mod output;
+pub mod plant;
+pub mod portrait;
+pub mod progress;
+pub mod quantities;
+pub mod record;
+pub mod report;
+pub mod reproduce;
+pub mod sweep;
+pub mod temporary;
+pub mod text;

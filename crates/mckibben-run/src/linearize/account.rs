@@ -1,0 +1,292 @@
+//! A linear model in words and tables.
+
+use super::Model;
+use super::export::over_fastest;
+use crate::quantities::{digits, percent, quantity};
+use crate::report::{Table, typeset};
+use mckibben::ActuatorState;
+use mckibben::air::Process;
+use mckibben::linearize::{Controllability, Pole, Signal, StateSpace};
+use mckibben::load::Load;
+use mckibben::plant::ValveAverage;
+use mckibben::simulation::State;
+use mckibben::valve::Ports;
+use std::f64::consts::TAU;
+
+/// What is told of a model.
+#[derive(Clone, Debug, Default)]
+pub struct Account {
+    /// The scenario's name, and how its valves are taken.
+    pub title: String,
+    /// The operating point, then the model.
+    pub blocks: Vec<Block>,
+    /// What the model leaves out, and what is assumed.
+    pub notes: Vec<String>,
+}
+
+/// Lines or a table under a heading.
+#[derive(Clone, Debug, Default)]
+pub struct Block {
+    /// The heading; may be empty.
+    pub heading: String,
+    /// Values with names.
+    pub lines: Vec<Line>,
+    /// A table; without a head where there is none.
+    pub table: Table,
+}
+
+/// A value with its name.
+#[derive(Clone, Debug, Default)]
+pub struct Line {
+    /// Its name.
+    pub name: String,
+    /// The value in words.
+    pub value: String,
+    /// What casts doubt on it; empty for nothing.
+    pub warning: String,
+}
+
+impl Line {
+    pub(super) fn new(name: impl Into<String>, value: String) -> Self {
+        Self { name: name.into(), value, warning: String::new() }
+    }
+
+    /// The line with a warning where something does not hold.
+    fn unless(self, holds: bool, warning: &str) -> Self {
+        let warning = if holds { String::new() } else { warning.to_owned() };
+        Self { warning, ..self }
+    }
+}
+
+impl Block {
+    pub(super) fn of_lines(heading: &str, lines: Vec<Line>) -> Self {
+        Self { heading: heading.to_owned(), lines, ..Self::default() }
+    }
+
+    pub(super) fn of_table(heading: &str, table: Table) -> Self {
+        Self { heading: heading.to_owned(), table, ..Self::default() }
+    }
+}
+
+/// Of an actuator on its load.
+pub(super) fn of_actuator(model: &Model) -> Account {
+    let valve = match model.linear.averaged() {
+        Some(averaged) => format!("PWM at {} on average", quantity(averaged.frequency, "Hz")),
+        None if model.linear.is_driven() => "valve by its command".to_owned(),
+        None => "valve held shut".to_owned(),
+    };
+    let mut blocks = vec![Block::of_lines("", point(model))];
+    if let Some(averaged) = model.linear.averaged() {
+        blocks.push(Block::of_lines("Mean flow", pwm(averaged, &model.poles, swings(model))));
+    }
+    blocks.push(Block::of_table("Model", matrices(&model.system)));
+    blocks.extend(dynamics(&model.system, &model.poles, &model.reach));
+    Account { title: format!("{}, {valve}", model.name), blocks, notes: notes(model) }
+}
+
+/// The poles, and what the inputs reach.
+pub(super) fn dynamics(system: &StateSpace, poles: &[Pole], reach: &[Controllability]) -> [Block; 2] {
+    [Block::of_table("Poles", of_poles(poles)), Block::of_table("Controllability", of_reach(system, reach))]
+}
+
+fn point(model: &Model) -> Vec<Line> {
+    let point = &model.linear.point;
+    let state = point.state;
+    let actuator = point.rig.actuator();
+    let longest = actuator.limits().max_length();
+    let taut = if point.is_taut() { ", on the taut braid" } else { "" };
+    let load = match point.rig.load() {
+        Load::HangingMass { mass, .. } => {
+            format!("{} hangs, {}", quantity(*mass, "kg"), quantity(point.tension(), "N"))
+        }
+        Load::ConstantForce { mass, force } => format!("{} pulls {}", quantity(*force, "N"), quantity(*mass, "kg")),
+        _ => format!("the ends are held with {}", quantity(point.tension(), "N")),
+    };
+    let mut lines = vec![
+        ("gauge pressure", quantity(point.gauge_pressure().0, "Pa")),
+        (
+            "length",
+            format!(
+                "{}, contracted by {}{taut}",
+                quantity(state.length, "m"),
+                percent((longest - state.length) / longest)
+            ),
+        ),
+        ("load", load),
+    ];
+    if let Some(distance) = point.load_distance() {
+        lines.push(("tendon", format!("the load is at {}", quantity(distance, "m"))));
+    }
+    lines.push(("air", format!("{} at {:.1} K", quantity(state.air_mass, "kg"), point.temperature())));
+    if point.rig.load().inertia().is_some() {
+        let constant = actuator.stiffness(state.length, state.pressure);
+        let sealed = actuator.sealed_stiffness(state.length, state.pressure);
+        lines.push((
+            "stiffness",
+            format!("{}, with the valve shut {}", quantity(constant, "N/m"), quantity(sealed, "N/m")),
+        ));
+    }
+    lines.into_iter().map(|(name, value)| Line::new(name, value)).collect()
+}
+
+/// How far length and tension swing under the pulses, as far as the model has them.
+fn swings(model: &Model) -> Vec<String> {
+    let swing = |(name, unit): &(&str, &str)| Some(format!("{name} {}", quantity(model.linear.ripple(name)?, unit)));
+    [("length", "m"), ("tension", "N")].iter().filter_map(swing).collect()
+}
+
+/// A valve under PWM on average, and how far that holds.
+pub(super) fn pwm(averaged: &ValveAverage, poles: &[Pole], swings: Vec<String>) -> Vec<Line> {
+    let (from, to) = averaged.duty_range;
+    let (duty, share) = (percent(averaged.duty), percent(averaged.supply_share()));
+    let ripple = format!(
+        "{} peak to peak at a fixed length, {} from supply or exhaust",
+        quantity(averaged.pressure_ripple, "Pa"),
+        quantity(averaged.pressure_margin, "Pa"),
+    );
+    let mut lines = vec![
+        Line::new("duty", format!("{duty} commanded, open to the supply for {share} of the period")),
+        Line::new("the seats follow", format!("from {} to {}", percent(from), percent(to)))
+            .unless(averaged.follows(), "not here: the valve does not answer to the duty"),
+        Line::new("air used", quantity(1e3 * averaged.flow.outward, "g/s")),
+        Line::new("ripple", ripple).unless(averaged.ripple_is_small(), "too large for the mean flow to be trusted"),
+    ];
+    if !swings.is_empty() {
+        lines.push(Line::new("", format!("first harmonic, peak to peak: {}", swings.join(", "))));
+    }
+    if let Some(ratio) = over_fastest(averaged, poles) {
+        let slow = "slow: the model tells nothing of what happens within a period";
+        let ratio_told = format!("{} times the fastest pole", digits(ratio));
+        lines.push(Line::new("frequency", ratio_told).unless(ratio > 3.0, slow));
+    }
+    lines
+}
+
+pub(super) fn matrices(system: &StateSpace) -> Table {
+    let titled = |signal: &Signal| match signal.unit {
+        "" => signal.symbol.clone(),
+        unit => format!("{} {unit}", signal.symbol),
+    };
+    let columns = system.states.iter().chain(&system.inputs).map(titled);
+    let row = |name: String, of_states: &[f64], of_inputs: &[f64]| -> Vec<String> {
+        let entries = of_states.iter().chain(of_inputs).map(|entry| match entry {
+            0.0 => "0".to_owned(),
+            entry => minus(format!("{entry:.4e}")),
+        });
+        std::iter::once(name).chain(entries).collect()
+    };
+    let mut rows = Vec::new();
+    for (state, (a, b)) in system.states.iter().zip(system.a.iter().zip(&system.b)) {
+        rows.push(row(format!("d{}/dt", state.symbol), a, b));
+    }
+    for (output, (c, d)) in
+        system.outputs.iter().zip(system.c.iter().zip(&system.d)).filter(|(o, _)| is_tension(&o.name))
+    {
+        rows.push(row(titled(output), c, d));
+    }
+    let head = std::iter::once(String::new()).chain(columns).collect();
+    Table { caption: "rates and tension by states and inputs, as differences from the point".to_owned(), head, rows }
+}
+
+/// Whether an output is the tension of an actuator.
+fn is_tension(name: &str) -> bool {
+    name.rsplit('.').next() == Some("tension")
+}
+
+fn of_poles(poles: &[Pole]) -> Table {
+    let row = |pole: &Pole| {
+        let value = match pole.imaginary {
+            0.0 => digits(pole.real),
+            imaginary => format!("{} ± {} i", digits(pole.real), digits(imaginary)),
+        };
+        let or = |number: Option<String>| number.unwrap_or_else(|| "–".to_owned());
+        let kind = match pole {
+            pole if pole.is_zero() => "integrator",
+            pole if pole.real > 0.0 => "grows",
+            pole if pole.imaginary != 0.0 => "swings",
+            _ => "decays",
+        };
+        let frequency = (!pole.is_zero()).then(|| quantity(pole.natural_frequency() / TAU, "Hz"));
+        vec![
+            minus(value),
+            or(frequency),
+            or(pole.damping_ratio().map(digits).map(minus)),
+            or(pole.time_constant().map(|time| minus(quantity(time, "s")))),
+            kind.to_owned(),
+        ]
+    };
+    let head = ["1/s", "natural frequency", "damping ratio", "time constant", ""].map(String::from).to_vec();
+    Table {
+        caption: "each decays as exp(λ t)".to_owned(),
+        head,
+        rows: poles.iter().filter(|pole| pole.imaginary >= 0.0).map(row).collect(),
+    }
+}
+
+fn of_reach(system: &StateSpace, reach: &[Controllability]) -> Table {
+    let rows = system.inputs.iter().zip(reach).map(|(input, reach)| {
+        let condition = if reach.condition.is_finite() { digits(reach.condition) } else { "∞".to_owned() };
+        let values: Vec<String> = reach.singular_values.iter().map(|value| format!("{value:.1e}")).collect();
+        vec![
+            input.name.replace('_', " "),
+            format!("{} of {}", reach.rank, system.states.len()),
+            condition,
+            values.join("  "),
+        ]
+    });
+    let head = ["input", "reaches", "condition", "singular values"].map(String::from).to_vec();
+    Table { caption: "states by their usual size, time by the fastest pole".to_owned(), head, rows: rows.collect() }
+}
+
+/// What the model leaves out, and what is assumed.
+fn notes(model: &Model) -> Vec<String> {
+    let point = &model.linear.point;
+    let keeps = !matches!(point.rig.actuator().air().process(), Process::EnergyBalance { .. });
+    let mut notes = Vec::new();
+    if keeps && model.poles.len() == model.linear.system.states.len() {
+        notes.push(
+            "The process keeps P (V/m)^κ whatever the valve does: one pole at zero that no input reaches. In the \
+             model of the states that are needed the air mass follows from pressure and length, and that pole is gone."
+                .to_owned(),
+        );
+    } else if keeps {
+        notes.push(
+            "The air mass is no state: it follows from pressure and length by P (V/m)^κ. The model of all states keeps it."
+                .to_owned(),
+        );
+    }
+    let bound = point.coulomb_bound();
+    if bound > 0.0 && point.rig.load().inertia().is_some() {
+        let (actuator, State { length, pressure, air_mass, .. }) = (point.rig.actuator(), point.state);
+        let air = ActuatorState::new(pressure, air_mass, length);
+        let per_pressure = actuator.respond(&air, length, 0.0, Ports::CLOSED).per_pressure;
+        let sealed = actuator.sealed_stiffness(length, pressure);
+        let sliding = if model.oscillation.is_some() { "" } else { " The model is about sliding without it." };
+        notes.push(format!(
+            "Coulomb friction holds the load at rest within ± {}: that is ± {} with the valve shut, or ± {} of \
+             pressure.{sliding}",
+            quantity(bound, "N"),
+            quantity(bound / sealed, "m"),
+            quantity((bound / per_pressure).abs(), "Pa"),
+        ));
+    }
+    if let Some((amplitude, frequency)) = model.oscillation {
+        let damping = model.linear.equivalent_damping(amplitude, frequency).unwrap_or_default();
+        notes.push(format!(
+            "Coulomb friction is in the model as {} of viscous damping, right for an amplitude of {} at {}.",
+            quantity(damping, "N·s/m"),
+            quantity(amplitude, "m"),
+            quantity(frequency / TAU, "Hz"),
+        ));
+    }
+    if !model.assumed.is_empty() {
+        let values = model.assumed.iter().map(|each| format!("{} = {}", each.parameter.symbol, typeset(&each.text)));
+        notes.push(format!("Assumed, stated by no source: {}.", values.collect::<Vec<_>>().join(", ")));
+    }
+    notes
+}
+
+/// A true minus sign.
+fn minus(text: String) -> String {
+    text.replace('-', "−")
+}

@@ -1,0 +1,196 @@
+//! The frequency response as a figure: magnitude and phase over a range that the poles choose.
+
+use super::Model;
+use super::joint::JointModel;
+use super::plant::PlantModel;
+use crate::failure::Failure;
+use crate::quantities::quantity;
+use mckibben::linearize::{Phasor, Pole, Signal, StateSpace};
+use mckibben_plot::{Axis, Colour, Figure, Legend, Panel, Series};
+use std::f64::consts::{PI, TAU};
+
+/// Points in each decade of frequency.
+const POINTS: f64 = 120.0;
+/// Decades shown beyond the slowest and the fastest pole, and at most in all.
+const BEYOND: (f64, f64) = (1.0, 6.0);
+
+/// What a figure shows of a model.
+struct View<'m> {
+    system: &'m StateSpace,
+    poles: &'m [Pole],
+    /// Frequencies in Hz of the pulses that are averaged.
+    averaged: Vec<f64>,
+    /// The outputs, of which the first two that the model has are drawn.
+    outputs: Vec<String>,
+    caption: String,
+}
+
+/// The figure of one input; the valve's where none is named.
+pub(super) fn figure(model: &Model, input: Option<&str>) -> Result<Figure, Failure> {
+    let averaged = model.linear.averaged().into_iter().map(|of| of.frequency).collect();
+    let outputs = ["length", "pressure", "tension"].map(str::to_owned).to_vec();
+    let system = &model.system;
+    draw(&View { system, poles: &model.poles, averaged, outputs, caption: caption(model) }, input)
+}
+
+/// The figure of one input of a joint; the agonist's valve's where none is named.
+pub(super) fn of_joint(model: &JointModel, input: Option<&str>) -> Result<Figure, Failure> {
+    let averaged = model.linear.averages().iter().map(|of| of.frequency).collect();
+    let outputs = ["angle", "actuator_torque"].map(str::to_owned).to_vec();
+    let system = &model.system;
+    draw(&View { system, poles: &model.poles, averaged, outputs, caption: model.caption() }, input)
+}
+
+/// The figure of one input of a plant; its first where none is named.
+pub(super) fn of_plant(model: &PlantModel, input: Option<&str>) -> Result<Figure, Failure> {
+    let averaged = model.linear.averages.iter().map(|of| of.frequency).collect();
+    let (system, caption) = (&model.system, model.caption());
+    draw(&View { system, poles: &model.poles, averaged, outputs: model.drawn(), caption }, input)
+}
+
+fn draw(view: &View<'_>, input: Option<&str>) -> Result<Figure, Failure> {
+    let system = view.system;
+    let names: Vec<&str> = system.inputs.iter().map(|signal| signal.name.as_str()).collect();
+    let name = input.or(names.first().copied()).unwrap_or_default();
+    let Some(input) = names.iter().position(|known| *known == name) else {
+        let title = format!("the model has no input `{name}`");
+        return Err(Failure::input(title, format!("give one of {}", names.join(", "))));
+    };
+    let (low, high) = range(view);
+    let count = ((high - low) * POINTS).ceil();
+    let x: Vec<f64> = (0..=count as usize).map(|n| low + (high - low) * n as f64 / count).collect();
+    let shown = view.outputs.iter().filter_map(|name| system.outputs.iter().position(|of| of.name == *name)).take(2);
+    let mut phase = Panel::new(quarters());
+    let (mut figure, mut least, mut greatest) = (Figure::new(decades("frequency", "Hz", low, high)), 0.0_f64, 0.0_f64);
+    for (place, output) in shown.enumerate() {
+        let signal = &system.outputs[output];
+        let response: Vec<Option<Phasor>> =
+            x.iter().map(|decade| system.response(input, output, TAU * 10_f64.powf(*decade))).collect();
+        let magnitude: Vec<f64> = response.iter().map(|g| g.map_or(f64::NAN, |g| g.magnitude().log10())).collect();
+        let (bottom, top) = magnitude
+            .iter()
+            .filter(|value| value.is_finite())
+            .fold((f64::MAX, f64::MIN), |ends, value| (ends.0.min(*value), ends.1.max(*value)));
+        let label = format!("{} over {}", words(&signal.name), words(name));
+        let axis = decades(&label, &unit(signal, &system.inputs[input]), bottom.floor(), top.ceil());
+        let colour = Colour::Category(place);
+        let panel = Panel::new(axis).series(Series::line("", x.clone(), magnitude).colour(colour));
+        figure = figure.panel(lines(view, panel, place == 0, low, high));
+        let angles = unwrapped(&response);
+        for angle in angles.iter().filter(|angle| angle.is_finite()) {
+            (least, greatest) = (least.min(*angle), greatest.max(*angle));
+        }
+        phase = phase.series(Series::line(words(&signal.name), x.clone(), angles).colour(colour));
+    }
+    phase.y =
+        phase.y.starting_at((least / 90.0).floor() * 90.0 - 15.0).ending_at((greatest / 90.0).ceil() * 90.0 + 15.0);
+    Ok(figure
+        .panel(lines(view, phase, false, low, high).legend(Legend::Above))
+        .size_mm(120.0, 40.0)
+        .caption(view.caption.clone()))
+}
+
+/// The decades of frequency in Hz between which the figure runs.
+fn range(view: &View<'_>) -> (f64, f64) {
+    let moving = view.poles.iter().map(|pole| pole.natural_frequency() / TAU).filter(|frequency| *frequency > 0.0);
+    let pwm = view.averaged.iter().copied();
+    let (least, greatest) =
+        moving.chain(pwm).fold((f64::MAX, 0.0_f64), |ends, value| (ends.0.min(value), ends.1.max(value)));
+    if greatest == 0.0 {
+        return (-2.0, 3.0);
+    }
+    let high = (greatest.log10() + BEYOND.0).ceil();
+    ((least.log10() - BEYOND.0).floor().max(high - BEYOND.1), high)
+}
+
+/// Lines at the natural frequency of each pair of poles and at the PWM's frequency.
+fn lines(view: &View<'_>, mut panel: Panel, told: bool, low: f64, high: f64) -> Panel {
+    let pairs = view.poles.iter().filter(|pole| pole.imaginary > 0.0).map(Pole::natural_frequency);
+    let mut marked: Vec<(f64, String)> = pairs.map(|rate| (rate / TAU, quantity(rate / TAU, "Hz"))).collect();
+    for pulses in &view.averaged {
+        if marked.iter().all(|(frequency, _)| frequency != pulses) {
+            marked.push((*pulses, "PWM".to_owned()));
+        }
+    }
+    for (frequency, words) in marked {
+        let place = frequency.log10();
+        if (low..=high).contains(&place) {
+            panel = panel.vertical(place, if told { words } else { String::new() });
+        }
+    }
+    panel
+}
+
+/// An axis in powers of ten of a quantity.
+fn decades(label: &str, unit: &str, low: f64, high: f64) -> Axis {
+    let (low, high) = if high > low { (low, high) } else { (low, low + 1.0) };
+    let step = ((high - low) / 6.0).ceil().max(1.0) as usize;
+    let words = (low as i32..=high as i32).step_by(step).map(|decade| (f64::from(decade), power_of_ten(decade)));
+    Axis::new(label, unit).starting_at(low).ending_at(high).words(words)
+}
+
+fn power_of_ten(decade: i32) -> String {
+    if (-2..=3).contains(&decade) {
+        return format!("{:.*}", decade.min(0).unsigned_abs() as usize, 10_f64.powi(decade));
+    }
+    let raised = |digit| match digit {
+        '-' => '⁻',
+        '1' => '¹',
+        '2' => '²',
+        '3' => '³',
+        digit => char::from_u32(0x2070 + digit.to_digit(10).unwrap_or(0)).unwrap_or(digit),
+    };
+    format!("10{}", decade.to_string().chars().map(raised).collect::<String>())
+}
+
+/// An axis of angles with a word at every quarter turn.
+fn quarters() -> Axis {
+    let words = (-8..=8).map(|quarter| (f64::from(90 * quarter), format!("{}", 90 * quarter).replace('-', "−")));
+    Axis::new("phase", "°").words(words)
+}
+
+/// Angles in degrees without the jumps of a whole turn.
+fn unwrapped(response: &[Option<Phasor>]) -> Vec<f64> {
+    let (mut turns, mut last) = (0.0, None);
+    let angle = response.iter().map(|phasor| {
+        let Some(phase) = phasor.map(|phasor| phasor.phase()) else { return f64::NAN };
+        let before = last.replace(phase).unwrap_or(phase);
+        turns -= ((phase - before) / TAU).round();
+        (phase + TAU * turns) * 180.0 / PI
+    });
+    angle.collect()
+}
+
+fn words(name: &str) -> String {
+    name.replace('_', " ")
+}
+
+/// The unit of an output over that of an input.
+fn unit(output: &Signal, input: &Signal) -> String {
+    let typeset = |unit: &str| unit.replace('*', "·");
+    let (of, per) = (typeset(output.unit), typeset(input.unit));
+    match per.as_str() {
+        "" => of,
+        unit if unit.contains(['/', '·']) => format!("{of}/({unit})"),
+        unit => format!("{of}/{unit}"),
+    }
+}
+
+fn caption(model: &Model) -> String {
+    let point = &model.linear.point;
+    let valve = match model.linear.averaged() {
+        Some(averaged) => format!("duty {:.3} at {}", averaged.duty, quantity(averaged.frequency, "Hz")),
+        None if model.linear.is_driven() => "valve by its command".to_owned(),
+        None => "valve held shut".to_owned(),
+    };
+    let coulomb = if model.oscillation.is_none() && point.coulomb_bound() > 0.0 {
+        ", sliding without Coulomb friction"
+    } else {
+        ""
+    };
+    format!(
+        "At {} gauge and {}, {valve}{coulomb}.",
+        quantity(point.gauge_pressure().0, "Pa"),
+        quantity(point.state.length, "m")
+    )
+}

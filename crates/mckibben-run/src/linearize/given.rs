@@ -1,0 +1,70 @@
+//! The operating point that a request asks for.
+
+use super::{Measure, Request};
+use crate::failure::Failure;
+use mckibben::GaugePressure;
+use mckibben::linearize::{Aim, Balance, Content, Linearization, linearize, linearize_driven};
+use mckibben::load::Load;
+use mckibben::simulation::Rig;
+use mckibben_scenario::Experiment;
+
+/// The linear model that a request asks for.
+pub(super) fn linearization(request: &Request, experiment: &Experiment) -> Result<Linearization, Failure> {
+    let rig = match request.load {
+        Some(load) => loaded(&experiment.rig, load)?,
+        None => experiment.rig.clone(),
+    };
+    let content = match request.temperature {
+        Some(kelvin) => Content::Temperature(kelvin),
+        None => Content::Of(experiment.start),
+    };
+    let is_held = matches!(rig.load(), Load::Isometric);
+    let length = request.length.or(is_held.then_some(experiment.start.length));
+    if request.load.is_some() && length.is_some() && (request.pressure.is_some() || request.duty.is_some()) {
+        return Err(Failure::input(
+            "pressure, length and load cannot all be given: two of them give the third",
+            "leave out one of `length`, `load`, and `pressure` or `duty`",
+        ));
+    }
+    let atmosphere = rig.actuator().air().atmosphere();
+    let initial = experiment.start.pressure.gauge(atmosphere);
+    let pressure = request.pressure.map(GaugePressure);
+    let balance = match (pressure, length) {
+        (Some(gauge), Some(length)) => Balance::AtBoth(gauge, length),
+        (None, Some(length)) if is_held => Balance::AtBoth(initial, length),
+        (None, Some(length)) => Balance::AtLength(length),
+        (gauge, None) => Balance::AtPressure(gauge.unwrap_or(initial)),
+    };
+    // A command that a linear model has as an input gives the pressure, unless that or the length is given.
+    let own = rig.actuation().is_some_and(|actuation| actuation.command.is_continuous());
+    Ok(match (request.duty, length) {
+        _ if request.pwm => linearize_driven(&rig, Aim::Balance(balance), content)?,
+        (Some(duty), Some(length)) => linearize_driven(&rig, Aim::DutyAtLength(duty, length), content)?,
+        (Some(duty), None) => linearize_driven(&rig, Aim::Duty(duty), content)?,
+        (None, _) if !own || pressure.is_some() || request.length.is_some() => linearize(&rig, balance, content)?,
+        (None, Some(length)) => linearize_driven(&rig, Aim::CommandAtLength(length), content)?,
+        (None, None) => linearize_driven(&rig, Aim::Command, content)?,
+    })
+}
+
+/// The rig with another load of its kind.
+fn loaded(rig: &Rig, load: Measure) -> Result<Rig, Failure> {
+    let changed = match (rig.load(), load) {
+        (Load::HangingMass { gravity, .. }, Measure::Mass(mass)) => Load::hanging_mass(mass, *gravity)?,
+        (Load::HangingMass { gravity, .. }, Measure::Force(force)) => Load::hanging_mass(force / gravity, *gravity)?,
+        (Load::ConstantForce { mass, .. }, Measure::Force(force)) => Load::constant_force(*mass, force)?,
+        (Load::ConstantForce { .. }, Measure::Mass(_)) => {
+            return Err(Failure::input(
+                "the scenario's load is a constant force, and `load` is a mass",
+                "give a force, such as 40 N, or set load.mass in the scenario",
+            ));
+        }
+        (Load::Isometric | Load::Prescribed(_), _) => {
+            return Err(Failure::input(
+                "the scenario's ends are held or moved, whatever `load` is",
+                "leave `load` out, or set load.kind to \"hanging-mass\" or \"constant-force\"",
+            ));
+        }
+    };
+    Ok(rig.clone().with_load(changed))
+}

@@ -1,0 +1,142 @@
+//! A scenario near an operating point: matrices, poles, and a Bode plot.
+//!
+//! | part | what |
+//! |---|---|
+//! | `found` | the model of whatever the scenario describes |
+//! | `given` | the point that a request asks for |
+//! | `account` | the model in words and tables |
+//! | `export` | the model as JSON and as a MATLAB or Octave script |
+//! | `bode` | the figure |
+//! | `joint` | all of this for an antagonistic joint |
+//! | `plant` | all of this for a file of many actuators |
+//!
+//! Everything is computed by [`mckibben::linearize`]. Checked by the tests of the program, `tests/linearize.rs`.
+
+mod account;
+mod bode;
+mod export;
+mod found;
+mod given;
+mod joint;
+mod plant;
+
+use crate::failure::Failure;
+use crate::quantities;
+pub use account::{Account, Block, Line};
+pub use found::LinearModel;
+use mckibben::linearize::{Controllability, Linearization, Pole, StateSpace};
+use mckibben_scenario::Assumed;
+
+/// Which linear model is asked for. What is not given is that of the scenario.
+///
+/// Two of gauge pressure, length and load give the third. A duty gives the pressure by the valve's mean flow; so does the
+/// scenario's own PWM where neither pressure nor length is given.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Request {
+    /// Gauge pressure at the point in Pa.
+    pub pressure: Option<f64>,
+    /// Distance between the attachments at the point in m.
+    pub length: Option<f64>,
+    /// The load.
+    pub load: Option<Measure>,
+    /// Commanded duty at the point: the valve by its mean flow under PWM.
+    pub duty: Option<f64>,
+    /// The valve by its mean flow under PWM, at the duty that holds the pressure.
+    pub pwm: bool,
+    /// Temperature of the air at the point in K; else the scenario's air, brought there by its process.
+    pub temperature: Option<f64>,
+    /// Angle of a joint at the point in rad; with `stiffness`.
+    pub angle: Option<f64>,
+    /// Stiffness that the two actuators give a joint at that angle, in N·m/rad; with `angle`.
+    pub stiffness: Option<f64>,
+    /// Amplitude in m of an oscillation: Coulomb friction is replaced by the viscous damping that takes as much from it.
+    pub amplitude: Option<f64>,
+    /// Keep the air mass as a state where it follows from the others; its pole is zero.
+    pub all_states: bool,
+}
+
+/// A load as it can be given.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Measure {
+    /// Mass in kg.
+    Mass(f64),
+    /// Force in N.
+    Force(f64),
+}
+
+impl Measure {
+    /// A mass or a force as somebody writes it, such as `10 lb` or `40 N`.
+    ///
+    /// # Errors
+    /// What is wrong, in words.
+    pub fn read(text: &str) -> Result<Self, String> {
+        let force = quantities::read(text, "mass or force", "N", "10 lb\" or \"40 N").map(Self::Force);
+        force.or_else(|fault| quantities::read(text, "mass", "kg", "10 lb").map(Self::Mass).map_err(|_| fault))
+    }
+}
+
+/// A linear model of an actuator on its load, with what is known about it.
+struct Model {
+    /// The name of the scenario file.
+    name: String,
+    linear: Linearization,
+    /// All states, or those that are needed.
+    system: StateSpace,
+    poles: Vec<Pole>,
+    /// What each input reaches.
+    reach: Vec<Controllability>,
+    /// Amplitude in m, and the angular frequency in rad/s at which Coulomb friction was replaced.
+    oscillation: Option<(f64, f64)>,
+    /// Numbers of the actuator that no source states.
+    assumed: Vec<Assumed>,
+}
+
+impl Request {
+    /// That what belongs together is given together.
+    fn check(&self) -> Result<(), Failure> {
+        let refused = |title: &str, help: &str| Err(Failure::input(title, help));
+        match (self.duty, self.pressure, self.pwm, self.angle, self.stiffness) {
+            (Some(_), Some(_), ..) => refused(
+                "`duty` and `pressure` cannot both be given: the duty makes the pressure",
+                "leave one of them out",
+            ),
+            (Some(_), _, true, ..) => {
+                refused("`duty` and `pwm` cannot both be given: `pwm` finds the duty", "leave one of them out")
+            }
+            (.., Some(_), None) | (.., None, Some(_)) => refused(
+                "`angle` and `stiffness` of a joint belong together: they give the two pressures",
+                "give both or none of them",
+            ),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl Model {
+    fn new(name: &str, linear: Linearization, request: &Request, assumed: Vec<Assumed>) -> Result<Self, Failure> {
+        let oscillation = match request.amplitude {
+            Some(amplitude) => Some((amplitude, oscillation(&linear)?)),
+            None => None,
+        };
+        let linear = match oscillation {
+            Some((amplitude, frequency)) => linear.with_equivalent_damping(amplitude, frequency)?,
+            None => linear,
+        };
+        let system = if request.all_states { linear.system.clone() } else { linear.minimal() };
+        let reach = (0..system.inputs.len()).map(|input| linear.controllability(&system, input));
+        let reach = reach.collect::<Result<_, _>>()?;
+        Ok(Self { name: name.to_owned(), poles: system.poles()?, system, reach, linear, oscillation, assumed })
+    }
+}
+
+/// The angular frequency in rad/s at which the model swings.
+fn oscillation(linear: &Linearization) -> Result<f64, Failure> {
+    let poles = linear.minimal().poles()?;
+    let slowest = poles.iter().filter(|pole| pole.imaginary > 0.0).min_by(|a, b| {
+        let damping = |pole: &Pole| pole.damping_ratio().unwrap_or(1.0);
+        damping(a).total_cmp(&damping(b))
+    });
+    slowest.map(|pole| pole.imaginary).ok_or_else(|| {
+        Failure::input("the model does not swing, so no oscillation has an amplitude", "leave `amplitude` out")
+    })
+}

@@ -1,0 +1,346 @@
+//! The linear model of a file of many actuators: its point, in words, as JSON and as a script, with the names of the file.
+//!
+//! | asked for | the valves | the point |
+//! |---|---|---|
+//! | nothing, with pulsed or proportional valves | by their commands, pulses on average | where all is balanced under these |
+//! | `pwm` | by the commands that hold the initial gauge pressures | the balance at these |
+//! | else, and with controllers | held shut | the balance at the initial gauge pressures |
+
+use super::account::{self, Account, Block, Line};
+use super::{Request, export};
+use crate::failure::Failure;
+use crate::quantities::{percent, quantity};
+use mckibben::linearize::{Controllability, Pole, Signal, StateSpace};
+use mckibben::plant::{
+    PlantAir, PlantBalance, PlantInput, PlantLinearization, PlantOutput, PlantState, PlantStateSpace, linearize_plant,
+};
+use mckibben::valve::Port;
+use mckibben_scenario::{Assumed, PlantExperiment};
+
+/// Columns of the matrices that are printed at most.
+const MOST_COLUMNS: usize = 10;
+
+/// A plant's linear model with what is known about it.
+pub(super) struct PlantModel {
+    pub(super) name: String,
+    pub(super) linear: PlantLinearization,
+    pub(super) system: StateSpace,
+    pub(super) poles: Vec<Pole>,
+    /// What each input reaches.
+    pub(super) reach: Vec<Controllability>,
+    pub(super) assumed: Vec<Assumed>,
+    experiment: PlantExperiment,
+    balance: PlantBalance,
+}
+
+impl PlantModel {
+    /// The model that a request asks for.
+    pub(super) fn new(
+        name: &str,
+        of: &PlantExperiment,
+        request: &Request,
+        assumed: Vec<Assumed>,
+    ) -> Result<Self, Failure> {
+        refuse(request)?;
+        let pressures = || of.start.air.iter().map(|air| air.gauge_pressure).collect();
+        let driven = of.plant.network().valves.iter().any(|valve| valve.command.is_continuous());
+        let balance = if request.pwm {
+            PlantBalance::DrivenAt(pressures())
+        } else if driven && of.controls.is_empty() {
+            PlantBalance::Driven
+        } else {
+            PlantBalance::Shut(pressures())
+        };
+        let count = of.plant.actuators().len();
+        let air = request.temperature.map_or(PlantAir::Start, |kelvin| PlantAir::Temperatures(vec![kelvin; count]));
+        let mut linear = linearize_plant(&of.plant, &of.start, &balance, &air)?;
+        if let Some(amplitude) = request.amplitude {
+            let poles = linear.minimal().poles()?;
+            let swings = poles.iter().filter(|pole| pole.imaginary > 0.0);
+            let damping = |pole: &&Pole| pole.damping_ratio().unwrap_or(1.0);
+            let least = swings.min_by(|a, b| damping(a).total_cmp(&damping(b)));
+            let frequency = least.map(|pole| pole.imaginary).ok_or_else(|| {
+                let title = "the model does not swing, so no oscillation has an amplitude";
+                Failure::input(title, "leave `amplitude` out")
+            })?;
+            linear = linear.with_equivalent_damping(&vec![amplitude; count], frequency)?;
+        }
+        let system = if request.all_states { linear.system.clone() } else { linear.minimal() };
+        let reach = (0..system.inputs.len()).map(|input| linear.controllability(&system, input));
+        let (reach, poles) = (reach.collect::<Result<_, _>>()?, system.poles()?);
+        let system = by_names(of, &linear, &system);
+        let (name, experiment) = (name.to_owned(), of.clone());
+        Ok(Self { name, linear, system, poles, reach, assumed, experiment, balance })
+    }
+
+    /// How the valves are taken, in a word of the file.
+    pub(super) fn kind(&self) -> &'static str {
+        match self.balance {
+            PlantBalance::Shut(_) => "plant-held-valves",
+            _ => "plant-driven-valves",
+        }
+    }
+
+    fn valves(&self) -> &'static str {
+        match self.balance {
+            PlantBalance::Shut(_) => "all valves held shut",
+            PlantBalance::Driven => "valves by their commands, pulses on average",
+            PlantBalance::DrivenAt(_) => "valves by the commands that hold the initial pressures",
+        }
+    }
+
+    /// What a valve is of.
+    pub(super) fn valve(&self, valve: usize) -> String {
+        names_of(&self.experiment).valve(valve)
+    }
+
+    /// The outputs of a figure: the first coordinates that have names, else lengths.
+    pub(super) fn drawn(&self) -> Vec<String> {
+        let coordinates = self.experiment.coordinates();
+        let angles =
+            coordinates.iter().map(|of| format!("{}.{}", of.name, if of.is_angle { "angle" } else { "position" }));
+        angles.chain(self.experiment.names.actuators.iter().map(|name| format!("{name}.length"))).collect()
+    }
+
+    /// The caption of a figure.
+    pub(super) fn caption(&self) -> String {
+        let point = &self.linear.point;
+        let actuators = self.experiment.names.actuators.iter().enumerate();
+        let gauge = actuators.map(|(i, name)| format!("{name} {}", quantity(point.gauge_pressure(i).0, "Pa")));
+        format!("Gauge pressures: {}; {}.", gauge.collect::<Vec<_>>().join(", "), self.valves())
+    }
+
+    /// The values at the operating point, each name with its unit at the end.
+    pub(super) fn point(&self) -> Vec<(String, f64)> {
+        let (of, point) = (&self.experiment, &self.linear.point);
+        let places = point.plant.places();
+        let mut values = Vec::new();
+        for its in of.coordinates() {
+            let column = if its.is_angle { "angle_rad" } else { "position_m" };
+            let place = places.mechanisms[its.mechanism].position(its.index);
+            values.push((format!("{}.{column}", its.name), point.state[place]));
+        }
+        for (i, name) in of.names.actuators.iter().enumerate() {
+            let mut value = |column: &str, value: f64| values.push((format!("{name}.{column}"), value));
+            value("length_m", point.lengths[i]);
+            value("tension_n", point.tensions[i]);
+            value("gauge_pressure_pa", point.gauge_pressure(i).0);
+            value("temperature_k", point.temperature(i));
+            value("coulomb_bound_n", self.linear.coulomb_bound(i));
+        }
+        let inputs = names_of(of);
+        for (input, number) in &point.inputs {
+            let Signal { name, unit, .. } = inputs.input(input, &point.plant);
+            let unit = unit.to_lowercase().replace(['*', '/'], "_");
+            let ending = if unit.is_empty() { String::new() } else { format!("_{unit}") };
+            values.push((format!("{name}{ending}"), *number));
+        }
+        values
+    }
+
+    /// The model in words and tables.
+    pub(super) fn account(&self) -> Account {
+        let (of, point) = (&self.experiment, &self.linear.point);
+        let places = point.plant.places();
+        let mut lines = Vec::new();
+        for its in of.coordinates() {
+            let place = places.mechanisms[its.mechanism].position(its.index);
+            lines.push(Line::new(its.name, quantity(point.state[place], if its.is_angle { "rad" } else { "m" })));
+        }
+        for (i, name) in of.names.actuators.iter().enumerate() {
+            let taut = if point.is_taut(i) { ", on the taut braid" } else { "" };
+            let bound = self.linear.coulomb_bound(i);
+            let sticks =
+                if bound > 0.0 { format!(", sticks within ± {}", quantity(bound, "N")) } else { String::new() };
+            let [gauge, length, tension] =
+                [(point.gauge_pressure(i).0, "Pa"), (point.lengths[i], "m"), (point.tensions[i], "N")]
+                    .map(|(value, unit)| quantity(value, unit));
+            lines.push(Line::new(name, format!("{gauge} gauge, {length}{taut}, {tension}{sticks}")));
+        }
+        for average in &self.linear.averages {
+            let told = format!(
+                "{} at {}, open to the supply for {} of the period",
+                percent(average.duty),
+                quantity(average.frequency, "Hz"),
+                percent(average.shares[0]),
+            );
+            let warnings = [
+                (average.follows(), "the valve does not answer to the duty here"),
+                (average.ripple_is_small(), "the ripple is too large for the mean flow to be trusted"),
+            ];
+            let warnings = warnings.into_iter().filter(|(holds, _)| !holds).map(|(_, words)| words);
+            let line = Line::new(self.valve(average.valve), told);
+            lines.push(Line { warning: warnings.collect::<Vec<_>>().join("; "), ..line });
+        }
+        let StateSpace { states, inputs, outputs, .. } = &self.system;
+        let mut blocks = vec![Block::of_lines("", lines)];
+        if states.len() + inputs.len() <= MOST_COLUMNS {
+            blocks.push(Block::of_table("Model", account::matrices(&self.system)));
+        } else {
+            let listed = |signals: &[Signal]| {
+                let names: Vec<&str> = signals.iter().map(|signal| signal.name.as_str()).collect();
+                format!("{}: {}", signals.len(), names.join(", "))
+            };
+            let lines = [("states", listed(states)), ("inputs", listed(inputs)), ("outputs", listed(outputs))];
+            let lines = lines.into_iter().map(|(name, value)| Line::new(name, value)).collect();
+            blocks.push(Block::of_lines("Model, whose matrices are in its files", lines));
+        }
+        blocks.extend(account::dynamics(&self.system, &self.poles, &self.reach));
+        Account { title: format!("{}, {}", self.name, self.valves()), blocks, notes: Vec::new() }
+    }
+
+    /// The model as a script for MATLAB and Octave.
+    pub(super) fn matlab(&self) -> String {
+        export::script(&self.name, &format!("plant, {}", self.valves()), &self.point(), &self.system, &self.poles)
+    }
+}
+
+/// Refuses what is asked of one actuator or of one joint alone.
+fn refuse(request: &Request) -> Result<(), Failure> {
+    let of_one = [
+        ("pressure", request.pressure.is_some()),
+        ("length", request.length.is_some()),
+        ("load", request.load.is_some()),
+        ("duty", request.duty.is_some()),
+        ("angle", request.angle.is_some()),
+    ];
+    match of_one.into_iter().find(|(_, given)| *given) {
+        None => Ok(()),
+        Some((name, _)) => Err(Failure::input(
+            format!("the scenario has actuators with names, and `{name}` names no one of them"),
+            "set values of the scenario by their paths, such as actuators.flexor.initial.gauge_pressure",
+        )),
+    }
+}
+
+/// What a file calls the parts that signals are of.
+struct Names<'e>(&'e PlantExperiment);
+
+fn names_of(of: &PlantExperiment) -> Names<'_> {
+    Names(of)
+}
+
+impl Names<'_> {
+    fn actuator(&self, index: usize) -> &str {
+        self.0.names.actuators.get(index).map_or("", String::as_str)
+    }
+
+    /// A coordinate, by its own name or by that of the actuator whose load it is.
+    fn coordinate(&self, mechanism: usize, coordinate: usize) -> (String, bool) {
+        let named = self.0.coordinates().into_iter().find(|of| of.mechanism == mechanism && of.index == coordinate);
+        match named {
+            Some(of) => (of.name, of.is_angle),
+            None => {
+                let alone = self.0.plant.actuators().iter().position(|mounted| mounted.mechanism == mechanism);
+                (format!("{}.load", self.actuator(alone.unwrap_or(usize::MAX))), false)
+            }
+        }
+    }
+
+    fn valve(&self, valve: usize) -> String {
+        let names = &self.0.names;
+        match names.valves.iter().position(|its| *its == Some(valve)) {
+            Some(index) => self.actuator(index).to_owned(),
+            None => {
+                let of_supply = names.supply_valves.iter().find(|(_, its)| *its == valve);
+                of_supply.map_or_else(|| format!("valve-{valve}"), |(name, _)| name.clone())
+            }
+        }
+    }
+
+    fn node(&self, node: usize) -> String {
+        let names = &self.0.names;
+        if let Some((name, _)) = names.nodes.iter().find(|(_, its)| *its == node) {
+            return format!("{name}.pressure");
+        }
+        match names.hoses.iter().position(|its| *its == Some(node)) {
+            Some(index) => format!("{}.hose_pressure", self.actuator(index)),
+            None => {
+                let of = crate::plant::name_of(self.0, mckibben::plant::Part::Node(node));
+                format!("{of}.node_{node}_pressure")
+            }
+        }
+    }
+
+    fn state(&self, of: &PlantState, unit: &'static str) -> Signal {
+        let name = match *of {
+            PlantState::Position { mechanism, coordinate } => match self.coordinate(mechanism, coordinate) {
+                (name, true) => format!("{name}.angle"),
+                (name, false) => format!("{name}.position"),
+            },
+            PlantState::Velocity { mechanism, coordinate } => match self.coordinate(mechanism, coordinate) {
+                (name, true) => format!("{name}.angular_velocity"),
+                (name, false) => format!("{name}.velocity"),
+            },
+            PlantState::Pressure { actuator } => format!("{}.pressure", self.actuator(actuator)),
+            PlantState::AirMass { actuator } => format!("{}.air_mass", self.actuator(actuator)),
+            PlantState::Length { actuator } => format!("{}.length", self.actuator(actuator)),
+            PlantState::Bristles { actuator } => format!("{}.bristles", self.actuator(actuator)),
+            PlantState::NodePressure { node } => self.node(node),
+            PlantState::BranchFlow { branch } => {
+                let of = crate::plant::name_of(self.0, mckibben::plant::Part::Branch(branch));
+                format!("{of}.branch_{branch}_flow")
+            }
+            PlantState::SpoolPosition { valve } => format!("{}.spool_position", self.valve(valve)),
+            PlantState::SpoolVelocity { valve } => format!("{}.spool_velocity", self.valve(valve)),
+        };
+        Signal::new(name, unit)
+    }
+
+    fn input(&self, of: &PlantInput, plant: &mckibben::plant::Plant) -> Signal {
+        let name = match *of {
+            PlantInput::Duty { valve } => format!("{}.duty", self.valve(valve)),
+            PlantInput::SetPoint { valve } => format!("{}.set_point", self.valve(valve)),
+            PlantInput::SpoolCommand { valve } => format!("{}.spool_command", self.valve(valve)),
+            PlantInput::Opening { valve, port: Port::Supply } => format!("{}.supply_opening", self.valve(valve)),
+            PlantInput::Opening { valve, port: Port::Exhaust } => format!("{}.exhaust_opening", self.valve(valve)),
+            PlantInput::SupplyPressure { node } => self.node(node).replace(".pressure", ".supply_pressure"),
+            PlantInput::MassFlow { actuator } => format!("{}.mass_flow", self.actuator(actuator)),
+            PlantInput::NodeFlow { node } => self.node(node).replace("pressure", "mass_flow"),
+            PlantInput::Force { mechanism, coordinate } => match self.coordinate(mechanism, coordinate) {
+                (name, true) => format!("{name}.torque"),
+                (name, false) => format!("{name}.force"),
+            },
+            PlantInput::Motion { mechanism, coordinate } => {
+                format!("{}.motion", self.coordinate(mechanism, coordinate).0)
+            }
+            PlantInput::MotionRate { mechanism, coordinate } => {
+                format!("{}.motion_rate", self.coordinate(mechanism, coordinate).0)
+            }
+            PlantInput::GivenPressure { actuator } => format!("{}.given_pressure", self.actuator(actuator)),
+        };
+        Signal::new(name, of.unit(plant))
+    }
+
+    fn output(&self, of: &PlantOutput, unit: &'static str) -> Signal {
+        let name = match *of {
+            PlantOutput::Length { actuator } => format!("{}.length", self.actuator(actuator)),
+            PlantOutput::LengthRate { actuator } => format!("{}.velocity", self.actuator(actuator)),
+            PlantOutput::Pressure { actuator } => format!("{}.pressure", self.actuator(actuator)),
+            PlantOutput::Tension { actuator } => format!("{}.tension", self.actuator(actuator)),
+            PlantOutput::Position { mechanism, coordinate } => match self.coordinate(mechanism, coordinate) {
+                (name, true) => format!("{name}.angle"),
+                (name, false) => format!("{name}.position"),
+            },
+            PlantOutput::Velocity { mechanism, coordinate } => match self.coordinate(mechanism, coordinate) {
+                (name, true) => format!("{name}.angular_velocity"),
+                (name, false) => format!("{name}.velocity"),
+            },
+            PlantOutput::ActuatorForce { mechanism, coordinate } => match self.coordinate(mechanism, coordinate) {
+                (name, true) => format!("{name}.actuator_torque"),
+                (name, false) => format!("{name}.actuator_force"),
+            },
+            PlantOutput::NodePressure { node } => self.node(node),
+        };
+        Signal::new(name, unit)
+    }
+}
+
+/// The model with the names of the file.
+fn by_names(of: &PlantExperiment, linear: &PlantLinearization, system: &PlantStateSpace) -> StateSpace {
+    let (names, plant) = (names_of(of), &linear.point.plant);
+    let states = system.states.iter().map(|state| names.state(state, state.unit(plant)));
+    let inputs = system.inputs.iter().map(|input| names.input(input, plant));
+    let outputs = system.outputs.iter().map(|output| names.output(output, output.unit(plant)));
+    system.named([states.enumerate().collect(), inputs.enumerate().collect(), outputs.enumerate().collect()])
+}

@@ -1,0 +1,340 @@
+//! The figures of a run: extremes, the last periods under PWM, the air through each port.
+//!
+//! A run is evaluated in five points of every step, at every event and at every sample, as it is made: nothing of it is kept.
+
+use mckibben::Actuator;
+use mckibben::air::Flow;
+use mckibben::engine::Statistics;
+use mckibben::plant::{PlantLedger, PlantView, RigPlant, ViewStep};
+use mckibben::simulation::{EventKind, Extent, Mode, Readable, Reading, Rig, Sample, SampleTimes};
+use mckibben::valve::Command;
+use mckibben_scenario::Run;
+use std::collections::BTreeMap;
+
+/// The least and the greatest value of a quantity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    /// The least.
+    pub least: f64,
+    /// The greatest.
+    pub greatest: f64,
+}
+
+impl Range {
+    pub(crate) const NONE: Self = Self { least: f64::INFINITY, greatest: f64::NEG_INFINITY };
+
+    pub(crate) fn see(&mut self, value: f64) {
+        // What is no number stays, to be found: the least and the greatest of two would pass over it.
+        if value.is_nan() || self.least.is_nan() {
+            *self = Self { least: f64::NAN, greatest: f64::NAN };
+            return;
+        }
+        self.least = self.least.min(value);
+        self.greatest = self.greatest.max(value);
+    }
+
+    /// The greater of the two magnitudes.
+    pub fn peak(&self) -> f64 {
+        self.least.abs().max(self.greatest.abs())
+    }
+}
+
+/// Extremes over a whole run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extremes {
+    /// Of the distance between the attachments in m.
+    pub length: Range,
+    /// Of its rate in m/s.
+    pub velocity: Range,
+    /// Of the tension in N.
+    pub tension: Range,
+    /// Of the absolute pressure in Pa.
+    pub pressure: Range,
+    /// Of the air's temperature in K.
+    pub temperature: Range,
+}
+
+impl Extremes {
+    const NONE: Self = Self {
+        length: Range::NONE,
+        velocity: Range::NONE,
+        tension: Range::NONE,
+        pressure: Range::NONE,
+        temperature: Range::NONE,
+    };
+
+    fn see(&mut self, sample: &Sample) {
+        self.length.see(sample.length);
+        self.velocity.see(sample.velocity);
+        self.tension.see(sample.tension);
+        self.pressure.see(sample.pressure.0);
+        self.temperature.see(sample.temperature);
+    }
+}
+
+/// Air in kg through the ports of the valve.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AirUse {
+    /// In from the supply.
+    pub from_supply: f64,
+    /// Back into the supply, as with a vacuum.
+    pub to_supply: f64,
+    /// In from the atmosphere.
+    pub from_surroundings: f64,
+    /// Out to the atmosphere.
+    pub to_surroundings: f64,
+}
+
+impl AirUse {
+    /// Adds the flow of an actuator without an air line at a point of a quadrature with its weight in s.
+    pub fn see_actuator(&mut self, actuator: &Actuator, weight: f64, sample: &Sample, mode: &Mode) {
+        let (length, velocity, pressure, mass) = (sample.length, sample.velocity, sample.pressure.0, sample.air_mass);
+        let chamber = actuator.chamber(length, velocity, pressure, mass, mode.extent == Extent::Slack);
+        let supply = actuator.flow(&chamber, sample.ports.supply, false);
+        let surroundings = actuator.flow(&chamber, false, sample.ports.exhaust);
+        self.see(weight, [supply, surroundings]);
+    }
+
+    /// Adds the flows to the supply and to the surroundings at a point of a quadrature with its weight in s.
+    pub fn see(&mut self, weight: f64, [supply, surroundings]: [Flow; 2]) {
+        self.from_supply += weight * supply.inward;
+        self.to_supply += weight * supply.outward;
+        self.from_surroundings += weight * surroundings.inward;
+        self.to_surroundings += weight * surroundings.outward;
+    }
+}
+
+/// The length over the last whole periods of PWM.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ripple {
+    /// How many periods were looked at.
+    pub periods: u64,
+    /// The mean length in m.
+    pub mean: f64,
+    /// The greatest minus the least length in m.
+    pub peak_to_peak: f64,
+    /// The mean length of the last period minus that of the one before, in m.
+    pub drift: Option<f64>,
+}
+
+/// What is known of a run once it has come to its end.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ended {
+    /// Steps, evaluations and events.
+    pub counts: Statistics,
+    /// Where the work of the gas and the exergy of the supply's air went.
+    pub ledger: PlantLedger,
+    /// Whether there is a valve, through which air is drawn.
+    pub draws: bool,
+    /// The fixed steps, where it took such.
+    pub steps: Option<Steps>,
+}
+
+/// The fixed steps of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Steps {
+    /// The longest step in s.
+    pub step: f64,
+    /// When it was chosen for an accuracy: the time in s that was compared, and the greatest error.
+    pub chosen: Option<[f64; 2]>,
+    /// How many there were.
+    pub steps: u64,
+}
+
+/// Observes a run of what a plant is on its way.
+pub(crate) trait Observes<V: PlantView> {
+    /// What it comes to.
+    type Observation: Clone;
+
+    /// Begins to observe.
+    fn new(rig: &V::Rig, plan: &Run) -> Self;
+
+    /// Observes an accepted step.
+    fn step(&mut self, step: &ViewStep<'_, V>);
+
+    /// The figures of a run that has come to its end, with the last sample.
+    fn finish(self, last: V::Sample, ended: Ended) -> Self::Observation;
+}
+
+/// Everything that is observed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Observation {
+    /// The sample at the start.
+    pub first: Sample,
+    /// The sample at the end.
+    pub last: Sample,
+    /// Extremes.
+    pub extremes: Extremes,
+    /// Air through the ports.
+    pub air: AirUse,
+    /// Ripple, when the command is PWM and at least one period is over.
+    pub ripple: Option<Ripple>,
+    /// How many events of each kind there were.
+    pub events: BTreeMap<EventKind, u64>,
+    /// Steps and ledger.
+    pub ended: Ended,
+}
+
+/// Periods of PWM that are looked at.
+const PERIODS: u64 = 5;
+/// Points in each of them.
+const POINTS: u64 = 400;
+/// Samples in which extremes are looked for at least.
+const LEAST_SAMPLES: f64 = 5000.0;
+
+/// Times at which a run is read.
+type Times = Box<dyn Iterator<Item = f64> + Send>;
+
+/// Observes a run on its way.
+pub struct Observer {
+    first: Option<Sample>,
+    extremes: Extremes,
+    air: AirUse,
+    window: Option<Window>,
+    events: BTreeMap<EventKind, u64>,
+    /// Time in s of the last event, until the step that holds it.
+    event: Option<f64>,
+    samples: Reading<Times>,
+    points: Reading<Times>,
+}
+
+/// The last periods of a run under PWM.
+#[derive(Clone, Debug)]
+struct Window {
+    start: f64,
+    end: f64,
+    period: f64,
+    /// For each period the integral of length and its time, and the range.
+    periods: Vec<(f64, f64, Range)>,
+}
+
+impl Window {
+    fn of(rig: &Rig, plan: &Run) -> Option<Self> {
+        let Command::Pwm { frequency, .. } = rig.actuation()?.command else { return None };
+        let period = 1.0 / frequency;
+        // A run of 50 periods may miss the fiftieth by a rounding.
+        let whole = (plan.duration / period * (1.0 + 1e-12)) as u64;
+        let count = whole.min(PERIODS);
+        let start = plan.duration - count as f64 * period;
+        let end = plan.duration;
+        (count > 0).then(|| Self { start, end, period, periods: vec![(0.0, 0.0, Range::NONE); count as usize] })
+    }
+
+    /// The time in s between two of the points at which a run is read.
+    fn step(&self) -> f64 {
+        (self.end - self.start) / (self.periods.len() as u64 * POINTS) as f64
+    }
+
+    /// The times in s of those points.
+    fn points(&self) -> impl Iterator<Item = f64> + use<> {
+        let (start, step) = (self.start, self.step());
+        (0..self.periods.len() as u64 * POINTS).map(move |point| start + (point as f64 + 0.5) * step)
+    }
+
+    fn see(&mut self, time: f64, weight: f64, length: f64) {
+        let index = ((time - self.start) / self.period).floor();
+        if index < 0.0 {
+            return;
+        }
+        let last = self.periods.len() - 1;
+        let (integral, covered, range) = &mut self.periods[(index as usize).min(last)];
+        *integral += weight * length;
+        *covered += weight;
+        range.see(length);
+    }
+
+    fn ripple(&self) -> Option<Ripple> {
+        // Steps longer than a period leave some without a point: nothing can be said then.
+        if self.periods.iter().any(|(_, covered, _)| *covered <= 0.0) {
+            return None;
+        }
+        let means: Vec<f64> = self.periods.iter().map(|(integral, covered, _)| integral / covered).collect();
+        let mut all = Range::NONE;
+        for (.., range) in &self.periods {
+            all.see(range.least);
+            all.see(range.greatest);
+        }
+        let drift = match means.as_slice() {
+            [.., before, last] => Some(last - before),
+            _ => None,
+        };
+        Some(Ripple {
+            periods: self.periods.len() as u64,
+            mean: means.iter().sum::<f64>() / means.len() as f64,
+            peak_to_peak: all.greatest - all.least,
+            drift,
+        })
+    }
+}
+
+impl Observes<RigPlant> for Observer {
+    type Observation = Observation;
+
+    fn new(rig: &Rig, plan: &Run) -> Self {
+        let (window, end) = (Window::of(rig, plan), plan.duration);
+        // A long step, as of a mass in free flight, may hold an extreme between two of its points; and no figure may
+        // contradict the file.
+        let interval = plan.sample_interval.min(end / LEAST_SAMPLES);
+        let points: Times = match &window {
+            Some(window) => Box::new(window.points()),
+            None => Box::new(std::iter::empty()),
+        };
+        Self {
+            first: None,
+            extremes: Extremes::NONE,
+            air: AirUse::default(),
+            window,
+            events: BTreeMap::new(),
+            event: None,
+            samples: Reading::new(Box::new(SampleTimes::new(end, interval).times()), end),
+            points: Reading::new(points, end),
+        }
+    }
+
+    fn step(&mut self, step: &ViewStep<'_, RigPlant>) {
+        let Self { first, extremes, air, window, events, event, samples, points } = self;
+        step.quadrature(|weight, sample, flows| {
+            extremes.see(sample);
+            air.see(weight, flows);
+        });
+        let read = |sample: &Sample| {
+            first.get_or_insert(*sample);
+            extremes.see(sample);
+            Ok::<_, std::convert::Infallible>(())
+        };
+        let Ok(()) = samples.step(step, read);
+        if let Some(time) = event.take_if(|time| step.holds(*time)) {
+            extremes.see(&step.read(time));
+        }
+        let Ok(()) = points.step(step, |sample| {
+            if let Some(window) = window {
+                let weight = window.step();
+                window.see(sample.time, weight, sample.length);
+            }
+            Ok::<_, std::convert::Infallible>(())
+        });
+        if let Some(happened) = step.event() {
+            *events.entry(happened.kind).or_insert(0) += 1;
+            *event = Some(happened.time);
+        }
+    }
+
+    fn finish(mut self, last: Sample, ended: Ended) -> Observation {
+        self.extremes.see(&last);
+        let ripple = self.window.as_ref().and_then(Window::ripple);
+        let Self { first, extremes, air, events, .. } = self;
+        Observation { first: first.unwrap_or(last), last, extremes, air, ripple, events, ended }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_range_of_what_is_no_number_is_none() {
+        let mut range = Range::NONE;
+        [1.0, f64::NAN, 2.0].into_iter().for_each(|value| range.see(value));
+        assert!(range.least.is_nan() && range.greatest.is_nan());
+    }
+}

@@ -1,0 +1,138 @@
+//! Numbers for people: four digits and an SI prefix.
+
+use mckibben_scenario::quantity;
+
+/// A value with its unit: four significant digits and the prefix that puts it between 1 and 1000.
+pub fn quantity(value: f64, unit: &str) -> String {
+    // The kilogram has a prefix of its own, which only the gram can lose.
+    let (value, unit) = if unit == "kg" { (value * 1e3, "g") } else { (value, unit) };
+    // Nobody counts in kiloseconds.
+    let (scaled, prefix) = if unit == "s" && value.abs() >= 1.0 { (value, "") } else { prefixed(value) };
+    format!("{} {prefix}{unit}", digits(scaled)).trim_end().to_owned()
+}
+
+/// A value that somebody gave: as [`quantity()`], without zeros that say nothing.
+pub fn given(value: f64, unit: &str) -> String {
+    let told = quantity(value, unit);
+    let (number, unit) = told.split_once(' ').unwrap_or((&told, ""));
+    format!("{} {unit}", plain(number)).trim_end().to_owned()
+}
+
+/// A ratio that somebody gave, in percent.
+pub fn given_percent(value: f64) -> String {
+    format!("{} %", plain(&digits(value * 100.0)))
+}
+
+/// A number without the zeros behind its last digit.
+fn plain(number: &str) -> &str {
+    if number.contains('.') && !number.contains('e') {
+        number.trim_end_matches('0').trim_end_matches('.')
+    } else {
+        number
+    }
+}
+
+/// A ratio in percent.
+pub fn percent(value: f64) -> String {
+    format!("{} %", digits(value * 100.0))
+}
+
+/// A whole number with thin groups of three.
+pub fn count(value: u64) -> String {
+    let plain = value.to_string();
+    let mut grouped = String::new();
+    for (place, digit) in plain.chars().enumerate() {
+        if place > 0 && (plain.len() - place).is_multiple_of(3) && plain.len() > 4 {
+            grouped.push(' ');
+        }
+        grouped.push(digit);
+    }
+    grouped
+}
+
+/// The factor and prefix that put the largest of several values between 1 and 1000.
+pub fn common_prefix(values: &[f64]) -> (f64, &'static str) {
+    let largest = values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+    let (scaled, prefix) = prefixed(largest);
+    (if largest > 0.0 { scaled / largest } else { 1.0 }, prefix)
+}
+
+/// A value within this factor of a power of ten rounds up to it in four digits.
+const ROUNDS_UP: f64 = 1.00005;
+
+/// Prefixes with their powers of ten.
+const PREFIXES: [(i32, &str); 10] =
+    [(9, "G"), (6, "M"), (3, "k"), (0, ""), (-3, "m"), (-6, "µ"), (-9, "n"), (-12, "p"), (-15, "f"), (-18, "a")];
+
+fn prefixed(value: f64) -> (f64, &'static str) {
+    let size = value.abs();
+    // A value just below a power of ten rounds up to it and then belongs to the larger prefix.
+    let rounded = size * ROUNDS_UP;
+    let found = PREFIXES.iter().find(|(power, _)| rounded >= 10f64.powi(*power));
+    match found {
+        Some((power, prefix)) => (value / 10f64.powi(*power), prefix),
+        None => (value, ""),
+    }
+}
+
+/// Four significant digits; what is too small or too large for plain digits has an exponent.
+pub fn digits(value: f64) -> String {
+    let size = value.abs();
+    if size == 0.0 {
+        return "0".to_owned();
+    }
+    if !(1e-4..1e6).contains(&size) {
+        return format!("{value:.2e}");
+    }
+    // Below 1 the leading zeros do not count; what rounds up to the next power of ten has its digits.
+    let decimals = 3 - (size * ROUNDS_UP).log10().floor() as i32;
+    let text = format!("{value:.*}", decimals.clamp(0, 8) as usize);
+    if text.trim_start_matches(['-', '0', '.']).is_empty() { "0".to_owned() } else { text }
+}
+
+/// A quantity with a unit as somebody writes it, in the SI unit that it must have the dimension of.
+///
+/// # Errors
+/// What is wrong, in words, with `what` it should be and an `example` of it.
+pub fn read(text: &str, what: &str, unit: &str, example: &str) -> Result<f64, String> {
+    let read = quantity::parse(text).map_err(|error| error.to_string())?;
+    let (dimension, _) = quantity::parse_unit(unit).map_err(|error| error.to_string())?;
+    if read.has_unit && read.dimension == dimension {
+        return Ok(read.value);
+    }
+    Err(format!("`{text}` is no {what}; write a number with its unit, as in \"{example}\""))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn four_digits_and_a_prefix() {
+        let cases = [
+            ((0.084_12, "m"), "84.12 mm"),
+            ((413_685.4, "Pa"), "413.7 kPa"),
+            ((2.267_96, "kg"), "2.268 kg"),
+            ((7.304e-6, "kg"), "7.304 mg"),
+            ((-0.0123, "m/s"), "-12.30 mm/s"),
+            ((0.0, "N"), "0 N"),
+            ((999.999, "Pa"), "1.000 kPa"),
+            ((26.689, "N"), "26.69 N"),
+        ];
+        for ((value, unit), text) in cases {
+            assert_eq!(quantity(value, unit), text);
+        }
+    }
+
+    #[test]
+    fn what_was_given_has_no_idle_zeros() {
+        assert_eq!([given(25.0, "Hz"), given(2.0, "s"), given(100.0, "N")], ["25 Hz", "2 s", "100 N"]);
+        assert_eq!([given(3000.0, "s"), given(0.001, "s")], ["3000 s", "1 ms"]);
+        assert_eq!([given(0.0, "Pa"), given_percent(0.425)], ["0 Pa", "42.5 %"]);
+    }
+
+    #[test]
+    fn groups_of_three() {
+        assert_eq!([count(0), count(1234), count(12345), count(1_234_567)], ["0", "1234", "12 345", "1 234 567"]);
+    }
+}

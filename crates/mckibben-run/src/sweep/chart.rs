@@ -1,0 +1,340 @@
+//! The reductions of a sweep as a figure, by how many keys vary.
+//!
+//! | what varies | the figure |
+//! |---|---|
+//! | one key | a line of each reduction over it |
+//! | two keys in a grid | a map of each reduction over both |
+//! | else | a matrix of scatter plots, reductions over keys, with Spearman's rank correlation ρ |
+//!
+//! Runs that failed are gaps, crossed cells, or not there.
+
+use super::tally::Tally;
+use crate::failure::Failure;
+use crate::quantities::count;
+use mckibben::control;
+use mckibben_plot::{Axis, Beside, Field, Figure, Format, Legend, Panel, PlotError, Series, Style, Theme};
+use mckibben_scenario::sweep::{Quantity, Statistic};
+use mckibben_scenario::{AxisKind, AxisValue, PlantReduction, Record, Reduction, Sweep};
+use std::f64::consts::PI;
+use std::path::Path;
+
+/// Panels that a figure has at most, one above the other.
+const PANELS: usize = 8;
+/// Columns of a matrix at most.
+const COLUMNS: usize = 8;
+/// Points on a line at most that are shown one by one.
+const DOTS: usize = 60;
+
+/// Draws the sweep; the bytes of the file.
+///
+/// # Errors
+/// [`Failure::output`], which names `path`, when the figure cannot be drawn.
+pub fn draw(sweep: &Sweep, tally: &Tally, title: &str, (path, format): (&Path, Format)) -> Result<Vec<u8>, Failure> {
+    let picture = picture(sweep, tally, title);
+    picture.bytes(format).map_err(|error| Failure::output(path, error))
+}
+
+/// The sweep as SVG.
+///
+/// # Errors
+/// When the figure contradicts itself.
+pub fn svg(sweep: &Sweep, tally: &Tally, theme: Theme) -> Result<String, PlotError> {
+    match picture(sweep, tally, "") {
+        Picture::One(figure) => figure.to_svg(theme),
+        Picture::Beside(beside) => beside.to_svg(theme),
+    }
+}
+
+/// A figure, or several side by side.
+enum Picture {
+    One(Figure),
+    Beside(Beside),
+}
+
+impl Picture {
+    fn bytes(&self, format: Format) -> Result<Vec<u8>, PlotError> {
+        match self {
+            Self::One(figure) => figure.bytes(format),
+            Self::Beside(beside) => beside.bytes(format),
+        }
+    }
+}
+
+/// The values of a varied key or of a reduction in all runs that are drawn, and their axis.
+#[derive(Clone, Debug)]
+struct Values {
+    axis: Axis,
+    at: Vec<f64>,
+}
+
+impl Values {
+    /// Whether two of the values differ by more than rounding.
+    fn changes(&self) -> bool {
+        let finite = || self.at.iter().copied().filter(|value| value.is_finite());
+        let (least, greatest) = finite().fold((f64::MAX, f64::MIN), |(l, g), value| (l.min(value), g.max(value)));
+        greatest - least > 1e-9 * least.abs().max(greatest.abs())
+    }
+
+    fn distinct(&self) -> Vec<f64> {
+        let mut distinct = self.at.clone();
+        distinct.sort_by(f64::total_cmp);
+        distinct.dedup();
+        distinct
+    }
+}
+
+fn picture(sweep: &Sweep, tally: &Tally, title: &str) -> Picture {
+    let (kept, stride) = tally.kept();
+    let rows: Vec<u64> = kept.keys().copied().collect();
+    let mut keys: Vec<Values> = (0..sweep.axes().len()).map(|axis| key(sweep, axis, &rows)).collect();
+    // A key with one value says nothing; one of them must stay to have an axis.
+    let first = keys.first().cloned();
+    keys.retain(|key| key.distinct().len() > 1);
+    if keys.is_empty() {
+        keys.extend(first);
+    }
+    let at = |index: usize| -> Vec<f64> { kept.values().map(|values| values[index]).collect() };
+    let results: Vec<Values> = match sweep.record() {
+        Record::Reductions(list) => list.iter().enumerate().map(|(index, of)| result(*of, at(index))).collect(),
+        Record::PlantReductions(list) => {
+            let label = |of: &PlantReduction| of.name.replace(['.', '_'], " ");
+            list.iter().enumerate().map(|(index, of)| scaled(label(of), of.unit, at(index))).collect()
+        }
+        Record::Samples(_) | Record::Trajectories => Vec::new(),
+    };
+    let count_of_all = results.len();
+    let results: Vec<Values> =
+        results.into_iter().filter(|result| result.at.iter().any(|value| value.is_finite())).collect();
+    let mut notes = Vec::new();
+    // What is the same in all runs needs no picture, unless there is nothing else.
+    let changing: Vec<Values> = results.iter().filter(|result| result.changes()).cloned().collect();
+    let results = if changing.is_empty() { results } else { changing };
+    let without = count_of_all - results.len();
+    if without > 0 {
+        notes.push(format!("{without} of {count_of_all} reductions do not change and are left out."));
+    }
+    if results.len() > PANELS {
+        notes.push(format!("The first {PANELS} of {} reductions that change.", results.len()));
+    }
+    if stride > 1 {
+        notes.push(format!("One of {} runs is drawn.", count(stride)));
+    }
+    let results = &results[..results.len().min(PANELS)];
+    match keys.as_slice() {
+        [key] => Picture::One(lines(key, results).title(title).caption(notes.join(" "))),
+        [x, y] if stride == 1 && is_grid(x, y, sweep.rows()) => {
+            if results.iter().any(has_gap) {
+                notes.push("Crossed cells: no value.".to_owned());
+            }
+            Picture::One(maps(x, y, results).title(title).caption(notes.join(" ")))
+        }
+        keys => {
+            if keys.len() > COLUMNS {
+                notes.push(format!("The first {COLUMNS} of {} keys.", keys.len()));
+            }
+            notes.push("ρ: rank correlation after Spearman.".to_owned());
+            let figures = scatter(&keys[..keys.len().min(COLUMNS)], results);
+            Picture::Beside(Beside { title: title.to_owned(), caption: notes.join(" "), figures })
+        }
+    }
+}
+
+fn has_gap(values: &Values) -> bool {
+    values.at.iter().any(|value| !value.is_finite())
+}
+
+/// Whether the runs are the cells of a grid of two keys.
+fn is_grid(x: &Values, y: &Values, runs: u64) -> bool {
+    (x.distinct().len() * y.distinct().len()) as u64 == runs
+}
+
+/// A varied key in the rows that are drawn. Words stand at 0, 1, 2, … in the order in which they come.
+fn key(sweep: &Sweep, axis: usize, rows: &[u64]) -> Values {
+    let of = &sweep.axes()[axis];
+    let mut words: Vec<String> = Vec::new();
+    let at: Vec<f64> = rows
+        .iter()
+        .map(|row| match sweep.value(axis, *row) {
+            AxisValue::Number(number) => number,
+            AxisValue::Word(word) => {
+                let known = words.iter().position(|known| known == word);
+                known.unwrap_or_else(|| {
+                    words.push(word.to_owned());
+                    words.len() - 1
+                }) as f64
+            }
+        })
+        .collect();
+    let label = of.path.replace(['.', '_'], " ");
+    match &of.kind {
+        AxisKind::Quantity { unit, .. } => scaled(label, unit, at),
+        AxisKind::Word => {
+            let words = words.into_iter().enumerate().map(|(index, word)| (index as f64, word));
+            Values { axis: Axis::new(label, "").words(words), at }
+        }
+    }
+}
+
+/// A reduction in the rows that are drawn.
+fn result(reduction: Reduction, at: Vec<f64>) -> Values {
+    let quantity = match reduction.quantity {
+        Quantity::Length => "length",
+        Quantity::Velocity => "velocity",
+        Quantity::Pressure => "absolute pressure",
+        Quantity::AirMass => "air mass",
+        Quantity::Temperature => "temperature",
+        Quantity::Tension => "tension",
+        Quantity::MassFlow => "mass flow",
+        Quantity::Air => "air",
+        Quantity::Angle => "angle",
+        Quantity::AngularVelocity => "angular velocity",
+        Quantity::Torque => "torque",
+        Quantity::Stiffness => "stiffness",
+        Quantity::AntagonistLength => "antagonist's length",
+        Quantity::AntagonistPressure => "antagonist's absolute pressure",
+        Quantity::AntagonistAirMass => "antagonist's air mass",
+        Quantity::AntagonistTension => "antagonist's tension",
+        Quantity::Error(of) => match of {
+            control::Quantity::Pressure => "pressure error",
+            control::Quantity::Length => "length error",
+            control::Quantity::AirMass => "air mass error",
+            control::Quantity::Force => "tension error",
+            control::Quantity::Angle => "angle error",
+            control::Quantity::Torque => "torque error",
+            control::Quantity::Stiffness => "stiffness error",
+        },
+    };
+    let label = match reduction.statistic {
+        Statistic::Final => format!("final {quantity}"),
+        Statistic::Mean => format!("mean {quantity}"),
+        Statistic::Min => format!("least {quantity}"),
+        Statistic::Max => format!("greatest {quantity}"),
+        Statistic::Peak => format!("peak {quantity}"),
+        Statistic::Rms => format!("rms {quantity}"),
+        Statistic::Ripple => format!("{quantity} ripple"),
+        Statistic::SettlingTime => format!("{quantity} settling time"),
+        Statistic::Overshoot => format!("{quantity} overshoot"),
+        Statistic::Used => format!("{quantity} used"),
+    };
+    scaled(label, reduction.unit(), at)
+}
+
+/// Values in the unit that people use for their size. Prefixes of a power of 1000 are the axis's matter.
+fn scaled(label: String, unit: &str, at: Vec<f64>) -> Values {
+    let largest = at.iter().filter(|value| value.is_finite()).fold(0.0, |largest: f64, value| largest.max(value.abs()));
+    let (factor, unit) = match unit {
+        "m" if largest < 1.0 => (1e3, "mm".to_owned()),
+        "m/s" if largest < 0.1 => (1e3, "mm/s".to_owned()),
+        "s" if largest < 0.1 => (1e3, "ms".to_owned()),
+        "rad" => (180.0 / PI, "deg".to_owned()),
+        "rad/s" => (180.0 / PI, "deg/s".to_owned()),
+        "kg" if largest < 1e-3 => (1e6, "mg".to_owned()),
+        "kg" if largest < 0.1 => (1e3, "g".to_owned()),
+        "kg/s" if largest < 0.1 => (1e3, "g/s".to_owned()),
+        "m^3" if largest < 1e-3 => (1e6, "cm³".to_owned()),
+        "m^2" if largest < 1e-4 => (1e6, "mm²".to_owned()),
+        unit => (1.0, unit.replace('*', "·").replace("^2", "²").replace("^3", "³")),
+    };
+    Values { axis: Axis::new(label, unit), at: at.into_iter().map(|value| value * factor).collect() }
+}
+
+/// A panel for each reduction over one key.
+fn lines(key: &Values, results: &[Values]) -> Figure {
+    let mut order: Vec<usize> = (0..key.at.len()).collect();
+    order.sort_by(|a, b| key.at[*a].total_cmp(&key.at[*b]));
+    let sorted = |values: &Values| -> Vec<f64> { order.iter().map(|index| values.at[*index]).collect() };
+    let style = match (key.axis.words.is_empty(), order.len()) {
+        (false, _) => Style::Points,
+        (true, ..=DOTS) => Style::LineAndPoints,
+        (true, _) => Style::Line,
+    };
+    let panels = results.iter().map(|result| {
+        let series = Series { style, ..Series::line("", sorted(key), sorted(result)) };
+        Panel::new(result.axis.clone()).series(series)
+    });
+    panels.fold(Figure::new(key.axis.clone()), Figure::panel).size_mm(100.0, 28.0)
+}
+
+/// A map for each reduction over two keys.
+fn maps(x: &Values, y: &Values, results: &[Values]) -> Figure {
+    let (columns, rows) = (x.distinct(), y.distinct());
+    let place = |of: &[f64], value: f64| of.binary_search_by(|known| known.total_cmp(&value)).unwrap_or(0);
+    let panels = results.iter().map(|result| {
+        let mut values = vec![f64::NAN; columns.len() * rows.len()];
+        for ((x, y), value) in x.at.iter().zip(&y.at).zip(&result.at) {
+            values[place(&rows, *y) * columns.len() + place(&columns, *x)] = *value;
+        }
+        let (label, unit) = (result.axis.label.clone(), result.axis.unit.clone());
+        let field = Field { label, unit, x: columns.clone(), y: rows.clone(), values };
+        Panel::new(y.axis.clone()).field(field)
+    });
+    panels.fold(Figure::new(x.axis.clone()), Figure::panel).size_mm(110.0, 36.0)
+}
+
+/// A figure for each key, with a panel for each reduction.
+fn scatter(keys: &[Values], results: &[Values]) -> Vec<Figure> {
+    let columns = keys.iter().enumerate().map(|(column, key)| {
+        let panels = results.iter().map(|result| {
+            let mut axis = result.axis.clone();
+            if column > 0 {
+                // The first column has named it.
+                (axis.label, axis.unit) = (String::new(), String::new());
+            }
+            let correlation = match rank_correlation(&key.at, &result.at) {
+                // Adding zero turns a rounded −0 into 0.
+                Some(correlation) => {
+                    format!("ρ = {:.2}", (100.0 * correlation).round() / 100.0 + 0.0).replace('-', "−")
+                }
+                None => "ρ: none".to_owned(),
+            };
+            let points = Series::dots(correlation, key.at.clone(), result.at.clone());
+            Panel::new(axis).series(points).legend(Legend::Above)
+        });
+        let width = if column == 0 { 58.0 } else { 50.0 };
+        panels.fold(Figure::new(key.axis.clone()), Figure::panel).size_mm(width, 26.0)
+    });
+    columns.collect()
+}
+
+/// Spearman's rank correlation of the pairs that are numbers; none where one of them does not change.
+fn rank_correlation(x: &[f64], y: &[f64]) -> Option<f64> {
+    let pairs: Vec<(f64, f64)> =
+        x.iter().copied().zip(y.iter().copied()).filter(|(x, y)| x.is_finite() && y.is_finite()).collect();
+    let (x, y) = (ranks(pairs.iter().map(|pair| pair.0)), ranks(pairs.iter().map(|pair| pair.1)));
+    let mean = 0.5 * (pairs.len() as f64 - 1.0);
+    let product = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| (a - mean) * (b - mean)).sum() };
+    let correlation = product(&x, &y) / (product(&x, &x) * product(&y, &y)).sqrt();
+    correlation.is_finite().then_some(correlation)
+}
+
+/// Ranks from 0; equal values share the mean of theirs.
+fn ranks(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut sorted: Vec<(usize, f64)> = values.enumerate().collect();
+    sorted.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let mut ranks = vec![0.0; sorted.len()];
+    let mut first = 0;
+    for tie in sorted.chunk_by(|a, b| a.1 == b.1) {
+        let rank = first as f64 + 0.5 * (tie.len() as f64 - 1.0);
+        tie.iter().for_each(|(index, _)| ranks[*index] = rank);
+        first += tie.len();
+    }
+    ranks
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranks_correlate_whatever_the_scale() {
+        let x: Vec<f64> = (0..50).map(f64::from).collect();
+        let cubes: Vec<f64> = x.iter().map(|x| (x - 20.0).powi(3)).collect();
+        let falling: Vec<f64> = x.iter().map(|x| (-x).exp()).collect();
+        assert!((rank_correlation(&x, &cubes).unwrap() - 1.0).abs() < 1e-12);
+        assert!((rank_correlation(&x, &falling).unwrap() + 1.0).abs() < 1e-12);
+        assert_eq!(rank_correlation(&x, &[1.0; 50]), None);
+        // With ties: the textbook's (1, 2, 2, 3) against (1, 3, 2, 4) is 0.9487.
+        let tied = rank_correlation(&[1.0, 2.0, 2.0, 3.0], &[1.0, 3.0, 2.0, 4.0]).unwrap();
+        assert!((tied - 0.9f64.sqrt()).abs() < 1e-12, "{tied}");
+    }
+}
