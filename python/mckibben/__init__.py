@@ -14,7 +14,7 @@
 >>> trajectory.units["length_m"]
 'm'
 
-Every number is in SI, every quantity of a scenario is text with its unit. What `simulate` gives is what the command
+Every number is in SI; a quantity of a scenario is text with its unit. What `simulate` gives is what the command
 `mckibben simulate` writes, to the last bit.
 """
 
@@ -32,6 +32,7 @@ from mckibben._mckibben import (
     Scenario,
     Sweep,
     Trajectory,
+    __version__,
     curves,
     identify,
     linearize,
@@ -61,6 +62,7 @@ __all__ = [
     "Sweep",
     "Swept",
     "Trajectory",
+    "__version__",
     "curves",
     "identify",
     "linearize",

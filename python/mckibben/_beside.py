@@ -9,6 +9,7 @@ import typing
 from mckibben.errors import InputError
 
 if typing.TYPE_CHECKING:
+    import matplotlib.axes
     import matplotlib.figure
     import pandas
     import polars
@@ -41,42 +42,52 @@ _PANELS = (
 )
 
 
-def _plot_by_names(run: Trajectory) -> matplotlib.figure.Figure:
-    """A panel for each kind of column that there is, a line for each part of the plant."""
-    import matplotlib.pyplot as plt
-
-    panels = []
+def _panels(run: Trajectory) -> list[tuple[str, float, dict[str, str]]]:
+    """The panels that a run has: label, factor, and the columns with their names in the legend."""
+    if "length_m" in run.columns:
+        joint = "angle_rad" in run.columns
+        panels = [panel for panel in _PANELS if ("length_m" if joint else "angle_rad") not in panel[2]]
+        names = [{column: name if joint else "" for column, name in panel[2].items()} for panel in panels]
+        return [(label, factor, its) for (label, factor, _), its in zip(panels, names)]
+    found = []
     for label, factor, columns in _PANELS:
         ending = "." + next(iter(columns))
-        named = [column for column in run.columns if column.endswith(ending)]
-        if named:
-            panels.append((label, factor, named))
-    figure, axes = plt.subplots(len(panels), sharex=True, layout="constrained", squeeze=False)
-    for axis, (label, factor, named) in zip(axes[:, 0], panels):
-        for column in named:
-            axis.plot(run.t, factor * run[column], label=column.rpartition(".")[0])
-        axis.set_ylabel(label)
-        axis.legend()
-    axes[-1, 0].set_xlabel("time (s)")
-    return figure
+        named = {column: column.rpartition(".")[0] for column in run.columns if column.endswith(ending)}
+        found += [(label, factor, named)] if named else []
+    return found
 
 
-def plot(run: Trajectory) -> matplotlib.figure.Figure:
-    """Length, pressure and tension over time; angle, pressures and tensions of a joint; of actuators with names all of these."""
+def plot(
+    run: Trajectory,
+    columns: collections.abc.Sequence[str] | None = None,
+    ax: collections.abc.Sequence[matplotlib.axes.Axes] | None = None,
+) -> matplotlib.figure.Figure:
+    """Columns over time, a panel for each; without `columns` what is usually looked at."""
     import matplotlib.pyplot as plt
+    import numpy
 
-    if "length_m" not in run.columns:
-        return _plot_by_names(run)
-    joint = "angle_rad" in run.columns
-    panels = [panel for panel in _PANELS if ("length_m" if joint else "angle_rad") not in panel[2]]
-    figure, axes = plt.subplots(len(panels), sharex=True, layout="constrained")
-    for axis, (label, factor, columns) in zip(axes, panels):
-        for column, name in columns.items():
-            if column in run.columns:
-                axis.plot(run.t, factor * run[column], label=name if joint else None)
+    if columns is None:
+        panels = _panels(run)
+    else:
+        if not columns:
+            raise InputError("`columns` is empty: name what is to be drawn, or leave it out")
+        panels = [(f"{name} ({run.units[name]})" if name in run.units else name, 1.0, {name: ""}) for name in columns]
+    if ax is None:
+        figure, grid = plt.subplots(len(panels), sharex=True, layout="constrained", squeeze=False)
+        axes = list(grid[:, 0])
+    else:
+        axes = list(numpy.atleast_1d(numpy.asarray(ax, dtype=object)))
+        if len(axes) != len(panels):
+            raise InputError(f"`ax` has {len(axes)} axes for {len(panels)} panels; give one for each")
+        figure = axes[0].figure
+    for axis, (label, factor, its) in zip(axes, panels):
+        drawn = [(run[column], name) for column, name in its.items() if columns is not None or column in run.columns]
+        for values, name in drawn:
+            values = values if values.dtype.kind == "U" else factor * values
+            axis.plot(run.t, values, label=name or None)
         axis.set_ylabel(label)
-    if joint:
-        axes[1].legend()
+        if any(name for _, name in drawn):
+            axis.legend()
     axes[-1].set_xlabel("time (s)")
     return figure
 

@@ -4,15 +4,22 @@ What is compiled of the package `mckibben`.
 
 from _typeshed import Incomplete, SupportsLenAndGetItem
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from mckibben._results import Modes, Summary
 from numpy import bool_, complex128, float64, int64, str_
 from numpy.typing import ArrayLike, NDArray
 from os import PathLike
 from pandas import DataFrame
 from polars import DataFrame as DataFrame2
-from typing import Any, SupportsFloat, SupportsIndex, final
+from typing import Any, Final, SupportsFloat, SupportsIndex, final
 
-__all__ = ["Actuator", "ActuatorState", "Actuators", "Differentiable", "Estimate", "Event", "Identification", "LinearModel", "Plants", "Response", "Scenario", "Sweep", "Trajectory", "curves", "identify", "linearize", "parameters", "presets", "simulate"]
+__all__ = ["__version__", "Actuator", "ActuatorState", "Actuators", "Differentiable", "Estimate", "Event", "Identification", "LinearModel", "Plants", "Response", "Scenario", "Sweep", "Trajectory", "curves", "identify", "linearize", "parameters", "presets", "simulate"]
+
+__version__: Final[str]
+"""
+The version of the package.
+"""
 
 @final
 class Actuator:
@@ -348,7 +355,7 @@ class LinearModel:
     """
     A linear model `dx/dt = A x + B u`, `y = C x + D u`, of differences from an operating point.
 
-    `control.ss(model.A, model.B, model.C, model.D)` is the same for python-control.
+    `to_control` gives it to python-control.
     """
     @property
     def A(self, /) -> NDArray[float64]:
@@ -371,8 +378,24 @@ class LinearModel:
         One row for each output, one column for each input.
         """
     def __getnewargs__(self, /) -> tuple[Any, ...]: ...
-    def __new__(cls, /, matrices: SupportsLenAndGetItem[Incomplete], signals: SupportsLenAndGetItem[Sequence[tuple[str, str]]], poles: Sequence[tuple[SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex]], point: Sequence[tuple[str, SupportsFloat | SupportsIndex]], json: str) -> LinearModel: ...
+    def __new__(cls, /, matrices: SupportsLenAndGetItem[Incomplete], signals: SupportsLenAndGetItem[Sequence[tuple[str, str]]], poles: Sequence[tuple[SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex]], point: Sequence[tuple[str, SupportsFloat | SupportsIndex]], warnings: Sequence[str], json: str) -> LinearModel: ...
     def __repr__(self, /) -> str: ...
+    def bode(self, /, input: str | None = None, outputs: Sequence[str] | None = None, ax: Sequence[Axes] | None = None) -> Figure:
+        """
+        Magnitude and phase of outputs over one input, as a figure of Matplotlib, or into two axes.
+
+        Without names: the first two outputs over the first input, which is the valve's where there is one.
+        """
+    def damp(self, /) -> Modes:
+        """
+        The poles as modes with natural frequency, damping ratio and time constant, the slowest first; `print` shows a table.
+        """
+    @property
+    def details(self, /) -> dict[str, Any]:
+        """
+        What is known of the model beside its matrices, as `to_json` says it: `controllability`, how far pulses on average hold
+        (`pwm`), whether the braid is taut, what is assumed.
+        """
     @property
     def inputs(self, /) -> list[str]:
         """
@@ -393,10 +416,18 @@ class LinearModel:
         """
         The poles in 1/s.
         """
+    def response(self, /, omega: ArrayLike) -> NDArray[complex128]:
+        """
+        The complex response of each output to each input at angular frequencies in rad/s: `[frequency, output, input]`.
+        """
     @property
     def states(self, /) -> list[str]:
         """
         The names of the states.
+        """
+    def to_control(self, /) -> Any:
+        """
+        The model as a system of python-control, its signals with their names.
         """
     def to_json(self, /) -> str:
         """
@@ -406,6 +437,12 @@ class LinearModel:
     def units(self, /) -> dict[str, str]:
         """
         The units of states, inputs and outputs by their names, in SI; empty for a pure number.
+        """
+    @property
+    def warnings(self, /) -> list[str]:
+        """
+        What casts doubt on the model: a valve that does not answer to its duty there, a ripple that is too large, pulses that are
+        too slow. `linearize` raises each as a `UserWarning` too.
         """
 
 @final
@@ -734,6 +771,10 @@ class Trajectory:
         A run as it was pickled; what only the engine knows is simulated anew when it is asked for.
         """
     def __repr__(self, /) -> str: ...
+    def _figures(self, /) -> tuple[list[tuple[str, float, str]], list[tuple[str, int]], list[tuple[str, str]]]:
+        """
+        Numbers with their names and units, counts of events, and assumed values.
+        """
     def _repr_svg_(self, /) -> str: ...
     @property
     def air_mass(self, /) -> NDArray[float64]:
@@ -770,6 +811,10 @@ class Trajectory:
         """
         What happened, in order of time.
         """
+    def events_to_pandas(self, /) -> DataFrame:
+        """
+        The log of events as a data frame of pandas: `time_s`, `event`, and what holds from then on.
+        """
     def keys(self, /) -> list[str]:
         """
         The names of the columns, as of a data frame: `dict(run)` has the columns by their names.
@@ -784,9 +829,11 @@ class Trajectory:
         """
         Net mass flows into the actuator in kg/s.
         """
-    def plot(self, /) -> Figure:
+    def plot(self, /, columns: Sequence[str] | None = None, ax: Sequence[Axes] | None = None) -> Figure:
         """
-        Length, pressure and tension over time as a figure of Matplotlib; angle, pressures and tensions of a joint.
+        Columns over time as a figure of Matplotlib, a panel for each, or into as many axes.
+
+        Without `columns`: length, pressure and tension; of a joint or a plant its angles too, a line for each actuator.
         """
     @property
     def pressure(self, /) -> NDArray[float64]:
@@ -797,6 +844,11 @@ class Trajectory:
     def scenario(self, /) -> Scenario:
         """
         What was run.
+        """
+    def summary(self, /) -> Summary:
+        """
+        What the run came to: extremes, ripple, air used, energy and exergy, the step that was chosen and its error, events, assumed
+        values.
         """
     @property
     def t(self, /) -> NDArray[float64]:
@@ -863,11 +915,11 @@ class Trajectory:
         Volumes of the actuator's air in m^3, braid and hose.
         """
 
-def curves(scenario: Scenario, pressures: str = ...) -> dict[str, NDArray[float64]]:
+def curves(scenario: Scenario, pressures: ArrayLike | str | None = None) -> dict[str, NDArray[float64]]:
     """
     Force, stiffness and volume of a scenario's actuator over length, at rest: the table of `mckibben curves`.
 
-    `pressures` are gauge pressures as text, such as "35, 45, 55 psi"; those of the paper's Fig. 3 unless given. Each array
+    `pressures` are gauge pressures: numbers in Pa, or text such as "35, 45, 55 psi"; those of the paper's Fig. 3 unless given. Each array
     has a row for each pressure and a column for each length, from the shortest to the longest; its name has its unit at
     the end. `stiffness_n_m` is (7), at constant pressure; `sealed_stiffness_n_m` is (5), with the valve shut.
     """
@@ -883,15 +935,15 @@ def identify(study: str | PathLike[str], output: str | PathLike[str] | None = No
     is written then too.
     """
 
-def linearize(scenario: Scenario, *, pressure: str | None = None, length: str | None = None, load: str | None = None, duty: SupportsFloat | SupportsIndex | None = None, pwm: bool = False, temperature: str | None = None, angle: str | None = None, stiffness: str | None = None, amplitude: str | None = None, all_states: bool = False) -> LinearModel:
+def linearize(scenario: Scenario, *, pressure: float | str | None = None, length: float | str | None = None, load: float | str | None = None, duty: SupportsFloat | SupportsIndex | None = None, pwm: bool = False, temperature: float | str | None = None, angle: float | str | None = None, stiffness: float | str | None = None, amplitude: float | str | None = None, all_states: bool = False) -> LinearModel:
     """
     A scenario near an operating point, by exact derivatives: what `mckibben linearize` does.
 
     Two of `pressure` (gauge), `length` and `load` give the third; what is not given is that of the scenario. `duty` gives the
     pressure by the valve's mean flow under PWM, and with `pwm` the duty follows from the pressure; else the valve is held
     shut, and the mass flow into the actuator is the input. Of a joint `angle` and `stiffness` give the pressures. With
-    `amplitude` Coulomb friction is replaced by the viscous damping that takes as much. Quantities are text with units, such
-    as "60 psi".
+    `amplitude` Coulomb friction is replaced by the viscous damping that takes as much. Quantities are numbers in SI or text with
+    units, such as "60 psi"; `load` is a force, as text also a mass.
 
     Raises `InputError` where there is no such point.
     """

@@ -406,12 +406,12 @@ def test_flags_that_a_caller_wrote_stay_as_they_are(tmp_path):
         assert str(tmp_path / name) in str(raised.value)
 
 
-def test_a_folder_of_another_sweep_is_named_by_the_argument(swing, tmp_path):
+def test_a_folder_that_is_of_no_sweep_is_named(swing, tmp_path):
     swept = swing.with_values({"sweep.vary": {"load.mass": ["5 lb", "6 lb"]}, "run.duration": "1 ms"})
     (tmp_path / "something.txt").write_text("mine")
-    with pytest.raises(mckibben.InputError, match="`folder`") as raised:
+    with pytest.raises(mckibben.InputError, match="no folder of a sweep: it holds `something.txt`") as raised:
         mckibben.sweep(swept, tmp_path)
-    assert "--" not in str(raised.value).replace(str(tmp_path), "")
+    assert str(tmp_path) in str(raised.value) and "--" not in str(raised.value).replace(str(tmp_path), "")
 
 
 # --- collections ----------------------------------------------------------------------------------------------------

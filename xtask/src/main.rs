@@ -5,6 +5,7 @@
 //! missing.
 
 mod counts;
+mod dist;
 mod python;
 mod steps;
 
@@ -14,11 +15,14 @@ const HELP: &str = "\
 usage: cargo xtask test [STEP...]
        cargo xtask accuracy
        cargo xtask rows [COUNT]
+       cargo xtask dist
 
 test      runs every check, or only the named ones: format, lint, docs, no-std, reference, test,
-          python.
+          package, python.
 accuracy  measures the fixed-step engine against the event-located one and writes docs/accuracy.md and its figure.
 rows      steps COUNT random rows in batches, ten million unless given: each goes on or says why not (ten minutes).
+dist      makes what a release carries, in target/release-files, and tries it: the program in an archive, a wheel, its source,
+          checksums (ten minutes).
 ";
 
 fn main() -> ExitCode {
@@ -27,6 +31,7 @@ fn main() -> ExitCode {
         Some((command, chosen)) if command == "test" => steps::run(chosen),
         Some((command, [])) if command == "accuracy" => steps::accuracy(),
         Some((command, rest)) if command == "rows" && rest.len() < 2 => steps::rows(rest.first()),
+        Some((command, [])) if command == "dist" => dist::run(),
         _ => {
             eprint!("{HELP}");
             ExitCode::from(2)

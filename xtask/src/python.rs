@@ -1,7 +1,9 @@
 //! The Python side: an environment of its own, the reference trajectories made in it, and the package with its tests.
 
 use crate::counts::{Counts, pytest};
+use crate::dist::empty;
 use crate::steps::{cargo, command, succeed};
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 /// The stubs of what is compiled of the package: made from it, and kept beside it for who installs the package.
@@ -59,8 +61,7 @@ pub(crate) fn package(root: &Path) -> Result<Counts, String> {
         "mckibben-python",
     ]);
     succeed(program.args(["--features", "mckibben-python/as-tests"]).envs(AS_TESTS))?;
-    let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from);
-    let program = target.join("debug/mckibben").with_extension(std::env::consts::EXE_EXTENSION);
+    let program = target_folder(root).join("debug/mckibben").with_extension(std::env::consts::EXE_EXTENSION);
     let tests = || {
         let mut tests = command(root, &python);
         tests.args(["-m", "pytest", "--quiet", "--durations=5"]).env("MCKIBBEN_PROGRAM", &program);
@@ -73,8 +74,58 @@ pub(crate) fn package(root: &Path) -> Result<Counts, String> {
         // What was skipped has been counted.
         (counts.passed, counts.failed) = (counts.passed + again.passed, counts.failed + again.failed);
     }
+    let wheels = root.join("target/wheels-tried");
+    empty(&wheels)?;
+    let mut build = command(root, &python);
+    build.args(["-m", "maturin", "build", "--locked", "--profile", "dev", "--features", "as-tests", "--out"]);
+    succeed(build.arg(&wheels).envs(AS_TESTS))?;
+    installs(root, &wheels)?;
+    counts.passed += 1;
     counts.notes.push(format!("OpenBLAS kernels: the default, {}", blas_kernels().join(", ")));
     Ok(counts)
+}
+
+/// Installs the wheel that lies in a folder into an environment of its own, on a path without Cargo, and tries it there.
+pub(crate) fn installs(root: &Path, folder: &Path) -> Result<(), String> {
+    let entries =
+        std::fs::read_dir(folder).map_err(|error| format!("{} could not be read: {error}", folder.display()))?;
+    let mut wheels = entries.filter_map(|entry| Some(entry.ok()?.path()));
+    let wheel = wheels.find(|path| path.extension().is_some_and(|ending| ending == "whl"));
+    let wheel = wheel.ok_or_else(|| format!("there is no wheel in {}", folder.display()))?;
+    let clean = root.join("target/clean-environment");
+    empty(&clean)?;
+    succeed(command(root, system_python()).args(["-m", "venv"]).arg(&clean))?;
+    let (python, path) = (interpreter(&clean), without_cargo());
+    let here = || {
+        let mut here = command(&clean, &python);
+        here.env("PATH", &path);
+        here
+    };
+    succeed(here().args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]).arg(&wheel))?;
+    let (script, scenario) = (root.join("python/tests/installed.py"), root.join("examples/paper/fig-12.toml"));
+    succeed(here().arg(script).arg(scenario))
+}
+
+/// The folders in which programs are looked for, without those that have Cargo.
+fn without_cargo() -> OsString {
+    let cargo = format!("cargo{}", std::env::consts::EXE_SUFFIX);
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let folders = std::env::split_paths(&path).filter(|folder| !folder.join(&cargo).exists());
+    std::env::join_paths(folders).unwrap_or_default()
+}
+
+/// Where what is compiled lies.
+pub(crate) fn target_folder(root: &Path) -> PathBuf {
+    std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from)
+}
+
+fn system_python() -> &'static str {
+    if cfg!(windows) { "python" } else { "python3" }
+}
+
+/// The interpreter of an environment.
+fn interpreter(environment: &Path) -> PathBuf {
+    environment.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" })
 }
 
 /// The kernels of OpenBLAS that this processor can run, of those that sum in another order.
@@ -91,13 +142,11 @@ fn blas_kernels() -> Vec<&'static str> {
 }
 
 /// The interpreter of `.venv`, which is made if it is not there, with the packages that a file lists.
-fn environment(root: &Path, requirements: &str) -> Result<PathBuf, String> {
+pub(crate) fn environment(root: &Path, requirements: &str) -> Result<PathBuf, String> {
     let folder = root.join(".venv");
-    let scripts = folder.join(if cfg!(windows) { "Scripts" } else { "bin" });
-    let python = scripts.join(if cfg!(windows) { "python.exe" } else { "python" });
+    let python = interpreter(&folder);
     if !python.exists() {
-        let system = if cfg!(windows) { "python" } else { "python3" };
-        succeed(command(root, system).args(["-m", "venv"]).arg(&folder))?;
+        succeed(command(root, system_python()).args(["-m", "venv"]).arg(&folder))?;
     }
     let mut install = command(root, &python);
     install.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--requirement"]);

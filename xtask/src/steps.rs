@@ -13,13 +13,14 @@ type Step = (&'static str, fn(&Path) -> Result<Counts, String>);
 /// Variables that change what a test does: nothing that the shell happens to hold may change the check.
 const CLEARED: [&str; 2] = ["MCKIBBEN_", "PROPTEST_"];
 
-const STEPS: [Step; 7] = [
+const STEPS: [Step; 8] = [
     ("format", format),
     ("lint", lint),
     ("docs", docs),
     ("no-std", no_std),
     ("reference", reference),
     ("test", test),
+    ("package", package),
     ("python", python_package),
 ];
 
@@ -76,7 +77,7 @@ fn summary(report: &[(&str, Duration, Result<Counts, String>)]) -> ExitCode {
     if total.failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
-fn root() -> PathBuf {
+pub(crate) fn root() -> PathBuf {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     here.parent().unwrap_or(here).to_owned()
 }
@@ -158,6 +159,45 @@ fn reference(root: &Path) -> Result<Counts, String> {
 /// The Python package: built, its stubs as they are kept, its tests and its types.
 fn python_package(root: &Path) -> Result<Counts, String> {
     python::package(root)
+}
+
+/// Every crate that would be published makes a package, and includes nothing from outside itself. `cargo xtask dist` compiles them
+/// from their packages, which takes a quarter of an hour.
+fn package(root: &Path) -> Result<Counts, String> {
+    succeed(packages(root).arg("--no-verify"))?;
+    let crates = std::fs::read_dir(root.join("crates")).map_err(|error| format!("crates: {error}"))?;
+    for folder in crates.filter_map(|entry| Some(entry.ok()?.path())) {
+        included_within(&folder, &folder.join("src"))?;
+    }
+    Ok(Counts::NONE)
+}
+
+/// Packs every crate that would be published.
+pub(crate) fn packages(root: &Path) -> Command {
+    let mut command = cargo(root);
+    command.args(["package", "--workspace", "--exclude", "xtask", "--exclude", "mckibben-python"]);
+    command.args(["--locked", "--allow-dirty", "--quiet"]);
+    command
+}
+
+/// That what the files of a folder include lies within their crate.
+fn included_within(its: &Path, folder: &Path) -> Result<(), String> {
+    let listed = std::fs::read_dir(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    for path in listed.filter_map(|entry| Some(entry.ok()?.path())) {
+        if path.is_dir() {
+            included_within(its, &path)?;
+            continue;
+        }
+        let text = std::fs::read_to_string(&path).unwrap_or_default();
+        let included = text.lines().filter(|line| line.contains("include_str!") || line.contains("include_bytes!"));
+        for file in included.filter_map(|line| line.split('"').nth(1)) {
+            let depth = folder.strip_prefix(its).map_or(0, |inside| inside.components().count());
+            if file.matches("../").count() > depth {
+                return Err(format!("{} includes `{file}`, which its package does not hold", path.display()));
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Every test of the workspace, the examples in the documentation included.

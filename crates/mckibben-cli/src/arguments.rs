@@ -9,6 +9,7 @@ use crate::commands::gallery::GalleryArguments;
 use crate::commands::identify::IdentifyArguments;
 use crate::commands::init::InitArguments;
 use crate::commands::linearize::LinearizeArguments;
+use crate::commands::man::ManArguments;
 use crate::commands::presets::PresetsArguments;
 use crate::commands::reproduce::ReproduceArguments;
 use crate::commands::schema::SchemaArguments;
@@ -69,4 +70,6 @@ pub enum Command {
     Gallery(GalleryArguments),
     /// Print a completion script for a shell
     Completions(CompletionsArguments),
+    /// Print a manual page
+    Man(ManArguments),
 }

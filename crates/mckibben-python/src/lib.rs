@@ -71,4 +71,9 @@ mod _mckibben {
     use crate::sweep::Sweep;
     #[pymodule_export]
     use crate::trajectory::{Event, Trajectory, simulate};
+
+    /// The version of the package.
+    #[pymodule_export]
+    #[expect(non_upper_case_globals, reason = "it is Python's name")]
+    const __version__: &str = env!("CARGO_PKG_VERSION");
 }

@@ -2,13 +2,15 @@
 
 use crate::raised::Raised;
 use crate::scenario::Scenario;
-use crate::typed::{Complex, Items, Matrix, Parts, Point, Quantity};
+use crate::typed::{Axes, Complex, Figure, Items, Matrix, Modes, Object, Parts, Point, Quantity, Sections, Sequence};
 use mckibben::linearize::Signal;
 use mckibben_run::linearize::{Measure, Request};
 use mckibben_run::quantities;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::ffi::CString;
 
 /// A scenario near an operating point, by exact derivatives: what `mckibben linearize` does.
 ///
@@ -55,18 +57,32 @@ pub(crate) fn linearize(
     };
     let (name, document) = (scenario.get().document.source().name(), &scenario.get().document);
     let found = py.detach(|| mckibben_run::linearize::LinearModel::of(name, document, &request)).raised()?;
-    LinearModel::new(py, &found)
+    let model = LinearModel::new(py, &found)?;
+    for warning in &model.warnings {
+        PyErr::warn(py, &py.get_type::<PyUserWarning>(), &CString::new(warning.as_str())?, 1)?;
+    }
+    Ok(model)
+}
+
+/// What Python does with a model by a function of `mckibben._linear`.
+fn linear<'py>(
+    model: &Bound<'py, LinearModel>,
+    name: &str,
+    arguments: impl pyo3::call::PyCallArgs<'py>,
+) -> PyResult<Bound<'py, PyAny>> {
+    model.py().import("mckibben._linear")?.call_method1(name, arguments)
 }
 
 /// A linear model `dx/dt = A x + B u`, `y = C x + D u`, of differences from an operating point.
 ///
-/// `control.ss(model.A, model.B, model.C, model.D)` is the same for python-control.
+/// `to_control` gives it to python-control.
 #[pyclass(frozen, module = "mckibben")]
 pub(crate) struct LinearModel {
     matrices: [Py<PyArray2<f64>>; 4],
     signals: [Vec<(String, String)>; 3],
     poles: Vec<(f64, f64)>,
     point: Vec<(String, f64)>,
+    warnings: Vec<String>,
     json: String,
 }
 
@@ -92,6 +108,7 @@ impl LinearModel {
             signals: [named(states), named(inputs), named(outputs)],
             poles: found.poles().iter().map(|pole| (pole.real, pole.imaginary)).collect(),
             point: found.point(),
+            warnings: found.account().warnings(),
             json: found.json(),
         })
     }
@@ -115,9 +132,11 @@ impl LinearModel {
         signals: [Signals; 3],
         poles: Items<(f64, f64)>,
         point: Items<(String, f64)>,
+        warnings: Items<String>,
         json: String,
     ) -> Self {
-        Self { matrices, signals: signals.map(|of| of.0), poles: poles.0, point: point.0, json }
+        let signals = signals.map(|of| of.0);
+        Self { matrices, signals, poles: poles.0, point: point.0, warnings: warnings.0, json }
     }
 
     /// One row and one column for each state.
@@ -183,6 +202,49 @@ impl LinearModel {
         Ok(Point(point.into_any()))
     }
 
+    /// What casts doubt on the model: a valve that does not answer to its duty there, a ripple that is too large, pulses that are
+    /// too slow. `linearize` raises each as a `UserWarning` too.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.warnings.clone()
+    }
+
+    /// What is known of the model beside its matrices, as `to_json` says it: `controllability`, how far pulses on average hold
+    /// (`pwm`), whether the braid is taut, what is assumed.
+    #[getter]
+    fn details<'py>(&self, py: Python<'py>) -> PyResult<Sections<'py>> {
+        Ok(Sections(py.import("json")?.call_method1("loads", (&self.json,))?))
+    }
+
+    /// The model as a system of python-control, its signals with their names.
+    fn to_control<'py>(model: &Bound<'py, Self>) -> PyResult<Object<'py>> {
+        linear(model, "to_control", (model,)).map(Object)
+    }
+
+    /// The complex response of each output to each input at angular frequencies in rad/s: `[frequency, output, input]`.
+    fn response<'py>(model: &Bound<'py, Self>, omega: Sequence) -> PyResult<Complex<'py>> {
+        linear(model, "response", (model, omega.0)).map(Complex)
+    }
+
+    /// Magnitude and phase of outputs over one input, as a figure of Matplotlib, or into two axes.
+    ///
+    /// Without names: the first two outputs over the first input, which is the valve's where there is one.
+    #[pyo3(signature = (input = None, outputs = None, ax = None))]
+    fn bode<'py>(
+        model: &Bound<'py, Self>,
+        input: Option<String>,
+        outputs: Option<Items<String>>,
+        ax: Option<Axes<'py>>,
+    ) -> PyResult<Figure<'py>> {
+        linear(model, "bode", (model, input, outputs.map(|of| of.0), ax.map(|ax| ax.0))).map(Figure)
+    }
+
+    /// The poles as modes with natural frequency, damping ratio and time constant, the slowest first; `print` shows a table.
+    fn damp<'py>(model: &Bound<'py, Self>) -> PyResult<Modes<'py>> {
+        let results = model.py().import("mckibben._results")?;
+        results.call_method1("modes", (model,)).map(Modes)
+    }
+
     /// The model as `mckibben linearize --output model.json` writes it, with controllability and how far it holds.
     fn to_json(&self) -> &str {
         &self.json
@@ -195,7 +257,14 @@ impl LinearModel {
 
     fn __getnewargs__<'py>(&self, py: Python<'py>) -> PyResult<Parts<'py>> {
         let matrices = self.matrices.each_ref().map(|matrix| matrix.clone_ref(py));
-        let parts = (matrices, self.signals.clone(), self.poles.clone(), self.point.clone(), self.json.clone());
+        let parts = (
+            matrices,
+            self.signals.clone(),
+            self.poles.clone(),
+            self.point.clone(),
+            self.warnings.clone(),
+            self.json.clone(),
+        );
         Ok(Parts(parts.into_pyobject(py)?.into_any()))
     }
 }

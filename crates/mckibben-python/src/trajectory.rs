@@ -6,7 +6,8 @@ use crate::raised::Raised;
 use crate::scenario::Scenario;
 use crate::signals::Watch;
 use crate::typed::{
-    self, Columns, Facts, Figure, Items, Listed, Name, Names, Numbers, Pandas, Parts, Polars, Row, Sequence, Words,
+    self, Axes, Columns, Facts, Figure, Items, Listed, Name, Names, Numbers, Pandas, Parts, Polars, Row, Sequence,
+    Summary, Words,
 };
 use mckibben_plot::Theme;
 use mckibben_run::failure::Failure;
@@ -182,6 +183,9 @@ impl Trajectory {
         .raised()
     }
 }
+
+/// What a run came to: numbers with names and units, counts of events, assumed values by their keys.
+type Figured = (Vec<(String, f64, &'static str)>, Vec<(&'static str, u64)>, Vec<(String, String)>);
 
 /// What Python does with a run by a function of `mckibben._beside`.
 fn beside<'py>(run: &Bound<'py, Trajectory>, name: &str) -> PyResult<Bound<'py, PyAny>> {
@@ -370,9 +374,37 @@ impl Trajectory {
         beside(run, "to_polars").map(Polars)
     }
 
-    /// Length, pressure and tension over time as a figure of Matplotlib; angle, pressures and tensions of a joint.
-    fn plot<'py>(run: &Bound<'py, Self>) -> PyResult<Figure<'py>> {
-        beside(run, "plot").map(Figure)
+    /// What the run came to: extremes, ripple, air used, energy and exergy, the step that was chosen and its error, events, assumed
+    /// values.
+    fn summary<'py>(run: &Bound<'py, Self>) -> PyResult<Summary<'py>> {
+        run.py().import("mckibben._results")?.call_method1("summary", (run,)).map(Summary)
+    }
+
+    /// Numbers with their names and units, counts of events, and assumed values.
+    fn _figures(&self, py: Python<'_>) -> PyResult<Figured> {
+        let (finished, assumed) = (self.finished(py)?, self.scenario.get().document.assumed());
+        let summary = py.detach(|| finished.figures().map(|figures| figures.summary())).raised()?;
+        let numbers = summary.numbers.into_iter().map(|number| (number.name, number.value, number.unit)).collect();
+        let assumed = assumed.into_iter().map(|of| (of.parameter.key.to_owned(), of.text)).collect();
+        Ok((numbers, summary.events.into_iter().collect(), assumed))
+    }
+
+    /// The log of events as a data frame of pandas: `time_s`, `event`, and what holds from then on.
+    fn events_to_pandas<'py>(run: &Bound<'py, Self>) -> PyResult<Pandas<'py>> {
+        run.py().import("mckibben._results")?.call_method1("events_to_pandas", (run,)).map(Pandas)
+    }
+
+    /// Columns over time as a figure of Matplotlib, a panel for each, or into as many axes.
+    ///
+    /// Without `columns`: length, pressure and tension; of a joint or a plant its angles too, a line for each actuator.
+    #[pyo3(signature = (columns = None, ax = None))]
+    fn plot<'py>(
+        run: &Bound<'py, Self>,
+        columns: Option<Items<String>>,
+        ax: Option<Axes<'py>>,
+    ) -> PyResult<Figure<'py>> {
+        let arguments = (run, columns.map(|of| of.0), ax.map(|ax| ax.0));
+        run.py().import("mckibben._beside")?.call_method1("plot", arguments).map(Figure)
     }
 
     /// Writes the columns as Parquet: the file of `mckibben simulate --output`, byte by byte.

@@ -76,6 +76,12 @@ typed! {
     Polars = name!("polars", "DataFrame");
     /// A function.
     Function = of!(name!("collections.abc", "Callable"), name!("builtins", "..."), ANY);
+    /// An object of a package that need not be there.
+    Object = ANY;
+    /// What a run came to.
+    Summary = name!("mckibben._results", "Summary");
+    /// The modes of a linear model.
+    Modes = name!("mckibben._results", "Modes");
     /// A figure of Matplotlib.
     Figure = name!("matplotlib.figure", "Figure");
 }
@@ -308,6 +314,18 @@ impl<'a, 'py> FromPyObject<'a, 'py> for GaugePressures {
             Ok(text) => Ok(Self::Text(text)),
             Err(_) => given.extract().map(Self::Numbers),
         }
+    }
+}
+
+/// Axes of Matplotlib to draw into.
+pub(crate) struct Axes<'py>(pub(crate) Bound<'py, PyAny>);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Axes<'py> {
+    type Error = Infallible;
+    const INPUT_TYPE: PyStaticExpr = of!(name!("collections.abc", "Sequence"), name!("matplotlib.axes", "Axes"));
+
+    fn extract(axes: Borrowed<'a, 'py, PyAny>) -> Result<Self, Infallible> {
+        Ok(Self(axes.to_owned()))
     }
 }
 

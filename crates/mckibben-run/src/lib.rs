@@ -10,7 +10,7 @@
 //! | [`identify`] | measured data to the numbers of a scenario |
 //! | [`reproduce`] | the paper's experiments as a report |
 //! | [`engine`], [`closed_loop`] | a run by the engine that the scenario names, and a controller's part in it |
-//! | [`observation`] | the figures of a run: extremes, ripple, air used |
+//! | [`observation`], [`summary`] | the figures of a run: extremes, ripple, air used, energy; as numbers with names |
 //! | [`joint`], [`plant`] | all of this for a joint of two actuators, and for plants with names |
 //! | [`events`] | the log of events |
 //! | [`record`] | a run as columns in memory, as CSV or Parquet |
@@ -45,6 +45,7 @@ pub mod quantities;
 pub mod record;
 pub mod report;
 pub mod reproduce;
+pub mod summary;
 pub mod sweep;
 pub mod temporary;
 pub mod text;

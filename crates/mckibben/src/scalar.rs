@@ -106,6 +106,9 @@ pub trait Scalar:
         F::value(self)
     }
     /// `self · factor + addend`, each rounded: the same number on any machine and in any lane.
+    ///
+    /// Fused, in vector registers, a batch of plain actuators took no less time (AVX-512: 39.5 ns a step, fused 39.9); and a program
+    /// for any x86-64 machine would call a function for each.
     #[inline(always)]
     fn multiply_add(self, factor: Self, addend: Self) -> Self {
         self * factor + addend

@@ -7,6 +7,7 @@ pub mod gallery;
 pub mod identify;
 pub mod init;
 pub mod linearize;
+pub mod man;
 pub mod presets;
 pub mod reproduce;
 pub mod schema;
@@ -34,5 +35,6 @@ pub fn run(command: &Command) -> Result<(), Failure> {
         Command::Gallery(arguments) => gallery::run(arguments),
         Command::Reproduce(arguments) => reproduce::run(arguments),
         Command::Completions(arguments) => completions::run(arguments),
+        Command::Man(arguments) => man::run(arguments),
     }
 }

@@ -46,6 +46,14 @@ pub struct Line {
     pub warning: String,
 }
 
+impl Account {
+    /// What casts doubt on the model, each with what it is about.
+    pub fn warnings(&self) -> Vec<String> {
+        let lines = self.blocks.iter().flat_map(|block| &block.lines).filter(|line| !line.warning.is_empty());
+        lines.map(|line| format!("{}: {}; {}", line.name, line.value, line.warning)).collect()
+    }
+}
+
 impl Line {
     pub(super) fn new(name: impl Into<String>, value: String) -> Self {
         Self { name: name.into(), value, warning: String::new() }
@@ -149,7 +157,8 @@ pub(super) fn pwm(averaged: &ValveAverage, poles: &[Pole], swings: Vec<String>) 
         Line::new("the seats follow", format!("from {} to {}", percent(from), percent(to)))
             .unless(averaged.follows(), "not here: the valve does not answer to the duty"),
         Line::new("air used", quantity(1e3 * averaged.flow.outward, "g/s")),
-        Line::new("ripple", ripple).unless(averaged.ripple_is_small(), "too large for the mean flow to be trusted"),
+        Line::new("ripple", ripple)
+            .unless(averaged.ripple_is_small() || !averaged.follows(), "too large for the mean flow to be trusted"),
     ];
     if !swings.is_empty() {
         lines.push(Line::new("", format!("first harmonic, peak to peak: {}", swings.join(", "))));

@@ -30,6 +30,8 @@ pub struct Observation {
 pub struct Row {
     /// What it is of.
     pub name: String,
+    /// Its name among all numbers, such as `flexor.length`; empty of a heading.
+    pub key: String,
     /// Its unit.
     pub unit: &'static str,
     /// The value at the end.
@@ -99,8 +101,9 @@ fn see(rows: &mut [Row], of: &PlantExperiment, sample: &PlantSample) {
 
 fn rows(of: &PlantExperiment) -> Vec<Row> {
     let atmosphere = of.plant.network().atmosphere;
-    let row = |name: &str, unit, quantity, less| Row {
+    let row = |name: &str, key: String, unit, quantity, less| Row {
         name: name.to_owned(),
+        key,
         unit,
         last: 0.0,
         range: Range::NONE,
@@ -109,17 +112,23 @@ fn rows(of: &PlantExperiment) -> Vec<Row> {
     };
     let mut rows = Vec::new();
     for its in of.coordinates() {
-        let unit = if its.is_angle { "rad" } else { "m" };
-        rows.push(row(&its.name, unit, Some(PlantQuantity::Position(its.mechanism, its.index)), 0.0));
+        let (what, unit) = if its.is_angle { ("angle", "rad") } else { ("position", "m") };
+        let quantity = PlantQuantity::Position(its.mechanism, its.index);
+        rows.push(row(&its.name, format!("{}.{what}", its.name), unit, Some(quantity), 0.0));
     }
-    for (index, name) in of.names.actuators.iter().enumerate() {
-        rows.push(row(name, "", None, 0.0));
-        rows.push(row("length", "m", Some(PlantQuantity::Length(index)), 0.0));
-        rows.push(row("tension", "N", Some(PlantQuantity::Tension(index)), 0.0));
-        rows.push(row("gauge pressure", "Pa", Some(PlantQuantity::Pressure(index)), atmosphere));
+    for (index, actuator) in of.names.actuators.iter().enumerate() {
+        rows.push(row(actuator, String::new(), "", None, 0.0));
+        for (name, key, unit, quantity, less) in [
+            ("length", "length", "m", PlantQuantity::Length(index), 0.0),
+            ("tension", "tension", "N", PlantQuantity::Tension(index), 0.0),
+            ("gauge pressure", "gauge_pressure", "Pa", PlantQuantity::Pressure(index), atmosphere),
+        ] {
+            rows.push(row(name, format!("{actuator}.{key}"), unit, Some(quantity), less));
+        }
     }
     for (name, node) in &of.names.nodes {
-        rows.push(row(&format!("{name}, gauge"), "Pa", Some(PlantQuantity::NodePressure(*node)), atmosphere));
+        let quantity = PlantQuantity::NodePressure(*node);
+        rows.push(row(&format!("{name}, gauge"), format!("{name}.gauge_pressure"), "Pa", Some(quantity), atmosphere));
     }
     rows
 }

@@ -94,6 +94,9 @@ impl Table {
     /// The same in lines of at most so many characters, as far as words can be broken: the heads first, then the words of the
     /// widest column.
     pub fn to_text_within(&self, wide: usize) -> String {
+        if self.head.is_empty() {
+            return String::new();
+        }
         let widths = self.widths(wide);
         let right: Vec<bool> = (0..widths.len()).map(|column| self.is_numeric(column)).collect();
         let fold = |line: &Vec<String>| -> Vec<Vec<String>> {

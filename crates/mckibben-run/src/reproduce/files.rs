@@ -10,7 +10,7 @@ macro_rules! files {
     ($($name:literal),* $(,)?) => {
         /// Every file, as (name, text).
         pub(super) const FILES: &[(&str, &str)] =
-            &[$(($name, include_str!(concat!("../../../../examples/paper/", $name)))),*];
+            &[$(($name, include_str!(concat!("../../paper/", $name)))),*];
     };
 }
 

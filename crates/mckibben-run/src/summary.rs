@@ -1,0 +1,274 @@
+//! What a run came to, as numbers with names.
+//!
+//! A name is that of a reduction of a sweep where there is one: `length.final`, `tension.max`, `air.used`. Of a plant each begins
+//! with the part that it is of: `flexor.length.final`. Pressures are gauge pressures, and say so.
+//!
+//! Checked by the tests below, and by those of the Python package, which hold it to the columns of the run.
+
+use crate::closed_loop::Goal;
+use crate::finished::{Figures, ViewFigures};
+use crate::joint::{self, NAMES};
+use crate::observation::{self, AirUse, Ended, Range};
+use crate::plant::PlantFigures;
+use mckibben::control::Quantity;
+use mckibben::plant::{ActuatorLedger, Balance, MechanismLedger, PlantLedger};
+use mckibben::simulation::{EventKind, JointRig, Rig};
+use std::collections::BTreeMap;
+
+/// A number that a run came to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Number {
+    /// Its name.
+    pub name: String,
+    /// Its unit in SI; empty for a pure number.
+    pub unit: &'static str,
+    /// The number.
+    pub value: f64,
+}
+
+/// What a run came to.
+#[derive(Clone, Debug, Default)]
+pub struct Summary {
+    /// The numbers, in groups: states, air, energy, exergy, control, cost.
+    pub numbers: Vec<Number>,
+    /// How many events of each kind there were.
+    pub events: BTreeMap<&'static str, u64>,
+}
+
+impl Figures {
+    /// The figures as numbers with names.
+    pub fn summary(&self) -> Summary {
+        match self {
+            Self::Actuator(of) => of_actuator(of),
+            Self::Joint(of) => of_joint(of),
+            Self::Plant(of) => of_plant(of),
+        }
+    }
+}
+
+impl Summary {
+    fn put(&mut self, name: impl Into<String>, unit: &'static str, value: f64) {
+        self.numbers.push(Number { name: name.into(), unit, value });
+    }
+
+    /// A quantity at the end, and its least and greatest value.
+    fn range(&mut self, name: &str, unit: &'static str, last: f64, range: Range) {
+        self.put(format!("{name}.final"), unit, last);
+        self.put(format!("{name}.min"), unit, range.least);
+        self.put(format!("{name}.max"), unit, range.greatest);
+    }
+
+    /// A gauge pressure in Pa, of an absolute one.
+    fn gauge(&mut self, name: &str, last: f64, Range { least, greatest }: Range, atmosphere: f64) {
+        self.range(name, "Pa", last - atmosphere, Range { least: least - atmosphere, greatest: greatest - atmosphere });
+    }
+
+    fn air(&mut self, prefix: &str, air: &AirUse) {
+        self.put(format!("{prefix}air.from_supply"), "kg", air.from_supply);
+        self.put(format!("{prefix}air.to_exhaust"), "kg", air.to_surroundings);
+        self.put(format!("{prefix}air.to_supply"), "kg", air.to_supply);
+        self.put(format!("{prefix}air.from_exhaust"), "kg", air.from_surroundings);
+    }
+
+    /// Where the work of the gas and the exergy of the air went.
+    fn ledger(&mut self, ledger: &PlantLedger, draws: bool) {
+        let total = ledger.total();
+        let actuators = |of: fn(&ActuatorLedger) -> f64| -> f64 { ledger.actuators.iter().map(of).sum() };
+        let mechanisms = |of: fn(&MechanismLedger) -> f64| -> f64 { ledger.mechanisms.iter().map(of).sum() };
+        let energy = [
+            ("gas_work", total.gas_work),
+            ("to_load", total.work),
+            ("kinetic", mechanisms(|of| of.kinetic)),
+            ("potential", mechanisms(|of| of.potential)),
+            ("stored", total.elastic),
+            ("viscous", actuators(|of| of.viscous)),
+            ("coulomb", actuators(|of| of.coulomb)),
+            ("slip", actuators(|of| of.slip)),
+            ("taut_braid", actuators(|of| of.braid)),
+            ("joints", mechanisms(|of| of.damping + of.stops)),
+            ("effectiveness", total.effectiveness_loss),
+        ];
+        energy.into_iter().for_each(|(name, value)| self.put(format!("energy.{name}"), "J", value));
+        self.residual("energy", &ledger.work());
+        if !draws {
+            return;
+        }
+        let exergy = [
+            ("drawn", total.drawn),
+            ("compressed", total.compressed),
+            ("left_inside", total.stored),
+            ("exhaust", total.exhaust),
+            ("leaked", total.leaked),
+            ("throttled", total.throttled),
+            ("mixing", total.mixed),
+            ("heat", total.heat_loss),
+        ];
+        exergy.into_iter().for_each(|(name, value)| self.put(format!("exergy.{name}"), "J", value));
+        self.residual("exergy", &ledger.exergy());
+        if let Some(efficiency) = total.efficiency() {
+            self.put("exergy.efficiency", "", efficiency);
+        }
+    }
+
+    fn residual(&mut self, of: &str, balance: &Balance) {
+        self.put(format!("{of}.residual"), "J", balance.residual);
+    }
+
+    /// How far goals were missed.
+    fn goals<'g>(&mut self, goals: impl IntoIterator<Item = (String, &'g Goal)>) {
+        for (prefix, goal) in goals {
+            let (miss, row) = (goal.miss(), goal.quantity.rows().set_point);
+            let name = format!("{prefix}{}_error", controlled(goal.quantity));
+            self.put(format!("{name}.rms"), row.unit, miss.rms);
+            self.put(format!("{name}.peak"), row.unit, miss.largest);
+        }
+    }
+
+    /// What the run cost.
+    fn ended(&mut self, ended: &Ended) {
+        let counts = ended.counts;
+        if let Some(steps) = ended.steps {
+            self.put("run.step", "s", steps.step);
+            if let Some([compared, greatest]) = steps.chosen {
+                self.put("run.step_error", "", greatest);
+                self.put("run.step_compared", "s", compared);
+            }
+        }
+        let counts = [
+            ("steps", counts.explicit_steps + counts.implicit_steps),
+            ("rejected_steps", counts.rejected_steps),
+            ("evaluations", counts.evaluations),
+        ];
+        counts.into_iter().for_each(|(name, count)| self.put(format!("run.{name}"), "", count as f64));
+    }
+
+    fn events(&mut self, counts: &BTreeMap<EventKind, u64>) {
+        self.events = counts.iter().map(|(kind, count)| (kind.name(), *count)).collect();
+    }
+}
+
+/// What a controller regulates, as in the names of reductions.
+fn controlled(quantity: Quantity) -> &'static str {
+    match quantity {
+        Quantity::Pressure => "pressure",
+        Quantity::Length => "length",
+        Quantity::AirMass => "air_mass",
+        Quantity::Force => "force",
+        Quantity::Angle => "angle",
+        Quantity::Torque => "torque",
+        Quantity::Stiffness => "stiffness",
+    }
+}
+
+fn of_actuator(of: &ViewFigures<Rig, observation::Observation>) -> Summary {
+    let (mut summary, seen) = (Summary::default(), &of.observation);
+    let (last, extremes) = (&seen.last, &seen.extremes);
+    let (actuator, atmosphere) = (of.rig.actuator(), of.rig.actuator().air().atmosphere().0);
+    let longest = actuator.limits().max_length();
+    summary.range("length", "m", last.length, extremes.length);
+    summary.put("contraction.final", "", (longest - last.length) / longest);
+    summary.range("velocity", "m/s", last.velocity, extremes.velocity);
+    summary.range("tension", "N", last.tension, extremes.tension);
+    summary.gauge("gauge_pressure", last.pressure.0, extremes.pressure, atmosphere);
+    summary.range("temperature", "K", last.temperature, extremes.temperature);
+    summary.put("air_mass.final", "kg", last.air_mass);
+    if let Some(ripple) = &seen.ripple {
+        summary.put("length.ripple", "m", ripple.peak_to_peak);
+        summary.put("length.mean", "m", ripple.mean);
+        summary.put("length.periods", "", ripple.periods as f64);
+        if let Some(drift) = ripple.drift {
+            summary.put("length.drift", "m", drift);
+        }
+    }
+    if seen.ended.draws {
+        summary.put("air.used", "kg", seen.air.from_supply);
+        summary.air("", &seen.air);
+    }
+    summary.ledger(&seen.ended.ledger, seen.ended.draws);
+    if let Some(closed) = &of.control {
+        summary.goals(closed.goals.iter().map(|goal| (String::new(), goal)));
+        summary.put("control.samples", "", closed.samples as f64);
+    }
+    summary.ended(&seen.ended);
+    summary.events(&seen.events);
+    summary
+}
+
+fn of_joint(of: &ViewFigures<JointRig, joint::observation::Observation>) -> Summary {
+    let (mut summary, seen) = (Summary::default(), &of.observation);
+    let last = &seen.last;
+    summary.range("angle", "rad", last.angle, seen.joint[0]);
+    summary.range("angular_velocity", "rad/s", last.angular_velocity, seen.joint[1]);
+    summary.range("torque", "N*m", last.torque, seen.joint[2]);
+    for (index, name) in NAMES.into_iter().enumerate() {
+        let (its, [length, tension, pressure]) = (&last.actuators[index], seen.actuators[index]);
+        let atmosphere = of.rig.driven()[index].actuator.air().atmosphere().0;
+        summary.range(&format!("{name}.length"), "m", its.length, length);
+        summary.range(&format!("{name}.tension"), "N", its.tension, tension);
+        summary.gauge(&format!("{name}.gauge_pressure"), its.pressure.0, pressure, atmosphere);
+    }
+    if seen.ended.draws {
+        summary.put("air.used", "kg", seen.air.iter().map(|air| air.from_supply).sum());
+        NAMES.iter().zip(&seen.air).for_each(|(name, air)| summary.air(&format!("{name}."), air));
+    }
+    summary.ledger(&seen.ended.ledger, seen.ended.draws);
+    if let Some(closed) = &of.control {
+        let whose = |goal: &Goal| goal.whose.map_or(String::new(), |index| format!("{}.", NAMES[index]));
+        summary.goals(closed.goals.iter().map(|goal| (whose(goal), goal)));
+        summary.put("control.samples", "", closed.samples as f64);
+    }
+    summary.ended(&seen.ended);
+    summary.events(&seen.events);
+    summary
+}
+
+fn of_plant(of: &PlantFigures) -> Summary {
+    let (mut summary, seen) = (Summary::default(), &of.observation);
+    for row in seen.rows.iter().filter(|row| !row.key.is_empty()) {
+        summary.range(&row.key, row.unit, row.last, row.range);
+    }
+    if seen.ended.draws {
+        summary.put("air.used", "kg", crate::plant::observation::air_used(&of.experiment, &seen.ended.ledger));
+    }
+    summary.ledger(&seen.ended.ledger, seen.ended.draws);
+    if let Some(closed) = &of.control {
+        let named = closed.names.iter().zip(&closed.goals);
+        summary.goals(named.map(|(name, goal)| (format!("{name}."), goal)));
+        summary.put("control.samples", "", closed.samples.iter().sum::<u64>() as f64);
+    }
+    summary.ended(&seen.ended);
+    summary.events(&seen.events);
+    summary
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::finished::Ready;
+    use mckibben_scenario::Document;
+    use std::collections::BTreeSet;
+    use std::path::Path;
+
+    /// Of one actuator, a joint, a plant with controllers: every number is finite and has a name of its own, and the energy closes.
+    #[test]
+    fn every_kind_of_run_has_numbers_with_names() {
+        let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
+        let cases = [
+            ("paper/fig-12", "length.ripple"),
+            ("antagonistic-joint", "agonist.gauge_pressure.max"),
+            ("plant/controlled", "air.used"),
+        ];
+        for (file, known) in cases {
+            let path = examples.join(format!("{file}.toml"));
+            let mut document = Document::load(&path).unwrap();
+            document.set_text("run.duration", "\"0.2 s\"").unwrap();
+            let finished = Ready::of(&document).unwrap().run(&document, &mut |_| Ok(())).unwrap();
+            let summary = finished.figures().unwrap().summary();
+            let names: BTreeSet<&str> = summary.numbers.iter().map(|number| number.name.as_str()).collect();
+            assert_eq!(names.len(), summary.numbers.len(), "{file}");
+            assert!(names.contains(known), "{file}: {names:?}");
+            assert!(summary.numbers.iter().all(|number| number.value.is_finite()), "{file}");
+            let value = |name: &str| summary.numbers.iter().find(|number| number.name == name).unwrap().value;
+            assert!(value("energy.residual").abs() < 1e-6 * value("energy.gas_work").abs().max(1e-3), "{file}");
+        }
+    }
+}

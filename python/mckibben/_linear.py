@@ -1,0 +1,78 @@
+"""Linear models in python-control and as Bode plots. The packages are imported when asked for."""
+
+from __future__ import annotations
+
+import collections.abc
+import math
+import typing
+
+import numpy
+
+from mckibben.errors import InputError
+
+if typing.TYPE_CHECKING:
+    import matplotlib.axes
+    import matplotlib.figure
+
+    from mckibben import LinearModel
+
+#: Points of a Bode plot in each decade, and decades beyond the slowest and the fastest pole.
+_POINTS = 100
+_BEYOND = 1.0
+
+
+def to_control(model: LinearModel) -> typing.Any:
+    """The model as `control.ss`, its signals with their names."""
+    import control
+
+    names = {"states": model.states, "inputs": model.inputs, "outputs": model.outputs}
+    return control.ss(model.A, model.B, model.C, model.D, **names)
+
+
+def response(model: LinearModel, omega: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.complex128]:
+    """The complex response of each output to each input at angular frequencies in rad/s: `[frequency, output, input]`."""
+    rates = numpy.atleast_1d(numpy.asarray(omega, dtype=float))
+    identity = numpy.eye(len(model.A))
+    answers = [model.C @ numpy.linalg.solve(1j * rate * identity - model.A, model.B) + model.D for rate in rates]
+    return numpy.array(answers, dtype=complex).reshape(len(rates), len(model.outputs), len(model.inputs))
+
+
+def bode(
+    model: LinearModel,
+    input: str | None = None,
+    outputs: collections.abc.Sequence[str] | None = None,
+    ax: collections.abc.Sequence[matplotlib.axes.Axes] | None = None,
+) -> matplotlib.figure.Figure:
+    """Magnitude and phase of outputs over one input, as a figure of Matplotlib or into two axes."""
+    import matplotlib.pyplot as plt
+
+    def place(name: str, names: list[str], what: str) -> int:
+        if name not in names:
+            raise InputError(f"the model has no {what} `{name}`; it has {', '.join(names)}")
+        return names.index(name)
+
+    name = model.inputs[0] if input is None else input
+    column = place(name, model.inputs, "input")
+    shown = model.outputs[:2] if outputs is None else list(outputs)
+    rows = [place(output, model.outputs, "output") for output in shown]
+    sizes = [abs(pole) for pole in model.poles if abs(pole) > 0] or [1.0]
+    ends = math.log10(min(sizes)) - _BEYOND, math.log10(max(sizes)) + _BEYOND
+    omega = numpy.logspace(*ends, int(_POINTS * (ends[1] - ends[0])))
+    answers = response(model, omega)
+    if ax is None:
+        figure, axes = plt.subplots(2, sharex=True, layout="constrained")
+    else:
+        axes = list(ax)
+        if len(axes) != 2:
+            raise InputError(f"`ax` has {len(axes)} axes; give two, for magnitude and phase")
+        figure = axes[0].figure
+    for row, output in zip(rows, shown):
+        answer = answers[:, row, column]
+        label = f"{output} ({model.units[output]}/{model.units[name] or '1'})"
+        axes[0].loglog(omega / math.tau, numpy.abs(answer), label=label)
+        axes[1].semilogx(omega / math.tau, numpy.degrees(numpy.unwrap(numpy.angle(answer))), label=output)
+    axes[0].set_ylabel(f"magnitude over {name}")
+    axes[0].legend()
+    axes[1].set_ylabel("phase (deg)")
+    axes[1].set_xlabel("frequency (Hz)")
+    return figure

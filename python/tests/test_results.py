@@ -1,0 +1,58 @@
+"""What runs come to: summaries against their columns, events as a frame, plots of chosen columns."""
+
+from __future__ import annotations
+
+import matplotlib.pyplot as plt
+import numpy
+import pytest
+
+import mckibben
+
+
+def test_a_summary_is_that_of_the_columns(examples):
+    scenario = mckibben.Scenario.load(examples / "paper/fig-12.toml").with_values({"run.sample_interval": "0.1 ms"})
+    run = mckibben.simulate(scenario)
+    summary = run.summary()
+    assert summary["length.final"] == run.length[-1]
+    for name, column in [("length", run.length), ("tension", run.tension), ("velocity", run.velocity)]:
+        # The summary looks between the samples too.
+        assert summary[f"{name}.min"] <= column.min() and summary[f"{name}.max"] >= column.max()
+        assert summary[f"{name}.min"] == pytest.approx(column.min(), abs=1e-3 * abs(column).max())
+    atmosphere = 101325.0
+    assert summary["gauge_pressure.final"] == pytest.approx(run.pressure[-1] - atmosphere, rel=1e-12)
+    last = run.t > run.t[-1] - 0.04
+    assert summary["length.ripple"] == pytest.approx(numpy.ptp(run.length[last]), rel=0.02)
+    assert summary.units["air.used"] == "kg" and summary["air.used"] > 0
+    assert abs(summary["energy.residual"]) < 1e-6 * summary["energy.gas_work"]
+    counts = {kind: sum(event.kind == kind for event in run.events) for kind in summary.events}
+    assert summary.events == counts and sum(counts.values()) == len(run.events)
+    assert "actuator.turns" in summary.assumed
+    assert "length.ripple" in str(summary) and "<table>" in summary._repr_html_()
+    assert summary.to_pandas().loc["length.final", "unit"] == "m"
+    assert len(summary) == len(dict(summary)) == len(list(summary))
+
+
+def test_fixed_steps_say_which_step_was_chosen_and_its_error(swing):
+    summary = mckibben.simulate(swing.with_values({"run.engine": "fixed-step", "run.duration": "0.2 s"})).summary()
+    assert 0 < summary["run.step"] < 0.01 and 0 <= summary["run.step_error"] <= 1e-3
+
+
+def test_events_are_a_frame(swing):
+    run = mckibben.simulate(swing)
+    frame = run.events_to_pandas()
+    assert list(frame["time_s"]) == [event.time for event in run.events]
+    assert list(frame["event"]) == [event.kind for event in run.events] and "sliding" in frame
+
+
+def test_chosen_columns_are_drawn_into_given_axes(swing):
+    run = mckibben.simulate(swing.with_values({"run.duration": "0.1 s"}))
+    figure, axes = plt.subplots(2)
+    assert run.plot(columns=["length_m", "valve"], ax=axes) is figure
+    numpy.testing.assert_array_equal(axes[0].lines[0].get_ydata(), run.length)
+    assert axes[0].get_ylabel() == "length_m (m)"
+    for wrong, words in [({"columns": []}, "empty"), ({"columns": ["length_m"], "ax": axes}, "one for each")]:
+        with pytest.raises(mckibben.InputError, match=words):
+            run.plot(**wrong)
+    with pytest.raises(KeyError, match="no column `mass`"):
+        run.plot(columns=["mass"])
+    plt.close("all")
