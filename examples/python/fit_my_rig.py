@@ -120,7 +120,7 @@ MADE_WITH = {
 DRAWN = {"load.inertia": 1e-3, "load.damping": 0.02, "actuator.turns": 2.5, "antagonist.actuator.turns": 2.5}
 print(f"{'':28s}{'drawing':>10s}{'found':>12s}{'95 % interval':>26s}{'made with':>12s}")
 for estimate in found.estimates:
-    low, high = estimate.interval
+    low, high = estimate.confidence_interval
     name = estimate.name
     told = f"{low:.5g} to {high:.5g}"
     print(f"{name:28s}{DRAWN[name]:10.5g}{estimate.value:12.5g}{told:>26s}{MADE_WITH[name]:12.5g}  {estimate.unit}")
@@ -128,7 +128,7 @@ for estimate in found.estimates:
 figure, axis = plt.subplots(figsize=(6.2, 2.4))
 for row, estimate in enumerate(found.estimates):
     truth = MADE_WITH[estimate.name]
-    low, high = (100 * (bound / truth - 1) for bound in estimate.interval)
+    low, high = (100 * (bound / truth - 1) for bound in estimate.confidence_interval)
     axis.plot([low, high], [row, row], linewidth=3)
     axis.plot(100 * (estimate.value / truth - 1), row, "o", color="#1c1c1e", markersize=4)
 axis.axvline(0, color="#5c6166", linestyle=":")
@@ -140,7 +140,7 @@ pictures.save(figure, "fit-intervals")
 for estimate in found.estimates:
     truth = MADE_WITH[estimate.name]
     # Four intervals of 95 %: one of them may miss by a little, none by much.
-    assert abs(estimate.value - truth) < 3 * estimate.deviation, estimate
+    assert abs(estimate.value - truth) < 3 * estimate.standard_error, estimate
     assert abs(estimate.value / truth - 1) < 0.02 < abs(DRAWN[estimate.name] / truth - 1)
 
 # %% [markdown]
@@ -189,9 +189,10 @@ assert np.all(rms["drawing"] > 10 * rms["fitted"])
 (work / "greedy.toml").write_text(STUDY + '\n[fit."load.mass"]\n\n[fit."load.distance"]\n')
 greedy = mckibben.identify(work / "greedy.toml")
 for estimate in greedy.estimates:
-    print(f"{estimate.name:28s}{estimate.value:12.5g}  {'not told by these data' if estimate.interval is None else ''}")
+    untold = "not identifiable from these data" if estimate.confidence_interval is None else ""
+    print(f"{estimate.name:28s}{estimate.value:12.5g}  {untold}")
 print(greedy.warnings[-1])
-untold = {estimate.name for estimate in greedy.estimates if estimate.interval is None}
+untold = {estimate.name for estimate in greedy.estimates if estimate.confidence_interval is None}
 assert untold == {"load.mass", "load.distance", "load.inertia"}
 product = greedy["load.mass"].value * greedy["load.distance"].value
 assert abs(product / (0.5 * 0.1) - 1) < 0.01, "their product is told, and well"

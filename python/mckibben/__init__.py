@@ -40,8 +40,8 @@ from mckibben._mckibben import (
     presets,
     simulate,
 )
-from mckibben._sweep import Swept, sweep
-from mckibben.errors import Error, InputError, OutputError, StoppedError
+from mckibben._sweep import SweepResult, sweep
+from mckibben.errors import Error, InputError, OutputError, SimulationError
 
 __all__ = [
     "Actuator",
@@ -58,9 +58,9 @@ __all__ = [
     "Plants",
     "Response",
     "Scenario",
-    "StoppedError",
+    "SimulationError",
     "Sweep",
-    "Swept",
+    "SweepResult",
     "Trajectory",
     "__version__",
     "curves",

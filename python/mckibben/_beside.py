@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import collections.abc
+import concurrent.futures
 import math
+import os
 import typing
 
 from mckibben.errors import InputError
@@ -92,8 +94,28 @@ def plot(
     return figure
 
 
+def _over_batches(function: collections.abc.Callable[..., typing.Any]) -> collections.abc.Callable[..., typing.Any]:
+    """The function of one set of values, over arrays of them: on the threads of this process, which the core lets go on."""
+    import numpy
+
+    def over(values: typing.Any) -> typing.Any:
+        values = numpy.asarray(values, dtype=float)
+        if values.ndim == 1:
+            return function(values)
+        batch = values.shape[:-1]
+        with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+            found = list(pool.map(function, values.reshape(-1, values.shape[-1])))
+
+        def stacked(parts: collections.abc.Sequence[typing.Any]) -> typing.Any:
+            return numpy.stack(parts).reshape(*batch, *parts[0].shape)
+
+        return tuple(stacked(parts) for parts in zip(*found)) if isinstance(found[0], tuple) else stacked(found)
+
+    return over
+
+
 def for_jax(run: Differentiable) -> collections.abc.Callable[..., typing.Any]:
-    """A run as a function of JAX with the derivatives of the simulator."""
+    """A run as a function of JAX with the derivatives of the simulator; the runs of a `vmap` go side by side on all cores."""
     import jax
     import numpy
 
@@ -102,12 +124,13 @@ def for_jax(run: Differentiable) -> collections.abc.Callable[..., typing.Any]:
     shape = (len(run.at), len(run.of))
     value = jax.ShapeDtypeStruct(shape, numpy.float64)
     slopes = jax.ShapeDtypeStruct((*shape, len(run.by)), numpy.float64)
+    values_of, both_of = _over_batches(run), _over_batches(run.value_and_jacobian)
 
     def simulated(values: typing.Any) -> typing.Any:
-        return jax.pure_callback(run, value, values, vmap_method="sequential")
+        return jax.pure_callback(values_of, value, values, vmap_method="expand_dims")
 
     def forward(primals: typing.Any, tangents: typing.Any) -> typing.Any:
-        read, by = jax.pure_callback(run.with_slopes, (value, slopes), primals[0], vmap_method="sequential")
+        read, by = jax.pure_callback(both_of, (value, slopes), primals[0], vmap_method="expand_dims")
         return read, by @ tangents[0]
 
     function: typing.Any = jax.custom_jvp(simulated)
@@ -148,7 +171,7 @@ def for_torch(run: Differentiable) -> collections.abc.Callable[..., typing.Any]:
 
         @staticmethod
         def forward(values: typing.Any) -> typing.Any:
-            both = run.with_slopes(values.detach().cpu().numpy())
+            both = run.value_and_jacobian(values.detach().cpu().numpy())
             return tuple(torch.from_numpy(array).to(values.device) for array in both)
 
         @staticmethod

@@ -73,7 +73,7 @@ class Actuator:
         Returns the state there, the tension in N, and the tension's derivatives with the rates of the air.
 
         Raises `InputError` for what cannot be asked, for a state of another actuator, and for more than 10 000 000 parts and
-        edges of pulses; `StoppedError` where the step leaves the physics. Ctrl-C ends a step of many parts.
+        edges of pulses; `SimulationError` where the step leaves the physics. Ctrl-C ends a step of many parts.
         """
 
 @final
@@ -162,7 +162,7 @@ class Actuators:
         `per_velocity` (N*s/m) and `pressure` (Pa, absolute). `velocity` in m/s is that of the ends at the end of the step.
         `max_step` in s divides the step as that of an `Actuator`.
 
-        Raises `InputError` for arrays and numbers that cannot be, before anything has changed, and `StoppedError` where an
+        Raises `InputError` for arrays and numbers that cannot be, before anything has changed, and `SimulationError` where an
         actuator leaves the physics: that one is then where it was and its entries are as they were, and the others have
         gone on. Ctrl-C ends a step of many parts; all actuators are then where they were.
         """
@@ -208,7 +208,7 @@ class Differentiable:
     def for_torch(self, /) -> Callable[..., Any]:
         """
         The same as a function of a tensor for PyTorch, which differentiates it forwards and backwards: by
-        `torch.autograd.Function`, with the derivatives of `with_slopes`.
+        `torch.autograd.Function`, with the derivatives of `value_and_jacobian`.
 
         Tensors are of 64 bits and on the CPU: `dtype=torch.float64`.
         """
@@ -232,7 +232,7 @@ class Differentiable:
         """
         The units of the quantities by their names.
         """
-    def with_slopes(self, /, values: ArrayLike) -> tuple[NDArray[float64], NDArray[float64]]:
+    def value_and_jacobian(self, /, values: ArrayLike) -> tuple[NDArray[float64], NDArray[float64]]:
         """
         The same with the derivatives by every number, of shape (len(at), len(of), len(by)).
         """
@@ -247,17 +247,12 @@ class Estimate:
         Whether both are the same.
         """
     def __getnewargs__(self, /) -> tuple[str, str, float, float | None, tuple[float, float] | None, bool]: ...
-    def __new__(cls, /, name: str, unit: str, value: SupportsFloat | SupportsIndex, deviation: SupportsFloat | SupportsIndex | None, interval: tuple[SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex] | None, on_bound: bool) -> Estimate: ...
+    def __new__(cls, /, name: str, unit: str, value: SupportsFloat | SupportsIndex, standard_error: SupportsFloat | SupportsIndex | None, confidence_interval: tuple[SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex] | None, on_bound: bool) -> Estimate: ...
     def __repr__(self, /) -> str: ...
     @property
-    def deviation(self, /) -> float | None:
+    def confidence_interval(self, /) -> tuple[float, float] | None:
         """
-        Its standard deviation; `None` where the data do not tell it or it rests on a bound.
-        """
-    @property
-    def interval(self, /) -> tuple[float, float] | None:
-        """
-        Its 95 % interval, likewise.
+        Its 95 % confidence interval, likewise.
         """
     @property
     def name(self, /) -> str:
@@ -268,6 +263,11 @@ class Estimate:
     def on_bound(self, /) -> bool:
         """
         Whether it rests on one of its bounds.
+        """
+    @property
+    def standard_error(self, /) -> float | None:
+        """
+        Its standard error; `None` where the data do not identify it or it rests on a bound.
         """
     @property
     def unit(self, /) -> str:
@@ -931,7 +931,7 @@ def identify(study: str | PathLike[str], output: str | PathLike[str] | None = No
     With `output`, a folder, the report, the scenarios and the numbers are written there as well. Where some runs of several
     fail, `warnings` say which and why.
 
-    Raises `InputError` where the study, its data or its scenario is wrong, and `StoppedError` where no fit was found; the report
+    Raises `InputError` where the study, its data or its scenario is wrong, and `SimulationError` where no fit was found; the report
     is written then too.
     """
 
@@ -975,5 +975,5 @@ def simulate(scenario: Scenario) -> Trajectory:
     Runs a scenario, of whatever kind: what `mckibben simulate` does, to the last bit.
 
     Other threads of Python go on meanwhile, and Ctrl-C ends it. Raises `InputError` where the model finds a contradiction, and
-    `StoppedError` where the simulation cannot go on.
+    `SimulationError` where the simulation cannot go on.
     """

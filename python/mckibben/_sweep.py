@@ -8,6 +8,7 @@ import concurrent.futures
 import dataclasses
 import os
 import pathlib
+import tempfile
 import typing
 import warnings
 
@@ -26,7 +27,7 @@ Progress = collections.abc.Callable[[int, int], object]
 
 
 @dataclasses.dataclass(frozen=True)
-class Swept:
+class SweepResult:
     """A finished sweep: its folder of Parquet parts, one line for each run."""
 
     #: The folder, which holds nothing but the parts and `sweep.json`.
@@ -58,15 +59,47 @@ class Swept:
         return frame
 
 
+@typing.overload
 def sweep(
     scenario: Scenario,
     folder: str | os.PathLike[str],
     *,
+    vary: collections.abc.Mapping[str, typing.Any] | None = None,
+    reductions: collections.abc.Sequence[str] | None = None,
     executor: concurrent.futures.Executor | typing.Literal["ray"] | None = None,
     jobs: int | None = None,
     progress: Progress | None = None,
-) -> Swept:
+) -> SweepResult: ...
+
+
+@typing.overload
+def sweep(
+    scenario: Scenario,
+    folder: None = None,
+    *,
+    vary: collections.abc.Mapping[str, typing.Any] | None = None,
+    reductions: collections.abc.Sequence[str] | None = None,
+    executor: concurrent.futures.Executor | typing.Literal["ray"] | None = None,
+    jobs: int | None = None,
+    progress: Progress | None = None,
+) -> pandas.DataFrame: ...
+
+
+def sweep(
+    scenario: Scenario,
+    folder: str | os.PathLike[str] | None = None,
+    *,
+    vary: collections.abc.Mapping[str, typing.Any] | None = None,
+    reductions: collections.abc.Sequence[str] | None = None,
+    executor: concurrent.futures.Executor | typing.Literal["ray"] | None = None,
+    jobs: int | None = None,
+    progress: Progress | None = None,
+) -> SweepResult | pandas.DataFrame:
     """Does the runs of a scenario's section `[sweep]`, into a folder of Parquet parts: what `mckibben sweep` does.
+
+    Without a `folder` the runs are a data frame of pandas with a row for each, its units in `attrs`; it needs pyarrow. `vary`
+    takes the place of the section `[sweep.vary]`: `{"load.mass": ["4 lb", "8 lb"], "command.duty": [0.3, 0.5]}`; `reductions` that
+    of the key `sweep.reductions`, such as `["length.final", "air.used"]`.
 
     Without an `executor` they go on `jobs` threads of this process, one for each core unless given. An executor is anything
     with the interface of `concurrent.futures` (processes, threads, `Client.get_executor()` of Dask), or "ray": the cluster
@@ -83,6 +116,14 @@ def sweep(
     Raises `InputError` for a scenario without a sweep and for a folder of another one. Runs that fail do not stop the
     others: they have their reason in the column `error`.
     """
+    given = {"sweep.vary": None if vary is None else dict(vary), "sweep.reductions": reductions and list(reductions)}
+    given = {key: value for key, value in given.items() if value is not None}
+    if given:
+        scenario = scenario.with_values(given)
+    if folder is None:
+        with tempfile.TemporaryDirectory(prefix="mckibben-sweep-") as kept:
+            runs = pathlib.Path(kept) / "runs"
+            return sweep(scenario, runs, executor=executor, jobs=jobs, progress=progress).to_pandas()
     todo = Sweep(scenario)
     folder = pathlib.Path(folder)
     missing, _ = todo.missing(folder)
@@ -107,7 +148,7 @@ def sweep(
         _on_executor(executor, todo, missing, put)
     missing, failed = todo.missing(folder)
     assert not missing, missing
-    return Swept(folder, todo.rows, failed, todo.units)
+    return SweepResult(folder, todo.rows, failed, todo.units)
 
 
 Put = collections.abc.Callable[[int, bytes], None]

@@ -9,7 +9,7 @@ class InputError(Error, ValueError):
     """A scenario or an argument is wrong: nothing was done."""
 
 
-class StoppedError(Error, RuntimeError):
+class SimulationError(Error, RuntimeError):
     """The simulation could not go on."""
 
 

@@ -146,7 +146,7 @@ def test_what_cannot_be_asked_is_refused(scenario):
             actuator.step(state, 0.09, 0.0, command, STEP)
     with pytest.raises(mckibben.InputError, match="back in time"):
         actuator.step(state, 0.09, 0.0, 0.5, 0.0)
-    with pytest.raises(mckibben.StoppedError, match="longer than its thread of 109.8 mm"):
+    with pytest.raises(mckibben.SimulationError, match="longer than its thread of 109.8 mm"):
         actuator.step(state, 0.2, 0.0, 0.5, STEP)
     with pytest.raises(mckibben.InputError, match="pulse_frequency"):
         mckibben.Actuator(scenario.with_values({"command": {"kind": "fill"}}))
@@ -170,6 +170,6 @@ def test_arrays_that_do_not_fit_are_refused_and_change_nothing(scenario):
             many.step(*arguments)
     assert (tension == -1.0).all()
     length[1] = 0.2
-    with pytest.raises(mckibben.StoppedError, match="actuator 1"):
+    with pytest.raises(mckibben.SimulationError, match="actuator 1"):
         many.step(STEP, length, velocity, duty, tension)
     assert tension[1] == -1.0 and (tension[[0, 2, 3]] >= 0.0).all()

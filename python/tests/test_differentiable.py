@@ -54,7 +54,7 @@ def test_values_are_those_of_the_run(pulsed):
 def test_derivatives_are_those_of_differences(pulsed):
     """No event lies at these times. The error of central differences is the square of the step and the run's own error over it."""
     start = pulsed.start
-    values, slopes = pulsed.with_slopes(start)
+    values, slopes = pulsed.value_and_jacobian(start)
     numpy.testing.assert_array_equal(values, pulsed(start))
     assert slopes.shape == (3, 3, len(BY)), "more numbers than one pass takes"
     scale = abs(values).max(axis=0)
@@ -68,7 +68,7 @@ def test_derivatives_are_those_of_differences(pulsed):
 
 def test_jax_differentiates_forwards_and_backwards(pulsed):
     function = pulsed.for_jax()
-    _, slopes = pulsed.with_slopes(pulsed.start)
+    _, slopes = pulsed.value_and_jacobian(pulsed.start)
     numpy.testing.assert_array_equal(jax.jit(function)(pulsed.start), pulsed(pulsed.start))
     forwards = jax.jacfwd(function)(pulsed.start)
     backwards = jax.jacrev(function)(pulsed.start)
@@ -82,11 +82,25 @@ def test_jax_differentiates_forwards_and_backwards(pulsed):
     numpy.testing.assert_allclose(jax.grad(reduced)(pulsed.start), expected, rtol=1e-13)
 
 
+def test_runs_of_a_vmap_are_those_alone_and_have_their_derivatives(pulsed):
+    function = pulsed.for_jax()
+    shares = 1 + 0.001 * numpy.arange(6).reshape(2, 3, 1)
+    several = pulsed.start * shares
+    found = jax.vmap(jax.vmap(function))(several)
+    slopes = jax.vmap(jax.vmap(jax.jacrev(function)))(several)
+    for row, column in numpy.ndindex(2, 3):
+        value, alone = pulsed.value_and_jacobian(several[row, column])
+        numpy.testing.assert_array_equal(found[row, column], value)
+        numpy.testing.assert_allclose(slopes[row, column], alone, rtol=1e-13)
+    with pytest.raises(Exception, match="load.mass"):
+        jax.vmap(function)(numpy.array([pulsed.start, -pulsed.start]))
+
+
 def test_a_joint_has_derivatives_by_both_actuators(examples):
     joint = mckibben.Scenario.load(examples / "antagonistic-joint.toml").with_values({"run.duration": "50 ms"})
     by = ["actuator.turns", "antagonist.actuator.turns", "load.inertia"]
     angle = mckibben.Differentiable(joint, by, ["angle"], [0.05])
-    _, slopes = angle.with_slopes(angle.start)
+    _, slopes = angle.value_and_jacobian(angle.start)
     assert slopes.shape == (1, 1, 3) and slopes[0, 0, 0] * slopes[0, 0, 1] < 0, "they pull against each other"
 
 

@@ -111,8 +111,8 @@ def test_identification_is_that_of_the_command_line(study, program, examples, tm
     for row, estimate in zip(rows, found.estimates):
         assert row["unit"] == estimate.unit
         assert float(row["value"]) == pytest.approx(estimate.value, rel=1e-2)
-        if estimate.interval is not None:
-            assert estimate.interval[0] <= estimate.value <= estimate.interval[1]
+        if estimate.confidence_interval is not None:
+            assert estimate.confidence_interval[0] <= estimate.value <= estimate.confidence_interval[1]
         assert found[estimate.name] == estimate
     for name, scenario in found.scenarios.items():
         assert scenario == mckibben.Scenario.load(tmp_path / "program" / name)
@@ -130,7 +130,7 @@ def test_parts_of_a_plant_are_identified(examples):
     }
     assert set(found.keys()) == set(truths) and not any("interval" in words for words in found.warnings)
     for name, truth in truths.items():
-        low, high = found[name].interval
+        low, high = found[name].confidence_interval
         assert low < truth < high and high - low < 0.05 * truth
     assert list(found.scenarios) == ["scenario.toml"]
     scenario = found.scenarios["scenario.toml"]
@@ -176,7 +176,7 @@ def test_ring_downs_tell_their_friction(tmp_path):
     for name in masses:
         for key, value in friction.items():
             estimate = found[f"{key} [{name}]"]
-            assert abs(estimate.value - value) < 4.0 * estimate.deviation < 0.01 * value
+            assert abs(estimate.value - value) < 4.0 * estimate.standard_error < 0.01 * value
         assert found.scenarios[f"scenario-{name}.toml"].to_dict()["actuator"]["friction"]
 
 

@@ -27,7 +27,7 @@ def simulated(sections: Sections) -> mckibben.Trajectory | None:
     try:
         return mckibben.simulate(mckibben.Scenario.from_dict(sections))
     except mckibben.Error as error:
-        assert type(error) in (mckibben.InputError, mckibben.StoppedError) and str(error).startswith("error: ")
+        assert type(error) in (mckibben.InputError, mckibben.SimulationError) and str(error).startswith("error: ")
         return None
 
 
@@ -90,7 +90,7 @@ def test_what_was_understood_is_understood_again(sections):
 def test_the_program_writes_the_same_bytes(sections, columns, program, tmp_path_factory):
     """With the same exit code and the same words where it cannot."""
     folder = tmp_path_factory.mktemp("program")
-    codes: dict[type[Exception], int] = {mckibben.InputError: 2, mckibben.StoppedError: 3}
+    codes: dict[type[Exception], int] = {mckibben.InputError: 2, mckibben.SimulationError: 3}
     text = toml(sections)
     (folder / "scenario.toml").write_text(text)
     arguments = ("simulate", "scenario.toml", "--output", f"program.{columns}")

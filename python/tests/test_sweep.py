@@ -245,3 +245,19 @@ def test_a_sweep_can_be_pickled_with_its_step(swept):
     again = pickle.loads(pickle.dumps(stepped))
     assert again.step == stepped.step is not None
     assert again.part(7) == stepped.part(7)
+
+
+def test_a_sweep_without_a_folder_is_a_data_frame(swing, tmp_path):
+    """Of a scenario without a section `[sweep]`: what varies and what is kept are arguments."""
+    vary = {"load.mass": ["4 lb", "5 lb", "6 lb"], "initial.gauge_pressure": ["50 psi", "60 psi"]}
+    reductions = ["length.final", "tension.max"]
+    frame = mckibben.sweep(swing, vary=vary, reductions=reductions, jobs=2)
+    assert len(frame) == 6 and frame["error"].isna().all()
+    assert frame.attrs["units"]["length_final_m"] == "m"
+    kept = mckibben.sweep(swing, tmp_path / "runs", vary=vary, reductions=reductions)
+    assert frame.equals(kept.to_pandas())
+    step = mckibben.Sweep(swing.with_values({"sweep.vary": vary, "sweep.reductions": reductions})).step
+    one = {"load.mass": "6 lb", "initial.gauge_pressure": "60 psi", "run.engine": "fixed-step", "run.step": f"{step!r} s"}
+    assert frame["length_final_m"].iloc[-1] == mckibben.simulate(swing.with_values(one)).length[-1]
+    with pytest.raises(mckibben.InputError, match="load.weight"):
+        mckibben.sweep(swing, vary={"load.weight": ["4 lb"]}, reductions=reductions)

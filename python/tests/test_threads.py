@@ -78,7 +78,7 @@ def test_everything_at_once_is_what_it_is_alone(scenario, swing):
 
     def work(number: int):
         values = length.start * (1 + 0.01 * number)
-        return mckibben.simulate(heavy[number]), length.with_slopes(values), mckibben.curves(heavy[number])["stiffness_n_m"]
+        return mckibben.simulate(heavy[number]), length.value_and_jacobian(values), mckibben.curves(heavy[number])["stiffness_n_m"]
 
     for (run, slopes, curves), (run_alone, slopes_alone, curves_alone) in zip(
         at_once(work, THREADS), [work(number) for number in range(THREADS)]
@@ -106,7 +106,7 @@ def rows():
 
 def slopes():
     run = mckibben.Differentiable(scenario, BY, ["length", "tension"], [0.01, 0.02])
-    return b"".join(array.tobytes() for array in run.with_slopes(run.start))
+    return b"".join(array.tobytes() for array in run.value_and_jacobian(run.start))
 
 def sweep():
     many = mckibben.Sweep(scenario.with_values({"sweep.vary": {"load.mass": {"from": "2 lb", "to": "9 lb", "count": 40}}}))
@@ -233,7 +233,7 @@ def endless(scenario: mckibben.Scenario, what: str):
     long = scenario.with_values({"run.duration": "3600 s"})
     function = mckibben.Differentiable(long, ["load.mass", "command.duty"], ["length"], [3600.0])
     short = mckibben.Differentiable(scenario, ["load.mass", "command.duty"], ["length"], [0.01])
-    call = function if what == "values" else function.with_slopes
+    call = function if what == "values" else function.value_and_jacobian
     return functools.partial(call, function.start), lambda: short(short.start).tobytes()
 
 

@@ -25,7 +25,7 @@ def start(pulsed):
 
 
 def test_values_and_slopes_backwards(pulsed, start):
-    values, slopes = pulsed.with_slopes(pulsed.start)
+    values, slopes = pulsed.value_and_jacobian(pulsed.start)
     function = pulsed.for_torch()
     found = function(start)
     numpy.testing.assert_array_equal(found.detach().numpy(), values)
@@ -37,7 +37,7 @@ def test_values_and_slopes_backwards(pulsed, start):
 
 
 def test_slopes_forwards(pulsed, start):
-    _, slopes = pulsed.with_slopes(pulsed.start)
+    _, slopes = pulsed.value_and_jacobian(pulsed.start)
     along = torch.from_numpy(pulsed.start * [0.1, -0.2, 0.3, 0.4])
     with torch.autograd.forward_ad.dual_level():
         dual = pulsed.for_torch()(torch.autograd.forward_ad.make_dual(start.detach(), along))
@@ -48,14 +48,14 @@ def test_slopes_forwards(pulsed, start):
 def test_the_transforms_of_torch_func(pulsed, start):
     """As in JAX: a Jacobian forwards and backwards, and many values one after another."""
     function, values = pulsed.for_torch(), start.detach()
-    _, slopes = pulsed.with_slopes(pulsed.start)
+    _, slopes = pulsed.value_and_jacobian(pulsed.start)
     for jacobian in [torch.func.jacfwd, torch.func.jacrev]:
         numpy.testing.assert_allclose(jacobian(function)(values).numpy(), slopes, rtol=1e-14)
     several = torch.stack([values, 1.01 * values])
     found = torch.func.vmap(function)(several)
     numpy.testing.assert_array_equal(found.numpy(), [pulsed(one.numpy()) for one in several])
     gradients = torch.func.vmap(torch.func.grad(lambda one: function(one)[:, 0].sum()))(several)
-    expected = [pulsed.with_slopes(one.numpy())[1][:, 0].sum(axis=0) for one in several]
+    expected = [pulsed.value_and_jacobian(one.numpy())[1][:, 0].sum(axis=0) for one in several]
     numpy.testing.assert_allclose(gradients.numpy(), expected, rtol=1e-13)
 
 

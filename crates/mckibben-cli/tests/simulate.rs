@@ -511,3 +511,17 @@ fn a_joint_on_a_bottle_with_hoses_and_tendons_has_columns_events_and_sweeps() {
         assert!(model.contains(name), "{name}: {model}");
     }
 }
+
+#[test]
+fn every_command_has_a_manual_page() {
+    let folder = Folder::new("man");
+    let help = run(&folder, &["--help"]);
+    let listed = help.lines().skip_while(|line| !line.starts_with("Commands:")).skip(1);
+    let commands = listed.take_while(|line| !line.is_empty()).filter_map(|line| line.split_whitespace().next());
+    for command in commands.filter(|command| *command != "help") {
+        let page = run(&folder, &["man", command]);
+        assert!(page.contains(&format!(".TH mckibben-{command} 1")), "{page}");
+        assert!(page.contains(concat!("mckibben ", env!("CARGO_PKG_VERSION"))), "{page}");
+    }
+    assert!(run(&folder, &["man"]).contains(".SH SUBCOMMANDS"));
+}

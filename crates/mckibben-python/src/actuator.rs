@@ -360,7 +360,7 @@ impl Actuator {
     /// Returns the state there, the tension in N, and the tension's derivatives with the rates of the air.
     ///
     /// Raises `InputError` for what cannot be asked, for a state of another actuator, and for more than 10 000 000 parts and
-    /// edges of pulses; `StoppedError` where the step leaves the physics. Ctrl-C ends a step of many parts.
+    /// edges of pulses; `SimulationError` where the step leaves the physics. Ctrl-C ends a step of many parts.
     #[pyo3(signature = (state, length, velocity, command, dt, *, max_step = None))]
     #[expect(clippy::too_many_arguments, reason = "they are those of a step, each by its name")]
     fn step(

@@ -267,7 +267,7 @@ impl Actuators {
     /// `per_velocity` (N*s/m) and `pressure` (Pa, absolute). `velocity` in m/s is that of the ends at the end of the step.
     /// `max_step` in s divides the step as that of an `Actuator`.
     ///
-    /// Raises `InputError` for arrays and numbers that cannot be, before anything has changed, and `StoppedError` where an
+    /// Raises `InputError` for arrays and numbers that cannot be, before anything has changed, and `SimulationError` where an
     /// actuator leaves the physics: that one is then where it was and its entries are as they were, and the others have
     /// gone on. Ctrl-C ends a step of many parts; all actuators are then where they were.
     #[pyo3(signature = (dt, length, velocity, duty, tension, *, per_length = None, per_velocity = None, pressure = None,

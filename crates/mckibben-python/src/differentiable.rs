@@ -156,7 +156,7 @@ impl Differentiable {
     }
 
     /// The same with the derivatives by every number, of shape (len(at), len(of), len(by)).
-    fn with_slopes<'py>(&self, py: Python<'py>, values: Sequence) -> PyResult<(Numbers<'py>, Numbers<'py>)> {
+    fn value_and_jacobian<'py>(&self, py: Python<'py>, values: Sequence) -> PyResult<(Numbers<'py>, Numbers<'py>)> {
         self.checked(&values.0).raised()?;
         let both = heard(py, |watch| self.asked.with_slopes(&self.subject, &values.0, watch))?;
         let (read, slopes) = both.map_err(|error| self.failed(&error, py)).raised()?;
@@ -173,7 +173,7 @@ impl Differentiable {
     }
 
     /// The same as a function of a tensor for PyTorch, which differentiates it forwards and backwards: by
-    /// `torch.autograd.Function`, with the derivatives of `with_slopes`.
+    /// `torch.autograd.Function`, with the derivatives of `value_and_jacobian`.
     ///
     /// Tensors are of 64 bits and on the CPU: `dtype=torch.float64`.
     fn for_torch<'py>(this: &Bound<'py, Self>) -> PyResult<Function<'py>> {

@@ -16,7 +16,7 @@ use std::path::PathBuf;
 /// With `output`, a folder, the report, the scenarios and the numbers are written there as well. Where some runs of several
 /// fail, `warnings` say which and why.
 ///
-/// Raises `InputError` where the study, its data or its scenario is wrong, and `StoppedError` where no fit was found; the report
+/// Raises `InputError` where the study, its data or its scenario is wrong, and `SimulationError` where no fit was found; the report
 /// is written then too.
 #[pyfunction]
 #[pyo3(signature = (study, output = None))]
@@ -37,8 +37,8 @@ pub(crate) fn identify(py: Python<'_>, study: PathBuf, output: Option<PathBuf>) 
         name: of.name.clone(),
         unit: of.unit.to_owned(),
         value: of.value,
-        deviation: of.deviation,
-        interval: of.interval.map(|[low, high]| (low, high)),
+        standard_error: of.deviation,
+        confidence_interval: of.interval.map(|[low, high]| (low, high)),
         on_bound: of.on_bound,
     };
     let without_mark = |words: &String| words.strip_prefix(WARNED).unwrap_or(words).to_owned();
@@ -67,8 +67,8 @@ pub(crate) struct Estimate {
     name: String,
     unit: String,
     value: f64,
-    deviation: Option<f64>,
-    interval: Option<(f64, f64)>,
+    standard_error: Option<f64>,
+    confidence_interval: Option<(f64, f64)>,
     on_bound: bool,
 }
 
@@ -147,11 +147,11 @@ impl Estimate {
         name: String,
         unit: String,
         value: f64,
-        deviation: Option<f64>,
-        interval: Option<(f64, f64)>,
+        standard_error: Option<f64>,
+        confidence_interval: Option<(f64, f64)>,
         on_bound: bool,
     ) -> Self {
-        Self { name, unit, value, deviation, interval, on_bound }
+        Self { name, unit, value, standard_error, confidence_interval, on_bound }
     }
 
     /// The path of its key in a scenario, with the run behind it where each run has its own.
@@ -172,16 +172,16 @@ impl Estimate {
         self.value
     }
 
-    /// Its standard deviation; `None` where the data do not tell it or it rests on a bound.
+    /// Its standard error; `None` where the data do not identify it or it rests on a bound.
     #[getter]
-    fn deviation(&self) -> Option<f64> {
-        self.deviation
+    fn standard_error(&self) -> Option<f64> {
+        self.standard_error
     }
 
-    /// Its 95 % interval, likewise.
+    /// Its 95 % confidence interval, likewise.
     #[getter]
-    fn interval(&self) -> Option<(f64, f64)> {
-        self.interval
+    fn confidence_interval(&self) -> Option<(f64, f64)> {
+        self.confidence_interval
     }
 
     /// Whether it rests on one of its bounds.
@@ -196,11 +196,12 @@ impl Estimate {
     }
 
     fn __repr__(&self) -> String {
-        let interval = self.interval.map(|(low, high)| format!(", {low:?} to {high:?}")).unwrap_or_default();
-        format!("<mckibben.Estimate {} = {:?} {}{interval}>", self.name, self.value, self.unit)
+        let confidence_interval =
+            self.confidence_interval.map(|(low, high)| format!(", {low:?} to {high:?}")).unwrap_or_default();
+        format!("<mckibben.Estimate {} = {:?} {}{confidence_interval}>", self.name, self.value, self.unit)
     }
 
     fn __getnewargs__(&self) -> Made<'_> {
-        (&self.name, &self.unit, self.value, self.deviation, self.interval, self.on_bound)
+        (&self.name, &self.unit, self.value, self.standard_error, self.confidence_interval, self.on_bound)
     }
 }

@@ -7,7 +7,7 @@ use pyo3::PyErr;
 mod classes {
     pyo3::import_exception!(mckibben.errors, InputError);
     pyo3::import_exception!(mckibben.errors, OutputError);
-    pyo3::import_exception!(mckibben.errors, StoppedError);
+    pyo3::import_exception!(mckibben.errors, SimulationError);
 }
 
 /// What failed is raised in Python.
@@ -27,7 +27,7 @@ pub(crate) fn exception(failure: &Failure) -> PyErr {
     let words = failure.render(Style::Plain);
     match failure.reason() {
         Reason::Input => classes::InputError::new_err(words),
-        Reason::Stopped => classes::StoppedError::new_err(words),
+        Reason::Stopped => classes::SimulationError::new_err(words),
         Reason::Output => classes::OutputError::new_err(words),
     }
 }

@@ -25,7 +25,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// Runs a scenario, of whatever kind: what `mckibben simulate` does, to the last bit.
 ///
 /// Other threads of Python go on meanwhile, and Ctrl-C ends it. Raises `InputError` where the model finds a contradiction, and
-/// `StoppedError` where the simulation cannot go on.
+/// `SimulationError` where the simulation cannot go on.
 #[pyfunction]
 pub(crate) fn simulate(py: Python<'_>, scenario: &Bound<'_, Scenario>) -> PyResult<Trajectory> {
     let of = scenario.get();

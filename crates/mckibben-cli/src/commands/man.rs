@@ -40,7 +40,8 @@ pub fn run(arguments: &ManArguments) -> Result<(), Failure> {
         },
     };
     let mut text = Vec::new();
-    let made = Man::new(page).render(&mut text);
+    let source = concat!("mckibben ", env!("CARGO_PKG_VERSION"));
+    let made = Man::new(page).source(source).render(&mut text);
     made.map_err(|error| Failure::output(Path::new("standard output"), error))?;
     terminal::print(&String::from_utf8_lossy(&text))
 }
