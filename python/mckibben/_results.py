@@ -107,10 +107,10 @@ class Modes(list[Mode]):
 def modes(model: LinearModel) -> Modes:
     """The modes of a linear model; of a pair of conjugate poles the one above the real axis."""
 
-    def mode(pole: complex) -> Mode:
-        size = abs(pole)
-        return Mode(
-            pole, size, -pole.real / size if size else math.nan, -1 / pole.real if pole.real else math.inf
-        )
+    def mode(pole: dict[str, typing.Any]) -> Mode:
+        known = [pole["natural_frequency_rad_s"], pole["damping_ratio"], pole["time_constant_s"]]
+        frequency, damping, time = (other if one is None else one for one, other in zip(known, [0.0, math.nan, math.inf]))
+        return Mode(complex(pole["real_1_s"], pole["imaginary_rad_s"]), frequency, damping, time)
 
-    return Modes(sorted((mode(complex(p)) for p in model.poles if p.imag >= 0), key=lambda one: one.natural_frequency))
+    poles = [pole for pole in model.details["poles"] if pole["imaginary_rad_s"] >= 0]
+    return Modes(sorted(map(mode, poles), key=lambda one: one.natural_frequency))

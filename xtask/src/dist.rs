@@ -52,7 +52,7 @@ fn all(root: &Path) -> Result<PathBuf, String> {
     stands_alone(root, &folder)?;
     python::installs(root, &folder)?;
     println!("{name} runs, and so does the wheel without Cargo");
-    checksums(root, &folder)?;
+    checksums(&python, &folder)?;
     // Each crate, compiled from what its package holds and from nothing else.
     succeed(&mut packages(root))?;
     Ok(folder)
@@ -132,11 +132,10 @@ fn stands_alone(root: &Path, folder: &Path) -> Result<(), String> {
     succeed(check.env("CARGO_TARGET_DIR", python::target_folder(root)))
 }
 
-fn checksums(root: &Path, folder: &Path) -> Result<(), String> {
+fn checksums(python: &Path, folder: &Path) -> Result<(), String> {
     let sums = "import hashlib, pathlib, sys\n\
                 for path in sorted(pathlib.Path(sys.argv[1]).iterdir()):\n    \
                 print(hashlib.sha256(path.read_bytes()).hexdigest(), '', path.name)";
-    let python = python::environment(root, "python/tests/requirements.txt")?;
     let sums = output(Command::new(python).args(["-c", sums]).arg(folder))?;
     print!("{sums}");
     write(&folder.join("SHA256SUMS"), &sums)

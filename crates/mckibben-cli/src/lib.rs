@@ -35,7 +35,7 @@ use std::sync::Arc;
 pub fn run() -> ExitCode {
     let arguments = arguments::Arguments::parse();
     interrupt::listen();
-    match work::told_to(Arc::new(progress::Bars), || commands::run(&arguments.command)) {
+    match work::with_listener(Arc::new(progress::Bars), || commands::run(&arguments.command)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             let failure = match interrupt::stays(temporary::finished()) {

@@ -1,6 +1,7 @@
 //! A run as a function of numbers of its scenario, with exact derivatives: the class `Differentiable`.
 
 use crate::arguments;
+use crate::python;
 use crate::raised::Raised;
 use crate::scenario::Scenario;
 use crate::signals::heard;
@@ -169,7 +170,7 @@ impl Differentiable {
     ///
     /// JAX must count in 64 bits: `jax.config.update("jax_enable_x64", True)`.
     fn for_jax<'py>(this: &Bound<'py, Self>) -> PyResult<Function<'py>> {
-        this.py().import("mckibben._beside")?.call_method1("for_jax", (this,)).map(Function)
+        python::call(this.py(), ("_beside", "for_jax"), (this,)).map(Function)
     }
 
     /// The same as a function of a tensor for PyTorch, which differentiates it forwards and backwards: by
@@ -177,7 +178,7 @@ impl Differentiable {
     ///
     /// Tensors are of 64 bits and on the CPU: `dtype=torch.float64`.
     fn for_torch<'py>(this: &Bound<'py, Self>) -> PyResult<Function<'py>> {
-        this.py().import("mckibben._beside")?.call_method1("for_torch", (this,)).map(Function)
+        python::call(this.py(), ("_beside", "for_torch"), (this,)).map(Function)
     }
 
     fn __repr__(&self) -> String {

@@ -15,6 +15,7 @@
 //! | `differentiable` | runs as functions with exact derivatives: `Differentiable` |
 //! | `sweep` | a sweep by its parts: `Sweep` |
 //! | `pool` | the threads of this process, and of one that was forked |
+//! | `python` | functions of the package that are written in Python |
 //! | `columns` | columns of numbers and words as NumPy arrays |
 //! | `typed` | objects with the types that the stubs give them |
 //! | `values` | dictionaries of Python to TOML and back |
@@ -38,6 +39,7 @@ mod parameters;
 mod plants;
 mod pool;
 mod pulses;
+mod python;
 mod raised;
 mod scenario;
 mod signals;

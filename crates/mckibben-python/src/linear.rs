@@ -1,5 +1,6 @@
 //! `linearize`, and the class `LinearModel`.
 
+use crate::python;
 use crate::raised::Raised;
 use crate::scenario::Scenario;
 use crate::typed::{Axes, Complex, Figure, Items, Matrix, Modes, Object, Parts, Point, Quantity, Sections, Sequence};
@@ -62,15 +63,6 @@ pub(crate) fn linearize(
         PyErr::warn(py, &py.get_type::<PyUserWarning>(), &CString::new(warning.as_str())?, 1)?;
     }
     Ok(model)
-}
-
-/// What Python does with a model by a function of `mckibben._linear`.
-fn linear<'py>(
-    model: &Bound<'py, LinearModel>,
-    name: &str,
-    arguments: impl pyo3::call::PyCallArgs<'py>,
-) -> PyResult<Bound<'py, PyAny>> {
-    model.py().import("mckibben._linear")?.call_method1(name, arguments)
 }
 
 /// A linear model `dx/dt = A x + B u`, `y = C x + D u`, of differences from an operating point.
@@ -218,12 +210,12 @@ impl LinearModel {
 
     /// The model as a system of python-control, its signals with their names.
     fn to_control<'py>(model: &Bound<'py, Self>) -> PyResult<Object<'py>> {
-        linear(model, "to_control", (model,)).map(Object)
+        python::call(model.py(), ("_linear", "to_control"), (model,)).map(Object)
     }
 
     /// The complex response of each output to each input at angular frequencies in rad/s: `[frequency, output, input]`.
     fn response<'py>(model: &Bound<'py, Self>, omega: Sequence) -> PyResult<Complex<'py>> {
-        linear(model, "response", (model, omega.0)).map(Complex)
+        python::call(model.py(), ("_linear", "response"), (model, omega.0)).map(Complex)
     }
 
     /// Magnitude and phase of outputs over one input, as a figure of Matplotlib, or into two axes.
@@ -236,13 +228,13 @@ impl LinearModel {
         outputs: Option<Items<String>>,
         ax: Option<Axes<'py>>,
     ) -> PyResult<Figure<'py>> {
-        linear(model, "bode", (model, input, outputs.map(|of| of.0), ax.map(|ax| ax.0))).map(Figure)
+        python::call(model.py(), ("_linear", "bode"), (model, input, outputs.map(|of| of.0), ax.map(|ax| ax.0)))
+            .map(Figure)
     }
 
     /// The poles as modes with natural frequency, damping ratio and time constant, the slowest first; `print` shows a table.
     fn damp<'py>(model: &Bound<'py, Self>) -> PyResult<Modes<'py>> {
-        let results = model.py().import("mckibben._results")?;
-        results.call_method1("modes", (model,)).map(Modes)
+        python::call(model.py(), ("_results", "modes"), (model,)).map(Modes)
     }
 
     /// The model as `mckibben linearize --output model.json` writes it, with controllability and how far it holds.

@@ -2,6 +2,7 @@
 
 use crate::arguments;
 use crate::columns::{array, dictionary};
+use crate::python;
 use crate::raised::Raised;
 use crate::scenario::Scenario;
 use crate::signals::Watch;
@@ -187,11 +188,6 @@ impl Trajectory {
 /// What a run came to: numbers with names and units, counts of events, assumed values by their keys.
 type Figured = (Vec<(String, f64, &'static str)>, Vec<(&'static str, u64)>, Vec<(String, String)>);
 
-/// What Python does with a run by a function of `mckibben._beside`.
-fn beside<'py>(run: &Bound<'py, Trajectory>, name: &str) -> PyResult<Bound<'py, PyAny>> {
-    run.py().import("mckibben._beside")?.call_method1(name, (run,))
-}
-
 #[pymethods]
 impl Trajectory {
     /// A run as it was pickled; what only the engine knows is simulated anew when it is asked for.
@@ -366,18 +362,18 @@ impl Trajectory {
 
     /// The columns as a data frame of pandas.
     fn to_pandas<'py>(run: &Bound<'py, Self>) -> PyResult<Pandas<'py>> {
-        beside(run, "to_pandas").map(Pandas)
+        python::call(run.py(), ("_beside", "to_pandas"), (run,)).map(Pandas)
     }
 
     /// The columns as a data frame of Polars.
     fn to_polars<'py>(run: &Bound<'py, Self>) -> PyResult<Polars<'py>> {
-        beside(run, "to_polars").map(Polars)
+        python::call(run.py(), ("_beside", "to_polars"), (run,)).map(Polars)
     }
 
     /// What the run came to: extremes, ripple, air used, energy and exergy, the step that was chosen and its error, events, assumed
     /// values.
     fn summary<'py>(run: &Bound<'py, Self>) -> PyResult<Summary<'py>> {
-        run.py().import("mckibben._results")?.call_method1("summary", (run,)).map(Summary)
+        python::call(run.py(), ("_results", "summary"), (run,)).map(Summary)
     }
 
     /// Numbers with their names and units, counts of events, and assumed values.
@@ -391,7 +387,7 @@ impl Trajectory {
 
     /// The log of events as a data frame of pandas: `time_s`, `event`, and what holds from then on.
     fn events_to_pandas<'py>(run: &Bound<'py, Self>) -> PyResult<Pandas<'py>> {
-        run.py().import("mckibben._results")?.call_method1("events_to_pandas", (run,)).map(Pandas)
+        python::call(run.py(), ("_results", "events_to_pandas"), (run,)).map(Pandas)
     }
 
     /// Columns over time as a figure of Matplotlib, a panel for each, or into as many axes.
@@ -404,7 +400,7 @@ impl Trajectory {
         ax: Option<Axes<'py>>,
     ) -> PyResult<Figure<'py>> {
         let arguments = (run, columns.map(|of| of.0), ax.map(|ax| ax.0));
-        run.py().import("mckibben._beside")?.call_method1("plot", arguments).map(Figure)
+        python::call(run.py(), ("_beside", "plot"), arguments).map(Figure)
     }
 
     /// Writes the columns as Parquet: the file of `mckibben simulate --output`, byte by byte.

@@ -1,6 +1,6 @@
 //! Work that takes a while tells how far it is, to whoever listens.
 //!
-//! Nobody does unless a host says so, for the calls that it makes within [`told_to`]: the program draws bars, Python calls
+//! Nobody does unless a host says so, for the calls that it makes within [`with_listener`]: the program draws bars, Python calls
 //! back. What is told changes no result.
 
 use std::cell::RefCell;
@@ -37,8 +37,8 @@ thread_local! {
     static LISTENER: RefCell<Option<Arc<dyn Listener>>> = const { RefCell::new(None) };
 }
 
-/// Does work that is told to a listener; to the one before where the work is done.
-pub fn told_to<T>(listener: Arc<dyn Listener>, work: impl FnOnce() -> T) -> T {
+/// Does work that reports to a listener; after it, the one before is back.
+pub fn with_listener<T>(listener: Arc<dyn Listener>, work: impl FnOnce() -> T) -> T {
     /// Puts the listener back, also where the work ends by a panic.
     struct Before(Option<Arc<dyn Listener>>);
     impl Drop for Before {
@@ -117,8 +117,8 @@ mod tests {
     #[test]
     fn who_listens_hears_its_own_calls_and_no_others() {
         let (outer, inner) = (Heard::default(), Heard::default());
-        told_to(Arc::new(outer.clone()), || {
-            told_to(Arc::new(inner.clone()), || Progress::begin("fitting", None).at(1));
+        with_listener(Arc::new(outer.clone()), || {
+            with_listener(Arc::new(inner.clone()), || Progress::begin("fitting", None).at(1));
             let progress = Progress::counted("runs", 2);
             std::thread::scope(|scope| scope.spawn(|| progress.at(2)).join()).unwrap();
         });

@@ -173,17 +173,9 @@ impl JointModel {
 
 /// Refuses what is asked of one actuator alone.
 fn refuse(request: &Request) -> Result<(), Failure> {
-    let of_one = [
-        ("pressure", request.pressure.is_some()),
-        ("length", request.length.is_some()),
-        ("load", request.load.is_some()),
-        ("duty", request.duty.is_some()),
-        ("pwm", request.pwm),
-        ("amplitude", request.amplitude.is_some()),
-    ];
-    match of_one.into_iter().find(|(_, given)| *given) {
+    match request.first_beyond(&["angle"]) {
         None => Ok(()),
-        Some((name, _)) => Err(Failure::input(
+        Some(name) => Err(Failure::input(
             format!("a joint has two actuators, and `{name}` names no one of them"),
             "give `angle` with `stiffness`, or set initial.gauge_pressure and command.duty in the scenario, and the same of \
              the antagonist",

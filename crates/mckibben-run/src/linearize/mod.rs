@@ -92,6 +92,20 @@ struct Model {
 }
 
 impl Request {
+    /// The first field that is given and has no meaning where only some are allowed.
+    fn first_beyond(&self, allowed: &[&str]) -> Option<&'static str> {
+        let fields = [
+            ("pressure", self.pressure.is_some()),
+            ("length", self.length.is_some()),
+            ("load", self.load.is_some()),
+            ("duty", self.duty.is_some()),
+            ("pwm", self.pwm),
+            ("angle", self.angle.is_some()),
+            ("amplitude", self.amplitude.is_some()),
+        ];
+        fields.into_iter().find(|(name, given)| *given && !allowed.contains(name)).map(|(name, _)| name)
+    }
+
     /// That what belongs together is given together.
     fn check(&self) -> Result<(), Failure> {
         let refused = |title: &str, help: &str| Err(Failure::input(title, help));
@@ -115,7 +129,7 @@ impl Request {
 impl Model {
     fn new(name: &str, linear: Linearization, request: &Request, assumed: Vec<Assumed>) -> Result<Self, Failure> {
         let oscillation = match request.amplitude {
-            Some(amplitude) => Some((amplitude, oscillation(&linear)?)),
+            Some(amplitude) => Some((amplitude, oscillation(&linear.minimal().poles()?)?)),
             None => None,
         };
         let linear = match oscillation {
@@ -129,14 +143,13 @@ impl Model {
     }
 }
 
-/// The angular frequency in rad/s at which the model swings.
-fn oscillation(linear: &Linearization) -> Result<f64, Failure> {
-    let poles = linear.minimal().poles()?;
-    let slowest = poles.iter().filter(|pole| pole.imaginary > 0.0).min_by(|a, b| {
+/// The angular frequency in rad/s at which a model of these poles swings with the least damping.
+fn oscillation(poles: &[Pole]) -> Result<f64, Failure> {
+    let least_damped = poles.iter().filter(|pole| pole.imaginary > 0.0).min_by(|a, b| {
         let damping = |pole: &Pole| pole.damping_ratio().unwrap_or(1.0);
         damping(a).total_cmp(&damping(b))
     });
-    slowest.map(|pole| pole.imaginary).ok_or_else(|| {
+    least_damped.map(|pole| pole.imaginary).ok_or_else(|| {
         Failure::input("the model does not swing, so no oscillation has an amplitude", "leave `amplitude` out")
     })
 }

@@ -7,7 +7,7 @@
 //! | else, and with controllers | held shut | the balance at the initial gauge pressures |
 
 use super::account::{self, Account, Block, Line};
-use super::{Request, export};
+use super::{Request, export, oscillation};
 use crate::failure::Failure;
 use crate::quantities::{percent, quantity};
 use mckibben::linearize::{Controllability, Pole, Signal, StateSpace};
@@ -55,14 +55,7 @@ impl PlantModel {
         let air = request.temperature.map_or(PlantAir::Start, |kelvin| PlantAir::Temperatures(vec![kelvin; count]));
         let mut linear = linearize_plant(&of.plant, &of.start, &balance, &air)?;
         if let Some(amplitude) = request.amplitude {
-            let poles = linear.minimal().poles()?;
-            let swings = poles.iter().filter(|pole| pole.imaginary > 0.0);
-            let damping = |pole: &&Pole| pole.damping_ratio().unwrap_or(1.0);
-            let least = swings.min_by(|a, b| damping(a).total_cmp(&damping(b)));
-            let frequency = least.map(|pole| pole.imaginary).ok_or_else(|| {
-                let title = "the model does not swing, so no oscillation has an amplitude";
-                Failure::input(title, "leave `amplitude` out")
-            })?;
+            let frequency = oscillation(&linear.minimal().poles()?)?;
             linear = linear.with_equivalent_damping(&vec![amplitude; count], frequency)?;
         }
         let system = if request.all_states { linear.system.clone() } else { linear.minimal() };
@@ -197,16 +190,9 @@ impl PlantModel {
 
 /// Refuses what is asked of one actuator or of one joint alone.
 fn refuse(request: &Request) -> Result<(), Failure> {
-    let of_one = [
-        ("pressure", request.pressure.is_some()),
-        ("length", request.length.is_some()),
-        ("load", request.load.is_some()),
-        ("duty", request.duty.is_some()),
-        ("angle", request.angle.is_some()),
-    ];
-    match of_one.into_iter().find(|(_, given)| *given) {
+    match request.first_beyond(&["pwm", "amplitude"]) {
         None => Ok(()),
-        Some((name, _)) => Err(Failure::input(
+        Some(name) => Err(Failure::input(
             format!("the scenario has actuators with names, and `{name}` names no one of them"),
             "set values of the scenario by their paths, such as actuators.flexor.initial.gauge_pressure",
         )),
