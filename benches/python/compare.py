@@ -87,7 +87,7 @@ def one_run(of: work.Work, tolerance: float, rounds: int) -> None:
 
     def simulate() -> np.ndarray:
         run = mckibben.simulate(ours)
-        return np.array([run.length, run.pressure])
+        return np.array([run.length, run.absolute_pressure])
 
     classical, adaptive, compiled, _ = peers.numba_peers(of)
     everybody = {
@@ -148,7 +148,7 @@ def many_runs(of: work.Work, rows: int, tolerance: float, rounds: int) -> None:
     with concurrent.futures.ProcessPoolExecutor(CORES, multiprocessing.get_context("spawn")) as pool:
         truth = np.array(list(pool.map(truth_of, masses[checked])))
     ranges = np.ptp(of.truth, axis=1)
-    scenario = mckibben.Scenario.load(work.FILE).with_values({"sweep.reductions": ["length.final", "pressure.final"]})
+    scenario = mckibben.Scenario.load(work.FILE).with_values({"sweep.reductions": ["length.final", "absolute_pressure.final"]})
 
     def error_of(ends: np.ndarray) -> float:
         return float(np.max(np.abs(ends - truth) / ranges))
@@ -160,7 +160,7 @@ def many_runs(of: work.Work, rows: int, tolerance: float, rounds: int) -> None:
         values["sweep.part_rows"] = max(len(chosen) // (8 * CORES), 1)
         with tempfile.TemporaryDirectory() as folder:
             frame = mckibben.sweep(scenario.with_values(values), pathlib.Path(folder)).to_polars()
-        return frame.select("length_final_m", "pressure_final_pa").to_numpy()
+        return frame.select("length_final_m", "absolute_pressure_final_pa").to_numpy()
 
     *_, of_many = peers.numba_peers(of)
     solve = jax.jit(jax.vmap(peers.diffrax_solver(of, np.array([of.spans[-1][1]])), in_axes=(0, 0, None)))

@@ -5,7 +5,7 @@
 Needs the package as `pip install ".[learning]"` builds it. An action holds as long as it does by default: a duty cycle for a
 pulse of 40 ms, a request for 5 ms, another at each step. Printed are medians over the runs with the least and the greatest,
 how many seconds of its plants' time that is in a second, what one core spends on a step, and which share of that is the
-engine's, `Plants.step` alone on actions drawn in the same way. Runs of all environments alternate, so that a change of the
+engine's, `VectorPlant.step` alone on actions drawn in the same way. Runs of all environments alternate, so that a change of the
 machine's load meets all; the load is printed at the end. Episodes end and begin again meanwhile. It asserts that the muscles
 do what they are for: those that are filled shorten. What error a run.step leaves is in docs/accuracy.md.
 """
@@ -38,7 +38,7 @@ class Bench:
         if step is not None:
             scenario = scenario.with_values({"run.step": step})
         self.name, self.count, self.asked, self.step = name, count, asked, str(scenario.to_dict()["run"]["step"])
-        self.many = gymnasium.make_vec(f"mckibben/{name}-v0", num_envs=count, scenario=scenario, asked=asked)
+        self.many = gymnasium.make_vec(f"mckibben/{name}-v0", num_envs=count, scenario=scenario, action_mode=asked)
         self.many.reset(seed=1)
         self.period = self.many.unwrapped.dt
         self.random = np.random.default_rng(2)
@@ -56,7 +56,7 @@ class Bench:
             self.many.step(self.actions[one])
             wall, core = wall + time.perf_counter() - before[0], core + time.process_time() - before[1]
             before_engine = time.process_time()
-            episodes.plants.step(self.period, self.commands[another], episodes.shown, episodes.stopped)
+            episodes.plants.step(self.period, self.commands[another], episodes.observations, episodes.stopped)
             engine += time.process_time() - before_engine
             steps += self.count
         return Rate(steps / wall, core / steps, engine / core)
@@ -64,11 +64,11 @@ class Bench:
 
 def shortens() -> None:
     """Muscles that are filled lift their mass, and those that are let go lower it."""
-    many = gymnasium.make_vec("mckibben/HangingMass-v0", num_envs=2, asked="request")
+    many = gymnasium.make_vec("mckibben/HangingMass-v0", num_envs=2, action_mode="request")
     many.reset(seed=0)
     for _ in range(100):
         many.step(np.array([1, 0]))
-    filled, let_go = many.unwrapped.shown[:, 0]
+    filled, let_go = many.unwrapped.observations[:, 0]
     assert filled < 0.075 < 0.09 < let_go, (filled, let_go)
 
 

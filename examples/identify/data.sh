@@ -24,7 +24,7 @@ measured() {
     awk -F, -v state="$2" 'function uniform() { state = state * 16807 % 2147483647; return state / 2147483647 }
         NR == 1 { for (k = 1; k <= NF; k++) at[$k] = k; print "t,P"; next }
         { noise = -6; for (k = 0; k < 12; k++) noise += uniform()
-          printf "%s,%.1f\n", $at["time_s"], $at["pressure_pa"] / 1000 + 0.3 * noise }' run.csv > "$1"
+          printf "%s,%.1f\n", $at["time_s"], $at["absolute_pressure_pa"] / 1000 + 0.3 * noise }' run.csv > "$1"
 }
 
 # A bottle of 0.5 L, of which the muscle at 90 mm has 4.5 cm³, from 7 bar.
@@ -47,7 +47,7 @@ awk -F, -v state=7 'function noise() { sum = -6
             return sum }
         NR == 1 { for (k = 1; k <= NF; k++) at[$k] = k; print "t,angle,P1,P2"; next }
         { printf "%s,%.2f,%.1f,%.1f\n", $at["time_s"], $at["angle_rad"] * 57.29577951 + 0.1 * noise(),
-            $at["pressure_pa"] / 1000 + 0.3 * noise(), $at["antagonist_pressure_pa"] / 1000 + 0.3 * noise() }' run.csv > joint.csv
+            $at["absolute_pressure_pa"] / 1000 + 0.3 * noise(), $at["antagonist_absolute_pressure_pa"] / 1000 + 0.3 * noise() }' run.csv > joint.csv
 
 # An arm of six muscles, likewise: three angles, and the gauge pressures of the biceps and of the tank.
 mckibben simulate ../plant/arm.toml --set 'mechanism.joints.shoulder.inertia="6e-3kg*m^2"' \
@@ -60,6 +60,6 @@ awk -F, -v state=11 'function noise() { sum = -6
         { printf "%s", $at["time_s"]
           for (k = split("shoulder elbow wrist", of, " "); k > 0; k--) angle[k] = $at[of[k] ".angle_rad"] * 57.29577951 + 0.1 * noise()
           printf ",%.2f,%.2f,%.2f", angle[1], angle[2], angle[3]
-          printf ",%.1f", $at["biceps.pressure_pa"] / 1000 - 101.325 + 0.3 * noise()
-          printf ",%.1f\n", $at["tank.pressure_pa"] / 1000 - 101.325 + 0.3 * noise() }' run.csv > arm.csv
+          printf ",%.1f", $at["biceps.absolute_pressure_pa"] / 1000 - 101.325 + 0.3 * noise()
+          printf ",%.1f\n", $at["tank.absolute_pressure_pa"] / 1000 - 101.325 + 0.3 * noise() }' run.csv > arm.csv
 rm run.csv

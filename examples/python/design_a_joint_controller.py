@@ -86,7 +86,7 @@ def run_loop(decide: Decide, duration: float, gauge_pressure: float, step: float
     rows = []
     for count in range(round(duration / step)):
         if count % round(PERIOD / step) == 0:
-            decided = decide(count * step, angle, (first.pressure - second.pressure) / BAR)
+            decided = decide(count * step, angle, (first.absolute_pressure - second.absolute_pressure) / BAR)
             asked, coming = coming if count else decided, decided
         torque = RADIUS * (pull - counter_pull) - GRAVITY_TORQUE * math.sin(angle) - limb["damping"] * rate
         rate += torque / INERTIA * step
@@ -94,7 +94,7 @@ def run_loop(decide: Decide, duration: float, gauge_pressure: float, step: float
         duties = (min(max(DUTY + sign * asked, 0.0), 1.0) for sign in (1, -1))
         first, pull, _ = agonist.step(first, REST - RADIUS * angle, -RADIUS * rate, next(duties), step)
         second, counter_pull, _ = antagonist.step(second, REST + RADIUS * angle, RADIUS * rate, next(duties), step)
-        rows.append(((count + 1) * step, angle, first.pressure, second.pressure, asked))
+        rows.append(((count + 1) * step, angle, first.absolute_pressure, second.absolute_pressure, asked))
     return dict(zip(("time", "angle", "pressure", "counter_pressure", "asked"), np.array(rows).T))
 
 

@@ -30,7 +30,7 @@ drawing = mckibben.Scenario.load(DRAWING)
 def measured_at(scenario: mckibben.Scenario) -> np.ndarray:
     """What the sensors would show: the angle in degrees and both pressures in kPa at the times of the readings."""
     values = mckibben.simulate(scenario).at_times(time)
-    columns = values["angle_rad"], values["pressure_pa"], values["antagonist_pressure_pa"]
+    columns = values["angle_rad"], values["absolute_pressure_pa"], values["antagonist_absolute_pressure_pa"]
     return np.array([np.degrees(columns[0]), 1e-3 * columns[1], 1e-3 * columns[2]])
 
 

@@ -22,11 +22,11 @@ PERIOD, STEPS = 0.005, 160
 EXHAUST, HOLD, FILL = 0, 1, 2
 OPTIONS = {
     "scenario": mckibben.learning.hanging_mass().scenario.with_values({"valve.kind": "fill-hold-exhaust"}),
-    "asked": "request",
+    "action_mode": "request",
     "control_period": PERIOD,
     "duration": STEPS * PERIOD,
     "autoreset_mode": "disabled",
-    "noise": {"length_m": 1e-4, "velocity_m_s": 5e-3, "pressure_pa": 1e3},
+    "noise": {"length_m": 1e-4, "velocity_m_s": 5e-3, "absolute_pressure_pa": 1e3},
     "randomize": {"load.mass": (2.0, 3.0)},
 }
 
@@ -102,12 +102,12 @@ many = gymnasium.make_vec("mckibben/HangingMass-v0", num_envs=256, **OPTIONS)
 def course_of(control) -> tuple[np.ndarray, np.ndarray, float]:
     """Lengths and targets in m over time, and the mean reward, under what `control` answers to observations."""
     observed, _ = many.reset(seed=12345)
-    lengths, total = [many.unwrapped.shown[:, 0].copy()], 0.0
+    lengths, total = [many.unwrapped.observations[:, 0].copy()], 0.0
     low, high = 0.070, 0.090
     targets = low + (high - low) * observed[:, 3].astype(float)
     for _ in range(STEPS):
         observed, rewards, *_ = many.step(control(observed))
-        lengths.append(many.unwrapped.shown[:, 0].copy())
+        lengths.append(many.unwrapped.observations[:, 0].copy())
         total += rewards.mean() / STEPS
     return np.array(lengths), targets, total
 

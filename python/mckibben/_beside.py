@@ -39,7 +39,7 @@ def to_polars(run: Trajectory) -> polars.DataFrame:
 _PANELS = (
     ("angle (deg)", 180 / math.pi, {"angle_rad": ""}),
     ("length (mm)", 1e3, {"length_m": ""}),
-    ("absolute pressure (bar)", 1e-5, {"pressure_pa": "agonist", "antagonist_pressure_pa": "antagonist"}),
+    ("absolute pressure (bar)", 1e-5, {"absolute_pressure_pa": "agonist", "antagonist_absolute_pressure_pa": "antagonist"}),
     ("tension (N)", 1.0, {"tension_n": "agonist", "antagonist_tension_n": "antagonist"}),
 )
 
@@ -121,9 +121,9 @@ def for_jax(run: Differentiable) -> collections.abc.Callable[..., typing.Any]:
 
     if not jax.config.jax_enable_x64:
         raise InputError('JAX counts in 32 bits here: call jax.config.update("jax_enable_x64", True) first')
-    shape = (len(run.at), len(run.of))
+    shape = (len(run.times), len(run.quantities))
     value = jax.ShapeDtypeStruct(shape, numpy.float64)
-    slopes = jax.ShapeDtypeStruct((*shape, len(run.by)), numpy.float64)
+    slopes = jax.ShapeDtypeStruct((*shape, len(run.parameters)), numpy.float64)
     values_of, both_of = _over_batches(run), _over_batches(run.value_and_jacobian)
 
     def simulated(values: typing.Any) -> typing.Any:

@@ -53,8 +53,8 @@ def bode(
 
     name = model.inputs[0] if input is None else input
     column = place(name, model.inputs, "input")
-    shown = model.outputs[:2] if outputs is None else list(outputs)
-    rows = [place(output, model.outputs, "output") for output in shown]
+    chosen = model.outputs[:2] if outputs is None else list(outputs)
+    rows = [place(output, model.outputs, "output") for output in chosen]
     sizes = [abs(pole) for pole in model.poles if abs(pole) > 0] or [1.0]
     ends = math.log10(min(sizes)) - _BEYOND, math.log10(max(sizes)) + _BEYOND
     omega = numpy.logspace(*ends, int(_POINTS * (ends[1] - ends[0])))
@@ -66,7 +66,7 @@ def bode(
         if len(axes) != 2:
             raise InputError(f"`ax` has {len(axes)} axes; give two, for magnitude and phase")
         figure = axes[0].figure
-    for row, output in zip(rows, shown):
+    for row, output in zip(rows, chosen):
         answer = answers[:, row, column]
         label = f"{output} ({model.units[output]}/{model.units[name] or '1'})"
         axes[0].loglog(omega / math.tau, numpy.abs(answer), label=label)

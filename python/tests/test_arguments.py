@@ -104,10 +104,10 @@ def test_a_sequence_that_lies_about_its_length_counts_by_its_items(lying, swing,
     )
     assert made == honest != swing
     driven = mckibben.Scenario.load(examples / "paper/fig-12.toml")
-    plants = mckibben.Plants(driven, 2, by=lying("load.mass"), asked="request")
-    assert plants.by == ["load.mass"]
+    plants = mckibben.VectorPlant(driven, 2, parameters=lying("load.mass"), action_mode="request")
+    assert plants.parameters == ["load.mass"]
     of = mckibben.Differentiable(swing, lying("load.mass"), lying("length"), [0.1])
-    assert of.by == ["load.mass"] and of.of == ["length"]
+    assert of.parameters == ["load.mass"] and of.quantities == ["length"]
     assert mckibben.Scenario(swing.text, "swing", lying(("load.mass", '"6 lb"'))) == swing.with_values({"load.mass": "6 lb"})
     assert mckibben.Event(1.0, lying("event"), lying("stick")).kind == "stick"
 
@@ -124,14 +124,14 @@ def test_a_sequence_without_end_is_refused(swing):
 
 @pytest.mark.parametrize("count", [10**9, 10**12, 2**61, 2**63, 2**64 - 1])
 def test_more_than_memory_holds_is_refused_before_anything_is_made(count, scenario):
-    for made in [lambda: mckibben.Actuators(scenario, count), lambda: mckibben.Plants(scenario, count)]:
+    for made in [lambda: mckibben.Actuators(scenario, count), lambda: mckibben.VectorPlant(scenario, count)]:
         with pytest.raises(MemoryError, match=rf"^{count} (actuators|plants) need .* [TPE]B .*of memory.*count of \d+ at most"):
             made()
 
 
 @pytest.mark.parametrize("count", [-1, 2**64, -(10**30), 10**4000])
 def test_what_is_no_count_is_refused(count, scenario):
-    for made in [lambda: mckibben.Actuators(scenario, count), lambda: mckibben.Plants(scenario, count)]:
+    for made in [lambda: mckibben.Actuators(scenario, count), lambda: mckibben.VectorPlant(scenario, count)]:
         with pytest.raises(mckibben.InputError, match="count = "):
             made()
 
@@ -161,7 +161,7 @@ def test_a_number_that_is_none_is_refused_by_its_argument(wrong, scenario):
         with pytest.raises(mckibben.InputError, match="pulse_frequency = "):
             kind(scenario, wrong)
     with pytest.raises(mckibben.InputError, match="pulse_frequency = "):
-        mckibben.Plants(scenario, 2, pulse_frequency=wrong)
+        mckibben.VectorPlant(scenario, 2, pulse_frequency=wrong)
     with pytest.raises(mckibben.InputError, match="duty"):
         mckibben.linearize(scenario, duty=wrong)
 
@@ -193,15 +193,15 @@ def test_an_element_that_is_no_number_is_refused_by_its_place(name, count, wrong
 
 @pytest.mark.parametrize("wrong", NOT_FINITE)
 def test_plants_refuse_numbers_that_are_none_by_their_place(wrong, scenario):
-    plants = mckibben.Plants(scenario, 3, by=["load.mass", "initial.temperature"])
+    plants = mckibben.VectorPlant(scenario, 3, parameters=["load.mass", "initial.temperature"])
     shown, stopped, asked = numpy.zeros((3, len(plants.columns))), numpy.zeros(3, dtype=bool), numpy.full((3, 1), 0.5)
     asked[2, 0] = wrong
-    with pytest.raises(mckibben.InputError, match=r"asked\[2, 0\] = -?(NaN|inf)"):
+    with pytest.raises(mckibben.InputError, match=r"actions\[2, 0\] = -?(NaN|inf)"):
         plants.step(STEP, asked, shown, stopped)
     asked[2, 0] = 0.5
     with pytest.raises(mckibben.InputError, match="dt = "):
         plants.step(wrong, asked, shown, stopped)
-    values = numpy.tile(plants.given, (3, 1))
+    values = numpy.tile(plants.defaults, (3, 1))
     values[1, 1] = wrong
     with pytest.raises(mckibben.InputError, match=r"values\[1, 1\] = -?(NaN|inf)"):
         plants.start(values)
@@ -243,7 +243,7 @@ def test_a_step_without_end_is_refused_with_what_it_would_take(scenario):
     with pytest.raises(mckibben.InputError, match="parts"):
         mckibben.Actuators(scenario, 2).step(STEP, **arrays(2), max_step=1e-300)
     for frequency, dt in [(1e300, STEP), (25.0, 1e300)]:
-        plants = mckibben.Plants(scenario, 2, pulse_frequency=frequency)
+        plants = mckibben.VectorPlant(scenario, 2, pulse_frequency=frequency)
         shown, stopped = numpy.zeros((2, len(plants.columns))), numpy.zeros(2, dtype=bool)
         with pytest.raises(mckibben.InputError, match="steps and edges of pulses"):
             plants.step(dt, numpy.full((2, 1), 0.5), shown, stopped)
@@ -280,14 +280,14 @@ def test_arrays_that_share_memory_are_refused_by_name(scenario):
     for name, aliased in [("tension", "length"), ("tension", "velocity"), ("tension", "duty")]:
         with pytest.raises(mckibben.InputError, match=f"`{name}` shares memory with another argument"):
             many.step(STEP, **given | {name: given[aliased]})
-    with pytest.raises(mckibben.InputError, match="`pressure` shares memory"):
-        many.step(STEP, **given, pressure=given["tension"])
+    with pytest.raises(mckibben.InputError, match="`absolute_pressure` shares memory"):
+        many.step(STEP, **given, absolute_pressure=given["tension"])
     given["tension"].setflags(write=False)
     with pytest.raises(mckibben.InputError, match="`tension` cannot be written to"):
         many.step(STEP, **given)
-    plants = mckibben.Plants(scenario, 4, asked="duty")
+    plants = mckibben.VectorPlant(scenario, 4, action_mode="duty")
     shown, stopped = numpy.zeros((4, len(plants.columns))), numpy.zeros(4, dtype=bool)
-    with pytest.raises(mckibben.InputError, match="`shown` shares memory"):
+    with pytest.raises(mckibben.InputError, match="`observations` shares memory"):
         plants.step(STEP, shown[:, :1], shown, stopped)
 
 
@@ -303,11 +303,11 @@ def test_what_another_thread_is_stepping_is_refused(scenario):
     """A step of very many parts in one thread, while another asks for what it holds for as long as that takes."""
     many = mckibben.Actuators(scenario, 2)
     fine = scenario.with_values({"run.engine": "fixed-step", "run.step": "5 us"})
-    plants = mckibben.Plants(fine, 2)
+    plants = mckibben.VectorPlant(fine, 2)
     shown, stopped = numpy.zeros((2, len(plants.columns))), numpy.zeros(2, dtype=bool)
     for step, other, name in [
         (lambda: many.step(1.0, **arrays(2), max_step=5e-6), many.reset, "Actuators"),
-        (lambda: plants.step(1.0, numpy.full((2, 1), 0.5), shown, stopped), plants.start, "Plants"),
+        (lambda: plants.step(1.0, numpy.full((2, 1), 0.5), shown, stopped), plants.start, "VectorPlant"),
     ]:
         refused = []
         with concurrent.futures.ThreadPoolExecutor(1) as pool:
@@ -347,20 +347,20 @@ def refusals(scenario: mckibben.Scenario, examples: pathlib.Path) -> list[typing
     force = scenario.with_values({"load": {"kind": "constant-force", "mass": "1 kg", "force": "10 N"}})
     held = scenario.with_values({"load": {"kind": "isometric"}, "initial.length": "85 mm"})
     linearize, actuator = mckibben.linearize, mckibben.Actuator(scenario)
-    plants = mckibben.Plants(scenario, 2, by=["load.mass"])
+    plants = mckibben.VectorPlant(scenario, 2, parameters=["load.mass"])
     shown, stopped = numpy.zeros((2, len(plants.columns))), numpy.zeros(2, dtype=bool)
     of = mckibben.Differentiable(scenario, ["load.mass", "command.duty"], ["length"], [0.1])
     return [
-        lambda: linearize(scenario, pressure="60 mm"),
-        lambda: linearize(scenario, pressure="1 bar", duty=0.5),
+        lambda: linearize(scenario, gauge_pressure="60 mm"),
+        lambda: linearize(scenario, gauge_pressure="1 bar", duty=0.5),
         lambda: linearize(scenario, duty=0.5, pwm=True),
         lambda: linearize(scenario, angle="3 deg"),
         lambda: linearize(scenario, angle="3 deg", stiffness="1 N*m/rad"),
         lambda: linearize(held, amplitude="1 mm"),
-        lambda: linearize(scenario, pressure="1 bar", length="85 mm", load="2 kg"),
+        lambda: linearize(scenario, gauge_pressure="1 bar", length="85 mm", load="2 kg"),
         lambda: linearize(force, load="2 kg"),
         lambda: linearize(held, load="2 kg"),
-        lambda: linearize(joint, pressure="2 bar"),
+        lambda: linearize(joint, gauge_pressure="2 bar"),
         lambda: linearize(joint, amplitude="1 mm"),
         lambda: mckibben.curves(scenario, "-3 bar"),
         lambda: mckibben.curves(scenario, "3 mm"),
@@ -421,7 +421,7 @@ def test_a_run_is_a_collection_of_its_columns(swing, examples):
     run = mckibben.simulate(swing)
     assert list(run) == run.keys() == run.columns
     assert {name: id(column) for name, column in dict(run).items()} == {name: id(run[name]) for name in run.columns}
-    assert "length_m" in run and "hose_pressure_pa" not in run and 3 not in run
+    assert "length_m" in run and "hose_absolute_pressure_pa" not in run and 3 not in run
     assert len(run) == len(run.t)
     with pytest.raises(TypeError, match="columns have names.*length_m"):
         run[0]  # type: ignore[index]

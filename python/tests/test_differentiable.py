@@ -39,21 +39,21 @@ BY += ["actuator.friction.viscous", "actuator.external_volume", "valve.opening_d
 @pytest.fixture(scope="module")
 def pulsed() -> mckibben.Differentiable:
     scenario = mckibben.Scenario(PULSED, "pulsed.toml")
-    return mckibben.Differentiable(scenario, by=BY, of=["length", "gauge_pressure", "tension"], at=[0.053, 0.131, 0.2])
+    return mckibben.Differentiable(scenario, parameters=BY, quantities=["length", "gauge_pressure", "tension"], times=[0.053, 0.131, 0.2])
 
 
 def test_values_are_those_of_the_run(pulsed):
     run = mckibben.simulate(pulsed.scenario)
-    values = pulsed(pulsed.start)
+    values = pulsed(pulsed.defaults)
     assert values.shape == (3, 3) and pulsed.units == {"length": "m", "gauge_pressure": "Pa", "tension": "N"}
-    for time, (length, _, tension) in zip(pulsed.at, values):
+    for time, (length, _, tension) in zip(pulsed.times, values):
         at = run.at(time)
         numpy.testing.assert_allclose([length, tension], [at["length_m"], at["tension_n"]], rtol=1e-12)
 
 
 def test_derivatives_are_those_of_differences(pulsed):
     """No event lies at these times. The error of central differences is the square of the step and the run's own error over it."""
-    start = pulsed.start
+    start = pulsed.defaults
     values, slopes = pulsed.value_and_jacobian(start)
     numpy.testing.assert_array_equal(values, pulsed(start))
     assert slopes.shape == (3, 3, len(BY)), "more numbers than one pass takes"
@@ -68,24 +68,24 @@ def test_derivatives_are_those_of_differences(pulsed):
 
 def test_jax_differentiates_forwards_and_backwards(pulsed):
     function = pulsed.for_jax()
-    _, slopes = pulsed.value_and_jacobian(pulsed.start)
-    numpy.testing.assert_array_equal(jax.jit(function)(pulsed.start), pulsed(pulsed.start))
-    forwards = jax.jacfwd(function)(pulsed.start)
-    backwards = jax.jacrev(function)(pulsed.start)
+    _, slopes = pulsed.value_and_jacobian(pulsed.defaults)
+    numpy.testing.assert_array_equal(jax.jit(function)(pulsed.defaults), pulsed(pulsed.defaults))
+    forwards = jax.jacfwd(function)(pulsed.defaults)
+    backwards = jax.jacrev(function)(pulsed.defaults)
     numpy.testing.assert_allclose(forwards, slopes, rtol=1e-14)
     numpy.testing.assert_allclose(backwards, slopes, rtol=1e-14)
 
     def reduced(values):
         return (function(values)[:, 0] ** 2).sum()
 
-    expected = 2 * numpy.einsum("t,tp->p", pulsed(pulsed.start)[:, 0], slopes[:, 0])
-    numpy.testing.assert_allclose(jax.grad(reduced)(pulsed.start), expected, rtol=1e-13)
+    expected = 2 * numpy.einsum("t,tp->p", pulsed(pulsed.defaults)[:, 0], slopes[:, 0])
+    numpy.testing.assert_allclose(jax.grad(reduced)(pulsed.defaults), expected, rtol=1e-13)
 
 
 def test_runs_of_a_vmap_are_those_alone_and_have_their_derivatives(pulsed):
     function = pulsed.for_jax()
     shares = 1 + 0.001 * numpy.arange(6).reshape(2, 3, 1)
-    several = pulsed.start * shares
+    several = pulsed.defaults * shares
     found = jax.vmap(jax.vmap(function))(several)
     slopes = jax.vmap(jax.vmap(jax.jacrev(function)))(several)
     for row, column in numpy.ndindex(2, 3):
@@ -93,14 +93,14 @@ def test_runs_of_a_vmap_are_those_alone_and_have_their_derivatives(pulsed):
         numpy.testing.assert_array_equal(found[row, column], value)
         numpy.testing.assert_allclose(slopes[row, column], alone, rtol=1e-13)
     with pytest.raises(Exception, match="load.mass"):
-        jax.vmap(function)(numpy.array([pulsed.start, -pulsed.start]))
+        jax.vmap(function)(numpy.array([pulsed.defaults, -pulsed.defaults]))
 
 
 def test_a_joint_has_derivatives_by_both_actuators(examples):
     joint = mckibben.Scenario.load(examples / "antagonistic-joint.toml").with_values({"run.duration": "50 ms"})
     by = ["actuator.turns", "antagonist.actuator.turns", "load.inertia"]
     angle = mckibben.Differentiable(joint, by, ["angle"], [0.05])
-    _, slopes = angle.value_and_jacobian(angle.start)
+    _, slopes = angle.value_and_jacobian(angle.defaults)
     assert slopes.shape == (1, 1, 3) and slopes[0, 0, 0] * slopes[0, 0, 1] < 0, "they pull against each other"
 
 
@@ -117,9 +117,9 @@ def test_what_cannot_be_is_told(pulsed):
     with pytest.raises(mckibben.InputError, match="1 values were given for 9 numbers"):
         pulsed([1.0])
     with pytest.raises(mckibben.InputError, match="load.mass"):
-        pulsed([-1.0, *pulsed.start[1:]])
+        pulsed([-1.0, *pulsed.defaults[1:]])
 
 
 def test_it_can_be_pickled(pulsed):
     again = pickle.loads(pickle.dumps(pulsed))
-    numpy.testing.assert_array_equal(again(again.start), pulsed(pulsed.start))
+    numpy.testing.assert_array_equal(again(again.defaults), pulsed(pulsed.defaults))

@@ -11,7 +11,7 @@ from gymnasium.utils.env_checker import check_env
 
 import mckibben
 from mckibben import learning
-from mckibben._mckibben import Plants
+from mckibben._mckibben import VectorPlant
 
 IDS = ["mckibben/HangingMass-v0", "mckibben/Joint-v0", "mckibben/Leg-v0", "mckibben/Arm-v0"]
 SHORT = {"control_period": 0.04, "duration": 0.8}
@@ -21,7 +21,7 @@ SHORT = {"control_period": 0.04, "duration": 0.8}
 @pytest.mark.parametrize("asked", ["duty", "request"])
 @pytest.mark.parametrize("options", [{}, {"control_period": 1e-3, "duration": 0.02}])
 def test_gymnasiums_own_check_passes(name: str, asked: str, options: dict[str, float]) -> None:
-    environment = gymnasium.make(name, asked=asked, **options)
+    environment = gymnasium.make(name, action_mode=asked, **options)
     with warnings.catch_warnings():
         # That a box has no bounds is all that it may complain of.
         warnings.filterwarnings("error")
@@ -54,14 +54,14 @@ def test_a_plant_is_that_of_a_run() -> None:
     text += 'state = ["fill", "exhaust", "fill"]\n'
     scenario = mckibben.Scenario(text).with_values({"run.duration": "40 ms", "run.sample_interval": "1 ms"})
     run = mckibben.simulate(scenario)
-    options = {"asked": "request", "control_period": 1e-3, "scenario": scenario}
+    options = {"action_mode": "request", "control_period": 1e-3, "scenario": scenario}
     many = gymnasium.make_vec("mckibben/HangingMass-v0", num_envs=3, **options)
     many.reset(seed=0)
     for count in range(40):
         many.step(np.full(3, int(not 12 <= count < 20)))
-        shown = dict(zip(many.unwrapped.columns, many.unwrapped.shown.T, strict=True))
+        shown = dict(zip(many.unwrapped.columns, many.unwrapped.observations.T, strict=True))
         np.testing.assert_allclose(shown["length_m"], run.length[count + 1], rtol=1e-12)
-        np.testing.assert_allclose(shown["pressure_pa"], run.pressure[count + 1], rtol=1e-12)
+        np.testing.assert_allclose(shown["absolute_pressure_pa"], run.absolute_pressure[count + 1], rtol=1e-12)
 
 
 def lengths(many: Any, steps: int, duty: float = 0.5) -> np.ndarray:
@@ -70,7 +70,7 @@ def lengths(many: Any, steps: int, duty: float = 0.5) -> np.ndarray:
     shown = []
     for _ in range(steps):
         many.step(actions)
-        shown.append(many.unwrapped.shown[:, 0].copy())
+        shown.append(many.unwrapped.observations[:, 0].copy())
     return np.array(shown)
 
 
@@ -93,7 +93,7 @@ def test_the_same_seed_is_the_same_run_and_another_is_another() -> None:
 
 @pytest.mark.parametrize("name", IDS)
 def test_what_comes_out_of_a_pickle_is_the_same_environment(name: str) -> None:
-    alone = gymnasium.make(name, asked="request", noise={}, sensor_delay=0.08, **SHORT).unwrapped
+    alone = gymnasium.make(name, action_mode="request", noise={}, sensor_delay=0.08, **SHORT).unwrapped
     many = gymnasium.make_vec(name, num_envs=3, autoreset_mode="same-step", action_delay=0.04, **SHORT).unwrapped
     for environment in (alone, many):
         copied = pickle.loads(pickle.dumps(environment))
@@ -124,11 +124,11 @@ def test_noise_has_its_deviation_and_is_only_seen() -> None:
     observed, _ = many.reset(seed=2)
     low, high = many.unwrapped._episodes.task.targets["length_m"]
     seen = low + (high - low) * observed[:, 0].astype(float)
-    error = seen - many.unwrapped.shown[:, 0]
+    error = seen - many.unwrapped.observations[:, 0]
     # Four deviations of what 4000 draws leave of a mean and of a deviation.
     assert abs(error.mean()) < 4 * 2e-4 / np.sqrt(4000)
     assert abs(error.std() / 2e-4 - 1.0) < 4 / np.sqrt(8000)
-    assert len(set(many.unwrapped.shown[:, 0])) == 1
+    assert len(set(many.unwrapped.observations[:, 0])) == 1
 
 
 def test_what_is_seen_is_as_old_and_what_is_done_as_late_as_was_said() -> None:
@@ -169,11 +169,11 @@ def test_both_ways_of_beginning_again_and_none() -> None:
 
 
 def test_requests_are_those_that_the_valve_can() -> None:
-    three = made(1, asked="request")
+    three = made(1, action_mode="request")
     assert three.single_action_space.n == 2
     held = three.unwrapped._episodes.task.scenario.with_values({"valve.kind": "fill-hold-exhaust"})
-    assert made(1, asked="request", scenario=held).single_action_space.n == 3
-    joint = gymnasium.make("mckibben/Joint-v0", asked="request")
+    assert made(1, action_mode="request", scenario=held).single_action_space.n == 3
+    joint = gymnasium.make("mckibben/Joint-v0", action_mode="request")
     assert list(joint.action_space.nvec) == [2, 2]
 
 
@@ -186,9 +186,9 @@ def test_what_cannot_be_is_refused() -> None:
         made(1, noise={"length": 1e-3})
     with pytest.raises(mckibben.InputError, match="did you mean `load.mass`"):
         made(1, randomize={"load.maas": (1.0, 2.0)})
-    with pytest.raises(mckibben.InputError, match="nothing that a valve can be asked"):
-        made(1, asked="dutty")
-    plants = Plants(learning.hanging_mass().scenario, 2)
+    with pytest.raises(mckibben.InputError, match="no action_mode"):
+        made(1, action_mode="dutty")
+    plants = VectorPlant(learning.hanging_mass().scenario, 2)
     shown, stopped = np.zeros((2, 4)), np.zeros(2, dtype=bool)
     with pytest.raises(mckibben.InputError, match="command.duty"):
         plants.step(1e-3, np.array([[0.5], [1.5]]), shown, stopped)
@@ -209,7 +209,7 @@ def test_a_plant_that_leaves_the_physics_ends_its_episode_alone() -> None:
         2,
         scenario=scenario,
         control_period=0.1,
-        asked="request",
+        action_mode="request",
         randomize={"actuator.external_volume": lambda _, count: np.array(volumes[:count])},
     )
     many.reset(seed=0)

@@ -43,14 +43,14 @@ def kinds() -> list[Any]:
     three = learning.hanging_mass().scenario.with_values({"valve.kind": "fill-hold-exhaust"})
     slow = learning.hanging_mass().scenario.with_values({"valve.opening_delay": "12 ms", "command.frequency": "20 Hz"})
     names = ["HangingMass", "Joint", "Leg", "Arm"]
-    alike = [pytest.param(name, {"asked": asked}, id=f"{name}-{asked}") for name in names for asked in ("duty", "request")]
+    alike = [pytest.param(name, {"action_mode": asked}, id=f"{name}-{asked}") for name in names for asked in ("duty", "request")]
     return alike + [
-        pytest.param("HangingMass", {"asked": "request", "scenario": three}, id="three-requests"),
-        pytest.param("HangingMass", {"asked": "request", "scenario": slow}, id="slow-valve-request"),
-        pytest.param("HangingMass", {"asked": "duty", "scenario": slow}, id="slow-valve-duty"),
-        pytest.param("HangingMass", {"asked": "position", "scenario": with_valve(SPOOL)}, id="position"),
-        pytest.param("HangingMass", {"asked": "set-point", "scenario": with_valve(REGULATOR)}, id="set-point"),
-        pytest.param("HangingMass", {"asked": "duty", "pulse_frequency": 50.0}, id="faster-pulses"),
+        pytest.param("HangingMass", {"action_mode": "request", "scenario": three}, id="three-requests"),
+        pytest.param("HangingMass", {"action_mode": "request", "scenario": slow}, id="slow-valve-request"),
+        pytest.param("HangingMass", {"action_mode": "duty", "scenario": slow}, id="slow-valve-duty"),
+        pytest.param("HangingMass", {"action_mode": "position", "scenario": with_valve(SPOOL)}, id="position"),
+        pytest.param("HangingMass", {"action_mode": "set-point", "scenario": with_valve(REGULATOR)}, id="set-point"),
+        pytest.param("HangingMass", {"action_mode": "duty", "pulse_frequency": 50.0}, id="faster-pulses"),
     ]
 
 
@@ -75,7 +75,7 @@ def courses(
 def test_every_action_changes_the_next_observation(name: str, options: dict[str, Any]) -> None:
     """One plant for each step and valve, which differs in that one action from the first plant."""
     alone = gymnasium.make(f"mckibben/{name}-v0", **options)
-    taken, another = courses(alone.action_space, options["asked"], STEPS)
+    taken, another = courses(alone.action_space, options["action_mode"], STEPS)
     valves = taken.shape[1]
     many = gymnasium.make_vec(f"mckibben/{name}-v0", num_envs=1 + STEPS * valves, **options)
     many.reset(seed=1)
@@ -84,7 +84,7 @@ def test_every_action_changes_the_next_observation(name: str, options: dict[str,
         for valve in range(valves):
             actions[1 + step * valves + valve, valve] = another[step, valve]
         observed, *_ = many.step(actions.reshape(many.action_space.shape).astype(many.action_space.dtype))
-        seen, shown = observed[:, : len(many.unwrapped._episodes.task.seen)], many.unwrapped.shown
+        seen, shown = observed[:, : len(many.unwrapped._episodes.task.seen)], many.unwrapped.observations
         differ = 1 + step * valves + np.arange(valves)
         assert (seen[differ] != seen[0]).any(axis=1).all(), f"step {step}"
         later = np.arange(1 + (step + 1) * valves, many.num_envs)
@@ -93,14 +93,14 @@ def test_every_action_changes_the_next_observation(name: str, options: dict[str,
 
 @pytest.mark.parametrize("asked", ["duty", "request"])
 def test_every_action_matters_in_the_single_form(asked: str) -> None:
-    alone = gymnasium.make("mckibben/HangingMass-v0", asked=asked).unwrapped
+    alone = gymnasium.make("mckibben/HangingMass-v0", action_mode=asked).unwrapped
     taken, another = courses(alone.action_space, asked, STEPS)
 
     def after(actions: np.ndarray) -> np.ndarray:
         alone.reset(seed=1)
         for action in actions:
             alone.step(int(action[0]) if asked == "request" else action.astype(np.float32))
-        return alone.shown.copy()
+        return alone.observations.copy()
 
     for step in range(STEPS):
         changed = taken[: step + 1].copy()
@@ -142,7 +142,7 @@ def test_where_control_is_faster_the_phase_says_whether_an_action_matters(name: 
             mattered += 1
         np.testing.assert_allclose(observed[0, under_way], expected, rtol=1e-6)
         if not begins:
-            changed = (many.unwrapped.shown[differ] != many.unwrapped.shown[0]).any(axis=1)
+            changed = (many.unwrapped.observations[differ] != many.unwrapped.observations[0]).any(axis=1)
             assert (changed == at_begin).all(), f"step {step}"
     assert mattered >= 4
 
@@ -152,7 +152,7 @@ def test_the_phase_is_observed_only_where_control_is_out_of_step_with_the_pulses
         return gymnasium.make("mckibben/HangingMass-v0", **options).observation_space.shape[0]
 
     assert size() == size(control_period=0.08) == size(pulse_frequency=30.0, duration=1.0) == 4
-    assert size(asked="request", control_period=1e-3) == 4
+    assert size(action_mode="request", control_period=1e-3) == 4
     assert size(control_period=0.02) == size(control_period=0.05) == 7
 
 
@@ -161,21 +161,21 @@ def test_the_period_of_an_action_is_that_of_the_pulses_or_longer_than_the_delays
         return gymnasium.make("mckibben/HangingMass-v0", **options).unwrapped.dt
 
     assert period() == 0.04 and period(pulse_frequency=50.0) == 0.02
-    assert period(asked="request") == 0.005
+    assert period(action_mode="request") == 0.005
     for delay, least in [("5 ms", 0.01), ("12 ms", 0.015)]:
         scenario = learning.hanging_mass().scenario.with_values({"valve.closing_delay": delay})
-        assert period(asked="request", scenario=scenario) == pytest.approx(least, rel=1e-12)
-    assert period(asked="set-point", scenario=with_valve(REGULATOR)) == pytest.approx(0.01, rel=1e-12)
+        assert period(action_mode="request", scenario=scenario) == pytest.approx(least, rel=1e-12)
+    assert period(action_mode="set-point", scenario=with_valve(REGULATOR)) == pytest.approx(0.01, rel=1e-12)
 
 
 def test_what_a_valve_does_not_take_is_refused_when_the_environment_is_made() -> None:
     for name in ("HangingMass", "Joint", "Leg"):
         for asked in ("position", "set-point"):
-            with pytest.raises(mckibben.InputError, match=f'asked="{asked}" .*valve with seats(.|\n)*asked="request"'):
-                gymnasium.make(f"mckibben/{name}-v0", asked=asked)
+            with pytest.raises(mckibben.InputError, match=f'action_mode="{asked}" .*valve with seats(.|\n)*action_mode="request"'):
+                gymnasium.make(f"mckibben/{name}-v0", action_mode=asked)
     for asked, valve in [("duty", SPOOL), ("request", SPOOL), ("set-point", SPOOL), ("position", REGULATOR)]:
-        with pytest.raises(mckibben.InputError, match=f'asked="{asked}" is nothing'):
-            gymnasium.make("mckibben/HangingMass-v0", asked=asked, scenario=with_valve(valve), pulse_frequency=25.0)
+        with pytest.raises(mckibben.InputError, match=f'action_mode="{asked}" is nothing'):
+            gymnasium.make("mckibben/HangingMass-v0", action_mode=asked, scenario=with_valve(valve), pulse_frequency=25.0)
     # Between pulses that no PWM of the scenario describes the valve is to exhaust, which a two-way valve cannot.
     two = learning.hanging_mass().scenario.with_values({"valve.kind": "two-way"})
     gymnasium.make("mckibben/HangingMass-v0", scenario=two)
@@ -185,7 +185,7 @@ def test_what_a_valve_does_not_take_is_refused_when_the_environment_is_made() ->
     sealed = {key: value for key, value in learning.hanging_mass().scenario.to_dict().items()
               if key not in ("supply", "valve", "command")}
     with pytest.raises(mckibben.InputError, match="no valve"):
-        gymnasium.make("mckibben/HangingMass-v0", scenario=mckibben.Scenario.from_dict(sealed), asked="request")
+        gymnasium.make("mckibben/HangingMass-v0", scenario=mckibben.Scenario.from_dict(sealed), action_mode="request")
 
 
 @pytest.mark.parametrize("name", ["HangingMass", "Joint"])
@@ -195,7 +195,7 @@ def test_actions_beyond_the_bounds_count_as_the_bound(name: str) -> None:
     actions = np.zeros(many.action_space.shape)
     actions[0], actions[1], actions[2] = -3.0, 7.0, 1.0
     many.step(actions)
-    shown = many.unwrapped.shown
+    shown = many.unwrapped.observations
     assert (shown[0] == shown[3]).all() and (shown[1] == shown[2]).all() and (shown[0] != shown[1]).any()
 
 
@@ -207,17 +207,17 @@ def test_actions_beyond_the_bounds_count_as_the_bound(name: str) -> None:
         ({}, [["0.5"], ["fill"]], "is no finite number"),
         ({}, [0.5, 0.5], r"shape \(2,\); give \(2, 1\)"),
         ({}, [[0.5]], r"shape \(1, 1\); give \(2, 1\)"),
-        ({"asked": "request"}, [0, 2], r"actions: 2 at \[1\] is no request; give whole numbers from 0 to 1"),
-        ({"asked": "request"}, [-1, 0], r"actions: -1 at \[0\] is no request"),
-        ({"asked": "request"}, [0.4, 0.0], "is no request"),
-        ({"asked": "request"}, [[0], [1]], r"shape \(2, 1\); give \(2,\)"),
+        ({"action_mode": "request"}, [0, 2], r"actions: 2 at \[1\] is no request; give whole numbers from 0 to 1"),
+        ({"action_mode": "request"}, [-1, 0], r"actions: -1 at \[0\] is no request"),
+        ({"action_mode": "request"}, [0.4, 0.0], "is no request"),
+        ({"action_mode": "request"}, [[0], [1]], r"shape \(2, 1\); give \(2,\)"),
     ],
 )
 def test_actions_that_are_none_are_refused_before_anything_moves(options: Any, actions: Any, words: str) -> None:
     many = gymnasium.make_vec("mckibben/HangingMass-v0", num_envs=2, **options)
     many.reset(seed=1)
-    before = many.unwrapped.shown.copy()
+    before = many.unwrapped.observations.copy()
     with pytest.raises(mckibben.InputError, match=words):
         many.step(np.array(actions))
-    assert (many.unwrapped.shown == before).all()
+    assert (many.unwrapped.observations == before).all()
     assert (many.unwrapped._episodes.elapsed == 0).all()

@@ -22,7 +22,7 @@ def fragile(volume: Any = FRAGILE, **options: Any) -> dict[str, Any]:
     scenario = learning.hanging_mass().scenario.with_values(COARSE)
     # Those that begin again are fragile ones.
     volumes = {"actuator.external_volume": lambda _, count: volume if np.size(volume) == count else FRAGILE}
-    return {"scenario": scenario, "asked": "request", "control_period": 0.1, "duration": 2.0, "randomize": volumes, **options}
+    return {"scenario": scenario, "action_mode": "request", "control_period": 0.1, "duration": 2.0, "randomize": volumes, **options}
 
 
 def returns(many: Any, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -136,7 +136,7 @@ def test_info_of_the_vector_form_is_that_of_single_forms(name: str) -> None:
 def test_with_a_seed_for_each_plant_it_is_gymnasiums_vector_of_single_ones(mode: str) -> None:
     """Targets, noise and drawn parameters, over several episodes."""
     options = {
-        "noise": {"length_m": 1e-4, "pressure_pa": 1e3},
+        "noise": {"length_m": 1e-4, "absolute_pressure_pa": 1e3},
         "randomize": {"load.mass": (1.5, 3.0), "actuator.friction.viscous": lambda random, count: random.uniform(2, 5, count)},
         "duration": 0.2,
     }
@@ -253,7 +253,7 @@ def test_steps_in_the_wrong_order_are_refused(name: str) -> None:
 
 @pytest.mark.parametrize("name", IDS)
 def test_the_specification_has_the_steps_of_an_episode(name: str) -> None:
-    for options, steps in [({}, 50), ({"asked": "request"}, 400), ({"duration": 8.0}, 200), ({"control_period": 0.5}, 4)]:
+    for options, steps in [({}, 50), ({"action_mode": "request"}, 400), ({"duration": 8.0}, 200), ({"control_period": 0.5}, 4)]:
         one = gymnasium.make(name, **options)
         many = gymnasium.make_vec(name, num_envs=2, **options)
         assert one.spec.max_episode_steps == many.spec.max_episode_steps == steps
@@ -280,19 +280,19 @@ def test_both_forms_show_what_their_plants_are(name: str) -> None:
     _, info = one.reset(seed=1)
     many.reset(seed=1)
     for _ in range(3):
-        assert one.columns == many.columns and one.shown.shape == (len(one.columns),)
-        assert dict(zip(one.columns, one.shown, strict=True)) == {column: info[column] for column in one.columns}
+        assert one.columns == many.columns and one.observations.shape == (len(one.columns),)
+        assert dict(zip(one.columns, one.observations, strict=True)) == {column: info[column] for column in one.columns}
         action = one.action_space.sample()
         *_, info = one.step(action)
         many.step(np.array([action, action]))
-        np.testing.assert_allclose(many.shown[1], one.shown, rtol=1e-9, atol=1e-12)
+        np.testing.assert_allclose(many.observations[1], one.observations, rtol=1e-9, atol=1e-12)
 
 
 def test_observations_are_bounded_where_the_plant_is() -> None:
     space = gymnasium.make(MASS).observation_space
     assert (space.low[3], space.high[3]) == (0.0, 1.0), "a target"
     assert space.low[2] == np.float32(-101325.0 / 5e5), "an absolute pressure"
-    noisy = gymnasium.make(MASS, noise={"pressure_pa": 1e3}).observation_space
+    noisy = gymnasium.make(MASS, noise={"absolute_pressure_pa": 1e3}).observation_space
     assert noisy.low[2] == -np.inf
     faster = gymnasium.make("mckibben/Joint-v0", control_period=0.01).observation_space
     assert list(faster.low[4:]) == [-1.0, -1.0, 0.0, 0.0, 0.0] and list(faster.high[4:]) == [1.0] * 5
@@ -337,7 +337,7 @@ def test_what_a_range_draws_lies_in_it_and_every_kind_of_parameter_may_be_drawn(
     ranges = {"load.mass": (1.5, 3.0), "initial.gauge_pressure": (1e5, 2e5), "valve.opening_delay": (1e-3, 4e-3)}
     many = gymnasium.make_vec(MASS, num_envs=500, randomize={**ranges, "supply.gauge_pressure": (5e5, 7e5)})
     many.reset(seed=1)
-    gauge = many.unwrapped.shown[:, 2] - 101325.0
+    gauge = many.unwrapped.observations[:, 2] - 101325.0
     assert (gauge >= 1e5).all() and (gauge <= 2e5).all()
     # Four standard errors of the mean of a uniform distribution.
     assert abs(gauge.mean() - 1.5e5) < 4 * 1e5 / np.sqrt(12 * 500)
@@ -352,7 +352,7 @@ def test_what_a_range_draws_lies_in_it_and_every_kind_of_parameter_may_be_drawn(
         ({"duration": 0.05}, "no multiple of control_period"),
         ({"sensor_delay": 2e-3}, "no multiple of control_period"),
         ({"pulse_frequency": 0.0}, "pulse_frequency = 0.0"),
-        ({"most_pressure": "6 bar"}, "most_pressure = '6 bar'"),
+        ({"max_pressure": "6 bar"}, "max_pressure = '6 bar'"),
         ({"terminal_penalty": -1.0}, "terminal_penalty = -1.0"),
         ({"success_tolerance": float("inf")}, "success_tolerance = inf"),
         ({"distance_limit": 0.0}, "distance_limit = 0.0"),

@@ -15,7 +15,7 @@ import pytest
 
 import mckibben
 from mckibben import learning
-from mckibben._mckibben import Plants
+from mckibben._mckibben import VectorPlant
 
 PLANTS = pathlib.Path(__file__).parents[2] / "examples" / "plant"
 TASKS: dict[str, Callable[[], learning.Task]] = {
@@ -44,7 +44,7 @@ def scenario(name: str) -> mckibben.Scenario:
 def history(name: str, rows: list[int], *, varies: bool = True) -> np.ndarray:
     """What these plants of `COUNT` show after each step, some of which begin again on the way: (STEPS, rows, columns)."""
     paths, values = drawn(name)
-    plants = Plants(scenario(name), len(rows), by=paths if varies else [])
+    plants = VectorPlant(scenario(name), len(rows), parameters=paths if varies else [])
     commands = np.random.default_rng(6).uniform(0.0, 1.0, (STEPS, COUNT, plants.valves))
     again = np.random.default_rng(7).random((STEPS, COUNT)) < 0.15
     assert again[1:-1].any(axis=0).sum() >= 3
@@ -90,7 +90,7 @@ def test_the_number_of_threads_changes_no_bit() -> None:
 def test_a_plant_that_begins_again_does_what_it_did_at_first() -> None:
     """Its clock goes on, so that the same but for the rounding of times."""
     for name in TASKS:
-        plants = Plants(scenario(name), 1, pulse_frequency=1.0 / PERIOD)
+        plants = VectorPlant(scenario(name), 1, pulse_frequency=1.0 / PERIOD)
         commands = np.random.default_rng(8).uniform(0.4, 1.0, (8, 1, plants.valves))
         shown, stopped, seen = np.zeros((1, len(plants.columns))), np.zeros(1, dtype=bool), []
         for _ in range(2):
@@ -105,7 +105,7 @@ def test_a_plant_that_begins_again_does_what_it_did_at_first() -> None:
 @pytest.mark.parametrize("name, asked", [("arm", "request"), ("leg", "set-point")])
 def test_the_examples_are_environments(name: str, asked: str) -> None:
     example = mckibben.Scenario.load(PLANTS / f"{name}.toml").with_values({"run.step": "0.5 ms"})
-    many = gymnasium.make_vec(f"mckibben/{name.capitalize()}-v0", num_envs=3, scenario=example, asked=asked, duration=0.05)
+    many = gymnasium.make_vec(f"mckibben/{name.capitalize()}-v0", num_envs=3, scenario=example, action_mode=asked, duration=0.05)
     observed, info = many.reset(seed=1)
     many.action_space.seed(1)
     joints = {"arm": ["shoulder", "elbow", "wrist"], "leg": ["hip", "knee"]}[name]
@@ -113,7 +113,7 @@ def test_the_examples_are_environments(name: str, asked: str) -> None:
     for _ in range(7):
         assert observed in many.observation_space and np.isfinite(observed).all()
         observed, *_ = many.step(many.action_space.sample())
-    assert len({row.tobytes() for row in many.unwrapped.shown}) == 3
+    assert len({row.tobytes() for row in many.unwrapped.observations}) == 3
 
 
 @pytest.mark.parametrize("name", ["arm", "leg"])
@@ -130,7 +130,7 @@ def test_any_scenario_is_an_environment() -> None:
     """Two bottles of unlike muscles, a joint behind hoses: what is to reach a target is named by its column."""
     for file, targets in [("bottle", {"thick.length_m": (0.06, 0.07)}), ("hose-joint", {"elbow.angle_rad": (-0.2, 0.2)})]:
         plant = mckibben.Scenario.load(PLANTS / f"{file}.toml").with_values({"run.step": "0.5 ms"})
-        options: dict[str, Any] = {"asked": "request", "control_period": 5e-3, "max_episode_steps": 4}
+        options: dict[str, Any] = {"action_mode": "request", "control_period": 5e-3, "max_episode_steps": 4}
         many = learning.VectorEnvironment(learning.reach(plant, targets), 2, **options)
         observed, _ = many.reset(seed=1)
         for _ in range(4):
@@ -147,7 +147,7 @@ def test_every_number_of_a_file_can_be_drawn() -> None:
               "mechanism.joints.hip.angle": (-0.2, 0.2), "supply.gauge_pressure": (5e5, 7e5)}
     many = gymnasium.make_vec("mckibben/Leg-v0", num_envs=6, randomize=ranges)
     many.reset(seed=1)
-    hips = many.unwrapped.shown[:, many.unwrapped.columns.index("hip.angle_rad")]
+    hips = many.unwrapped.observations[:, many.unwrapped.columns.index("hip.angle_rad")]
     assert len(set(hips)) == 6 and (np.abs(hips) <= 0.2).all()
     many.step(many.action_space.sample())
     with pytest.raises(mckibben.InputError, match="colour"):
@@ -168,9 +168,9 @@ def test_a_joint_takes_positions_and_set_points() -> None:
                 section, _, key = path.partition(".")
                 of[section] = of.get(section, {}) | {key: value} if key else value
         joint = mckibben.Scenario.from_dict(sections)
-        many = gymnasium.make_vec("mckibben/Joint-v0", num_envs=3, scenario=joint, asked=asked)
+        many = gymnasium.make_vec("mckibben/Joint-v0", num_envs=3, scenario=joint, action_mode=asked)
         many.reset(seed=1)
         for _ in range(10):
             many.step(np.array([[0.6, 0.1], [0.1, 0.6], [0.3, 0.3]], dtype=np.float32))
-        first, second, middle = many.unwrapped.shown[:, 0]
+        first, second, middle = many.unwrapped.observations[:, 0]
         assert first > middle > second

@@ -32,7 +32,7 @@ def moved(scenario: mckibben.Scenario, dt: float, max_step: float | None = None)
         steps, velocity = round(CORNER / dt), (end - begin) / CORNER
         for step in range(1, steps + 1):
             state, _, _ = actuator.step(state, begin + (end - begin) * step / steps, velocity, 0.5, dt, max_step=max_step)
-        pressures.append(state.pressure)
+        pressures.append(state.absolute_pressure)
     return numpy.array(pressures)
 
 
@@ -65,9 +65,9 @@ def test_many_are_divided_as_one_is(scenario):
     duty = numpy.linspace(0.0, 1.0, 200)
     for length in LENGTHS:
         velocity = numpy.full(200, -0.01)
-        many.step(0.01, numpy.full(200, length), velocity, duty, tension, pressure=pressure, max_step=MAX_STEP)
+        many.step(0.01, numpy.full(200, length), velocity, duty, tension, absolute_pressure=pressure, max_step=MAX_STEP)
         state, pull, _ = one.step(state, length, -0.01, duty[77], 0.01, max_step=MAX_STEP)
-        assert (pull, state.pressure) == (tension[77], pressure[77])
+        assert (pull, state.absolute_pressure) == (tension[77], pressure[77])
 
 
 def hang(scenario: mckibben.Scenario, duration: float, dt: float, is_late: bool, max_step: float | None) -> numpy.ndarray:
@@ -109,11 +109,11 @@ def test_a_loop_begins_with_the_tension_of_its_state(scenario):
     assert actuator.respond(state, 0.1) != response
     velocity, found, per_length, pressure = numpy.linspace(-0.1, 0.1, 150), *numpy.zeros((3, 150))
     before = many.__getstate__()
-    many.respond(velocity, found, per_length=per_length, pressure=pressure)
+    many.respond(velocity, found, per_length=per_length, absolute_pressure=pressure)
     numpy.testing.assert_array_equal(many.__getstate__(), before)
     for row in [0, 74, 149]:
         alone = actuator.respond(state, velocity[row])
-        assert (alone.tension, alone.per_length, state.pressure) == (found[row], per_length[row], pressure[row])
+        assert (alone.tension, alone.per_length, state.absolute_pressure) == (found[row], per_length[row], pressure[row])
 
 
 @pytest.mark.parametrize("example", ["paper/fig-12", "laws/bladder", "laws/map", "laws/tondu-lopez", "laws/polynomial"])

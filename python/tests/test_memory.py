@@ -43,7 +43,7 @@ def step(scenario: mckibben.Scenario):
 def steps(scenario: mckibben.Scenario):
     many, length, velocity, tension, pressure = mckibben.Actuators(scenario, 3, 25.0), *numpy.zeros((4, 3))
     length[:] = mckibben.Actuator(scenario, 25.0).start().length
-    return lambda: many.step(1e-6, length, velocity, None, tension, pressure=pressure)
+    return lambda: many.step(1e-6, length, velocity, None, tension, absolute_pressure=pressure)
 
 
 def shared_steps(scenario: mckibben.Scenario):
@@ -96,7 +96,7 @@ def values(scenario: mckibben.Scenario):
 def called(scenario: mckibben.Scenario):
     short = scenario.with_values(SHORT)
     length = mckibben.Differentiable(short, ["load.mass"], ["length"], [1e-4])
-    return lambda: length(length.start)
+    return lambda: length(length.defaults)
 
 
 @pytest.mark.skipif(not STATM.exists(), reason="Linux says how much memory is resident")

@@ -18,7 +18,7 @@ pytestmark = pytest.mark.blas
 
 def test_curves_are_those_of_the_command_line(program, examples, tmp_path):
     path = examples / "laws/bladder.toml"
-    program(tmp_path, "curves", str(path), "--pressures", "1.5,3,4.5bar", "--output", "curves.csv")
+    program(tmp_path, "curves", str(path), "--gauge-pressures", "1.5,3,4.5bar", "--output", "curves.csv")
     with open(tmp_path / "curves.csv", newline="") as file:
         header, *rows = csv.reader(file)
     curves = mckibben.curves(mckibben.Scenario.load(path), "1.5, 3, 4.5 bar")
@@ -35,9 +35,9 @@ def test_curves_are_those_of_the_command_line(program, examples, tmp_path):
 @pytest.mark.parametrize(
     "example, options",
     [
-        ("paper/fig-12", {"pressure": "60 psi"}),
+        ("paper/fig-12", {"gauge_pressure": "60 psi"}),
         ("paper/fig-12", {"duty": 0.5, "all_states": True}),
-        ("paper/fig-12", {"pressure": "50 psi", "pwm": True}),
+        ("paper/fig-12", {"gauge_pressure": "50 psi", "pwm": True}),
         ("paper/fig-12", {"length": "85 mm", "load": "10 lb", "temperature": "20 degC"}),
         ("tendon", {"amplitude": "1 mm"}),
         ("antagonistic-joint", {"angle": "5 deg", "stiffness": "2 N*m/rad"}),
@@ -73,7 +73,7 @@ def test_a_point_that_is_none_is_refused_in_the_words_of_the_command_line(progra
     """But for the name of the argument."""
     path = examples / "paper/fig-12.toml"
     scenario = mckibben.Scenario.load(path)
-    for options in [{"pressure": "60 mm"}, {"pressure": "60 psi", "length": "85 mm", "load": "5 lb"}, {"duty": 1.5}]:
+    for options in [{"gauge_pressure": "60 mm"}, {"gauge_pressure": "60 psi", "length": "85 mm", "load": "5 lb"}, {"duty": 1.5}]:
         words = [f"--{name}={value}" for name, value in options.items()]
         told = program(tmp_path, "linearize", str(path), *words, code=2).stderr
         with pytest.raises(mckibben.InputError) as raised:
@@ -91,9 +91,9 @@ def test_quantities_are_text_with_a_unit_or_numbers_in_si(examples):
     assert told.operating_point == pytest.approx(numbers.operating_point, rel=1e-12)
     for wrong, words in [(float("nan"), "pressure = NaN"), ("60 mm", "no pressure")]:
         with pytest.raises(mckibben.InputError, match=words):
-            mckibben.linearize(scenario, pressure=wrong)
+            mckibben.linearize(scenario, gauge_pressure=wrong)
     with pytest.raises(TypeError, match="no list"):
-        mckibben.linearize(scenario, pressure=[1e5])  # type: ignore[arg-type]
+        mckibben.linearize(scenario, gauge_pressure=[1e5])  # type: ignore[arg-type]
     by_text, by_number = mckibben.curves(scenario, "1.5, 3 bar"), mckibben.curves(scenario, numpy.array([1.5e5, 3e5]))
     assert all(numpy.allclose(by_text[name], by_number[name], rtol=1e-12) for name in by_text)
 

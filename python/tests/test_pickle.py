@@ -106,7 +106,7 @@ def test_many_go_on_to_the_same_bits(rig, again):
         tension, per_length, per_velocity, pressure = found
         for length in lengths:
             which.step(STEP, numpy.full(count, length), numpy.full(count, 0.01), duty, tension, per_length=per_length,
-                       per_velocity=per_velocity, pressure=pressure)
+                       per_velocity=per_velocity, absolute_pressure=pressure)
         return found
 
     step(many, course(17))
@@ -121,10 +121,10 @@ def test_many_go_on_to_the_same_bits(rig, again):
 
 
 def test_plants_are_made_anew(rig, again):
-    plants = mckibben.Plants(rig, 3, by=["initial.gauge_pressure"], asked="request", pulse_frequency=PULSES)
+    plants = mckibben.VectorPlant(rig, 3, parameters=["initial.gauge_pressure"], action_mode="request", pulse_frequency=PULSES)
     shown, stopped = numpy.zeros((3, len(plants.columns))), numpy.zeros(3, dtype=bool)
 
-    def step(which: mckibben.Plants) -> numpy.ndarray:
+    def step(which: mckibben.VectorPlant) -> numpy.ndarray:
         for row in range(12):
             which.step(STEP, numpy.full((3, 1), 1.0 if row < 9 else -1.0), shown, stopped)
         assert not stopped.any()
@@ -132,16 +132,16 @@ def test_plants_are_made_anew(rig, again):
 
     first = step(plants)
     copied = again(plants)
-    assert len(copied) == 3 and copied.by == plants.by and copied.requests == plants.requests
+    assert len(copied) == 3 and copied.parameters == plants.parameters and copied.requests == plants.requests
     numpy.testing.assert_array_equal(step(copied), first)
     assert (step(plants) != first).any(), "the other went on"
 
 
 def test_plants_whose_actuators_have_names_are_made_anew(again, examples):
     leg = mckibben.Scenario.load(examples / "plant" / "leg.toml").with_values({"run.step": "1 ms"})
-    plants = mckibben.Plants(leg, 2, by=["mechanism.joints.knee.mass"], asked="set-point")
+    plants = mckibben.VectorPlant(leg, 2, parameters=["mechanism.joints.knee.mass"], action_mode="set-point")
     copied = again(plants)
-    assert copied.columns == plants.columns and copied.given == plants.given and copied.valves == 6
+    assert copied.columns == plants.columns and copied.given == plants.defaults and copied.valves == 6
 
 
 def test_a_response_has_all_of_its_numbers(swing, again):
@@ -182,7 +182,7 @@ def test_scenarios_and_runs(swing, again):
 
 
 def test_models(swing, examples, again):
-    model = mckibben.linearize(mckibben.Scenario.load(examples / "paper/fig-12.toml"), pressure="60 psi")
+    model = mckibben.linearize(mckibben.Scenario.load(examples / "paper/fig-12.toml"), gauge_pressure="60 psi")
     copied = again(model)
     for name in ["A", "B", "C", "D", "poles"]:
         numpy.testing.assert_array_equal(getattr(copied, name), getattr(model, name))
@@ -198,8 +198,8 @@ def test_models(swing, examples, again):
 
     length = mckibben.Differentiable(swing, ["load.mass", "initial.gauge_pressure"], ["length", "tension"], [0.02, 0.1])
     copied = again(length)
-    assert copied.by == length.by and copied.of == length.of and copied.units == length.units
-    numpy.testing.assert_array_equal(copied(copied.start), length(length.start))
+    assert copied.parameters == length.parameters and copied.quantities == length.quantities and copied.units == length.units
+    numpy.testing.assert_array_equal(copied(copied.defaults), length(length.defaults))
 
 
 def test_sweeps(swing, again, tmp_path):

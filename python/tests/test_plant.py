@@ -17,7 +17,7 @@ SHORT = {"run.duration": "80 ms", "run.sample_interval": "1 ms"}
 
 SWEEP = """
 [sweep]
-reductions = ["thick.pressure.final", "paper.length.min"]
+reductions = ["thick.absolute_pressure.final", "paper.length.min"]
 [sweep.vary]
 "actuators.thick.load.mass" = ["20 lb", "25 lb"]
 """
@@ -62,7 +62,7 @@ def test_a_sweep_is_its_runs(examples, tmp_path):
     for row, mass in enumerate(["20 lb", "25 lb"]):
         single = mckibben.Scenario(text).with_values({"run.duration": "0.2 s", "actuators.thick.load.mass": mass})
         run = mckibben.simulate(single)
-        assert table["thick_pressure_final_pa"][row] == run["thick.pressure_pa"][-1]
+        assert table["thick_absolute_pressure_final_pa"][row] == run["thick.absolute_pressure_pa"][-1]
         assert table["paper_length_min_m"][row] == run["paper.length_m"].min()
 
 

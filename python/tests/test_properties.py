@@ -19,7 +19,7 @@ STEADY = hypothesis.settings(
     suppress_health_check=[hypothesis.HealthCheck.too_slow, hypothesis.HealthCheck.data_too_large],
 )
 #: Columns that are a state of what is simulated, or where its ends are.
-STATES = {"time_s", "length_m", "velocity_m_s", "pressure_pa", "air_mass_kg", "temperature_k", "volume_m3", "tension_n"}
+STATES = {"time_s", "length_m", "velocity_m_s", "absolute_pressure_pa", "air_mass_kg", "temperature_k", "volume_m3", "tension_n"}
 
 
 def simulated(sections: Sections) -> mckibben.Trajectory | None:
@@ -54,7 +54,7 @@ def judge(run: mckibben.Trajectory) -> None:
         assert numpy.isfinite(run[name]).all(), name
     for whose in ["", "antagonist_"] if "angle_rad" in run.columns else [""]:
         assert (run[f"{whose}tension_n"] >= 0.0).all()
-        assert (run[f"{whose}pressure_pa"] > 0.0).all() and (run[f"{whose}air_mass_kg"] > 0.0).all()
+        assert (run[f"{whose}absolute_pressure_pa"] > 0.0).all() and (run[f"{whose}air_mass_kg"] > 0.0).all()
     assert run.t[0] == 0.0 and (numpy.diff(run.t) > 0.0).all()
     between = run.at_times(run.t)
     for name in run.columns:

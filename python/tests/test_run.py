@@ -108,8 +108,8 @@ def test_what_a_run_does_not_have_is_named(swing):
     run = mckibben.simulate(swing)
     with pytest.raises(AttributeError, match="angle_rad.*time_s, length_m"):
         run.angle
-    with pytest.raises(KeyError, match="hose_pressure_pa.*time_s, length_m"):
-        run["hose_pressure_pa"]
+    with pytest.raises(KeyError, match="hose_absolute_pressure_pa.*time_s, length_m"):
+        run["hose_absolute_pressure_pa"]
 
 
 def test_every_column_that_is_an_attribute_says_its_unit(examples, swing):

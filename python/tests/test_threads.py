@@ -64,7 +64,7 @@ def test_many_actuators_on_many_threads(scenario):
         duty = numpy.linspace(0.0, 1.0, count) * (number + 1) / THREADS
         for row in range(5):
             length = numpy.full(count, 0.09 - 1e-5 * row)
-            many.step(STEP, length, numpy.zeros(count), duty, found[0], pressure=found[1])
+            many.step(STEP, length, numpy.zeros(count), duty, found[0], absolute_pressure=found[1])
         return found
 
     alone = [work(number) for number in range(THREADS)]
@@ -77,7 +77,7 @@ def test_everything_at_once_is_what_it_is_alone(scenario, swing):
     length = mckibben.Differentiable(swing, ["load.mass", "initial.gauge_pressure"], ["length"], [0.05, 0.1])
 
     def work(number: int):
-        values = length.start * (1 + 0.01 * number)
+        values = length.defaults * (1 + 0.01 * number)
         return mckibben.simulate(heavy[number]), length.value_and_jacobian(values), mckibben.curves(heavy[number])["stiffness_n_m"]
 
     for (run, slopes, curves), (run_alone, slopes_alone, curves_alone) in zip(
@@ -106,7 +106,7 @@ def rows():
 
 def slopes():
     run = mckibben.Differentiable(scenario, BY, ["length", "tension"], [0.01, 0.02])
-    return b"".join(array.tobytes() for array in run.value_and_jacobian(run.start))
+    return b"".join(array.tobytes() for array in run.value_and_jacobian(run.defaults))
 
 def sweep():
     many = mckibben.Sweep(scenario.with_values({"sweep.vary": {"load.mass": {"from": "2 lb", "to": "9 lb", "count": 40}}}))
@@ -227,14 +227,14 @@ def endless(scenario: mckibben.Scenario, what: str):
         call = functools.partial(many.step, 9.0, length, velocity, duty, tension, max_step=1e-6)
         return call, lambda: many.__getstate__().tobytes()
     if what == "plants":
-        plants = mckibben.Plants(scenario.with_values({"run.engine": "fixed-step", "run.step": "1 us"}), 40)
+        plants = mckibben.VectorPlant(scenario.with_values({"run.engine": "fixed-step", "run.step": "1 us"}), 40)
         shown, stopped = numpy.zeros((40, len(plants.columns))), numpy.zeros(40, dtype=bool)
         return functools.partial(plants.step, 9.0, numpy.full((40, 1), 0.5), shown, stopped), lambda: len(plants)
     long = scenario.with_values({"run.duration": "3600 s"})
     function = mckibben.Differentiable(long, ["load.mass", "command.duty"], ["length"], [3600.0])
     short = mckibben.Differentiable(scenario, ["load.mass", "command.duty"], ["length"], [0.01])
     call = function if what == "values" else function.value_and_jacobian
-    return functools.partial(call, function.start), lambda: short(short.start).tobytes()
+    return functools.partial(call, function.defaults), lambda: short(short.defaults).tobytes()
 
 
 @pytest.mark.parametrize("what", ["actuator", "actuators", "plants", "values", "slopes"])

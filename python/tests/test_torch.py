@@ -16,16 +16,16 @@ BY = ["load.mass", "command.duty", "actuator.turns", "supply.gauge_pressure"]
 @pytest.fixture(scope="module")
 def pulsed(examples) -> mckibben.Differentiable:
     scenario = mckibben.Scenario.load(examples / "paper/fig-12.toml")
-    return mckibben.Differentiable(scenario, by=BY, of=["length", "gauge_pressure", "tension"], at=[0.053, 0.131])
+    return mckibben.Differentiable(scenario, parameters=BY, quantities=["length", "gauge_pressure", "tension"], times=[0.053, 0.131])
 
 
 @pytest.fixture
 def start(pulsed):
-    return torch.tensor(pulsed.start, requires_grad=True)
+    return torch.tensor(pulsed.defaults, requires_grad=True)
 
 
 def test_values_and_slopes_backwards(pulsed, start):
-    values, slopes = pulsed.value_and_jacobian(pulsed.start)
+    values, slopes = pulsed.value_and_jacobian(pulsed.defaults)
     function = pulsed.for_torch()
     found = function(start)
     numpy.testing.assert_array_equal(found.detach().numpy(), values)
@@ -37,8 +37,8 @@ def test_values_and_slopes_backwards(pulsed, start):
 
 
 def test_slopes_forwards(pulsed, start):
-    _, slopes = pulsed.value_and_jacobian(pulsed.start)
-    along = torch.from_numpy(pulsed.start * [0.1, -0.2, 0.3, 0.4])
+    _, slopes = pulsed.value_and_jacobian(pulsed.defaults)
+    along = torch.from_numpy(pulsed.defaults * [0.1, -0.2, 0.3, 0.4])
     with torch.autograd.forward_ad.dual_level():
         dual = pulsed.for_torch()(torch.autograd.forward_ad.make_dual(start.detach(), along))
         tangent = torch.autograd.forward_ad.unpack_dual(dual).tangent
@@ -48,7 +48,7 @@ def test_slopes_forwards(pulsed, start):
 def test_the_transforms_of_torch_func(pulsed, start):
     """As in JAX: a Jacobian forwards and backwards, and many values one after another."""
     function, values = pulsed.for_torch(), start.detach()
-    _, slopes = pulsed.value_and_jacobian(pulsed.start)
+    _, slopes = pulsed.value_and_jacobian(pulsed.defaults)
     for jacobian in [torch.func.jacfwd, torch.func.jacrev]:
         numpy.testing.assert_allclose(jacobian(function)(values).numpy(), slopes, rtol=1e-14)
     several = torch.stack([values, 1.01 * values])
@@ -76,7 +76,7 @@ def test_what_it_has_not_is_refused_and_not_zero(pulsed, start):
 
 def test_a_fit_by_an_optimiser_of_torch_finds_what_made_the_data(pulsed):
     function = pulsed.for_torch()
-    true = pulsed.start.copy()
+    true = pulsed.defaults.copy()
     data = torch.from_numpy(pulsed(true))
     share = torch.ones(1, dtype=torch.float64, requires_grad=True)
     scale, rest = data.abs().max(dim=0).values, torch.from_numpy(true)

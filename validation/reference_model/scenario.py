@@ -310,7 +310,7 @@ def read_arm(content):
     return ArmTable(angles, [quantity(r, "m") for r in content["moment_arm"]])
 
 
-NAMES = ("length_m", "velocity_m_s", "pressure_pa", "air_mass_kg", "temperature_k", "volume_m3")
+NAMES = ("length_m", "velocity_m_s", "absolute_pressure_pa", "air_mass_kg", "temperature_k", "volume_m3")
 NAMES += ("tension_n", "mass_flow_kg_s", "valve")
 
 
@@ -473,11 +473,11 @@ class Experiment:
         if first.tendon:
             header += ["load_distance_m", "load_velocity_m_s"]
         if first.hose:
-            header.append("hose_pressure_pa")
+            header.append("hose_absolute_pressure_pa")
         if first.supply.reservoir or first.supply.regulator:
-            header.append("supply_pressure_pa")
+            header.append("supply_absolute_pressure_pa")
         if isinstance(first.valve, RegulatorValve):
-            header += ["regulated_pressure_pa", "set_point_pa"]
+            header += ["regulated_absolute_pressure_pa", "set_point_pa"]
         if self.controller:
             header += list(self.controller.names)
         return header

@@ -45,10 +45,13 @@ fn a_relay_keeps_the_pressure_of_the_file_within_its_dead_band() {
         assert!((of["set_point_pa"][row] - wanted * PSI).abs() < 1e-6, "{time}");
         // What is measured was so at the last sampling instant, to half the resolution.
         if (row % 2) == 0 {
-            assert!((of["measured_pa"][row] - (of["pressure_pa"][row] - 101_325.0)).abs() < 0.0501 * PSI, "{time}");
+            assert!(
+                (of["measured_pa"][row] - (of["absolute_pressure_pa"][row] - 101_325.0)).abs() < 0.0501 * PSI,
+                "{time}"
+            );
         }
     }
-    let last = of["pressure_pa"].last().expect("a row") - 101_325.0;
+    let last = of["absolute_pressure_pa"].last().expect("a row") - 101_325.0;
     assert!((last - 30.0 * PSI).abs() < 1.1 * PSI, "{last}");
     assert!(summary.contains("bang-bang control of gauge pressure at 500 Hz"), "{summary}");
     assert!(summary.contains("rms error") && summary.contains("air used"), "{summary}");
@@ -100,7 +103,7 @@ fn the_fixed_step_engine_closes_the_loop_of_a_joint() {
         |name: &str| located[name].iter().zip(&stepped[name]).map(|(a, b)| (a - b).abs()).fold(0.0f64, f64::max);
     // Far below a count of the sensor, 1.7 mrad.
     assert!(difference("angle_rad") < 1e-4, "{}", difference("angle_rad"));
-    assert!(difference("antagonist_pressure_pa") < 50.0, "{}", difference("antagonist_pressure_pa"));
+    assert!(difference("antagonist_absolute_pressure_pa") < 50.0, "{}", difference("antagonist_absolute_pressure_pa"));
 }
 
 #[test]

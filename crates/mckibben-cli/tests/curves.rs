@@ -14,8 +14,9 @@ fn the_table_is_the_law() {
     let folder = Folder::new("curves");
     let file = of_repository("examples/paper/fig-08.toml");
     let mut command = folder.mckibben();
-    let told =
-        text(command.arg("curves").arg(file).args(["--pressures", "60psi", "--output", "c.csv"]).output().unwrap());
+    let told = text(
+        command.arg("curves").arg(file).args(["--gauge-pressures", "60psi", "--output", "c.csv"]).output().unwrap(),
+    );
     assert!(told.contains("60 psi") && told.contains("valve shut, (6) leaves out"), "{told}");
     // (3), (7) and the sealed stiffness of (5), written out.
     let (b, n, atmosphere): (f64, f64, f64) = (4.3218 * 0.0254, 2.5, 101_325.0);
@@ -78,8 +79,8 @@ fn what_is_wrong_is_refused_before_anything_is_written() {
     let folder = Folder::new("curves-bad");
     let file = of_repository("examples/paper/fig-08.toml");
     for (arguments, words) in [
-        (["--pressures", "35"], "pressure"),
-        (["--pressures", "-20psi"], "vacuum"),
+        (["--gauge-pressures", "35"], "pressure"),
+        (["--gauge-pressures", "-20psi"], "vacuum"),
         (["--output", "c.txt"], ".csv"),
         (["--plot", "c.pdf"], ".svg"),
         (["--set", "actuator.turns=-1"], "actuator.turns"),

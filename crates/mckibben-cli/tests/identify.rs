@@ -109,7 +109,7 @@ fn what_the_simulator_recorded_is_found_again() {
     folder.file("muscle.toml", &other);
     let study = "[study]\nkind = \"trajectories\"\nscenario = \"muscle.toml\"\n\
                  [columns.time]\nname = \"time_s\"\nunit = \"s\"\n[columns.length]\nname = \"length_m\"\nunit = \"m\"\n\
-                 [columns.absolute_pressure]\nname = \"pressure_pa\"\nunit = \"Pa\"\n\
+                 [columns.absolute_pressure]\nname = \"absolute_pressure_pa\"\nunit = \"Pa\"\n\
                  [[run]]\nfile = \"five.csv\"\n[[run]]\nfile = \"eight.parquet\"\nset = { \"load.mass\" = \"8 lb\" }\n\
                  [fit.\"actuator.friction.viscous\"]\nfrom = \"0.1 N*s/m\"\nto = \"50 N*s/m\"\n[fit.\"actuator.friction.coulomb_width\"]\n";
     let output = identify(&folder, &folder.file("study.toml", study));
@@ -146,7 +146,7 @@ fn a_measured_pressure_and_masses_of_each_run() {
     folder.file("muscle.toml", &truth.replace("[supply]", "[actuator.friction]\nviscous = \"6 N*s/m\"\n[supply]"));
     let study = "[study]\nkind = \"trajectories\"\nscenario = \"muscle.toml\"\ninput = \"gauge-pressure\"\n\
                  [columns.time]\nname = \"time_s\"\nunit = \"s\"\n[columns.length]\nname = \"length_m\"\nunit = \"m\"\n\
-                 [columns.absolute_pressure]\nname = \"pressure_pa\"\nunit = \"Pa\"\n\
+                 [columns.absolute_pressure]\nname = \"absolute_pressure_pa\"\nunit = \"Pa\"\n\
                  [[run]]\nfile = \"two.csv\"\n[[run]]\nfile = \"three.csv\"\n\
                  [fit.\"actuator.friction.viscous\"]\nfrom = \"0.1 N*s/m\"\nto = \"50 N*s/m\"\n[fit.\"load.mass\"]\nper_run = true\n";
     let output = identify(&folder, &folder.file("study.toml", study));
@@ -238,8 +238,8 @@ fn a_joint_is_found_by_the_measured_pressures_of_both() {
     let other = std::fs::read_to_string(of_repository("examples/antagonistic-joint.toml")).expect("a scenario");
     folder.file("joint.toml", &other.replace("[valve]", "[valve]\nefficiency = 0.4"));
     let column = |name: &str, of: &str, unit: &str| format!("[columns.{name}]\nname = \"{of}\"\nunit = \"{unit}\"\n");
-    let pressures = column("absolute_pressure", "pressure_pa", "Pa");
-    let others = column("antagonist_absolute_pressure", "antagonist_pressure_pa", "Pa");
+    let pressures = column("absolute_pressure", "absolute_pressure_pa", "Pa");
+    let others = column("antagonist_absolute_pressure", "antagonist_absolute_pressure_pa", "Pa");
     let study = [
         "[study]\nkind = \"trajectories\"\nscenario = \"joint.toml\"\ninput = \"gauge-pressure\"\n".to_owned(),
         column("time", "time_s", "s"),

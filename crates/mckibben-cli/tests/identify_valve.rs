@@ -275,7 +275,7 @@ fn recorded(folder: &Folder, truth: &str, set: &[&str], deviation: f64) -> Strin
     let mut lines = csv::Reader::from_reader(csv.as_bytes());
     let heads = lines.headers().expect("a head").clone();
     let place = |name: &str| heads.iter().position(|head| head == name).expect("a column");
-    let (time, pressure) = (place("time_s"), place("pressure_pa"));
+    let (time, pressure) = (place("time_s"), place("absolute_pressure_pa"));
     // Other noise for another run.
     let mut noise = Noise(set.iter().flat_map(|set| set.bytes()).fold(11, |seed, byte| seed + 97 * u64::from(byte)));
     lines.records().map(|line| line.expect("a line")).fold("t_s,P_Pa\n".to_owned(), |text, line| {

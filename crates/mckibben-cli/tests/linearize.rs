@@ -65,12 +65,12 @@ fn both_files_hold_the_librarys_matrices() {
     let held = linearize(&experiment.rig, balance, content).unwrap();
     run(&folder, file, &["--output", "pulsed.json"]);
     run(&folder, file, &["--output", "pulsed.m", "--all-states"]);
-    run(&folder, file, &["--pressure", "400 kPa", "--output", "held.json"]);
+    run(&folder, file, &["--gauge-pressure", "400 kPa", "--output", "held.json"]);
     let json = read(&folder, "pulsed.json");
     is_of(&pulsed.minimal(), |name| rows(&json[name]));
     assert_eq!(json["model"], "averaged-pwm");
     assert_eq!(json["inputs"][0]["name"], "duty");
-    let pressure = json["operating_point"]["pressure_pa"].as_f64().expect("a number");
+    let pressure = json["operating_point"]["absolute_pressure_pa"].as_f64().expect("a number");
     assert!((pressure / pulsed.point.state.pressure.0 - 1.0).abs() <= f64::EPSILON);
     assert_eq!(json["pwm"]["validity"]["ripple_is_small"], true);
     let script = std::fs::read_to_string(folder.path("pulsed.m")).unwrap();
@@ -97,13 +97,13 @@ fn the_table_tells_the_point_the_poles_and_how_far_to_trust_them() {
     for words in ["42.50 % of the period", "from 10.00 % to 97.50 %", "too large", "swings", "3 of 3", "Coulomb"] {
         assert!(told.contains(words), "`{words}` is not in\n{told}");
     }
-    let told = run(&folder, "examples/paper/fig-08.toml", &["--all-states", "--pressure", "60 psi"]);
+    let told = run(&folder, "examples/paper/fig-08.toml", &["--all-states", "--gauge-pressure", "60 psi"]);
     for words in ["valve held shut", "413.7 kPa", "integrator", "3 of 4", "one pole at zero that no input reaches"] {
         assert!(told.contains(words), "`{words}` is not in\n{told}");
     }
     let told = run(&folder, "examples/paper/fig-08.toml", &["--amplitude", "1 mm"]);
     assert!(told.contains("of viscous damping, right for"), "{told}");
-    let told = run(&folder, "examples/isometric-charge.toml", &["--pressure", "2 bar"]);
+    let told = run(&folder, "examples/isometric-charge.toml", &["--gauge-pressure", "2 bar"]);
     assert!(told.contains("the ends are held with"), "{told}");
     assert!(folder.names().is_empty());
 }
@@ -117,16 +117,16 @@ fn two_of_three_are_given_and_the_duty_may_follow() {
         read(&folder, "p.json")["operating_point"].clone()
     };
     let number = |point: &Value, name: &str| point[name].as_f64().expect("a number");
-    let first = point(&["--pressure", "60 psi", "--load", "12 lb"]);
+    let first = point(&["--gauge-pressure", "60 psi", "--load", "12 lb"]);
     let length = format!("{} m", number(&first, "length_m"));
     let second = point(&["--length", &length, "--load", "12 lb"]);
     assert!((number(&second, "gauge_pressure_pa") / (60.0 * PSI) - 1.0).abs() < 1e-9);
-    let third = point(&["--length", &length, "--pressure", "60 psi"]);
+    let third = point(&["--length", &length, "--gauge-pressure", "60 psi"]);
     assert!((number(&third, "load_mass_kg") / (12.0 * 0.453_592_37) - 1.0).abs() < 1e-9);
-    let duty = number(&point(&["--pressure", "60 psi", "--pwm"]), "duty");
+    let duty = number(&point(&["--gauge-pressure", "60 psi", "--pwm"]), "duty");
     let back = point(&["--duty", &duty.to_string()]);
     assert!((number(&back, "gauge_pressure_pa") / (60.0 * PSI) - 1.0).abs() < 1e-8);
-    let warm = point(&["--pressure", "60 psi", "--temperature", "310 K"]);
+    let warm = point(&["--gauge-pressure", "60 psi", "--temperature", "310 K"]);
     assert!((number(&warm, "temperature_k") - 310.0).abs() < 1e-9);
 }
 
@@ -207,15 +207,20 @@ fn bode_plots_are_drawn() {
 fn what_has_no_meaning_is_refused_before_anything_is_written() {
     let folder = Folder::new("linearize-bad");
     let (pulsed, sealed) = ("examples/linearize-pwm.toml", "examples/paper/fig-08.toml");
-    refused(&folder, pulsed, &["--duty", "0.4", "--pressure", "60 psi"], "cannot be used with");
-    refused(&folder, pulsed, &["--pressure", "60 psi", "--length", "85 mm", "--load", "5 lb"], "cannot all be given");
+    refused(&folder, pulsed, &["--duty", "0.4", "--gauge-pressure", "60 psi"], "cannot be used with");
+    refused(
+        &folder,
+        pulsed,
+        &["--gauge-pressure", "60 psi", "--length", "85 mm", "--load", "5 lb"],
+        "cannot all be given",
+    );
     refused(&folder, pulsed, &["--duty", "1.4"], "duty");
     refused(&folder, sealed, &["--duty", "0.4"], "no PWM");
-    refused(&folder, pulsed, &["--pressure", "60"], "60 psi");
+    refused(&folder, pulsed, &["--gauge-pressure", "60"], "60 psi");
     refused(&folder, pulsed, &["--length", "3 N"], "no length");
     refused(&folder, pulsed, &["--length", "50 mm"], "min_length");
-    refused(&folder, pulsed, &["--pressure", "-2 bar"], "vacuum");
-    refused(&folder, pulsed, &["--pressure", "120 psi", "--pwm"], "no duty");
+    refused(&folder, pulsed, &["--gauge-pressure", "-2 bar"], "vacuum");
+    refused(&folder, pulsed, &["--gauge-pressure", "120 psi", "--pwm"], "no duty");
     refused(&folder, pulsed, &["--plot", "a.svg", "--input", "nothing"], "duty, mass_flow, force");
     refused(&folder, pulsed, &["--output", "model.txt"], ".json");
     refused(&folder, pulsed, &["--plot", "bode.pdf"], ".svg");
@@ -223,7 +228,7 @@ fn what_has_no_meaning_is_refused_before_anything_is_written() {
     refused(&folder, "examples/isometric-charge.toml", &["--load", "5 lb"], "held");
     refused(&folder, "examples/paper/fig-03.toml", &[], "prescribed motion");
     let joint = "examples/antagonistic-joint.toml";
-    refused(&folder, joint, &["--pressure", "60 psi"], "a joint has two actuators");
+    refused(&folder, joint, &["--gauge-pressure", "60 psi"], "a joint has two actuators");
     refused(
         &folder,
         joint,

@@ -63,7 +63,8 @@ fn columns_carry_the_names() {
         assert!(printed.contains(words), "{words}:\n{printed}");
     }
     let (header, columns) = columns(&folder, "run.csv");
-    let of_one = "length_m,velocity_m_s,pressure_pa,air_mass_kg,temperature_k,volume_m3,tension_n,mass_flow_kg_s,valve";
+    let of_one =
+        "length_m,velocity_m_s,absolute_pressure_pa,air_mass_kg,temperature_k,volume_m3,tension_n,mass_flow_kg_s,valve";
     let mut expected = vec!["time_s".to_owned()];
     for name in ["deltoid", "latissimus", "biceps", "triceps", "flexor", "extensor"] {
         expected.extend(of_one.split(',').map(|column| format!("{name}.{column}")));
@@ -72,7 +73,7 @@ fn columns_carry_the_names() {
         expected
             .extend(["angle_rad", "angular_velocity_rad_s", "torque_n_m"].map(|column| format!("{joint}.{column}")));
     }
-    expected.extend(["tank", "regulator", "manifold"].map(|name| format!("{name}.pressure_pa")));
+    expected.extend(["tank", "regulator", "manifold"].map(|name| format!("{name}.absolute_pressure_pa")));
     assert_eq!(header, expected);
     assert_eq!(columns["time_s"].len(), 201);
     // The muscle over two joints shortens with both.
@@ -110,8 +111,8 @@ fn a_joint_is_that_of_the_older_form() {
     for (ours, theirs) in [
         ("elbow.angle_rad", "angle_rad"),
         ("elbow.torque_n_m", "torque_n_m"),
-        ("agonist.pressure_pa", "pressure_pa"),
-        ("antagonist.pressure_pa", "antagonist_pressure_pa"),
+        ("agonist.absolute_pressure_pa", "absolute_pressure_pa"),
+        ("antagonist.absolute_pressure_pa", "antagonist_absolute_pressure_pa"),
         ("agonist.length_m", "length_m"),
         ("antagonist.tension_n", "antagonist_tension_n"),
         ("agonist.air_mass_kg", "air_mass_kg"),
@@ -200,15 +201,15 @@ duration = "0.5 s"
         "mechanism.position_m",
         "mechanism.force_n",
         "sprung.load_distance_m",
-        "manifold.pressure_pa",
+        "manifold.absolute_pressure_pa",
         "manifold.valve",
-        "alone.supply.pressure_pa",
+        "alone.supply.absolute_pressure_pa",
     ] {
         assert!(header.iter().any(|column| column == name), "{name}: {header:?}");
     }
-    let manifold = &columns["manifold.pressure_pa"];
+    let manifold = &columns["manifold.absolute_pressure_pa"];
     assert!(manifold[300] > 1.05 * manifold[500], "it is let go at 0.3 s: {} {}", manifold[300], manifold[500]);
-    assert!(columns["alone.supply.pressure_pa"][500] < 401_325.0, "it sags");
+    assert!(columns["alone.supply.absolute_pressure_pa"][500] < 401_325.0, "it sags");
     for row in 0..501 {
         // What spans the mass without a tendon is as long as it says.
         let x = columns["mechanism.position_m"][row];
@@ -218,7 +219,7 @@ duration = "0.5 s"
         let tension = 20e3 * (x - columns["sprung.length_m"][row]).max(0.0);
         assert!((columns["sprung.tension_n"][row] - tension).abs() < 1e-5, "{row}");
     }
-    assert!((columns["given.pressure_pa"][500] - 301_325.0).abs() < 1e-6);
+    assert!((columns["given.absolute_pressure_pa"][500] - 301_325.0).abs() < 1e-6);
 }
 
 #[test]

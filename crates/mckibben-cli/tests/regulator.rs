@@ -22,7 +22,7 @@ fn the_file_shows_set_point_and_regulated_pressure() {
 
     let mut reader = csv::Reader::from_path(folder.path("run.csv")).expect("a CSV file");
     let header = reader.headers().expect("a header").iter().collect::<Vec<_>>().join(",");
-    assert!(header.ends_with("valve,regulated_pressure_pa,set_point_pa"), "{header}");
+    assert!(header.ends_with("valve,regulated_absolute_pressure_pa,set_point_pa"), "{header}");
     let (mut rows, mut last) = (0, [0.0; 3]);
     for record in reader.records() {
         let record = record.expect("a row");

@@ -10,8 +10,7 @@ use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use parquet::record::RowAccessor as _;
 use std::path::Path;
 
-const HEADER: &str =
-    "time_s,length_m,velocity_m_s,pressure_pa,air_mass_kg,temperature_k,volume_m3,tension_n,mass_flow_kg_s,valve";
+const HEADER: &str = "time_s,length_m,velocity_m_s,absolute_pressure_pa,air_mass_kg,temperature_k,volume_m3,tension_n,mass_flow_kg_s,valve";
 
 const PWM: &str = r#"[supply]
 gauge_pressure = "100 psi"
@@ -97,7 +96,7 @@ fn parquet_and_csv_agree() {
     assert_eq!(value("mckibben.version"), env!("CARGO_PKG_VERSION"));
     assert_eq!(value("mckibben.scenario"), PWM);
     assert_eq!(value("mckibben.set"), r#"["command.duty=0.4"]"#);
-    assert!(value("mckibben.units").contains(r#""pressure_pa":"Pa""#));
+    assert!(value("mckibben.units").contains(r#""absolute_pressure_pa":"Pa""#));
     assert!(value("mckibben.resolved").contains("duty = 0.4"));
     let written = rows(&folder.path("run.csv"));
     assert_eq!(metadata.num_rows(), written.len() as i64);
@@ -478,9 +477,10 @@ fn a_joint_on_a_bottle_with_hoses_and_tendons_has_columns_events_and_sweeps() {
         let mut reader = csv::Reader::from_path(folder.path(name)).expect("a CSV file");
         reader.headers().expect("a header").iter().map(str::to_owned).collect::<Vec<_>>()
     };
-    let own = ["hose_pressure_pa", "supply_pressure_pa", "load_distance_m", "load_velocity_m_s"].map(str::to_owned);
+    let own = ["hose_absolute_pressure_pa", "supply_absolute_pressure_pa", "load_distance_m", "load_velocity_m_s"]
+        .map(str::to_owned);
     let usual: Vec<String> = HEADER.split(',').map(str::to_owned).collect();
-    let others = own.iter().filter(|name| *name != "supply_pressure_pa");
+    let others = own.iter().filter(|name| *name != "supply_absolute_pressure_pa");
     let second = usual.iter().skip(1).chain(others).map(|name| format!("antagonist_{name}"));
     let of_joint = ["angle_rad", "angular_velocity_rad_s", "torque_n_m"].map(str::to_owned);
     let due: Vec<String> = usual.iter().chain(&own).chain(&of_joint).cloned().chain(second).collect();

@@ -32,7 +32,7 @@ const GRID: &str = r#"
 [sweep]
 reductions = [
     "length.final", "length.mean", "length.min", "length.max", "length.ripple", "length.settling_time",
-    "length.overshoot", "pressure.max", "tension.peak", "velocity.peak", "air.used",
+    "length.overshoot", "absolute_pressure.max", "tension.peak", "velocity.peak", "air.used",
 ]
 part_rows = 5
 [sweep.vary]
@@ -129,7 +129,7 @@ fn reductions_are_those_of_the_samples_that_simulate_writes() {
                 ("length_final_m", last),
                 ("length_min_m", least(&length)),
                 ("length_max_m", greatest(&length)),
-                ("pressure_max_pa", greatest(&column("pressure_pa"))),
+                ("absolute_pressure_max_pa", greatest(&column("absolute_pressure_pa"))),
                 ("tension_peak_n", peak("tension_n")),
                 ("velocity_peak_m_s", peak("velocity_m_s")),
             ] {
@@ -185,7 +185,7 @@ fn the_engines_agree_within_the_error_of_the_fixed_step() {
         assert!(left < coarse / 20.0, "{name}: {left:e} extrapolated, {coarse:e} at 0.1 ms");
     }
     // An extreme between two samples is not seen, and the gains of air between samples are net of what leaves.
-    for (name, allowed) in [("pressure_max_pa", 1e-4), ("air_used_kg", 2e-3)] {
+    for (name, allowed) in [("absolute_pressure_max_pa", 1e-4), ("air_used_kg", 2e-3)] {
         assert!(error(&coarse, name) < allowed, "{name}: {:e}", error(&coarse, name));
     }
 }
@@ -503,7 +503,7 @@ fn samples_and_trajectories_are_those_of_simulate() {
         assert_eq!(some.len(), 36);
         for (sample, line) in some[18..21].iter().zip([0, 50, 120].map(|index| of_row[index])) {
             assert_eq!(sample["time_s"], line["time_s"]);
-            for name in ["length_m", "pressure_pa", "air_mass_kg"] {
+            for name in ["length_m", "absolute_pressure_pa", "air_mass_kg"] {
                 // Steps between samples are cut at other instants, which differ by rounding.
                 assert!((number(sample, name) / number(line, name) - 1.0).abs() < 1e-6, "{name}");
             }
@@ -574,7 +574,7 @@ fn rows_with_a_controller_are_those_of_simulate() {
             let line = &csv_lines(&folder.path("sweep.csv"))[0];
             let [name, unit] = match quantity {
                 "length" => ["length_m", "m"],
-                "pressure" => ["pressure_pa", "pa"],
+                "pressure" => ["absolute_pressure_pa", "pa"],
                 _ => ["air_mass_kg", "kg"],
             };
             assert_eq!(line[&format!("{quantity}_final_{unit}")], samples[samples.len() - 1][name]);
@@ -627,7 +627,7 @@ fn listed_samples_under_a_controller() {
     run(&folder, &["sweep", "muscle.toml", "-o", "some.csv"]);
     for (line, index) in csv_lines(&folder.path("some.csv")).iter().zip([0, 50, 120]) {
         assert_eq!(line["time_s"], samples[index]["time_s"]);
-        for name in ["length_m", "pressure_pa", "air_mass_kg"] {
+        for name in ["length_m", "absolute_pressure_pa", "air_mass_kg"] {
             let (found, expected) = (number(line, name), number(&samples[index], name));
             // Steps are cut at other instants, which differ by rounding.
             assert!((found / expected - 1.0).abs() < 1e-6, "{name}: {found} for {expected}");
@@ -664,8 +664,14 @@ fn check_joint(name: &str, text: &str, varied: &[(&str, &str)], errors: &[&str])
     let folder = Folder::new(name);
     folder.file("plain.toml", text);
     let vary: Vec<String> = varied.iter().map(|(path, value)| format!("\"{path}\" = [\"{value}\"]")).collect();
-    let reductions =
-        ["angle.final", "angle.max", "torque.peak", "antagonist_pressure.final", "pressure.max", "air.used"];
+    let reductions = [
+        "angle.final",
+        "angle.max",
+        "torque.peak",
+        "antagonist_absolute_pressure.final",
+        "absolute_pressure.max",
+        "air.used",
+    ];
     let listed: Vec<String> = reductions.iter().chain(errors).map(|name| format!("\"{name}\"")).collect();
     let sweep = format!("{text}[sweep]\nreductions = [{}]\n[sweep.vary]\n{}\n", listed.join(", "), vary.join("\n"));
     folder.file("joint.toml", &sweep);
@@ -688,11 +694,11 @@ fn check_joint(name: &str, text: &str, varied: &[(&str, &str)], errors: &[&str])
         let line = &csv_lines(&folder.path("sweep.csv"))[0];
         let last = &samples[samples.len() - 1];
         assert_eq!(line["angle_final_rad"], last["angle_rad"]);
-        assert_eq!(line["antagonist_pressure_final_pa"], last["antagonist_pressure_pa"]);
+        assert_eq!(line["antagonist_absolute_pressure_final_pa"], last["antagonist_absolute_pressure_pa"]);
         let column = |name: &str| samples.iter().map(|sample| number(sample, name)).collect::<Vec<f64>>();
         let greatest = |values: Vec<f64>| values.into_iter().fold(f64::NEG_INFINITY, f64::max);
         assert_eq!(number(line, "angle_max_rad"), greatest(column("angle_rad")));
-        assert_eq!(number(line, "pressure_max_pa"), greatest(column("pressure_pa")));
+        assert_eq!(number(line, "absolute_pressure_max_pa"), greatest(column("absolute_pressure_pa")));
         assert_eq!(number(line, "torque_peak_n_m"), greatest(column("torque_n_m").into_iter().map(f64::abs).collect()));
         // Both valves shut but for filling: what came is what is there, of the actuators that were filled.
         assert!(number(line, "air_used_kg") > 0.0);
@@ -792,7 +798,7 @@ fn a_sweep_of_a_joint_chooses_its_step() {
     );
     let samples = csv_lines(&folder.path("run.csv"));
     for (line, index) in lines.iter().zip([0, 60, 120]) {
-        for name in ["angle_rad", "antagonist_pressure_pa", "tension_n"] {
+        for name in ["angle_rad", "antagonist_absolute_pressure_pa", "tension_n"] {
             let (found, expected) = (number(line, name), number(&samples[index], name));
             // Steps between samples are cut at other instants, but for rounding at the same: each step rounds once.
             let largest = samples.iter().fold(0.0_f64, |largest, sample| largest.max(number(sample, name).abs()));
@@ -882,7 +888,7 @@ fn without_a_step_the_sweep_takes_the_least_that_the_rows_tried_need() {
         assert_eq!(swept.len(), alone.len());
         run(&folder, &[&simulate[..], &["run.relative_tolerance=1e-10"]].concat());
         let exact = csv_lines(&folder.path("run.csv"));
-        for name in ["length_m", "velocity_m_s", "pressure_pa", "air_mass_kg"] {
+        for name in ["length_m", "velocity_m_s", "absolute_pressure_pa", "air_mass_kg"] {
             assert!(swept.iter().zip(&alone).all(|(swept, alone)| swept[name] == alone[name]), "{name} of row {row}");
             // And it is as accurate as was asked.
             let values = || exact.iter().map(|line| number(line, name));

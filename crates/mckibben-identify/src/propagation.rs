@@ -49,8 +49,8 @@ pub(crate) fn estimate((name, unit): Label, value: f64, deviation: f64, degrees_
         name: name.to_owned(),
         unit,
         value,
-        deviation: told.then_some(deviation),
-        interval: told.then_some([value - half, value + half]),
+        standard_error: told.then_some(deviation),
+        confidence_interval: told.then_some([value - half, value + half]),
         on_bound: false,
     }
 }

@@ -36,7 +36,7 @@ fn certified(curve: &Curve<Plain>, starts: &[&[f64]], expected: &[[f64; 2]], sca
             // What matters of a place in a flat valley is how far it is in deviations.
             let off = (estimate.value - value).abs() / deviation;
             assert!(off < 1e-6, "{}: {} is {off:e} deviations off from {start:?}", estimate.name, estimate.value);
-            let found = estimate.deviation.expect("it is told");
+            let found = estimate.standard_error.expect("it is told");
             assert!((found / deviation - 1.0).abs() < 1e-6, "{}: {found} for {deviation}", estimate.name);
         }
         assert!((fit.scatter / scatter - 1.0).abs() < 1e-9, "{}", fit.scatter);
@@ -136,7 +136,7 @@ fn the_interval_holds_the_truth_in_95_of_100_trials() {
         let curve = Curve { points: (0..8).map(point).collect(), curve: line };
         let fit = fit(&curve, &unknowns(&["offset", "slope"]), &Search::default()).expect("a fit");
         for (hits, (estimate, truth)) in hits.iter_mut().zip(fit.estimates.iter().zip(truth)) {
-            let [low, high] = estimate.interval.expect("it is told");
+            let [low, high] = estimate.confidence_interval.expect("it is told");
             *hits += u32::from(low <= truth && truth <= high);
         }
     }
@@ -153,7 +153,7 @@ fn what_the_data_cannot_tell_apart_is_named_and_has_no_interval() {
     assert_eq!(fit.untold.len(), 1);
     let names: Vec<&str> = fit.untold[0].shares.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(names, ["width", "height"]);
-    let intervals: Vec<bool> = fit.estimates.iter().map(|estimate| estimate.interval.is_some()).collect();
+    let intervals: Vec<bool> = fit.estimates.iter().map(|estimate| estimate.confidence_interval.is_some()).collect();
     assert_eq!(intervals, [false, false, true]);
     assert!(fit.condition > 1e9);
 }
@@ -169,7 +169,7 @@ fn a_prior_tells_what_the_data_do_not() {
     let values = fit.values();
     assert!((values[0] - 2.0).abs() < 1e-9 && (values[1] - 3.0).abs() < 1e-9, "{values:?}");
     // The data are exact but for their scale of 1: Σx² = 204, and the prior is narrower than they.
-    let deviation = fit.estimates[0].deviation.expect("the prior tells it");
+    let deviation = fit.estimates[0].standard_error.expect("the prior tells it");
     assert!((deviation - 0.1).abs() < 1e-9, "{deviation}");
 }
 
@@ -179,7 +179,7 @@ fn an_unknown_on_its_bound_has_no_interval_and_the_others_are_as_if_it_were_fixe
     let mut bounded = unknowns(&["offset", "slope"]);
     bounded[0] = bounded[0].clone().between(0.0, 5.0);
     let fit_of = fit(&Curve { points: points.clone(), curve: line }, &bounded, &Search::default()).expect("a fit");
-    assert!(fit_of.estimates[0].on_bound && fit_of.estimates[0].interval.is_none());
+    assert!(fit_of.estimates[0].on_bound && fit_of.estimates[0].confidence_interval.is_none());
     // Through the origin: Σxy/Σx².
     let (xy, xx) = points.iter().fold((0.0, 0.0), |(xy, xx), [x, y]| (xy + x * y, xx + x * x));
     assert!((fit_of.estimates[1].value - xy / xx).abs() < 1e-5, "{}", fit_of.estimates[1].value);
@@ -239,7 +239,11 @@ fn a_fit_in_which_every_unknown_rests_on_a_bound_has_values_and_no_intervals() {
     for scale in [1e1, 1e4, 1e8] {
         let found =
             fit(&beyond(scale), &unknowns, &Search::default()).unwrap_or_else(|error| panic!("{scale}: {error}"));
-        assert!(found.estimates.iter().all(|of| of.on_bound && of.interval.is_none()), "{:?}", found.estimates);
+        assert!(
+            found.estimates.iter().all(|of| of.on_bound && of.confidence_interval.is_none()),
+            "{:?}",
+            found.estimates
+        );
         assert!((found.estimates[0].value - 1.0).abs() < 1e-6, "{:?}", found.estimates);
         assert!(found.condition.is_finite() && found.untold.is_empty());
     }

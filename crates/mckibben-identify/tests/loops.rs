@@ -86,7 +86,7 @@ fn weights_friction_and_damping_come_back_out() {
     }
     let noisy = fit(0.2);
     for (estimate, truth) in noisy.found.fit.estimates.iter().zip(TRUTH) {
-        let off = (estimate.value - truth).abs() / estimate.deviation.expect("a deviation");
+        let off = (estimate.value - truth).abs() / estimate.standard_error.expect("a deviation");
         assert!(off < 4.0, "{}: {off} deviations", estimate.name);
     }
     assert!((noisy.left / 0.2 - 1.0).abs() < 0.1, "{}", noisy.left);

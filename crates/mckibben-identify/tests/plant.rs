@@ -8,7 +8,7 @@ use mckibben_identify::adjustable::Adjustable;
 use mckibben_identify::least_squares::{Search, Unknown};
 use mckibben_identify::study::Quantity;
 use mckibben_identify::trajectories::{
-    AdjustablePlant, Asked, Course, Described, Horizon, Identified, Observed, Recorded, Subject, Task,
+    AdjustablePlant, Course, Described, Horizon, Identified, Observed, Recorded, Sampling, Subject, Task,
 };
 use mckibben_scenario::{Document, Place, PlantPlace, Scenario};
 use noise::Noise;
@@ -104,7 +104,7 @@ fn identified(task: &Task) -> Identified {
 /// Every estimate is within four of its deviations of the truth, and known to a part of it.
 fn check(found: &Identified, truths: &[f64], part: f64) {
     for (estimate, truth) in found.found.fit.estimates.iter().zip(truths) {
-        let deviation = estimate.deviation.expect("a deviation");
+        let deviation = estimate.standard_error.expect("a deviation");
         assert!((estimate.value - truth).abs() < 4.0 * deviation && deviation < part * truth, "{estimate:?}: {truth}");
     }
     assert!(found.found.fit.untold.is_empty());
@@ -141,25 +141,26 @@ fn derivatives_are_those_of_differences() {
     let subject = subject(&document, &OF_ALL_SECTIONS);
     let names =
         ["shoulder.angle", "elbow.angular_velocity", "biceps.gauge_pressure", "deltoid.tension", "tank.pressure"];
-    let asked = Asked {
+    let sampling = Sampling {
         observed: names.iter().map(|name| column(&document, name)).collect(),
         times: vec![0.05, 0.13, 0.19, 0.3, 0.4],
         tolerance: 1e-10,
     };
     let values: Vec<f64> = OF_ALL_SECTIONS.iter().map(|path| find(&document, path).value()).collect();
-    let (_, slopes) = asked.with_slopes(&subject, &values, &|_| Ok(())).unwrap_or_else(|error| panic!("{error}"));
+    let (_, slopes) =
+        sampling.value_and_jacobian(&subject, &values, &|_| Ok(())).unwrap_or_else(|error| panic!("{error}"));
     let count = names.len();
     for (place, path) in OF_ALL_SECTIONS.iter().enumerate() {
         let step = 1e-3 * values[place];
         let at = |change: f64| {
             let mut values = values.clone();
             values[place] += change;
-            asked.values(&subject, &values, &|_| Ok(())).unwrap_or_else(|error| panic!("{error}"))
+            sampling.values(&subject, &values, &|_| Ok(())).unwrap_or_else(|error| panic!("{error}"))
         };
         let (below, above) = (at(-step), at(step));
         let difference: Vec<f64> = below.iter().zip(&above).map(|(low, high)| (high - low) / (2.0 * step)).collect();
         for (quantity, name) in names.iter().enumerate() {
-            let of_quantity = || (0..asked.times.len()).map(|time| time * count + quantity);
+            let of_quantity = || (0..sampling.times.len()).map(|time| time * count + quantity);
             let size = of_quantity().fold(0.0_f64, |size, row| size.max(difference[row].abs()));
             for row in of_quantity() {
                 let off = (slopes[row * values.len() + place] - difference[row]).abs();
@@ -216,15 +217,15 @@ fn an_arm_gives_back_its_parts() {
         // What is foretold is off by the noise, and by at most what twice the deviations of the parameters come to.
         let other = identified(&Task { runs: vec![task.runs[1 - run].clone()], ..task.clone() }).found.fit;
         let courses = &task.runs[run].courses;
-        let asked = Asked {
+        let sampling = Sampling {
             observed: courses.iter().map(|course| course.observed.clone()).collect(),
             times: courses[0].times.clone(),
             tolerance: 1e-9,
         };
         let values: Vec<f64> = other.estimates.iter().map(|estimate| estimate.value).collect();
-        let (_, slopes) = asked.with_slopes(&task.runs[run].subject, &values, &|_| Ok(())).expect("a run");
+        let (_, slopes) = sampling.value_and_jacobian(&task.runs[run].subject, &values, &|_| Ok(())).expect("a run");
         let covariance = |i: usize, j: usize| {
-            let deviation = |of: usize| other.estimates[of].deviation.expect("a deviation");
+            let deviation = |of: usize| other.estimates[of].standard_error.expect("a deviation");
             other.correlations[i][j] * deviation(i) * deviation(j)
         };
         for (place, (observed, [_, outside])) in left_out.errors.iter().enumerate() {
@@ -232,10 +233,10 @@ fn an_arm_gives_back_its_parts() {
                 (0..6).flat_map(|i| (0..6).map(move |j| (i, j))).map(|(i, j)| row[i] * covariance(i, j) * row[j]).sum()
             };
             let rows = slopes.chunks(6).skip(place).step_by(columns.len());
-            let spread = rows.map(of_time).sum::<f64>() / asked.times.len() as f64;
+            let spread = rows.map(of_time).sum::<f64>() / sampling.times.len() as f64;
             let noise = columns[place].1;
             let most = (noise.powi(2) + 4.0 * spread).sqrt();
-            assert!(*observed == asked.observed[place]);
+            assert!(*observed == sampling.observed[place]);
             assert!(*outside > 0.85 * noise && *outside < 1.1 * most, "{observed:?}: {outside} of at most {most}");
         }
     }
@@ -297,7 +298,7 @@ fn a_plant_of_one_joint_is_that_joint() {
     }
     let found = [run, by_itself].map(|run| identified(&task(vec![run], &plant, &paths, 1.2)).found.fit);
     for (one, other) in found[0].estimates.iter().zip(&found[1].estimates) {
-        let (of_one, of_other) = (one.deviation.expect("one"), other.deviation.expect("one"));
+        let (of_one, of_other) = (one.standard_error.expect("one"), other.standard_error.expect("one"));
         assert!((one.value - other.value).abs() < 1e-3 * of_one, "{one:?}, {other:?}");
         assert!((of_one / of_other - 1.0).abs() < 1e-3, "{one:?}, {other:?}");
     }

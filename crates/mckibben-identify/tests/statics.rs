@@ -90,7 +90,7 @@ fn what_was_put_in_comes_back_out() {
     // With noise the truth lies within the intervals widened to 4 deviations, and the scatter is the noise.
     let found = fit("ideal-braid + saturating bladder", &map_of(&truth, 2.0), &elsewhere);
     for (estimate, expected) in found.fit.estimates.iter().zip(expected) {
-        let off = (estimate.value - expected).abs() / estimate.deviation.expect("a deviation");
+        let off = (estimate.value - expected).abs() / estimate.standard_error.expect("a deviation");
         assert!(off < 4.0, "{}: {off} deviations", estimate.name);
     }
     let scatter = found.fit.scatter * map.largest();
@@ -293,7 +293,7 @@ fn no_cell_of_a_map_makes_a_law_panic() {
                 match candidate.fit(&map, None, &Search { most_steps: 40, ..Search::default() }) {
                     Ok(found) => {
                         let known = found.fit.estimates.iter().all(|of| {
-                            let [low, high] = of.interval.unwrap_or([of.value; 2]);
+                            let [low, high] = of.confidence_interval.unwrap_or([of.value; 2]);
                             of.value.is_finite() && low.is_finite() && high.is_finite()
                         });
                         assert!(known, "{} with {value} in column {column}: {:?}", candidate.name, found.fit.estimates);

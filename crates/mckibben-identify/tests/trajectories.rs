@@ -107,9 +107,9 @@ fn noise_is_told_apart_by_quantity_and_the_truth_is_within_reach() {
     let task = task(runs.to_vec(), &SOUGHT, 1.2);
     let found = identified(&task);
     for (estimate, truth) in found.found.fit.estimates.iter().zip(truth_of(&task)) {
-        let off = (estimate.value - truth).abs() / estimate.deviation.expect("a deviation");
+        let off = (estimate.value - truth).abs() / estimate.standard_error.expect("a deviation");
         assert!(off < 4.0, "{}: {off} deviations", estimate.name);
-        assert!(estimate.deviation.expect("one") < 0.2 * truth, "{estimate:?}");
+        assert!(estimate.standard_error.expect("one") < 0.2 * truth, "{estimate:?}");
     }
     for ((observed, left), deviation) in found.left.iter().zip(deviations) {
         // Of 400 readings: a twentieth is one and a half deviations.
@@ -133,7 +133,7 @@ fn what_scales_together_is_named() {
     for name in sought {
         assert!(names.contains(&name), "{name} is not among {names:?}; condition {}", found.found.fit.condition);
     }
-    assert!(found.found.fit.estimates.iter().all(|estimate| estimate.interval.is_none()));
+    assert!(found.found.fit.estimates.iter().all(|estimate| estimate.confidence_interval.is_none()));
 }
 
 #[test]
@@ -206,7 +206,7 @@ fn segments_find_what_a_whole_run_hides() {
     sought.horizon = Horizon::Segments(0.1);
     let found = sought.identify().unwrap_or_else(|error| panic!("{error}"));
     for (estimate, unknown) in found.found.fit.estimates.iter().zip(&sought.unknowns) {
-        let (truth, deviation) = (unknown.start / 1.1, estimate.deviation.expect("a deviation"));
+        let (truth, deviation) = (unknown.start / 1.1, estimate.standard_error.expect("a deviation"));
         assert!((estimate.value - truth).abs() < 4.0 * deviation, "{estimate:?}: {truth}");
         assert!(deviation < 0.02 * truth, "{estimate:?}");
     }
@@ -274,7 +274,7 @@ fn a_measured_pressure_stands_for_the_valve_that_made_it() {
     let task = task(runs.to_vec(), &STATIC, 1.2);
     let found = identified(&task);
     for (estimate, truth) in found.found.fit.estimates.iter().zip(truth_of(&task)) {
-        let deviation = estimate.deviation.expect("a deviation");
+        let deviation = estimate.standard_error.expect("a deviation");
         assert!((estimate.value - truth).abs() < 4.0 * deviation && deviation < 0.02 * truth, "{estimate:?}: {truth}");
     }
     // Noise of the pressure goes into the force, of which the intervals do not know.
@@ -304,7 +304,7 @@ fn each_run_may_have_a_number_of_its_own() {
     let viscous = truth_of(&self::task(runs.to_vec(), &sought[..1], 1.0))[0];
     let truths = [viscous, masses[0], masses[1], masses[2]];
     for (estimate, truth) in found.found.fit.estimates.iter().zip(truths) {
-        let deviation = estimate.deviation.expect("a deviation");
+        let deviation = estimate.standard_error.expect("a deviation");
         assert!((estimate.value - truth).abs() < 4.0 * deviation && deviation < 0.03 * truth, "{estimate:?}: {truth}");
     }
     for (scenario, mass) in found.scenarios.iter().zip(&found.found.fit.values()[1..]) {

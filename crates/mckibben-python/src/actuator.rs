@@ -488,7 +488,7 @@ impl ActuatorState {
 
     /// Absolute pressure of the air in Pa.
     #[getter]
-    fn pressure(&self) -> f64 {
+    fn absolute_pressure(&self) -> f64 {
         self.numbers[4]
     }
 

@@ -177,7 +177,7 @@ type Targets<'py> = [Option<Given<'py>>; 4];
 impl<'py> Answers<'py> {
     fn of(given: &Targets<'py>, count: usize) -> PyResult<Self> {
         let mut arrays = [None, None, None, None];
-        let names = ["tension", "per_length", "per_velocity", "pressure"];
+        let names = ["tension", "per_length", "per_velocity", "absolute_pressure"];
         for ((array, given), name) in arrays.iter_mut().zip(given).zip(names) {
             if let Some(given) = given {
                 let borrowed = given.write(name)?;
@@ -264,13 +264,13 @@ impl Actuators {
     /// pulses of `duty` from 0 to 1; with `None` what was asked before goes on.
     ///
     /// `tension` in N is written, and where they are given `per_length` (its derivative at constant pressure, N/m),
-    /// `per_velocity` (N*s/m) and `pressure` (Pa, absolute). `velocity` in m/s is that of the ends at the end of the step.
+    /// `per_velocity` (N*s/m) and `absolute_pressure` (Pa). `velocity` in m/s is that of the ends at the end of the step.
     /// `max_step` in s divides the step as that of an `Actuator`.
     ///
     /// Raises `InputError` for arrays and numbers that cannot be, before anything has changed, and `SimulationError` where an
     /// actuator leaves the physics: that one is then where it was and its entries are as they were, and the others have
     /// gone on. Ctrl-C ends a step of many parts; all actuators are then where they were.
-    #[pyo3(signature = (dt, length, velocity, duty, tension, *, per_length = None, per_velocity = None, pressure = None,
+    #[pyo3(signature = (dt, length, velocity, duty, tension, *, per_length = None, per_velocity = None, absolute_pressure = None,
         max_step = None))]
     #[expect(clippy::too_many_arguments, reason = "each is an array of its own")]
     fn step<'py>(
@@ -283,7 +283,7 @@ impl Actuators {
         tension: Given<'py>,
         per_length: Option<Given<'py>>,
         per_velocity: Option<Given<'py>>,
-        pressure: Option<Given<'py>>,
+        absolute_pressure: Option<Given<'py>>,
         max_step: Option<f64>,
     ) -> PyResult<()> {
         let (model, count) = (&self.model, self.count);
@@ -292,7 +292,7 @@ impl Actuators {
         let length = read("length", &length, count)?;
         let velocity = read("velocity", &velocity, count)?;
         let duty = duty.map(|duty| read("duty", &duty, count)).transpose()?;
-        let mut answers = Answers::of(&[Some(tension), per_length, per_velocity, pressure], count)?;
+        let mut answers = Answers::of(&[Some(tension), per_length, per_velocity, absolute_pressure], count)?;
         let (length, velocity) = (length.as_slice()?, velocity.as_slice()?);
         let duty = duty.as_ref().map(|duty| duty.as_slice()).transpose()?;
         if let Some(row) = length.iter().position(|length| *length <= 0.0) {
@@ -325,7 +325,7 @@ impl Actuators {
 
     /// Writes what the actuators answer where they are while their ends move apart at `velocity` in m/s, as `step` does: the
     /// tensions with which a loop begins.
-    #[pyo3(signature = (velocity, tension, *, per_length = None, per_velocity = None, pressure = None))]
+    #[pyo3(signature = (velocity, tension, *, per_length = None, per_velocity = None, absolute_pressure = None))]
     fn respond<'py>(
         &self,
         py: Python<'py>,
@@ -333,10 +333,10 @@ impl Actuators {
         tension: Given<'py>,
         per_length: Option<Given<'py>>,
         per_velocity: Option<Given<'py>>,
-        pressure: Option<Given<'py>>,
+        absolute_pressure: Option<Given<'py>>,
     ) -> PyResult<()> {
         let velocity = read("velocity", &velocity, self.count)?;
-        let mut answers = Answers::of(&[Some(tension), per_length, per_velocity, pressure], self.count)?;
+        let mut answers = Answers::of(&[Some(tension), per_length, per_velocity, absolute_pressure], self.count)?;
         let velocity = velocity.as_slice()?;
         check_velocities(velocity).raised()?;
         let mut rows = self.rows()?;

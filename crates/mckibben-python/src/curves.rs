@@ -13,15 +13,15 @@ use pyo3::types::PyDict;
 
 /// Force, stiffness and volume of a scenario's actuator over length, at rest: the table of `mckibben curves`.
 ///
-/// `pressures` are gauge pressures: numbers in Pa, or text such as "35, 45, 55 psi"; those of the paper's Fig. 3 unless given. Each array
+/// `gauge_pressures` are numbers in Pa, or text such as "35, 45, 55 psi"; those of the paper's Fig. 3 unless given. Each array
 /// has a row for each pressure and a column for each length, from the shortest to the longest; its name has its unit at
 /// the end. `stiffness_n_m` is (7), at constant pressure; `sealed_stiffness_n_m` is (5), with the valve shut.
 #[pyfunction]
-#[pyo3(signature = (scenario, pressures = None))]
+#[pyo3(signature = (scenario, gauge_pressures = None))]
 pub(crate) fn curves<'py>(
     py: Python<'py>,
     scenario: &Bound<'py, Scenario>,
-    pressures: Option<GaugePressures>,
+    gauge_pressures: Option<GaugePressures>,
 ) -> PyResult<Numbered<'py>> {
     let document = &scenario.get().document;
     let (table, count) = py
@@ -29,16 +29,16 @@ pub(crate) fn curves<'py>(
             let text = |text: &str| {
                 text.parse().map_err(|why: String| {
                     Failure::input(
-                        format!("`pressures`: {why}"),
+                        format!("`gauge_pressures`: {why}"),
                         "give text such as \"35, 45, 55 psi\", or numbers in Pa",
                     )
                 })
             };
-            let pressures: Pressures = match pressures {
+            let pressures: Pressures = match gauge_pressures {
                 None => text(USUAL)?,
                 Some(GaugePressures::Text(list)) => text(&list)?,
                 Some(GaugePressures::Numbers(Sequence(numbers))) => {
-                    arguments::finite("pressures", &numbers)?;
+                    arguments::finite("gauge_pressures", &numbers)?;
                     Pressures::of_pascals(&numbers)
                 }
             };

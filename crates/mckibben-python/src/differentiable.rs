@@ -8,34 +8,34 @@ use crate::signals::heard;
 use crate::typed::{Function, Items, Names, Numbers, Sequence};
 use mckibben::parameter;
 use mckibben_identify::adjustable::Adjustable;
-use mckibben_identify::trajectories::{Asked, Observed, Subject, SubjectError};
+use mckibben_identify::trajectories::{Observed, Sampling, Subject, SubjectError};
 use mckibben_run::failure::Failure;
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// Quantities of a run at given times as a function of numbers of its scenario, with exact derivatives by all of them.
+/// Quantities of a run at given times as a function of parameters of its scenario, with the exact Jacobian.
 ///
-/// `by` are keys of numbers as the scenario file has them, such as "load.mass", "command.duty" or
-/// "actuator.effectiveness.value[2]"; `of` are quantities: "length" (m), "gauge_pressure" (Pa), "tension" (N), of a joint also
+/// `parameters` are keys of numbers as the scenario file has them, such as "load.mass", "command.duty" or
+/// "actuator.effectiveness.value[2]"; `quantities` are "length" (m), "gauge_pressure" (Pa), "tension" (N), of a joint also
 /// "angle" (rad), "angular_velocity" (rad/s), "torque" (N*m), "antagonist_length", "antagonist_gauge_pressure",
-/// "antagonist_tension"; `at` are times in s within the run. Every event is located, and derivatives go through it.
+/// "antagonist_tension"; `times` are in s, within the run. Every event is located, and derivatives go through it.
 ///
-/// Called with values of the numbers in SI, in the order of `by`, it gives an array of shape (len(at), len(of)).
+/// Called with values of the parameters in SI, it returns an array of shape (len(times), len(quantities)).
 ///
 /// Ctrl-C ends a call. Raises `InputError` for what is no number or quantity of the scenario, and for a scenario with a
 /// controller.
 #[pyclass(frozen, module = "mckibben")]
 pub(crate) struct Differentiable {
     scenario: Py<Scenario>,
-    by: Vec<String>,
-    of: Vec<String>,
+    parameters: Vec<String>,
+    quantities: Vec<String>,
     subject: Subject,
-    asked: Asked,
+    sampling: Sampling,
     start: Vec<f64>,
 }
 
-fn observed(name: &str, of_joint: bool) -> Result<Observed, Failure> {
+fn observed_of(name: &str, of_joint: bool) -> Result<Observed, Failure> {
     let names = || Observed::ALL.into_iter().filter(|of| of_joint || !of.is_of_joint());
     names().find(|of| of.quantity().name() == name).ok_or_else(|| {
         let known: Vec<&str> = names().map(|of| of.quantity().name()).collect();
@@ -47,39 +47,39 @@ fn observed(name: &str, of_joint: bool) -> Result<Observed, Failure> {
 impl Differentiable {
     fn of(
         scenario: &Scenario,
-        by: &[String],
-        of: &[String],
-        at: Vec<f64>,
-    ) -> Result<(Subject, Asked, Vec<f64>), Failure> {
+        parameters: &[String],
+        quantities: &[String],
+        times: Vec<f64>,
+    ) -> Result<(Subject, Sampling, Vec<f64>), Failure> {
         let mut base = scenario.of_one()?.clone();
         if base.has_controller() {
             let remedy = "leave `[controller]` out, and give the command that it should ask for";
             return Err(Failure::input("what a controller decides has no derivatives here", remedy));
         }
-        let of = of.iter().map(|name| observed(name, base.has_joint())).collect::<Result<_, _>>()?;
+        let observed = quantities.iter().map(|name| observed_of(name, base.has_joint())).collect::<Result<_, _>>()?;
         let end = base.run.duration;
-        if let Some(place) = at.iter().position(|time| !(0.0..=end).contains(time)) {
+        if let Some(place) = times.iter().position(|time| !(0.0..=end).contains(time)) {
             let remedy = format!("give times from 0 s to run.duration = {end} s");
-            return Err(Failure::input(format!("at[{place}] = {} s is no time of the run", at[place]), remedy));
+            return Err(Failure::input(format!("times[{place}] = {} s is no time of the run", times[place]), remedy));
         }
         let (mut places, mut start) = (Vec::new(), Vec::new());
-        for path in by {
-            let place = scenario.document.find(path, by.iter().map(String::as_str), &mut base);
-            let place = place.map_err(|error| Failure::input(error.to_string(), "mend `by`"))?;
+        for path in parameters {
+            let place = scenario.document.find(path, parameters.iter().map(String::as_str), &mut base);
+            let place = place.map_err(|error| Failure::input(error.to_string(), "mend `parameters`"))?;
             start.push(place.value(&mut base).unwrap_or(f64::NAN));
             places.push(place);
         }
         let given = scenario.document.says_of_each(parameter::MIN_LENGTH.key);
-        let asked = Asked { observed: of, times: at, tolerance: base.run.relative_tolerance };
-        Ok((Adjustable::new(base, places, given).into(), asked, start))
+        let sampling = Sampling { observed, times, tolerance: base.run.relative_tolerance };
+        Ok((Adjustable::new(base, places, given).into(), sampling, start))
     }
 
     fn checked(&self, values: &[f64]) -> Result<(), Failure> {
-        match values.len() == self.by.len() {
-            true => arguments::finite_by("values", values, |at| format!("[{at}] ({})", self.by[at])),
+        match values.len() == self.parameters.len() {
+            true => arguments::finite_by("values", values, |at| format!("[{at}] ({})", self.parameters[at])),
             false => Err(Failure::input(
-                format!("{} values were given for {} numbers", values.len(), self.by.len()),
-                format!("give one for each of {}, in SI", self.by.join(", ")),
+                format!("{} values were given for {} parameters", values.len(), self.parameters.len()),
+                format!("give one for each of {}, in SI", self.parameters.join(", ")),
             )),
         }
     }
@@ -87,7 +87,7 @@ impl Differentiable {
     /// An error of the core; a value that came as an argument stands in no line of the scenario.
     fn failed(&self, error: &SubjectError, py: Python<'_>) -> Failure {
         match error {
-            SubjectError::Core(error) if self.by.is_empty() => {
+            SubjectError::Core(error) if self.parameters.is_empty() => {
                 Failure::of_core(error, &self.scenario.bind(py).get().document)
             }
             SubjectError::Core(error) => error.clone().into(),
@@ -103,10 +103,15 @@ impl Differentiable {
 #[pymethods]
 impl Differentiable {
     #[new]
-    fn new(scenario: Py<Scenario>, by: Items<String>, of: Items<String>, at: Sequence) -> PyResult<Self> {
-        let (by, of) = (by.0, of.0);
-        let (subject, asked, start) = Self::of(scenario.get(), &by, &of, at.0).raised()?;
-        Ok(Self { scenario, by, of, subject, asked, start })
+    fn new(
+        scenario: Py<Scenario>,
+        parameters: Items<String>,
+        quantities: Items<String>,
+        times: Sequence,
+    ) -> PyResult<Self> {
+        let (parameters, quantities) = (parameters.0, quantities.0);
+        let (subject, sampling, start) = Self::of(scenario.get(), &parameters, &quantities, times.0).raised()?;
+        Ok(Self { scenario, parameters, quantities, subject, sampling, start })
     }
 
     /// What is run.
@@ -115,27 +120,27 @@ impl Differentiable {
         self.scenario.clone_ref(py)
     }
 
-    /// The numbers that it is a function of.
+    /// The parameters that it is a function of.
     #[getter]
-    fn by(&self) -> Vec<String> {
-        self.by.clone()
+    fn parameters(&self) -> Vec<String> {
+        self.parameters.clone()
     }
 
     /// The quantities.
-    #[getter(of)]
+    #[getter]
     fn quantities(&self) -> Vec<String> {
-        self.of.clone()
+        self.quantities.clone()
     }
 
     /// The times in s.
     #[getter]
-    fn at<'py>(&self, py: Python<'py>) -> Numbers<'py> {
-        Numbers(PyArray1::from_slice(py, &self.asked.times).into_any())
+    fn times<'py>(&self, py: Python<'py>) -> Numbers<'py> {
+        Numbers(PyArray1::from_slice(py, &self.sampling.times).into_any())
     }
 
-    /// The values of the numbers in the scenario, in SI.
+    /// The scenario's own values of the parameters, in SI.
     #[getter]
-    fn start<'py>(&self, py: Python<'py>) -> Numbers<'py> {
+    fn defaults<'py>(&self, py: Python<'py>) -> Numbers<'py> {
         Numbers(PyArray1::from_slice(py, &self.start).into_any())
     }
 
@@ -143,37 +148,38 @@ impl Differentiable {
     #[getter]
     fn units<'py>(&self, py: Python<'py>) -> PyResult<Names<'py>> {
         let units = PyDict::new(py);
-        let pairs = self.of.iter().zip(&self.asked.observed);
+        let pairs = self.quantities.iter().zip(&self.sampling.observed);
         pairs.into_iter().try_for_each(|(name, of)| units.set_item(name, of.unit()))?;
         Ok(Names(units.into_any()))
     }
 
-    /// The quantities at the times, of shape (len(at), len(of)).
+    /// The quantities at the times, of shape (len(times), len(quantities)).
     fn __call__<'py>(&self, py: Python<'py>, values: Sequence) -> PyResult<Numbers<'py>> {
         self.checked(&values.0).raised()?;
-        let read = heard(py, |watch| self.asked.values(&self.subject, &values.0, watch))?;
+        let read = heard(py, |watch| self.sampling.values(&self.subject, &values.0, watch))?;
         let read = read.map_err(|error| self.failed(&error, py)).raised()?;
-        Self::shaped(py, read, &[self.asked.times.len(), self.of.len()])
+        Self::shaped(py, read, &[self.sampling.times.len(), self.quantities.len()])
     }
 
-    /// The same with the derivatives by every number, of shape (len(at), len(of), len(by)).
+    /// The quantities, and their Jacobian with respect to the parameters, of shape
+    /// (len(times), len(quantities), len(parameters)).
     fn value_and_jacobian<'py>(&self, py: Python<'py>, values: Sequence) -> PyResult<(Numbers<'py>, Numbers<'py>)> {
         self.checked(&values.0).raised()?;
-        let both = heard(py, |watch| self.asked.with_slopes(&self.subject, &values.0, watch))?;
+        let both = heard(py, |watch| self.sampling.value_and_jacobian(&self.subject, &values.0, watch))?;
         let (read, slopes) = both.map_err(|error| self.failed(&error, py)).raised()?;
-        let (times, quantities) = (self.asked.times.len(), self.of.len());
+        let (times, quantities) = (self.sampling.times.len(), self.quantities.len());
         let read = Self::shaped(py, read, &[times, quantities])?;
-        Ok((read, Self::shaped(py, slopes, &[times, quantities, self.by.len()])?))
+        Ok((read, Self::shaped(py, slopes, &[times, quantities, self.parameters.len()])?))
     }
 
-    /// The same as a function for JAX, which differentiates it forwards and backwards: `jax.custom_jvp`.
+    /// This function for JAX, which differentiates it forwards and backwards: `jax.custom_jvp`.
     ///
     /// JAX must count in 64 bits: `jax.config.update("jax_enable_x64", True)`.
     fn for_jax<'py>(this: &Bound<'py, Self>) -> PyResult<Function<'py>> {
         python::call(this.py(), ("_beside", "for_jax"), (this,)).map(Function)
     }
 
-    /// The same as a function of a tensor for PyTorch, which differentiates it forwards and backwards: by
+    /// This function of a tensor for PyTorch, which differentiates it forwards and backwards: by
     /// `torch.autograd.Function`, with the derivatives of `value_and_jacobian`.
     ///
     /// Tensors are of 64 bits and on the CPU: `dtype=torch.float64`.
@@ -183,10 +189,10 @@ impl Differentiable {
 
     fn __repr__(&self) -> String {
         format!(
-            "<mckibben.Differentiable, {} of {} times by {}>",
-            self.of.join(", "),
-            self.asked.times.len(),
-            self.by.join(", ")
+            "<mckibben.Differentiable, {} at {} times with respect to {}>",
+            self.quantities.join(", "),
+            self.sampling.times.len(),
+            self.parameters.join(", ")
         )
     }
 
@@ -194,6 +200,11 @@ impl Differentiable {
         &self,
         py: Python<'py>,
     ) -> (Py<Scenario>, Vec<String>, Vec<String>, Bound<'py, PyArray1<f64>>) {
-        (self.scenario.clone_ref(py), self.by.clone(), self.of.clone(), PyArray1::from_slice(py, &self.asked.times))
+        (
+            self.scenario.clone_ref(py),
+            self.parameters.clone(),
+            self.quantities.clone(),
+            PyArray1::from_slice(py, &self.sampling.times),
+        )
     }
 }

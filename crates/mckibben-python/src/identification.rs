@@ -37,8 +37,8 @@ pub(crate) fn identify(py: Python<'_>, study: PathBuf, output: Option<PathBuf>) 
         name: of.name.clone(),
         unit: of.unit.to_owned(),
         value: of.value,
-        standard_error: of.deviation,
-        confidence_interval: of.interval.map(|[low, high]| (low, high)),
+        standard_error: of.standard_error,
+        confidence_interval: of.confidence_interval.map(|[low, high]| (low, high)),
         on_bound: of.on_bound,
     };
     let without_mark = |words: &String| words.strip_prefix(WARNED).unwrap_or(words).to_owned();

@@ -6,7 +6,7 @@
 //! | `trajectory` | `simulate`, the classes `Trajectory` and `Event` |
 //! | `actuator` | the modular actuator, step by step: `Actuator`, `ActuatorState`, `Response` |
 //! | `actuators` | many of them on arrays: `Actuators` |
-//! | `plants` | many actuators, joints or legs that are told what to do and begin anew one by one: `Plants` |
+//! | `vector_plant` | many plants that are commanded together and reset one by one: `VectorPlant` |
 //! | `pulses` | how a valve is pulsed by a duty cycle |
 //! | `curves` | `curves`, `presets` |
 //! | `parameters` | the quantities of a scenario file |
@@ -36,7 +36,6 @@ mod differentiable;
 mod identification;
 mod linear;
 mod parameters;
-mod plants;
 mod pool;
 mod pulses;
 mod python;
@@ -47,6 +46,7 @@ mod sweep;
 mod trajectory;
 mod typed;
 mod values;
+mod vector_plant;
 
 /// What is compiled of the package `mckibben`.
 #[pyo3::pymodule]
@@ -66,13 +66,13 @@ mod _mckibben {
     #[pymodule_export]
     use crate::parameters::parameters;
     #[pymodule_export]
-    use crate::plants::Plants;
-    #[pymodule_export]
     use crate::scenario::Scenario;
     #[pymodule_export]
     use crate::sweep::Sweep;
     #[pymodule_export]
     use crate::trajectory::{Event, Trajectory, simulate};
+    #[pymodule_export]
+    use crate::vector_plant::VectorPlant;
 
     /// The version of the package.
     #[pymodule_export]

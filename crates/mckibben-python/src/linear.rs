@@ -15,7 +15,7 @@ use std::ffi::CString;
 
 /// A scenario near an operating point, by exact derivatives: what `mckibben linearize` does.
 ///
-/// Two of `pressure` (gauge), `length` and `load` give the third; what is not given is that of the scenario. `duty` gives the
+/// Two of `gauge_pressure`, `length` and `load` give the third; what is not given is that of the scenario. `duty` gives the
 /// pressure by the valve's mean flow under PWM, and with `pwm` the duty follows from the pressure; else the valve is held
 /// shut, and the mass flow into the actuator is the input. Of a joint `angle` and `stiffness` give the pressures. With
 /// `amplitude` Coulomb friction is replaced by the viscous damping that takes as much. Quantities are numbers in SI or text with
@@ -23,13 +23,13 @@ use std::ffi::CString;
 ///
 /// Raises `InputError` where there is no such point.
 #[pyfunction]
-#[pyo3(signature = (scenario, *, pressure = None, length = None, load = None, duty = None, pwm = false, temperature = None,
+#[pyo3(signature = (scenario, *, gauge_pressure = None, length = None, load = None, duty = None, pwm = false, temperature = None,
     angle = None, stiffness = None, amplitude = None, all_states = false))]
 #[expect(clippy::too_many_arguments, reason = "each is given by its name")]
 pub(crate) fn linearize(
     py: Python<'_>,
     scenario: &Bound<'_, Scenario>,
-    pressure: Option<Quantity>,
+    gauge_pressure: Option<Quantity>,
     length: Option<Quantity>,
     load: Option<Quantity>,
     duty: Option<f64>,
@@ -45,7 +45,7 @@ pub(crate) fn linearize(
     };
     let of_length = ["length", "m", "85 mm"];
     let request = Request {
-        pressure: read("pressure", pressure, ["pressure", "Pa", "60 psi"]).raised()?,
+        gauge_pressure: read("gauge_pressure", gauge_pressure, ["pressure", "Pa", "60 psi"]).raised()?,
         length: read("length", length, of_length).raised()?,
         load: load.map(|load| load.read("load", Measure::read, Measure::Force)).transpose().raised()?,
         duty,

@@ -65,10 +65,10 @@ struct Column {
 
 /// A finished run: its columns as NumPy arrays, its events, and what it was between the samples.
 ///
-/// There is a row at t = 0, at every `run.sample_interval` and at the end. `trajectory["pressure_pa"]` is a column by its
+/// There is a row at t = 0, at every `run.sample_interval` and at the end. `trajectory["absolute_pressure_pa"]` is a column by its
 /// name in the files of `mckibben simulate`; those that every run has are attributes too. The columns of a joint begin with
 /// its agonist's; those of its antagonist are called `antagonist_length_m` and so on. Of many
-/// actuators with names every column carries one: `flexor.pressure_pa`, `elbow.angle_rad`, `tank.pressure_pa`.
+/// actuators with names every column carries one: `flexor.absolute_pressure_pa`, `elbow.angle_rad`, `tank.absolute_pressure_pa`.
 ///
 /// Arrays cannot be written to: copy one to change it.
 #[pyclass(frozen, module = "mckibben")]
@@ -247,7 +247,7 @@ impl Trajectory {
         self.columns.first().map_or(Ok(0), |column| column.values.bind(py).len())
     }
 
-    /// A column by its name, such as "length_m" or "hose_pressure_pa".
+    /// A column by its name, such as "length_m" or "hose_absolute_pressure_pa".
     fn __getitem__<'py>(&self, py: Python<'py>, name: Name) -> PyResult<typed::Column<'py>> {
         self.attribute(py, &name.0).map(typed::Column).map_err(|error| PyKeyError::new_err(error.value(py).to_string()))
     }
@@ -272,8 +272,14 @@ impl Trajectory {
 
     /// Absolute pressures of the actuator's air in Pa.
     #[getter]
-    fn pressure<'py>(&self, py: Python<'py>) -> PyResult<Numbers<'py>> {
-        self.attribute(py, "pressure_pa").map(Numbers)
+    fn absolute_pressure<'py>(&self, py: Python<'py>) -> PyResult<Numbers<'py>> {
+        self.attribute(py, "absolute_pressure_pa").map(Numbers)
+    }
+
+    /// Gauge pressures of the actuator's air in Pa.
+    #[getter]
+    fn gauge_pressure<'py>(&self, py: Python<'py>) -> PyResult<Numbers<'py>> {
+        self.attribute(py, "gauge_pressure_pa").map(Numbers)
     }
 
     /// Masses of the actuator's air in kg.

@@ -150,7 +150,7 @@ impl Summary {
 /// What a controller regulates, as in the names of reductions.
 fn controlled(quantity: Quantity) -> &'static str {
     match quantity {
-        Quantity::Pressure => "pressure",
+        Quantity::Pressure => "gauge_pressure",
         Quantity::Length => "length",
         Quantity::AirMass => "air_mass",
         Quantity::Force => "force",

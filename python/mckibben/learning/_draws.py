@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mckibben._mckibben import Plants
+from mckibben._mckibben import VectorPlant
 from mckibben.errors import InputError
 from mckibben.learning._options import Draw, is_number
 
@@ -30,9 +30,9 @@ class Source:
         return np.concatenate([draw(self._generators[place], 1) for place in places])
 
 
-def check(randomize: Mapping[str, Draw], plants: Plants) -> None:
+def check(randomize: Mapping[str, Draw], plants: VectorPlant) -> None:
     """Refuses ranges that are none, whose ends the plants cannot have, or that change nothing of them."""
-    given = plants.given.copy()
+    given = plants.defaults.copy()
     for place, (path, draw) in enumerate(randomize.items()):
         if callable(draw):
             matters = _nudged(plants, given, place)
@@ -61,7 +61,7 @@ def _ends(path: str, draw: Any) -> tuple[float, float]:
     return low, high
 
 
-def _nudged(plants: Plants, given: Numbers, place: int) -> bool:
+def _nudged(plants: VectorPlant, given: Numbers, place: int) -> bool:
     """Whether another value of a parameter changes the plants, or whether no value near its own is possible."""
     for share in (NUDGE, -NUDGE):
         nudged = given.copy()

@@ -7,7 +7,7 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
-from mckibben._mckibben import Plants
+from mckibben._mckibben import VectorPlant
 from mckibben.errors import InputError
 from mckibben.learning._draws import Numbers, Places, Source, check, drawn
 from mckibben.learning._options import Options, periods
@@ -22,11 +22,11 @@ class Episodes:
 
     def __init__(self, task: Task, count: int, options: Options) -> None:
         self.task, self.count, self.options = task, count, options
-        self.plants = Plants(
+        self.plants = VectorPlant(
             task.scenario,
             count,
-            by=list(options.randomize),
-            asked=options.asked,
+            parameters=list(options.randomize),
+            action_mode=options.action_mode,
             pulse_frequency=options.pulse_frequency,
         )
         check(options.randomize, self.plants)
@@ -42,11 +42,11 @@ class Episodes:
         noise = np.array([options.noise.get(seen.column, 0.0) / seen.unit for seen in task.seen])
         self._noise = noise if noise.any() else None
         self._aimed = [(columns[name], low, 1.0 / (high - low)) for name, (low, high) in task.targets.items()]
-        self._requests = np.array(self.plants.requests) if options.asked == "request" else None
+        self._requests = np.array(self.plants.requests) if options.action_mode == "request" else None
         width, valves = len(columns), self.plants.valves
         self._phase = Phase.of(self.plants, self.period)
         self._all = np.arange(count)
-        self.shown = np.zeros((count, width))
+        self.observations = np.zeros((count, width))
         self.stopped = np.zeros(count, dtype=bool)
         self.succeeded = np.zeros(count, dtype=bool)
         self.aims = np.zeros((count, len(self._aimed)))
@@ -80,7 +80,7 @@ class Episodes:
 
     def _lowest(self) -> float:
         """The lowest number of an action."""
-        return -1.0 if self.options.asked == "position" else 0.0
+        return -1.0 if self.options.action_mode == "position" else 0.0
 
     def _rest(self) -> float:
         """The command of a valve before the first action."""
@@ -105,7 +105,7 @@ class Episodes:
             self.aims[places, place] = share
         self.elapsed[places] = 0
         self.stopped[places] = self.over[places] = False
-        self.plants.show(places, self.shown)
+        self.plants.observe(places, self.observations)
         self._judge(places)
         for late in self._late:
             late[places] = self._rest()
@@ -139,10 +139,10 @@ class Episodes:
 
     def _sensed(self, places: Places | slice) -> Observations:
         """What the task sees of some plants now, a row for each."""
-        shown = self.shown[places]
-        sensed = np.empty((len(shown), len(self._seen)), dtype=np.float32)
+        observed = self.observations[places]
+        sensed = np.empty((len(observed), len(self._seen)), dtype=np.float32)
         for place, (column, zero, per_unit) in enumerate(self._seen):
-            sensed[:, place] = (shown[:, column] - zero) * per_unit
+            sensed[:, place] = (observed[:, column] - zero) * per_unit
         return sensed
 
     def _observed(self, source: Source, places: Places, seen: Observations) -> Observations:
@@ -160,7 +160,7 @@ class Episodes:
     def _distances(self, places: Places | slice) -> Iterator[Numbers]:
         """How far the columns are from their targets, as shares of their ranges."""
         for place, (column, low, per_span) in enumerate(self._aimed):
-            yield np.abs((self.shown[places, column] - low) * per_span - self.aims[places, place])
+            yield np.abs((self.observations[places, column] - low) * per_span - self.aims[places, place])
 
     def _judge(self, places: Places | slice) -> Numbers:
         """Rewards of some plants for where they are, and whether they have succeeded."""
@@ -182,7 +182,7 @@ class Episodes:
             place = self._clock % len(self._late)
             late = self._late[place]
             commands, self._late[place] = late, commands
-        self.plants.step(self.period, commands, self.shown, self.stopped)
+        self.plants.step(self.period, commands, self.observations, self.stopped)
         seen = self._sensed(slice(None))
         if self._old:
             place = self._clock % len(self._old)
@@ -237,12 +237,12 @@ class Episodes:
         if not finite.all():
             raise InputError(f"actions: {first(given, ~finite)} is no finite number; give {self._lowest():g} to 1")
         commands = np.clip(given.astype(np.float64), self._lowest(), 1.0)
-        return commands * self.options.most_pressure if self.options.asked == "set-point" else commands
+        return commands * self.options.max_pressure if self.options.action_mode == "set-point" else commands
 
     def info(self, places: Places | slice) -> dict[str, NDArray[Any]]:
         """What some plants show without noise and delay, in SI by their columns, and how their episodes stand."""
-        shown = {name: self.shown[places, place].copy() for place, name in enumerate(self.plants.columns)}
-        return {**shown, "is_success": self.succeeded[places].copy(), "diverged": self.stopped[places].copy()}
+        columns = {name: self.observations[places, place].copy() for place, name in enumerate(self.plants.columns)}
+        return {**columns, "is_success": self.succeeded[places].copy(), "diverged": self.stopped[places].copy()}
 
 
 def first(given: NDArray[Any], wrong: NDArray[np.bool_]) -> str:

@@ -4,13 +4,14 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from numbers import Integral, Real
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
-from mckibben._mckibben import Plants
+from mckibben._mckibben import VectorPlant
 from mckibben.errors import InputError
 
+ActionMode = Literal["duty", "request", "position", "set-point"]
 Draw = tuple[float, float] | Callable[[np.random.Generator, int], Any]
 
 # The shortest control period in s unless given, where actions are no duty cycles.
@@ -21,9 +22,9 @@ REQUEST_PERIOD = 5e-3
 class Options:
     """Options of an environment in addition to its task.
 
-    `asked` is what an action means to each valve: "duty" (a duty cycle, 0 to 1), "request" (the number of exhaust, hold or
+    `action_mode` is what an action means to each valve: "duty" (a duty cycle, 0 to 1), "request" (the number of exhaust, hold or
     fill among those that the valve can do), "position" of a proportional spool (-1 to 1) or "set-point" of a pressure
-    regulator (0 to 1 of `most_pressure` in Pa gauge). A number beyond these bounds counts as the bound; one that is not
+    regulator (0 to 1 of `max_pressure` in Pa gauge). A number beyond these bounds counts as the bound; one that is not
     finite, and a request that is not there, is an `InputError`.
 
     `control_period` is how long an action holds, in s. Unless given, every action acts at once: a duty cycle holds for one
@@ -47,12 +48,12 @@ class Options:
     numbers come from the generator, or generators, that `reset(seed=...)` seeds.
     """
 
-    asked: str = "duty"
+    action_mode: ActionMode = "duty"
     control_period: float | None = None
     duration: float | None = None
     max_episode_steps: int | None = None
     pulse_frequency: float | None = None
-    most_pressure: float = 6e5
+    max_pressure: float = 6e5
     distance_limit: float = 2.0
     terminal_penalty: float | None = None
     success_tolerance: float = 0.05
@@ -62,7 +63,7 @@ class Options:
     randomize: Mapping[str, Draw] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        for name in ("control_period", "duration", "pulse_frequency", "most_pressure", "distance_limit"):
+        for name in ("control_period", "duration", "pulse_frequency", "max_pressure", "distance_limit"):
             self._check(name, above_zero=True)
         for name in ("terminal_penalty", "success_tolerance", "sensor_delay", "action_delay"):
             self._check(name, above_zero=False)
@@ -85,7 +86,7 @@ class Options:
             range_ = "above zero" if above_zero else "of zero or more"
             raise InputError(f"{name} = {number!r} is out of range; give a finite number {range_}")
 
-    def period(self, plants: Plants) -> float:
+    def period(self, plants: VectorPlant) -> float:
         """How long an action of these plants holds, in s."""
         if self.control_period is not None:
             return self.control_period
@@ -93,7 +94,7 @@ class Options:
             return 1.0 / plants.pulses
         return REQUEST_PERIOD * (math.floor(plants.valve_delay / REQUEST_PERIOD * (1.0 + 1e-9)) + 1)
 
-    def steps(self, plants: Plants, period: float) -> int:
+    def steps(self, plants: VectorPlant, period: float) -> int:
         """How many steps an episode of these plants has."""
         steps = self.max_episode_steps
         if self.duration is not None:

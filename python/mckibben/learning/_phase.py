@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from mckibben._mckibben import Plants
+from mckibben._mckibben import VectorPlant
 from mckibben.learning._draws import Numbers, Places
 
 # Roundings, relative, by which a time may miss the begin of a pulse that it is.
@@ -18,13 +18,13 @@ class Phase:
     Period p begins at p / f and takes up the duty cycle that is commanded then. It is zero before the first pulse.
     """
 
-    def __init__(self, plants: Plants, frequency: float) -> None:
+    def __init__(self, plants: VectorPlant, frequency: float) -> None:
         self._plants, self._frequency = plants, frequency
         self._under_way = np.zeros((len(plants), plants.valves))
         self._begun = np.zeros(len(plants))
 
     @classmethod
-    def of(cls, plants: Plants, period: float) -> "Phase | None":
+    def of(cls, plants: VectorPlant, period: float) -> "Phase | None":
         """That of plants with a control period in s, or none where it would always be zero."""
         if plants.pulses is None:
             return None

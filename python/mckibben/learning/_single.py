@@ -50,14 +50,14 @@ class Environment(gymnasium.Env[Observations, Any], EzPickle):
 
     @property
     def columns(self) -> list[str]:
-        """Names of what `shown` has of the plant."""
+        """Names of what `observations` has of the plant."""
         return self._episodes.plants.columns
 
     @property
-    def shown(self) -> NDArray[np.float64]:
+    def observations(self) -> NDArray[np.float64]:
         """What the plant shows without noise and delay, in SI, by `columns`."""
-        shown: NDArray[np.float64] = self._episodes.shown[0]
-        return shown
+        observations: NDArray[np.float64] = self._episodes.observations[0]
+        return observations
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from mckibben._mckibben import Plants, Scenario
+from mckibben._mckibben import VectorPlant, Scenario
 from mckibben.errors import InputError
 
 Ranges = Mapping[str, tuple[float, float]]
@@ -214,7 +214,7 @@ class Task:
 def hanging_mass(scenario: Scenario | None = None, targets: Ranges | None = None) -> Task:
     """A muscle of the paper that lifts a mass of 5 lb; the length is to reach its target."""
     ranges = among({"length_m": (0.070, 0.090)}, targets)
-    seen = (position("length_m", ranges), velocity("velocity_m_s", "length_m", ranges), pressure("pressure_pa"))
+    seen = (position("length_m", ranges), velocity("velocity_m_s", "length_m", ranges), pressure("absolute_pressure_pa"))
     return Task(scenario or Scenario(HANGING_MASS, "HangingMass"), ranges, seen)
 
 
@@ -224,8 +224,8 @@ def joint(scenario: Scenario | None = None, targets: Ranges | None = None) -> Ta
     seen = (
         position("angle_rad", ranges),
         velocity("angular_velocity_rad_s", "angle_rad", ranges),
-        pressure("pressure_pa"),
-        pressure("antagonist_pressure_pa"),
+        pressure("absolute_pressure_pa"),
+        pressure("antagonist_absolute_pressure_pa"),
     )
     return Task(scenario or Scenario(JOINT, "Joint"), ranges, seen)
 
@@ -253,8 +253,8 @@ def arm(scenario: Scenario | None = None, targets: Ranges | None = None) -> Task
 
 def reach(scenario: Scenario, targets: Ranges) -> Task:
     """Any plant whose columns are to reach targets: an observation has those columns, their velocities and all pressures.
-    `mckibben.Plants.columns_of(scenario)` has the names of the columns."""
-    columns = Plants.columns_of(scenario)
+    `mckibben.VectorPlant.columns_of(scenario)` has the names of the columns."""
+    columns = VectorPlant.columns_of(scenario)
     for column in targets:
         if column not in columns:
             raise InputError(f"targets: `{column}` is nothing that is seen of this plant; name one of {', '.join(columns)}")
@@ -263,7 +263,7 @@ def reach(scenario: Scenario, targets: Ranges) -> Task:
     seen = (
         *(position(column, ranges) for column in ranges),
         *(velocity(name, column, ranges) for column, name in velocities if name in columns),
-        *(pressure(column) for column in columns if column.endswith("pressure_pa") and column not in ranges),
+        *(pressure(column) for column in columns if column.endswith("absolute_pressure_pa") and column not in ranges),
     )
     return Task(scenario, ranges, seen)
 

@@ -26,7 +26,7 @@ class VectorEnvironment(VectorEnv[Observations, Any, Any], EzPickle):
 
     - `scenario`: another plant than the task's own, as a `Scenario` or the path of a file;
     - `targets`: ranges in SI from which targets are drawn, by the columns that are to reach them;
-    - `asked`, `pulse_frequency`, `most_pressure`: what an action is;
+    - `action_mode`, `pulse_frequency`, `max_pressure`: what an action is;
     - `control_period`, `duration`, `max_episode_steps`: how long an action and an episode last;
     - `distance_limit`, `terminal_penalty`, `success_tolerance`: rewards, and what counts as success;
     - `noise`, `sensor_delay`, `action_delay`, `randomize`: what makes it hard.
@@ -82,13 +82,13 @@ class VectorEnvironment(VectorEnv[Observations, Any, Any], EzPickle):
 
     @property
     def columns(self) -> list[str]:
-        """Names of what `shown` has of each plant."""
+        """Names of what `observations` has of each plant."""
         return self._episodes.plants.columns
 
     @property
-    def shown(self) -> NDArray[np.float64]:
+    def observations(self) -> NDArray[np.float64]:
         """What the plants show without noise and delay, in SI: a row for each, by `columns`."""
-        return self._episodes.shown
+        return self._episodes.observations
 
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None

@@ -21,7 +21,7 @@ use std::path::PathBuf;
 #[command(after_help = "\
 Examples:
   mckibben curves muscle.toml
-  mckibben curves muscle.toml --pressures 2,4,6bar --plot curves.svg --over contraction
+  mckibben curves muscle.toml --gauge-pressures 2,4,6bar --plot curves.svg --over contraction
   mckibben curves muscle.toml --set actuator.turns=2.2 --output curves.csv")]
 pub struct CurvesArguments {
     /// The scenario file; its actuator is drawn, its load says where the operating points are.
@@ -29,7 +29,7 @@ pub struct CurvesArguments {
     pub file: PathBuf,
     /// Gauge pressures, as in `35,45,55psi`; a number without a unit has that of the next.
     #[arg(long, value_name = "LIST", default_value = USUAL)]
-    pub pressures: Pressures,
+    pub gauge_pressures: Pressures,
     /// Write the curves as a table: .csv.
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
@@ -72,7 +72,7 @@ pub fn run(arguments: &CurvesArguments) -> Result<(), Failure> {
     let plot = files::figure(arguments.plot.as_deref())?;
     let mut document = Document::load(&arguments.file)?;
     arguments.set.iter().try_for_each(|setting| setting.apply(&mut document))?;
-    let curves = Curves::of(&document, &arguments.pressures)?;
+    let curves = Curves::of(&document, &arguments.gauge_pressures)?;
     let data = curves.data()?;
     if let Some(path) = output {
         output::write(path, &data.to_csv(path)?)?;

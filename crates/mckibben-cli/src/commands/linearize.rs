@@ -17,14 +17,14 @@ use std::path::PathBuf;
 #[command(after_help = "\
 Examples:
   mckibben linearize muscle.toml
-  mckibben linearize muscle.toml --pressure '60 psi' --output model.m
+  mckibben linearize muscle.toml --gauge-pressure '60 psi' --output model.m
   mckibben linearize muscle.toml --length '85 mm' --load '10 lb' --output model.json
   mckibben linearize muscle.toml --duty 0.4 --plot bode.svg
-  mckibben linearize muscle.toml --pressure '50 psi' --pwm
+  mckibben linearize muscle.toml --gauge-pressure '50 psi' --pwm
 
 The point:
-  Two of --pressure, --length and --load give the third; what is not given is that of the scenario.
-  --duty gives the pressure by the valve's mean flow; so does the scenario's own PWM when neither --pressure nor
+  Two of --gauge-pressure, --length and --load give the third; what is not given is that of the scenario.
+  --duty gives the pressure by the valve's mean flow; so does the scenario's own PWM when neither --gauge-pressure nor
   --length is given, and the last set point of a regulator or the last position of a spool. With --pwm the command
   follows from the pressure. Otherwise the valve is held shut, and the mass flow into the actuator is the input.
   Of a file of many actuators pulsed and proportional valves are taken by their commands; where there are none, or with
@@ -40,7 +40,7 @@ pub struct LinearizeArguments {
     pub file: PathBuf,
     /// Gauge pressure at the point, such as `60 psi`.
     #[arg(long, value_name = "QUANTITY", value_parser = pressure, allow_hyphen_values = true)]
-    pub pressure: Option<f64>,
+    pub gauge_pressure: Option<f64>,
     /// Distance between the attachments at the point, such as `85 mm`.
     #[arg(long, value_name = "QUANTITY", value_parser = length)]
     pub length: Option<f64>,
@@ -48,7 +48,7 @@ pub struct LinearizeArguments {
     #[arg(long, value_name = "QUANTITY", value_parser = Measure::read)]
     pub load: Option<Measure>,
     /// Commanded duty at the point: the valve by its mean flow under PWM.
-    #[arg(long, value_name = "PART", conflicts_with = "pressure")]
+    #[arg(long, value_name = "PART", conflicts_with = "gauge_pressure")]
     pub duty: Option<f64>,
     /// The valve by its mean flow under PWM, at the duty that holds the pressure.
     #[arg(long, conflicts_with = "duty")]
@@ -117,7 +117,7 @@ impl LinearizeArguments {
     /// The point and the model that are asked for.
     fn request(&self) -> Request {
         Request {
-            pressure: self.pressure,
+            gauge_pressure: self.gauge_pressure,
             length: self.length,
             load: self.load,
             duty: self.duty,

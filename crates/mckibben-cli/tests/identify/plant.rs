@@ -107,7 +107,7 @@ fn measured_pressures_drive_some_actuators() {
         folder.mckibben().args(["simulate", "truth.toml", "-o", "moves.csv"]).args(set).output().expect("it runs");
     assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
     let column = |name: &str, of: &str, unit: &str| format!("[columns.{name}]\nname = \"{of}\"\nunit = \"{unit}\"\n");
-    let pressure = column("\"deltoid.absolute_pressure\"", "deltoid.pressure_pa", "Pa");
+    let pressure = column("\"deltoid.absolute_pressure\"", "deltoid.absolute_pressure_pa", "Pa");
     let study = [
         "[study]\nkind = \"trajectories\"\nscenario = \"arm.toml\"\ninput = \"gauge-pressure\"\n".to_owned(),
         column("time", "time_s", "s"),

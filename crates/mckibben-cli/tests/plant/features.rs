@@ -72,7 +72,7 @@ fn a_controller_drives_an_actuator_by_its_name_as_without() {
         let (_, new) = columns(&folder, "new.csv");
         let goals = old_names.iter().filter(|name| name.starts_with("set_point") || name.starts_with("measured"));
         assert!(goals.clone().count() >= 2, "{old_names:?}");
-        for column in goals.chain(["length_m", "pressure_pa", "tension_n"].map(str::to_owned).iter()) {
+        for column in goals.chain(["length_m", "absolute_pressure_pa", "tension_n"].map(str::to_owned).iter()) {
             let most = apart(&new[&format!("muscle.{column}")], &old[column]);
             assert!(most < 1e-4, "{name}, {column}: {most:e}");
         }
@@ -120,8 +120,8 @@ fn a_controller_drives_a_joint() {
         let mut goals = 0;
         for (ours, theirs) in [
             ("elbow.angle_rad", "angle_rad"),
-            ("one.pressure_pa", "pressure_pa"),
-            ("other.pressure_pa", "antagonist_pressure_pa"),
+            ("one.absolute_pressure_pa", "absolute_pressure_pa"),
+            ("other.absolute_pressure_pa", "antagonist_absolute_pressure_pa"),
             ("elbow.set_point_rad", "set_point_rad"),
             ("elbow.measured_rad", "measured_rad"),
             ("elbow.set_point_n_m_rad", "set_point_n_m_rad"),
@@ -156,7 +156,7 @@ fn controllers_have_what_they_drive() {
         assert!(names.iter().any(|its| its == name), "{name}: {names:?}");
     }
     // The gripper comes to its pressure within the dead band and what a sample lets through.
-    let gauge = columns["gripper.pressure_pa"].last().expect("rows") - 101_325.0;
+    let gauge = columns["gripper.absolute_pressure_pa"].last().expect("rows") - 101_325.0;
     assert!((gauge - 3e5).abs() < 3e4, "{gauge}");
     assert!(columns["elbow.angle_rad"].last().expect("rows").to_degrees() > 10.0);
     let refused = |text: &str, words: &str| {
@@ -264,7 +264,7 @@ fn a_sweep_varies_values_of_named_actuators() {
     let folder = Folder::new("plant-sweep");
     let sweep = r#"
 [sweep]
-reductions = ["thick.pressure.final", "paper.length.min", "thick.length.settling_time", "supply.pressure.final", "air.used"]
+reductions = ["thick.absolute_pressure.final", "paper.length.min", "thick.length.settling_time", "supply.absolute_pressure.final", "air.used"]
 [sweep.vary]
 "actuators.thick.load.mass" = ["20 lb", "25 lb"]
 actuators.paper.valve.flow_area = ["0.1 mm^2", "0.15 mm^2"]
@@ -274,10 +274,10 @@ actuators.paper.valve.flow_area = ["0.1 mm^2", "0.15 mm^2"]
     let file = folder.file("sweep.toml", &format!("{text}{sweep}")).display().to_string();
     assert!(run(&folder, &["check", &file]).contains("sweep of 4 runs"));
     let printed = run(&folder, &["sweep", &file, "-o", "sweep.csv", "-p", "sweep.svg"]);
-    assert!(printed.contains("thick.pressure.final"), "{printed}");
+    assert!(printed.contains("thick.absolute_pressure.final"), "{printed}");
     let (names, swept) = columns(&folder, "sweep.csv");
-    let expected = "run,actuators_thick_load_mass_kg,actuators_paper_valve_flow_area_m2,thick_pressure_final_pa,\
-        paper_length_min_m,thick_length_settling_time_s,supply_pressure_final_pa,air_used_kg,error";
+    let expected = "run,actuators_thick_load_mass_kg,actuators_paper_valve_flow_area_m2,thick_absolute_pressure_final_pa,\
+        paper_length_min_m,thick_length_settling_time_s,supply_absolute_pressure_final_pa,air_used_kg,error";
     assert_eq!(names.join(","), expected);
     for (row, (mass, area)) in
         [("20 lb", "0.1 mm^2"), ("20 lb", "0.15 mm^2"), ("25 lb", "0.1 mm^2"), ("25 lb", "0.15 mm^2")]
@@ -289,8 +289,12 @@ actuators.paper.valve.flow_area = ["0.1 mm^2", "0.15 mm^2"]
         run(&folder, &["simulate", &single, "-o", "one.csv", "--set", &set[0], "--set", &set[1]]);
         let (_, one) = columns(&folder, "one.csv");
         let last = |name: &str| *one[name].last().expect("rows");
-        assert_eq!(swept["thick_pressure_final_pa"][row], last("thick.pressure_pa"), "{mass} {area}");
-        assert_eq!(swept["supply_pressure_final_pa"][row], last("supply.pressure_pa"), "{mass} {area}");
+        assert_eq!(swept["thick_absolute_pressure_final_pa"][row], last("thick.absolute_pressure_pa"), "{mass} {area}");
+        assert_eq!(
+            swept["supply_absolute_pressure_final_pa"][row],
+            last("supply.absolute_pressure_pa"),
+            "{mass} {area}"
+        );
         let least = one["paper.length_m"].iter().copied().fold(f64::INFINITY, f64::min);
         assert_eq!(swept["paper_length_min_m"][row], least, "{mass} {area}");
         // A bottle has no source: nothing is drawn from outside.
@@ -301,11 +305,14 @@ actuators.paper.valve.flow_area = ["0.1 mm^2", "0.15 mm^2"]
     run(&folder, &[&["sweep", &file, "--record", "samples", "-o", "samples.csv"], &samples[..]].concat());
     let (names, samples) = columns(&folder, "samples.csv");
     assert!(names.iter().any(|name| name == "long.tension_n") && samples["run"].len() == 8, "{names:?}");
-    assert_eq!(samples["thick.pressure_pa"][1], swept["thick_pressure_final_pa"][0]);
+    assert_eq!(samples["thick.absolute_pressure_pa"][1], swept["thick_absolute_pressure_final_pa"][0]);
     run(&folder, &["sweep", &file, "-s", "sweep.part_rows=2", "-o", "parts"]);
     assert_eq!(std::fs::read_dir(folder.path("parts")).expect("a folder").count(), 3);
     for (wrong, words) in [
-        (sweep.replace("thick.pressure.final", "thik.pressure.final"), "did you mean `thick.pressure.final`?"),
+        (
+            sweep.replace("thick.absolute_pressure.final", "thik.absolute_pressure.final"),
+            "did you mean `thick.absolute_pressure.final`?",
+        ),
         (sweep.replace("pressure.final\", \"paper", "pressure.finally\", \"paper"), "statistics are"),
         (sweep.replace("actuators.thick.load.mass", "actuators.thick.load.weight"), "is no path to a key"),
         (sweep.replace("actuators.thick.load.mass", "actuators.thck.load.mass"), "did you mean `thick`?"),
@@ -323,7 +330,7 @@ fn a_sweep_varies_a_controller() {
     let folder = Folder::new("plant-sweep-control");
     let sweep = r#"
 [sweep]
-reductions = ["elbow.angle_error.rms", "gripper.pressure_error.peak", "elbow.angle.final"]
+reductions = ["elbow.angle_error.rms", "gripper.gauge_pressure_error.peak", "elbow.angle.final"]
 [sweep.vary]
 mechanism.joints.elbow.controller.dead_band = ["1 deg", "8 deg"]
 "#;
@@ -334,7 +341,7 @@ mechanism.joints.elbow.controller.dead_band = ["1 deg", "8 deg"]
     assert!((bands[0].to_degrees() - 1.0).abs() < 1e-12 && (bands[1].to_degrees() - 8.0).abs() < 1e-12);
     let errors = &swept["elbow_angle_error_rms_rad"];
     assert!(errors[0] < errors[1] && errors[0] > 0.0, "{errors:?}");
-    assert!(swept["gripper_pressure_error_peak_pa"].iter().all(|peak| *peak > 1e5));
+    assert!(swept["gripper_gauge_pressure_error_peak_pa"].iter().all(|peak| *peak > 1e5));
 }
 
 fn model(folder: &Folder, file: &str, more: &[&str]) -> Value {
@@ -401,7 +408,7 @@ fn a_linear_model_has_the_names_of_the_file() {
     run(&folder, &["linearize", &file, "-o", "model.m"]);
     let script = std::fs::read_to_string(folder.path("model.m")).expect("written");
     assert!(script.contains("point.elbow.angle_rad = ") && script.contains("'agonist.pressure'"), "{script}");
-    let output = folder.mckibben().args(["linearize", &file, "--pressure", "2 bar"]).output().expect("it runs");
+    let output = folder.mckibben().args(["linearize", &file, "--gauge-pressure", "2 bar"]).output().expect("it runs");
     assert_eq!(output.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&output.stderr).contains("names no one of them"));
 }
@@ -424,7 +431,7 @@ fn files_run_at_fixed_steps() {
             let (same, fixed) = columns(&folder, "fixed.csv");
             assert_eq!(names, same);
             let states = |name: &&String| {
-                ["_rad", "length_m", "pressure_pa", "air_mass_kg"].iter().any(|end| name.ends_with(end))
+                ["_rad", "length_m", "absolute_pressure_pa", "air_mass_kg"].iter().any(|end| name.ends_with(end))
             };
             let miss = names.iter().filter(states).map(|name| apart(&fixed[name], &located[name]));
             misses.push(miss.fold(0.0, f64::max));

@@ -30,10 +30,10 @@ pub struct Estimate {
     pub unit: &'static str,
     /// The value at the minimum.
     pub value: f64,
-    /// Its standard deviation; `None` where the data do not tell the unknown or it rests on a bound.
-    pub deviation: Option<f64>,
-    /// The 95 % interval, likewise.
-    pub interval: Option<[f64; 2]>,
+    /// Its standard error; `None` where the unknown is not identifiable from the data or rests on a bound.
+    pub standard_error: Option<f64>,
+    /// The 95 % confidence interval, likewise.
+    pub confidence_interval: Option<[f64; 2]>,
     /// Whether it rests on one of its bounds.
     pub on_bound: bool,
 }
@@ -112,14 +112,14 @@ impl Fit {
             StudentsT::new(0.0, 1.0, degrees_of_freedom.max(1) as f64).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975));
         let estimate = |unknown: usize| {
             let value = values[unknown];
-            let deviation = free.iter().position(|place| *place == unknown).and_then(|place| told.deviation(place));
-            let deviation = deviation.map(|of_size| of_size * spread * sizes[unknown]).filter(|of| of.is_finite());
+            let of_size = free.iter().position(|place| *place == unknown).and_then(|place| told.deviation(place));
+            let standard_error = of_size.map(|error| error * spread * sizes[unknown]).filter(|error| error.is_finite());
             Estimate {
                 name: unknowns[unknown].name.clone(),
                 unit: unknowns[unknown].unit,
                 value,
-                deviation,
-                interval: deviation.map(|deviation| [value - quantile * deviation, value + quantile * deviation]),
+                standard_error,
+                confidence_interval: standard_error.map(|error| [value - quantile * error, value + quantile * error]),
                 on_bound: on_bound[unknown],
             }
         };

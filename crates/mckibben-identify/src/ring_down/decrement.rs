@@ -122,7 +122,7 @@ impl Turns {
         let [decay, width] = [0, 1].map(|place| fit.estimates[place].clone());
         let measured = Measured {
             values: &[decay.value, width.value, self.period],
-            deviations: &[decay.deviation.unwrap_or(f64::INFINITY), 0.0, self.period_deviation],
+            deviations: &[decay.standard_error.unwrap_or(f64::INFINITY), 0.0, self.period_deviation],
             degrees_of_freedom: fit.degrees_of_freedom,
         };
         let [viscous, damping_ratio] = measured.propagate([LABELS[2], LABELS[3]], |numbers| {

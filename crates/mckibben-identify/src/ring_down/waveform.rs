@@ -109,8 +109,8 @@ impl Restoring {
 fn scaled(estimate: &Estimate, factor: f64) -> Estimate {
     let mut scaled = estimate.clone();
     scaled.value *= factor;
-    scaled.deviation = estimate.deviation.map(|deviation| deviation * factor);
-    scaled.interval = estimate.interval.map(|interval| interval.map(|end| end * factor));
+    scaled.standard_error = estimate.standard_error.map(|deviation| deviation * factor);
+    scaled.confidence_interval = estimate.confidence_interval.map(|interval| interval.map(|end| end * factor));
     scaled
 }
 
@@ -181,7 +181,7 @@ impl Waveform {
         let viscous = fit.estimates[1].clone();
         let measured = Measured {
             values: &[viscous.value],
-            deviations: &[viscous.deviation.unwrap_or(f64::INFINITY)],
+            deviations: &[viscous.standard_error.unwrap_or(f64::INFINITY)],
             degrees_of_freedom: fit.degrees_of_freedom,
         };
         let critical = 2.0 * (restoring.tangent * mass).sqrt();

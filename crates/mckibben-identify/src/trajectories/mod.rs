@@ -27,8 +27,8 @@
 mod held_out;
 mod observed;
 mod rest;
+mod sampling;
 mod search;
-mod sensitivities;
 mod shooting;
 mod simulated;
 mod subject;
@@ -36,8 +36,8 @@ mod subject;
 pub use held_out::HeldOutRun;
 pub use observed::{Observed, ObservedColumn};
 pub use rest::{Drift, Unexplained};
+pub use sampling::Sampling;
 pub use search::{Horizon, Identified, Task, TrajectoryError};
-pub use sensitivities::Asked;
 pub use simulated::{Simulated, SimulatedReader, Watch};
 pub use subject::{AdjustablePlant, Described, Subject, SubjectError};
 

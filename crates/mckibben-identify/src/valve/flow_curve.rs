@@ -73,7 +73,7 @@ impl FlowCurve {
             return Err(ValveError::NoSubsonic { largest: most });
         }
         let [conductance, ratio] = [0, 1].map(|place| joint.estimates[place].clone());
-        let reaches = ratio.interval.unwrap_or([ratio.value; 2]);
+        let reaches = ratio.confidence_interval.unwrap_or([ratio.value; 2]);
         if ratio.on_bound || reaches[1] < 0.0 || reaches[0] > 1.0 {
             return Err(ValveError::CriticalRatio { value: ratio.value });
         }
@@ -143,7 +143,7 @@ fn subsonic_ratio(
     };
     let found = with(conductance.value)?;
     let ratio = found.estimates[0].clone();
-    let Some((own, of_conductance)) = ratio.deviation.zip(conductance.deviation) else { return Ok(ratio) };
+    let Some((own, of_conductance)) = ratio.standard_error.zip(conductance.standard_error) else { return Ok(ratio) };
     // What a C that is larger by its deviation would make of it.
     let moved = with(conductance.value + of_conductance)?.estimates[0].value - ratio.value;
     Ok(estimate(("critical_ratio", ""), ratio.value, own.hypot(moved), found.degrees_of_freedom))

@@ -227,7 +227,7 @@ impl Tank {
         let fit = fit_from(&together, &unknowns, &starts(&unknowns), &Search::default())?.fit;
         let of = |name: &str| fit.estimates.iter().find(|estimate| estimate.name == name).cloned();
         if let Some(ratio) = of("critical_ratio") {
-            let reaches = ratio.interval.unwrap_or([ratio.value; 2]);
+            let reaches = ratio.confidence_interval.unwrap_or([ratio.value; 2]);
             if ratio.on_bound || reaches[1] < 0.0 {
                 return Err(ValveError::CriticalRatio { value: ratio.value });
             }

@@ -40,7 +40,7 @@ impl Noise {
 
 /// Whether the interval of an estimate holds a value.
 pub(crate) fn holds(estimate: &Estimate, truth: f64) -> bool {
-    estimate.interval.is_some_and(|[low, high]| low <= truth && truth <= high)
+    estimate.confidence_interval.is_some_and(|[low, high]| low <= truth && truth <= high)
 }
 
 /// How many of the trials hold each truth, on two threads.

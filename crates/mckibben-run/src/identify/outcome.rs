@@ -173,8 +173,9 @@ impl Outcome {
     /// # Errors
     /// [`Failure::not_finite`] with the estimate.
     pub fn check_finite(&self) -> Result<(), Failure> {
-        for Estimate { name, value, deviation, interval, .. } in &self.estimates {
-            let mut numbers = [*value].into_iter().chain(*deviation).chain(interval.iter().flatten().copied());
+        for Estimate { name, value, standard_error, confidence_interval, .. } in &self.estimates {
+            let mut numbers =
+                [*value].into_iter().chain(*standard_error).chain(confidence_interval.iter().flatten().copied());
             if let Some(number) = numbers.find(|number| !number.is_finite()) {
                 return Err(Failure::not_finite(&format!("the estimate of {name}: {number}")));
             }
@@ -252,12 +253,12 @@ mod tests {
 
     #[test]
     fn an_estimate_that_is_not_finite_is_a_failure() {
-        let estimate = |value, deviation| Estimate {
+        let estimate = |value, standard_error| Estimate {
             name: "load.mass".to_owned(),
             unit: "kg",
             value,
-            deviation,
-            interval: None,
+            standard_error,
+            confidence_interval: None,
             on_bound: false,
         };
         let of = |estimate| Outcome { estimates: vec![estimate], ..Outcome::default() };

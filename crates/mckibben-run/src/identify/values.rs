@@ -27,9 +27,9 @@ fn with_last_digit(value: f64, last: i32) -> String {
 
 /// A value and half of its interval, in a unit that is so many times smaller.
 pub(super) fn give_or_take(estimate: &Estimate, factor: f64) -> String {
-    let deviation = estimate.deviation.map(|deviation| factor * deviation);
+    let deviation = estimate.standard_error.map(|deviation| factor * deviation);
     let value = rounded(factor * estimate.value, deviation);
-    match estimate.interval {
+    match estimate.confidence_interval {
         Some([low, high]) => format!("{value} ± {}", rounded(0.5 * factor * (high - low), deviation)),
         None => value,
     }
@@ -56,10 +56,10 @@ pub(super) fn of(caption: String, estimates: &[Estimate]) -> Table {
 
 /// A value with its name, unit and interval.
 pub(super) fn row(estimate: &Estimate) -> Vec<String> {
-    let value = rounded(estimate.value, estimate.deviation);
-    let interval = match estimate.interval {
+    let value = rounded(estimate.value, estimate.standard_error);
+    let interval = match estimate.confidence_interval {
         Some([low, high]) => {
-            format!("{} to {}", rounded(low, estimate.deviation), rounded(high, estimate.deviation))
+            format!("{} to {}", rounded(low, estimate.standard_error), rounded(high, estimate.standard_error))
         }
         None => silence(estimate).to_owned(),
     };
@@ -133,7 +133,7 @@ pub(super) fn warnings(fit: &Fit) -> Vec<String> {
             digits(estimate.value)
         ));
     }
-    let wide = |estimate: &&Estimate| estimate.interval.is_some_and(|[low, high]| low < 0.0 && high > 0.0);
+    let wide = |estimate: &&Estimate| estimate.confidence_interval.is_some_and(|[low, high]| low < 0.0 && high > 0.0);
     // An entry of a list, such as a coefficient, may well be zero.
     let entry = |estimate: &&Estimate| estimate.name.contains('[') && !estimate.name.contains(" [");
     for estimate in fit.estimates.iter().filter(wide).filter(|estimate| !entry(estimate)) {

@@ -69,6 +69,6 @@ impl Subject for Pair<'_> {
     }
 
     fn fields(rig: &JointRig, goals: &Goals) -> Vec<Field<JointSample>> {
-        of_joint(Some(rig), goals)
+        of_joint(rig, goals)
     }
 }

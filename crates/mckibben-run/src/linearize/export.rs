@@ -21,7 +21,7 @@ pub(super) fn point(model: &Model) -> Vec<(&'static str, f64)> {
     let mut values = vec![
         ("length_m", state.length),
         ("velocity_m_s", state.velocity),
-        ("pressure_pa", state.pressure.0),
+        ("absolute_pressure_pa", state.pressure.0),
         ("gauge_pressure_pa", point.gauge_pressure().0),
         ("air_mass_kg", state.air_mass),
         ("temperature_k", point.temperature()),

@@ -20,7 +20,7 @@ pub(super) fn linearization(request: &Request, experiment: &Experiment) -> Resul
     };
     let is_held = matches!(rig.load(), Load::Isometric);
     let length = request.length.or(is_held.then_some(experiment.start.length));
-    if request.load.is_some() && length.is_some() && (request.pressure.is_some() || request.duty.is_some()) {
+    if request.load.is_some() && length.is_some() && (request.gauge_pressure.is_some() || request.duty.is_some()) {
         return Err(Failure::input(
             "pressure, length and load cannot all be given: two of them give the third",
             "leave out one of `length`, `load`, and `pressure` or `duty`",
@@ -28,7 +28,7 @@ pub(super) fn linearization(request: &Request, experiment: &Experiment) -> Resul
     }
     let atmosphere = rig.actuator().air().atmosphere();
     let initial = experiment.start.pressure.gauge(atmosphere);
-    let pressure = request.pressure.map(GaugePressure);
+    let pressure = request.gauge_pressure.map(GaugePressure);
     let balance = match (pressure, length) {
         (Some(gauge), Some(length)) => Balance::AtBoth(gauge, length),
         (None, Some(length)) if is_held => Balance::AtBoth(initial, length),

@@ -34,7 +34,7 @@ use mckibben_scenario::Assumed;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// Gauge pressure at the point in Pa.
-    pub pressure: Option<f64>,
+    pub gauge_pressure: Option<f64>,
     /// Distance between the attachments at the point in m.
     pub length: Option<f64>,
     /// The load.
@@ -95,7 +95,7 @@ impl Request {
     /// The first field that is given and has no meaning where only some are allowed.
     fn first_beyond(&self, allowed: &[&str]) -> Option<&'static str> {
         let fields = [
-            ("pressure", self.pressure.is_some()),
+            ("gauge_pressure", self.gauge_pressure.is_some()),
             ("length", self.length.is_some()),
             ("load", self.load.is_some()),
             ("duty", self.duty.is_some()),
@@ -109,9 +109,9 @@ impl Request {
     /// That what belongs together is given together.
     fn check(&self) -> Result<(), Failure> {
         let refused = |title: &str, help: &str| Err(Failure::input(title, help));
-        match (self.duty, self.pressure, self.pwm, self.angle, self.stiffness) {
+        match (self.duty, self.gauge_pressure, self.pwm, self.angle, self.stiffness) {
             (Some(_), Some(_), ..) => refused(
-                "`duty` and `pressure` cannot both be given: the duty makes the pressure",
+                "`duty` and `gauge_pressure` cannot both be given: the duty makes the pressure",
                 "leave one of them out",
             ),
             (Some(_), _, true, ..) => {

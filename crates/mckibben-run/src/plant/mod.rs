@@ -2,7 +2,7 @@
 //!
 //! | file | its idea |
 //! |---|---|
-//! | `columns` | columns with the names of the file: `flexor.pressure_pa`, `knee.angle_rad`, `tank.pressure_pa` |
+//! | `columns` | columns with the names of the file: `flexor.absolute_pressure_pa`, `knee.angle_rad`, `tank.absolute_pressure_pa` |
 //! | `control` | the controllers' part: what was to be reached, and how far it was |
 //! | `events` | the log of events |
 //! | `observation` | extremes, counts and the ledger, observed as the run is made |

@@ -36,22 +36,36 @@ pub(crate) enum Value<S> {
 /// Two times that differ by less than this part of themselves are one.
 const ROUNDING: f64 = 1e-14;
 
-/// The columns of one actuator in their order: those that every run has, then those of its rig's air line, pressure
-/// regulator and tendon in series.
-fn of_actuator(rig: Option<&Rig>) -> Vec<Field<Sample>> {
-    let numbers = COLUMNS.iter().map(|column| number(column.name, column.unit, column.value));
-    let mut fields: Vec<_> = numbers.chain([word(VALVE, |sample: &Sample| sample.ports.name())]).collect();
-    let Some(rig) = rig else { return fields };
-    let line = rig.line();
-    fields.extend(of_line(line.hose.is_some(), line.supply.is_some()));
+/// The columns that every run of one actuator has, in their order. The absolute pressure of the atmosphere is in Pa.
+pub(crate) fn of_actuator(atmosphere: f64) -> Vec<Field<Sample>> {
+    let numbers = COLUMNS.iter().map(|column| {
+        let value = column.value;
+        number(column.name, column.unit, move |sample: &Sample| value(sample, atmosphere))
+    });
+    numbers.chain([word(VALVE, |sample: &Sample| sample.ports.name())]).collect()
+}
+
+/// The columns of a pressure in Pa: absolute, then gauge.
+fn of_pressure<S>(name: &str, atmosphere: f64, value: impl Fn(&S) -> f64 + Copy + 'static) -> [Field<S>; 2] {
+    [
+        number(&format!("{name}absolute_pressure_pa"), "Pa", value),
+        number(&format!("{name}gauge_pressure_pa"), "Pa", move |sample: &S| value(sample) - atmosphere),
+    ]
+}
+
+/// The columns of one actuator: those that every run has, then those of its rig's air line, pressure regulator and tendon in
+/// series.
+fn of_rig(rig: &Rig) -> Vec<Field<Sample>> {
+    let (line, atmosphere) = (rig.line(), rig.actuator().air().atmosphere().0);
+    let mut fields = of_actuator(atmosphere);
+    fields.extend(of_line(line.hose.is_some(), line.supply.is_some(), atmosphere));
     if let (Some(_), Some(actuation)) = (rig.regulator(), rig.actuation()) {
-        let atmosphere = rig.actuator().air().atmosphere().0;
         let regulated = |sample: &Sample| sample.supply_pressure.unwrap_or(sample.pressure).0;
         let command = actuation.command.clone();
         // Until the first set point it keeps what it has.
         let asked =
             move |sample: &Sample| command.set_point_at(sample.time).unwrap_or_else(|| regulated(sample) - atmosphere);
-        fields.push(number("regulated_pressure_pa", "Pa", regulated));
+        fields.extend(of_pressure("regulated_", atmosphere, regulated));
         fields.push(number("set_point_pa", "Pa", asked));
     }
     if rig.tendon().is_some() {
@@ -61,10 +75,10 @@ fn of_actuator(rig: Option<&Rig>) -> Vec<Field<Sample>> {
 }
 
 /// The columns of an air line with a hose, and with a supply whose pressure changes.
-fn of_line(hose: bool, supply: bool) -> impl Iterator<Item = Field<Sample>> {
-    let of_hose = hose.then(|| number("hose_pressure_pa", "Pa", |sample: &Sample| sample.hose_pressure.0));
+fn of_line(hose: bool, supply: bool, atmosphere: f64) -> impl Iterator<Item = Field<Sample>> {
+    let of_hose = hose.then(|| of_pressure("hose_", atmosphere, |sample: &Sample| sample.hose_pressure.0));
     let own = |sample: &Sample| sample.supply_pressure.unwrap_or(sample.pressure).0;
-    of_hose.into_iter().chain(supply.then(|| number("supply_pressure_pa", "Pa", own)))
+    of_hose.into_iter().chain(supply.then(|| of_pressure("supply_", atmosphere, own))).flatten()
 }
 
 /// The columns of a tendon in series.
@@ -77,7 +91,7 @@ fn of_tendon() -> [Field<Sample>; 2] {
 
 /// The columns of one actuator under a controller: its goals follow.
 pub(crate) fn of_controlled(rig: &Rig, goals: &Goals) -> Vec<Field<Sample>> {
-    let mut fields = of_actuator(Some(rig));
+    let mut fields = of_rig(rig);
     fields.extend(of_goals(goals, |sample: &Sample| sample.time));
     fields
 }
@@ -118,23 +132,35 @@ pub(crate) fn goal_fields<S: 'static>(
     fields
 }
 
-/// The columns of a joint in their order, each actuator's with those of what it has beside its valve, then its goals. One
-/// supply of both has its column with the first that draws from it.
-pub(crate) fn of_joint(rig: Option<&JointRig>, goals: &Goals) -> Vec<Field<JointSample>> {
+/// The columns that every run of a joint has, in their order.
+pub(crate) fn of_joint_alone(atmosphere: f64) -> Vec<Field<JointSample>> {
+    of_both([of_actuator(atmosphere), of_actuator(atmosphere)])
+}
+
+/// The columns of a joint: each actuator's with those of its air line and tendon, then its goals. A supply of both has its
+/// columns with the first actuator that draws from it.
+pub(crate) fn of_joint(rig: &JointRig, goals: &Goals) -> Vec<Field<JointSample>> {
+    let atmosphere = rig.driven()[0].actuator.air().atmosphere().0;
     let own = |i: usize| {
-        let mut fields = of_actuator(None);
-        let Some(rig) = rig else { return fields };
+        let mut fields = of_actuator(atmosphere);
         let Fittings { line, tendon, .. } = &rig.fittings()[i];
         let has_valve = |i: usize| rig.driven()[i].actuation.is_some();
         let supply = match rig.shared_supply() {
             Some(_) => has_valve(i) && (i == 0 || !has_valve(0)),
             None => line.supply.is_some(),
         };
-        fields.extend(of_line(line.hose.is_some(), supply));
+        fields.extend(of_line(line.hose.is_some(), supply, atmosphere));
         fields.extend(tendon.iter().flat_map(|_| of_tendon()));
         fields
     };
-    let mut fields = member("", own(0), |sample: &JointSample| sample.actuators[0]);
+    let mut fields = of_both([own(0), own(1)]);
+    fields.extend(of_goals(goals, |sample: &JointSample| sample.time));
+    fields
+}
+
+/// The columns of a joint from those of its actuators.
+fn of_both([agonist, antagonist]: [Vec<Field<Sample>>; 2]) -> Vec<Field<JointSample>> {
+    let mut fields = member("", agonist, |sample: &JointSample| sample.actuators[0]);
     fields.extend([
         number("angle_rad", "rad", |sample: &JointSample| sample.angle),
         number("angular_velocity_rad_s", "rad/s", |sample: &JointSample| sample.angular_velocity),
@@ -142,8 +168,7 @@ pub(crate) fn of_joint(rig: Option<&JointRig>, goals: &Goals) -> Vec<Field<Joint
     ]);
     // The time stands in front already.
     let second = |sample: &JointSample| sample.actuators[1];
-    fields.extend(member("antagonist_", own(1), second).into_iter().skip(1));
-    fields.extend(of_goals(goals, |sample: &JointSample| sample.time));
+    fields.extend(member("antagonist_", antagonist, second).into_iter().skip(1));
     fields
 }
 

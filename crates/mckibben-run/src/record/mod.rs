@@ -6,7 +6,7 @@ mod memory;
 mod parquet;
 
 use crate::failure::Failure;
-pub(crate) use field::{Field, Value, goal_fields, number, of_controlled, of_joint, word};
+pub(crate) use field::{Field, Value, goal_fields, number, of_actuator, of_controlled, of_joint, of_joint_alone, word};
 use mckibben::simulation::Sample;
 use mckibben_scenario::{Document, Scenario};
 pub(crate) use memory::filled;
@@ -21,28 +21,29 @@ pub struct Column {
     pub name: &'static str,
     /// Its unit.
     pub unit: &'static str,
-    /// Its value.
-    pub value: fn(&Sample) -> f64,
+    /// Its value; the number is the absolute pressure of the atmosphere in Pa, from which gauge pressures count.
+    pub value: fn(&Sample, f64) -> f64,
 }
 
 /// The columns of numbers in their order; the name of the open ports follows them as [`VALVE`], and the columns of an air
 /// line, a pressure regulator or a tendon in series if there is one.
-pub const COLUMNS: [Column; 9] = [
-    column("time_s", "s", |sample| sample.time),
-    column("length_m", "m", |sample| sample.length),
-    column("velocity_m_s", "m/s", |sample| sample.velocity),
-    column("pressure_pa", "Pa", |sample| sample.pressure.0),
-    column("air_mass_kg", "kg", |sample| sample.air_mass),
-    column("temperature_k", "K", |sample| sample.temperature),
-    column("volume_m3", "m^3", |sample| sample.volume),
-    column("tension_n", "N", |sample| sample.tension),
-    column("mass_flow_kg_s", "kg/s", |sample| sample.mass_flow),
+pub const COLUMNS: [Column; 10] = [
+    column("time_s", "s", |sample, _| sample.time),
+    column("length_m", "m", |sample, _| sample.length),
+    column("velocity_m_s", "m/s", |sample, _| sample.velocity),
+    column("absolute_pressure_pa", "Pa", |sample, _| sample.pressure.0),
+    column("gauge_pressure_pa", "Pa", |sample, atmosphere| sample.pressure.0 - atmosphere),
+    column("air_mass_kg", "kg", |sample, _| sample.air_mass),
+    column("temperature_k", "K", |sample, _| sample.temperature),
+    column("volume_m3", "m^3", |sample, _| sample.volume),
+    column("tension_n", "N", |sample, _| sample.tension),
+    column("mass_flow_kg_s", "kg/s", |sample, _| sample.mass_flow),
 ];
 
 /// The column of words.
 pub const VALVE: &str = "valve";
 
-const fn column(name: &'static str, unit: &'static str, value: fn(&Sample) -> f64) -> Column {
+const fn column(name: &'static str, unit: &'static str, value: fn(&Sample, f64) -> f64) -> Column {
     Column { name, unit, value }
 }
 

@@ -157,7 +157,8 @@ fn plate(stem: &'static str, label: &str, pair: &[Pulsed; 2]) -> Plate {
     let (least, most) = all().fold((f64::MAX, f64::MIN), |(l, m), x| (l.min(x), m.max(x)));
     let rim = 0.04 * (most - least);
     let mut figure = Figure::new(Axis::new("time", "s")).caption(assumed(ALL)).size_mm(120.0, 38.0);
-    let mut data = Data::new(&["frequency_hz", "time_s", "length_m", "velocity_m_s", "pressure_pa", "supply_open"]);
+    let mut data =
+        Data::new(&["frequency_hz", "time_s", "length_m", "velocity_m_s", "absolute_pressure_pa", "supply_open"]);
     for (place, (each, frequency)) in pair.iter().zip(FREQUENCIES).enumerate() {
         data.rows.extend(each.rows.iter().map(|row| [&[frequency], row.as_slice()].concat()));
         let column = |i: usize, unit: f64| each.beginning().iter().map(|row| row[i] / unit).collect();
@@ -185,7 +186,7 @@ fn with_hose(volume: f64) -> Result<(f64, Pulsed), Failure> {
 fn hoses_plate(hoses: &[(f64, Pulsed)]) -> Plate {
     let mut panel = Panel::new(Axis::new("length", "in"));
     let mut data =
-        Data::new(&["external_volume_m3", "time_s", "length_m", "velocity_m_s", "pressure_pa", "supply_open"]);
+        Data::new(&["external_volume_m3", "time_s", "length_m", "velocity_m_s", "absolute_pressure_pa", "supply_open"]);
     for (place, (volume, each)) in hoses.iter().enumerate() {
         data.rows.extend(each.rows.iter().map(|row| [&[volume * 1e-6], row.as_slice()].concat()));
         let column = |i: usize, unit: f64| each.beginning().iter().map(|row| row[i] / unit).collect();

@@ -194,7 +194,7 @@ impl RingDown {
             .size_mm(120.0, 48.0)
             .panel(lengths)
             .panel(pressures);
-        let mut data = Data::new(&["time_s", "length_m", "velocity_m_s", "pressure_pa", "tension_n"]);
+        let mut data = Data::new(&["time_s", "length_m", "velocity_m_s", "absolute_pressure_pa", "tension_n"]);
         data.rows.extend(samples.iter().map(|s| vec![s.time, s.length, s.velocity, s.pressure.0, s.tension]));
         let caption = format!(
             "{} of the paper: length over time, {}. The paper’s curves are not at hand.",

@@ -116,7 +116,7 @@ fn frame(caption: String, panel: Panel) -> Figure {
 
 fn loops_plate(loops: &[Loop]) -> Plate {
     let mut panel = Panel::new(Axis::new("force", "lbf").starting_at(0.0));
-    let mut data = Data::new(&["nominal_gauge_pressure_pa", "load_n", "length_m", "pressure_pa"]);
+    let mut data = Data::new(&["nominal_gauge_pressure_pa", "load_n", "length_m", "absolute_pressure_pa"]);
     for (place, each) in loops.iter().enumerate() {
         let colour = Colour::Ramp(place as f64 / (loops.len() - 1) as f64);
         let weights = each.halves().0.iter().step_by(BETWEEN);

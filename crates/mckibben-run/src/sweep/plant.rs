@@ -1,7 +1,7 @@
 //! What is made of the runs of rows that are plants.
 
 use super::reduce::{LAST_PART, SIMULTANEOUS, Track, missed};
-use super::rows::{self, Outcome, PlantCell, Row, Samples};
+use super::rows::{self, Outcome, Row, SampleCell};
 use super::step::{self, Choice};
 use crate::plant::columns;
 use crate::plant::control::Follower;
@@ -32,7 +32,7 @@ struct Recorder<'a> {
     settles: bool,
     window_start: f64,
     last: Option<f64>,
-    rows: Vec<Vec<PlantCell>>,
+    rows: Vec<Vec<SampleCell>>,
     fault: Option<String>,
     /// The ledger, where the air that sources gave is asked for.
     keeper: Option<PlantLedgerKeeper<'a>>,
@@ -93,13 +93,13 @@ impl rows::Recorder for Recorder<'_> {
             return;
         }
         let cell = |column: &PlantColumn| match column.content {
-            PlantContent::Number(quantity) => PlantCell::Number(quantity.of(plant, sample)),
-            PlantContent::Ports(valve) => PlantCell::Word(columns::ports(valve, sample)),
+            PlantContent::Number(quantity) => SampleCell::Number(quantity.of(plant, sample)),
+            PlantContent::Ports(valve) => SampleCell::Word(columns::ports(valve, sample)),
         };
-        let row: Vec<PlantCell> =
-            std::iter::once(PlantCell::Number(time)).chain(self.columns.iter().map(cell)).collect();
-        let fault = |(cell, column): (&PlantCell, &PlantColumn)| match cell {
-            PlantCell::Number(value) if !value.is_finite() => {
+        let row: Vec<SampleCell> =
+            std::iter::once(SampleCell::Number(time)).chain(self.columns.iter().map(cell)).collect();
+        let fault = |(cell, column): (&SampleCell, &PlantColumn)| match cell {
+            SampleCell::Number(value) if !value.is_finite() => {
                 Some(format!("{} = {value} at t = {time} s is not a finite number", column.title()))
             }
             _ => None,
@@ -125,7 +125,7 @@ impl rows::Recorder for Recorder<'_> {
         if let Some(fault) = self.fault {
             return Outcome::Failed(fault);
         }
-        let Some(reductions) = self.reductions else { return Outcome::Sampled(Samples::Plant(self.rows)) };
+        let Some(reductions) = self.reductions else { return Outcome::Sampled(self.rows) };
         let duration = self.last.unwrap_or(0.0);
         let whole = self.window_start > -2.0 * SIMULTANEOUS * duration;
         let air = self.keeper.zip(run).map(|(keeper, run)| air_used(self.of, &keeper.finish(run)));

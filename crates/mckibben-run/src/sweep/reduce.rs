@@ -67,8 +67,8 @@ pub struct Reducer {
 /// What is looked at: a sample of one actuator, or of a joint.
 #[derive(Clone, Copy, Debug)]
 pub enum Seen<'a> {
-    /// Of one actuator.
-    Actuator(&'a Sample),
+    /// Of one actuator, with the absolute pressure of its atmosphere in Pa.
+    Actuator(&'a Sample, f64),
     /// Of a joint.
     Joint(&'a JointSample, &'a JointRig),
 }
@@ -256,7 +256,7 @@ impl Seen<'_> {
     fn kept(self) -> Before {
         let air = |of: &Sample| (of.ports.supply, of.air_mass + of.hose_air_mass);
         match self {
-            Self::Actuator(sample) => Before { time: sample.time, air: [air(sample), (false, 0.0)] },
+            Self::Actuator(sample, _) => Before { time: sample.time, air: [air(sample), (false, 0.0)] },
             Self::Joint(sample, _) => Before { time: sample.time, air: sample.actuators.each_ref().map(air) },
         }
     }
@@ -264,9 +264,10 @@ impl Seen<'_> {
     /// The value of a quantity; of what both a joint and an actuator have, that of the joint's agonist.
     fn value(self, quantity: Quantity) -> f64 {
         match self {
-            Self::Actuator(sample) => of(quantity, sample),
+            Self::Actuator(sample, atmosphere) => of(quantity, sample, atmosphere),
             Self::Joint(sample, rig) => {
                 let [agonist, antagonist] = &sample.actuators;
+                let atmosphere = rig.driven()[0].actuator.air().atmosphere().0;
                 match quantity {
                     Quantity::Angle => sample.angle,
                     Quantity::AngularVelocity => sample.angular_velocity,
@@ -275,10 +276,11 @@ impl Seen<'_> {
                         rig.stiffness(sample.angle, [agonist.pressure, antagonist.pressure], Held::AirMasses)
                     }
                     Quantity::AntagonistLength => antagonist.length,
-                    Quantity::AntagonistPressure => antagonist.pressure.0,
+                    Quantity::AntagonistAbsolutePressure => antagonist.pressure.0,
+                    Quantity::AntagonistGaugePressure => antagonist.pressure.0 - atmosphere,
                     Quantity::AntagonistAirMass => antagonist.air_mass,
                     Quantity::AntagonistTension => antagonist.tension,
-                    quantity => of(quantity, agonist),
+                    quantity => of(quantity, agonist, atmosphere),
                 }
             }
         }
@@ -286,11 +288,12 @@ impl Seen<'_> {
 }
 
 /// The value of a quantity of one actuator.
-fn of(quantity: Quantity, sample: &Sample) -> f64 {
+fn of(quantity: Quantity, sample: &Sample, atmosphere: f64) -> f64 {
     match quantity {
         Quantity::Length => sample.length,
         Quantity::Velocity => sample.velocity,
-        Quantity::Pressure => sample.pressure.0,
+        Quantity::AbsolutePressure => sample.pressure.0,
+        Quantity::GaugePressure => sample.pressure.0 - atmosphere,
         Quantity::AirMass | Quantity::Air => sample.air_mass,
         Quantity::Temperature => sample.temperature,
         Quantity::Tension => sample.tension,
@@ -322,7 +325,7 @@ mod tests {
         for index in 0..=(duration * 1e3).round() as u32 {
             let time = f64::from(index) * 1e-3;
             let (air_mass, ports) = air(time);
-            reducer.see(Seen::Actuator(&Sample {
+            let sample = Sample {
                 time,
                 length: length(time),
                 velocity: 0.0,
@@ -338,7 +341,8 @@ mod tests {
                 supply_pressure: None,
                 load_distance: length(time),
                 load_velocity: 0.0,
-            }));
+            };
+            reducer.see(Seen::Actuator(&sample, 101_325.0));
         }
         reducer.finish(&reductions)
     }

@@ -15,7 +15,7 @@ use crate::alone::Alone;
 use crate::closed_loop::Goal;
 use crate::engine::Subject;
 use crate::joint::pair::Pair;
-use crate::record::COLUMNS;
+use crate::record::{Field, Value, of_actuator, of_joint_alone};
 use mckibben::Error;
 use mckibben::air::Flow;
 use mckibben::command::Driver;
@@ -42,26 +42,15 @@ pub fn side_by_side() -> usize {
 pub enum Outcome {
     /// The value of each reduction that has one.
     Reduced(Vec<Option<f64>>),
-    /// Samples in the order of time.
-    Sampled(Samples),
+    /// A row of cells for each sample, in the order of time and of the sweep's columns.
+    Sampled(Vec<Vec<SampleCell>>),
     /// Why there is nothing.
     Failed(String),
 }
 
-/// Samples of one actuator, or of a joint with two.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Samples {
-    /// Of one actuator.
-    Actuator(Vec<Sample>),
-    /// Of a joint.
-    Joint(Vec<JointSample>),
-    /// Of a plant: a line for each sample, the time before the columns of the sweep.
-    Plant(Vec<Vec<PlantCell>>),
-}
-
 /// What stands in a line of a plant.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum PlantCell {
+pub enum SampleCell {
     /// A number.
     Number(f64),
     /// A word.
@@ -325,11 +314,8 @@ trait Swept: Subject {
     /// A sample as reductions see it.
     fn seen<'s>(rig: &'s RigOf<Self>, sample: &'s SampleOf<Self>) -> Seen<'s>;
 
-    /// What of a sample is not finite, in words.
-    fn fault(sample: &SampleOf<Self>) -> Option<String>;
-
-    /// Samples as an outcome.
-    fn sampled(samples: Vec<SampleOf<Self>>) -> Samples;
+    /// The columns of samples that are kept.
+    fn columns(rig: &RigOf<Self>) -> Vec<Field<SampleOf<Self>>>;
 
     /// The command whose period is that of a ripple.
     fn command(rig: &RigOf<Self>) -> Option<&Command>;
@@ -342,16 +328,12 @@ type RigOf<S> = <<S as Subject>::View as PlantView>::Rig;
 type SampleOf<S> = <<S as Subject>::View as PlantView>::Sample;
 
 impl Swept for Alone<'_> {
-    fn seen<'s>(_: &'s Rig, sample: &'s Sample) -> Seen<'s> {
-        Seen::Actuator(sample)
+    fn seen<'s>(rig: &'s Rig, sample: &'s Sample) -> Seen<'s> {
+        Seen::Actuator(sample, rig.actuator().air().atmosphere().0)
     }
 
-    fn fault(sample: &Sample) -> Option<String> {
-        not_finite(sample)
-    }
-
-    fn sampled(samples: Vec<Sample>) -> Samples {
-        Samples::Actuator(samples)
+    fn columns(rig: &Rig) -> Vec<Field<Sample>> {
+        of_actuator(rig.actuator().air().atmosphere().0)
     }
 
     fn command(rig: &Rig) -> Option<&Command> {
@@ -368,12 +350,8 @@ impl Swept for Pair<'_> {
         Seen::Joint(sample, rig)
     }
 
-    fn fault(sample: &JointSample) -> Option<String> {
-        sample.actuators.iter().find_map(not_finite)
-    }
-
-    fn sampled(samples: Vec<JointSample>) -> Samples {
-        Samples::Joint(samples)
+    fn columns(rig: &JointRig) -> Vec<Field<JointSample>> {
+        of_joint_alone(rig.driven()[0].actuator.air().atmosphere().0)
     }
 
     fn command(rig: &JointRig) -> Option<&Command> {
@@ -390,7 +368,8 @@ struct ViewRecorder<'r, S: Swept> {
     of: S,
     view: S::View,
     reductions: Option<(&'r [Reduction], Reducer)>,
-    samples: Vec<SampleOf<S>>,
+    fields: Vec<Field<SampleOf<S>>>,
+    rows: Vec<Vec<SampleCell>>,
     fault: Option<String>,
     /// What a controller was to reach, where that is asked for.
     goals: Option<Vec<Goal>>,
@@ -411,7 +390,8 @@ impl<'r, S: Swept> ViewRecorder<'r, S> {
         let drawn = (is_located && asks(|quantity| quantity == Quantity::Air)).then_some(0.0);
         let reducer = |list| Reducer::new(list, S::command(view.rig()), of.plan().duration);
         let reductions = reductions.map(|list| (list, reducer(list)));
-        Self { of, reductions, view, samples: Vec::new(), fault: None, goals, drawn }
+        let fields = S::columns(view.rig());
+        Self { of, reductions, view, fields, rows: Vec::new(), fault: None, goals, drawn }
     }
 }
 
@@ -421,10 +401,10 @@ impl<S: Swept> Recorder for ViewRecorder<'_, S> {
             return;
         }
         let sample = self.view.sample(sample);
-        self.fault = S::fault(&sample);
+        self.fault = not_finite(&self.fields, &sample);
         match &mut self.reductions {
             Some((_, reducer)) => reducer.see(S::seen(self.view.rig(), &sample)),
-            None => self.samples.push(sample),
+            None => self.rows.push(self.fields.iter().map(|field| cell(field, &sample)).collect()),
         }
     }
 
@@ -449,7 +429,7 @@ impl<S: Swept> Recorder for ViewRecorder<'_, S> {
             return Outcome::Failed(fault);
         }
         let Some((reductions, mut reducer)) = self.reductions else {
-            return Outcome::Sampled(S::sampled(self.samples));
+            return Outcome::Sampled(self.rows);
         };
         if let Some(drawn) = self.drawn {
             reducer.set_air_used(drawn);
@@ -459,9 +439,23 @@ impl<S: Swept> Recorder for ViewRecorder<'_, S> {
     }
 }
 
-/// What of a sample is not finite, in words.
-fn not_finite(sample: &Sample) -> Option<String> {
-    let numbers = COLUMNS.iter().map(|column| (column.name, (column.value)(sample)));
-    let (name, value) = numbers.into_iter().find(|(_, value)| !value.is_finite())?;
-    Some(format!("{name} = {value} at t = {} s is not a finite number", sample.time))
+/// A sample's cell of a column.
+fn cell<S>(field: &Field<S>, sample: &S) -> SampleCell {
+    match &field.value {
+        Value::Number(value) => SampleCell::Number(value(sample)),
+        Value::Word(value) => SampleCell::Word(value(sample)),
+    }
+}
+
+/// Which number of a sample is not finite, in words. The time is the first column.
+fn not_finite<S>(fields: &[Field<S>], sample: &S) -> Option<String> {
+    let numbers = || {
+        fields.iter().filter_map(|field| match &field.value {
+            Value::Number(value) => Some((&field.name, value(sample))),
+            Value::Word(_) => None,
+        })
+    };
+    let (name, value) = numbers().find(|(_, value)| !value.is_finite())?;
+    let time = numbers().next().map_or(f64::NAN, |(_, time)| time);
+    Some(format!("{name} = {value} at t = {time} s is not a finite number"))
 }

@@ -10,12 +10,11 @@
 //! With reductions a run is one line; with samples or trajectories it is one line for each sample. A run that failed is
 //! one line without results.
 
-use super::rows::{Outcome, PlantCell, Samples};
+use super::rows::{Outcome, SampleCell};
 use super::sheet::Sheet;
-use crate::closed_loop::Goals;
 use crate::failure::Failure;
-use crate::record::{COLUMNS, VALVE, Value, of_joint};
-use mckibben_scenario::{AxisKind, AxisValue, Record, Sweep};
+use crate::record::{Field, Value, of_actuator, of_joint_alone};
+use mckibben_scenario::{AxisKind, AxisValue, PlantColumn, Record, Sweep};
 
 /// What a column holds.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
@@ -85,26 +84,31 @@ pub fn columns(sweep: &Sweep) -> Vec<Column> {
             let reduced = sweep.record().reduced().unwrap_or_default();
             columns.extend(reduced.iter().map(|of| column(&of.column, of.unit, Kind::Number, true)));
         }
-        Record::Samples(_) | Record::Trajectories if sweep.is_plant() => {
-            columns.push(column("time_s", "s", Kind::Number, true));
-            columns.extend(sweep.plant_columns().iter().map(|of| {
-                let kind = if of.quantity().is_some() { Kind::Number } else { Kind::Word };
-                column(&of.title(), of.unit, kind, true)
-            }));
-        }
-        Record::Samples(_) | Record::Trajectories if sweep.has_joint() => {
-            let kind = |value: &Value<_>| if matches!(value, Value::Word(_)) { Kind::Word } else { Kind::Number };
-            columns.extend(
-                of_joint(None, &Goals::default()).iter().map(|of| column(&of.name, of.unit, kind(&of.value), true)),
-            );
-        }
         Record::Samples(_) | Record::Trajectories => {
-            columns.extend(COLUMNS.iter().map(|c| column(c.name, c.unit, Kind::Number, true)));
-            columns.push(column(VALVE, "", Kind::Word, true));
+            columns.extend(sampled(sweep).into_iter().map(|(name, unit, kind)| column(&name, unit, kind, true)));
         }
     }
     columns.push(column(ERROR, "", Kind::Word, true));
     columns
+}
+
+/// Name, unit and kind of the columns of samples.
+fn sampled(sweep: &Sweep) -> Vec<(String, &'static str, Kind)> {
+    fn of<S>(fields: Vec<Field<S>>) -> Vec<(String, &'static str, Kind)> {
+        let kind = |value: &Value<S>| if matches!(value, Value::Word(_)) { Kind::Word } else { Kind::Number };
+        fields.into_iter().map(|field| (field.name, field.unit, kind(&field.value))).collect()
+    }
+    if sweep.is_plant() {
+        let kind = |of: &PlantColumn| if of.quantity().is_some() { Kind::Number } else { Kind::Word };
+        let time = ("time_s".to_owned(), "s", Kind::Number);
+        let columns = sweep.plant_columns().iter().map(|of| (of.title(), of.unit, kind(of)));
+        return std::iter::once(time).chain(columns).collect();
+    }
+    // Names and units do not depend on the atmosphere.
+    match sweep.has_joint() {
+        true => of(of_joint_alone(0.0)),
+        false => of(of_actuator(0.0)),
+    }
 }
 
 /// Writes the lines of a run; 1 if it failed, to be counted.
@@ -136,29 +140,11 @@ fn lines(
             line.push(Cell::Nothing);
             each(&line)
         }
-        Outcome::Sampled(Samples::Actuator(samples)) => samples.iter().try_for_each(|sample| {
-            line.truncate(head);
-            line.extend(COLUMNS.iter().map(|column| Cell::Number((column.value)(sample))));
-            line.extend([Cell::Word(sample.ports.name()), Cell::Nothing]);
-            each(&line)
-        }),
-        Outcome::Sampled(Samples::Joint(samples)) => {
-            let fields = of_joint(None, &Goals::default());
-            samples.iter().try_for_each(|sample| {
-                line.truncate(head);
-                line.extend(fields.iter().map(|field| match &field.value {
-                    Value::Number(value) => Cell::Number(value(sample)),
-                    Value::Word(value) => Cell::Word(value(sample)),
-                }));
-                line.push(Cell::Nothing);
-                each(&line)
-            })
-        }
-        Outcome::Sampled(Samples::Plant(rows)) => rows.iter().try_for_each(|row| {
+        Outcome::Sampled(rows) => rows.iter().try_for_each(|row| {
             line.truncate(head);
             line.extend(row.iter().map(|cell| match cell {
-                PlantCell::Number(value) => Cell::Number(*value),
-                PlantCell::Word(word) => Cell::Word(word),
+                SampleCell::Number(value) => Cell::Number(*value),
+                SampleCell::Word(word) => Cell::Word(word),
             }));
             line.push(Cell::Nothing);
             each(&line)
@@ -167,11 +153,7 @@ fn lines(
             let results = match sweep.record() {
                 Record::Reductions(reductions) => reductions.len(),
                 Record::PlantReductions(reductions) => reductions.len(),
-                Record::Samples(_) | Record::Trajectories if sweep.is_plant() => 1 + sweep.plant_columns().len(),
-                Record::Samples(_) | Record::Trajectories if sweep.has_joint() => {
-                    of_joint(None, &Goals::default()).len()
-                }
-                Record::Samples(_) | Record::Trajectories => COLUMNS.len() + 1,
+                Record::Samples(_) | Record::Trajectories => sampled(sweep).len(),
             };
             line.extend(std::iter::repeat_n(Cell::Nothing, results));
             line.push(Cell::Word(reason));

@@ -1,6 +1,6 @@
 //! What there is to record of a plant, by names: the numbers of each actuator, mechanism and supply.
 //!
-//! A column is called as the file calls the part: `flexor.pressure`, in a table `flexor.pressure_pa`.
+//! A column is called as the file calls the part: `flexor.gauge_pressure`, in a table `flexor.gauge_pressure_pa`.
 
 use super::{MechanismNames, PlantExperiment};
 use crate::sweep::column_of;
@@ -18,6 +18,8 @@ pub enum PlantQuantity {
     Velocity(usize),
     /// Absolute pressure in an actuator in Pa.
     Pressure(usize),
+    /// Gauge pressure in an actuator in Pa.
+    GaugePressure(usize),
     /// Mass of the air in an actuator in kg.
     AirMass(usize),
     /// Temperature of the air in an actuator in K.
@@ -40,6 +42,8 @@ pub enum PlantQuantity {
     Force(usize, usize),
     /// Absolute pressure of a node of the air network in Pa.
     NodePressure(usize),
+    /// Gauge pressure of a node of the air network in Pa.
+    NodeGaugePressure(usize),
     /// Gauge pressure in Pa that the regulating valve of this index is commanded; that of its port, the second index, before
     /// the first command.
     SetPoint(usize, usize),
@@ -57,7 +61,7 @@ pub enum PlantContent {
 /// A column of a plant's run.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub struct PlantColumn {
-    /// Its name without the unit, such as `flexor.pressure`.
+    /// Its name without the unit, such as `flexor.gauge_pressure`.
     pub name: String,
     /// SI unit; empty for words.
     pub unit: &'static str,
@@ -76,6 +80,7 @@ impl PlantQuantity {
             Self::Length(i) | Self::LoadDistance(i) => actuator(i).distance,
             Self::Velocity(i) | Self::LoadVelocity(i) => actuator(i).rate,
             Self::Pressure(i) => actuator(i).pressure.0,
+            Self::GaugePressure(i) => actuator(i).pressure.0 - plant.network().atmosphere,
             Self::AirMass(i) => actuator(i).air_mass,
             Self::Temperature(i) => actuator(i).temperature,
             Self::Volume(i) => actuator(i).volume,
@@ -85,6 +90,7 @@ impl PlantQuantity {
             Self::Rate(m, k) => mechanism(m).rate[k],
             Self::Force(m, k) => mechanism(m).actuator_force[k],
             Self::NodePressure(node) => sample.nodes[node].pressure.0,
+            Self::NodeGaugePressure(node) => sample.nodes[node].pressure.0 - plant.network().atmosphere,
             Self::SetPoint(valve, port) => {
                 let network = plant.network();
                 let commanded = network.valves[valve].command.set_point_at(sample.time);
@@ -99,7 +105,7 @@ impl PlantColumn {
         Self { name, unit, content: PlantContent::Number(quantity) }
     }
 
-    /// Its name in a table, with the unit at its end: `flexor.pressure_pa`.
+    /// Its name in a table, with the unit at its end: `flexor.gauge_pressure_pa`.
     pub fn title(&self) -> String {
         let ending = column_of("", self.unit);
         format!("{}{ending}", self.name)
@@ -156,7 +162,8 @@ impl PlantExperiment {
             };
             number("length", "m", Q::Length(i));
             number("velocity", "m/s", Q::Velocity(i));
-            number("pressure", "Pa", Q::Pressure(i));
+            number("absolute_pressure", "Pa", Q::Pressure(i));
+            number("gauge_pressure", "Pa", Q::GaugePressure(i));
             number("air_mass", "kg", Q::AirMass(i));
             number("temperature", "K", Q::Temperature(i));
             number("volume", "m3", Q::Volume(i));
@@ -171,10 +178,12 @@ impl PlantExperiment {
                 columns.push(PlantColumn::number(format!("{name}.{column}"), unit, quantity));
             };
             if let Some(node) = names.hoses[i] {
-                number("hose_pressure", "Pa", Q::NodePressure(node));
+                number("hose_absolute_pressure", "Pa", Q::NodePressure(node));
+                number("hose_gauge_pressure", "Pa", Q::NodeGaugePressure(node));
             }
             if let Some((valve, node)) = names.valves[i].and_then(|valve| Some((valve, port_of(network, valve)?))) {
-                number("regulated_pressure", "Pa", Q::NodePressure(node));
+                number("regulated_absolute_pressure", "Pa", Q::NodePressure(node));
+                number("regulated_gauge_pressure", "Pa", Q::NodeGaugePressure(node));
                 number("set_point", "Pa", Q::SetPoint(valve, node));
             }
             if self.plant.actuators()[i].tendon.is_some() {
@@ -193,7 +202,8 @@ impl PlantExperiment {
             }
         }
         for (name, node) in &names.nodes {
-            columns.push(PlantColumn::number(format!("{name}.pressure"), "Pa", Q::NodePressure(*node)));
+            columns.push(PlantColumn::number(format!("{name}.absolute_pressure"), "Pa", Q::NodePressure(*node)));
+            columns.push(PlantColumn::number(format!("{name}.gauge_pressure"), "Pa", Q::NodeGaugePressure(*node)));
         }
         for (name, valve) in &names.supply_valves {
             let content = PlantContent::Ports(Some(*valve));

@@ -1,7 +1,7 @@
 //! Sweeps of plants: each row is read from the file with the row's values in it.
 //!
 //! A run of a plant costs more than a reading, so that every row is read as a file would be, with all that the reading
-//! refuses. Reductions name a column and a statistic: `elbow.angle.max`, `flexor.pressure.final`; of the error of a
+//! refuses. Reductions name a column and a statistic: `elbow.angle.max`, `flexor.gauge_pressure.final`; of the error of a
 //! controller `flexor.length_error.rms`; `air.used` is what all sources gave.
 
 use super::Record;
@@ -46,7 +46,7 @@ pub enum PlantReduced {
 /// A statistic of something of a plant.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub struct PlantReduction {
-    /// Its name, such as `flexor.pressure.final`.
+    /// Its name, such as `flexor.gauge_pressure.final`.
     pub name: String,
     /// SI unit; empty for a pure number.
     pub unit: &'static str,
@@ -150,7 +150,7 @@ fn reductions(document: &Document, of: &PlantExperiment) -> Result<Vec<PlantRedu
 fn named(name: &str, of: &PlantExperiment) -> Result<PlantReduction, (String, String)> {
     let unknown = |help: String| Err((format!("`{name}` is no reduction of this plant"), help));
     let Some((what, statistic)) = name.rsplit_once('.') else {
-        return unknown("write a column and a statistic, as in `flexor.pressure.final`".to_owned());
+        return unknown("write a column and a statistic, as in `flexor.gauge_pressure.final`".to_owned());
     };
     let made = |unit, reduced, statistic| {
         let unit = match statistic {
@@ -217,7 +217,7 @@ fn errors(of: &PlantExperiment) -> Vec<(String, usize, control::Quantity)> {
 /// The word of a quantity in the name of an error.
 fn word(quantity: control::Quantity) -> &'static str {
     match quantity {
-        control::Quantity::Pressure => "pressure",
+        control::Quantity::Pressure => "gauge_pressure",
         control::Quantity::Length => "length",
         control::Quantity::AirMass => "air_mass",
         control::Quantity::Force => "force",
@@ -236,7 +236,8 @@ fn by_default(of: &PlantExperiment) -> Vec<PlantReduction> {
     }
     for name in &of.names.actuators {
         names.extend(
-            ["length.final", "pressure.final", "pressure.max", "tension.peak"].map(|of| format!("{name}.{of}")),
+            ["length.final", "gauge_pressure.final", "gauge_pressure.max", "tension.peak"]
+                .map(|of| format!("{name}.{of}")),
         );
     }
     names.push("air.used".to_owned());

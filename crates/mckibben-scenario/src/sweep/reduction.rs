@@ -15,7 +15,9 @@ pub enum Quantity {
     /// Velocity of lengthening in m/s.
     Velocity,
     /// Absolute pressure in the actuator in Pa.
-    Pressure,
+    AbsolutePressure,
+    /// Gauge pressure in Pa.
+    GaugePressure,
     /// Mass of the actuator's air in kg.
     AirMass,
     /// Temperature of the actuator's air in K.
@@ -37,7 +39,9 @@ pub enum Quantity {
     /// Distance in m between the attachments of a joint's second actuator; those above are of the first.
     AntagonistLength,
     /// Absolute pressure in it in Pa.
-    AntagonistPressure,
+    AntagonistAbsolutePressure,
+    /// Gauge pressure in a joint's antagonist in Pa.
+    AntagonistGaugePressure,
     /// Mass of its air in kg.
     AntagonistAirMass,
     /// Its tension in N.
@@ -216,7 +220,8 @@ macro_rules! reductions {
 reductions! {
     Length "length", "length": Final Mean Min Max Ripple SettlingTime Overshoot;
     Velocity "velocity", "velocity": Final Mean Min Max Ripple Peak;
-    Pressure "pressure", "absolute pressure": Final Mean Min Max Ripple SettlingTime Overshoot;
+    AbsolutePressure "absolute_pressure", "absolute pressure": Final Mean Min Max Ripple SettlingTime Overshoot;
+    GaugePressure "gauge_pressure", "gauge pressure": Final Mean Min Max Ripple SettlingTime Overshoot;
     AirMass "air_mass", "mass of the actuator's air": Final Mean Min Max Ripple SettlingTime Overshoot;
     Temperature "temperature", "temperature of the actuator's air": Final Mean Min Max Ripple SettlingTime Overshoot;
     Tension "tension", "tension": Final Mean Min Max Ripple SettlingTime Overshoot Peak;
@@ -228,13 +233,15 @@ reductions! {
     Stiffness "stiffness", "stiffness that both actuators give the joint with their valves shut":
         Final Mean Min Max Ripple SettlingTime Overshoot;
     AntagonistLength "antagonist_length", "length of the antagonist": Final Mean Min Max Ripple SettlingTime Overshoot;
-    AntagonistPressure "antagonist_pressure", "absolute pressure in the antagonist":
+    AntagonistAbsolutePressure "antagonist_absolute_pressure", "absolute pressure in the antagonist":
+        Final Mean Min Max Ripple SettlingTime Overshoot;
+    AntagonistGaugePressure "antagonist_gauge_pressure", "gauge pressure in the antagonist":
         Final Mean Min Max Ripple SettlingTime Overshoot;
     AntagonistAirMass "antagonist_air_mass", "mass of the antagonist's air":
         Final Mean Min Max Ripple SettlingTime Overshoot;
     AntagonistTension "antagonist_tension", "tension of the antagonist":
         Final Mean Min Max Ripple SettlingTime Overshoot Peak;
-    (Error Pressure) "pressure_error", "error of the pressure at the controller's samples": Rms Peak;
+    (Error Pressure) "gauge_pressure_error", "error of the gauge pressure at the controller's samples": Rms Peak;
     (Error Length) "length_error", "error of the length at the controller's samples": Rms Peak;
     (Error AirMass) "air_mass_error", "error of the mass of air at the controller's samples": Rms Peak;
     (Error Force) "force_error", "error of the tension at the controller's samples": Rms Peak;
@@ -246,7 +253,8 @@ impl Quantity {
     /// Whether a joint alone has it.
     pub const fn is_of_joint(self) -> bool {
         use Quantity::{
-            Angle, AngularVelocity, AntagonistAirMass, AntagonistLength, AntagonistPressure, AntagonistTension,
+            Angle, AngularVelocity, AntagonistAbsolutePressure, AntagonistAirMass, AntagonistGaugePressure,
+            AntagonistLength, AntagonistTension,
         };
         matches!(
             self,
@@ -255,7 +263,8 @@ impl Quantity {
                 | Self::Torque
                 | Self::Stiffness
                 | AntagonistLength
-                | AntagonistPressure
+                | AntagonistAbsolutePressure
+                | AntagonistGaugePressure
                 | AntagonistAirMass
                 | AntagonistTension
                 | Self::Error(control::Quantity::Angle | control::Quantity::Stiffness | control::Quantity::Torque)
@@ -274,7 +283,13 @@ impl Reduction {
             (_, Statistic::Overshoot) => "",
             (Quantity::Length | Quantity::AntagonistLength, _) => "m",
             (Quantity::Velocity, _) => "m/s",
-            (Quantity::Pressure | Quantity::AntagonistPressure, _) => "Pa",
+            (
+                Quantity::AbsolutePressure
+                | Quantity::GaugePressure
+                | Quantity::AntagonistAbsolutePressure
+                | Quantity::AntagonistGaugePressure,
+                _,
+            ) => "Pa",
             (Quantity::AirMass | Quantity::Air | Quantity::AntagonistAirMass, _) => "kg",
             (Quantity::Temperature, _) => "K",
             (Quantity::Tension | Quantity::AntagonistTension, _) => "N",
@@ -303,7 +318,7 @@ impl Reduction {
 
 /// What is recorded of each run when the file does not say.
 pub(super) const DEFAULT: &[Reduction] = {
-    use Quantity::{Air, Length, Pressure, Tension, Velocity};
+    use Quantity::{Air, GaugePressure, Length, Tension, Velocity};
     use Statistic::{Final, Max, Mean, Min, Overshoot, Peak, Ripple, SettlingTime, Used};
     const fn of(quantity: Quantity, statistic: Statistic) -> Reduction {
         Reduction { quantity, statistic }
@@ -317,8 +332,8 @@ pub(super) const DEFAULT: &[Reduction] = {
         of(Length, SettlingTime),
         of(Length, Overshoot),
         of(Velocity, Peak),
-        of(Pressure, Final),
-        of(Pressure, Max),
+        of(GaugePressure, Final),
+        of(GaugePressure, Max),
         of(Tension, Final),
         of(Tension, Peak),
         of(Air, Used),
@@ -327,7 +342,7 @@ pub(super) const DEFAULT: &[Reduction] = {
 
 /// The same of a joint.
 pub(super) const DEFAULT_OF_JOINT: &[Reduction] = {
-    use Quantity::{Air, Angle, AngularVelocity, AntagonistPressure, Pressure, Stiffness, Torque};
+    use Quantity::{Air, Angle, AngularVelocity, AntagonistGaugePressure, GaugePressure, Stiffness, Torque};
     use Statistic::{Final, Max, Mean, Min, Overshoot, Peak, Ripple, SettlingTime, Used};
     const fn of(quantity: Quantity, statistic: Statistic) -> Reduction {
         Reduction { quantity, statistic }
@@ -343,8 +358,8 @@ pub(super) const DEFAULT_OF_JOINT: &[Reduction] = {
         of(AngularVelocity, Peak),
         of(Torque, Peak),
         of(Stiffness, Final),
-        of(Pressure, Final),
-        of(AntagonistPressure, Final),
+        of(GaugePressure, Final),
+        of(AntagonistGaugePressure, Final),
         of(Air, Used),
     ]
 };

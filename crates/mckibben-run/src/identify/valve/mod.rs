@@ -89,9 +89,9 @@ fn conductance(estimate: &Estimate) -> String {
 
 /// A value with its interval, in a unit that is so many times smaller.
 fn told(estimate: &Estimate, factor: f64, unit: &str) -> String {
-    let deviation = estimate.deviation.map(|deviation| factor * deviation);
+    let deviation = estimate.standard_error.map(|deviation| factor * deviation);
     let rounded = |value: f64| super::values::rounded(factor * value, deviation);
-    let interval = estimate.interval.map(|[low, high]| format!(" ({} to {})", rounded(low), rounded(high)));
+    let interval = estimate.confidence_interval.map(|[low, high]| format!(" ({} to {})", rounded(low), rounded(high)));
     format!("{}{} {unit}", rounded(estimate.value), interval.unwrap_or_default()).trim_end().to_owned()
 }
 

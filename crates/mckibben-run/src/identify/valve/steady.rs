@@ -125,8 +125,8 @@ pub(in super::super) fn steady_flow(material: &Material) -> Result<Outcome, Fail
             put(&mut scenario, &[(row, effective)])?;
             let of_area = Estimate {
                 value: effective,
-                deviation: found.factor.deviation.map(|deviation| area * deviation),
-                interval: found.factor.interval.map(|ends| ends.map(|end| area * end)),
+                standard_error: found.factor.standard_error.map(|deviation| area * deviation),
+                confidence_interval: found.factor.confidence_interval.map(|ends| ends.map(|end| area * end)),
                 ..named(&found.factor, row)
             };
             let numbers = vec![found.factor.clone(), of_area];
@@ -362,7 +362,7 @@ fn ratio_plate(points: &[SteadyPoint], found: &Efficiency) -> Plate {
         .height_mm(60.0)
         .horizontal(found.factor.value, "")
         .series(Series::points("each point", ratios, found.ratios.clone()).colour(Colour::Category(1)));
-    if let Some([low, high]) = found.factor.interval {
+    if let Some([low, high]) = found.factor.confidence_interval {
         panel = panel.span(Span::strip("95 % interval of the factor", low, high));
     }
     let x = Axis::new("downstream over upstream pressure", "").starting_at(0.0).ending_at(1.0);

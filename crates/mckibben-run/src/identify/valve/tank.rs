@@ -382,8 +382,8 @@ fn with_volume(of: &Experiment<'_>, volume: &Estimate) -> Result<(Scenario, Vec<
         return Err(Failure::input(title, "check `tank.length`, and `thread_length` and `turns` in the scenario"));
     }
     put(&mut scenario, &[(&parameter::EXTERNAL_VOLUME, external)])?;
-    let interval = volume.interval.map(|ends| ends.map(|end| end - braid));
-    let number = Estimate { value: external, interval, ..named(volume, &parameter::EXTERNAL_VOLUME) };
+    let confidence_interval = volume.confidence_interval.map(|ends| ends.map(|end| end - braid));
+    let number = Estimate { value: external, confidence_interval, ..named(volume, &parameter::EXTERNAL_VOLUME) };
     Ok((scenario, vec![number], words))
 }
 

@@ -29,16 +29,16 @@ pub(super) fn of_short(plant: &Plant) -> Vec<Column> {
         &[
             ("angle_rad", Q::Position(0, 0)),
             ("angular_velocity_rad_s", Q::Rate(0, 0)),
-            ("pressure_pa", Q::Pressure(0)),
+            ("absolute_pressure_pa", Q::Pressure(0)),
             ("air_mass_kg", Q::AirMass(0)),
-            ("antagonist_pressure_pa", Q::Pressure(1)),
+            ("antagonist_absolute_pressure_pa", Q::Pressure(1)),
             ("antagonist_air_mass_kg", Q::AirMass(1)),
         ]
     } else {
         &[
             ("length_m", Q::Length(0)),
             ("velocity_m_s", Q::Velocity(0)),
-            ("pressure_pa", Q::Pressure(0)),
+            ("absolute_pressure_pa", Q::Pressure(0)),
             ("air_mass_kg", Q::AirMass(0)),
         ]
     };
@@ -79,7 +79,14 @@ fn state(plant: &Plant, quantity: PlantQuantity) -> Option<usize> {
         Q::Position(mechanism, of) => Some(places.mechanisms[mechanism].position(of)),
         Q::Rate(mechanism, of) => Some(places.mechanisms[mechanism].rate(of)),
         Q::NodePressure(node) => places.nodes[node],
-        Q::Temperature(_) | Q::Volume(_) | Q::Tension(_) | Q::MassFlow(_) | Q::Force(..) | Q::SetPoint(..) => None,
+        Q::GaugePressure(_)
+        | Q::NodeGaugePressure(_)
+        | Q::Temperature(_)
+        | Q::Volume(_)
+        | Q::Tension(_)
+        | Q::MassFlow(_)
+        | Q::Force(..)
+        | Q::SetPoint(..) => None,
     }
 }
 

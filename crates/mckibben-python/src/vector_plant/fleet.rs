@@ -1,6 +1,6 @@
-//! Plants of a file that are stepped together: their commands, their clock, and which begin again.
+//! VectorPlant of a file that are stepped together: their commands, their clock, and which begin again.
 
-use super::asked::Asked;
+use super::action::ActionMode;
 use super::columns;
 use super::file::{Begin, File};
 use mckibben::parameter;
@@ -52,10 +52,10 @@ impl Pace {
     }
 }
 
-/// Plants of one file that go through time together. An error stands with the number of its plant.
+/// VectorPlant of one file that go through time together. An error stands with the number of its plant.
 pub(super) struct Fleet {
     file: File,
-    asked: Asked,
+    action_mode: ActionMode,
     /// The file's plant at t = 0, which plants that are alike share.
     first: PlantRun,
     pace: Pace,
@@ -67,11 +67,11 @@ pub(super) struct Fleet {
 
 impl Fleet {
     /// None yet, of this file.
-    pub(super) fn new(file: File, asked: Asked) -> Result<Self, Failure> {
+    pub(super) fn new(file: File, action_mode: ActionMode) -> Result<Self, Failure> {
         let first = run(&file, file.begin()).map_err(|error| file.failed(&error))?;
         let batch = PlantBatch::new(Vec::new()).map_err(|error| file.failed(&error))?;
         let state = first.state().to_vec();
-        Ok(Self { file, asked, first, pace: Pace::default(), batch, ends: Vec::new(), state })
+        Ok(Self { file, action_mode, first, pace: Pace::default(), batch, ends: Vec::new(), state })
     }
 
     /// The file.
@@ -131,18 +131,18 @@ impl Fleet {
     }
 
     /// Whether the valves can be commanded this: a number for each valve of each plant.
-    pub(super) fn check(&self, asked: &[f64]) -> Result<(), (usize, Failure)> {
+    pub(super) fn check(&self, actions: &[f64]) -> Result<(), (usize, Failure)> {
         let valves = self.valves().max(1);
         // Duty cycles within their range differ in nothing that a valve would mind.
-        let asked = match self.asked {
-            Asked::Duty(_) if asked.iter().all(|duty| parameter::DUTY.range.contains(*duty)) => {
-                &asked[..asked.len().min(valves)]
+        let actions = match self.action_mode {
+            ActionMode::Duty(_) if actions.iter().all(|duty| parameter::DUTY.range.contains(*duty)) => {
+                &actions[..actions.len().min(valves)]
             }
-            _ => asked,
+            _ => actions,
         };
-        for (row, asked) in asked.chunks(valves).enumerate() {
-            for (number, solenoid) in asked.iter().zip(self.file.solenoids()) {
-                let demand = self.asked.demand(*number).and_then(|demand| solenoid.check_demand(&demand));
+        for (row, actions) in actions.chunks(valves).enumerate() {
+            for (number, solenoid) in actions.iter().zip(self.file.solenoids()) {
+                let demand = self.action_mode.demand(*number).and_then(|demand| solenoid.check_demand(&demand));
                 demand.map_err(|error| (row, error.into()))?;
             }
         }
@@ -151,12 +151,12 @@ impl Fleet {
 
     /// Sets the valves to what has been checked, goes on, and writes the columns, and which have left the physics and stopped:
     /// of those nothing is written.
-    pub(super) fn step(&mut self, span: Span, asked: &[f64], shown: &mut [f64], stopped: &mut [bool]) {
-        let Self { file, asked: kind, pace, batch, ends, state, .. } = self;
-        for (row, asked) in asked.chunks(file.valves.len().max(1)).enumerate() {
-            for (valve, number) in file.valves.iter().zip(asked) {
+    pub(super) fn step(&mut self, span: Span, actions: &[f64], observations: &mut [f64], stopped: &mut [bool]) {
+        let Self { file, action_mode, pace, batch, ends, state, .. } = self;
+        for (row, actions) in actions.chunks(file.valves.len().max(1)).enumerate() {
+            for (valve, number) in file.valves.iter().zip(actions) {
                 // What cannot be set has stopped.
-                let _ = kind.demand(*number).and_then(|demand| batch.set(row, *valve, demand));
+                let _ = action_mode.demand(*number).and_then(|demand| batch.set(row, *valve, demand));
             }
         }
         *pace = pace.on(span);
@@ -165,8 +165,8 @@ impl Fleet {
         // The times are finite and rise, which has been checked.
         let _ = batch.advance_through(ends);
         let width = file.columns.len().max(1);
-        for (row, (shown, stopped)) in shown.chunks_mut(width).zip(stopped).enumerate() {
-            *stopped = columns::write(&file.columns, (&mut *batch, row), state, shown).is_err();
+        for (row, (observations, stopped)) in observations.chunks_mut(width).zip(stopped).enumerate() {
+            *stopped = columns::write(&file.columns, (&mut *batch, row), state, observations).is_err();
         }
     }
 
@@ -181,7 +181,7 @@ impl Fleet {
     }
 
     /// Writes the columns of one; nothing where it has stopped.
-    pub(super) fn show(&mut self, row: usize, into: &mut [f64]) {
+    pub(super) fn observe(&mut self, row: usize, into: &mut [f64]) {
         let Self { file, batch, state, .. } = self;
         // What has stopped shows nothing.
         let _ = columns::write(&file.columns, (batch, row), state, into);

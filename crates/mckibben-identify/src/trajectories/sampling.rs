@@ -15,7 +15,7 @@ use rayon::prelude::*;
 
 /// What a run is asked for: quantities, the times in s, and the relative tolerance of each step.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Asked {
+pub struct Sampling {
     /// The quantities; all that the scenario's kind of load, or the plant, has.
     pub observed: Vec<Observed>,
     /// The times in s, zero or above.
@@ -24,7 +24,7 @@ pub struct Asked {
     pub tolerance: f64,
 }
 
-impl Asked {
+impl Sampling {
     /// The quantities at each time in turn, with the numbers of a scenario at `values`, in the order of its places. `watch` is
     /// called now and then with the time that has been reached.
     ///
@@ -37,8 +37,8 @@ impl Asked {
     /// The same with the derivatives of each by the numbers, `[time][quantity][number]` in one row.
     ///
     /// # Errors
-    /// As [`Asked::values`].
-    pub fn with_slopes(
+    /// As [`Sampling::values`].
+    pub fn value_and_jacobian(
         &self,
         of: &Subject,
         values: &[f64],

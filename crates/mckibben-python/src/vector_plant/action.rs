@@ -1,4 +1,4 @@
-//! What is asked of valves, as numbers in an array.
+//! Actions: commands of valves as numbers in an array.
 
 use crate::pulses::Pulses;
 use mckibben::valve::{Demand, Request, Solenoid};
@@ -7,7 +7,7 @@ use mckibben_run::failure::Failure;
 
 /// What a number in the array stands for.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Asked {
+pub(super) enum ActionMode {
     /// A duty cycle, 0 to 1.
     Duty(Pulses),
     /// 1 for fill, 0 for hold, -1 for exhaust.
@@ -21,8 +21,8 @@ pub(super) enum Asked {
 /// Names of the kinds.
 const NAMES: [&str; 4] = ["duty", "request", "position", "set-point"];
 
-impl Asked {
-    /// By its name; `pulses` says how a duty cycle is pulsed, if it is asked for.
+impl ActionMode {
+    /// By its name; `pulses` says how a duty cycle is pulsed, if actions are duty cycles.
     pub(super) fn named(name: &str, pulses: impl FnOnce() -> Result<Pulses, Failure>) -> Result<Self, Failure> {
         match name {
             "duty" => pulses().map(Self::Duty),
@@ -30,7 +30,7 @@ impl Asked {
             "position" => Ok(Self::Position),
             "set-point" => Ok(Self::SetPoint),
             other => Err(Failure::input(
-                format!("asked = \"{other}\" is nothing that a valve can be asked"),
+                format!("action_mode = \"{other}\" is no action_mode"),
                 "say \"duty\", \"request\", \"position\" or \"set-point\"",
             )),
         }
@@ -46,14 +46,14 @@ impl Asked {
         if takes.contains(&name) || !NAMES.contains(&name) {
             return Ok(());
         }
-        let takes = takes.iter().map(|name| format!("asked=\"{name}\"")).collect::<Vec<_>>().join(" or ");
+        let takes = takes.iter().map(|name| format!("action_mode=\"{name}\"")).collect::<Vec<_>>().join(" or ");
         Err(Failure::input(
-            format!("asked=\"{name}\" is nothing that the scenario's valve takes, which is a {valve}"),
+            format!("action_mode=\"{name}\" is nothing that the scenario's valve takes, which is a {valve}"),
             format!("give {takes}, or a scenario with another valve.kind"),
         ))
     }
 
-    /// A number that a valve which takes this kind of action can be asked; `requests` are the requests that it can.
+    /// A number that a valve which takes this kind of action can be commanded; `requests` are the requests that it can do.
     pub(super) fn least(&self, requests: &[f64]) -> f64 {
         match self {
             Self::Request => requests.first().copied().unwrap_or_default(),
@@ -61,7 +61,7 @@ impl Asked {
         }
     }
 
-    /// The numbers of the requests that every one of these valves can be asked.
+    /// The numbers of the requests that every one of these valves can do.
     pub(super) fn requests_of<'v>(valves: impl Iterator<Item = &'v Solenoid> + Clone) -> Vec<f64> {
         let can =
             |number: f64, valve: &Solenoid| request(number).and_then(|request| valve.check_request(request)).is_ok();
@@ -76,7 +76,7 @@ impl Asked {
         }
     }
 
-    /// What a number asks of a valve.
+    /// The command of a number.
     pub(super) fn demand(&self, number: f64) -> Result<Demand, Error> {
         match self {
             Self::Duty(Pulses { frequency, pulse, rest }) => {
