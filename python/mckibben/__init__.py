@@ -23,9 +23,7 @@ from mckibben._mckibben import (
     Actuators,
     ActuatorState,
     Differentiable,
-    Estimate,
     Event,
-    Identification,
     LinearModel,
     Response,
     Scenario,
@@ -34,12 +32,12 @@ from mckibben._mckibben import (
     VectorPlant,
     __version__,
     curves,
-    identify,
     linearize,
     parameters,
     presets,
     simulate,
 )
+from mckibben._identify import Estimate, Identification, Prediction, Run, Study, identify
 from mckibben._sweep import SweepResult, sweep
 from mckibben.errors import Error, InputError, OutputError, SimulationError
 
@@ -55,9 +53,12 @@ __all__ = [
     "InputError",
     "LinearModel",
     "OutputError",
+    "Prediction",
     "Response",
+    "Run",
     "Scenario",
     "SimulationError",
+    "Study",
     "Sweep",
     "SweepResult",
     "Trajectory",

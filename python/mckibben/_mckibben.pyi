@@ -14,7 +14,7 @@ from pandas import DataFrame
 from polars import DataFrame as DataFrame2
 from typing import Any, Final, SupportsFloat, SupportsIndex, final
 
-__all__ = ["__version__", "Actuator", "ActuatorState", "Actuators", "Differentiable", "Estimate", "Event", "Identification", "LinearModel", "Plants", "Response", "Scenario", "Sweep", "Trajectory", "curves", "identify", "linearize", "parameters", "presets", "simulate"]
+__all__ = ["__version__", "Actuator", "ActuatorState", "Actuators", "Differentiable", "Event", "LinearModel", "Response", "Scenario", "Sweep", "Trajectory", "VectorPlant", "_identify", "_identify_file", "curves", "linearize", "parameters", "presets", "simulate"]
 
 __version__: Final[str]
 """
@@ -94,6 +94,11 @@ class ActuatorState:
     def __new__(cls, /, numbers: ArrayLike) -> ActuatorState: ...
     def __repr__(self, /) -> str: ...
     @property
+    def absolute_pressure(self, /) -> float:
+        """
+        Absolute pressure of the air in Pa.
+        """
+    @property
     def air_mass(self, /) -> float:
         """
         Mass of the air in kg.
@@ -102,11 +107,6 @@ class ActuatorState:
     def length(self, /) -> float:
         """
         Distance between the ends in m.
-        """
-    @property
-    def pressure(self, /) -> float:
-        """
-        Absolute pressure of the air in Pa.
         """
     @property
     def time(self, /) -> float:
@@ -148,18 +148,18 @@ class Actuators:
         """
         All of them go back to t = 0 and the scenario's state, with the coils released.
         """
-    def respond(self, /, velocity: NDArray[float64], tension: NDArray[float64], *, per_length: NDArray[float64] | None = None, per_velocity: NDArray[float64] | None = None, pressure: NDArray[float64] | None = None) -> None:
+    def respond(self, /, velocity: NDArray[float64], tension: NDArray[float64], *, per_length: NDArray[float64] | None = None, per_velocity: NDArray[float64] | None = None, absolute_pressure: NDArray[float64] | None = None) -> None:
         """
         Writes what the actuators answer where they are while their ends move apart at `velocity` in m/s, as `step` does: the
         tensions with which a loop begins.
         """
-    def step(self, /, dt: SupportsFloat | SupportsIndex, length: NDArray[float64], velocity: NDArray[float64], duty: NDArray[float64] | None, tension: NDArray[float64], *, per_length: NDArray[float64] | None = None, per_velocity: NDArray[float64] | None = None, pressure: NDArray[float64] | None = None, max_step: SupportsFloat | SupportsIndex | None = None) -> None:
+    def step(self, /, dt: SupportsFloat | SupportsIndex, length: NDArray[float64], velocity: NDArray[float64], duty: NDArray[float64] | None, tension: NDArray[float64], *, per_length: NDArray[float64] | None = None, per_velocity: NDArray[float64] | None = None, absolute_pressure: NDArray[float64] | None = None, max_step: SupportsFloat | SupportsIndex | None = None) -> None:
         """
         Goes on by `dt` in s while the ends of each actuator go in a straight line to a distance of `length` in m, under
         pulses of `duty` from 0 to 1; with `None` what was asked before goes on.
 
         `tension` in N is written, and where they are given `per_length` (its derivative at constant pressure, N/m),
-        `per_velocity` (N*s/m) and `pressure` (Pa, absolute). `velocity` in m/s is that of the ends at the end of the step.
+        `per_velocity` (N*s/m) and `absolute_pressure` (Pa). `velocity` in m/s is that of the ends at the end of the step.
         `max_step` in s divides the step as that of an `Actuator`.
 
         Raises `InputError` for arrays and numbers that cannot be, before anything has changed, and `SimulationError` where an
@@ -170,50 +170,50 @@ class Actuators:
 @final
 class Differentiable:
     """
-    Quantities of a run at given times as a function of numbers of its scenario, with exact derivatives by all of them.
+    Quantities of a run at given times as a function of parameters of its scenario, with the exact Jacobian.
 
-    `by` are keys of numbers as the scenario file has them, such as "load.mass", "command.duty" or
-    "actuator.effectiveness.value[2]"; `of` are quantities: "length" (m), "gauge_pressure" (Pa), "tension" (N), of a joint also
+    `parameters` are keys of numbers as the scenario file has them, such as "load.mass", "command.duty" or
+    "actuator.effectiveness.value[2]"; `quantities` are "length" (m), "gauge_pressure" (Pa), "tension" (N), of a joint also
     "angle" (rad), "angular_velocity" (rad/s), "torque" (N*m), "antagonist_length", "antagonist_gauge_pressure",
-    "antagonist_tension"; `at` are times in s within the run. Every event is located, and derivatives go through it.
+    "antagonist_tension"; `times` are in s, within the run. Every event is located, and derivatives go through it.
 
-    Called with values of the numbers in SI, in the order of `by`, it gives an array of shape (len(at), len(of)).
+    Called with values of the parameters in SI, it returns an array of shape (len(times), len(quantities)).
 
     Ctrl-C ends a call. Raises `InputError` for what is no number or quantity of the scenario, and for a scenario with a
     controller.
     """
     def __call__(self, /, values: ArrayLike) -> NDArray[float64]:
         """
-        The quantities at the times, of shape (len(at), len(of)).
+        The quantities at the times, of shape (len(times), len(quantities)).
         """
     def __getnewargs__(self, /) -> tuple[Scenario, list[str], list[str], Incomplete]: ...
-    def __new__(cls, /, scenario: Scenario, by: Sequence[str], of: Sequence[str], at: ArrayLike) -> Differentiable: ...
+    def __new__(cls, /, scenario: Scenario, parameters: Sequence[str], quantities: Sequence[str], times: ArrayLike) -> Differentiable: ...
     def __repr__(self, /) -> str: ...
     @property
-    def at(self, /) -> NDArray[float64]:
+    def defaults(self, /) -> NDArray[float64]:
         """
-        The times in s.
-        """
-    @property
-    def by(self, /) -> list[str]:
-        """
-        The numbers that it is a function of.
+        The scenario's own values of the parameters, in SI.
         """
     def for_jax(self, /) -> Callable[..., Any]:
         """
-        The same as a function for JAX, which differentiates it forwards and backwards: `jax.custom_jvp`.
+        This function for JAX, which differentiates it forwards and backwards: `jax.custom_jvp`.
 
         JAX must count in 64 bits: `jax.config.update("jax_enable_x64", True)`.
         """
     def for_torch(self, /) -> Callable[..., Any]:
         """
-        The same as a function of a tensor for PyTorch, which differentiates it forwards and backwards: by
+        This function of a tensor for PyTorch, which differentiates it forwards and backwards: by
         `torch.autograd.Function`, with the derivatives of `value_and_jacobian`.
 
         Tensors are of 64 bits and on the CPU: `dtype=torch.float64`.
         """
     @property
-    def of(self, /) -> list[str]:
+    def parameters(self, /) -> list[str]:
+        """
+        The parameters that it is a function of.
+        """
+    @property
+    def quantities(self, /) -> list[str]:
         """
         The quantities.
         """
@@ -223,9 +223,9 @@ class Differentiable:
         What is run.
         """
     @property
-    def start(self, /) -> NDArray[float64]:
+    def times(self, /) -> NDArray[float64]:
         """
-        The values of the numbers in the scenario, in SI.
+        The times in s.
         """
     @property
     def units(self, /) -> dict[str, str]:
@@ -234,50 +234,8 @@ class Differentiable:
         """
     def value_and_jacobian(self, /, values: ArrayLike) -> tuple[NDArray[float64], NDArray[float64]]:
         """
-        The same with the derivatives by every number, of shape (len(at), len(of), len(by)).
-        """
-
-@final
-class Estimate:
-    """
-    A number that was found.
-    """
-    def __eq__(self, other: object, /) -> bool:
-        """
-        Whether both are the same.
-        """
-    def __getnewargs__(self, /) -> tuple[str, str, float, float | None, tuple[float, float] | None, bool]: ...
-    def __new__(cls, /, name: str, unit: str, value: SupportsFloat | SupportsIndex, standard_error: SupportsFloat | SupportsIndex | None, confidence_interval: tuple[SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex] | None, on_bound: bool) -> Estimate: ...
-    def __repr__(self, /) -> str: ...
-    @property
-    def confidence_interval(self, /) -> tuple[float, float] | None:
-        """
-        Its 95 % confidence interval, likewise.
-        """
-    @property
-    def name(self, /) -> str:
-        """
-        The path of its key in a scenario, with the run behind it where each run has its own.
-        """
-    @property
-    def on_bound(self, /) -> bool:
-        """
-        Whether it rests on one of its bounds.
-        """
-    @property
-    def standard_error(self, /) -> float | None:
-        """
-        Its standard error; `None` where the data do not identify it or it rests on a bound.
-        """
-    @property
-    def unit(self, /) -> str:
-        """
-        The unit of its values, in SI; empty for a pure number.
-        """
-    @property
-    def value(self, /) -> float:
-        """
-        The value that fits best.
+        The quantities, and their Jacobian with respect to the parameters, of shape
+        (len(times), len(quantities), len(parameters)).
         """
 
 @final
@@ -307,47 +265,6 @@ class Event:
     def time(self, /) -> float:
         """
         When it happened, in s.
-        """
-
-@final
-class Identification:
-    """
-    What was found in measured data.
-    """
-    def __getitem__(self, name: str, /) -> Estimate:
-        """
-        The number of this name, such as "actuator.friction.viscous".
-        """
-    def __getnewargs__(self, /) -> tuple[list[Estimate], list[str], list[str], list[tuple[str, str]]]: ...
-    def __iter__(self, /) -> Iterator[str]:
-        """
-        The names of the estimates in their order.
-        """
-    def __new__(cls, /, estimates: Sequence[Estimate], notes: Sequence[str], warnings: Sequence[str], scenarios: Sequence[tuple[str, str]]) -> Identification: ...
-    def __repr__(self, /) -> str: ...
-    @property
-    def estimates(self, /) -> list[Estimate]:
-        """
-        The numbers with their intervals; of ring-downs those of the waveform, or of all turns where there is none.
-        """
-    def keys(self, /) -> list[str]:
-        """
-        The names of the estimates: `dict(found)` has the estimates by their names.
-        """
-    @property
-    def notes(self, /) -> list[str]:
-        """
-        What was done, in a few sentences.
-        """
-    @property
-    def scenarios(self, /) -> dict[str, Scenario]:
-        """
-        The scenarios with the numbers that were found, by the names of their files.
-        """
-    @property
-    def warnings(self, /) -> list[str]:
-        """
-        What to know before believing the numbers.
         """
 
 @final
@@ -446,120 +363,6 @@ class LinearModel:
         """
 
 @final
-class Plants:
-    """
-    Many copies of a scenario's plant, stepped together on all cores: what is asked of their valves comes from you, and each
-    may begin anew, with numbers of its own, while the others go on. The environments of `mckibben.learning` are made of it.
-
-    `scenario` is of any plant: one actuator with its load, an antagonistic joint, or actuators with names on their mechanisms.
-    Its controllers do not count, nor the commands of the actuators' valves; supplies follow theirs.
-
-    `by` are paths of the numbers that differ from one to the next: "load.mass", "initial.gauge_pressure"; where actuators have
-    names also "actuators.biceps.friction.viscous" and "mechanism.joints.elbow.damping".
-
-    `asked` says what the numbers given to `step` are: "duty" (0 to 1), "request" (1 fill, 0 hold, -1 exhaust), "position" of
-    a proportional spool (-1 to 1), "set-point" of a pressure regulator (Pa, gauge). `pulse_frequency` in Hz is how often a
-    duty cycle's pulses come; that of the scenario's PWM unless given.
-
-    They go at fixed steps by the scenario's run.method, each no longer than its run.step, or than what its run.accuracy
-    needs.
-
-    A copy, or what comes out of a pickle, is made anew: of the same scenario and for the same purpose, at t = 0.
-    """
-    def __getnewargs_ex__(self, /) -> tuple[tuple[Scenario, int], dict[str, Any]]: ...
-    def __len__(self, /) -> int: ...
-    def __new__(cls, /, scenario: Scenario, count: int, *, by: Sequence[str] = ..., asked: str = "duty", pulse_frequency: SupportsFloat | SupportsIndex | None = None) -> Plants: ...
-    def __repr__(self, /) -> str: ...
-    @property
-    def by(self, /) -> list[str]:
-        """
-        Paths of the numbers that differ from one to the next.
-        """
-    @property
-    def columns(self, /) -> list[str]:
-        """
-        What is shown of each, by the names of the columns of a run.
-        """
-    @staticmethod
-    def columns_of(scenario: Scenario) -> list[str]:
-        """
-        What `columns` of plants of a scenario are, whatever their valves are asked.
-        """
-    def differ(self, /, one: ArrayLike, other: ArrayLike) -> bool:
-        """
-        Whether plants with these two sets of values of the numbers `by`, in SI, would differ. Commands of valves do not count.
-
-        Raises `InputError` for values that cannot be.
-        """
-    @property
-    def duration(self, /) -> float:
-        """
-        How long the scenario runs, in s.
-        """
-    @property
-    def given(self, /) -> NDArray[float64]:
-        """
-        What the scenario has for these numbers, in SI.
-        """
-    @property
-    def pulses(self, /) -> float | None:
-        """
-        How often pulses come, in Hz, where `asked` is "duty".
-        """
-    @property
-    def requests(self, /) -> list[float]:
-        """
-        The requests that the valves can be asked: of 1 (fill), 0 (hold) and -1 (exhaust).
-        """
-    def restart(self, /, rows: NDArray[int64], values: NDArray[float64] | None = None) -> None:
-        """
-        The plants of these numbers begin anew with these values, of shape (len(rows), len(by)), and nothing asked of their
-        valves; those of the scenario unless given. The others go on.
-        """
-    @property
-    def scenario(self, /) -> Scenario:
-        """
-        What it was made of.
-        """
-    def show(self, /, rows: NDArray[int64], shown: NDArray[float64]) -> None:
-        """
-        Writes what the plants of these numbers show into rows of `shown`, of shape (count, len(columns)).
-        """
-    def start(self, /, values: NDArray[float64] | None = None) -> None:
-        """
-        All begin at t = 0, with nothing asked of their valves, each with its values of the numbers `by` in SI, of shape
-        (count, len(by)); those of the scenario unless given.
-
-        Raises `InputError` for values that cannot be. Then nothing has changed.
-        """
-    def step(self, /, dt: SupportsFloat | SupportsIndex, asked: NDArray[float64], shown: NDArray[float64], stopped: NDArray[bool_]) -> None:
-        """
-        Asks `asked`, of shape (count, valves), of the valves, goes on by `dt` in s, and writes what the plants show into
-        `shown`, of shape (count, len(columns)), and into `stopped` which of them have left the physics: their entries stay
-        as they are, and only `restart` brings them back.
-
-        Raises `InputError` for what cannot be asked, and for more than 10 000 000 steps or edges of pulses, before anything
-        has changed. Ctrl-C ends a step of many parts between two of them.
-        """
-    @property
-    def time(self, /) -> NDArray[float64]:
-        """
-        The time in s of each plant on the clock that its pulses follow: period p begins at p / `pulses`. All share one clock,
-        which begins with `start`.
-        """
-    @property
-    def valve_delay(self, /) -> float:
-        """
-        The longest time in s for which a command shows no effect at the scenario's valves: the delays of their coils, or the
-        dead time of a pressure regulator, and what a hose adds.
-        """
-    @property
-    def valves(self, /) -> int:
-        """
-        How many valves each has.
-        """
-
-@final
 class Response:
     """
     What an actuator answers to where its ends are, with its derivatives.
@@ -617,18 +420,18 @@ class Scenario:
     """
     One experiment: what is built, what drives it, what is recorded; as a scenario file says it.
 
-    Every quantity with a dimension is text with its unit, such as "60 psi"; what is wrong raises `InputError` with the
-    message of the command line. A scenario does not change: `with_values` gives another one.
+    A quantity is text with its unit, such as "60 psi"; in values from Python it may be a number in SI. What is wrong raises
+    `InputError` with the message of the command line. A scenario does not change: `with_values` gives another one.
 
     `Scenario(text)` reads TOML from a string; `name` stands in messages where a file's name would, and `values` are pairs of
-    a key's path and a value as TOML, put in place of the text's own.
+    a key's path and a value as TOML, put in place of the text's own. With `in_si` numbers without a unit are in SI.
     """
     def __eq__(self, other: object, /) -> bool:
         """
         Whether both mean the same.
         """
-    def __getnewargs__(self, /) -> tuple[str, str, list[tuple[str, str]]]: ...
-    def __new__(cls, /, text: str, name: str = "scenario.toml", values: Sequence[tuple[str, str]] = ...) -> Scenario: ...
+    def __getnewargs__(self, /) -> tuple[str, str, list[tuple[str, str]], bool]: ...
+    def __new__(cls, /, text: str, name: str = "scenario.toml", values: Sequence[tuple[str, str]] = ..., in_si: bool = False) -> Scenario: ...
     def __repr__(self, /) -> str: ...
     @staticmethod
     def from_dict(values: Mapping[str, Any], name: str = "scenario.toml") -> Scenario:
@@ -636,7 +439,8 @@ class Scenario:
         A scenario from a dictionary of its sections, as `tomllib` reads them from a file:
         `{"load": {"kind": "hanging-mass", "mass": "5 lb"}, "run": {"duration": "1 s"}}`.
 
-        Lists may be NumPy arrays, and numbers those of NumPy. Messages show the dictionary as TOML.
+        A quantity is text with its unit, or a number in SI. Lists may be NumPy arrays, and numbers those of NumPy. Messages
+        show the dictionary as TOML.
 
         Raises `InputError` for one that contains itself, or has more than 64 levels or 2 000 000 values.
         """
@@ -668,7 +472,8 @@ class Scenario:
         """
     def with_values(self, /, values: Mapping[str, Any]) -> Scenario:
         """
-        The same scenario with other values, each by the path of its key: `{"load.mass": "10 lb", "command.duty": 0.3}`.
+        This scenario with other values, each by the path of its key: `{"load.mass": "10 lb", "command.duty": 0.3}`. A number
+        where a quantity is due is in SI.
         """
 
 @final
@@ -742,10 +547,10 @@ class Trajectory:
     """
     A finished run: its columns as NumPy arrays, its events, and what it was between the samples.
 
-    There is a row at t = 0, at every `run.sample_interval` and at the end. `trajectory["pressure_pa"]` is a column by its
+    There is a row at t = 0, at every `run.sample_interval` and at the end. `trajectory["absolute_pressure_pa"]` is a column by its
     name in the files of `mckibben simulate`; those that every run has are attributes too. The columns of a joint begin with
     its agonist's; those of its antagonist are called `antagonist_length_m` and so on. Of many
-    actuators with names every column carries one: `flexor.pressure_pa`, `elbow.angle_rad`, `tank.pressure_pa`.
+    actuators with names every column carries one: `flexor.absolute_pressure_pa`, `elbow.angle_rad`, `tank.absolute_pressure_pa`.
 
     Arrays cannot be written to: copy one to change it.
     """
@@ -755,7 +560,7 @@ class Trajectory:
         """
     def __getitem__(self, name: str, /) -> NDArray[Any]:
         """
-        A column by its name, such as "length_m" or "hose_pressure_pa".
+        A column by its name, such as "length_m" or "hose_absolute_pressure_pa".
         """
     def __getnewargs__(self, /) -> tuple[Any, ...]: ...
     def __iter__(self, /) -> Iterator[str]:
@@ -776,6 +581,11 @@ class Trajectory:
         Numbers with their names and units, counts of events, and assumed values.
         """
     def _repr_svg_(self, /) -> str: ...
+    @property
+    def absolute_pressure(self, /) -> NDArray[float64]:
+        """
+        Absolute pressures of the actuator's air in Pa.
+        """
     @property
     def air_mass(self, /) -> NDArray[float64]:
         """
@@ -815,6 +625,11 @@ class Trajectory:
         """
         The log of events as a data frame of pandas: `time_s`, `event`, and what holds from then on.
         """
+    @property
+    def gauge_pressure(self, /) -> NDArray[float64]:
+        """
+        Gauge pressures of the actuator's air in Pa.
+        """
     def keys(self, /) -> list[str]:
         """
         The names of the columns, as of a data frame: `dict(run)` has the columns by their names.
@@ -834,11 +649,6 @@ class Trajectory:
         Columns over time as a figure of Matplotlib, a panel for each, or into as many axes.
 
         Without `columns`: length, pressure and tension; of a joint or a plant its angles too, a line for each actuator.
-        """
-    @property
-    def pressure(self, /) -> NDArray[float64]:
-        """
-        Absolute pressures of the actuator's air in Pa.
         """
     @property
     def scenario(self, /) -> Scenario:
@@ -915,31 +725,144 @@ class Trajectory:
         Volumes of the actuator's air in m^3, braid and hose.
         """
 
-def curves(scenario: Scenario, pressures: ArrayLike | str | None = None) -> dict[str, NDArray[float64]]:
+@final
+class VectorPlant:
+    """
+    Many copies of a scenario's plant, stepped together on all cores. Your code commands their valves; each plant may be
+    reset, with parameters of its own, while the others go on. The environments of `mckibben.learning` are made of it.
+
+    `scenario` is of any plant: one actuator with its load, an antagonistic joint, or actuators with names on their mechanisms.
+    Its controllers do not count, nor the commands of the actuators' valves; supplies follow theirs.
+
+    `parameters` are paths of the numbers that differ from one to the next: "load.mass", "initial.gauge_pressure"; where actuators have
+    names also "actuators.biceps.friction.viscous" and "mechanism.joints.elbow.damping".
+
+    `action_mode` says what the actions given to `step` are: "duty" (0 to 1), "request" (1 fill, 0 hold, -1 exhaust), "position" of
+    a proportional spool (-1 to 1), "set-point" of a pressure regulator (Pa, gauge). `pulse_frequency` in Hz is how often a
+    duty cycle's pulses come; that of the scenario's PWM unless given.
+
+    They go at fixed steps by the scenario's run.method, each no longer than its run.step, or than what its run.accuracy
+    needs.
+
+    A copy, or what comes out of a pickle, is made anew: of the same scenario and for the same purpose, at t = 0.
+    """
+    def __getnewargs_ex__(self, /) -> tuple[tuple[Scenario, int], dict[str, Any]]: ...
+    def __len__(self, /) -> int: ...
+    def __new__(cls, /, scenario: Scenario, count: int, *, parameters: Sequence[str] = ..., action_mode: str = "duty", pulse_frequency: SupportsFloat | SupportsIndex | None = None) -> VectorPlant: ...
+    def __repr__(self, /) -> str: ...
+    @property
+    def columns(self, /) -> list[str]:
+        """
+        What is observed of each, by the names of the columns of a run.
+        """
+    @staticmethod
+    def columns_of(scenario: Scenario) -> list[str]:
+        """
+        What `columns` of plants of a scenario are, whatever the commands of its valves.
+        """
+    @property
+    def defaults(self, /) -> NDArray[float64]:
+        """
+        The scenario's own values of `parameters`, in SI.
+        """
+    def differ(self, /, one: ArrayLike, other: ArrayLike) -> bool:
+        """
+        Whether plants with these two sets of values of the numbers `parameters`, in SI, would differ. Commands of valves do not count.
+
+        Raises `InputError` for values that cannot be.
+        """
+    @property
+    def duration(self, /) -> float:
+        """
+        How long the scenario runs, in s.
+        """
+    def observe(self, /, rows: NDArray[int64], observations: NDArray[float64]) -> None:
+        """
+        Writes the observations of the plants of these numbers into rows of `observations`, of shape (count, len(columns)).
+        """
+    @property
+    def parameters(self, /) -> list[str]:
+        """
+        Paths of the numbers that differ from one to the next.
+        """
+    @property
+    def pulses(self, /) -> float | None:
+        """
+        How often pulses come, in Hz, where `action_mode` is "duty".
+        """
+    @property
+    def requests(self, /) -> list[float]:
+        """
+        The requests that the valves can do: of 1 (fill), 0 (hold) and -1 (exhaust).
+        """
+    def restart(self, /, rows: NDArray[int64], values: NDArray[float64] | None = None) -> None:
+        """
+        The plants of these numbers are reset, with these values, of shape (len(rows), len(parameters)), and no command to their
+        valves; those of the scenario unless given. The others go on.
+        """
+    @property
+    def scenario(self, /) -> Scenario:
+        """
+        What it was made of.
+        """
+    def start(self, /, values: NDArray[float64] | None = None) -> None:
+        """
+        All begin at t = 0, with no command to their valves, each with its values of the numbers `parameters` in SI, of shape
+        (count, len(parameters)); those of the scenario unless given.
+
+        Raises `InputError` for values that cannot be. Then nothing has changed.
+        """
+    def step(self, /, dt: SupportsFloat | SupportsIndex, actions: NDArray[float64], observations: NDArray[float64], stopped: NDArray[bool_]) -> None:
+        """
+        Asks `action_mode`, of shape (count, valves), of the valves, goes on by `dt` in s, and writes what the plants show into
+        `observations`, of shape (count, len(columns)), and into `stopped` which of them have produced a non-physical state: their entries stay
+        as they are, and only `restart` brings them back.
+
+        Raises `InputError` for actions that cannot be, and for more than 10 000 000 steps or edges of pulses, before anything
+        has changed. Ctrl-C ends a step of many parts between two of them.
+        """
+    @property
+    def time(self, /) -> NDArray[float64]:
+        """
+        The time in s of each plant on the clock that its pulses follow: period p begins at p / `pulses`. All share one clock,
+        which begins with `start`.
+        """
+    @property
+    def valve_delay(self, /) -> float:
+        """
+        The longest time in s for which a command shows no effect at the scenario's valves: the delays of their coils, or the
+        dead time of a pressure regulator, and what a hose adds.
+        """
+    @property
+    def valves(self, /) -> int:
+        """
+        How many valves each has.
+        """
+
+def _identify(sections: Mapping[str, Any], tables: Sequence[tuple[str, Sequence[tuple[str, ArrayLike]]]], scenario: Scenario, output: str | PathLike[str] | None, progress: Any | None) -> dict[str, Any]:
+    """
+    Estimates parameters from a study in memory: its sections as in a file, and its tables by the names that runs give them.
+    """
+
+def _identify_file(study: str | PathLike[str], output: str | PathLike[str] | None, progress: Any | None) -> dict[str, Any]:
+    """
+    Estimates parameters from the study of a file.
+    """
+
+def curves(scenario: Scenario, gauge_pressures: ArrayLike | str | None = None) -> dict[str, NDArray[float64]]:
     """
     Force, stiffness and volume of a scenario's actuator over length, at rest: the table of `mckibben curves`.
 
-    `pressures` are gauge pressures: numbers in Pa, or text such as "35, 45, 55 psi"; those of the paper's Fig. 3 unless given. Each array
+    `gauge_pressures` are numbers in Pa, or text such as "35, 45, 55 psi"; those of the paper's Fig. 3 unless given. Each array
     has a row for each pressure and a column for each length, from the shortest to the longest; its name has its unit at
     the end. `stiffness_n_m` is (7), at constant pressure; `sealed_stiffness_n_m` is (5), with the valve shut.
     """
 
-def identify(study: str | PathLike[str], output: str | PathLike[str] | None = None) -> Identification:
-    """
-    From measured data to numbers, with how sure they are: what `mckibben identify` does with a study file.
-
-    With `output`, a folder, the report, the scenarios and the numbers are written there as well. Where some runs of several
-    fail, `warnings` say which and why.
-
-    Raises `InputError` where the study, its data or its scenario is wrong, and `SimulationError` where no fit was found; the report
-    is written then too.
-    """
-
-def linearize(scenario: Scenario, *, pressure: float | str | None = None, length: float | str | None = None, load: float | str | None = None, duty: SupportsFloat | SupportsIndex | None = None, pwm: bool = False, temperature: float | str | None = None, angle: float | str | None = None, stiffness: float | str | None = None, amplitude: float | str | None = None, all_states: bool = False) -> LinearModel:
+def linearize(scenario: Scenario, *, gauge_pressure: float | str | None = None, length: float | str | None = None, load: float | str | None = None, duty: SupportsFloat | SupportsIndex | None = None, pwm: bool = False, temperature: float | str | None = None, angle: float | str | None = None, stiffness: float | str | None = None, amplitude: float | str | None = None, all_states: bool = False) -> LinearModel:
     """
     A scenario near an operating point, by exact derivatives: what `mckibben linearize` does.
 
-    Two of `pressure` (gauge), `length` and `load` give the third; what is not given is that of the scenario. `duty` gives the
+    Two of `gauge_pressure`, `length` and `load` give the third; what is not given is that of the scenario. `duty` gives the
     pressure by the valve's mean flow under PWM, and with `pwm` the duty follows from the pressure; else the valve is held
     shut, and the mass flow into the actuator is the input. Of a joint `angle` and `stiffness` give the pressures. With
     `amplitude` Coulomb friction is replaced by the viscous damping that takes as much. Quantities are numbers in SI or text with
@@ -970,7 +893,7 @@ def presets() -> dict[str, Any]:
     (SI), the `text` as the source writes it, the `source`, and whether it is `assumed`.
     """
 
-def simulate(scenario: Scenario) -> Trajectory:
+def simulate(scenario: Scenario, *, progress: Any | None = None) -> Trajectory:
     """
     Runs a scenario, of whatever kind: what `mckibben simulate` does, to the last bit.
 

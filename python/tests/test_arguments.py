@@ -217,7 +217,7 @@ def test_functions_of_numbers_refuse_those_that_are_none(wrong, swing):
     for call in [of, of.value_and_jacobian]:
         with pytest.raises(mckibben.InputError, match=r"values\[1\] \(initial.temperature\) = "):
             call([2.0, wrong])
-    with pytest.raises(mckibben.InputError, match=r"at\[1\] = "):
+    with pytest.raises(mckibben.InputError, match=r"times\[1\] = "):
         mckibben.Differentiable(swing, ["load.mass"], ["length"], [0.1, wrong])
     with pytest.raises(mckibben.InputError, match=r"times\[1\] = "):
         mckibben.simulate(swing).at_times([0.0, wrong])
@@ -393,7 +393,7 @@ def test_errors_speak_of_what_the_caller_can_do_in_python(scenario, examples, tm
         assert not re.search(r"(^|[\s'`\"(])--[a-z]|move_to|<[A-Z]+>|mckibben \w+ --help", words), words
         # Nothing of these came from a line of the scenario.
         assert " --> " not in words and "^^^" not in words, words
-    for words, named in [(said[0], "`pressure`"), (said[3], "`stiffness`"), (said[-4], "plant 1"), (said[-3], "plant 1"),
+    for words, named in [(said[0], "`gauge_pressure`"), (said[3], "`stiffness`"), (said[-4], "plant 1"), (said[-3], "plant 1"),
                          (said[-2], "load.mass = -1")]:
         assert named in words, words
 

@@ -114,7 +114,7 @@ def test_what_cannot_be_is_told(pulsed):
     ]:
         with pytest.raises(mckibben.InputError, match=words):
             mckibben.Differentiable(scenario, by, of, at)
-    with pytest.raises(mckibben.InputError, match="1 values were given for 9 numbers"):
+    with pytest.raises(mckibben.InputError, match="1 values were given for 9 parameters"):
         pulsed([1.0])
     with pytest.raises(mckibben.InputError, match="load.mass"):
         pulsed([-1.0, *pulsed.defaults[1:]])

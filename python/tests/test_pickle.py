@@ -141,7 +141,7 @@ def test_plants_whose_actuators_have_names_are_made_anew(again, examples):
     leg = mckibben.Scenario.load(examples / "plant" / "leg.toml").with_values({"run.step": "1 ms"})
     plants = mckibben.VectorPlant(leg, 2, parameters=["mechanism.joints.knee.mass"], action_mode="set-point")
     copied = again(plants)
-    assert copied.columns == plants.columns and copied.given == plants.defaults and copied.valves == 6
+    assert copied.columns == plants.columns and copied.defaults == plants.defaults and copied.valves == 6
 
 
 def test_a_response_has_all_of_its_numbers(swing, again):

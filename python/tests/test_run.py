@@ -123,7 +123,7 @@ def test_every_column_that_is_an_attribute_says_its_unit(examples, swing):
             if of is not None:
                 assert f"in {run.units[of]}" in described.__doc__, name
                 found += 1
-        assert found == (12 if "angle_rad" in run.columns else 9)
+        assert found == (13 if "angle_rad" in run.columns else 10)
 
 
 def test_data_frames_are_the_columns(swing):

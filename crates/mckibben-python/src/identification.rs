@@ -1,207 +1,118 @@
-//! `identify`, and the classes `Identification` and `Estimate`.
+//! What `identify` of the package calls: a study file, or a study from memory, to what was found.
 
-use crate::pool;
 use crate::raised::Raised;
 use crate::scenario::Scenario;
-use crate::typed::{Items, Listed};
+use crate::signals::followed;
+use crate::typed::{Items, Name, Object, Sections, Sequence, Values};
+use crate::values;
+use mckibben_identify::least_squares::{Estimate, Monitor};
+use mckibben_identify::study::Table;
+use mckibben_plot::Theme;
 use mckibben_run::failure::Failure;
-use mckibben_run::identify::{WARNED, identified};
+use mckibben_run::identify::{Outcome, Prediction, Request, WARNED, identified};
+use mckibben_run::report::Plate;
+use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
-use pyo3::types::PyList;
-use std::collections::BTreeMap;
-use std::path::PathBuf;
+use pyo3::types::PyDict;
+use std::path::{Path, PathBuf};
 
-/// From measured data to numbers, with how sure they are: what `mckibben identify` does with a study file.
-///
-/// With `output`, a folder, the report, the scenarios and the numbers are written there as well. Where some runs of several
-/// fail, `warnings` say which and why.
-///
-/// Raises `InputError` where the study, its data or its scenario is wrong, and `SimulationError` where no fit was found; the report
-/// is written then too.
+/// Estimates parameters from the study of a file.
 #[pyfunction]
-#[pyo3(signature = (study, output = None))]
-pub(crate) fn identify(py: Python<'_>, study: PathBuf, output: Option<PathBuf>) -> PyResult<Identification> {
-    let found = py
-        .detach(|| {
-            let found = pool::shared(|| identified(&study, output.as_deref()))??;
-            found.check_finite()?;
-            let page = output.as_ref().map(|folder| found.write(folder)).transpose()?;
-            // What was found of other runs is worth having; the warnings say what failed.
-            if found.estimates.is_empty() {
-                found.verdict(page.as_deref())?;
-            }
-            Ok::<_, Failure>(found)
-        })
-        .raised()?;
-    let estimate = |of: &mckibben_identify::least_squares::Estimate| Estimate {
-        name: of.name.clone(),
-        unit: of.unit.to_owned(),
-        value: of.value,
-        standard_error: of.standard_error,
-        confidence_interval: of.confidence_interval.map(|[low, high]| (low, high)),
-        on_bound: of.on_bound,
+#[pyo3(signature = (study, output, progress))]
+pub(crate) fn _identify_file<'py>(
+    py: Python<'py>,
+    study: PathBuf,
+    output: Option<PathBuf>,
+    progress: Option<Bound<'py, PyAny>>,
+) -> PyResult<Sections<'py>> {
+    found(py, || Request::load(&study), output, progress)
+}
+
+/// Estimates parameters from a study in memory: its sections as in a file, and its tables by the names that runs give them.
+#[pyfunction]
+#[pyo3(signature = (sections, tables, scenario, output, progress))]
+pub(crate) fn _identify<'py>(
+    py: Python<'py>,
+    sections: Values<'py>,
+    tables: Items<(String, Items<(Name, Sequence)>)>,
+    scenario: &Bound<'py, Scenario>,
+    output: Option<PathBuf>,
+    progress: Option<Bound<'py, PyAny>>,
+) -> PyResult<Sections<'py>> {
+    let text = values::pairs_of(&sections.0)?.into_iter().collect::<toml::Table>().to_string();
+    let table = |(name, columns): (String, Items<(Name, Sequence)>)| {
+        let columns = columns.0.into_iter().map(|(Name(name), Sequence(values))| (name, values)).collect();
+        Table::new(&name, columns).map_err(|error| Failure::input(error.what, error.remedy))
     };
+    let tables = tables.0.into_iter().map(table).collect::<Result<Vec<_>, _>>().raised()?;
+    let document = scenario.get().document.clone();
+    found(py, || Request::in_memory(&text, tables, document), output, progress)
+}
+
+/// What a request comes to, as a dictionary of what the classes of the package are made of.
+fn found<'py>(
+    py: Python<'py>,
+    request: impl FnOnce() -> Result<Request, Failure> + Send,
+    output: Option<PathBuf>,
+    progress: Option<Bound<'py, PyAny>>,
+) -> PyResult<Sections<'py>> {
+    let (monitor, folder, progress) = (Monitor::default(), output.as_deref(), progress.map(Bound::unbind));
+    let report = |py: Python<'_>| match &progress {
+        Some(progress) => progress.call1(py, (monitor.evaluations(), py.None())).map(drop),
+        None => Ok(()),
+    };
+    let work = || fitted(request()?.followed_by(monitor.clone()), folder);
+    let outcome = followed(py, report, || monitor.stop(), work)?;
+    described(py, &outcome.raised()?)
+}
+
+/// What was found of some runs is worth having; the warnings say what failed of the others.
+fn fitted(request: Request, folder: Option<&Path>) -> Result<Outcome, Failure> {
+    let outcome = identified(request, folder)?;
+    outcome.check_finite()?;
+    let page = folder.map(|folder| outcome.write(folder)).transpose()?;
+    if outcome.estimates.is_empty() {
+        outcome.verdict(page.as_deref())?;
+    }
+    Ok(outcome)
+}
+
+fn described<'py>(py: Python<'py>, outcome: &Outcome) -> PyResult<Sections<'py>> {
+    let all = PyDict::new(py);
+    let estimate = |of: &Estimate| {
+        let interval = of.confidence_interval.map(|[low, high]| (low, high));
+        (of.name.clone(), of.unit, of.value, of.standard_error, interval, of.on_bound)
+    };
+    all.set_item("estimates", outcome.estimates.iter().map(estimate).collect::<Vec<_>>())?;
+    let correlations = match outcome.correlations.is_empty() {
+        true => None,
+        false => Some(PyArray2::from_vec2(py, &outcome.correlations)?),
+    };
+    all.set_item("correlations", correlations)?;
+    let predictions = outcome.predictions.iter().map(|of| predicted(py, of));
+    all.set_item("predictions", predictions.collect::<PyResult<Vec<_>>>()?)?;
+    all.set_item("notes", &outcome.introduction)?;
     let without_mark = |words: &String| words.strip_prefix(WARNED).unwrap_or(words).to_owned();
-    Ok(Identification {
-        estimates: found.estimates.iter().map(estimate).collect(),
-        notes: found.introduction.clone(),
-        warnings: found.warnings.iter().map(without_mark).collect(),
-        scenarios: found.scenarios,
-    })
+    let grave = outcome.warnings.iter().filter(|words| words.starts_with(WARNED)).map(without_mark);
+    all.set_item("warnings", grave.collect::<Vec<_>>())?;
+    let remarks = outcome.warnings.iter().filter(|words| !words.starts_with(WARNED));
+    all.set_item("remarks", remarks.collect::<Vec<_>>())?;
+    all.set_item("scenarios", &outcome.scenarios)?;
+    let figure = |plate: &Plate| Ok::<_, Failure>((plate.stem, plate.figure.to_svg(Theme::Light)?));
+    let figures = py.detach(|| outcome.plates().map(figure).collect::<Result<Vec<_>, _>>());
+    all.set_item("figures", figures.raised()?)?;
+    Ok(Sections(all.into_any()))
 }
 
-/// What was found in measured data.
-#[pyclass(frozen, module = "mckibben")]
-pub(crate) struct Identification {
-    estimates: Vec<Estimate>,
-    notes: Vec<String>,
-    warnings: Vec<String>,
-    /// Names and texts.
-    scenarios: Vec<(String, String)>,
-}
-
-/// A number that was found.
-#[pyclass(frozen, from_py_object, module = "mckibben")]
-#[derive(Clone, PartialEq)]
-pub(crate) struct Estimate {
-    name: String,
-    unit: String,
-    value: f64,
-    standard_error: Option<f64>,
-    confidence_interval: Option<(f64, f64)>,
-    on_bound: bool,
-}
-
-#[pymethods]
-impl Identification {
-    #[new]
-    fn new(
-        estimates: Items<Estimate>,
-        notes: Items<String>,
-        warnings: Items<String>,
-        scenarios: Items<(String, String)>,
-    ) -> Self {
-        Self { estimates: estimates.0, notes: notes.0, warnings: warnings.0, scenarios: scenarios.0 }
-    }
-
-    /// The numbers with their intervals; of ring-downs those of the waveform, or of all turns where there is none.
-    #[getter]
-    fn estimates(&self) -> Vec<Estimate> {
-        self.estimates.clone()
-    }
-
-    /// The names of the estimates: `dict(found)` has the estimates by their names.
-    fn keys(&self) -> Vec<&str> {
-        self.estimates.iter().map(|estimate| estimate.name.as_str()).collect()
-    }
-
-    /// The names of the estimates in their order.
-    fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Listed<'py>> {
-        Ok(Listed(PyList::new(py, self.keys())?.try_iter()?.into_any()))
-    }
-
-    /// The number of this name, such as "actuator.friction.viscous".
-    fn __getitem__(&self, name: &str) -> PyResult<Estimate> {
-        let known = || self.estimates.iter().map(|estimate| estimate.name.as_str()).collect::<Vec<_>>().join(", ");
-        let found = self.estimates.iter().find(|estimate| estimate.name == name).cloned();
-        found.ok_or_else(|| pyo3::exceptions::PyKeyError::new_err(format!("there is no `{name}` but {}", known())))
-    }
-
-    /// What was done, in a few sentences.
-    #[getter]
-    fn notes(&self) -> Vec<String> {
-        self.notes.clone()
-    }
-
-    /// What to know before believing the numbers.
-    #[getter]
-    fn warnings(&self) -> Vec<String> {
-        self.warnings.clone()
-    }
-
-    /// The scenarios with the numbers that were found, by the names of their files.
-    #[getter]
-    fn scenarios(&self) -> PyResult<BTreeMap<String, Scenario>> {
-        let read = |(name, text): &(String, String)| Ok((name.clone(), Scenario::new(text, name, Items(Vec::new()))?));
-        self.scenarios.iter().map(read).collect()
-    }
-
-    fn __repr__(&self) -> String {
-        let names: Vec<&str> = self.estimates.iter().map(|estimate| estimate.name.as_str()).collect();
-        format!("<mckibben.Identification of {}>", names.join(", "))
-    }
-
-    #[expect(clippy::type_complexity, reason = "the arguments of the constructor")]
-    fn __getnewargs__(&self) -> (Vec<Estimate>, Vec<String>, Vec<String>, Vec<(String, String)>) {
-        (self.estimates.clone(), self.notes.clone(), self.warnings.clone(), self.scenarios.clone())
-    }
-}
-
-/// What an estimate is made of, for pickling.
-type Made<'a> = (&'a str, &'a str, f64, Option<f64>, Option<(f64, f64)>, bool);
-
-#[pymethods]
-impl Estimate {
-    #[new]
-    fn new(
-        name: String,
-        unit: String,
-        value: f64,
-        standard_error: Option<f64>,
-        confidence_interval: Option<(f64, f64)>,
-        on_bound: bool,
-    ) -> Self {
-        Self { name, unit, value, standard_error, confidence_interval, on_bound }
-    }
-
-    /// The path of its key in a scenario, with the run behind it where each run has its own.
-    #[getter]
-    fn name(&self) -> &str {
-        &self.name
-    }
-
-    /// The unit of its values, in SI; empty for a pure number.
-    #[getter]
-    fn unit(&self) -> &str {
-        &self.unit
-    }
-
-    /// The value that fits best.
-    #[getter]
-    fn value(&self) -> f64 {
-        self.value
-    }
-
-    /// Its standard error; `None` where the data do not identify it or it rests on a bound.
-    #[getter]
-    fn standard_error(&self) -> Option<f64> {
-        self.standard_error
-    }
-
-    /// Its 95 % confidence interval, likewise.
-    #[getter]
-    fn confidence_interval(&self) -> Option<(f64, f64)> {
-        self.confidence_interval
-    }
-
-    /// Whether it rests on one of its bounds.
-    #[getter]
-    fn on_bound(&self) -> bool {
-        self.on_bound
-    }
-
-    /// Whether both are the same.
-    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
-        other.cast::<Self>().is_ok_and(|other| other.get() == self)
-    }
-
-    fn __repr__(&self) -> String {
-        let confidence_interval =
-            self.confidence_interval.map(|(low, high)| format!(", {low:?} to {high:?}")).unwrap_or_default();
-        format!("<mckibben.Estimate {} = {:?} {}{confidence_interval}>", self.name, self.value, self.unit)
-    }
-
-    fn __getnewargs__(&self) -> Made<'_> {
-        (&self.name, &self.unit, self.value, self.standard_error, self.confidence_interval, self.on_bound)
-    }
+fn predicted<'py>(py: Python<'py>, of: &Prediction) -> PyResult<Object<'py>> {
+    let (all, coordinates) = (PyDict::new(py), PyDict::new(py));
+    let array = |values: &[f64]| PyArray1::from_slice(py, values);
+    of.coordinates.iter().try_for_each(|(name, values)| coordinates.set_item(name, array(values)))?;
+    all.set_item("run", &of.run)?;
+    all.set_item("quantity", &of.quantity)?;
+    all.set_item("unit", of.unit)?;
+    all.set_item("coordinates", coordinates)?;
+    all.set_item("measured", array(&of.measured))?;
+    all.set_item("predicted", array(&of.predicted))?;
+    Ok(Object(all.into_any()))
 }

@@ -11,7 +11,7 @@
 //! | `curves` | `curves`, `presets` |
 //! | `parameters` | the quantities of a scenario file |
 //! | `linear` | `linearize`, the class `LinearModel` |
-//! | `identification` | `identify`, the classes `Identification` and `Estimate` |
+//! | `identification` | what `identify` of the package calls |
 //! | `differentiable` | runs as functions with exact derivatives: `Differentiable` |
 //! | `sweep` | a sweep by its parts: `Sweep` |
 //! | `pool` | the threads of this process, and of one that was forked |
@@ -60,7 +60,7 @@ mod _mckibben {
     #[pymodule_export]
     use crate::differentiable::Differentiable;
     #[pymodule_export]
-    use crate::identification::{Estimate, Identification, identify};
+    use crate::identification::{_identify, _identify_file};
     #[pymodule_export]
     use crate::linear::{LinearModel, linearize};
     #[pymodule_export]

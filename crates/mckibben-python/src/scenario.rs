@@ -13,15 +13,17 @@ const SET: &str = "with_values";
 
 /// One experiment: what is built, what drives it, what is recorded; as a scenario file says it.
 ///
-/// Every quantity with a dimension is text with its unit, such as "60 psi"; what is wrong raises `InputError` with the
-/// message of the command line. A scenario does not change: `with_values` gives another one.
+/// A quantity is text with its unit, such as "60 psi"; in values from Python it may be a number in SI. What is wrong raises
+/// `InputError` with the message of the command line. A scenario does not change: `with_values` gives another one.
 ///
 /// `Scenario(text)` reads TOML from a string; `name` stands in messages where a file's name would, and `values` are pairs of
-/// a key's path and a value as TOML, put in place of the text's own.
+/// a key's path and a value as TOML, put in place of the text's own. With `in_si` numbers without a unit are in SI.
 #[pyclass(frozen, module = "mckibben")]
 pub(crate) struct Scenario {
     name: String,
     text: String,
+    /// Whether numbers of the text are in SI.
+    in_si: bool,
     /// Paths of keys with the TOML of their values, which were set after reading.
     set: Vec<(String, String)>,
     pub(crate) document: Document,
@@ -30,10 +32,10 @@ pub(crate) struct Scenario {
 }
 
 impl Scenario {
-    fn read(document: Document, set: Vec<(String, String)>) -> PyResult<Self> {
+    fn read(document: Document, in_si: bool, set: Vec<(String, String)>) -> PyResult<Self> {
         let mut document = document;
         for (key, value) in &set {
-            document.set_text_from(SET, key, value).raised()?;
+            document.set_in_si(SET, key, value).raised()?;
         }
         if document.is_plant() {
             // What is wrong is found now; a sweep may give what is missing beside it.
@@ -42,7 +44,7 @@ impl Scenario {
                 None => drop(document.plant_experiment().raised()?),
             }
             let (name, text) = (document.source().name().to_owned(), document.source().text().to_owned());
-            return Ok(Self { name, text, set, document, understood: None });
+            return Ok(Self { name, text, in_si, set, document, understood: None });
         }
         // What a sweep varies need not be said beside it: then the first run stands for all.
         let first = |error| match document.sweep()? {
@@ -51,7 +53,7 @@ impl Scenario {
         };
         let understood = Some(document.scenario().or_else(first).raised()?);
         let (name, text) = (document.source().name().to_owned(), document.source().text().to_owned());
-        Ok(Self { name, text, set, document, understood })
+        Ok(Self { name, text, in_si, set, document, understood })
     }
 
     /// The scenario of one actuator or joint that it is.
@@ -81,9 +83,13 @@ impl Scenario {
 #[pymethods]
 impl Scenario {
     #[new]
-    #[pyo3(signature = (text, name = "scenario.toml", values = Items(Vec::new())))]
-    pub(crate) fn new(text: &str, name: &str, values: Items<(String, String)>) -> PyResult<Self> {
-        Self::read(Document::parse(text, name).raised()?, values.0)
+    #[pyo3(signature = (text, name = "scenario.toml", values = Items(Vec::new()), in_si = false))]
+    pub(crate) fn new(text: &str, name: &str, values: Items<(String, String)>, in_si: bool) -> PyResult<Self> {
+        let document = match in_si {
+            true => Document::parse_in_si(text, name),
+            false => Document::parse(text, name),
+        };
+        Self::read(document.raised()?, in_si, values.0)
     }
 
     /// Reads a scenario file.
@@ -91,30 +97,32 @@ impl Scenario {
     /// Raises `InputError` for a file that cannot be read, is not TOML, or says what cannot be.
     #[staticmethod]
     fn load(path: PathBuf) -> PyResult<Self> {
-        Self::read(Document::load(path).raised()?, Vec::new())
+        Self::read(Document::load(path).raised()?, false, Vec::new())
     }
 
     /// A scenario from a dictionary of its sections, as `tomllib` reads them from a file:
     /// `{"load": {"kind": "hanging-mass", "mass": "5 lb"}, "run": {"duration": "1 s"}}`.
     ///
-    /// Lists may be NumPy arrays, and numbers those of NumPy. Messages show the dictionary as TOML.
+    /// A quantity is text with its unit, or a number in SI. Lists may be NumPy arrays, and numbers those of NumPy. Messages
+    /// show the dictionary as TOML.
     ///
     /// Raises `InputError` for one that contains itself, or has more than 64 levels or 2 000 000 values.
     #[staticmethod]
     #[pyo3(signature = (values, name = "scenario.toml"))]
     fn from_dict(values: Values<'_>, name: &str) -> PyResult<Self> {
         let table: toml::Table = values::pairs_of(&values.0)?.into_iter().collect();
-        Self::new(&table.to_string(), name, Items(Vec::new()))
+        Self::new(&table.to_string(), name, Items(Vec::new()), true)
     }
 
-    /// The same scenario with other values, each by the path of its key: `{"load.mass": "10 lb", "command.duty": 0.3}`.
+    /// This scenario with other values, each by the path of its key: `{"load.mass": "10 lb", "command.duty": 0.3}`. A number
+    /// where a quantity is due is in SI.
     fn with_values(&self, values: Values<'_>) -> PyResult<Self> {
         let mut set = self.set.clone();
         for (key, value) in values::pairs_of(&values.0)? {
             set.retain(|(known, _)| *known != key);
             set.push((key, value.to_string()));
         }
-        Self::new(&self.text, &self.name, Items(set))
+        Self::new(&self.text, &self.name, Items(set), self.in_si)
     }
 
     /// The scenario as it was understood, as TOML: every value in SI, no preset, no default. Of many actuators with names: every
@@ -151,7 +159,7 @@ impl Scenario {
         format!("<mckibben.Scenario {:?}>", self.name)
     }
 
-    fn __getnewargs__(&self) -> (&str, &str, Vec<(String, String)>) {
-        (&self.text, &self.name, self.set.clone())
+    fn __getnewargs__(&self) -> (&str, &str, Vec<(String, String)>, bool) {
+        (&self.text, &self.name, self.set.clone(), self.in_si)
     }
 }

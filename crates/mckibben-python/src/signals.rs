@@ -17,26 +17,38 @@ use std::time::{Duration, Instant};
 const HEARD: u32 = 16;
 const PATIENCE: Duration = Duration::from_millis(50);
 
-/// Looks at Python's signals from the thread that works, while the interpreter is released.
+/// Looks at Python's signals from the thread that works, while the interpreter is released, and reports progress.
+#[derive(Default)]
 pub(crate) struct Watch {
     calls: u32,
-    looked: Instant,
+    looked: Option<Instant>,
     raised: Option<PyErr>,
+    /// A function of Python, and the time in s at which the work ends.
+    progress: Option<(Py<PyAny>, f64)>,
 }
 
 impl Watch {
     pub(crate) fn new() -> Self {
-        Self { calls: 0, looked: Instant::now(), raised: None }
+        Self { looked: Some(Instant::now()), ..Self::default() }
+    }
+
+    /// Calls `progress(time, end)` now and then. What it raises ends the work.
+    pub(crate) fn reporting(self, progress: Option<Bound<'_, PyAny>>, end: f64) -> Self {
+        Self { progress: progress.map(|progress| (progress.unbind(), end)), ..self }
     }
 
     /// Goes on unless a signal has raised something; `time` in s is what has been reached.
     pub(crate) fn at(&mut self, time: f64) -> Result<(), Error> {
         self.calls = self.calls.wrapping_add(1);
-        if !self.calls.is_multiple_of(HEARD) || self.looked.elapsed() < PATIENCE {
+        if !self.calls.is_multiple_of(HEARD) || self.looked.is_some_and(|looked| looked.elapsed() < PATIENCE) {
             return Ok(());
         }
-        self.looked = Instant::now();
-        Python::attach(|py| py.check_signals()).map_err(|error| {
+        self.looked = Some(Instant::now());
+        let look = |py: Python<'_>| {
+            py.check_signals()?;
+            self.progress.as_ref().map_or(Ok(()), |(progress, end)| progress.call1(py, (time, *end)).map(drop))
+        };
+        Python::attach(look).map_err(|error| {
             self.raised = Some(error);
             Error::Interrupted { time }
         })
@@ -51,29 +63,43 @@ impl Watch {
 /// What work on the pool's threads calls now and then with the time in s that it has reached; an error ends it.
 pub(crate) type Heard<'a> = dyn Fn(f64) -> Result<(), Error> + Sync + 'a;
 
-/// Does work on the threads of this process, while the caller's thread listens for signals.
+/// Does work on the threads of this process, while the caller's thread looks at signals.
 pub(crate) fn heard<T: Send>(py: Python<'_>, work: impl FnOnce(&Heard<'_>) -> T + Send) -> PyResult<T> {
-    let (stop, mut raised, mut outcome) = (AtomicBool::new(false), None, None);
+    let stop = AtomicBool::new(false);
+    let watch = |time: f64| match stop.load(Ordering::Relaxed) {
+        true => Err(Error::Interrupted { time }),
+        false => Ok(()),
+    };
+    followed(py, |_| Ok(()), || stop.store(true, Ordering::Relaxed), || work(&watch))
+}
+
+/// Does work on the threads of this process, while the caller's thread looks at signals and calls `report` now and then. What
+/// one of them raises calls `stop`, and is raised when the work has ended.
+pub(crate) fn followed<T: Send>(
+    py: Python<'_>,
+    report: impl Fn(Python<'_>) -> PyResult<()> + Sync,
+    stop: impl Fn() + Sync,
+    work: impl FnOnce() -> T + Send,
+) -> PyResult<T> {
+    let (mut raised, mut outcome) = (None, None);
     py.detach(|| {
-        let watch = |time: f64| match stop.load(Ordering::Relaxed) {
-            true => Err(Error::Interrupted { time }),
-            false => Ok(()),
-        };
-        let (watch, (done, wait)) = (&watch, mpsc::channel());
+        let (done, wait) = mpsc::channel();
         pool::threads().map(|threads| {
             threads.in_place_scope(|scope| {
                 // The sender goes with the work: where that panics, waiting ends and the scope passes the panic on.
                 scope.spawn(move |_| {
-                    let _ = done.send(work(watch));
+                    let _ = done.send(work());
                 });
                 loop {
                     match wait.recv_timeout(PATIENCE) {
                         Ok(value) => outcome = Some(value),
                         Err(RecvTimeoutError::Disconnected) => {}
                         Err(RecvTimeoutError::Timeout) => {
-                            if let Err(error) = Python::attach(|py| py.check_signals()) {
+                            if raised.is_none()
+                                && let Err(error) = Python::attach(|py| py.check_signals().and_then(|()| report(py)))
+                            {
                                 raised = Some(error);
-                                stop.store(true, Ordering::Relaxed);
+                                stop();
                             }
                             continue;
                         }

@@ -28,9 +28,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// Other threads of Python go on meanwhile, and Ctrl-C ends it. Raises `InputError` where the model finds a contradiction, and
 /// `SimulationError` where the simulation cannot go on.
 #[pyfunction]
-pub(crate) fn simulate(py: Python<'_>, scenario: &Bound<'_, Scenario>) -> PyResult<Trajectory> {
-    let of = scenario.get();
-    let finished = run(py, of)?;
+#[pyo3(signature = (scenario, *, progress = None))]
+pub(crate) fn simulate(
+    py: Python<'_>,
+    scenario: &Bound<'_, Scenario>,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<Trajectory> {
+    let finished = run(py, scenario.get(), progress)?;
     let (columns, log) = py.detach(|| finished.columns().map(|columns| (columns, finished.log()))).raised()?;
     let of_column = |column: mckibben_run::record::Filled| {
         Ok(Column { name: column.name, unit: column.unit.to_owned(), values: array(py, column.values)?.unbind() })
@@ -46,12 +50,10 @@ pub(crate) fn simulate(py: Python<'_>, scenario: &Bound<'_, Scenario>) -> PyResu
     Ok(Trajectory { scenario: scenario.clone().unbind(), columns, events, kept })
 }
 
-fn run(py: Python<'_>, scenario: &Scenario) -> PyResult<Finished> {
-    let mut watch = Watch::new();
-    let finished = py.detach(|| {
-        let ready = Ready::of(&scenario.document)?;
-        ready.run(&scenario.document, &mut |time| watch.at(time))
-    });
+fn run(py: Python<'_>, scenario: &Scenario, progress: Option<Bound<'_, PyAny>>) -> PyResult<Finished> {
+    let ready = py.detach(|| Ready::of(&scenario.document)).raised()?;
+    let mut watch = Watch::new().reporting(progress, ready.plan().duration);
+    let finished = py.detach(|| ready.run(&scenario.document, &mut |time| watch.at(time)));
     watch.outcome(finished)
 }
 
@@ -162,7 +164,7 @@ impl Trajectory {
             return Ok(finished);
         }
         let scenario = self.scenario.get();
-        let finished = Arc::new(run(py, scenario)?);
+        let finished = Arc::new(run(py, scenario, None)?);
         Ok(kept().get_or_insert(finished).clone())
     }
 
@@ -431,12 +433,7 @@ impl Trajectory {
             }
         };
         let (finished, title) = (self.finished(py)?, self.scenario.get().title());
-        py.detach(|| {
-            let figure = finished.figure(over, &title);
-            let undrawn = |error| Failure::stopped(format!("the figure could not be drawn: {error}"));
-            figure.to_svg(Theme::Light).map_err(undrawn)
-        })
-        .raised()
+        py.detach(|| finished.figure(over, &title).to_svg(Theme::Light)).raised()
     }
 
     fn _repr_svg_(&self, py: Python<'_>) -> PyResult<String> {

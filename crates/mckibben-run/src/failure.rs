@@ -162,6 +162,12 @@ impl From<mckibben::Error> for Failure {
     }
 }
 
+impl From<mckibben_plot::PlotError> for Failure {
+    fn from(error: mckibben_plot::PlotError) -> Self {
+        Self::stopped(format!("the figure could not be drawn: {error}"))
+    }
+}
+
 impl From<Diagnostics> for Failure {
     fn from(places: Diagnostics) -> Self {
         Self::places(Reason::Input, places)

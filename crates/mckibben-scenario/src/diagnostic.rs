@@ -23,11 +23,23 @@ use std::sync::Arc;
 pub struct Source {
     name: String,
     text: String,
+    /// Whether a number where a quantity is due is in SI: so in what a program hands over, never in a file.
+    numbers_are_si: bool,
 }
 
 impl Source {
     pub(crate) fn new(name: impl Into<String>, text: impl Into<String>) -> Arc<Self> {
-        Arc::new(Self { name: name.into(), text: text.into() })
+        Arc::new(Self { name: name.into(), text: text.into(), numbers_are_si: false })
+    }
+
+    /// The text of values that a program hands over: numbers without a unit are in SI.
+    pub(crate) fn in_si(name: impl Into<String>, text: impl Into<String>) -> Arc<Self> {
+        Arc::new(Self { name: name.into(), text: text.into(), numbers_are_si: true })
+    }
+
+    /// Whether a number without a unit is in SI.
+    pub(crate) fn numbers_are_si(&self) -> bool {
+        self.numbers_are_si
     }
 
     /// The file's name, or words for where the text comes from.

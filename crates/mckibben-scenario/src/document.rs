@@ -9,6 +9,7 @@
 use crate::diagnostic::{Class, Diagnostic, Diagnostics, Place, Source};
 use crate::keys;
 use crate::nearest::nearest;
+use crate::quantity;
 use crate::reader::list_of;
 use std::ops::Range;
 use std::path::Path;
@@ -78,7 +79,18 @@ impl Document {
     /// # Errors
     /// Everything that keeps the text from being TOML.
     pub fn parse(text: &str, name: &str) -> Result<Self, Diagnostics> {
-        let source = Source::new(name, text);
+        Self::of(Source::new(name, text))
+    }
+
+    /// Parses text that a program has made: a number where a quantity is due is in SI.
+    ///
+    /// # Errors
+    /// As [`Document::parse`].
+    pub fn parse_in_si(text: &str, name: &str) -> Result<Self, Diagnostics> {
+        Self::of(Source::in_si(name, text))
+    }
+
+    fn of(source: Arc<Source>) -> Result<Self, Diagnostics> {
         let root = table_of(&source)?;
         Ok(Self { source, root })
     }
@@ -126,7 +138,19 @@ impl Document {
     /// # Errors
     /// As for [`Document::set_text`].
     pub fn set_text_from(&mut self, name: &str, path: &str, value: &str) -> Result<(), Diagnostics> {
-        let source = Source::new(name, format!("{path} = {value}"));
+        self.graft_from(Source::new(name, format!("{path} = {value}")), path)
+    }
+
+    /// As [`Document::set_text_from`], from a program: a number where a quantity is due is in SI.
+    ///
+    /// # Errors
+    /// As for [`Document::set_text`].
+    pub fn set_in_si(&mut self, name: &str, path: &str, value: &str) -> Result<(), Diagnostics> {
+        self.graft_from(Source::in_si(name, format!("{path} = {value}")), path)
+    }
+
+    /// Puts the value of a source in place at its path.
+    fn graft_from(&mut self, source: Arc<Source>, path: &str) -> Result<(), Diagnostics> {
         let names: Vec<&str> = path.split('.').collect();
         let bare =
             |name: &&str| !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-'));
@@ -248,7 +272,7 @@ fn sections_of(table: &Table, path: &str, text: &mut String) {
         text.push_str(&format!("{gap}[{path}]\n"));
     }
     for Entry { name, node, .. } in table.0.iter().filter(|entry| !inner(entry)) {
-        text.push_str(&format!("{} = {}\n", quoted(name), said(&node.value)));
+        text.push_str(&format!("{} = {}\n", quoted(name), said(&node.value, unit_at(path, name))));
     }
     for Entry { name, node, .. } in &table.0 {
         if let Value::Table(inner) = &node.value {
@@ -264,17 +288,25 @@ fn quoted(name: &str) -> String {
     if bare { name.to_owned() } else { toml::Value::from(name).to_string() }
 }
 
-/// A value as TOML, numbers in the digits that identify them.
-fn said(value: &Value) -> String {
+/// The unit of a key of a section; empty where its values are no quantities.
+fn unit_at(section: &str, name: &str) -> &'static str {
+    let path = if section.is_empty() { name.to_owned() } else { format!("{section}.{name}") };
+    keys::key_at(&keys::stands_for(&path)).and_then(keys::Key::parameter).map_or("", |row| row.unit)
+}
+
+/// A value as TOML, numbers in the digits that identify them; a number of a key with a unit is in SI.
+fn said(value: &Value, unit: &str) -> String {
     match value {
         Value::String(words) => toml::Value::from(words.as_str()).to_string(),
-        Value::Number(number) => toml::Value::from(*number).to_string(),
+        Value::Number(number) if unit.is_empty() => toml::Value::from(*number).to_string(),
+        Value::Number(number) => toml::Value::from(quantity::format(*number, unit)).to_string(),
         Value::List(items) => {
-            let items: Vec<String> = items.iter().map(|item| said(&item.value)).collect();
+            let items: Vec<String> = items.iter().map(|item| said(&item.value, unit)).collect();
             format!("[{}]", items.join(", "))
         }
         Value::Table(table) => {
-            let entries = table.0.iter().map(|entry| format!("{} = {}", quoted(&entry.name), said(&entry.node.value)));
+            let entries =
+                table.0.iter().map(|entry| format!("{} = {}", quoted(&entry.name), said(&entry.node.value, unit)));
             format!("{{ {} }}", entries.collect::<Vec<_>>().join(", "))
         }
         // What no key takes has been refused; its text says what it was.

@@ -375,7 +375,7 @@ impl<'d> Reader<'d> {
         let place = || node.place.clone();
         let pure = expected == Dimension::NONE;
         let value = match &node.value {
-            Value::Number(value) if pure => *value,
+            Value::Number(value) if pure || node.place.source().numbers_are_si() => *value,
             Value::Number(_) => {
                 self.note(without_unit(place(), row, expected, node.place.text()));
                 return None;

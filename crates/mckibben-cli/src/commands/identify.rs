@@ -4,7 +4,7 @@
 
 use crate::terminal;
 use mckibben_run::failure::Failure;
-use mckibben_run::identify::{Outcome, WARNED, identified};
+use mckibben_run::identify::{Outcome, Request, WARNED, identified};
 use std::path::PathBuf;
 
 /// What `mckibben identify` is asked.
@@ -85,7 +85,7 @@ pub struct IdentifyArguments {
 /// # Errors
 /// The input is wrong, something failed, or a file could not be written.
 pub fn run(arguments: &IdentifyArguments) -> Result<(), Failure> {
-    let outcome = identified(&arguments.study, Some(&arguments.output))?;
+    let outcome = identified(Request::load(&arguments.study)?, Some(&arguments.output))?;
     let page = outcome.write(&arguments.output)?;
     terminal::print(&format!("{}\n{}", told(&outcome), terminal::wrote(&page, "")))?;
     outcome.verdict(Some(&page))

@@ -18,6 +18,8 @@ mod statistics;
 pub use statistics::{Direction, Estimate, Fit};
 
 use crate::median;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use thiserror::Error;
 
 /// How often the deviation of the residuals is taken anew where it is not known: it settles at once where outliers are few.
@@ -138,8 +140,41 @@ impl Loss {
     }
 }
 
+/// Follows searches from another thread, and ends them. Clones share one state.
+#[derive(Clone, Debug, Default)]
+pub struct Monitor(Arc<State>);
+
+#[derive(Debug, Default)]
+struct State {
+    stopped: AtomicBool,
+    evaluations: AtomicU64,
+}
+
+impl Monitor {
+    /// Ends every search that has this monitor, at its next evaluation of the model.
+    pub fn stop(&self) {
+        self.0.stopped.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether searches are to end.
+    pub fn is_stopped(&self) -> bool {
+        self.0.stopped.load(Ordering::Relaxed)
+    }
+
+    /// How often models have been evaluated so far.
+    pub fn evaluations(&self) -> u64 {
+        self.0.evaluations.load(Ordering::Relaxed)
+    }
+
+    /// Counts an evaluation; `false` where the search is to end.
+    fn goes_on(&self) -> bool {
+        self.0.evaluations.fetch_add(1, Ordering::Relaxed);
+        !self.is_stopped()
+    }
+}
+
 /// How the minimum is looked for.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Search {
     /// How much a large residual counts.
     pub loss: Loss,
@@ -148,11 +183,13 @@ pub struct Search {
     pub known_scales: bool,
     /// Steps after which a search gives up.
     pub most_steps: u64,
+    /// Follows the search, and may end it: [`FitError::Interrupted`].
+    pub monitor: Monitor,
 }
 
 impl Default for Search {
     fn default() -> Self {
-        Self { loss: Loss::Squares, known_scales: false, most_steps: 500 }
+        Self { loss: Loss::Squares, known_scales: false, most_steps: 500, monitor: Monitor::default() }
     }
 }
 
@@ -180,6 +217,9 @@ pub enum FitError {
     /// The model has no value at the start.
     #[error("the model has no finite value at the start; start elsewhere")]
     NoStart,
+    /// The search was ended by [`Monitor::stop`].
+    #[error("the search was interrupted")]
+    Interrupted,
     /// The search did not end at a minimum.
     #[error("the search found no minimum: {why}; start nearer to it, give bounds, or fix what the data cannot tell")]
     NoMinimum {
@@ -228,7 +268,7 @@ pub fn fit(model: &impl Model, unknowns: &[Unknown], search: &Search) -> Result<
         let minimum = solver::minimum(model, unknowns, search)?;
         return Ok(Fit::new(model, unknowns, search, minimum));
     }
-    let squares = Search { loss: Loss::Squares, ..*search };
+    let squares = Search { loss: Loss::Squares, ..search.clone() };
     let mut found = Fit::new(model, unknowns, &squares, solver::minimum(model, unknowns, &squares)?);
     for _ in 0..PASSES {
         let deviation = median::deviation(found.residuals.iter().copied());
@@ -237,7 +277,7 @@ pub fn fit(model: &impl Model, unknowns: &[Unknown], search: &Search) -> Result<
             break;
         }
         let from = starting_at(unknowns, &found.values());
-        let search = Search { loss: search.loss.of_deviation(deviation), ..*search };
+        let search = Search { loss: search.loss.of_deviation(deviation), ..search.clone() };
         found = Fit::new(model, unknowns, &search, solver::minimum(model, &from, &search)?);
     }
     Ok(found)

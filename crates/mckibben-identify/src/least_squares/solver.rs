@@ -1,6 +1,6 @@
 //! The minimum, by the crate `basin`: its problem is ours with every unknown divided by its size.
 
-use super::{Ending, Evaluation, FitError, Loss, Model, Search, Unknown};
+use super::{Ending, Evaluation, FitError, Loss, Model, Monitor, Search, Unknown};
 use basin::{
     BoxBounds, CauchyLoss, ConstraintDescription, ConstraintSet, Constraints, DenseMatrix, Executor, HuberLoss,
     Jacobian, Residual, RobustLeastSquares, Termination, TrustRegionReflective,
@@ -22,7 +22,7 @@ pub(super) fn minimum(
 ) -> Result<(Vec<f64>, Evaluation), FitError> {
     let (values, why) = descended(model, unknowns, search)?;
     let there = super::with_priors(model, unknowns, &values);
-    match Scaled::new(model, unknowns).is_stationary(&values, &there, search.loss) {
+    match Scaled::new(model, unknowns, &search.monitor).is_stationary(&values, &there, search.loss) {
         true => Ok((values, there)),
         false => Err(FitError::NoMinimum { why }),
     }
@@ -34,11 +34,11 @@ pub(super) fn descended(
     unknowns: &[Unknown],
     search: &Search,
 ) -> Result<(Vec<f64>, Ending), FitError> {
-    let scaled = || Scaled::new(model, unknowns);
+    let scaled = || Scaled::new(model, unknowns, &search.monitor);
     let problem = scaled();
     let start: Vec<f64> = unknowns.iter().zip(&problem.sizes).map(|(unknown, size)| unknown.start / size).collect();
     if !problem.residuals_at(&start).iter().all(|residual| residual.is_finite()) {
-        return Err(FitError::NoStart);
+        return Err(if search.monitor.is_stopped() { FitError::Interrupted } else { FitError::NoStart });
     }
     let method = TrustRegionReflective::new()
         .with_absolute_scaled_gradient_tolerance(0.0)
@@ -48,6 +48,7 @@ pub(super) fn descended(
         ($problem:expr) => {
             match Executor::from_start($problem, method, start).max_iter(search.most_steps).run() {
                 Ok(result) => (result.param().clone(), ending(&result.report.termination, search)),
+                Err(_) if search.monitor.is_stopped() => return Err(FitError::Interrupted),
                 Err(_) => return Err(FitError::NoMinimum { why: Ending::Numbers }),
             }
         };
@@ -57,7 +58,10 @@ pub(super) fn descended(
         Loss::Huber(scale) => run!(RobustLeastSquares::new(scaled(), HuberLoss).with_scale(scale)),
         Loss::Cauchy(scale) => run!(RobustLeastSquares::new(scaled(), CauchyLoss).with_scale(scale)),
     };
-    Ok((problem.values(&end), why))
+    match search.monitor.is_stopped() {
+        true => Err(FitError::Interrupted),
+        false => Ok((problem.values(&end), why)),
+    }
 }
 
 /// What ended a search, in the words of this crate.
@@ -75,17 +79,18 @@ fn ending(by: &Termination, search: &Search) -> Ending {
 struct Scaled<'a, M> {
     model: &'a M,
     unknowns: &'a [Unknown],
+    monitor: &'a Monitor,
     sizes: Vec<f64>,
     least: Vec<f64>,
     largest: Vec<f64>,
 }
 
 impl<'a, M: Model> Scaled<'a, M> {
-    fn new(model: &'a M, unknowns: &'a [Unknown]) -> Self {
+    fn new(model: &'a M, unknowns: &'a [Unknown], monitor: &'a Monitor) -> Self {
         let sizes: Vec<f64> = unknowns.iter().map(Unknown::size).collect();
         let bound =
             |side: usize| unknowns.iter().zip(&sizes).map(|(unknown, size)| unknown.bounds[side] / size).collect();
-        Self { model, unknowns, least: bound(0), largest: bound(1), sizes }
+        Self { model, unknowns, monitor, least: bound(0), largest: bound(1), sizes }
     }
 
     fn values(&self, at: &[f64]) -> Vec<f64> {
@@ -93,10 +98,23 @@ impl<'a, M: Model> Scaled<'a, M> {
     }
 
     fn residuals_at(&self, at: &[f64]) -> Vec<f64> {
+        if !self.monitor.goes_on() {
+            return self.nowhere();
+        }
         super::tried(self.model, self.unknowns, &self.values(at))
     }
 
+    /// Residuals of a place where the model has no value. They end a search.
+    fn nowhere(&self) -> Vec<f64> {
+        let priors = self.unknowns.iter().filter(|unknown| unknown.prior.is_some()).count();
+        vec![f64::NAN; self.model.residuals() + priors]
+    }
+
     fn evaluate(&self, at: &[f64]) -> Evaluation {
+        if !self.monitor.goes_on() {
+            let residuals = self.nowhere();
+            return Evaluation { slopes: vec![f64::NAN; residuals.len() * at.len()], residuals };
+        }
         let mut evaluation = super::with_priors(self.model, self.unknowns, &self.values(at));
         for row in evaluation.slopes.chunks_mut(self.sizes.len().max(1)) {
             row.iter_mut().zip(&self.sizes).for_each(|(slope, size)| *slope *= size);

@@ -196,7 +196,7 @@ impl Candidate {
     pub fn fit(&self, map: &ForceMap, deviation: Option<f64>, search: &Search) -> Result<StaticFit, StaticError> {
         let scale = deviation.unwrap_or(map.largest);
         let model = StaticModel { adjustable: &self.adjustable, map, scale };
-        let search = Search { known_scales: deviation.is_some(), ..*search };
+        let search = Search { known_scales: deviation.is_some(), ..search.clone() };
         let found = least_squares::fit_from(&model, &self.unknowns, &self.starts, &search)?;
         let scenario = self.adjustable.at(&found.fit.values()).map_err(|_| FitError::NoStart)?;
         let driven = scenario.driven().map_err(|_| FitError::NoStart)?;

@@ -91,6 +91,10 @@ pub struct Study {
     pub tank: Option<TankEntry>,
     /// `[pulses]` of a pulse train.
     pub pulses: PulsesEntry,
+    /// Whether a number without a unit is in SI, as in a study that a program hands over; in a file units are due.
+    pub numbers_are_si: bool,
+    /// Tables in memory, which runs name as they name files.
+    pub tables: Vec<Table>,
 }
 
 /// What a column measures and how.
@@ -172,7 +176,7 @@ struct Head {
 #[serde(deny_unknown_fields)]
 struct RawColumn {
     name: String,
-    unit: Spanned<String>,
+    unit: Option<Spanned<String>>,
     slack: Option<Spanned<String>>,
     saturates: Option<Spanned<String>>,
     deviation: Option<Spanned<String>>,
@@ -273,12 +277,25 @@ impl Study {
         Self::parse(&text, path)
     }
 
-    /// The same from text; `path` names it in messages, and files are looked for beside it.
+    /// Reads the text of a study file; `path` names it in messages, and paths in it are relative to its folder.
     ///
     /// # Errors
     /// As [`Study::load`].
     pub fn parse(text: &str, path: &Path) -> Result<Self, StudyError> {
-        let within = Within { path, text };
+        Self::read(text, path, false)
+    }
+
+    /// A study whose tables are in memory: TOML as a file has it, in which numbers without a unit are in SI and a column
+    /// without a unit too. `name` stands for it in messages.
+    ///
+    /// # Errors
+    /// As [`Study::load`].
+    pub fn in_memory(text: &str, name: &str, tables: Vec<Table>) -> Result<Self, StudyError> {
+        Ok(Self { tables, ..Self::read(text, Path::new(name), true)? })
+    }
+
+    fn read(text: &str, path: &Path, numbers_are_si: bool) -> Result<Self, StudyError> {
+        let within = Within { path, text, numbers_are_si };
         let file: File = toml::from_str(text).map_err(|error| {
             let at = error.span().map(|span| span.start);
             within.fault(at, error.message().to_owned(), "see `mckibben identify --help` for a study file")
@@ -357,6 +374,8 @@ impl Study {
             flow: of_valve.flow,
             tank: of_valve.tank,
             pulses: of_valve.pulses,
+            numbers_are_si,
+            tables: Vec::new(),
         })
     }
 
@@ -372,7 +391,11 @@ impl Study {
         let mut recording =
             Recording { name: run.name.clone(), sheets: Vec::new(), set: run.set.clone(), notes: Vec::new() };
         let named: Vec<&str> = self.columns.iter().map(|entry| entry.name.as_str()).collect();
-        let tables = run.files.iter().map(|file| table::read(file, &named)).collect::<Result<Vec<_>, _>>()?;
+        let table = |file: &PathBuf| match self.tables.iter().find(|table| table.file == *file) {
+            Some(table) => Ok(table.clone()),
+            None => table::read(file, &named),
+        };
+        let tables = run.files.iter().map(table).collect::<Result<Vec<_>, _>>()?;
         if let Some(entry) = self.columns.iter().find(|entry| !tables.iter().any(|table| table.has(&entry.name))) {
             let what = format!("no table of the run `{}` has a column `{}`", run.name, entry.name);
             let heads: Vec<String> = tables.into_iter().flat_map(Table::heads).collect();
@@ -395,6 +418,7 @@ fn beside(file: &Path, path: &Path) -> PathBuf {
 pub(super) struct Within<'a> {
     path: &'a Path,
     text: &'a str,
+    pub(super) numbers_are_si: bool,
 }
 
 impl Within<'_> {
@@ -406,6 +430,9 @@ impl Within<'_> {
     /// A quantity of a dimension, in SI.
     fn si(&self, text: &Spanned<String>, of: Quantity) -> Result<f64, StudyError> {
         let at = Some(text.span().start);
+        if let (true, Ok(number)) = (self.numbers_are_si, text.as_ref().parse::<f64>()) {
+            return Ok(number);
+        }
         let read = quantity::parse(text.as_ref()).map_err(|error| {
             self.fault(
                 at,
@@ -497,9 +524,19 @@ impl Within<'_> {
 
     fn column(&self, name: &str, raw: Spanned<RawColumn>) -> Result<ColumnEntry, StudyError> {
         let (quantity, part) = self.of_part(name, raw.span().start)?;
-        let raw = raw.into_inner();
-        let at = Some(raw.unit.span().start);
-        let (scale, zero) = self.unit(quantity, &raw.unit)?;
+        let (begins, raw) = (raw.span().start, raw.into_inner());
+        let at = Some(raw.unit.as_ref().map_or(begins, |unit| unit.span().start));
+        let (scale, zero) = match &raw.unit {
+            Some(unit) => self.unit(quantity, unit)?,
+            None if self.numbers_are_si => (1.0, 0.0),
+            None => {
+                return Err(self.fault(
+                    at,
+                    format!("`{name}` has no unit"),
+                    format!("add `unit = \"{}\"`", quantity.unit()),
+                ));
+            }
+        };
         let mut zeros = Vec::new();
         for known in raw.zero.unwrap_or_default() {
             let span = [self.si(&known.from, Quantity::Time)?, self.si(&known.to, Quantity::Time)?];

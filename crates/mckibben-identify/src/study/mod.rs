@@ -42,6 +42,7 @@ mod valve;
 
 pub use clean::{Note, Severity};
 pub use file::{ColumnEntry, Input, Kind, RunEntry, SoughtEntry, Study};
+pub use table::Table;
 pub use valve::{Direction, FlowEntry, PulsesEntry, TankEntry, TankTarget};
 
 use mckibben_scenario::Dimension;
@@ -100,8 +101,12 @@ pub enum Quantity {
     Volume,
     /// Absolute pressure behind the valve in Pa, where a hose leads to the actuator.
     HosePressure,
+    /// Gauge pressure there.
+    HoseGaugePressure,
     /// Absolute pressure in Pa that a pressure regulator makes.
     RegulatedPressure,
+    /// Gauge pressure in Pa that a pressure regulator makes.
+    RegulatedGaugePressure,
     /// Gauge pressure in Pa that such a regulator is set to.
     SetPoint,
     /// Distance in m that an actuator and its tendon span.
@@ -140,7 +145,7 @@ impl Quantity {
     ];
 
     /// Those of the parts of a plant.
-    pub const OF_PARTS: [Self; 19] = [
+    pub const OF_PARTS: [Self; 21] = [
         Self::Length,
         Self::Velocity,
         Self::GaugePressure,
@@ -151,7 +156,9 @@ impl Quantity {
         Self::Tension,
         Self::MassFlow,
         Self::HosePressure,
+        Self::HoseGaugePressure,
         Self::RegulatedPressure,
+        Self::RegulatedGaugePressure,
         Self::SetPoint,
         Self::LoadDistance,
         Self::LoadVelocity,
@@ -165,15 +172,14 @@ impl Quantity {
     /// What a column of a plant's table is called behind the name of the part, if parts have it.
     pub fn column(self) -> Option<&'static str> {
         match self {
-            Self::GaugePressure | Self::AbsolutePressure => Some("pressure"),
+            Self::GaugePressure | Self::AbsolutePressure => Some("absolute_pressure"),
             of => Self::OF_PARTS.contains(&of).then(|| of.name()),
         }
     }
 
-    /// What a study may call it behind the name of a part; `pressure` is absolute, as in a plant's table.
+    /// The quantity that a study calls so behind the name of a part.
     pub fn of_part(word: &str) -> Option<Self> {
-        let named = Self::OF_PARTS.into_iter().find(|of| of.name() == word);
-        named.or((word == "pressure").then_some(Self::AbsolutePressure))
+        Self::OF_PARTS.into_iter().find(|of| of.name() == word)
     }
 
     /// As it is written in a study, in words, its SI unit, and its dimension.
@@ -214,8 +220,16 @@ impl Quantity {
             Self::Velocity => ("velocity", "velocity", "m/s", Dimension::VELOCITY),
             Self::AirMass => ("air_mass", "mass of the air", "kg", Dimension::MASS),
             Self::Volume => ("volume", "volume", "m^3", Dimension::VOLUME),
-            Self::HosePressure => ("hose_pressure", "pressure in the hose", "Pa", Dimension::PRESSURE),
-            Self::RegulatedPressure => ("regulated_pressure", "regulated pressure", "Pa", Dimension::PRESSURE),
+            Self::HoseGaugePressure => ("hose_gauge_pressure", "gauge pressure in the hose", "Pa", Dimension::PRESSURE),
+            Self::RegulatedGaugePressure => {
+                ("regulated_gauge_pressure", "gauge regulated pressure", "Pa", Dimension::PRESSURE)
+            }
+            Self::HosePressure => {
+                ("hose_absolute_pressure", "absolute pressure in the hose", "Pa", Dimension::PRESSURE)
+            }
+            Self::RegulatedPressure => {
+                ("regulated_absolute_pressure", "absolute regulated pressure", "Pa", Dimension::PRESSURE)
+            }
             Self::SetPoint => ("set_point", "set point", "Pa", Dimension::PRESSURE),
             Self::LoadDistance => ("load_distance", "distance of the load", "m", Dimension::LENGTH),
             Self::LoadVelocity => ("load_velocity", "velocity of the load", "m/s", Dimension::VELOCITY),

@@ -13,9 +13,9 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
 use std::path::{Path, PathBuf};
 
-/// Columns by their names.
+/// Columns of numbers by their names, as a file has them or a program hands them over.
 #[derive(Clone, Debug)]
-pub(super) struct Table {
+pub struct Table {
     pub(super) file: PathBuf,
     pub(super) columns: Vec<(String, Vec<f64>)>,
     /// The line of each row, or its number in a file without lines.
@@ -23,6 +23,24 @@ pub(super) struct Table {
 }
 
 impl Table {
+    /// A table from memory. A run of a study names it as it would a file. Numbers that are not finite are no readings.
+    ///
+    /// # Errors
+    /// Columns of different lengths.
+    pub fn new(name: &str, columns: Vec<(String, Vec<f64>)>) -> Result<Self, StudyError> {
+        let (file, rows) = (PathBuf::from(name), columns.first().map_or(0, |(_, values)| values.len()));
+        if let Some((of, values)) = columns.iter().find(|(_, values)| values.len() != rows) {
+            let what = format!("the column `{of}` has {} numbers, but the first has {rows}", values.len());
+            return Err(StudyError::new(
+                &file,
+                None,
+                what,
+                "give columns of one length; others stand in a table of their own",
+            ));
+        }
+        Ok(Self { file, columns, lines: (1..=rows).collect() })
+    }
+
     pub(super) fn has(&self, name: &str) -> bool {
         self.columns.iter().any(|(of, _)| of == name)
     }

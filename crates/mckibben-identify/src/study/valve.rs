@@ -192,6 +192,9 @@ impl Within<'_> {
     /// A quantity of a dimension in SI, where a key of a section has one.
     fn number(&self, key: &str, text: &Spanned<String>, (dimension, example): Sort) -> Result<f64, StudyError> {
         let at = Some(text.span().start);
+        if let (true, Ok(number)) = (self.numbers_are_si, text.as_ref().parse::<f64>()) {
+            return Ok(number);
+        }
         let wrong = |why: String| {
             self.fault(
                 at,

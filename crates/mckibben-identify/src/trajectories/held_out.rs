@@ -24,12 +24,14 @@ impl Task {
         let scales = || found.scales.clone();
         let values = found.found.fit.values();
         let from = least_squares::starting_at(&self.unknowns, &values);
-        let few = Search { most_steps: 50, ..self.search };
+        let few = Search { most_steps: 50, ..self.search.clone() };
         // The unknowns that count, as these runs tell them from these values.
         let told = |runs: &[Recorded], of: &[usize], values: &mut [f64]| {
             let runs: Vec<Recorded> = runs.iter().map(|run| run.only(of, values)).collect::<Result<_, _>>().ok()?;
             let from: Vec<Unknown> = of.iter().map(|unknown| from[*unknown].clone()).collect();
-            let fit = least_squares::fit(&Runs::whole(&runs, scales(), self.tolerance), &from, &few).ok()?;
+            let fit =
+                least_squares::fit(&Runs::whole(&runs, scales(), self.tolerance, &self.search.monitor), &from, &few)
+                    .ok()?;
             for (unknown, value) in of.iter().zip(fit.values()) {
                 values[*unknown] = value;
             }
@@ -46,7 +48,7 @@ impl Task {
             if !own.is_empty() {
                 told(this, &own, &mut foretold)?;
             }
-            let alone = Runs::whole(this, scales(), self.tolerance);
+            let alone = Runs::whole(this, scales(), self.tolerance, &self.search.monitor);
             let error = |values: &[f64]| alone.scatter(&alone.tried(&self.runs[place], values));
             let (inside, outside) = (error(&values), error(&foretold));
             let errors = inside.into_iter().zip(outside).map(|((of, inside), (_, outside))| {

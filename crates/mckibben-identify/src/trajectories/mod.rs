@@ -41,7 +41,7 @@ pub use search::{Horizon, Identified, Task, TrajectoryError};
 pub use simulated::{Simulated, SimulatedReader, Watch};
 pub use subject::{AdjustablePlant, Described, Subject, SubjectError};
 
-use crate::least_squares::{Evaluation, Model};
+use crate::least_squares::{Evaluation, Model, Monitor};
 use mckibben::Error;
 use mckibben::Instantiate;
 use rayon::prelude::*;
@@ -81,6 +81,8 @@ pub(crate) struct Runs<'a> {
     /// Readings after this time in s do not count.
     pub(crate) until: f64,
     pub(crate) tolerance: f64,
+    /// Ends a run between two of its steps.
+    pub(crate) monitor: Monitor,
 }
 
 impl Recorded {
@@ -122,8 +124,8 @@ impl Recorded {
 
 impl<'a> Runs<'a> {
     /// From beginning to end.
-    pub(crate) fn whole(runs: &'a [Recorded], scales: Vec<(Observed, f64)>, tolerance: f64) -> Self {
-        Self { runs, scales, until: f64::INFINITY, tolerance }
+    pub(crate) fn whole(runs: &'a [Recorded], scales: Vec<(Observed, f64)>, tolerance: f64, monitor: &Monitor) -> Self {
+        Self { runs, scales, until: f64::INFINITY, tolerance, monitor: monitor.clone() }
     }
 }
 
@@ -178,7 +180,11 @@ impl Runs<'_> {
     /// Runs a plant and visits each reading with its residual, over any scalar.
     fn course<R: Instantiate>(&self, run: &Recorded, ready: &Ready<R>, visit: impl FnMut(R)) -> Result<(), Error> {
         let duration = run.duration(self.until).max(1e-9);
-        self.compare(run, &ready.simulate(R::constant(duration), self.tolerance, &|_| Ok(()))?, visit);
+        let watch = |time: f64| match self.monitor.is_stopped() {
+            true => Err(Error::Interrupted { time }),
+            false => Ok(()),
+        };
+        self.compare(run, &ready.simulate(R::constant(duration), self.tolerance, &watch)?, visit);
         Ok(())
     }
 

@@ -57,7 +57,7 @@ impl Task {
 
     /// The courses whose residuals drift from the first reading to the last.
     pub fn drifts(&self, found: &Identified) -> Vec<Drift> {
-        let runs = Runs::whole(&self.runs, Vec::new(), self.tolerance);
+        let runs = Runs::whole(&self.runs, Vec::new(), self.tolerance, &self.search.monitor);
         let mut drifts = Vec::new();
         for (run, simulated) in self.runs.iter().zip(&found.simulated) {
             let mut residuals = Vec::new();

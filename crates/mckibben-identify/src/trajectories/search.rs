@@ -136,8 +136,8 @@ impl Task {
             .collect();
         let scales = spans.iter().map(|(of, (scale, _))| (of.clone(), *scale)).collect();
         let all_known = spans.iter().all(|(_, (_, known))| *known);
-        let search = Search { known_scales: all_known, ..self.search };
-        let mut runs = Runs::whole(&self.runs, scales, self.tolerance);
+        let search = Search { known_scales: all_known, ..self.search.clone() };
+        let mut runs = Runs::whole(&self.runs, scales, self.tolerance, &self.search.monitor);
         let mut unknowns = self.unknowns.clone();
         let mut starts = self.starts.clone();
         if let Horizon::Growing(ends) = &self.horizon {
@@ -196,7 +196,7 @@ impl Task {
         let (joined, simulated) = shooting::fit(runs, unknowns, every, search)?;
         let from = least_squares::starting_at(unknowns, &joined.values());
         // From there a run that can be fitted whole is, in a few steps.
-        let few = Search { most_steps: 20, ..*search };
+        let few = Search { most_steps: 20, ..search.clone() };
         let squares = |fit: &Fit| fit.residuals.iter().map(|residual| residual * residual).sum::<f64>();
         match least_squares::fit(runs, &from, &few) {
             Ok(fit) if squares(&fit) <= 1.01 * squares(&joined) => Ok((Found { fit, tried: 1, agreeing: 1 }, None)),
@@ -256,7 +256,7 @@ impl Task {
                 return Err(TrajectoryError::Segments { every, duration });
             }
         }
-        let runs = Runs::whole(&self.runs, Vec::new(), self.tolerance);
+        let runs = Runs::whole(&self.runs, Vec::new(), self.tolerance, &self.search.monitor);
         if runs.residuals() == 0 {
             return Err(TrajectoryError::NoReadings);
         }

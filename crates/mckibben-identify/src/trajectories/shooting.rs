@@ -301,7 +301,7 @@ pub(super) fn fit(
         segments.slack = slack;
         let from = least_squares::starting_at(unknowns, &values).into_iter();
         let all: Vec<Unknown> = from.chain(segments.chains.iter().flat_map(Chain::unknowns)).collect();
-        let found = least_squares::descended(&segments, &all, &Search { most_steps: steps, ..*search })?;
+        let found = least_squares::descended(&segments, &all, &Search { most_steps: steps, ..search.clone() })?;
         segments.chains.iter_mut().for_each(|chain| chain.move_to(&found));
         values = found[..segments.numbers].to_vec();
     }

@@ -1,6 +1,7 @@
 //! A force map to every law of static force: tables, figures and words.
 
 use super::outcome::{Outcome, WARNED};
+use super::prediction::Prediction;
 use super::{Material, column, gauge_pressures, values};
 use crate::failure::Failure;
 use crate::progress::Progress;
@@ -91,6 +92,8 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
         sections,
         table,
         values: told,
+        predictions: prediction(&map, best).into_iter().collect(),
+        correlations: best.fit.fit.correlations.clone(),
         estimates: best.fit.fit.estimates.clone(),
         warnings,
         scenarios: vec![("scenario.toml".to_owned(), text)],
@@ -511,6 +514,23 @@ fn fitted(map: &ForceMap, best: &Judged) -> Option<Plate> {
     let x = Axis::new("gauge pressure", "Pa").starting_at(0.0);
     let figure = Figure { width_mm: 150.0, panel_height_mm: 80.0, x, panels: vec![panel], ..Figure::default() };
     Some(Plate { stem: FIT, caption: "Measured tensions, and the law at each length.".to_owned(), figure, data })
+}
+
+/// The tensions that were held.
+fn prediction(map: &ForceMap, best: &Judged) -> Option<Prediction> {
+    let actuator = best.fit.scenario.driven().ok()?.actuator;
+    let column = |value: &dyn Fn(&Point) -> f64| map.held().map(value).collect::<Vec<f64>>();
+    Some(Prediction {
+        run: String::new(),
+        quantity: "tension".to_owned(),
+        unit: "N",
+        coordinates: vec![
+            ("length_m", column(&|point| point.length)),
+            ("gauge_pressure_pa", column(&|point| point.gauge_pressure)),
+        ],
+        measured: column(&|point| point.tension),
+        predicted: column(&|point| force(&actuator, point)),
+    })
 }
 
 /// Tension in N of a law that cannot push.

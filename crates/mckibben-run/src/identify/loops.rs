@@ -1,6 +1,7 @@
 //! Loops of tension over length to friction and hysteresis: tables, figures and words.
 
 use super::outcome::{self, Outcome, Stems};
+use super::prediction::Prediction;
 use super::{Material, column, gauge_pressures, sought, values};
 use crate::failure::Failure;
 use crate::quantities::quantity;
@@ -39,6 +40,7 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     let scenarios = vec![("scenario.toml".to_owned(), outcome::file(&found.scenario))];
     let numbers = values::table("Numbers with their 95 % intervals".to_owned(), &found.found.fit);
     let sections = sections(&task, &found, &numbers, &scenarios)?;
+    let predictions = predictions(&task, &found)?;
     let readings = found.found.fit.residuals.len();
     let introduction = format!(
         "{} numbers from {readings} tensions of {} loops, length and pressure taken as they were measured. What is left of the tension: {} root mean square.",
@@ -52,6 +54,8 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
         sections,
         table: Table::default(),
         values: numbers,
+        predictions,
+        correlations: found.found.fit.correlations,
         estimates: found.found.fit.estimates,
         warnings,
         scenarios,
@@ -76,6 +80,28 @@ fn read(recording: &Recording, atmosphere: f64) -> Result<Loop, Failure> {
     let samples = (0..times.len()).map(sample).filter(whole).collect();
     Loop::new(recording.name.clone(), samples)
         .map_err(|error| Failure::input(error.to_string(), "see docs/identify.md"))
+}
+
+/// The tensions of every loop.
+fn predictions(task: &LoopTask, found: &LoopFit) -> Result<Vec<Prediction>, Failure> {
+    let driven = found.scenario.driven().map_err(|error| Failure::stopped(error.to_string()))?;
+    let of_loop = |of: &Loop| {
+        let pairs = tensions(of, &driven.actuator);
+        let column = |value: fn(&Sample) -> f64| pairs.iter().map(|(sample, _)| value(sample)).collect::<Vec<f64>>();
+        Prediction {
+            run: of.name.clone(),
+            quantity: "tension".to_owned(),
+            unit: "N",
+            coordinates: vec![
+                ("time_s", column(|sample| sample.time)),
+                ("length_m", column(|sample| sample.length)),
+                ("gauge_pressure_pa", column(|sample| sample.gauge_pressure)),
+            ],
+            measured: column(|sample| sample.tension),
+            predicted: pairs.iter().map(|(_, tension)| *tension).collect(),
+        }
+    };
+    Ok(task.loops.iter().map(of_loop).collect())
 }
 
 fn sections(

@@ -10,6 +10,7 @@
 //! | `valve` | a valve from steady flow, a tank, or the pressure under a pulse train |
 //! | `sought` | the numbers that a study looks for |
 //! | `values` | numbers with their intervals, as tables |
+//! | `prediction` | measurements beside what the fitted model predicts |
 //! | `outcome` | what every kind of study comes to, and the files that are written of it |
 //!
 //! Everything is computed by the crate `mckibben-identify`. Checked by the tests of the program, `tests/identify.rs` and
@@ -19,6 +20,7 @@ mod force_map;
 mod loops;
 mod outcome;
 mod plant;
+mod prediction;
 mod rings;
 mod sought;
 mod trajectories;
@@ -26,10 +28,11 @@ mod values;
 mod valve;
 
 use crate::failure::{Failure, Reason};
-use mckibben_identify::least_squares::{Loss, Search};
-use mckibben_identify::study::{Column, Kind, Quantity, Recording, Severity, Study, StudyError};
+use mckibben_identify::least_squares::{Loss, Monitor, Search};
+use mckibben_identify::study::{Column, Kind, Quantity, Recording, Severity, Study, StudyError, Table};
 use mckibben_scenario::Document;
 pub use outcome::{Outcome, WARNED};
+pub use prediction::Prediction;
 use std::path::Path;
 
 /// What a study is made of, read.
@@ -38,23 +41,58 @@ struct Material {
     /// The scenario file.
     document: Document,
     recordings: Vec<Recording>,
+    monitor: Monitor,
 }
 
-/// Fits what a study file asks for. Where that fails, the outcome has what there is, and [`Outcome::verdict`] says so; `folder` is
+/// A study with its scenario, to be fitted.
+#[derive(Debug)]
+pub struct Request {
+    study: Study,
+    document: Document,
+    monitor: Monitor,
+}
+
+impl Request {
+    /// Reads a study file and its scenario file.
+    ///
+    /// # Errors
+    /// [`Failure::input`] where a file cannot be read, or says what cannot be.
+    pub fn load(study: &Path) -> Result<Self, Failure> {
+        let study = Study::load(study).map_err(mistake)?;
+        let document = Document::load(&study.scenario)?;
+        Ok(Self { study, document, monitor: Monitor::default() })
+    }
+
+    /// A study whose tables are in memory: TOML as [`Study::in_memory`] takes it, with the scenario. The key `study.scenario`
+    /// names it in results.
+    ///
+    /// # Errors
+    /// [`Failure::input`] where the text is no study.
+    pub fn in_memory(text: &str, tables: Vec<Table>, document: Document) -> Result<Self, Failure> {
+        let study = Study::in_memory(text, "the study", tables).map_err(mistake)?;
+        Ok(Self { study, document, monitor: Monitor::default() })
+    }
+
+    /// Ends the search from another thread.
+    pub fn followed_by(self, monitor: Monitor) -> Self {
+        Self { monitor, ..self }
+    }
+}
+
+/// Fits what a study asks for. Where that fails, the outcome has what there is, and [`Outcome::verdict`] says so; `folder` is
 /// where it is to be written, if it is.
 ///
 /// # Errors
 /// The input is wrong; also where the folder is one in which a file that is read would be written over.
-pub fn identified(study: &Path, folder: Option<&Path>) -> Result<Outcome, Failure> {
-    let study = Study::load(study).map_err(mistake)?;
+pub fn identified(request: Request, folder: Option<&Path>) -> Result<Outcome, Failure> {
+    let Request { study, document, monitor } = request;
     folder.map_or(Ok(()), |folder| outcome::check_folder(&study, folder))?;
-    let document = Document::load(&study.scenario)?;
     match study.kind {
         Kind::Trajectories if document.is_plant() => document.plant_experiment().map(|_| ())?,
         _ => document.scenario().map(|_| ())?,
     }
     let recordings = study.recordings().map_err(mistake)?;
-    let material = Material { study, document, recordings };
+    let material = Material { study, document, recordings, monitor };
     let found = match material.study.kind {
         Kind::ForceMap => force_map::outcome(&material),
         Kind::Trajectories => trajectories::outcome(&material),
@@ -94,7 +132,11 @@ impl Material {
 
     /// How the minimum is looked for, where residuals are in units of the scatter that is expected.
     fn search(&self) -> Search {
-        Search { loss: self.study.robust.map_or(Loss::Squares, Loss::Huber), ..Search::default() }
+        Search {
+            loss: self.study.robust.map_or(Loss::Squares, Loss::Huber),
+            monitor: self.monitor.clone(),
+            ..Search::default()
+        }
     }
 
     /// What was found in the data, the graver first.

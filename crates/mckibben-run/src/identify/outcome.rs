@@ -1,5 +1,6 @@
 //! What a study comes to: words for the terminal, a page, a scenario file, and the numbers.
 
+use super::prediction::Prediction;
 use super::{Material, force_map, loops, rings, trajectories, valve};
 use crate::failure::Failure;
 use crate::output;
@@ -101,8 +102,12 @@ pub struct Outcome {
     pub table: Table,
     /// The values that were found.
     pub values: Table,
-    /// The same as numbers.
+    /// The values with their standard errors, as numbers.
     pub estimates: Vec<Estimate>,
+    /// Correlations of the estimates, row by row; empty where they do not come from one fit.
+    pub correlations: Vec<Vec<f64>>,
+    /// The readings with the predictions of the fitted model; empty of steady flow and pulse trains.
+    pub predictions: Vec<Prediction>,
     /// What a reader should know before believing them; warnings begin with [`WARNED`].
     pub warnings: Vec<String>,
     /// The scenarios with the values found, each with the name of its file.
@@ -151,6 +156,11 @@ impl Outcome {
             failed: vec![failure],
             ..Self::default()
         }
+    }
+
+    /// The figures of the page, with the numbers that they show.
+    pub fn plates(&self) -> impl Iterator<Item = &Plate> {
+        self.sections.iter().flat_map(|section| &section.plates)
     }
 
     /// That all was found.

@@ -2,13 +2,14 @@
 
 use super::Material;
 use super::outcome::{self, Outcome, Stems, WARNED};
+use super::prediction::Prediction;
 use super::values::give_or_take;
 use crate::failure::Failure;
 use crate::quantities::quantity;
 use crate::report::{Data, Plate, Section, Table};
 use mckibben::parameter::{self, Parameter};
 use mckibben_identify::least_squares::Estimate;
-use mckibben_identify::ring_down::{Comparison, Estimator, Free, Record, Row, compare};
+use mckibben_identify::ring_down::{Comparison, Estimator, Free, Record, Row, Waveform, compare};
 use mckibben_identify::study::{Quantity, Recording};
 use mckibben_plot::{Axis, Colour, Figure, Legend, Marks, Panel, Series, Symbol};
 use mckibben_scenario::Scenario;
@@ -20,7 +21,7 @@ pub(super) const STEMS: Stems =
 pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     let mut warnings = material.notes();
     let (mut rows, mut plates, mut scenarios) = (Vec::new(), Vec::new(), Vec::new());
-    let mut estimates = Vec::new();
+    let (mut estimates, mut predictions) = (Vec::new(), Vec::new());
     let alone = material.recordings.len() == 1;
     let (runs, failed) = outcome::of_each(material.recordings.iter(), &mut warnings, |recording, _| {
         let scenario = material.document_of(recording)?.scenario()?;
@@ -39,6 +40,7 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
         if let Some(stem) = STEMS.get(place) {
             plates.push(plate(&recording.name, record, found, stem));
         }
+        predictions.extend(prediction(&recording.name, record, found));
         if let Some((best, friction)) = best(found) {
             let file = if alone { "scenario.toml".to_owned() } else { outcome::scenario_of(&recording.name) };
             scenarios.push((file, scenario_of(scenario, best, &friction)));
@@ -73,6 +75,8 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
         table,
         values: Table::default(),
         estimates,
+        correlations: Vec::new(),
+        predictions,
         warnings,
         scenarios,
         failed,
@@ -137,6 +141,25 @@ fn scenario_of(base: &Scenario, by: Estimator, [width, viscous]: &[Estimate; 2])
     format!("# Friction by `mckibben identify`: {}.\n\n{}", name(by), scenario.to_toml())
 }
 
+/// How far the fitted waveform is off in m, reading by reading.
+fn off(waveform: &Waveform) -> Vec<f64> {
+    let unit = waveform.scatter / waveform.fit.scatter.max(f64::MIN_POSITIVE);
+    waveform.fit.residuals.iter().map(|residual| residual * unit).collect()
+}
+
+/// The length with the fitted waveform, where there is one.
+fn prediction(run: &str, record: &Record, found: &Comparison) -> Option<Prediction> {
+    let off = off(found.waveform.as_ref()?);
+    Some(Prediction {
+        run: run.to_owned(),
+        quantity: "length".to_owned(),
+        unit: "m",
+        coordinates: vec![("time_s", record.time().to_vec())],
+        measured: record.length().to_vec(),
+        predicted: record.length().iter().zip(off).map(|(length, off)| length + off).collect(),
+    })
+}
+
 fn plate(run: &str, record: &Record, found: &Comparison, stem: &'static str) -> Plate {
     let (times, lengths) = (record.time().to_vec(), record.length().to_vec());
     let (at, turns) = found.turns.turns.iter().map(|turn| (turn.time, turn.length)).unzip();
@@ -148,12 +171,7 @@ fn plate(run: &str, record: &Record, found: &Comparison, stem: &'static str) -> 
     ];
     let mut data = Data::new(&["time_s", "length_m", "off_m"]).lacking(&["off_m"]);
     if let Some(waveform) = &found.waveform {
-        let off: Vec<f64> = waveform
-            .fit
-            .residuals
-            .iter()
-            .map(|residual| residual * waveform.scatter / waveform.fit.scatter.max(f64::MIN_POSITIVE))
-            .collect();
+        let off = off(waveform);
         data.rows =
             times.iter().zip(&lengths).zip(&off).map(|((time, length), off)| vec![*time, *length, *off]).collect();
         panels.push(outcome::off("waveform off", "m", Series::dots("", times, off)));

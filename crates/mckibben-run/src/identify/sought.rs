@@ -13,7 +13,12 @@ pub(super) fn all(material: &Material) -> Result<(Vec<Place>, Vec<Unknown>), Fai
     let mut found = (Vec::new(), Vec::new());
     for entry in entries(material)? {
         let place = place(material, entry, (&material.document, &mut scenario), None)?;
-        found.1.push(unknown(entry, place.parameter(), place.value(&mut scenario).unwrap_or(0.0))?);
+        found.1.push(unknown(
+            material.study.numbers_are_si,
+            entry,
+            place.parameter(),
+            place.value(&mut scenario).unwrap_or(0.0),
+        )?);
         found.0.push(place);
     }
     Ok(found)
@@ -42,11 +47,11 @@ pub(super) fn of_runs<P>(
         for (run, of) in numbers.iter_mut().enumerate() {
             let (place, row, value) = find(run, entry)?;
             if entry.per_run {
-                let own = unknown(entry, row, value)?;
+                let own = unknown(material.study.numbers_are_si, entry, row, value)?;
                 let name = format!("{} [{}]", entry.path, material.recordings[run].name);
                 unknowns.push(Unknown { name, ..own });
             } else if unknowns.len() == first {
-                unknowns.push(unknown(entry, row, value)?);
+                unknowns.push(unknown(material.study.numbers_are_si, entry, row, value)?);
             }
             of.unknowns.push(unknowns.len() - 1);
             of.places.push(place);
@@ -91,9 +96,12 @@ pub(super) fn misplaced(error: &PlaceError, run: Option<&str>) -> Failure {
 }
 
 /// Bounds are those of the study within those of the parameter.
-fn unknown(entry: &SoughtEntry, row: &Parameter, first: f64) -> Result<Unknown, Failure> {
+fn unknown(numbers_are_si: bool, entry: &SoughtEntry, row: &Parameter, first: f64) -> Result<Unknown, Failure> {
     let read = |text: &Option<String>| -> Result<Option<f64>, Failure> {
         let Some(text) = text else { return Ok(None) };
+        if let (true, Ok(number)) = (numbers_are_si, text.parse::<f64>()) {
+            return Ok(Some(number));
+        }
         let wrong = |why: String| {
             Failure::input(
                 format!("\"{text}\" of `{}` in [fit]: {why}", entry.path),

@@ -1,6 +1,7 @@
 //! Courses in time to numbers of a scenario: tables, figures and words.
 
 use super::outcome::{self, Outcome, Stems, WARNED};
+use super::prediction::Prediction;
 use super::sought::{self, OfRun};
 use super::{Material, plant, pressure_of, values};
 use crate::failure::Failure;
@@ -57,6 +58,8 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
         sections,
         table,
         values: numbers,
+        predictions: predictions(&task, &found),
+        correlations: found.found.fit.correlations,
         estimates: found.found.fit.estimates,
         warnings,
         scenarios,
@@ -288,6 +291,22 @@ fn sections(task: &Task, found: &Identified, tables: [&Table; 2], scenarios: &[(
             ..Section::default()
         },
     ]
+}
+
+/// Every reading of every run.
+fn predictions(task: &Task, found: &Identified) -> Vec<Prediction> {
+    let of_course = |run: &Recorded, simulated: &Simulated, course: &Course| Prediction {
+        run: run.name.clone(),
+        quantity: course.observed.words(),
+        unit: course.observed.unit(),
+        coordinates: vec![("time_s", course.times.clone())],
+        measured: course.values.clone(),
+        predicted: course.times.iter().map(|time| simulated.read(&course.observed, *time)).collect(),
+    };
+    let of_run = |(run, simulated): (&Recorded, &Simulated)| {
+        run.courses.iter().map(|course| of_course(run, simulated, course)).collect::<Vec<_>>()
+    };
+    task.runs.iter().zip(&found.simulated).flat_map(of_run).collect()
 }
 
 fn plate(run: &Recorded, simulated: &Simulated, stem: &'static str) -> Plate {

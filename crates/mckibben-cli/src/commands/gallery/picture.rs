@@ -30,7 +30,7 @@ pub(super) fn of(file: &Path, text: &str) -> Result<Picture, Failure> {
     let document = Document::load(file)?;
     let stem = file.file_stem().unwrap_or_default().to_string_lossy();
     let picture = |svg: Result<String, _>, what: &str, options: &str| {
-        let svg = svg.map_err(|error| Failure::stopped(format!("the figure could not be drawn: {error}")))?;
+        let svg = svg.map_err(Failure::from)?;
         let command = format!("mckibben {what} {} --plot {stem}.svg{options}", file.display());
         Ok(Picture { svg, command, note: String::new() })
     };

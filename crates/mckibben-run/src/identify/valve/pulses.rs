@@ -75,6 +75,8 @@ pub(in super::super) fn pulse_train(material: &Material) -> Result<Outcome, Fail
         table,
         values: numbers,
         estimates: estimates.to_vec(),
+        correlations: Vec::new(),
+        predictions: Vec::new(),
         warnings,
         scenarios,
         failed,

@@ -1,6 +1,7 @@
 //! A tank that is charged or discharged: C and b of the valve, or the volume.
 
 use super::super::outcome::{self, Outcome, WARNED};
+use super::super::prediction::Prediction;
 use super::super::{Material, pressure_over_time, values};
 use super::steady::{CURVE, curve_plate};
 use super::{Stems, actuator_of, at_its_end, conductance, failed, law_of, named, passage_of};
@@ -44,6 +45,8 @@ struct Found {
     numbers: Vec<Estimate>,
     words: String,
     plates: Vec<Plate>,
+    /// Of each run that was simulated.
+    predictions: Vec<Prediction>,
     /// What is left of each run.
     left: Table,
 }
@@ -76,6 +79,8 @@ pub(in super::super) fn tank(material: &Material) -> Result<Outcome, Failure> {
         table: left,
         values: numbers,
         estimates: found.numbers,
+        correlations: Vec::new(),
+        predictions: found.predictions,
         warnings,
         scenarios,
         failed,
@@ -248,7 +253,7 @@ fn by_windows(runs: &[Experiment<'_>], windows: usize, warnings: &mut Vec<String
         head: ["run", "windows"].map(String::from).to_vec(),
         rows,
     };
-    Ok(Found { scenarios, numbers, words, plates, left })
+    Ok(Found { scenarios, numbers, words, plates, predictions: Vec::new(), left })
 }
 
 /// The valve or the volume from the whole trajectories.
@@ -289,6 +294,15 @@ fn by_trajectory(runs: &[Experiment<'_>], warnings: &mut Vec<String>) -> Result<
         if runs.len() > 1 { format!(" of {} runs together", runs.len()) } else { String::new() },
         quantity(found.scatter, "Pa")
     ));
+    let predictions = runs.iter().enumerate().map(|(run, of)| Prediction {
+        run: of.run.to_owned(),
+        quantity: "absolute pressure".to_owned(),
+        unit: "Pa",
+        coordinates: vec![("time_s", of.times.clone())],
+        measured: of.pressures.clone(),
+        predicted: of.pressures.iter().zip(off(runs, &found, run)).map(|(pressure, off)| pressure + off).collect(),
+    });
+    let predictions = predictions.collect();
     let plates = runs.iter().enumerate().zip(PRESSURES);
     let plates = plates.map(|((run, of), stem)| pressure_plate(of, Some(off(runs, &found, run)), stem));
     let row = |(of, [scatter, noise]): (&Experiment<'_>, &[f64; 2])| {
@@ -303,7 +317,7 @@ fn by_trajectory(runs: &[Experiment<'_>], warnings: &mut Vec<String>) -> Result<
         rows: runs.iter().zip(&found.of_records).map(row).collect(),
     };
     let plates = plates.collect();
-    Ok(Found { scenarios, numbers, words, plates, left })
+    Ok(Found { scenarios, numbers, words, plates, predictions, left })
 }
 
 /// The names of the runs, as a mistake names what it is of.
