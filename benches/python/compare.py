@@ -83,7 +83,7 @@ def table(lines: list[tuple[str, str, float, float]], ours: str) -> None:
 
 def one_run(of: work.Work, tolerance: float, rounds: int) -> None:
     """A trajectory with its samples."""
-    ours = mckibben.Scenario.load(work.FILE).with_values({"run.relative_tolerance": tolerance})
+    ours = mckibben.Scenario.from_file(work.FILE).with_values({"run.relative_tolerance": tolerance})
 
     def simulate() -> np.ndarray:
         run = mckibben.simulate(ours)
@@ -148,7 +148,7 @@ def many_runs(of: work.Work, rows: int, tolerance: float, rounds: int) -> None:
     with concurrent.futures.ProcessPoolExecutor(CORES, multiprocessing.get_context("spawn")) as pool:
         truth = np.array(list(pool.map(truth_of, masses[checked])))
     ranges = np.ptp(of.truth, axis=1)
-    scenario = mckibben.Scenario.load(work.FILE).with_values({"sweep.reductions": ["length.final", "absolute_pressure.final"]})
+    scenario = mckibben.Scenario.from_file(work.FILE).with_values({"sweep.reductions": ["length.final", "absolute_pressure.final"]})
 
     def error_of(ends: np.ndarray) -> float:
         return float(np.max(np.abs(ends - truth) / ranges))

@@ -56,7 +56,7 @@ class Bench:
             self.many.step(self.actions[one])
             wall, core = wall + time.perf_counter() - before[0], core + time.process_time() - before[1]
             before_engine = time.process_time()
-            episodes.plants.step(self.period, self.commands[another], episodes.observations, episodes.stopped)
+            episodes.plants.step(self.commands[another], self.period, episodes.observations, episodes.stopped)
             engine += time.process_time() - before_engine
             steps += self.count
         return Rate(steps / wall, core / steps, engine / core)

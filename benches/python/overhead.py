@@ -48,7 +48,7 @@ def together(scenario: mckibben.Scenario, count: int, steps: int) -> float:
     muscles = mckibben.Actuators(scenario, count)
     began = time.perf_counter()
     for step in range(steps):
-        muscles.step(STEP, lengths[step % 2], velocities[step % 2], duty, tension)
+        muscles.step(lengths[step % 2], velocities[step % 2], duty, STEP, tension)
     return 1e9 * (time.perf_counter() - began) / (count * steps)
 
 
@@ -70,7 +70,7 @@ def main() -> None:
     options = parser.parse_args()
     if not options.modular.exists():
         subprocess.run(["cargo", "build", "--release", "--bin", "modular"], cwd=BENCHES, check=True)
-    scenario = mckibben.Scenario.load(FILE)
+    scenario = mckibben.Scenario.from_file(FILE)
     cores = os.environ.get("RAYON_NUM_THREADS") or len(os.sched_getaffinity(0))
     print(f"{FILE.name}, steps of {1e3 * STEP:g} ms, {cores} threads, load {os.getloadavg()[0]:.1f}; ns for a step\n")
 

@@ -63,7 +63,7 @@ for value in preset.values():
 # function of length and pressure". Both hold for any thread length and any number of turns, so both can be checked.
 
 # %%
-table = mckibben.curves(mckibben.Scenario.load(PAPER / "fig-03.toml"), "35, 45, 55, 65, 75, 85, 95 psi")
+table = mckibben.curves(mckibben.Scenario.from_file(PAPER / "fig-03.toml"), "35, 45, 55, 65, 75, 85, 95 psi")
 length, force, stiffness = table["length_m"], table["force_n"], table["stiffness_n_m"]
 end = force[-1, 0] / force[-1, -1]
 quotient = stiffness / (table["gauge_pressure_pa"] * length)
@@ -141,7 +141,7 @@ def damping(amplitudes: np.ndarray, period: float, mass: float, four: float | No
 Q, C = 0.0044 * INCH, 0.02 * POUND_FORCE / INCH
 figure, axes = plt.subplots(2, sharex=True, figsize=(6.2, 4.4))
 for axis, (name, label, psi, pounds) in zip(axes, [("fig-08", "Fig. 8", 60, 6), ("fig-09", "Fig. 9", 80, 11)]):
-    scenario = mckibben.Scenario.load(PAPER / f"{name}.toml")
+    scenario = mckibben.Scenario.from_file(PAPER / f"{name}.toml")
     run = mckibben.simulate(scenario)
     # Where the muscle balances the mass without friction, at its nominal pressure.
     resting = scenario.with_values({"initial.length": "equilibrium", "initial.gauge_pressure": f"{psi} psi"})
@@ -199,7 +199,7 @@ pictures.save(figure, "paper-ring-down")
 # %%
 def actual_duty(frequency: float, duty: float) -> float:
     """The share of time in which the seat stands open."""
-    scenario = mckibben.Scenario.load(PAPER / "fig-10.toml")
+    scenario = mckibben.Scenario.from_file(PAPER / "fig-10.toml")
     begin, end = 4 / frequency, 14 / frequency
     run = mckibben.simulate(
         scenario.with_values(
@@ -284,7 +284,7 @@ for axis, (name, label, pounds) in zip(
 ):
     ripples = []
     for ending, frequency in (("", 25), ("-50hz", 50)):
-        run = mckibben.simulate(mckibben.Scenario.load(PAPER / f"{name}{ending}.toml"))
+        run = mckibben.simulate(mckibben.Scenario.from_file(PAPER / f"{name}{ending}.toml"))
         tail = np.arange(run.t[-1] - 0.4, run.t[-1], 1e-4)
         late = run.at_times(tail)["length_m"]
         ripples.append(np.ptp(late))

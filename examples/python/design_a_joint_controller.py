@@ -20,7 +20,7 @@ import mckibben
 
 DUTY = 0.45  # of both valves where nothing is asked: how much the muscles co-contract
 PERIOD = 5e-3  # s, of the pulses and of the controller
-scenario = mckibben.Scenario.load(pictures.EXAMPLES / "linearize-joint.toml").with_values(
+scenario = mckibben.Scenario.from_file(pictures.EXAMPLES / "linearize-joint.toml").with_values(
     {"command.duty": DUTY, "antagonist.command.duty": DUTY, "run.duration": "2 s", "run.sample_interval": "1 ms"}
 )
 

@@ -24,7 +24,7 @@ MEASURED = pictures.EXAMPLES / "identify" / "joint.csv"
 work = pathlib.Path(tempfile.mkdtemp())
 
 time, angle, agonist, antagonist = np.genfromtxt(MEASURED, delimiter=",", skip_header=1, unpack=True)
-drawing = mckibben.Scenario.load(DRAWING)
+drawing = mckibben.Scenario.from_file(DRAWING)
 
 
 def measured_at(scenario: mckibben.Scenario) -> np.ndarray:

@@ -34,7 +34,7 @@ work = pathlib.Path(tempfile.mkdtemp())
 # supply gave.
 
 # %%
-scenario = mckibben.Scenario.load(pictures.EXAMPLES / "paper" / "fig-13.toml").with_values(
+scenario = mckibben.Scenario.from_file(pictures.EXAMPLES / "paper" / "fig-13.toml").with_values(
     {
         "run.duration": "2 s",
         "run.engine": "fixed-step",

@@ -31,13 +31,13 @@ from mckibben._mckibben import (
     Trajectory,
     VectorPlant,
     __version__,
-    curves,
     linearize,
     parameters,
     presets,
     simulate,
 )
 from mckibben._identify import Estimate, Identification, Prediction, Run, Study, identify
+from mckibben._statics import Curves, Statics, curves
 from mckibben._sweep import SweepResult, sweep
 from mckibben.errors import Error, InputError, OutputError, SimulationError
 
@@ -45,6 +45,7 @@ __all__ = [
     "Actuator",
     "ActuatorState",
     "Actuators",
+    "Curves",
     "Differentiable",
     "Error",
     "Estimate",
@@ -58,6 +59,7 @@ __all__ = [
     "Run",
     "Scenario",
     "SimulationError",
+    "Statics",
     "Study",
     "Sweep",
     "SweepResult",

@@ -139,8 +139,11 @@ def for_jax(run: Differentiable) -> collections.abc.Callable[..., typing.Any]:
 
 
 def for_torch(run: Differentiable) -> collections.abc.Callable[..., typing.Any]:
-    """A run as a function of a tensor of PyTorch with the derivatives of the simulator."""
+    """A run as a function of a tensor of PyTorch with the derivatives of the simulator; the runs of a `vmap`, or of leading
+    dimensions of the tensor, go side by side on all cores."""
     import torch
+
+    both_of = _over_batches(run.value_and_jacobian)
 
     # Types of PyTorch change from one version to the next, and it need not be there.
     Function: typing.Any = torch.autograd.Function
@@ -167,11 +170,11 @@ def for_torch(run: Differentiable) -> collections.abc.Callable[..., typing.Any]:
             raise InputError("a run has no second derivatives: differentiate it once")
 
     class Simulated(Function):  # type: ignore[misc]
-        """Values and slopes of one run."""
+        """Values and slopes of a run, or of a batch of them."""
 
         @staticmethod
         def forward(values: typing.Any) -> typing.Any:
-            both = run.value_and_jacobian(values.detach().cpu().numpy())
+            both = both_of(values.detach().cpu().numpy())
             return tuple(torch.from_numpy(array).to(values.device) for array in both)
 
         @staticmethod
@@ -182,16 +185,15 @@ def for_torch(run: Differentiable) -> collections.abc.Callable[..., typing.Any]:
 
         @staticmethod
         def backward(context: typing.Any, along: typing.Any, _: typing.Any) -> typing.Any:
-            return torch.einsum("to,top->p", along, Slopes.apply(*context.saved_tensors))
+            return torch.einsum("...to,...top->...p", along, Slopes.apply(*context.saved_tensors))
 
         @staticmethod
         def jvp(context: typing.Any, along: typing.Any) -> typing.Any:
-            return Slopes.apply(*context.saved_tensors) @ along, None
+            return torch.einsum("...top,...p->...to", Slopes.apply(*context.saved_tensors), along), None
 
         @staticmethod
         def vmap(info: typing.Any, in_dims: typing.Any, values: typing.Any) -> typing.Any:
-            both = [Simulated.apply(one) for one in values.movedim(in_dims[0], 0)]
-            return tuple(torch.stack(parts) for parts in zip(*both)), (0, 0)
+            return Simulated.apply(values.movedim(in_dims[0], 0)), (0, 0)
 
     def simulated(values: typing.Any) -> typing.Any:
         if values.dtype != torch.float64:

@@ -14,12 +14,12 @@ STEP = 1e-3
 
 @pytest.fixture(scope="module")
 def scenario(examples):
-    return mckibben.Scenario.load(examples / "paper/fig-12.toml")
+    return mckibben.Scenario.from_file(examples / "paper/fig-12.toml")
 
 
 @pytest.fixture(params=["paper/fig-12", "line/hanging-mass", "valves/opening-ramp", "laws/map", "energy-balance"])
 def any_scenario(request, examples):
-    return mckibben.Scenario.load(examples / f"{request.param}.toml")
+    return mckibben.Scenario.from_file(examples / f"{request.param}.toml")
 
 
 def moved_and_given(scenario, step: float) -> float:
@@ -54,7 +54,7 @@ def test_a_motion_that_is_given_is_the_run_of_that_motion(scenario):
 
 
 def test_derivatives_are_those_of_the_tension(any_scenario):
-    actuator = mckibben.Actuator(any_scenario, 25.0)
+    actuator = mckibben.Actuator(any_scenario, pulse_frequency=25.0)
     state = actuator.start()
     length = state.length
     for _ in range(20):
@@ -74,13 +74,13 @@ def test_derivatives_are_those_of_the_tension(any_scenario):
 )
 def test_a_number_is_asked_in_the_kind_of_the_valve(examples, example, asked):
     """A duty cycle with a tendon, the set point of a regulator, the position of a spool: alone and together."""
-    scenario = mckibben.Scenario.load(examples / f"{example}.toml")
-    one, many = mckibben.Actuator(scenario, 25.0), mckibben.Actuators(scenario, 3, 25.0)
+    scenario = mckibben.Scenario.from_file(examples / f"{example}.toml")
+    one, many = mckibben.Actuator(scenario, pulse_frequency=25.0), mckibben.Actuators(scenario, 3, pulse_frequency=25.0)
     state = one.start()
     first, filled, tension = state.length, state.absolute_pressure, numpy.zeros(3)
     for _ in range(500):
         state, alone, response = one.step(state, first, 0.0, asked, STEP)
-        many.step(STEP, numpy.full(3, first), numpy.zeros(3), numpy.full(3, asked), tension)
+        many.step(numpy.full(3, first), numpy.zeros(3), numpy.full(3, asked), STEP, tension)
         numpy.testing.assert_array_equal(tension, alone)
     if example == "tendon":
         # A tendon of 16 kN/m in series: the tension follows its distance alone while the muscle has not moved.
@@ -94,7 +94,7 @@ def test_a_number_is_asked_in_the_kind_of_the_valve(examples, example, asked):
 
 
 def test_a_step_can_be_taken_again(any_scenario):
-    actuator = mckibben.Actuator(any_scenario, 25.0)
+    actuator = mckibben.Actuator(any_scenario, pulse_frequency=25.0)
     state = actuator.start()
     for row in range(30):
         other = actuator.step(state, state.length - 1e-4, -0.1, "fill", STEP)
@@ -108,8 +108,8 @@ def test_a_step_can_be_taken_again(any_scenario):
 def test_many_together_are_each_by_itself(any_scenario):
     count, steps = 300, 25
     random = numpy.random.default_rng(7)
-    one = mckibben.Actuator(any_scenario, 25.0)
-    many = mckibben.Actuators(any_scenario, count, 25.0)
+    one = mckibben.Actuator(any_scenario, pulse_frequency=25.0)
+    many = mckibben.Actuators(any_scenario, count, pulse_frequency=25.0)
     assert len(many) == count
     first = one.start().length
     length, velocity = numpy.full(count, first), numpy.zeros(count)
@@ -120,7 +120,7 @@ def test_many_together_are_each_by_itself(any_scenario):
         numpy.subtract(course, length, out=velocity)
         velocity /= STEP
         length[:] = course
-        many.step(STEP, length, velocity, duty, tension, per_length=per_length, per_velocity=per_velocity,
+        many.step(length, velocity, duty, STEP, tension, per_length=per_length, per_velocity=per_velocity,
                   absolute_pressure=pressure)
     for row in [0, 1, 150, 299]:
         state, before = one.start(), first
@@ -134,7 +134,7 @@ def test_many_together_are_each_by_itself(any_scenario):
     ended = tension.copy()
     for row, course in enumerate(courses):
         velocity[:] = (course - (courses[row - 1] if row else first)) / STEP
-        many.step(STEP, course, velocity, duty, tension)
+        many.step(course, velocity, duty, STEP, tension)
     numpy.testing.assert_array_equal(tension, ended)
 
 
@@ -161,15 +161,60 @@ def test_arrays_that_do_not_fit_are_refused_and_change_nothing(scenario):
     many = mckibben.Actuators(scenario, 4)
     length, velocity, duty, tension = numpy.full(4, 0.09), numpy.zeros(4), numpy.full(4, 0.5), numpy.full(4, -1.0)
     for arguments, error, words in [
-        ((STEP, length[:3], velocity, duty, tension), mckibben.InputError, "length has 3 entries for 4"),
-        ((STEP, length, velocity, duty, numpy.zeros(8)[::2]), mckibben.InputError, "tension has gaps"),
-        ((STEP, length, velocity, numpy.array([0.5, 0.5, 1.5, 0.5]), tension), mckibben.InputError, "actuator 2.*duty"),
-        ((STEP, length, velocity, duty, numpy.zeros(4, dtype=numpy.float32)), TypeError, None),
+        ((length[:3], velocity, duty, STEP, tension), mckibben.InputError, "length has 3 entries for 4"),
+        ((length, velocity, duty, STEP, numpy.zeros(8)[::2]), mckibben.InputError, "tension has gaps"),
+        ((length, velocity, numpy.array([0.5, 0.5, 1.5, 0.5]), STEP, tension), mckibben.InputError, "actuator 2.*command"),
+        ((length, velocity, duty, STEP, numpy.zeros(4, dtype=numpy.float32)), TypeError, None),
     ]:
         with pytest.raises(error, match=words):
             many.step(*arguments)
     assert (tension == -1.0).all()
     length[1] = 0.2
     with pytest.raises(mckibben.SimulationError, match="actuator 1"):
-        many.step(STEP, length, velocity, duty, tension)
+        many.step(length, velocity, duty, STEP, tension)
     assert tension[1] == -1.0 and (tension[[0, 2, 3]] >= 0.0).all()
+
+
+def test_the_actuators_of_a_joint_are_taken_by_name(examples):
+    joint = mckibben.Scenario.from_file(examples / "antagonistic-joint.toml")
+    run = mckibben.simulate(joint.with_values({"run.duration": "1 ms"}))
+    for name, prefix in [("agonist", ""), ("antagonist", "antagonist_")]:
+        actuator = mckibben.Actuator(joint, name)
+        assert actuator.initial_length == pytest.approx(run[f"{prefix}length_m"][0], rel=1e-12)
+        assert actuator.initial_tension == pytest.approx(run[f"{prefix}tension_n"][0], rel=1e-9)
+        assert actuator.start().absolute_pressure == pytest.approx(run[f"{prefix}absolute_pressure_pa"][0], rel=1e-12)
+        assert len(mckibben.Actuators(joint, 2, name)) == 2
+    with pytest.raises(mckibben.InputError, match='name "agonist" or "antagonist"'):
+        mckibben.Actuator(joint, "biceps")
+    with pytest.raises(mckibben.InputError, match="no actuator `agonist`"):
+        mckibben.Actuator(mckibben.Scenario.from_file(examples / "paper/fig-12.toml"), "agonist")
+    with pytest.raises(mckibben.InputError, match="VectorPlant"):
+        mckibben.Actuator(mckibben.Scenario.from_file(examples / "plant/arm.toml"), "biceps")
+
+
+def test_each_actuator_has_parameters_of_its_own(scenario):
+    parameters = ["actuator.turns", "valve.efficiency", "initial.gauge_pressure"]
+    values = numpy.array([[2.4, 0.8, 1e5], [2.5, 0.85, 2e5], [2.6, 0.9, 0.0]])
+    many = mckibben.Actuators(scenario, 3, parameters=parameters, values=values)
+    copied = pickle.loads(pickle.dumps(many))
+    assert many.parameters == parameters
+    tension, again, duty = numpy.zeros(3), numpy.zeros(3), numpy.full(3, 0.6)
+    for _ in range(40):
+        many.step(numpy.full(3, 0.085), numpy.zeros(3), duty, STEP, tension)
+        copied.step(numpy.full(3, 0.085), numpy.zeros(3), duty, STEP, again)
+    numpy.testing.assert_array_equal(tension, again)
+    for row, of in enumerate(values):
+        actuator = mckibben.Actuator(scenario.with_values(dict(zip(parameters, of.tolist()))))
+        state = actuator.start()
+        for _ in range(40):
+            state, alone, _ = actuator.step(state, 0.085, 0.0, 0.6, STEP)
+        assert alone == tension[row], row
+    with pytest.raises(mckibben.InputError, match="2 values are given for 3 actuators with 1 parameters"):
+        mckibben.Actuators(scenario, 3, parameters=["actuator.turns"], values=numpy.ones((2, 1)))
+    with pytest.raises(mckibben.InputError, match="actuator 1: .*turns"):
+        mckibben.Actuators(scenario, 2, parameters=["actuator.turns"], values=numpy.array([[2.5], [-1.0]]))
+
+
+def test_a_rest_length_without_a_pressure_is_that_of_the_start(scenario):
+    filled = mckibben.Actuator(scenario.with_values({"initial.gauge_pressure": 2e5}))
+    assert filled.rest_length() == filled.rest_length(2e5) != filled.rest_length(1e5)

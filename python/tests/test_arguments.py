@@ -21,12 +21,12 @@ NOT_FINITE = [math.nan, math.inf, -math.inf]
 
 @pytest.fixture(scope="module")
 def scenario(examples) -> mckibben.Scenario:
-    return mckibben.Scenario.load(examples / "paper/fig-12.toml")
+    return mckibben.Scenario.from_file(examples / "paper/fig-12.toml")
 
 
 def arrays(count: int) -> dict[str, numpy.ndarray]:
     """What `Actuators.step` takes."""
-    return {"length": numpy.full(count, 0.09), "velocity": numpy.zeros(count), "duty": numpy.full(count, 0.5),
+    return {"length": numpy.full(count, 0.09), "velocity": numpy.zeros(count), "command": numpy.full(count, 0.5),
             "tension": numpy.full(count, -1.0)}
 
 
@@ -103,7 +103,7 @@ def test_a_sequence_that_lies_about_its_length_counts_by_its_items(lying, swing,
                            "actuator.effectiveness.polynomial": coefficients}) for coefficients in (lying(0.5, 0.001), [0.5, 0.001])
     )
     assert made == honest != swing
-    driven = mckibben.Scenario.load(examples / "paper/fig-12.toml")
+    driven = mckibben.Scenario.from_file(examples / "paper/fig-12.toml")
     plants = mckibben.VectorPlant(driven, 2, parameters=lying("load.mass"), action_mode="request")
     assert plants.parameters == ["load.mass"]
     of = mckibben.Differentiable(swing, lying("load.mass"), lying("length"), [0.1])
@@ -157,9 +157,10 @@ def test_a_number_that_is_none_is_refused_by_its_argument(wrong, scenario):
         actuator.respond(state, wrong)
     with pytest.raises(mckibben.InputError, match="gauge_pressure = "):
         actuator.rest_length(wrong)
-    for kind in [mckibben.Actuator, lambda *given: mckibben.Actuators(given[0], 2, given[1])]:
+    for counted in [(), (2,)]:
+        kind = mckibben.Actuators if counted else mckibben.Actuator
         with pytest.raises(mckibben.InputError, match="pulse_frequency = "):
-            kind(scenario, wrong)
+            kind(scenario, *counted, pulse_frequency=wrong)
     with pytest.raises(mckibben.InputError, match="pulse_frequency = "):
         mckibben.VectorPlant(scenario, 2, pulse_frequency=wrong)
     with pytest.raises(mckibben.InputError, match="duty"):
@@ -176,18 +177,18 @@ def test_a_velocity_beyond_all_physics_gives_no_answer(velocity, scenario):
 
 @pytest.mark.parametrize("wrong", NOT_FINITE)
 @pytest.mark.parametrize("count", [4, 300])
-@pytest.mark.parametrize("name", ["length", "velocity", "duty"])
+@pytest.mark.parametrize("name", ["length", "velocity", "command"])
 def test_an_element_that_is_no_number_is_refused_by_its_place(name, count, wrong, scenario):
     many, given = mckibben.Actuators(scenario, count), arrays(count)
     given[name][2] = wrong
     with pytest.raises(mckibben.InputError, match=rf"{name}\[2\] = -?(NaN|inf)"):
-        many.step(STEP, **given)
+        many.step(dt=STEP, **given)
     assert (given["tension"] == -1.0).all()
     before = many.__getstate__()
     with pytest.raises(mckibben.InputError):
-        many.step(wrong, **arrays(count))
+        many.step(dt=wrong, **arrays(count))
     with pytest.raises(mckibben.InputError, match="max_step"):
-        many.step(STEP, **arrays(count), max_step=wrong)
+        many.step(dt=STEP, **arrays(count), max_step=wrong)
     numpy.testing.assert_array_equal(many.__getstate__(), before)
 
 
@@ -197,17 +198,17 @@ def test_plants_refuse_numbers_that_are_none_by_their_place(wrong, scenario):
     shown, stopped, asked = numpy.zeros((3, len(plants.columns))), numpy.zeros(3, dtype=bool), numpy.full((3, 1), 0.5)
     asked[2, 0] = wrong
     with pytest.raises(mckibben.InputError, match=r"actions\[2, 0\] = -?(NaN|inf)"):
-        plants.step(STEP, asked, shown, stopped)
+        plants.step(asked, STEP, shown, stopped)
     asked[2, 0] = 0.5
     with pytest.raises(mckibben.InputError, match="dt = "):
-        plants.step(wrong, asked, shown, stopped)
+        plants.step(asked, wrong, shown, stopped)
     values = numpy.tile(plants.defaults, (3, 1))
     values[1, 1] = wrong
     with pytest.raises(mckibben.InputError, match=r"values\[1, 1\] = -?(NaN|inf)"):
         plants.start(values)
     with pytest.raises(mckibben.InputError, match=r"values\[1, 1\] = -?(NaN|inf)"):
         plants.restart(numpy.array([0, 2]), values[:2])
-    plants.step(STEP, asked, shown, stopped)
+    plants.step(asked, STEP, shown, stopped)
     assert numpy.isfinite(shown).all() and not stopped.any()
 
 
@@ -227,26 +228,26 @@ def test_functions_of_numbers_refuse_those_that_are_none(wrong, swing):
 
 
 def test_a_step_without_end_is_refused_with_what_it_would_take(scenario):
-    fast = mckibben.Actuator(scenario, 1e300)
+    fast = mckibben.Actuator(scenario, pulse_frequency=1e300)
     with pytest.raises(mckibben.InputError, match=r"dt = 0.001 s would be divided into 2\.000e297 parts.*more than 1e7"):
         fast.step(fast.start(), 0.09, 0.0, 0.5, STEP)
     state, _, _ = fast.step(fast.start(), 0.09, 0.0, None, 1.0)
     with pytest.raises(mckibben.InputError, match="parts"):
         fast.step(state, 0.09, 0.0, 0.5, STEP)
     with pytest.raises(mckibben.InputError, match="parts"):
-        mckibben.Actuators(scenario, 2, 1e300).step(STEP, **arrays(2))
+        mckibben.Actuators(scenario, 2, pulse_frequency=1e300).step(dt=STEP, **arrays(2))
     slow = mckibben.Actuator(scenario)
     with pytest.raises(mckibben.InputError, match="parts"):
         slow.step(slow.start(), 0.09, 0.0, 0.5, 1e300)
     with pytest.raises(mckibben.InputError, match="parts"):
         slow.step(slow.start(), 0.09, 0.0, None, STEP, max_step=1e-300)
     with pytest.raises(mckibben.InputError, match="parts"):
-        mckibben.Actuators(scenario, 2).step(STEP, **arrays(2), max_step=1e-300)
+        mckibben.Actuators(scenario, 2).step(dt=STEP, **arrays(2), max_step=1e-300)
     for frequency, dt in [(1e300, STEP), (25.0, 1e300)]:
         plants = mckibben.VectorPlant(scenario, 2, pulse_frequency=frequency)
         shown, stopped = numpy.zeros((2, len(plants.columns))), numpy.zeros(2, dtype=bool)
         with pytest.raises(mckibben.InputError, match="steps and edges of pulses"):
-            plants.step(dt, numpy.full((2, 1), 0.5), shown, stopped)
+            plants.step(numpy.full((2, 1), 0.5), dt, shown, stopped)
     state, _, _ = slow.step(slow.start(), 0.09, 0.0, None, 1.0)
     with pytest.raises(mckibben.InputError, match="lost in the rounding of the 1"):
         slow.step(state, 0.09, 0.0, None, 1e-20)
@@ -258,17 +259,17 @@ def test_a_step_without_end_is_refused_with_what_it_would_take(scenario):
 def test_a_state_of_another_actuator_is_refused(scenario, examples):
     actuator = mckibben.Actuator(scenario)
     others = [scenario.with_values({"actuator.turns": 2.2}), scenario.with_values({"valve.opening_delay": "3 ms"}),
-              *(mckibben.Scenario.load(examples / f"{name}.toml") for name in ["line/hanging-mass", "friction/maxwell-slip"])]
+              *(mckibben.Scenario.from_file(examples / f"{name}.toml") for name in ["line/hanging-mass", "friction/maxwell-slip"])]
     for other in others:
-        state = mckibben.Actuator(other, 25.0).start()
+        state = mckibben.Actuator(other, pulse_frequency=25.0).start()
         for use in [lambda: actuator.step(state, 0.09, 0.0, None, STEP), lambda: actuator.respond(state)]:
             with pytest.raises(mckibben.InputError, match="`state` is of another actuator"):
                 use()
-        many = mckibben.Actuators(other, 2, 25.0)
+        many = mckibben.Actuators(other, 2, pulse_frequency=25.0)
         with pytest.raises(mckibben.InputError, match="of another actuator"):
             mckibben.Actuators(scenario, 2).__setstate__(many.__getstate__())
     with pytest.raises(mckibben.InputError, match="of another actuator"):
-        actuator.step(mckibben.Actuator(scenario, 50.0).start(), 0.09, 0.0, None, STEP)
+        actuator.step(mckibben.Actuator(scenario, pulse_frequency=50.0).start(), 0.09, 0.0, None, STEP)
     # What does not belong to the actuator may differ.
     same = scenario.with_values({"load.mass": "9 lb", "run.duration": "1 s", "initial.gauge_pressure": "20 psi"})
     state = mckibben.Actuator(same).start()
@@ -277,18 +278,18 @@ def test_a_state_of_another_actuator_is_refused(scenario, examples):
 
 def test_arrays_that_share_memory_are_refused_by_name(scenario):
     many, given = mckibben.Actuators(scenario, 4), arrays(4)
-    for name, aliased in [("tension", "length"), ("tension", "velocity"), ("tension", "duty")]:
+    for name, aliased in [("tension", "length"), ("tension", "velocity"), ("tension", "command")]:
         with pytest.raises(mckibben.InputError, match=f"`{name}` shares memory with another argument"):
-            many.step(STEP, **given | {name: given[aliased]})
+            many.step(dt=STEP, **given | {name: given[aliased]})
     with pytest.raises(mckibben.InputError, match="`absolute_pressure` shares memory"):
-        many.step(STEP, **given, absolute_pressure=given["tension"])
+        many.step(dt=STEP, **given, absolute_pressure=given["tension"])
     given["tension"].setflags(write=False)
     with pytest.raises(mckibben.InputError, match="`tension` cannot be written to"):
-        many.step(STEP, **given)
+        many.step(dt=STEP, **given)
     plants = mckibben.VectorPlant(scenario, 4, action_mode="duty")
     shown, stopped = numpy.zeros((4, len(plants.columns))), numpy.zeros(4, dtype=bool)
     with pytest.raises(mckibben.InputError, match="`observations` shares memory"):
-        plants.step(STEP, shown[:, :1], shown, stopped)
+        plants.step(shown[:, :1], STEP, shown, stopped)
 
 
 def test_arrays_of_another_kind_are_refused_by_name(scenario):
@@ -296,7 +297,7 @@ def test_arrays_of_another_kind_are_refused_by_name(scenario):
     for wrong, words in [(numpy.zeros(4, dtype="f4"), "an array of float32 with 1 dim"), ([0.0] * 4, "of type list"),
                          (numpy.zeros((2, 2)), "an array of float64 with 2 dim"), (None, "of type NoneType")]:
         with pytest.raises(TypeError, match=f"`velocity` is {words}.*give a NumPy array of float64 with 1 dim"):
-            many.step(STEP, **given | {"velocity": wrong})
+            many.step(dt=STEP, **given | {"velocity": wrong})
 
 
 def test_what_another_thread_is_stepping_is_refused(scenario):
@@ -306,8 +307,8 @@ def test_what_another_thread_is_stepping_is_refused(scenario):
     plants = mckibben.VectorPlant(fine, 2)
     shown, stopped = numpy.zeros((2, len(plants.columns))), numpy.zeros(2, dtype=bool)
     for step, other, name in [
-        (lambda: many.step(1.0, **arrays(2), max_step=5e-6), many.reset, "Actuators"),
-        (lambda: plants.step(1.0, numpy.full((2, 1), 0.5), shown, stopped), plants.start, "VectorPlant"),
+        (lambda: many.step(dt=1.0, **arrays(2), max_step=5e-6), many.reset, "Actuators"),
+        (lambda: plants.step(numpy.full((2, 1), 0.5), 1.0, shown, stopped), plants.start, "VectorPlant"),
     ]:
         refused = []
         with concurrent.futures.ThreadPoolExecutor(1) as pool:
@@ -333,7 +334,7 @@ def test_a_length_out_of_reach_is_said_in_lengths(scenario):
     given = arrays(3)
     given["length"][1] = 0.2
     with pytest.raises(mckibben.SimulationError, match=f"actuator 1: {words}") as of_many:
-        many.step(STEP, **given)
+        many.step(dt=STEP, **given)
     for error in [raised, of_many]:
         assert "run.step" not in str(error.value) and "move_to" not in str(error.value)
     for length in [0.0, -0.1]:
@@ -343,7 +344,7 @@ def test_a_length_out_of_reach_is_said_in_lengths(scenario):
 
 def refusals(scenario: mckibben.Scenario, examples: pathlib.Path) -> list[typing.Callable[[], object]]:
     """Mistakes in arguments, of each function that says something of them in the program's words."""
-    joint = mckibben.Scenario.load(examples / "antagonistic-joint.toml")
+    joint = mckibben.Scenario.from_file(examples / "antagonistic-joint.toml")
     force = scenario.with_values({"load": {"kind": "constant-force", "mass": "1 kg", "force": "10 N"}})
     held = scenario.with_values({"load": {"kind": "isometric"}, "initial.length": "85 mm"})
     linearize, actuator = mckibben.linearize, mckibben.Actuator(scenario)
@@ -375,7 +376,7 @@ def refusals(scenario: mckibben.Scenario, examples: pathlib.Path) -> list[typing
         lambda: actuator.step(actuator.start(), 0.2, 0.0, 0.5, STEP),
         lambda: actuator.rest_length(-3e5),
         lambda: plants.start(numpy.array([[1.0], [-1.0]])),
-        lambda: plants.step(STEP, numpy.array([[0.5], [1.5]]), shown, stopped),
+        lambda: plants.step(numpy.array([[0.5], [1.5]]), STEP, shown, stopped),
         lambda: of([-1.0, 0.5]),
         lambda: of.value_and_jacobian([1.0, 1.5]),
     ]
@@ -402,7 +403,7 @@ def test_flags_that_a_caller_wrote_stay_as_they_are(tmp_path):
     """What stands in quotation marks of the caller's own, such as the name of a file, is not taken for an option."""
     for name in ["my--output.toml", "a --set b.toml"]:
         with pytest.raises(mckibben.InputError, match="cannot be read") as raised:
-            mckibben.Scenario.load(tmp_path / name)
+            mckibben.Scenario.from_file(tmp_path / name)
         assert str(tmp_path / name) in str(raised.value)
 
 

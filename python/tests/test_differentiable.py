@@ -97,7 +97,7 @@ def test_runs_of_a_vmap_are_those_alone_and_have_their_derivatives(pulsed):
 
 
 def test_a_joint_has_derivatives_by_both_actuators(examples):
-    joint = mckibben.Scenario.load(examples / "antagonistic-joint.toml").with_values({"run.duration": "50 ms"})
+    joint = mckibben.Scenario.from_file(examples / "antagonistic-joint.toml").with_values({"run.duration": "50 ms"})
     by = ["actuator.turns", "antagonist.actuator.turns", "load.inertia"]
     angle = mckibben.Differentiable(joint, by, ["angle"], [0.05])
     _, slopes = angle.value_and_jacobian(angle.defaults)

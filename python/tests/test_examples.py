@@ -83,3 +83,15 @@ def test_without_ray_a_sweep_goes_on_this_machine_and_pictures_go_into_out(tmp_p
     )
     assert done.returncode == 0, done.stderr
     assert "Ray is not installed" in done.stdout and (tmp_path / "out" / "sweep-map.svg").exists()
+
+
+@pytest.mark.parametrize("page", ["README.md"])
+def test_the_code_of_a_page_runs(page, tmp_path):
+    """Its Python blocks, one after the other, in a folder that has the examples."""
+    root = pathlib.Path(__file__).parents[2]
+    (tmp_path / "examples").symlink_to(root / "examples")
+    blocks = re.findall(r"```python\n(.*?)```", (root / page).read_text(), flags=re.DOTALL)
+    (tmp_path / "page.py").write_text("import matplotlib\nmatplotlib.use('agg')\n" + "\n".join(blocks))
+    done = subprocess.run([sys.executable, "page.py"], cwd=tmp_path, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, f"{done.stdout}\n{done.stderr}"
+    assert "length.ripple" in done.stdout and (tmp_path / "run.png").stat().st_size > 10_000

@@ -191,11 +191,11 @@ def test_what_cannot_be_is_refused() -> None:
     plants = VectorPlant(learning.hanging_mass().scenario, 2)
     shown, stopped = np.zeros((2, 4)), np.zeros(2, dtype=bool)
     with pytest.raises(mckibben.InputError, match="command.duty"):
-        plants.step(1e-3, np.array([[0.5], [1.5]]), shown, stopped)
+        plants.step(np.array([[0.5], [1.5]]), 1e-3, shown, stopped)
     with pytest.raises(mckibben.InputError, match="another shape"):
-        plants.step(1e-3, np.zeros((3, 1)), shown, stopped)
+        plants.step(np.zeros((3, 1)), 1e-3, shown, stopped)
     with pytest.raises(mckibben.InputError, match="no time to go on by"):
-        plants.step(-1e-3, np.zeros((2, 1)), shown, stopped)
+        plants.step(np.zeros((2, 1)), -1e-3, shown, stopped)
     with pytest.raises(mckibben.InputError, match="plant is meant that there is not"):
         plants.restart(np.array([2]))
     assert not shown.any()

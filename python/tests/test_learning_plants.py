@@ -55,7 +55,7 @@ def history(name: str, rows: list[int], *, varies: bool = True) -> np.ndarray:
         begin = np.flatnonzero(again[step, rows])
         if len(begin):
             plants.restart(begin, values[rows][begin] if varies else None)
-        plants.step(PERIOD, commands[step, rows], shown, stopped)
+        plants.step(commands[step, rows], PERIOD, shown, stopped)
         assert not stopped.any()
         seen.append(shown.copy())
     return np.array(seen)
@@ -95,7 +95,7 @@ def test_a_plant_that_begins_again_does_what_it_did_at_first() -> None:
         shown, stopped, seen = np.zeros((1, len(plants.columns))), np.zeros(1, dtype=bool), []
         for _ in range(2):
             for command in commands:
-                plants.step(PERIOD, command, shown, stopped)
+                plants.step(command, PERIOD, shown, stopped)
                 seen.append(shown.copy())
             plants.restart(np.array([0]))
         first, second = np.split(np.array(seen), 2)
@@ -104,7 +104,7 @@ def test_a_plant_that_begins_again_does_what_it_did_at_first() -> None:
 
 @pytest.mark.parametrize("name, asked", [("arm", "request"), ("leg", "set-point")])
 def test_the_examples_are_environments(name: str, asked: str) -> None:
-    example = mckibben.Scenario.load(PLANTS / f"{name}.toml").with_values({"run.step": "0.5 ms"})
+    example = mckibben.Scenario.from_file(PLANTS / f"{name}.toml").with_values({"run.step": "0.5 ms"})
     many = gymnasium.make_vec(f"mckibben/{name.capitalize()}-v0", num_envs=3, scenario=example, action_mode=asked, duration=0.05)
     observed, info = many.reset(seed=1)
     many.action_space.seed(1)
@@ -129,7 +129,7 @@ def test_the_tasks_have_the_mechanisms_of_the_examples(name: str) -> None:
 def test_any_scenario_is_an_environment() -> None:
     """Two bottles of unlike muscles, a joint behind hoses: what is to reach a target is named by its column."""
     for file, targets in [("bottle", {"thick.length_m": (0.06, 0.07)}), ("hose-joint", {"elbow.angle_rad": (-0.2, 0.2)})]:
-        plant = mckibben.Scenario.load(PLANTS / f"{file}.toml").with_values({"run.step": "0.5 ms"})
+        plant = mckibben.Scenario.from_file(PLANTS / f"{file}.toml").with_values({"run.step": "0.5 ms"})
         options: dict[str, Any] = {"action_mode": "request", "control_period": 5e-3, "max_episode_steps": 4}
         many = learning.VectorEnvironment(learning.reach(plant, targets), 2, **options)
         observed, _ = many.reset(seed=1)

@@ -21,7 +21,7 @@ LENGTHS = [0.09, 0.088, 0.085, 0.082, 0.081, 0.083, 0.086, 0.0895, 0.091, 0.088,
 
 @pytest.fixture(scope="module")
 def scenario(examples) -> mckibben.Scenario:
-    return mckibben.Scenario.load(examples / "paper/fig-12.toml").with_values({"initial.length": "90 mm"})
+    return mckibben.Scenario.from_file(examples / "paper/fig-12.toml").with_values({"initial.length": "90 mm"})
 
 
 def moved(scenario: mckibben.Scenario, dt: float, max_step: float | None = None) -> numpy.ndarray:
@@ -65,7 +65,7 @@ def test_many_are_divided_as_one_is(scenario):
     duty = numpy.linspace(0.0, 1.0, 200)
     for length in LENGTHS:
         velocity = numpy.full(200, -0.01)
-        many.step(0.01, numpy.full(200, length), velocity, duty, tension, absolute_pressure=pressure, max_step=MAX_STEP)
+        many.step(numpy.full(200, length), velocity, duty, 0.01, tension, absolute_pressure=pressure, max_step=MAX_STEP)
         state, pull, _ = one.step(state, length, -0.01, duty[77], 0.01, max_step=MAX_STEP)
         assert (pull, state.absolute_pressure) == (tension[77], pressure[77])
 
@@ -91,7 +91,7 @@ def hang(scenario: mckibben.Scenario, duration: float, dt: float, is_late: bool,
 @pytest.mark.parametrize("max_step", [None, MAX_STEP])
 def test_a_force_that_lags_by_a_step_is_unstable_on_the_taut_braid(dt, swing, max_step, examples):
     """What docs/python.md says of the order: in the right one a weight comes to rest, a step late it never does."""
-    scenario = mckibben.Scenario.load(examples / "paper/fig-12.toml")
+    scenario = mckibben.Scenario.from_file(examples / "paper/fig-12.toml")
     right, late = hang(scenario, 1.0, dt, False, max_step), hang(scenario, 0.25, dt, True, max_step)
     assert numpy.ptp(right[right.size // 2:]) < 1e-8
     assert numpy.ptp(late) > swing
@@ -120,8 +120,8 @@ def test_a_loop_begins_with_the_tension_of_its_state(scenario):
 @pytest.mark.parametrize("gauge_pressure", [5e4, 2e5, 4e5])
 def test_at_its_rest_length_it_pulls_nothing_and_beyond_it_pulls(example, gauge_pressure, examples):
     """By the curves of the same actuator, which know nothing of rest lengths."""
-    scenario = mckibben.Scenario.load(examples / f"{example}.toml")
-    rest = mckibben.Actuator(scenario, 25.0).rest_length(gauge_pressure)
+    scenario = mckibben.Scenario.from_file(examples / f"{example}.toml")
+    rest = mckibben.Actuator(scenario, pulse_frequency=25.0).rest_length(gauge_pressure)
     curves = mckibben.curves(scenario, f"{gauge_pressure} Pa")
     length, force = curves["length_m"][0], curves["force_n"][0]
     assert length[0] - 1e-12 <= rest <= length[-1]
@@ -148,7 +148,7 @@ def test_the_loop_of_the_documentation_runs(examples, monkeypatch):
     page = (ROOT / "docs" / "python.md").read_text()
     blocks = [block for block in re.findall(r"```python\n(.*?)```", page, re.DOTALL) if "Actuator" in block]
     assert len(blocks) == 2
-    names = {"mckibben": mckibben, "numpy": numpy, "scenario": mckibben.Scenario.load(examples / "paper/fig-12.toml")}
+    names = {"mckibben": mckibben, "numpy": numpy, "scenario": mckibben.Scenario.from_file(examples / "paper/fig-12.toml")}
     for block in blocks:
         exec(block, names)
     # The mass hangs in the middle of what the muscle can reach, and has not flown off.

@@ -30,7 +30,7 @@ def resident() -> int:
 
 
 def step(scenario: mckibben.Scenario):
-    actuator = mckibben.Actuator(scenario, 25.0)
+    actuator = mckibben.Actuator(scenario, pulse_frequency=25.0)
     at = [actuator.start()]
     length = at[0].length
 
@@ -41,27 +41,27 @@ def step(scenario: mckibben.Scenario):
 
 
 def steps(scenario: mckibben.Scenario):
-    many, length, velocity, tension, pressure = mckibben.Actuators(scenario, 3, 25.0), *numpy.zeros((4, 3))
-    length[:] = mckibben.Actuator(scenario, 25.0).start().length
-    return lambda: many.step(1e-6, length, velocity, None, tension, absolute_pressure=pressure)
+    many, length, velocity, tension, pressure = mckibben.Actuators(scenario, 3, pulse_frequency=25.0), *numpy.zeros((4, 3))
+    length[:] = mckibben.Actuator(scenario, pulse_frequency=25.0).start().length
+    return lambda: many.step(length, velocity, None, 1e-6, tension, absolute_pressure=pressure)
 
 
 def shared_steps(scenario: mckibben.Scenario):
     """Enough to be shared among threads."""
-    many, length, velocity, tension = mckibben.Actuators(scenario, 200, 25.0), *numpy.zeros((3, 200))
-    length[:] = mckibben.Actuator(scenario, 25.0).start().length
-    return lambda: many.step(1e-6, length, velocity, None, tension)
+    many, length, velocity, tension = mckibben.Actuators(scenario, 200, pulse_frequency=25.0), *numpy.zeros((3, 200))
+    length[:] = mckibben.Actuator(scenario, pulse_frequency=25.0).start().length
+    return lambda: many.step(length, velocity, None, 1e-6, tension)
 
 
 def pickled(scenario: mckibben.Scenario):
-    actuator = mckibben.Actuator(scenario, 25.0)
+    actuator = mckibben.Actuator(scenario, pulse_frequency=25.0)
     state = actuator.start()
     return lambda: mckibben.ActuatorState(*state.__getnewargs__())
 
 
 def refused(scenario: mckibben.Scenario):
     """A mistake that is told: its words go with the exception."""
-    actuator = mckibben.Actuator(scenario, 25.0)
+    actuator = mckibben.Actuator(scenario, pulse_frequency=25.0)
     state = actuator.start()
 
     def call() -> None:

@@ -21,7 +21,7 @@ def test_curves_are_those_of_the_command_line(program, examples, tmp_path):
     program(tmp_path, "curves", str(path), "--gauge-pressures", "1.5,3,4.5bar", "--output", "curves.csv")
     with open(tmp_path / "curves.csv", newline="") as file:
         header, *rows = csv.reader(file)
-    curves = mckibben.curves(mckibben.Scenario.load(path), "1.5, 3, 4.5 bar")
+    curves = mckibben.curves(mckibben.Scenario.from_file(path), "1.5, 3, 4.5 bar")
     assert list(curves) == header
     for name, written in zip(header, zip(*rows)):
         assert curves[name].shape[0] == 3
@@ -52,7 +52,7 @@ def test_a_linear_model_is_that_of_the_command_line(example, options, program, e
     written = (tmp_path / "model.json").read_text()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        model = mckibben.linearize(mckibben.Scenario.load(path), **options)
+        model = mckibben.linearize(mckibben.Scenario.from_file(path), **options)
     assert model.to_json() == written
     read = json.loads(written)
     for name in "ABCD":
@@ -72,7 +72,7 @@ def test_a_linear_model_is_that_of_the_command_line(example, options, program, e
 def test_a_point_that_is_none_is_refused_in_the_words_of_the_command_line(program, examples, tmp_path):
     """But for the name of the argument."""
     path = examples / "paper/fig-12.toml"
-    scenario = mckibben.Scenario.load(path)
+    scenario = mckibben.Scenario.from_file(path)
     for options in [{"gauge_pressure": "60 mm"}, {"gauge_pressure": "60 psi", "length": "85 mm", "load": "5 lb"}, {"duty": 1.5}]:
         words = [f"--{name}={value}" for name, value in options.items()]
         told = program(tmp_path, "linearize", str(path), *words, code=2).stderr
@@ -83,7 +83,7 @@ def test_a_point_that_is_none_is_refused_in_the_words_of_the_command_line(progra
 
 
 def test_quantities_are_text_with_a_unit_or_numbers_in_si(examples):
-    scenario = mckibben.Scenario.load(examples / "paper/fig-12.toml")
+    scenario = mckibben.Scenario.from_file(examples / "paper/fig-12.toml")
     told, numbers = [
         mckibben.linearize(scenario, length=length, load=load, temperature=temperature)
         for length, load, temperature in [("85 mm", "40 N", "20 degC"), (0.085, 40, 293.15)]
@@ -115,7 +115,7 @@ def test_identification_is_that_of_the_command_line(study, program, examples, tm
             assert estimate.confidence_interval[0] <= estimate.value <= estimate.confidence_interval[1]
         assert found[estimate.name] == estimate
     for name, scenario in found.scenarios.items():
-        assert scenario == mckibben.Scenario.load(tmp_path / "program" / name)
+        assert scenario == mckibben.Scenario.from_file(tmp_path / "program" / name)
     assert found.notes and found.scenarios
 
 
@@ -259,7 +259,7 @@ def test_the_ends_of_a_range_are_where_values_are_refused(swing):
 
 
 def test_a_linear_model_goes_to_control_by_the_names_of_its_signals(examples):
-    model = mckibben.linearize(mckibben.Scenario.load(examples / "paper/fig-12.toml"), length="85 mm")
+    model = mckibben.linearize(mckibben.Scenario.from_file(examples / "paper/fig-12.toml"), length="85 mm")
     system = model.to_control()
     assert [system.state_labels, system.input_labels, system.output_labels] == [
         model.states, model.inputs, model.outputs
@@ -281,7 +281,7 @@ def test_a_linear_model_goes_to_control_by_the_names_of_its_signals(examples):
 def test_a_model_says_what_casts_doubt_on_it(examples):
     """A duty of 1 % is shorter than the valve's delays: its seat does not follow, and the gain is zero."""
     held = {"load": {"kind": "isometric"}, "initial.length": "85 mm"}
-    scenario = mckibben.Scenario.load(examples / "paper/fig-12.toml").with_values(held)
+    scenario = mckibben.Scenario.from_file(examples / "paper/fig-12.toml").with_values(held)
     with pytest.warns(UserWarning, match="does not answer to the duty"):
         model = mckibben.linearize(scenario, duty=0.01)
     numpy.testing.assert_array_equal(model.B[:, model.inputs.index("duty")], 0.0)

@@ -105,7 +105,7 @@ def test_many_go_on_to_the_same_bits(rig, again):
         found = numpy.zeros((4, count))
         tension, per_length, per_velocity, pressure = found
         for length in lengths:
-            which.step(STEP, numpy.full(count, length), numpy.full(count, 0.01), duty, tension, per_length=per_length,
+            which.step(numpy.full(count, length), numpy.full(count, 0.01), duty, STEP, tension, per_length=per_length,
                        per_velocity=per_velocity, absolute_pressure=pressure)
         return found
 
@@ -126,7 +126,7 @@ def test_plants_are_made_anew(rig, again):
 
     def step(which: mckibben.VectorPlant) -> numpy.ndarray:
         for row in range(12):
-            which.step(STEP, numpy.full((3, 1), 1.0 if row < 9 else -1.0), shown, stopped)
+            which.step(numpy.full((3, 1), 1.0 if row < 9 else -1.0), STEP, shown, stopped)
         assert not stopped.any()
         return shown.copy()
 
@@ -138,14 +138,14 @@ def test_plants_are_made_anew(rig, again):
 
 
 def test_plants_whose_actuators_have_names_are_made_anew(again, examples):
-    leg = mckibben.Scenario.load(examples / "plant" / "leg.toml").with_values({"run.step": "1 ms"})
+    leg = mckibben.Scenario.from_file(examples / "plant" / "leg.toml").with_values({"run.step": "1 ms"})
     plants = mckibben.VectorPlant(leg, 2, parameters=["mechanism.joints.knee.mass"], action_mode="set-point")
     copied = again(plants)
     assert copied.columns == plants.columns and copied.defaults == plants.defaults and copied.valves == 6
 
 
 def test_a_response_has_all_of_its_numbers(swing, again):
-    actuator = mckibben.Actuator(swing, 25.0)
+    actuator = mckibben.Actuator(swing, pulse_frequency=25.0)
     _, _, response = actuator.step(actuator.start(), 0.084, -0.01, None, STEP)
     names = [name for name in dir(response) if not name.startswith("_")]
     assert len(names) == 8
@@ -158,13 +158,13 @@ def test_a_response_has_all_of_its_numbers(swing, again):
 
 
 def test_what_is_no_state_is_refused(swing):
-    state = mckibben.Actuator(swing, 25.0).start()
+    state = mckibben.Actuator(swing, pulse_frequency=25.0).start()
     (numbers,) = state.__getnewargs__()
     assert mckibben.ActuatorState(numbers) == state
     for wrong in [numbers[1:], numpy.append(numbers, 0.0), numpy.full_like(numbers, numpy.nan), [], numpy.zeros_like(numbers)]:
         with pytest.raises(mckibben.InputError, match="no state"):
             mckibben.ActuatorState(wrong)
-    many = mckibben.Actuators(swing, 2, 25.0)
+    many = mckibben.Actuators(swing, 2, pulse_frequency=25.0)
     with pytest.raises(mckibben.InputError, match="1 states are given for 2"):
         many.__setstate__(numbers[numpy.newaxis])
 
@@ -182,7 +182,7 @@ def test_scenarios_and_runs(swing, again):
 
 
 def test_models(swing, examples, again):
-    model = mckibben.linearize(mckibben.Scenario.load(examples / "paper/fig-12.toml"), gauge_pressure="60 psi")
+    model = mckibben.linearize(mckibben.Scenario.from_file(examples / "paper/fig-12.toml"), gauge_pressure="60 psi")
     copied = again(model)
     for name in ["A", "B", "C", "D", "poles"]:
         numpy.testing.assert_array_equal(getattr(copied, name), getattr(model, name))

@@ -26,7 +26,7 @@ reductions = ["thick.absolute_pressure.final", "paper.length.min"]
 @pytest.mark.parametrize("name", ["bottle", "hose-joint", "controlled"])
 def test_a_run_is_that_of_the_command_line(name, program, examples, tmp_path):
     path = examples / "plant" / f"{name}.toml"
-    run = mckibben.simulate(mckibben.Scenario.load(path).with_values(SHORT))
+    run = mckibben.simulate(mckibben.Scenario.from_file(path).with_values(SHORT))
     options = [word for key, value in SHORT.items() for word in ("--set", f'{key}="{value}"')]
     program(tmp_path, "simulate", str(path), *options, "--quiet", "--output", "run.csv")
     with open(tmp_path / "run.csv", newline="") as file:
@@ -45,7 +45,7 @@ def test_a_run_is_that_of_the_command_line(name, program, examples, tmp_path):
 
 
 def test_a_scenario_is_what_it_says(examples):
-    scenario = mckibben.Scenario.load(examples / "plant" / "bottle.toml")
+    scenario = mckibben.Scenario.from_file(examples / "plant" / "bottle.toml")
     heavier = scenario.with_values({"actuators.thick.load.mass": "30 lb"})
     assert heavier != scenario and mckibben.Scenario(scenario.to_toml()) == scenario
     assert tomllib.loads(heavier.to_toml())["actuators"]["thick"]["load"]["mass"] == "30 lb"
@@ -68,7 +68,7 @@ def test_a_sweep_is_its_runs(examples, tmp_path):
 
 def test_a_linear_model_has_names(program, examples, tmp_path):
     path = examples / "plant" / "hose-joint.toml"
-    model = mckibben.linearize(mckibben.Scenario.load(path))
+    model = mckibben.linearize(mckibben.Scenario.from_file(path))
     program(tmp_path, "linearize", str(path), "--output", "model.json")
     written = json.loads((tmp_path / "model.json").read_text())
     assert model.states == [state["name"] for state in written["states"]]
@@ -79,7 +79,7 @@ def test_a_linear_model_has_names(program, examples, tmp_path):
 
 
 def test_what_takes_one_actuator_says_so(examples):
-    scenario = mckibben.Scenario.load(examples / "plant" / "bottle.toml")
+    scenario = mckibben.Scenario.from_file(examples / "plant" / "bottle.toml")
     with pytest.raises(mckibben.InputError, match="in which actuators have names"):
         mckibben.Actuators(scenario, 2)
     with pytest.raises(mckibben.InputError, match="in which actuators have names"):

@@ -10,7 +10,7 @@ import mckibben
 
 
 def test_a_summary_is_that_of_the_columns(examples):
-    scenario = mckibben.Scenario.load(examples / "paper/fig-12.toml").with_values({"run.sample_interval": "0.1 ms"})
+    scenario = mckibben.Scenario.from_file(examples / "paper/fig-12.toml").with_values({"run.sample_interval": "0.1 ms"})
     run = mckibben.simulate(scenario)
     summary = run.summary()
     assert summary["length.final"] == run.length[-1]

@@ -40,7 +40,7 @@ def as_options(values):
 @pytest.mark.parametrize("values", [SHORT, FIXED], ids=["event-located", "fixed-step"])
 def test_a_run_is_that_of_the_command_line(kind, values, program, examples, tmp_path):
     path = examples / f"{kind}.toml"
-    run = mckibben.simulate(mckibben.Scenario.load(path).with_values(values))
+    run = mckibben.simulate(mckibben.Scenario.from_file(path).with_values(values))
     events = ["--events-output", "events.csv"]
     for ending in ["csv", "parquet"]:
         options = as_options(values)
@@ -114,7 +114,7 @@ def test_what_a_run_does_not_have_is_named(swing):
 
 def test_every_column_that_is_an_attribute_says_its_unit(examples, swing):
     """The units in the documentation are those of the columns."""
-    joint = mckibben.Scenario.load(examples / "antagonistic-joint.toml").with_values({"run.duration": "1 ms"})
+    joint = mckibben.Scenario.from_file(examples / "antagonistic-joint.toml").with_values({"run.duration": "1 ms"})
     for scenario in [swing, joint]:
         run = mckibben.simulate(scenario)
         found = 0
@@ -138,7 +138,7 @@ def test_data_frames_are_the_columns(swing):
 
 def test_figures_have_a_panel_for_each_quantity(swing, examples):
     matplotlib.use("agg")
-    joint = mckibben.Scenario.load(examples / "antagonistic-joint.toml").with_values(SHORT)
+    joint = mckibben.Scenario.from_file(examples / "antagonistic-joint.toml").with_values(SHORT)
     for scenario in [swing, joint]:
         run = mckibben.simulate(scenario)
         figure = run.plot()

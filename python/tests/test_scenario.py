@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pickle
+
 import numpy
 import pytest
 
@@ -13,7 +15,7 @@ def test_every_example_is_read_and_comes_back(examples):
     files = [path for path in sorted(examples.rglob("*.toml")) if "[study]" not in path.read_text()]
     assert len(files) > 40
     for path in files:
-        scenario = mckibben.Scenario.load(path)
+        scenario = mckibben.Scenario.from_file(path)
         assert scenario.text == path.read_text()
         assert mckibben.Scenario.from_dict(scenario.to_dict()) == scenario, path
         assert mckibben.Scenario(scenario.to_toml()) == scenario, path
@@ -54,7 +56,7 @@ def test_a_mistake_is_told_in_the_words_of_the_command_line(wrong, program, tmp_
     monkeypatch.chdir(tmp_path)
     told = program(tmp_path, "simulate", "swing.toml", code=2).stderr
     with pytest.raises(mckibben.InputError) as raised:
-        mckibben.Scenario.load("swing.toml")
+        mckibben.Scenario.from_file("swing.toml")
     assert str(raised.value) == told.rstrip("\n")
     assert isinstance(raised.value, ValueError) and isinstance(raised.value, mckibben.Error)
 
@@ -64,7 +66,7 @@ def test_a_contradiction_is_told_in_the_words_of_the_command_line(program, tmp_p
     monkeypatch.chdir(tmp_path)
     told = program(tmp_path, "simulate", "swing.toml", code=2).stderr
     with pytest.raises(mckibben.InputError) as raised:
-        mckibben.simulate(mckibben.Scenario.load("swing.toml"))
+        mckibben.simulate(mckibben.Scenario.from_file("swing.toml"))
     assert str(raised.value) == told.rstrip("\n")
 
 
@@ -72,7 +74,7 @@ def test_a_file_that_is_not_there(program, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     told = program(tmp_path, "simulate", "absent.toml", code=2).stderr
     with pytest.raises(mckibben.InputError) as raised:
-        mckibben.Scenario.load("absent.toml")
+        mckibben.Scenario.from_file("absent.toml")
     assert str(raised.value) == told.rstrip("\n")
 
 
@@ -89,3 +91,52 @@ def test_what_is_no_value_is_named(swing):
         mckibben.Scenario.from_dict({"load": {5: "lb"}})
     with pytest.raises(mckibben.InputError, match="with_values"):
         swing.with_values({"load.mass": "5 lbf"})
+
+
+def test_numbers_from_python_are_in_si(examples):
+    scenario = mckibben.Scenario.from_file(examples / "paper/fig-12.toml")
+    assert scenario.with_values({"load.mass": 4.5}) == scenario.with_values({"load.mass": "4.5 kg"})
+    sections = scenario.to_dict() | {"load": {"kind": "hanging-mass", "mass": 4.5}, "run": {"duration": 0.5}}
+    made = mckibben.Scenario.from_dict(sections)
+    assert made.load.mass == 4.5 and made.run.duration == 0.5
+    assert pickle.loads(pickle.dumps(made)) == made
+    arm = mckibben.Scenario.from_file(examples / "plant/arm.toml").with_values({"mechanism.joints.elbow.mass": 0.75})
+    assert arm.mechanism.joints.elbow.mass == 0.75
+    assert mckibben.Scenario(arm.to_toml()) == arm, "a number in SI is written with its unit"
+    swept = scenario.with_values({"sweep.vary": {"load.mass": [1.5, 2.5]}, "sweep.reductions": ["length.final"]})
+    assert mckibben.Sweep(swept).rows == 2
+    with pytest.raises(mckibben.InputError, match="needs a unit"):
+        mckibben.Scenario("[load]\nkind = \"hanging-mass\"\nmass = 4.5\n[run]\nduration = \"1 s\"")
+    with pytest.raises(mckibben.InputError, match="load.mass.*out of range"):
+        scenario.with_values({"load.mass": -1.0})
+
+
+def test_sections_are_attributes_in_si(examples):
+    scenario = mckibben.Scenario.from_file(examples / "paper/fig-12.toml")
+    assert scenario.load.mass == pytest.approx(5 * 0.45359237) and scenario.load.kind == "hanging-mass"
+    assert scenario.supply.gauge_pressure == pytest.approx(100 * 6894.757293168361)
+    assert scenario.actuator.friction["viscous"] > 0 and dict(scenario.command)["duty"] == 0.5
+    assert {"load", "supply", "with_values"} <= set(dir(scenario)) and "mass" in dir(scenario.load)
+    with pytest.raises(AttributeError, match="no section `laod`; it has actuator, air"):
+        scenario.laod
+    with pytest.raises(AttributeError, match="no `masss`; it has kind, mass"):
+        scenario.load.masss
+    leg = mckibben.Scenario.from_file(examples / "plant/leg.toml")
+    assert set(leg.actuators) and all(name in dir(leg.actuators) for name in leg.actuators)
+    assert "mass = '2.26796185 kg'" in repr(scenario.load)
+
+
+def test_what_differs_is_told_by_paths(examples):
+    scenario = mckibben.Scenario.from_file(examples / "paper/fig-12.toml")
+    other = scenario.with_values({"load.mass": 4.5, "actuator.friction.viscous": 2.0})
+    viscous = scenario.to_dict()["actuator"]["friction"]["viscous"]
+    assert scenario.diff(other) == {
+        "actuator.friction.viscous": (viscous, "2 N*s/m"),
+        "load.mass": ("2.26796185 kg", "4.5 kg"),
+    }
+    assert scenario.diff(scenario) == {}
+    valveless = {name: section for name, section in scenario.to_dict().items() if name not in ("valve", "command", "supply")}
+    assert scenario.diff(mckibben.Scenario.from_dict(valveless))["valve.kind"] == ("three-way", None)
+    assert str(scenario) == scenario.to_toml()
+    table = scenario._repr_html_()
+    assert table.count("<tr>") == sum(1 for line in scenario.to_toml().splitlines() if "=" in line and not line.startswith("#"))

@@ -22,7 +22,7 @@ THREADS = 6
 
 @pytest.fixture(scope="module")
 def scenario(examples) -> mckibben.Scenario:
-    return mckibben.Scenario.load(examples / "paper/fig-12.toml")
+    return mckibben.Scenario.from_file(examples / "paper/fig-12.toml")
 
 
 def at_once(work, count: int) -> list:
@@ -64,7 +64,7 @@ def test_many_actuators_on_many_threads(scenario):
         duty = numpy.linspace(0.0, 1.0, count) * (number + 1) / THREADS
         for row in range(5):
             length = numpy.full(count, 0.09 - 1e-5 * row)
-            many.step(STEP, length, numpy.zeros(count), duty, found[0], absolute_pressure=found[1])
+            many.step(length, numpy.zeros(count), duty, STEP, found[0], absolute_pressure=found[1])
         return found
 
     alone = [work(number) for number in range(THREADS)]
@@ -93,7 +93,7 @@ def test_everything_at_once_is_what_it_is_alone(scenario, swing):
 FORKED = """
 import multiprocessing, os, sys, numpy, mckibben
 examples = sys.argv[2]
-scenario = mckibben.Scenario.load(f"{examples}/paper/fig-12.toml").with_values({"run.duration": "20 ms"})
+scenario = mckibben.Scenario.from_file(f"{examples}/paper/fig-12.toml").with_values({"run.duration": "20 ms"})
 BY = ["load.mass", "command.duty", "actuator.turns", "valve.efficiency", "supply.gauge_pressure", "initial.temperature",
       "actuator.friction.viscous", "actuator.external_volume", "valve.opening_delay"]
 
@@ -101,7 +101,7 @@ def rows():
     count = 1000
     many, tension = mckibben.Actuators(scenario, count), numpy.zeros(count)
     for _ in range(3):
-        many.step(1e-3, numpy.full(count, 0.09), numpy.zeros(count), numpy.linspace(0, 1, count), tension)
+        many.step(numpy.full(count, 0.09), numpy.zeros(count), numpy.linspace(0, 1, count), 1e-3, tension)
     return tension.tobytes()
 
 def slopes():
@@ -229,7 +229,7 @@ def endless(scenario: mckibben.Scenario, what: str):
     if what == "plants":
         plants = mckibben.VectorPlant(scenario.with_values({"run.engine": "fixed-step", "run.step": "1 us"}), 40)
         shown, stopped = numpy.zeros((40, len(plants.columns))), numpy.zeros(40, dtype=bool)
-        return functools.partial(plants.step, 9.0, numpy.full((40, 1), 0.5), shown, stopped), lambda: len(plants)
+        return functools.partial(plants.step, numpy.full((40, 1), 0.5), 9.0, shown, stopped), lambda: len(plants)
     long = scenario.with_values({"run.duration": "3600 s"})
     function = mckibben.Differentiable(long, ["load.mass", "command.duty"], ["length"], [3600.0])
     short = mckibben.Differentiable(scenario, ["load.mass", "command.duty"], ["length"], [0.01])

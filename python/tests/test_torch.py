@@ -15,7 +15,7 @@ BY = ["load.mass", "command.duty", "actuator.turns", "supply.gauge_pressure"]
 
 @pytest.fixture(scope="module")
 def pulsed(examples) -> mckibben.Differentiable:
-    scenario = mckibben.Scenario.load(examples / "paper/fig-12.toml")
+    scenario = mckibben.Scenario.from_file(examples / "paper/fig-12.toml")
     return mckibben.Differentiable(scenario, parameters=BY, quantities=["length", "gauge_pressure", "tension"], times=[0.053, 0.131])
 
 
@@ -57,6 +57,22 @@ def test_the_transforms_of_torch_func(pulsed, start):
     gradients = torch.func.vmap(torch.func.grad(lambda one: function(one)[:, 0].sum()))(several)
     expected = [pulsed.value_and_jacobian(one.numpy())[1][:, 0].sum(axis=0) for one in several]
     numpy.testing.assert_allclose(gradients.numpy(), expected, rtol=1e-13)
+
+
+def test_a_batch_is_its_runs_one_by_one(pulsed):
+    function = pulsed.for_torch()
+    shares = torch.tensor([1.0, 1.02, 0.97], dtype=torch.float64)
+    batch = shares[:, None] * torch.from_numpy(pulsed.defaults)
+    alone = torch.stack([function(values) for values in batch])
+    assert torch.equal(function(batch), alone)
+    assert torch.equal(torch.func.vmap(function)(batch), alone)
+    jacobians = torch.func.vmap(torch.func.jacrev(function))(batch)
+    for values, jacobian in zip(batch, jacobians):
+        expected = torch.from_numpy(pulsed.value_and_jacobian(values.numpy())[1])
+        torch.testing.assert_close(jacobian, expected, rtol=1e-13, atol=0.0)
+    tangent = torch.full_like(batch, 1e-3)
+    _, along = torch.func.jvp(function, (batch,), (tangent,))
+    torch.testing.assert_close(along, torch.einsum("btop,bp->bto", jacobians, tangent), rtol=1e-12, atol=1e-18)
 
 
 def test_what_it_has_not_is_refused_and_not_zero(pulsed, start):

@@ -5,13 +5,15 @@ use crate::pulses::Pulses;
 use crate::raised::{Raised, exception};
 use crate::scenario::Scenario;
 use crate::signals::Watch;
-use crate::typed::{Numbers, Sequence};
+use crate::typed::{NewArguments, Numbers, Sequence};
 use mckibben::plant::{Plant, PlantRun, PlantSteps};
 use mckibben::simulation::{MOST_PARTS, Method};
 use mckibben::valve::{Demand, Request};
 use mckibben::{Error, GaugePressure, parameter};
 use mckibben_run::failure::Failure;
+use mckibben_scenario::{Experiment, InitialLength, Load};
 use numpy::PyArray1;
+use pyo3::IntoPyObjectExt;
 use pyo3::inspect::PyStaticExpr;
 use pyo3::prelude::*;
 use pyo3::types::PyString;
@@ -27,8 +29,6 @@ pub(crate) struct Model {
     pub(crate) pulses: Pulses,
     /// What its states begin with: of which actuator they are.
     pub(crate) mark: f64,
-    /// What the ends must be closer together than in m, and the name of that limit; none with a tendon in between.
-    end: Option<(&'static str, f64)>,
 }
 
 /// Sections of a scenario that an actuator in a loop of one's own has nothing of.
@@ -44,27 +44,28 @@ const HEAD: usize = 7;
 const PORTS: [&str; 4] = ["closed", "supply", "exhaust", "both"];
 
 impl Model {
-    /// The scenario's actuator with its valve and all that feeds it, whatever the load; pulses come at a frequency in Hz, else
-    /// at that of the scenario's PWM.
-    pub(crate) fn of(scenario: &Scenario, pulse_frequency: Option<f64>) -> Result<Self, Failure> {
+    /// The scenario's actuator with its valve and all that feeds it, whatever the load; of a joint the one of this name. Pulses
+    /// come at a frequency in Hz, else at that of the scenario's PWM.
+    pub(crate) fn of(scenario: &Scenario, name: Option<&str>, pulse_frequency: Option<f64>) -> Result<Self, Failure> {
         let document = &scenario.document;
-        let experiment = match document.controlled_experiment()? {
-            Some(controlled) => controlled.experiment,
-            None => document.experiment()?,
+        let of_core = |error| Failure::of_core(&error, document);
+        let alone = name.map(|name| member(scenario, name)).transpose()?;
+        let experiment = match (&alone, document.controlled_experiment()) {
+            (Some(alone), _) => alone.experiment().map_err(of_core)?,
+            (None, Ok(Some(controlled))) => controlled.experiment,
+            (None, _) => document.experiment()?,
         };
         let rig = &experiment.rig;
         let pulsed = rig.actuation().filter(|actuation| actuation.solenoid.has_seats());
         let pulses = Pulses::of(pulsed.map(|actuation| &actuation.command), pulse_frequency)?;
-        let of_core = |error| Failure::of_core(&error, document);
-        let plant = Plant::of_rig(rig).without_commands(&[0]);
-        let start = Plant::start_of_rig(rig, &experiment.start);
-        let (plant, start) = plant.to_external(&start).map_err(of_core)?;
-        let mut steps = PlantRun::new(&plant, &start, TOLERANCE).map_err(of_core)?.steps(Method::Stable);
+        let mut steps = steps_of(&experiment).map_err(of_core)?;
         let size = steps.state_size();
-        let end = plant.end_distance(0).map_err(of_core)?;
-        let mut table: toml::Table = scenario.of_one()?.to_toml().parse().unwrap_or_default();
+        let text = alone
+            .as_ref()
+            .map_or_else(|| scenario.of_one().map(mckibben_scenario::Scenario::to_toml), |of| Ok(of.to_toml()))?;
+        let mut table: toml::Table = text.parse().unwrap_or_default();
         table.retain(|section, _| ELSEWHERE.iter().all(|elsewhere| section != *elsewhere));
-        Ok(Self { steps, size, pulses, mark: mark(&format!("{table}{}", pulses.frequency)), end })
+        Ok(Self { steps, size, pulses, mark: mark(&format!("{table}{}", pulses.frequency)) })
     }
 
     /// What is asked of the valve, by a request or a number in the kind of the valve.
@@ -119,15 +120,48 @@ impl Model {
         ]);
         Ok(ActuatorState { numbers })
     }
+}
 
-    /// Refuses a distance between the ends that is none; one that the actuator cannot be stretched to stops it.
-    pub(crate) fn check_length(&self, name: &str, length: f64) -> Result<(), Failure> {
-        arguments::number(name, length, "m", "a distance between the ends in m above zero", length > 0.0)?;
-        let Some((limit, end)) = self.end.filter(|(_, end)| length >= *end) else { return Ok(()) };
-        let limit = if limit == parameter::THREAD_LENGTH.key { "its thread" } else { limit };
-        let longer = format!("{name} = {length:?} m is longer than {limit} of {:.1} mm", 1e3 * end);
-        Err(Failure::stopped(format!("{longer}: keep the ends closer together")))
+/// Refuses a distance between the ends that is none; one that the actuator cannot be stretched to stops it.
+pub(crate) fn check_length(of: &PlantSteps, name: &str, length: f64) -> Result<(), Failure> {
+    arguments::number(name, length, "m", "a distance between the ends in m above zero", length > 0.0)?;
+    let end = of.plant().end_distance(0)?;
+    let Some((limit, end)) = end.filter(|(_, end)| length >= *end) else { return Ok(()) };
+    let limit = if limit == parameter::THREAD_LENGTH.key { "its thread" } else { limit };
+    let longer = format!("{name} = {length:?} m is longer than {limit} of {:.1} mm", 1e3 * end);
+    Err(Failure::stopped(format!("{longer}: keep the ends closer together")))
+}
+
+/// One actuator of a joint as a scenario of its own, its ends held where the joint starts.
+fn member(scenario: &Scenario, name: &str) -> Result<mckibben_scenario::Scenario, Failure> {
+    let Some(of) = scenario.understood() else {
+        return Err(Failure::input(
+            format!("`{name}` is a part of a plant, which shares its air with the others"),
+            "command the plant as a whole by `mckibben.VectorPlant`",
+        ));
+    };
+    let index = ["agonist", "antagonist"].iter().position(|of| *of == name);
+    let joint = of.open_loop().joint_experiment().map_err(|error| Failure::of_core(&error, &scenario.document))?;
+    let (Some(index), Some(joint)) = (index, joint) else {
+        let known = if of.has_joint() { "name \"agonist\" or \"antagonist\"" } else { "leave the name out" };
+        return Err(Failure::input(format!("the scenario has no actuator `{name}`"), known));
+    };
+    let lengths = joint.rig.lengths(joint.start.angle, joint.start.pressure);
+    let mut alone = of.open_loop();
+    if let (1, Some(antagonist)) = (index, alone.of_antagonist()) {
+        alone = antagonist;
     }
+    alone.load = Load::Isometric;
+    alone.initial.length = InitialLength::At(lengths[index]);
+    Ok(alone)
+}
+
+/// The steps of the actuator of an experiment, whose ends a host moves.
+pub(crate) fn steps_of(experiment: &Experiment) -> Result<PlantSteps, Error> {
+    let plant = Plant::of_rig(&experiment.rig).without_commands(&[0]);
+    let start = Plant::start_of_rig(&experiment.rig, &experiment.start);
+    let (plant, start) = plant.to_external(&start)?;
+    Ok(PlantRun::new(&plant, &start, TOLERANCE)?.steps(Method::Stable))
 }
 
 /// The relative tolerance that a start is told from rounding by.
@@ -254,13 +288,14 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Asked {
 /// The actuator of a scenario, with its air, its valve and its air line, for a loop of one's own: you say what is asked of
 /// the valve and where the ends are, and it says how hard it pulls.
 ///
-/// The scenario's load and command do not count. `pulse_frequency` in Hz is how often a duty cycle's pulses come; that of
-/// the scenario's PWM unless given.
+/// The scenario's load and command do not count. Of a joint `name` is "agonist" or "antagonist". `pulse_frequency` in Hz is how
+/// often a duty cycle's pulses come; that of the scenario's PWM unless given.
 ///
 /// An actuator does not change: `step` takes a state and gives the next, so that any step can be taken again.
 #[pyclass(frozen, module = "mckibben")]
 pub(crate) struct Actuator {
     scenario: Py<Scenario>,
+    name: Option<String>,
     pulse_frequency: Option<f64>,
     model: Model,
     /// Where steps are taken.
@@ -335,11 +370,11 @@ pub(crate) struct Response {
 #[pymethods]
 impl Actuator {
     #[new]
-    #[pyo3(signature = (scenario, pulse_frequency = None))]
-    fn new(scenario: Py<Scenario>, pulse_frequency: Option<f64>) -> PyResult<Self> {
-        let model = Model::of(scenario.get(), pulse_frequency).raised()?;
+    #[pyo3(signature = (scenario, name = None, *, pulse_frequency = None))]
+    fn new(scenario: Py<Scenario>, name: Option<String>, pulse_frequency: Option<f64>) -> PyResult<Self> {
+        let model = Model::of(scenario.get(), name.as_deref(), pulse_frequency).raised()?;
         let desk = Mutex::new(model.steps.clone());
-        Ok(Self { scenario, pulse_frequency, model, desk })
+        Ok(Self { scenario, name, pulse_frequency, model, desk })
     }
 
     /// The state at t = 0: that of the scenario, with the coils released.
@@ -375,7 +410,7 @@ impl Actuator {
     ) -> PyResult<(ActuatorState, f64, Response)> {
         check_dt(dt).raised()?;
         check_velocity("velocity", velocity).raised()?;
-        self.model.check_length("length", length).raised()?;
+        check_length(&self.model.steps, "length", length).raised()?;
         let longest = longest_part(max_step).raised()?;
         let demand = command.map(|asked| self.model.demand("command", &asked)).transpose().raised()?;
         // It is set to where the state is before anything is done with it, so whoever left it anywhere does no harm.
@@ -416,15 +451,32 @@ impl Actuator {
     }
 
     /// The longest distance between the ends in m at which the actuator, at rest at a gauge pressure in Pa and without
-    /// friction, does not pull; its shortest length where it pulls even there. A tendon is included.
+    /// friction, does not pull; its shortest length where it pulls even there. A tendon is included. Without a pressure it is
+    /// that of the start.
     ///
     /// Raises `InputError` for a pressure below vacuum, and where there is no such length.
-    fn rest_length(&self, gauge_pressure: f64) -> PyResult<f64> {
+    #[pyo3(signature = (gauge_pressure = None))]
+    fn rest_length(&self, gauge_pressure: Option<f64>) -> PyResult<f64> {
+        let plant = self.model.steps.plant();
+        let here = || self.model.steps.state()[plant.places().actuators[0].pressure] - plant.network().atmosphere;
+        let gauge_pressure = gauge_pressure.unwrap_or_else(here);
         let is_in = gauge_pressure.is_finite();
         arguments::number("gauge_pressure", gauge_pressure, "Pa", "a gauge pressure in Pa, such as 2e5", is_in)
             .raised()?;
-        let length = self.model.steps.plant().rest_distance(0, GaugePressure(gauge_pressure));
+        let length = plant.rest_distance(0, GaugePressure(gauge_pressure));
         length.map_err(|error| Failure::from(error).of("gauge_pressure")).raised()
+    }
+
+    /// Tension in N at the start, at rest: with which a host's loop begins.
+    #[getter]
+    fn initial_tension(&self) -> PyResult<f64> {
+        Ok(respond(&mut self.model.steps.clone(), 0.0).raised()?.tension)
+    }
+
+    /// Distance between the ends in m at the start, a tendon included.
+    #[getter]
+    fn initial_length(&self) -> f64 {
+        distance(&self.model.steps)
     }
 
     /// What it was made of.
@@ -434,11 +486,13 @@ impl Actuator {
     }
 
     fn __repr__(&self) -> String {
-        format!("<mckibben.Actuator of {:?}>", self.scenario.get().title())
+        let name = self.name.as_ref().map(|name| format!("`{name}` ")).unwrap_or_default();
+        format!("<mckibben.Actuator {name}of {:?}>", self.scenario.get().title())
     }
 
-    fn __getnewargs__(&self, py: Python<'_>) -> (Py<Scenario>, Option<f64>) {
-        (self.scenario.clone_ref(py), self.pulse_frequency)
+    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<NewArguments<'py, (Py<Scenario>, Option<String>)>> {
+        let named = [("pulse_frequency", self.pulse_frequency.into_bound_py_any(py)?)];
+        Ok(((self.scenario.clone_ref(py), self.name.clone()), named.into()))
     }
 }
 

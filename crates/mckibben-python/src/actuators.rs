@@ -1,18 +1,23 @@
 //! Many modular actuators stepped together on arrays that the caller owns: the class `Actuators`.
 
 use crate::actuator::{
-    ActuatorState, Asked, Model, advance, check_dt, check_parts, check_velocity, longest_part, respond,
+    ActuatorState, Asked, Model, advance, check_dt, check_length, check_parts, check_velocity, longest_part, respond,
+    steps_of,
 };
 use crate::arguments::{self, fitting};
 use crate::pool;
 use crate::raised::{Raised, exception};
 use crate::scenario::Scenario;
 use crate::signals::{self, Heard};
-use crate::typed::{Count, Given, Numbers, Table};
+use crate::typed::{Count, Given, Items, NewArguments, Numbers, Table};
+use mckibben::parameter;
 use mckibben::plant::{PlantSnapshot, PlantSteps};
+use mckibben_identify::adjustable::Adjustable;
 use mckibben_run::failure::Failure;
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadwriteArray1};
+use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
+use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
 /// Rows below which they are stepped on the caller's own thread: to wake others takes longer than these.
@@ -31,12 +36,18 @@ const EACH: usize = 16 << 10;
 /// floating-point numbers, without gaps, with one entry for each actuator. Rows are stepped on all cores; each is an
 /// `Actuator` by itself, to the bit.
 ///
-/// `pulse_frequency` in Hz is how often a duty cycle's pulses come; that of the scenario's PWM unless given.
+/// Of a joint `name` is "agonist" or "antagonist". `parameters` are paths of the numbers that differ from one to the next, such as
+/// "actuator.turns", and `values` what each has, of shape (count, len(parameters)) in SI. `pulse_frequency` in Hz is how often a
+/// duty cycle's pulses come; that of the scenario's PWM unless given.
 ///
 /// Raises `MemoryError` for a count that this machine has no memory for.
 #[pyclass(frozen, module = "mckibben")]
 pub(crate) struct Actuators {
     scenario: Py<Scenario>,
+    name: Option<String>,
+    parameters: Vec<String>,
+    /// The values of the parameters, one actuator after the other.
+    values: Vec<f64>,
     pulse_frequency: Option<f64>,
     model: Model,
     count: usize,
@@ -49,7 +60,7 @@ struct Motion<'a> {
     dt: f64,
     longest: f64,
     length: &'a [f64],
-    duty: Option<&'a [f64]>,
+    command: Option<&'a [f64]>,
 }
 
 /// Rows that lie together, with what a step reads and writes of them.
@@ -75,15 +86,15 @@ struct By<'a> {
 impl Motion<'_> {
     fn split(self, middle: usize) -> (Self, Self) {
         let (length, length_right) = self.length.split_at(middle);
-        let (duty, duty_right) = self.duty.map(|duty| duty.split_at(middle)).unzip();
-        (Self { length, duty, ..self }, Self { length: length_right, duty: duty_right, ..self })
+        let (command, duty_right) = self.command.map(|command| command.split_at(middle)).unzip();
+        (Self { length, command, ..self }, Self { length: length_right, command: duty_right, ..self })
     }
 
     /// Takes the actuator of a row through the step.
     fn take(&self, row: usize, actuator: &mut PlantSteps, by: &By<'_>) -> Result<(), Failure> {
-        by.model.check_length("length", self.length[row])?;
-        if let Some(duty) = self.duty {
-            actuator.set(0, by.model.demand("duty", &Asked::Number(duty[row]))?)?;
+        check_length(actuator, "length", self.length[row])?;
+        if let Some(command) = self.command {
+            actuator.set(0, by.model.demand("command", &Asked::Number(command[row]))?)?;
         }
         actuator.limit_step(self.longest)?;
         let (until, length) = (actuator.time() + self.dt, self.length[row]);
@@ -211,12 +222,42 @@ fn check_velocities(velocity: &[f64]) -> Result<(), Failure> {
 }
 
 /// Refuses what a valve cannot be asked for, before any is.
-fn check_duties(model: &Model, duty: &[f64]) -> Result<(), Failure> {
-    let of_row = |(row, duty): (usize, &f64)| {
-        let demand = model.demand(&format!("duty[{row}]"), &Asked::Number(*duty));
+fn check_commands(model: &Model, command: &[f64]) -> Result<(), Failure> {
+    let of_row = |(row, command): (usize, &f64)| {
+        let demand = model.demand(&format!("command[{row}]"), &Asked::Number(*command));
         demand.map(drop).map_err(|failure| of_row(failure, row))
     };
-    duty.iter().enumerate().try_for_each(of_row)
+    command.iter().enumerate().try_for_each(of_row)
+}
+
+/// Arguments of the constructor by place: scenario, count, name.
+type Places = (Py<Scenario>, usize, Option<String>);
+
+/// An actuator for each row of values of these parameters.
+fn varied<'v>(
+    scenario: &Scenario,
+    name: Option<&str>,
+    parameters: &[String],
+    values: impl Iterator<Item = &'v [f64]>,
+    rows: &mut Vec<PlantSteps>,
+) -> Result<(), Failure> {
+    if name.is_some() {
+        let title =
+            "`name` and `parameters` cannot both be given: paths of a joint's antagonist begin with `antagonist.`";
+        return Err(Failure::input(title, "make the scenario of one actuator, and vary that"));
+    }
+    let (document, mut base) = (&scenario.document, scenario.of_one()?.open_loop());
+    let paths = || parameters.iter().map(String::as_str);
+    let place = |path| {
+        document.find(path, paths(), &mut base).map_err(|error| Failure::input(error.to_string(), "mend `parameters`"))
+    };
+    let places = paths().map(place).collect::<Result<Vec<_>, _>>()?;
+    let adjustable = Adjustable::new(base, places, document.says_of_each(parameter::MIN_LENGTH.key));
+    for (row, values) in values.enumerate() {
+        let steps = adjustable.at(values).and_then(|of| steps_of(&of.experiment()?));
+        rows.push(steps.map_err(|error| of_row(error.into(), row))?);
+    }
+    Ok(())
 }
 
 impl Actuators {
@@ -238,7 +279,7 @@ impl Actuators {
             let mut frequencies = actuator.mode().network.valves.iter().filter_map(|valve| valve.pulse_frequency());
             frequencies.next().map_or(0.0, |frequency| 2.0 * motion.dt * frequency)
         };
-        let edges = match motion.duty {
+        let edges = match motion.command {
             Some(_) => 2.0 * motion.dt * self.model.pulses.frequency,
             None => rows.iter().map(edges).fold(0.0, f64::max),
         };
@@ -249,19 +290,44 @@ impl Actuators {
 #[pymethods]
 impl Actuators {
     #[new]
-    #[pyo3(signature = (scenario, count, pulse_frequency = None))]
-    fn new(py: Python<'_>, scenario: Py<Scenario>, count: Count, pulse_frequency: Option<f64>) -> PyResult<Self> {
-        let (count, each) = (count.0, EACH);
+    #[pyo3(signature = (scenario, count, name = None, *, parameters = Items(Vec::new()), values = None, pulse_frequency = None))]
+    fn new(
+        py: Python<'_>,
+        scenario: Py<Scenario>,
+        count: Count,
+        name: Option<String>,
+        parameters: Items<String>,
+        values: Option<Table<'_>>,
+        pulse_frequency: Option<f64>,
+    ) -> PyResult<Self> {
+        let (count, each, parameters) = (count.0, EACH, parameters.0);
         arguments::room(py, count, "actuators", each)?;
-        let model = Model::of(scenario.get(), pulse_frequency).raised()?;
+        let model = Model::of(scenario.get(), name.as_deref(), pulse_frequency).raised()?;
         let mut rows = Vec::new();
         rows.try_reserve_exact(count).map_err(|_| arguments::no_room(count, "actuators", each))?;
-        rows.resize(count, model.steps.clone());
-        Ok(Self { scenario, pulse_frequency, model, count, rows: Mutex::new(rows) })
+        let values = values.map(|values| values.read("values")).transpose()?;
+        let values = values.as_ref().map(|values| values.as_slice()).transpose()?.unwrap_or_default().to_vec();
+        if values.len() != count * parameters.len() {
+            let title =
+                format!("{} values are given for {count} actuators with {} parameters", values.len(), parameters.len());
+            let remedy = "give `values` as an array of shape (count, len(parameters)), in SI";
+            return Err(Failure::input(title, remedy)).raised();
+        }
+        match parameters.len() {
+            0 => rows.resize(count, model.steps.clone()),
+            width => {
+                arguments::finite_table("values", &values, width).raised()?;
+                let (of, name) = (scenario.get(), name.as_deref());
+                py.detach(|| varied(of, name, &parameters, values.chunks(width), &mut rows)).raised()?;
+            }
+        }
+        Ok(Self { scenario, name, parameters, values, pulse_frequency, model, count, rows: Mutex::new(rows) })
     }
 
-    /// Goes on by `dt` in s while the ends of each actuator go in a straight line to a distance of `length` in m, under
-    /// pulses of `duty` from 0 to 1; with `None` what was asked before goes on.
+    /// Goes on by `dt` in s while the ends of each actuator go in a straight line to a distance of `length` in m.
+    ///
+    /// `command` has a number for each valve: a duty cycle from 0 to 1, the set point of a pressure regulator (gauge, Pa), or the
+    /// position of a proportional spool from -1 to 1. With `None` the last command goes on.
     ///
     /// `tension` in N is written, and where they are given `per_length` (its derivative at constant pressure, N/m),
     /// `per_velocity` (N*s/m) and `absolute_pressure` (Pa). `velocity` in m/s is that of the ends at the end of the step.
@@ -270,16 +336,16 @@ impl Actuators {
     /// Raises `InputError` for arrays and numbers that cannot be, before anything has changed, and `SimulationError` where an
     /// actuator leaves the physics: that one is then where it was and its entries are as they were, and the others have
     /// gone on. Ctrl-C ends a step of many parts; all actuators are then where they were.
-    #[pyo3(signature = (dt, length, velocity, duty, tension, *, per_length = None, per_velocity = None, absolute_pressure = None,
+    #[pyo3(signature = (length, velocity, command, dt, tension, *, per_length = None, per_velocity = None, absolute_pressure = None,
         max_step = None))]
     #[expect(clippy::too_many_arguments, reason = "each is an array of its own")]
     fn step<'py>(
         &self,
         py: Python<'py>,
-        dt: f64,
         length: Given<'py>,
         velocity: Given<'py>,
-        duty: Option<Given<'py>>,
+        command: Option<Given<'py>>,
+        dt: f64,
         tension: Given<'py>,
         per_length: Option<Given<'py>>,
         per_velocity: Option<Given<'py>>,
@@ -291,17 +357,17 @@ impl Actuators {
         let longest = longest_part(max_step).raised()?;
         let length = read("length", &length, count)?;
         let velocity = read("velocity", &velocity, count)?;
-        let duty = duty.map(|duty| read("duty", &duty, count)).transpose()?;
+        let command = command.map(|command| read("command", &command, count)).transpose()?;
         let mut answers = Answers::of(&[Some(tension), per_length, per_velocity, absolute_pressure], count)?;
         let (length, velocity) = (length.as_slice()?, velocity.as_slice()?);
-        let duty = duty.as_ref().map(|duty| duty.as_slice()).transpose()?;
+        let command = command.as_ref().map(|command| command.as_slice()).transpose()?;
         if let Some(row) = length.iter().position(|length| *length <= 0.0) {
-            return model.check_length(&format!("length[{row}]"), length[row]).raised();
+            return check_length(&model.steps, &format!("length[{row}]"), length[row]).raised();
         }
         check_velocities(velocity).raised()?;
-        check_duties(model, duty.unwrap_or_default()).raised()?;
+        check_commands(model, command.unwrap_or_default()).raised()?;
         let mut rows = self.rows()?;
-        let motion = Motion { dt, longest, length, duty };
+        let motion = Motion { dt, longest, length, command };
         let parts = self.parts(&rows, &motion);
         check_parts(parts, dt).raised()?;
         let is_long = parts > UNHEARD[0] || parts * count as f64 > UNHEARD[1];
@@ -361,8 +427,20 @@ impl Actuators {
         format!("<mckibben.Actuators, {} of {:?}>", self.count, self.scenario.get().title())
     }
 
-    fn __getnewargs__(&self, py: Python<'_>) -> (Py<Scenario>, usize, Option<f64>) {
-        (self.scenario.clone_ref(py), self.count, self.pulse_frequency)
+    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<NewArguments<'py, Places>> {
+        let mut named = BTreeMap::from([("pulse_frequency", self.pulse_frequency.into_bound_py_any(py)?)]);
+        if !self.parameters.is_empty() {
+            let values = PyArray1::from_slice(py, &self.values).reshape([self.count, self.parameters.len()])?;
+            named.insert("parameters", (&self.parameters).into_bound_py_any(py)?);
+            named.insert("values", values.into_any());
+        }
+        Ok(((self.scenario.clone_ref(py), self.count, self.name.clone()), named))
+    }
+
+    /// Paths of the numbers that differ from one to the next.
+    #[getter]
+    fn parameters(&self) -> Vec<String> {
+        self.parameters.clone()
     }
 
     /// Where each of them is, a row for each as an `ActuatorState` is pickled.

@@ -18,7 +18,7 @@ use pyo3::types::PyDict;
 /// the end. `stiffness_n_m` is (7), at constant pressure; `sealed_stiffness_n_m` is (5), with the valve shut.
 #[pyfunction]
 #[pyo3(signature = (scenario, gauge_pressures = None))]
-pub(crate) fn curves<'py>(
+pub(crate) fn _curves<'py>(
     py: Python<'py>,
     scenario: &Bound<'py, Scenario>,
     gauge_pressures: Option<GaugePressures>,

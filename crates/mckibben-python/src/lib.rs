@@ -11,6 +11,7 @@
 //! | `curves` | `curves`, `presets` |
 //! | `parameters` | the quantities of a scenario file |
 //! | `linear` | `linearize`, the class `LinearModel` |
+//! | `statics` | force, stiffness and volume on arrays: what `Statics` of the package computes with |
 //! | `identification` | what `identify` of the package calls |
 //! | `differentiable` | runs as functions with exact derivatives: `Differentiable` |
 //! | `sweep` | a sweep by its parts: `Sweep` |
@@ -42,6 +43,7 @@ mod python;
 mod raised;
 mod scenario;
 mod signals;
+mod statics;
 mod sweep;
 mod trajectory;
 mod typed;
@@ -56,7 +58,7 @@ mod _mckibben {
     #[pymodule_export]
     use crate::actuators::Actuators;
     #[pymodule_export]
-    use crate::curves::{curves, presets};
+    use crate::curves::{_curves, presets};
     #[pymodule_export]
     use crate::differentiable::Differentiable;
     #[pymodule_export]
@@ -66,7 +68,9 @@ mod _mckibben {
     #[pymodule_export]
     use crate::parameters::parameters;
     #[pymodule_export]
-    use crate::scenario::Scenario;
+    use crate::scenario::{_quantity, Scenario};
+    #[pymodule_export]
+    use crate::statics::_Statics;
     #[pymodule_export]
     use crate::sweep::Sweep;
     #[pymodule_export]

@@ -1,7 +1,8 @@
 //! The class `Scenario`.
 
+use crate::python;
 use crate::raised::Raised;
-use crate::typed::{Items, Sections, Values};
+use crate::typed::{Items, Object, Sections, Values};
 use crate::values;
 use mckibben_run::failure::Failure;
 use mckibben_scenario::Document;
@@ -96,7 +97,7 @@ impl Scenario {
     ///
     /// Raises `InputError` for a file that cannot be read, is not TOML, or says what cannot be.
     #[staticmethod]
-    fn load(path: PathBuf) -> PyResult<Self> {
+    fn from_file(path: PathBuf) -> PyResult<Self> {
         Self::read(Document::load(path).raised()?, false, Vec::new())
     }
 
@@ -131,7 +132,7 @@ impl Scenario {
         self.understood.as_ref().map_or_else(|| self.document.to_toml(), mckibben_scenario::Scenario::to_toml)
     }
 
-    /// The same as a dictionary of its sections, which `from_dict` takes.
+    /// The scenario as a dictionary of its sections, which `from_dict` takes.
     fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Sections<'py>> {
         // What was written is read back.
         let table: toml::Table = self.to_toml().parse().unwrap_or_default();
@@ -155,11 +156,39 @@ impl Scenario {
         other.cast::<Self>().is_ok_and(|other| other.get().to_toml() == self.to_toml())
     }
 
+    /// What differs from another scenario: by the paths of keys the values here and there, `None` where there is none.
+    fn diff<'py>(this: &Bound<'py, Self>, other: &Bound<'py, Self>) -> PyResult<Sections<'py>> {
+        python::call(this.py(), ("_scenario", "diff"), (this, other)).map(Sections)
+    }
+
+    /// A section or a value by its name, such as `scenario.load.mass`: a quantity is a number in SI.
+    fn __getattr__<'py>(this: &Bound<'py, Self>, name: &str) -> PyResult<Object<'py>> {
+        python::call(this.py(), ("_scenario", "attribute"), (this, name)).map(Object)
+    }
+
+    fn __dir__<'py>(this: &Bound<'py, Self>) -> PyResult<Object<'py>> {
+        python::call(this.py(), ("_scenario", "names"), (this,)).map(Object)
+    }
+
     fn __repr__(&self) -> String {
         format!("<mckibben.Scenario {:?}>", self.name)
+    }
+
+    fn __str__(&self) -> String {
+        self.to_toml()
+    }
+
+    fn _repr_html_<'py>(this: &Bound<'py, Self>) -> PyResult<Object<'py>> {
+        python::call(this.py(), ("_scenario", "to_html"), (this,)).map(Object)
     }
 
     fn __getnewargs__(&self) -> (&str, &str, Vec<(String, String)>, bool) {
         (&self.text, &self.name, self.set.clone(), self.in_si)
     }
+}
+
+/// The value in SI of text with a unit; `None` where it is no quantity.
+#[pyfunction]
+pub(crate) fn _quantity(text: &str) -> Option<f64> {
+    mckibben_scenario::quantity::parse(text).ok().filter(|read| read.has_unit).map(|read| read.value)
 }

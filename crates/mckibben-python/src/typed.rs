@@ -13,6 +13,7 @@ use pyo3::inspect::PyStaticExpr;
 use pyo3::prelude::*;
 use pyo3::types::{PyInt, PyMapping, PyString};
 use pyo3::{type_hint_identifier as name, type_hint_subscript as of, type_hint_union};
+use std::collections::BTreeMap;
 use std::convert::Infallible;
 use std::marker::PhantomData;
 
@@ -258,6 +259,9 @@ impl Quantity {
         }
     }
 }
+
+/// What an object is made of, for pickling: by place and by name.
+pub(crate) type NewArguments<'py, P> = (P, BTreeMap<&'static str, Bound<'py, PyAny>>);
 
 /// How many there are to be of something.
 pub(crate) struct Count(pub(crate) usize);

@@ -1,4 +1,4 @@
-//! The length at which an actuator at rest bears a pull.
+//! The length, and the pressure, at which an actuator at rest bears a pull.
 //!
 //! ```text
 //! F_s(L, P) + F_limit(L) = F          (9)(14), without friction
@@ -6,8 +6,8 @@
 //!
 //! Both grow with the length, so that there is one such length at most between the shortest one and the end of the law.
 //!
-//! Source: Colbrunn, Nelson & Quinn (2001), (9) and (14). Checked by `tests/plant_host_pulses.rs`, `tests/simulation.rs` and
-//! `tests/plant_host.rs`.
+//! Source: Colbrunn, Nelson & Quinn (2001), (9) and (14). Checked by `tests/plant_host_pulses.rs`, `tests/simulation.rs`,
+//! `tests/plant_host.rs` and `tests/equilibrium.rs`.
 
 use crate::actuator::Actuator;
 use crate::dual::Dual;
@@ -21,6 +21,8 @@ use crate::valve::below_vacuum;
 
 /// Part of a length to which its last step of Newton's is believed.
 const CLOSE: f64 = 1e-9;
+/// Parts of the range of pressures in which the one that bears a pull is looked for.
+const BRACKETS: u32 = 64;
 
 impl<R: Real> Actuator<R> {
     /// The distance in m between the ends at which a pull in N balances the static force at a pressure; the shortest length
@@ -76,5 +78,33 @@ impl<R: Real> Actuator<R> {
             return Err(below_vacuum(&parameter::INITIAL_GAUGE_PRESSURE, gauge, self.air()));
         }
         self.length_under(R::zero(), pressure)
+    }
+}
+
+impl Actuator<f64> {
+    /// The least gauge pressure up to `most` in Pa at which the actuator, at rest and without friction, bears a pull in N at a
+    /// length in m between its shortest and its longest; `None` where none does. At a pull of zero it is zero: a slack braid
+    /// needs no pressure.
+    pub fn pressure_under(&self, length: f64, pull: f64, most: GaugePressure) -> Option<GaugePressure> {
+        let limits = self.limits();
+        let in_reach = limits.min_length() <= length && length <= limits.max_length();
+        if !in_reach || !pull.is_finite() || pull < 0.0 {
+            return None;
+        }
+        let atmosphere = self.air().atmosphere();
+        let surplus = |gauge: f64| self.static_force(length, GaugePressure(gauge).absolute(atmosphere).0) - pull;
+        if surplus(0.0) >= 0.0 {
+            return Some(GaugePressure(0.0));
+        }
+        // Effectiveness may fall with the pressure, so that the force need not rise all the way.
+        let mut below = 0.0;
+        for part in 1..=BRACKETS {
+            let above = most.0 * f64::from(part) / f64::from(BRACKETS);
+            if surplus(above) >= 0.0 {
+                return Some(GaugePressure(root::bracketed(below, above, 1e-16, surplus)));
+            }
+            below = above;
+        }
+        None
     }
 }

@@ -7,6 +7,7 @@ mod common;
 mod actuator;
 mod braid;
 mod control;
+mod equilibrium;
 mod five_way;
 mod force;
 mod inverse;

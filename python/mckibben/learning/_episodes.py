@@ -182,7 +182,7 @@ class Episodes:
             place = self._clock % len(self._late)
             late = self._late[place]
             commands, self._late[place] = late, commands
-        self.plants.step(self.period, commands, self.observations, self.stopped)
+        self.plants.step(commands, self.period, self.observations, self.stopped)
         seen = self._sensed(slice(None))
         if self._old:
             place = self._clock % len(self._old)

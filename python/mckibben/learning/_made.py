@@ -18,7 +18,7 @@ def made_of(task: str | Task, count: int, options: Mapping[str, Any]) -> tuple[T
     rest = dict(options)
     of_task = {name: rest.pop(name) for name in ("scenario", "targets") if rest.get(name) is not None}
     if isinstance(of_task.get("scenario"), (str, Path)):
-        of_task["scenario"] = Scenario.load(of_task["scenario"])
+        of_task["scenario"] = Scenario.from_file(of_task["scenario"])
     if not isinstance(task, Task):
         if task not in TASKS:
             raise InputError(f"task: there is no `{task}`; name one of {', '.join(TASKS)}, or give a Task")

@@ -17,7 +17,7 @@ use crate::pool;
 use crate::pulses::Pulses;
 use crate::raised::{Raised, exception};
 use crate::scenario::Scenario;
-use crate::typed::{Count, Flags, Items, Numbers as Array, Rows, Sequence, Table};
+use crate::typed::{Count, Flags, Items, NewArguments, Numbers as Array, Rows, Sequence, Table};
 use action::ActionMode;
 use file::File;
 use fleet::{Fleet, Span};
@@ -28,7 +28,6 @@ use mckibben_run::failure::Failure;
 use numpy::PyArray1;
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
-use std::collections::BTreeMap;
 
 /// Many copies of a scenario's plant, stepped together on all cores. Your code commands their valves; each plant may be
 /// reset, with parameters of its own, while the others go on. The environments of `mckibben.learning` are made of it.
@@ -156,9 +155,6 @@ fn mine<'py>(this: &Bound<'py, VectorPlant>) -> PyResult<PyRefMut<'py, VectorPla
     })
 }
 
-/// What plants are made of, for pickling: by place and by name.
-type Made<'py> = ((Py<Scenario>, usize), BTreeMap<&'static str, Bound<'py, PyAny>>);
-
 /// Does something with so many plants, on all cores; with one on the caller's own thread.
 fn together(count: usize, does: impl FnOnce() -> Result<(), Failure> + Send) -> Result<(), Failure> {
     match count {
@@ -237,8 +233,8 @@ impl VectorPlant {
     fn step(
         this: &Bound<'_, Self>,
         py: Python<'_>,
-        dt: f64,
         actions: Table<'_>,
+        dt: f64,
         observations: Table<'_>,
         stopped: Flags<'_>,
     ) -> PyResult<()> {
@@ -380,7 +376,7 @@ impl VectorPlant {
         self.count
     }
 
-    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<Made<'py>> {
+    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<NewArguments<'py, (Py<Scenario>, usize)>> {
         let named = [
             ("parameters", (&self.parameters).into_bound_py_any(py)?),
             ("action_mode", (&self.action_mode).into_bound_py_any(py)?),

@@ -1,0 +1,129 @@
+//! Static force, stiffness and volume of an actuator, and their inverses, number by number: the class `_Statics`.
+
+use crate::arguments;
+use crate::raised::Raised;
+use crate::scenario::Scenario;
+use crate::typed::{Numbers, Sequence};
+use mckibben::{Actuator, GaugePressure};
+use mckibben_run::failure::Failure;
+use numpy::PyArray1;
+use pyo3::prelude::*;
+
+/// What `mckibben.Statics` computes with, on flat arrays of one length.
+#[pyclass(frozen, module = "mckibben")]
+pub(crate) struct _Statics {
+    actuator: Actuator,
+    /// The gauge pressure of the supply in Pa, if there is one.
+    supply: Option<f64>,
+}
+
+impl _Statics {
+    /// A value for each pair of numbers of two arrays; NaN where there is none.
+    fn each<'py>(
+        py: Python<'py>,
+        (names, first, second): ([&str; 2], &[f64], &[f64]),
+        value: impl Fn(f64, f64) -> Option<f64> + Sync,
+    ) -> PyResult<Numbers<'py>> {
+        [first, second].into_iter().zip(names).try_for_each(|(of, name)| arguments::finite(name, of)).raised()?;
+        let values = py.detach(|| {
+            let pairs = first.iter().zip(second);
+            pairs.map(|(first, second)| value(*first, *second).unwrap_or(f64::NAN)).collect()
+        });
+        Ok(Numbers(PyArray1::from_vec(py, values).into_any()))
+    }
+
+    /// Whether a length in m and a gauge pressure in Pa are within what the actuator reaches.
+    fn reaches(&self, length: f64, gauge: f64) -> bool {
+        let limits = self.actuator.limits();
+        (limits.min_length()..=limits.max_length()).contains(&length) && gauge > -self.actuator.air().atmosphere().0
+    }
+
+    /// A value of the actuator at lengths in m and gauge pressures in Pa; NaN out of reach.
+    fn at<'py>(
+        &self,
+        py: Python<'py>,
+        (length, gauge): (&Sequence, &Sequence),
+        value: impl Fn(&Actuator, f64, f64) -> f64 + Sync,
+    ) -> PyResult<Numbers<'py>> {
+        let atmosphere = self.actuator.air().atmosphere();
+        Self::each(py, (["length", "gauge_pressure"], &length.0, &gauge.0), |length, gauge| {
+            let pressure = GaugePressure(gauge).absolute(atmosphere).0;
+            self.reaches(length, gauge).then(|| value(&self.actuator, length, pressure))
+        })
+    }
+}
+
+#[pymethods]
+impl _Statics {
+    #[new]
+    fn new(scenario: &Scenario) -> PyResult<Self> {
+        let of = scenario.of_one().raised()?;
+        let actuator = of.driven().map_err(|error| Failure::of_core(&error, &scenario.document)).raised()?.actuator;
+        Ok(Self { actuator, supply: of.supply.as_ref().map(|supply| supply.gauge_pressure) })
+    }
+
+    /// Shortest and longest length in m.
+    #[getter]
+    fn reach(&self) -> (f64, f64) {
+        (self.actuator.limits().min_length(), self.actuator.limits().max_length())
+    }
+
+    /// Gauge pressure of the supply in Pa.
+    #[getter]
+    fn supply(&self) -> Option<f64> {
+        self.supply
+    }
+
+    /// Static force in N, zero where the braid would push.
+    fn force<'py>(&self, py: Python<'py>, length: Sequence, gauge: Sequence) -> PyResult<Numbers<'py>> {
+        self.at(py, (&length, &gauge), |actuator, length, pressure| actuator.static_force(length, pressure).max(0.0))
+    }
+
+    /// Stiffness in N/m at constant pressure (7).
+    fn stiffness<'py>(&self, py: Python<'py>, length: Sequence, gauge: Sequence) -> PyResult<Numbers<'py>> {
+        self.at(py, (&length, &gauge), |actuator, length, pressure| {
+            actuator.stiffness(length, mckibben::AbsolutePressure(pressure))
+        })
+    }
+
+    /// Stiffness in N/m with the valve shut (5).
+    fn sealed_stiffness<'py>(&self, py: Python<'py>, length: Sequence, gauge: Sequence) -> PyResult<Numbers<'py>> {
+        self.at(py, (&length, &gauge), |actuator, length, pressure| {
+            actuator.sealed_stiffness(length, mckibben::AbsolutePressure(pressure))
+        })
+    }
+
+    /// Volume of the air in m^3 at a length, braid and what is outside it.
+    fn volume<'py>(&self, py: Python<'py>, length: Sequence) -> PyResult<Numbers<'py>> {
+        let gauge = Sequence(vec![0.0; length.0.len()]);
+        self.at(py, (&length, &gauge), |actuator, length, _| actuator.volume(length))
+    }
+
+    /// The least gauge pressure in Pa, up to `most`, that bears a force at a length.
+    fn gauge_pressure_for<'py>(
+        &self,
+        py: Python<'py>,
+        length: Sequence,
+        force: Sequence,
+        most: f64,
+    ) -> PyResult<Numbers<'py>> {
+        arguments::number("max_gauge_pressure", most, "Pa", "a gauge pressure in Pa above zero", most > 0.0)
+            .raised()?;
+        Self::each(py, (["length", "force"], &length.0, &force.0), |length, force| {
+            self.actuator.pressure_under(length, force, GaugePressure(most)).map(|gauge| gauge.0)
+        })
+    }
+
+    /// The length in m at which the actuator bears a force at a gauge pressure.
+    fn length_for<'py>(&self, py: Python<'py>, gauge: Sequence, force: Sequence) -> PyResult<Numbers<'py>> {
+        let (atmosphere, limits) = (self.actuator.air().atmosphere(), self.actuator.limits());
+        Self::each(py, (["gauge_pressure", "force"], &gauge.0, &force.0), |gauge, force| {
+            let pressure = GaugePressure(gauge).absolute(atmosphere);
+            let found =
+                (pressure.0 > 0.0 && force >= 0.0).then(|| self.actuator.length_under(force, pressure))?.ok()?;
+            // At the shortest length it pulls harder than the load, and beyond the longest the taut braid bears it.
+            let pull = self.actuator.static_force(found, pressure.0);
+            (found <= limits.max_length() && pull <= force + 1e-9 * force.max(1.0)).then_some(found)
+        })
+    }
+}

@@ -1,0 +1,147 @@
+"""Identification from arrays and data frames: what was put in comes out, with how sure it is; and how a search is followed."""
+
+from __future__ import annotations
+
+import warnings
+
+import numpy
+import pandas
+import polars
+import pytest
+
+import mckibben
+
+TIMES = numpy.linspace(0.0, 0.3, 301)
+TRUTH = {"actuator.friction.viscous": 5.0, "load.mass": 2.4}
+FIT = {"actuator.friction.viscous": (0.0, 50.0), "load.mass": {"from": 1.0, "to": "5 kg"}}
+NOISE = 2e-5
+
+
+@pytest.fixture(scope="module")
+def rig(swing) -> mckibben.Scenario:
+    return swing.with_values({"run.duration": 0.3})
+
+
+@pytest.fixture(scope="module")
+def lengths(rig) -> numpy.ndarray:
+    run = mckibben.simulate(rig.with_values(TRUTH))
+    return run.at_times(TIMES)["length_m"] + NOISE * numpy.random.default_rng(1).normal(size=TIMES.size)
+
+
+@pytest.fixture(scope="module")
+def found(rig, lengths) -> mckibben.Identification:
+    return mckibben.identify(study(rig, {"t": TIMES, "L": lengths}))
+
+
+def study(rig: mckibben.Scenario, data, length="L", **options) -> mckibben.Study:
+    options = {"columns": {"time": "t", "length": length}, "fit": FIT} | options
+    return mckibben.Study(kind="trajectories", scenario=rig, runs=[mckibben.Run(data, name="swing")], **options)
+
+
+def test_what_made_the_data_is_within_its_interval(found):
+    for name, truth in TRUTH.items():
+        estimate = found[name]
+        assert abs(estimate.value - truth) < 4 * estimate.standard_error
+        low, high = estimate.confidence_interval
+        assert low < estimate.value < high and not estimate.on_bound
+    assert list(found) == list(TRUTH) and len(found) == 2
+    rerun = mckibben.simulate(found.scenarios["scenario.toml"].with_values({"run.duration": "0.1 s"}))
+    assert rerun.scenario.load.mass == pytest.approx(found["load.mass"].value, rel=1e-12)
+
+
+def test_residuals_are_the_noise_and_the_covariance_is_that_of_the_errors(found, lengths):
+    (prediction,) = found.predictions
+    numpy.testing.assert_array_equal(prediction.coordinates["time_s"], TIMES)
+    numpy.testing.assert_array_equal(prediction.measured, lengths)
+    assert (prediction.run, prediction.quantity, prediction.unit) == ("swing", "length", "m")
+    assert prediction.residuals.std() == pytest.approx(NOISE, rel=0.15)
+    errors = [found[name].standard_error for name in found]
+    numpy.testing.assert_allclose(numpy.sqrt(numpy.diag(found.covariance)), errors, rtol=1e-12)
+    numpy.testing.assert_allclose(numpy.diag(found.correlations), 1.0, rtol=1e-12)
+    # The interval is that of Student's distribution, near the normal one with 299 degrees of freedom.
+    low, high = found["load.mass"].confidence_interval
+    assert (high - low) / 2 == pytest.approx(1.968 * found["load.mass"].standard_error, rel=1e-3)
+    frame = found.predictions_to_pandas()
+    numpy.testing.assert_array_equal(frame.residual, prediction.residuals)
+    assert found.to_pandas().loc["load.mass", "unit"] == "kg"
+
+
+@pytest.mark.parametrize("table", [pandas.DataFrame, polars.DataFrame, dict])
+def test_frames_and_units_give_the_same_estimates(table, rig, lengths, found):
+    data = table({"t": TIMES * 1e3, "L": 1e3 * lengths, "note": ["a"] * len(TIMES)})
+    again = mckibben.identify(study(rig, data, columns={"time": ("t", "ms"), "length": {"name": "L", "unit": "mm"}}))
+    for name in found:
+        assert again[name].value == pytest.approx(found[name].value, rel=1e-6)
+
+
+def test_columns_with_times_of_their_own_stand_in_tables_of_their_own(rig, lengths):
+    run = mckibben.simulate(rig.with_values(TRUTH))
+    pressures = run.at_times(TIMES[::3])["gauge_pressure_pa"]
+    data = [{"t": TIMES, "L": lengths}, {"t": TIMES[::3], "P": pressures}]
+    columns = {"time": "t", "length": "L", "gauge_pressure": "P"}
+    both = mckibben.identify(study(rig, data, columns=columns))
+    assert [prediction.quantity for prediction in both.predictions] == ["length", "gauge pressure"]
+    assert both["load.mass"].value == pytest.approx(2.4, rel=1e-3)
+
+
+def test_a_plot_has_readings_predictions_and_residuals(found):
+    figure = found.plot()
+    upper, lower = figure.axes
+    assert [line.get_label() for line in upper.lines] == ["measured", "predicted"]
+    numpy.testing.assert_array_equal(lower.lines[0].get_ydata(), found.predictions[0].residuals)
+    assert "<svg" in found.figures["run-1"]
+    with pytest.raises(mckibben.InputError, match="no run `other`; name one of swing"):
+        found.plot("other")
+
+
+def test_doubts_are_warnings_of_python(rig, lengths):
+    drifting = lengths + 2e-3 * TIMES
+    with pytest.warns(UserWarning, match="drifts"):
+        doubted = mckibben.identify(study(rig, {"t": TIMES, "L": drifting}))
+    assert any("drifts" in words for words in doubted.warnings)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        mckibben.identify(study(rig, {"t": TIMES, "L": lengths}))
+
+
+def test_a_search_is_followed_and_ended(rig, lengths):
+    class Enough(Exception):
+        pass
+
+    calls = []
+
+    def follow(evaluations: int, total: None) -> None:
+        calls.append(evaluations)
+        raise Enough
+
+    slow = study(rig, {"t": TIMES, "L": lengths}, more_starts=2000)
+    with pytest.raises(Enough):
+        mckibben.identify(slow, progress=follow)
+    assert len(calls) == 1 and calls[0] >= 0
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"columns": {"time": "t", "length": "x"}}, "no table of the run `swing` has a column `x`"),
+        ({"columns": {"time": "t", "length": ("L", "bar")}}, "`bar` is no unit of length"),
+        ({"columns": {"time": "t", "length": 3}}, "give the name of a column"),
+        ({"columns": {"time": "t", "lenght": "L"}}, "`lenght` is no quantity"),
+        ({"fit": {"load.mass": 2.0}}, r"give its bounds as \(low, high\)"),
+        ({"fit": {"load.masss": (1.0, 2.0)}}, "load.masss"),
+        ({"fit": {"load.mass": (3.0, 1.0)}}, "`from` below `to`"),
+        ({"segments": -1.0}, "segments"),
+    ],
+)
+def test_mistakes_are_told_in_words_of_python(options, words, rig, lengths):
+    with pytest.raises(mckibben.InputError, match=words):
+        mckibben.identify(study(rig, {"t": TIMES, "L": lengths}, **options))
+
+
+def test_tables_that_are_none_are_refused(rig, lengths):
+    with pytest.raises(mckibben.InputError, match="the column `L` has 2 numbers, but the first has 301"):
+        mckibben.identify(study(rig, {"t": TIMES, "L": lengths[:2]}))
+    with pytest.raises(mckibben.InputError, match="is no array of numbers"):
+        mckibben.identify(study(rig, {"t": TIMES, "L": ["long"] * len(TIMES)}))
+    with pytest.raises(mckibben.InputError, match="2 dimensions"):
+        mckibben.identify(study(rig, {"t": TIMES, "L": lengths.reshape(7, 43)}))
