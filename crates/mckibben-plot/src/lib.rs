@@ -5,8 +5,9 @@
 //!
 //! | file | its idea |
 //! |---|---|
-//! | `figure` | what is to be shown: panels, series, spans, marks, references |
-//! | `ticks` | ranges, round tick values, SI prefixes, offsets |
+//! | `figure`, `axis` | what is to be shown: panels, series, spans, marks, references, over linear or logarithmic axes |
+//! | `range` | the interval of an axis, and where a value lies in it |
+//! | `ticks`, `decades` | round tick values of linear and of logarithmic axes, SI prefixes, offsets |
 //! | `decimate` | the fewest points that draw the same curve |
 //! | `text` | widths and outlines of the built-in face |
 //! | `layout`, `legend`, `draw`, `field`, `beside` | where everything goes |
@@ -17,6 +18,8 @@
 //!
 //! * The same figure gives the same bytes (`the_same_figure_gives_the_same_bytes`).
 //! * A point that is NaN or infinite is a gap, never a line to somewhere (`decimate::tests`).
+//! * A value that a logarithmic axis has no place for, zero or negative, is a gap too
+//!   (`what_has_no_logarithm_is_a_gap`).
 //! * A long series is reduced to what its ink can show; the extremes of each column of 0.09 mm stay to within 7 µm
 //!   (`decimate::tests::extremes_survive`, `a_long_series_gives_a_small_file`).
 //! * A legend stands outside the axes, and the words on a reference line move there before they would cover data
@@ -29,13 +32,16 @@
 
 #![forbid(unsafe_code)]
 
+mod axis;
 mod beside;
+mod decades;
 mod decimate;
 mod draw;
 mod field;
 mod figure;
 mod layout;
 mod legend;
+mod range;
 mod raster;
 mod scale;
 mod scene;
@@ -44,10 +50,9 @@ mod text;
 mod theme;
 mod ticks;
 
+pub use axis::{Axis, Scale};
 pub use beside::Beside;
-pub use figure::{
-    Axis, Colour, Dash, Extent, Field, Figure, Legend, Marks, Panel, Reference, Series, Span, Style, Symbol,
-};
+pub use figure::{Colour, Dash, Extent, Field, Figure, Legend, Marks, Panel, Reference, Series, Span, Style, Symbol};
 pub use theme::Theme;
 
 use std::path::{Path, PathBuf};
@@ -92,6 +97,14 @@ pub enum PlotError {
         /// Its upper end.
         max: f64,
     },
+    /// A logarithmic axis is given an end that has no logarithm.
+    #[error("the logarithmic axis \"{axis}\" has an end at {end}; give a positive one")]
+    Logarithm {
+        /// The label of the axis.
+        axis: String,
+        /// The end.
+        end: f64,
+    },
     /// The name of the file does not say which format to write.
     #[error("`{path}` does not say how to draw the figure: its name ends with neither .svg nor .png")]
     Ending {
@@ -110,7 +123,7 @@ impl Figure {
     /// The figure as a self-contained SVG document.
     ///
     /// # Errors
-    /// [`PlotError::Columns`], [`PlotError::Dimension`] or [`PlotError::Range`] when the figure contradicts itself.
+    /// [`PlotError::Columns`], [`PlotError::Dimension`], [`PlotError::Range`] or [`PlotError::Logarithm`] when the figure contradicts itself.
     pub fn to_svg(&self, theme: Theme) -> Result<String, PlotError> {
         Ok(svg::document(&layout::scene(self)?, theme))
     }
