@@ -253,7 +253,7 @@ fn what_has_no_meaning_is_refused_before_anything_is_written() {
     refused(&folder, pulsed, &["--gauge-pressure", "120 psi", "--pwm"], "no duty");
     refused(&folder, pulsed, &["--plot", "a.svg", "--input", "nothing"], "duty, mass_flow, force");
     refused(&folder, pulsed, &["--output", "model.txt"], ".json");
-    refused(&folder, pulsed, &["--plot", "bode.pdf"], ".svg");
+    refused(&folder, pulsed, &["--plot", "bode.jpg"], ".pdf");
     refused(&folder, sealed, &["--amplitude", "0 mm"], "amplitude");
     refused(&folder, "examples/isometric-charge.toml", &["--load", "5 lb"], "held");
     refused(&folder, "examples/paper/fig-03.toml", &[], "prescribed motion");

@@ -1,7 +1,7 @@
-//! Figures for papers and reports: stacked panels over one horizontal axis, as SVG or PNG.
+//! Figures for papers and reports: stacked panels over one horizontal axis, as SVG, PNG or PDF.
 //!
 //! A [`Figure`] is data and words only. `layout` turns it into a list of primitives in points (1 pt = 1/72 inch), and
-//! two small back ends write that one list, so the SVG and the PNG of a figure are the same picture.
+//! three small back ends write that one list, so the SVG, the PNG and the PDF of a figure are the same picture.
 //!
 //! | file | its idea |
 //! |---|---|
@@ -12,7 +12,7 @@
 //! | `text` | widths and outlines of the built-in face |
 //! | `layout`, `legend`, `draw`, `field`, `beside` | where everything goes |
 //! | `scene`, `theme`, `scale` | the primitives and their colours |
-//! | `svg`, `raster` | the two back ends |
+//! | `svg`, `raster`, `pdf` | the three back ends |
 //!
 //! What holds for every figure, and the tests that hold it:
 //!
@@ -24,8 +24,8 @@
 //!   (`decimate::tests::extremes_survive`, `a_long_series_gives_a_small_file`).
 //! * A legend stands outside the axes, and the words on a reference line move there before they would cover data
 //!   (`words_on_a_reference_line_leave_before_they_cover_data`).
-//! * Nothing is read from the machine: the PNG uses the Noto Sans that is compiled in, and the SVG names a stack of
-//!   common faces with that one first.
+//! * Nothing is read from the machine: the PNG uses the Noto Sans that is compiled in, the PDF holds what it shows of
+//!   it, and the SVG names a stack of common faces with that one first.
 //!
 //! Colours follow M. Okabe and K. Ito, "Color Universal Design" (2008), and each is paired with a dash pattern or a
 //! symbol so that a grey copy stays readable.
@@ -41,6 +41,7 @@ mod field;
 mod figure;
 mod layout;
 mod legend;
+mod pdf;
 mod range;
 mod raster;
 mod scale;
@@ -106,7 +107,7 @@ pub enum PlotError {
         end: f64,
     },
     /// The name of the file does not say which format to write.
-    #[error("`{path}` does not say how to draw the figure: its name ends with neither .svg nor .png")]
+    #[error("`{path}` does not say how to draw the figure: its name ends with none of .svg, .png and .pdf")]
     Ending {
         /// The file that was asked for.
         path: PathBuf,
@@ -114,6 +115,12 @@ pub enum PlotError {
     /// The raster could not be made.
     #[error("the figure could not be drawn as PNG: {reason}")]
     Raster {
+        /// What went wrong.
+        reason: String,
+    },
+    /// The PDF could not be made.
+    #[error("the figure could not be drawn as PDF: {reason}")]
+    Document {
         /// What went wrong.
         reason: String,
     },
@@ -137,6 +144,15 @@ impl Figure {
         raster::png(&layout::scene(self)?, theme, scale)
     }
 
+    /// The figure as a PDF of one page in its true width, with its words as text in embedded fonts. [`Theme::Auto`] is
+    /// drawn as light.
+    ///
+    /// # Errors
+    /// As [`Figure::to_svg`].
+    pub fn to_pdf(&self, theme: Theme) -> Result<Vec<u8>, PlotError> {
+        pdf::document(&layout::scene(self)?, theme)
+    }
+
     /// The figure as a file that is read on paper: light, a PNG at [`PRINT_SCALE`].
     ///
     /// # Errors
@@ -153,6 +169,8 @@ pub enum Format {
     Svg,
     /// A raster of 300 pixels per inch.
     Png,
+    /// A page as large as the figure.
+    Pdf,
 }
 
 impl Format {
@@ -165,6 +183,7 @@ impl Format {
         match ending.as_deref() {
             Some("svg") => Ok(Self::Svg),
             Some("png") => Ok(Self::Png),
+            Some("pdf") => Ok(Self::Pdf),
             _ => Err(PlotError::Ending { path: path.to_path_buf() }),
         }
     }
@@ -175,6 +194,7 @@ fn bytes(scene: &scene::Scene, format: Format) -> Result<Vec<u8>, PlotError> {
     match format {
         Format::Svg => Ok(svg::document(scene, Theme::Light).into_bytes()),
         Format::Png => raster::png(scene, Theme::Light, PRINT_SCALE),
+        Format::Pdf => pdf::document(scene, Theme::Light),
     }
 }
 

@@ -34,6 +34,7 @@ fn the_same_figure_gives_the_same_bytes() {
         assert_eq!(full().to_svg(theme).unwrap(), full().to_svg(theme).unwrap());
     }
     assert_eq!(full().to_png(Theme::Light, 1.0).unwrap(), full().to_png(Theme::Light, 1.0).unwrap());
+    assert_eq!(full().to_pdf(Theme::Light).unwrap(), full().to_pdf(Theme::Light).unwrap());
 }
 
 #[test]
@@ -136,7 +137,7 @@ fn hostile_words_stay_words() {
     let svg = figure.to_svg(Theme::Auto).unwrap();
     assert!(!svg.contains("<script") && !svg.contains('\u{0}') && !svg.contains('\u{7}'));
     assert_eq!(svg.matches("<text").count(), svg.matches("</text>").count());
-    assert!(figure.to_png(Theme::Light, 1.0).is_ok());
+    assert!(figure.to_png(Theme::Light, 1.0).is_ok() && figure.to_pdf(Theme::Dark).is_ok());
 }
 
 #[test]
@@ -225,8 +226,9 @@ fn the_ending_of_a_name_says_how_to_draw() {
     let of = |name: &str| Format::of(Path::new(name));
     assert!(full().bytes(of("a.svg").unwrap()).unwrap().starts_with(b"<svg"));
     assert!(full().bytes(of("b.PNG").unwrap()).unwrap().starts_with(b"\x89PNG"));
-    let wrong = of("c.pdf").unwrap_err().to_string();
-    assert!(wrong.contains("c.pdf") && wrong.contains(".svg"), "{wrong}");
+    assert!(full().bytes(of("c.pdf").unwrap()).unwrap().starts_with(b"%PDF"));
+    let wrong = of("d.jpg").unwrap_err().to_string();
+    assert!(wrong.contains("d.jpg") && [".svg", ".png", ".pdf"].iter().all(|known| wrong.contains(known)), "{wrong}");
 }
 
 /// A figure with both axes logarithmic: x from 0.1 to 1000, y from 1 to 100.
