@@ -191,7 +191,7 @@ fn mistakes_on_the_command_line() {
     for arguments in [
         &["simulate", "muscle.toml", "--output", "run.txt"][..],
         &["simulate", "muscle.toml", "--output", "run"],
-        &["simulate", "muscle.toml", "--plot", "run.pdf"],
+        &["simulate", "muscle.toml", "--plot", "run.jpg"],
         &["simulate", "muscle.toml", "--events-output", "events.parquet"],
         &["simulate", "muscle.toml", "--output", "same.csv", "--events-output", "same.csv"],
         &["simulate", "muscle.toml", "--set", "load.mass"],

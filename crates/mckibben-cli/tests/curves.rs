@@ -82,7 +82,7 @@ fn what_is_wrong_is_refused_before_anything_is_written() {
         (["--gauge-pressures", "35"], "pressure"),
         (["--gauge-pressures", "-20psi"], "vacuum"),
         (["--output", "c.txt"], ".csv"),
-        (["--plot", "c.pdf"], ".svg"),
+        (["--plot", "c.jpg"], ".svg"),
         (["--set", "actuator.turns=-1"], "actuator.turns"),
     ] {
         let output = folder.mckibben().arg("curves").arg(&file).args([&arguments.join("=")]).output().unwrap();

@@ -5,6 +5,8 @@ mod common;
 use common::{Folder, of_repository};
 use mckibben::GaugePressure;
 use mckibben::linearize::{Aim, Balance, Content, StateSpace, linearize, linearize_driven};
+use mckibben_plot::Scale;
+use mckibben_run::linearize::{LinearModel, Request};
 use mckibben_scenario::Document;
 use serde_json::Value;
 
@@ -201,6 +203,34 @@ fn bode_plots_are_drawn() {
         assert!(svg.contains(words), "{words}");
     }
     assert!(std::fs::read(folder.path("b.png")).unwrap().starts_with(b"\x89PNG"));
+    // Decades of Hz, of m and of Pa; raised figures are smaller and higher.
+    for label in
+        [">0.1<", ">1<", ">10<", ">100<", ">1000<", ">−8</tspan>", ">−4</tspan>", ">3</tspan>", ">7</tspan>", ">−90<"]
+    {
+        assert!(svg.contains(label), "{label}");
+    }
+}
+
+#[test]
+fn bode_plots_hold_frequencies_and_magnitudes_over_logarithmic_axes() {
+    let document = Document::load(of_repository("examples/linearize-pwm.toml")).unwrap();
+    let model = LinearModel::of("linearize-pwm", &document, &Request::default()).unwrap();
+    let figure = model.figure(None).unwrap();
+    assert_eq!((figure.x.scale, figure.x.unit.as_str()), (Scale::Logarithmic, "Hz"));
+    let axes: Vec<_> = figure.panels.iter().map(|panel| (panel.y.scale, panel.y.unit.as_str())).collect();
+    assert_eq!(axes, [(Scale::Logarithmic, "m"), (Scale::Logarithmic, "Pa"), (Scale::Linear, "°")]);
+    for (panel, name) in figure.panels.iter().zip(["length", "pressure"]) {
+        let output = model.system().outputs.iter().position(|signal| signal.name == name).unwrap();
+        let series = &panel.series[0];
+        for (frequency, drawn) in series.x.iter().zip(&series.y) {
+            let response = model.system().response(0, output, std::f64::consts::TAU * frequency).unwrap();
+            assert!((drawn / response.magnitude() - 1.0).abs() < 1e-12, "{name} at {frequency} Hz");
+        }
+        let (least, greatest) = series.y.iter().fold((f64::MAX, 0.0_f64), |(l, g), y| (l.min(*y), g.max(*y)));
+        let (low, high) = (panel.y.min.unwrap(), panel.y.max.unwrap());
+        assert!(low <= least && low > 0.1 * least && greatest <= high && high < 10.0 * greatest, "{name}");
+        assert_eq!((figure.x.min, figure.x.max), (Some(series.x[0]), series.x.last().copied()));
+    }
 }
 
 #[test]
@@ -223,7 +253,7 @@ fn what_has_no_meaning_is_refused_before_anything_is_written() {
     refused(&folder, pulsed, &["--gauge-pressure", "120 psi", "--pwm"], "no duty");
     refused(&folder, pulsed, &["--plot", "a.svg", "--input", "nothing"], "duty, mass_flow, force");
     refused(&folder, pulsed, &["--output", "model.txt"], ".json");
-    refused(&folder, pulsed, &["--plot", "bode.pdf"], ".svg");
+    refused(&folder, pulsed, &["--plot", "bode.jpg"], ".pdf");
     refused(&folder, sealed, &["--amplitude", "0 mm"], "amplitude");
     refused(&folder, "examples/isometric-charge.toml", &["--load", "5 lb"], "held");
     refused(&folder, "examples/paper/fig-03.toml", &[], "prescribed motion");

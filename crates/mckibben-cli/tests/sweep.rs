@@ -1009,7 +1009,7 @@ fn mistakes_are_told_before_anything_is_simulated() {
         (&["plain.toml"][..], "has no section [sweep]"),
         (&["absent.toml"], "cannot be read"),
         (&["muscle.toml", "-o", "run.txt"], "does not say how to write"),
-        (&["muscle.toml", "-p", "run.pdf"], "does not say how to draw"),
+        (&["muscle.toml", "-p", "run.jpg"], "does not say how to draw"),
         (&["muscle.toml", "-o", "out", "--shard", "0/4"], "counted from 1"),
         (&["muscle.toml", "-o", "out", "--shard", "5/4"], "counted from 1"),
         (&["muscle.toml", "-o", "out", "--shard", "4"], "I/N"),

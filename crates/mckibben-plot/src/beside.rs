@@ -3,7 +3,7 @@
 use super::layout::{self, CAPTION_SIZE, RIM, TITLE_SIZE, paragraph};
 use super::scene::{Area, Ink, Item, Outline, Scene, Step};
 use super::text::Faces;
-use super::{Figure, Format, PlotError, Theme, raster, svg};
+use super::{Figure, Format, PlotError, Theme, pdf, raster, svg};
 
 /// Figures from the left to the right.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -31,6 +31,14 @@ impl Beside {
     /// As [`Figure::to_png`].
     pub fn to_png(&self, theme: Theme, scale: f64) -> Result<Vec<u8>, PlotError> {
         raster::png(&self.scene()?, theme, scale)
+    }
+
+    /// All of it as one PDF.
+    ///
+    /// # Errors
+    /// As [`Figure::to_pdf`].
+    pub fn to_pdf(&self, theme: Theme) -> Result<Vec<u8>, PlotError> {
+        pdf::document(&self.scene()?, theme)
     }
 
     /// All of it as a file that is read on paper.

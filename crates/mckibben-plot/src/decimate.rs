@@ -1,6 +1,6 @@
 //! The fewest points that draw the same curve.
 //!
-//! A run of finite points is reduced in two steps, both in points of the page:
+//! A run of points is reduced in two steps, both in points of the page, so that the scale of an axis does not matter:
 //!
 //! 1. Where x does not run back, each column of [`COLUMN`] keeps its first, lowest, highest and last point, in their
 //!    order. What a pen draws of the column is the same, and no peak is lost. (U. Jugel et al., "M4: a
@@ -19,13 +19,13 @@ const TOLERANCE: f64 = 0.02;
 /// Runs are simplified in pieces of this many points, which bounds the work at one chord per point and piece.
 const PIECE: usize = 512;
 
-/// The finite stretches of a series, on the page. A point that is not finite ends a stretch.
-pub(super) fn runs(x: &[f64], y: &[f64], page: impl Fn(f64, f64) -> Point) -> Vec<Vec<Point>> {
+/// The stretches of a series that have places on the page. A point without one ends a stretch.
+pub(super) fn runs(x: &[f64], y: &[f64], page: impl Fn(f64, f64) -> Option<Point>) -> Vec<Vec<Point>> {
     let mut runs = vec![Vec::new()];
     for (x, y) in x.iter().zip(y) {
-        match (x.is_finite() && y.is_finite(), runs.last_mut()) {
-            (true, Some(run)) => run.push(page(*x, *y)),
-            (false, Some(run)) if !run.is_empty() => runs.push(Vec::new()),
+        match (page(*x, *y), runs.last_mut()) {
+            (Some(point), Some(run)) => run.push(point),
+            (None, Some(run)) if !run.is_empty() => runs.push(Vec::new()),
             _ => {}
         }
     }
@@ -173,9 +173,10 @@ mod tests {
     fn gaps_split_a_series() {
         let x = [0.0, 1.0, 2.0, 3.0, f64::INFINITY, 5.0];
         let y = [0.0, f64::NAN, f64::NAN, 1.0, 1.0, 1.0];
-        assert_eq!(runs(&x, &y, |x, y| [x, y]), [[[0.0, 0.0]], [[3.0, 1.0]], [[5.0, 1.0]]]);
-        assert!(runs(&[], &[], |x, y| [x, y]).is_empty());
-        assert!(runs(&[f64::NAN], &[1.0], |x, y| [x, y]).is_empty());
+        let page = |x: f64, y: f64| (x.is_finite() && y.is_finite()).then_some([x, y]);
+        assert_eq!(runs(&x, &y, page), [[[0.0, 0.0]], [[3.0, 1.0]], [[5.0, 1.0]]]);
+        assert!(runs(&[], &[], page).is_empty());
+        assert!(runs(&[f64::NAN], &[1.0], page).is_empty());
     }
 
     #[test]

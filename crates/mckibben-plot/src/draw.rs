@@ -1,12 +1,14 @@
 //! One panel, from the back to the front: spans, grid, reference lines, axes, series, marks, words on the lines.
 
+use super::axis::Scale;
 use super::decimate::{COLUMN, chord, clip, clip_polygon, reduce, runs, staircase, thin};
 use super::figure::{Extent, Marks, Panel, Reference, Series, Span, Style};
 use super::layout::{TICK, TICK_GAP, TICK_SIZE, words};
 use super::legend::{End, LINE, SHADE, dash, draw_marks, draw_points, rule, symbol};
+use super::range::Range;
 use super::scene::{Anchor, Area, Ink, Outline, Point, Scene, Step, Words};
 use super::text::Faces;
-use super::ticks::{Range, Ticks};
+use super::ticks::Ticks;
 
 /// The size of the words on reference lines.
 const REFERENCE_SIZE: f64 = 6.6;
@@ -16,6 +18,8 @@ const DOT: f64 = 0.8;
 const FAR: f64 = 1e6;
 /// More intervals than this per column of the page are drawn by how much of the column they cover.
 const DENSE: f64 = 0.5;
+/// The size of minor ticks and the width of their lines, as a share of those of ticks with labels.
+const MINOR: f64 = 0.6;
 /// The steps of such a shade.
 const SHADES: usize = 8;
 
@@ -39,8 +43,10 @@ impl Frame<'_> {
         (self.area.bottom - self.y.place(y) * self.area.height()).clamp(-FAR, FAR)
     }
 
-    fn page(&self, x: f64, y: f64) -> Point {
-        [self.page_x(x), self.page_y(y)]
+    /// Where a point of the data stands, if it has a place on both scales.
+    fn page(&self, x: f64, y: f64) -> Option<Point> {
+        let admitted = self.x.scale.admits(x) && self.y.scale.admits(y);
+        admitted.then(|| [self.page_x(x), self.page_y(y)])
     }
 }
 
@@ -141,9 +147,9 @@ fn draw_span(scene: &mut Scene, span: &Span, frame: &Frame<'_>) {
         Extent::Between { x, lower, upper } => {
             // Both edges must be numbers, or the strip has no width there.
             let both: Vec<f64> = lower.iter().zip(upper).map(|(l, u)| l + u).collect();
-            for range in stretches(x, &both) {
+            for range in stretches(x, &both, frame.x.scale) {
                 let edge = |y: &[f64]| -> Vec<Point> {
-                    let run: Vec<Point> = range.clone().map(|i| frame.page(x[i], y[i])).collect();
+                    let run: Vec<Point> = range.clone().map(|i| [frame.page_x(x[i]), frame.page_y(y[i])]).collect();
                     reduce(&run)
                 };
                 let mut polygon = edge(upper);
@@ -159,9 +165,9 @@ fn draw_span(scene: &mut Scene, span: &Span, frame: &Frame<'_>) {
     scene.outline(shade);
 }
 
-/// The index ranges in which both columns are numbers.
-fn stretches(x: &[f64], y: &[f64]) -> Vec<std::ops::Range<usize>> {
-    let fine: Vec<bool> = x.iter().zip(y).map(|(x, y)| x.is_finite() && y.is_finite()).collect();
+/// The index ranges in which x has a place on its scale and y is a number.
+fn stretches(x: &[f64], y: &[f64], scale: Scale) -> Vec<std::ops::Range<usize>> {
+    let fine: Vec<bool> = x.iter().zip(y).map(|(x, y)| scale.admits(*x) && y.is_finite()).collect();
     let mut start = 0;
     let mut found = Vec::new();
     for piece in fine.chunk_by(|a, b| a == b) {
@@ -225,34 +231,44 @@ fn draw_intervals(scene: &mut Scene, ink: Ink, intervals: &[(f64, f64)], frame: 
 
 fn grid(scene: &mut Scene, frame: &Frame<'_>) {
     let area = frame.area;
-    let mut grid = Outline::stroked(Ink::Grid, 0.5, &[]);
-    for (x, _) in &frame.x_ticks.at {
-        grid.polyline(&[[frame.page_x(*x), area.top], [frame.page_x(*x), area.bottom]]);
-    }
-    for (y, _) in &frame.y_ticks.at {
-        grid.polyline(&[[area.left, frame.page_y(*y)], [area.right, frame.page_y(*y)]]);
-    }
-    scene.outline(grid);
+    let lines = |width: f64, xs: &[f64], ys: &[f64]| {
+        let mut lines = Outline::stroked(Ink::Grid, width, &[]);
+        for x in xs.iter().map(|x| frame.page_x(*x)) {
+            lines.polyline(&[[x, area.top], [x, area.bottom]]);
+        }
+        for y in ys.iter().map(|y| frame.page_y(*y)) {
+            lines.polyline(&[[area.left, y], [area.right, y]]);
+        }
+        lines
+    };
+    scene.outline(lines(0.5 * MINOR, &frame.x_ticks.minor, &frame.y_ticks.minor));
+    scene.outline(lines(0.5, &frame.x_ticks.values(), &frame.y_ticks.values()));
 }
 
 fn axes(scene: &mut Scene, frame: &Frame<'_>) {
     let area = frame.area;
+    let marks = |lines: &mut Outline, length: f64, xs: &[f64], ys: &[f64]| {
+        for x in xs.iter().map(|x| frame.page_x(*x)) {
+            lines.polyline(&[[x, area.bottom], [x, area.bottom + length]]);
+        }
+        for y in ys.iter().map(|y| frame.page_y(*y)) {
+            lines.polyline(&[[area.left - length, y], [area.left, y]]);
+        }
+    };
     let mut lines = Outline::stroked(Ink::Axis, 0.7, &[]);
     lines.polyline(&[[area.left, area.top], [area.left, area.bottom], [area.right, area.bottom]]);
-    for (x, label) in &frame.x_ticks.at {
-        let x = frame.page_x(*x);
-        lines.polyline(&[[x, area.bottom], [x, area.bottom + TICK]]);
-        if frame.numbered {
-            let baseline = area.bottom + TICK + TICK_GAP + 0.8 * TICK_SIZE;
-            scene.words(words(label.clone(), [x, baseline], Anchor::Middle, TICK_SIZE));
-        }
+    marks(&mut lines, TICK, &frame.x_ticks.values(), &frame.y_ticks.values());
+    for (x, label) in frame.x_ticks.at.iter().filter(|_| frame.numbered) {
+        let at = [frame.page_x(*x), area.bottom + TICK + TICK_GAP + 0.8 * TICK_SIZE];
+        scene.words(words(label.clone(), at, Anchor::Middle, TICK_SIZE));
     }
     for (y, label) in &frame.y_ticks.at {
-        let y = frame.page_y(*y);
-        lines.polyline(&[[area.left - TICK, y], [area.left, y]]);
-        let at = [area.left - TICK - TICK_GAP, y + 0.36 * TICK_SIZE];
+        let at = [area.left - TICK - TICK_GAP, frame.page_y(*y) + 0.36 * TICK_SIZE];
         scene.words(words(label.clone(), at, Anchor::End, TICK_SIZE));
     }
+    let mut minor = Outline::stroked(Ink::Axis, 0.7 * MINOR, &[]);
+    marks(&mut minor, MINOR * TICK, &frame.x_ticks.minor, &frame.y_ticks.minor);
+    scene.outline(minor);
     scene.outline(lines);
 }
 

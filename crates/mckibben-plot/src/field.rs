@@ -1,11 +1,13 @@
 //! A quantity over the plane: its cells, and the bar beside the axes that says what their colours mean.
 
+use super::axis::{Axis, Scale};
 use super::draw::Frame;
-use super::figure::{Axis, Field};
-use super::layout::{LABEL_SIZE, LEADING, TICK, TICK_GAP, TICK_SIZE, words};
+use super::figure::Field;
+use super::layout::{LABEL_SIZE, LEADING, ROW, TICK, TICK_GAP, TICK_SIZE, words};
+use super::range::Range;
 use super::scene::{Anchor, Area, Ink, Outline, Scene, Step, Words};
 use super::text::Faces;
-use super::ticks::{Range, Ticks, ticks};
+use super::ticks::{Ticks, ticks};
 
 /// From the axes to the bar.
 const GAP: f64 = 6.0;
@@ -34,7 +36,7 @@ impl Bar {
         });
         let axis = Axis::new(&field.label, &field.unit);
         let range = Range::new(extent, &axis, 0.0);
-        let ticks = ticks(&axis, range, height / 15.5);
+        let ticks = ticks(&axis, range, height, ROW);
         let numbers = ticks.at.iter().map(|tick| faces.width(&tick.1, TICK_SIZE, false)).fold(0.0, f64::max);
         let label = faces.wrap(&ticks.label, LABEL_SIZE, false, height + 4.0);
         let words = 3.5 + label.len() as f64 * LABEL_SIZE * LEADING;
@@ -81,14 +83,15 @@ impl Bar {
 pub(super) fn draw(scene: &mut Scene, field: &Field, bar: &Bar, frame: &Frame<'_>) {
     let place = |edges: Vec<f64>, on_page: &dyn Fn(f64) -> f64| edges.into_iter().map(on_page).collect::<Vec<f64>>();
     let area = frame.area;
-    let columns = place(edges(&field.x), &|x| frame.page_x(x).clamp(area.left, area.right));
-    let rows = place(edges(&field.y), &|y| frame.page_y(y).clamp(area.top, area.bottom));
+    let columns = place(edges(&field.x, frame.x.scale), &|x| frame.page_x(x).clamp(area.left, area.right));
+    let rows = place(edges(&field.y, frame.y.scale), &|y| frame.page_y(y).clamp(area.top, area.bottom));
     let mut crosses = Outline::stroked(Ink::Muted, 0.5, &[]);
-    for (row, values) in field.values.chunks(field.x.len().max(1)).enumerate() {
+    let (left_out, below) = (absent(&field.x, frame.x.scale), absent(&field.y, frame.y.scale));
+    for (row, values) in field.values.chunks(field.x.len().max(1)).skip(below).enumerate() {
         let Some(&[bottom, top]) = rows.get(row..row + 2).and_then(|edges| edges.first_chunk()) else { break };
         let mut column = 0;
         // Neighbours of one colour are one rectangle.
-        for run in values.chunk_by(|a, b| a.is_finite() && b.is_finite() && bar.ink(*a) == bar.ink(*b)) {
+        for run in values[left_out..].chunk_by(|a, b| a.is_finite() && b.is_finite() && bar.ink(*a) == bar.ink(*b)) {
             let (left, right) = (columns[column], columns[column + run.len()]);
             column += run.len();
             if run[0].is_finite() {
@@ -107,18 +110,24 @@ pub(super) fn draw(scene: &mut Scene, field: &Field, bar: &Bar, frame: &Frame<'_
     scene.outline(crosses);
 }
 
-/// The edges of cells around rising centres: half way to the neighbours, and as far beyond the outer ones.
-pub(super) fn edges(centres: &[f64]) -> Vec<f64> {
+/// How many of rising centres have no place on a scale: those have no cell.
+fn absent(centres: &[f64], scale: Scale) -> usize {
+    centres.iter().take_while(|centre| !scale.admits(**centre)).count()
+}
+
+/// The edges of cells around rising centres: half way on the scale to the neighbours, and as far beyond the outer ones.
+pub(super) fn edges(centres: &[f64], scale: Scale) -> Vec<f64> {
+    let centres = &centres[absent(centres, scale)..];
     let (Some(first), Some(last)) = (centres.first(), centres.last()) else { return Vec::new() };
-    let half = |pair: &[f64]| 0.5 * (pair[1] - pair[0]);
+    let half = |pair: &[f64]| 0.5 * (scale.coordinate(pair[1]) - scale.coordinate(pair[0]));
+    let beyond = |from: f64, by: f64| scale.value(scale.coordinate(from) + by);
     let lone = if *first == 0.0 { 0.5 } else { 0.05 * first.abs() };
     let (low, high) = match centres {
-        [_] => (lone, lone),
-        [.., a, b] => (half(&centres[..2]), half(&[*a, *b])),
-        [] => (lone, lone),
+        [.., a, b] => (beyond(*first, -half(&centres[..2])), beyond(*last, half(&[*a, *b]))),
+        _ => (first - lone, last + lone),
     };
-    let inner = centres.windows(2).map(|pair| pair[0] + half(pair));
-    std::iter::once(first - low).chain(inner).chain([last + high]).collect()
+    let inner = centres.windows(2).map(|pair| beyond(pair[0], half(pair)));
+    std::iter::once(low).chain(inner).chain([high]).collect()
 }
 
 #[cfg(test)]
@@ -127,8 +136,11 @@ mod tests {
 
     #[test]
     fn cells_meet_half_way() {
-        assert_eq!(edges(&[1.0, 2.0, 4.0]), [0.5, 1.5, 3.0, 5.0]);
-        assert_eq!(edges(&[0.0]), [-0.5, 0.5]);
-        assert!(edges(&[]).is_empty());
+        assert_eq!(edges(&[1.0, 2.0, 4.0], Scale::Linear), [0.5, 1.5, 3.0, 5.0]);
+        assert_eq!(edges(&[0.0], Scale::Linear), [-0.5, 0.5]);
+        assert!(edges(&[], Scale::Linear).is_empty());
+        let ratios = edges(&[-1.0, 0.0, 1.0, 4.0, 16.0], Scale::Logarithmic);
+        assert!(ratios.iter().zip([0.5, 2.0, 8.0, 32.0]).all(|(edge, expected)| (edge - expected).abs() < 1e-13));
+        assert_eq!((ratios.len(), edges(&[-1.0, 0.0], Scale::Logarithmic)), (4, Vec::new()));
     }
 }

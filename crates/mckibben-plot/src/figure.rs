@@ -1,9 +1,8 @@
 //! What a figure shows: panels, and the series, spans, marks and reference lines in them.
 //!
-//! Everything is plain data. Columns are `f64`, and a value that is not finite is a gap. The unit of an axis stands
-//! apart from its label, so that ticks can choose an SI prefix for it.
+//! Everything is plain data. Columns are `f64`, and a value that is not finite is a gap.
 
-use super::PlotError;
+use super::{Axis, PlotError};
 
 /// Which colour a thing is drawn in. Colours adapt to the theme.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,57 +67,6 @@ pub enum Symbol {
     Plus,
     /// A diagonal cross.
     Cross,
-}
-
-/// An axis: its words, and its range where the data should not decide.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Axis {
-    /// The quantity, such as `length`.
-    pub label: String,
-    /// The unit of the values as given, such as `mm`. Empty for none.
-    pub unit: String,
-    /// The lower end, where the data should not decide.
-    pub min: Option<f64>,
-    /// The upper end, where the data should not decide.
-    pub max: Option<f64>,
-    /// Words in place of numbers: `[(0.0, "closed"), (1.0, "open")]`.
-    pub words: Vec<(f64, String)>,
-}
-
-impl Axis {
-    /// An axis whose range the data decide.
-    pub fn new(label: impl Into<String>, unit: impl Into<String>) -> Self {
-        Self { label: label.into(), unit: unit.into(), ..Self::default() }
-    }
-
-    /// The same axis with a lower end.
-    #[must_use]
-    pub fn starting_at(mut self, min: f64) -> Self {
-        self.min = Some(min);
-        self
-    }
-
-    /// The same axis with an upper end.
-    #[must_use]
-    pub fn ending_at(mut self, max: f64) -> Self {
-        self.max = Some(max);
-        self
-    }
-
-    /// The same axis with words in place of numbers.
-    #[must_use]
-    pub fn words<S: Into<String>>(mut self, words: impl IntoIterator<Item = (f64, S)>) -> Self {
-        self.words = words.into_iter().map(|(at, word)| (at, word.into())).collect();
-        self
-    }
-
-    fn validate(&self) -> Result<(), PlotError> {
-        let (min, max) = (self.min.unwrap_or(f64::MIN), self.max.unwrap_or(f64::MAX));
-        if min.is_finite() && max.is_finite() && min < max {
-            return Ok(());
-        }
-        Err(PlotError::Range { axis: self.label.clone(), min, max })
-    }
 }
 
 /// One curve or cloud of points.

@@ -4,13 +4,15 @@
 //! title 8.5 pt, which is what journals ask of a figure one column wide.
 
 use super::PlotError;
+use super::axis::{Axis, Scale};
 use super::draw::{self, Frame};
 use super::field::{self, Bar};
-use super::figure::{Axis, Extent, Figure, Legend, Panel, Reference, Series, Style};
+use super::figure::{Extent, Figure, Legend, Panel, Reference, Series, Style};
 use super::legend::{self, Entry, Key};
+use super::range::Range;
 use super::scene::{Anchor, Area, Ink, Outline, Scene, Words};
 use super::text::Faces;
-use super::ticks::{Range, Ticks, ticks};
+use super::ticks::{Ticks, ticks};
 
 /// Points in a millimetre.
 const MM: f64 = 72.0 / 25.4;
@@ -26,6 +28,8 @@ pub(super) const TITLE_SIZE: f64 = 8.5;
 pub(super) const CAPTION_SIZE: f64 = 6.8;
 /// From one line of words to the next, of their size.
 pub(super) const LEADING: f64 = 1.28;
+/// From one label of a vertical axis to the next, at least.
+pub(super) const ROW: f64 = 15.5;
 /// Between the axes of one panel and what belongs to the next.
 const PANEL_GAP: f64 = 8.0;
 /// What events on the upper edge need.
@@ -44,7 +48,7 @@ pub(super) fn scene(figure: &Figure) -> Result<Scene, PlotError> {
         .zip(&heights)
         .map(|(panel, height)| {
             let range = y_range(panel, x, *height);
-            (range, ticks(&panel.y, range, height / 15.5))
+            (range, ticks(&panel.y, range, *height, ROW))
         })
         .collect();
 
@@ -201,13 +205,13 @@ fn x_ticks(axis: &Axis, range: Range, width: f64, faces: &Faces) -> Ticks {
             (range.place(w[1].0) - range.place(w[0].0)) * width >= needed
         })
     };
-    let attempt = |spacing: f64| ticks(axis, range, width / spacing);
+    let attempt = |spacing: f64| ticks(axis, range, width, spacing);
     [24.0, 32.0, 44.0, 60.0, 80.0].into_iter().map(attempt).find(spaced).unwrap_or_else(|| attempt(110.0))
 }
 
-/// Grows an extent by a value, if that is a number.
-fn grow(extent: &mut Option<(f64, f64)>, value: f64) {
-    if value.is_finite() {
+/// Grows an extent by a value, if that has a place on the scale.
+fn grow(extent: &mut Option<(f64, f64)>, scale: Scale, value: f64) {
+    if scale.admits(value) {
         let (low, high) = extent.unwrap_or((value, value));
         *extent = Some((low.min(value), high.max(value)));
     }
@@ -215,29 +219,30 @@ fn grow(extent: &mut Option<(f64, f64)>, value: f64) {
 
 /// The common range of x: that of the data, tight around curves that only go forth, with a margin around others.
 fn x_range(figure: &Figure) -> Range {
+    let scale = figure.x.scale;
     let mut extent = None;
     let mut frames = None;
     for panel in &figure.panels {
-        let edges = panel.field.iter().flat_map(|field| field::edges(&field.x));
-        edges.for_each(|x| grow(&mut extent, x));
+        let edges = panel.field.iter().flat_map(|field| field::edges(&field.x, scale));
+        edges.for_each(|x| grow(&mut extent, scale, x));
         for series in &panel.series {
-            let points = series.x.iter().zip(&series.y).filter(|(_, y)| y.is_finite());
-            points.for_each(|(x, _)| grow(&mut extent, *x));
+            let points = series.x.iter().zip(&series.y).filter(|(_, y)| panel.y.scale.admits(**y));
+            points.for_each(|(x, _)| grow(&mut extent, scale, *x));
         }
-        panel.marks.iter().flat_map(|m| &m.x).for_each(|x| grow(&mut extent, *x));
+        panel.marks.iter().flat_map(|m| &m.x).for_each(|x| grow(&mut extent, scale, *x));
         for span in &panel.spans {
             match &span.extent {
-                Extent::Between { x, .. } => x.iter().for_each(|x| grow(&mut extent, *x)),
+                Extent::Between { x, .. } => x.iter().for_each(|x| grow(&mut extent, scale, *x)),
                 Extent::Horizontal(spans) => spans.iter().for_each(|s| {
-                    grow(&mut frames, s.0);
-                    grow(&mut frames, s.1);
+                    grow(&mut frames, scale, s.0);
+                    grow(&mut frames, scale, s.1);
                 }),
                 Extent::Vertical(..) => {}
             }
         }
         for reference in &panel.references {
             if let Reference::Vertical { x, .. } = reference {
-                grow(&mut extent, *x);
+                grow(&mut extent, scale, *x);
             }
         }
     }
@@ -249,10 +254,11 @@ fn x_range(figure: &Figure) -> Range {
 
 /// The range of y of a panel of this height: that of what is seen within the range of x.
 fn y_range(panel: &Panel, x: Range, height: f64) -> Range {
+    let scale = panel.y.scale;
     let mut extent = None;
     let mut column = |xs: &[f64], ys: &[f64]| {
-        let seen = xs.iter().zip(ys).filter(|(at, _)| (-1e-9..=1.0 + 1e-9).contains(&x.place(**at)));
-        seen.for_each(|(_, y)| grow(&mut extent, *y));
+        let seen = xs.iter().zip(ys).filter(|(at, _)| x.contains(**at, 1e-9));
+        seen.for_each(|(_, y)| grow(&mut extent, scale, *y));
     };
     panel.series.iter().for_each(|s| column(&s.x, &s.y));
     panel.marks.iter().for_each(|m| column(&m.x, &m.y));
@@ -264,13 +270,13 @@ fn y_range(panel: &Panel, x: Range, height: f64) -> Range {
     }
     for span in &panel.spans {
         if let Extent::Vertical(from, to) = span.extent {
-            grow(&mut extent, from);
-            grow(&mut extent, to);
+            grow(&mut extent, scale, from);
+            grow(&mut extent, scale, to);
         }
     }
     for reference in &panel.references {
         if let Reference::Horizontal { y, .. } = reference {
-            grow(&mut extent, *y);
+            grow(&mut extent, scale, *y);
         }
     }
     // A reference line above all else has its words above it.
@@ -281,10 +287,11 @@ fn y_range(panel: &Panel, x: Range, height: f64) -> Range {
     if let Some((low, high)) = extent
         && highest.fold(f64::NEG_INFINITY, f64::max) == high
     {
-        grow(&mut extent, high + (high - low) * 5.0 / height);
+        let [low, high] = [low, high].map(|value| scale.coordinate(value));
+        grow(&mut extent, scale, scale.value(high + (high - low) * 5.0 / height));
     }
     if let Some(field) = &panel.field {
-        field::edges(&field.y).into_iter().for_each(|y| grow(&mut extent, y));
+        field::edges(&field.y, scale).into_iter().for_each(|y| grow(&mut extent, scale, y));
         return Range::new(extent, &panel.y, 0.0);
     }
     Range::new(extent, &panel.y, if panel.y.words.is_empty() { 0.06 } else { 0.25 })

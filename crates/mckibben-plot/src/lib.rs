@@ -1,41 +1,48 @@
-//! Figures for papers and reports: stacked panels over one horizontal axis, as SVG or PNG.
+//! Figures for papers and reports: stacked panels over one horizontal axis, as SVG, PNG or PDF.
 //!
 //! A [`Figure`] is data and words only. `layout` turns it into a list of primitives in points (1 pt = 1/72 inch), and
-//! two small back ends write that one list, so the SVG and the PNG of a figure are the same picture.
+//! three small back ends write that one list, so the SVG, the PNG and the PDF of a figure are the same picture.
 //!
 //! | file | its idea |
 //! |---|---|
-//! | `figure` | what is to be shown: panels, series, spans, marks, references |
-//! | `ticks` | ranges, round tick values, SI prefixes, offsets |
+//! | `figure`, `axis` | what is to be shown: panels, series, spans, marks, references, over linear or logarithmic axes |
+//! | `range` | the interval of an axis, and where a value lies in it |
+//! | `ticks`, `decades` | round tick values of linear and of logarithmic axes, SI prefixes, offsets |
 //! | `decimate` | the fewest points that draw the same curve |
 //! | `text` | widths and outlines of the built-in face |
 //! | `layout`, `legend`, `draw`, `field`, `beside` | where everything goes |
 //! | `scene`, `theme`, `scale` | the primitives and their colours |
-//! | `svg`, `raster` | the two back ends |
+//! | `svg`, `raster`, `pdf` | the three back ends |
 //!
 //! What holds for every figure, and the tests that hold it:
 //!
 //! * The same figure gives the same bytes (`the_same_figure_gives_the_same_bytes`).
 //! * A point that is NaN or infinite is a gap, never a line to somewhere (`decimate::tests`).
+//! * A value that a logarithmic axis has no place for, zero or negative, is a gap too
+//!   (`what_has_no_logarithm_is_a_gap`).
 //! * A long series is reduced to what its ink can show; the extremes of each column of 0.09 mm stay to within 7 µm
 //!   (`decimate::tests::extremes_survive`, `a_long_series_gives_a_small_file`).
 //! * A legend stands outside the axes, and the words on a reference line move there before they would cover data
 //!   (`words_on_a_reference_line_leave_before_they_cover_data`).
-//! * Nothing is read from the machine: the PNG uses the Noto Sans that is compiled in, and the SVG names a stack of
-//!   common faces with that one first.
+//! * Nothing is read from the machine: the PNG uses the Noto Sans that is compiled in, the PDF holds what it shows of
+//!   it, and the SVG names a stack of common faces with that one first.
 //!
 //! Colours follow M. Okabe and K. Ito, "Color Universal Design" (2008), and each is paired with a dash pattern or a
 //! symbol so that a grey copy stays readable.
 
 #![forbid(unsafe_code)]
 
+mod axis;
 mod beside;
+mod decades;
 mod decimate;
 mod draw;
 mod field;
 mod figure;
 mod layout;
 mod legend;
+mod pdf;
+mod range;
 mod raster;
 mod scale;
 mod scene;
@@ -44,10 +51,9 @@ mod text;
 mod theme;
 mod ticks;
 
+pub use axis::{Axis, Scale};
 pub use beside::Beside;
-pub use figure::{
-    Axis, Colour, Dash, Extent, Field, Figure, Legend, Marks, Panel, Reference, Series, Span, Style, Symbol,
-};
+pub use figure::{Colour, Dash, Extent, Field, Figure, Legend, Marks, Panel, Reference, Series, Span, Style, Symbol};
 pub use theme::Theme;
 
 use std::path::{Path, PathBuf};
@@ -92,8 +98,16 @@ pub enum PlotError {
         /// Its upper end.
         max: f64,
     },
+    /// A logarithmic axis is given an end that has no logarithm.
+    #[error("the logarithmic axis \"{axis}\" has an end at {end}; give a positive one")]
+    Logarithm {
+        /// The label of the axis.
+        axis: String,
+        /// The end.
+        end: f64,
+    },
     /// The name of the file does not say which format to write.
-    #[error("`{path}` does not say how to draw the figure: its name ends with neither .svg nor .png")]
+    #[error("`{path}` does not say how to draw the figure: its name ends with none of .svg, .png and .pdf")]
     Ending {
         /// The file that was asked for.
         path: PathBuf,
@@ -104,13 +118,19 @@ pub enum PlotError {
         /// What went wrong.
         reason: String,
     },
+    /// The PDF could not be made.
+    #[error("the figure could not be drawn as PDF: {reason}")]
+    Document {
+        /// What went wrong.
+        reason: String,
+    },
 }
 
 impl Figure {
     /// The figure as a self-contained SVG document.
     ///
     /// # Errors
-    /// [`PlotError::Columns`], [`PlotError::Dimension`] or [`PlotError::Range`] when the figure contradicts itself.
+    /// [`PlotError::Columns`], [`PlotError::Dimension`], [`PlotError::Range`] or [`PlotError::Logarithm`] when the figure contradicts itself.
     pub fn to_svg(&self, theme: Theme) -> Result<String, PlotError> {
         Ok(svg::document(&layout::scene(self)?, theme))
     }
@@ -122,6 +142,15 @@ impl Figure {
     /// As [`Figure::to_svg`]; also [`PlotError::Dimension`] when `scale` is not within 0.25 to 16.
     pub fn to_png(&self, theme: Theme, scale: f64) -> Result<Vec<u8>, PlotError> {
         raster::png(&layout::scene(self)?, theme, scale)
+    }
+
+    /// The figure as a PDF of one page in its true width, with its words as text in embedded fonts. [`Theme::Auto`] is
+    /// drawn as light.
+    ///
+    /// # Errors
+    /// As [`Figure::to_svg`].
+    pub fn to_pdf(&self, theme: Theme) -> Result<Vec<u8>, PlotError> {
+        pdf::document(&layout::scene(self)?, theme)
     }
 
     /// The figure as a file that is read on paper: light, a PNG at [`PRINT_SCALE`].
@@ -140,6 +169,8 @@ pub enum Format {
     Svg,
     /// A raster of 300 pixels per inch.
     Png,
+    /// A page as large as the figure.
+    Pdf,
 }
 
 impl Format {
@@ -152,6 +183,7 @@ impl Format {
         match ending.as_deref() {
             Some("svg") => Ok(Self::Svg),
             Some("png") => Ok(Self::Png),
+            Some("pdf") => Ok(Self::Pdf),
             _ => Err(PlotError::Ending { path: path.to_path_buf() }),
         }
     }
@@ -162,6 +194,7 @@ fn bytes(scene: &scene::Scene, format: Format) -> Result<Vec<u8>, PlotError> {
     match format {
         Format::Svg => Ok(svg::document(scene, Theme::Light).into_bytes()),
         Format::Png => raster::png(scene, Theme::Light, PRINT_SCALE),
+        Format::Pdf => pdf::document(scene, Theme::Light),
     }
 }
 

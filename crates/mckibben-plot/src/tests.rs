@@ -34,6 +34,7 @@ fn the_same_figure_gives_the_same_bytes() {
         assert_eq!(full().to_svg(theme).unwrap(), full().to_svg(theme).unwrap());
     }
     assert_eq!(full().to_png(Theme::Light, 1.0).unwrap(), full().to_png(Theme::Light, 1.0).unwrap());
+    assert_eq!(full().to_pdf(Theme::Light).unwrap(), full().to_pdf(Theme::Light).unwrap());
 }
 
 #[test]
@@ -136,7 +137,7 @@ fn hostile_words_stay_words() {
     let svg = figure.to_svg(Theme::Auto).unwrap();
     assert!(!svg.contains("<script") && !svg.contains('\u{0}') && !svg.contains('\u{7}'));
     assert_eq!(svg.matches("<text").count(), svg.matches("</text>").count());
-    assert!(figure.to_png(Theme::Light, 1.0).is_ok());
+    assert!(figure.to_png(Theme::Light, 1.0).is_ok() && figure.to_pdf(Theme::Dark).is_ok());
 }
 
 #[test]
@@ -225,6 +226,138 @@ fn the_ending_of_a_name_says_how_to_draw() {
     let of = |name: &str| Format::of(Path::new(name));
     assert!(full().bytes(of("a.svg").unwrap()).unwrap().starts_with(b"<svg"));
     assert!(full().bytes(of("b.PNG").unwrap()).unwrap().starts_with(b"\x89PNG"));
-    let wrong = of("c.pdf").unwrap_err().to_string();
-    assert!(wrong.contains("c.pdf") && wrong.contains(".svg"), "{wrong}");
+    assert!(full().bytes(of("c.pdf").unwrap()).unwrap().starts_with(b"%PDF"));
+    let wrong = of("d.jpg").unwrap_err().to_string();
+    assert!(wrong.contains("d.jpg") && [".svg", ".png", ".pdf"].iter().all(|known| wrong.contains(known)), "{wrong}");
+}
+
+/// A figure with both axes logarithmic: x from 0.1 to 1000, y from 1 to 100.
+fn logarithmic(x: Vec<f64>, y: Vec<f64>) -> Figure {
+    let panel = Panel::new(Axis::logarithmic("gain", "mm").starting_at(1.0).ending_at(100.0));
+    let axis = Axis::logarithmic("frequency", "Hz").starting_at(0.1).ending_at(1000.0);
+    Figure::new(axis).panel(panel.series(Series::line("", x, y)))
+}
+
+/// The points of the only curve, and the edges of its axes: left, top, right, bottom.
+fn curve(figure: &Figure) -> (Vec<Vec<scene::Point>>, [f64; 4]) {
+    let scene = layout::scene(figure).unwrap();
+    let of = |ink| {
+        let outlines = scene.items.iter().filter_map(|item| match item {
+            scene::Item::Outline(outline) if outline.stroke.is_some_and(|stroke| stroke.ink == ink) => Some(outline),
+            _ => None,
+        });
+        let mut lines: Vec<Vec<scene::Point>> = Vec::new();
+        for step in outlines.flat_map(|outline| &outline.steps) {
+            match (step, lines.last_mut()) {
+                (scene::Step::Move(point), _) => lines.push(vec![*point]),
+                (scene::Step::Line(point), Some(line)) => line.push(*point),
+                _ => {}
+            }
+        }
+        lines
+    };
+    let edges = of(scene::Ink::Axis).into_iter().find(|line| line.len() == 3).unwrap();
+    (of(scene::Ink::Category(0)), [edges[0][0], edges[0][1], edges[2][0], edges[2][1]])
+}
+
+#[test]
+fn equal_ratios_are_equally_far_apart_on_the_page() {
+    let (lines, [left, top, right, bottom]) =
+        curve(&logarithmic(vec![0.1, 1.0, 20.0, 1000.0], vec![1.0, 10.0, 5.0, 100.0]));
+    // Decimal logarithms: 20 lies 2.301 of 4 decades along, 5 lies 0.699 of 2 decades up.
+    let expected = [[0.0, 0.0], [0.25, 0.5], [0.575_257_5, 0.349_485], [1.0, 1.0]];
+    for (point, [along, up]) in lines[0].iter().zip(expected) {
+        assert!((point[0] - (left + along * (right - left))).abs() < 1e-4, "{lines:?}");
+        assert!((point[1] - (bottom - up * (bottom - top))).abs() < 1e-4, "{lines:?}");
+    }
+    assert_eq!((lines.len(), lines[0].len()), (1, 4));
+}
+
+#[test]
+fn what_has_no_logarithm_is_a_gap() {
+    let inf = f64::INFINITY;
+    let x = vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, -9.0, 10.0, 11.0];
+    let y = vec![2.0, 3.0, 0.0, 4.0, 9.0, -5.0, 6.0, 7.0, 8.0, inf, 5.0];
+    let (lines, _) = curve(&logarithmic(x, y));
+    assert_eq!(lines.iter().map(Vec::len).collect::<Vec<_>>(), [2, 2, 2]);
+    // What is hardly data is drawn, in every style, with every kind of span, mark, line and field.
+    let bad = vec![0.0, -0.0, -1.0, f64::NAN, inf, -inf, 5e-324, f64::MAX, 1.0];
+    for (x, y) in
+        [(vec![0.0; 9], bad.clone()), (bad.clone(), vec![-1.0; 9]), (bad.clone(), bad.clone()), (vec![], vec![])]
+    {
+        for style in [Style::Line, Style::Points, Style::LineAndPoints, Style::Steps, Style::Dots] {
+            let mut panel = Panel::new(Axis::logarithmic("gain", ""))
+                .series(Series { style, ..Series::line("a", x.clone(), y.clone()) })
+                .span(Span::between("b", x.clone(), y.clone(), vec![1.0; y.len()]))
+                .span(Span::strip("c", -1.0, 0.5))
+                .span(Span::intervals("d", vec![(-1.0, 0.0), (0.0, 2.0), (3.0, inf)]))
+                .marks(Marks::at("e", Symbol::Plus, x.clone(), y.clone()))
+                .marks(Marks::on_edge("f", Symbol::Cross, x.clone()))
+                .horizontal(0.0, "nowhere")
+                .vertical(-1.0, "nowhere");
+            for legend in [Legend::Auto, Legend::Direct] {
+                panel.legend = legend;
+                let svg = Figure::new(Axis::logarithmic("x", "")).panel(panel.clone()).to_svg(Theme::Light).unwrap();
+                assert!(
+                    !svg.contains("NaN") && !svg.contains("inf") && !svg.contains(">nowhere<"),
+                    "{x:?} {y:?} {svg}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn spans_that_begin_at_zero_begin_at_the_edge() {
+    let mut figure = logarithmic(vec![0.1, 1000.0], vec![1.0, 100.0]);
+    let panel = figure.panels.remove(0);
+    let (x, lower) = (vec![0.1, 1000.0], vec![-1.0, 0.0]);
+    let spans = [Span::strip("", 0.0, 10.0), Span::between("", x, lower, vec![10.0; 2])];
+    let [left, top, right, bottom] = curve(&logarithmic(vec![], vec![])).1;
+    for span in spans {
+        let scene = layout::scene(&figure.clone().panel(panel.clone().span(span))).unwrap();
+        let shades = scene.items.iter().filter_map(|item| match item {
+            scene::Item::Outline(outline) if outline.fill.is_some_and(|fill| fill.opacity < 1.0) => Some(outline),
+            _ => None,
+        });
+        let points: Vec<_> = shades
+            .flat_map(|outline| &outline.steps)
+            .filter_map(|step| match step {
+                scene::Step::Move(point) | scene::Step::Line(point) => Some(*point),
+                _ => None,
+            })
+            .collect();
+        let middle = 0.5 * (top + bottom);
+        for corner in [[left, middle], [right, middle], [left, bottom], [right, bottom]] {
+            let near = |point: &scene::Point| (point[0] - corner[0]).hypot(point[1] - corner[1]) < 0.05;
+            assert!(points.iter().any(near), "{corner:?} {points:?}");
+        }
+        assert!(points.iter().all(|[_, y]| *y > middle - 0.05 && *y < bottom + 0.05));
+    }
+}
+
+/// A power law is a straight line over logarithmic axes, of a point for each piece that is reduced, and a spike of one sample stays: series are
+/// reduced where they are drawn, not where they are given.
+#[test]
+fn long_series_are_reduced_as_they_are_drawn() {
+    let x: Vec<f64> = (0..200_000).map(|i| 10_f64.powf(-1.0 + f64::from(i) * 2e-5)).collect();
+    let mut y: Vec<f64> = x.iter().map(|x| 10.0 * x.powf(0.25)).collect();
+    assert!(curve(&logarithmic(x.clone(), y.clone())).0[0].len() < 8);
+    y[40_000] = 99.0;
+    let (lines, [_, top, _, bottom]) = curve(&logarithmic(x, y));
+    let highest = lines[0].iter().map(|point| point[1]).fold(f64::MAX, f64::min);
+    assert!((highest - (bottom - 0.5 * 99_f64.log10() * (bottom - top))).abs() < 0.03, "{lines:?}");
+    assert!(lines[0].len() < 10, "{lines:?}");
+}
+
+#[test]
+fn cells_of_a_logarithmic_field_meet_half_way_between_the_logarithms() {
+    let field = Field { x: vec![0.0, 1.0, 100.0], y: vec![1.0], values: vec![7.0, 1.0, 2.0], ..Field::default() };
+    let panel = Panel::new(Axis::new("", "")).field(field);
+    let svg = Figure::new(Axis::logarithmic("x", "")).panel(panel).to_svg(Theme::Light).unwrap();
+    // The cell of x = 0 has no place; two are drawn, from 0.1 over 10 to 1000.
+    assert_eq!(svg.matches(r#"stroke-width="0.3""#).count(), 2, "{svg}");
+    for label in [">0.1<", ">1<", ">10<", ">100<", ">1000<"] {
+        assert!(svg.contains(label), "{label}");
+    }
 }

@@ -63,6 +63,19 @@ fn plain(c: char) -> (Script, char) {
     }
 }
 
+/// A glyph of a line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Placed {
+    pub(super) glyph: GlyphId,
+    /// What it stands for; a raised figure for an ordinary one.
+    pub(super) character: char,
+    /// How far along the line it begins, and how high.
+    pub(super) along: f64,
+    pub(super) rise: f64,
+    /// The size that it is drawn in.
+    pub(super) size: f64,
+}
+
 /// The two weights.
 pub(super) struct Faces {
     regular: Face<'static>,
@@ -78,15 +91,20 @@ impl Faces {
         Ok(Self { regular: face(notosans::REGULAR_TTF)?, bold: face(notosans::BOLD_TTF)? })
     }
 
-    /// Walks over the glyphs of a line: identifier, x, rise of the baseline, size. Returns the width.
-    fn walk(&self, text: &str, size: f64, bold: bool, mut visit: impl FnMut(GlyphId, f64, f64, f64)) -> f64 {
-        let face = if bold { &self.bold } else { &self.regular };
+    /// A face and its file.
+    pub(super) fn face(&self, bold: bool) -> (&Face<'static>, &'static [u8]) {
+        if bold { (&self.bold, notosans::BOLD_TTF) } else { (&self.regular, notosans::REGULAR_TTF) }
+    }
+
+    /// Walks over the glyphs of a line. Returns the width.
+    pub(super) fn walk(&self, text: &str, size: f64, bold: bool, mut visit: impl FnMut(Placed)) -> f64 {
+        let (face, _) = self.face(bold);
         let (em, mut x) = (f64::from(face.units_per_em()), 0.0);
         for (script, part) in scripts(text) {
             let (rise, scale) = script.shape();
             for c in part.chars() {
                 let glyph = face.glyph_index(c).unwrap_or_default();
-                visit(glyph, x, rise * size, size * scale);
+                visit(Placed { glyph, character: c, along: x, rise: rise * size, size: size * scale });
                 x += size * scale * face.glyph_hor_advance(glyph).map_or(0.6, |advance| f64::from(advance) / em);
             }
         }
@@ -95,7 +113,7 @@ impl Faces {
 
     /// The width of a line in the unit of `size`.
     pub(super) fn width(&self, text: &str, size: f64, bold: bool) -> f64 {
-        self.walk(text, size, bold, |_, _, _, _| {})
+        self.walk(text, size, bold, |_| {})
     }
 
     /// Draws a line, y upwards. Before each glyph `start` tells the pen how far along and how high it begins, and how long a unit of
@@ -106,12 +124,12 @@ impl Faces {
         pen: &mut P,
         start: impl Fn(&mut P, f64, f64, f64),
     ) {
-        let face = if bold { &self.bold } else { &self.regular };
+        let (face, _) = self.face(bold);
         let em = f64::from(face.units_per_em());
-        self.walk(text, size, bold, |glyph, x, rise, size| {
-            start(pen, x, rise, size / em);
+        self.walk(text, size, bold, |placed| {
+            start(pen, placed.along, placed.rise, placed.size / em);
             // A glyph that cannot be drawn leaves its room empty; the others still say the most.
-            let _ = face.outline_glyph(glyph, pen);
+            let _ = face.outline_glyph(placed.glyph, pen);
         });
     }
 
@@ -163,7 +181,7 @@ mod tests {
         let faces = Faces::load().unwrap();
         for c in "−–·×°µΩαβγδεθλμνπρστφω Δ±≤≥≈∂∞√ ⁻⁰¹²³⁴⁵⁶⁷⁸⁹₀₁₂₃₄₅₆₇₈₉éüß…".chars()
         {
-            faces.walk(&c.to_string(), 10.0, false, |glyph, _, _, _| assert_ne!(glyph, GlyphId::default(), "{c}"));
+            faces.walk(&c.to_string(), 10.0, false, |placed| assert_ne!(placed.glyph, GlyphId::default(), "{c}"));
         }
     }
 

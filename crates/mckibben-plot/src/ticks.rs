@@ -1,6 +1,6 @@
-//! The range of an axis, its round values, and how they are written.
+//! The round values of an axis, and how they are written.
 //!
-//! A tick is a whole number n times a step m·10^k with m one of 1, 2, 5. It is kept as n·m and k and written by moving
+//! A tick of a linear axis is a whole number n times a step m·10^k with m one of 1, 2, 5. It is kept as n·m and k and written by moving
 //! the decimal point, so a label never shows the rounding of a float: 0.3 stays "0.3".
 //!
 //! * Values beyond 10⁴ or below 10⁻² are divided by a power of 1000. Where the unit takes an SI prefix it gets one
@@ -8,86 +8,63 @@
 //! * Where ticks would need more than six digits because a large value hardly changes, a round part is taken off and
 //!   said so in the label: "pressure − 101325 Pa (mPa)".
 
-use super::figure::Axis;
+use super::axis::{Axis, Scale};
+use super::decades::logarithmic;
+use super::range::Range;
 
-/// Larger values are drawn as if they were this: differences of two such still are numbers.
-const HUGE: f64 = 1e300;
-/// Differences below this are none: their reciprocals would not be numbers.
-const TINY: f64 = 1e-290;
 /// More digits than this are unreadable beside an axis.
 const DIGITS: i32 = 6;
-
-/// An interval of values with `low < high`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Range {
-    pub(super) low: f64,
-    pub(super) high: f64,
-}
-
-impl Range {
-    /// The range of an axis over data between the two values of `extent`, with a margin of `pad` times the span on
-    /// each side that the axis does not fix. What hardly changes is shown as a level line in the middle.
-    pub(super) fn new(extent: Option<(f64, f64)>, axis: &Axis, pad: f64) -> Self {
-        let (low, high) = extent.unwrap_or((0.0, 1.0));
-        let (low, high) = (low.clamp(-HUGE, HUGE), high.clamp(-HUGE, HUGE));
-        let (span, largest) = (high - low, low.abs().max(high.abs()));
-        let level = span < TINY || span <= 1e-12 * largest;
-        let margin = match level {
-            true if largest < TINY => 1.0,
-            true => 0.05 * largest,
-            false => pad * span,
-        };
-        let fixed = |end: Option<f64>| end.map(|v| v.clamp(-HUGE, HUGE));
-        let low = fixed(axis.min).unwrap_or(low - margin);
-        let high = fixed(axis.max).unwrap_or(high + margin);
-        if high - low >= TINY && high - low > 1e-14 * low.abs() {
-            return Self { low, high };
-        }
-        // The data lie wholly beyond the end that the axis fixes: an empty interval next to that end.
-        let width = if low.abs() < TINY { 1.0 } else { 0.1 * low.abs() };
-        if axis.min.is_some() { Self { low, high: low + width } } else { Self { low: high - width, high } }
-    }
-
-    /// Where a value lies, 0 at the low end and 1 at the high one.
-    pub(super) fn place(&self, value: f64) -> f64 {
-        (value - self.low) / (self.high - self.low)
-    }
-}
 
 /// The round values of an axis and its label.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Ticks {
     /// Value and label, rising.
     pub(super) at: Vec<(f64, String)>,
+    /// The values of small ticks without a label, rising.
+    pub(super) minor: Vec<f64>,
     /// The label of the axis, with the unit that the tick labels are in.
     pub(super) label: String,
 }
 
-/// At most `most` round values within a range, and at least two where a step allows.
-pub(super) fn ticks(axis: &Axis, range: Range, most: f64) -> Ticks {
-    if !axis.words.is_empty() {
-        let within = |v: f64| (0.0..=1.0).contains(&range.place(v));
-        let mut at: Vec<_> = axis.words.iter().filter(|(v, _)| within(*v)).cloned().collect();
-        at.sort_by(|a, b| a.0.total_cmp(&b.0));
-        return Ticks { at, label: label(axis, None, 0) };
+impl Ticks {
+    /// The values with labels.
+    pub(super) fn values(&self) -> Vec<f64> {
+        self.at.iter().map(|tick| tick.0).collect()
     }
-    let span = range.high - range.low;
-    let largest = range.low.abs().max(range.high.abs());
+}
+
+/// Round values on an axis of a length, whose labels need a spacing, both in pt.
+pub(super) fn ticks(axis: &Axis, range: Range, length: f64, spacing: f64) -> Ticks {
+    if !axis.words.is_empty() {
+        let mut at: Vec<_> = axis.words.iter().filter(|(value, _)| range.contains(*value, 0.0)).cloned().collect();
+        at.sort_by(|a, b| a.0.total_cmp(&b.0));
+        return Ticks { at, minor: Vec::new(), label: label(axis, None, 0) };
+    }
+    match range.scale {
+        Scale::Linear => linear(axis, range.ends(), length / spacing),
+        Scale::Logarithmic => logarithmic(axis, range, length, spacing),
+    }
+}
+
+/// At most `most` round values between two ends, equally far apart, and at least two where a step allows.
+pub(super) fn linear(axis: &Axis, (low, high): (f64, f64), most: f64) -> Ticks {
+    let span = high - low;
+    let largest = low.abs().max(high.abs());
     let (mut unit, mut k) = step(span / most.max(1.0));
-    if multiples(range, unit, k).len() < 2 {
+    if multiples((low, high), unit, k).len() < 2 {
         (unit, k) = step(span / (1.8 * most.max(1.0)));
     }
     // A round part to take off, as a whole number of powers of ten next above the span.
     let offset = (decade(largest) - k >= DIGITS).then(|| {
         let power = decade(span) + 1;
-        (((range.low / 2.0 + range.high / 2.0) / decimal(1, power)).round() as i64, power)
+        (((low / 2.0 + high / 2.0) / decimal(1, power)).round() as i64, power)
     });
     let base = offset.map_or(0.0, |(n, power)| decimal(n, power));
-    let shifted = Range { low: range.low - base, high: range.high - base };
-    let exponent = engineering(shifted.low.abs().max(shifted.high.abs()));
+    let shifted = (low - base, high - base);
+    let exponent = engineering(shifted.0.abs().max(shifted.1.abs()));
     let multiples = multiples(shifted, unit, k);
     let at = multiples.into_iter().map(|n| (base + decimal(n, k), written(n, k - exponent))).collect();
-    Ticks { at, label: label(axis, offset, exponent) }
+    Ticks { at, minor: Vec::new(), label: label(axis, offset, exponent) }
 }
 
 /// The smallest round step that is no smaller than `least`, as m and k of m·10^k.
@@ -100,10 +77,10 @@ fn step(least: f64) -> (i64, i32) {
 }
 
 /// The multiples of m·10^k within a range, in units of 10^k.
-fn multiples(range: Range, m: i64, k: i32) -> Vec<i64> {
+fn multiples((low, high): (f64, f64), m: i64, k: i32) -> Vec<i64> {
     let step = decimal(m, k);
     // The slack admits an end that is a multiple but for rounding.
-    let (first, last) = ((range.low / step - 1e-6).ceil(), (range.high / step + 1e-6).floor());
+    let (first, last) = ((low / step - 1e-6).ceil(), (high / step + 1e-6).floor());
     if !(first.abs() < 1e15 && last.abs() < 1e15) {
         return Vec::new();
     }
@@ -118,7 +95,7 @@ fn decade(value: f64) -> i32 {
 }
 
 /// n·10^k, correctly rounded.
-fn decimal(n: i64, k: i32) -> f64 {
+pub(super) fn decimal(n: i64, k: i32) -> f64 {
     format!("{n}e{k}").parse().unwrap_or(0.0)
 }
 
@@ -129,7 +106,7 @@ fn engineering(largest: f64) -> i32 {
 }
 
 /// n·10^shift in figures, with a minus sign as long as a plus.
-fn written(n: i64, shift: i32) -> String {
+pub(super) fn written(n: i64, shift: i32) -> String {
     if n == 0 {
         return "0".to_string();
     }
@@ -145,7 +122,7 @@ fn written(n: i64, shift: i32) -> String {
 }
 
 /// The label of an axis: quantity, what was taken off, unit.
-fn label(axis: &Axis, offset: Option<(i64, i32)>, exponent: i32) -> String {
+pub(super) fn label(axis: &Axis, offset: Option<(i64, i32)>, exponent: i32) -> String {
     // An axis without a name stands beside one with a name and the same values.
     if axis.label.is_empty() && axis.unit.is_empty() {
         return String::new();
@@ -193,7 +170,7 @@ fn takes_prefix(unit: &str) -> bool {
     bare && ["m", "s", "N", "Pa", "J", "W", "V", "A", "Hz", "K", "mol", "L", "Ω"].contains(&first)
 }
 
-fn raised(n: i32) -> String {
+pub(super) fn raised(n: i32) -> String {
     let digit = |c: char| match c {
         '-' => '⁻',
         '1' => '¹',
@@ -209,7 +186,7 @@ mod tests {
     use super::*;
 
     fn labels(low: f64, high: f64, unit: &str) -> (Vec<String>, String) {
-        let ticks = ticks(&Axis::new("q", unit), Range { low, high }, 5.0);
+        let ticks = linear(&Axis::new("q", unit), (low, high), 5.0);
         (ticks.at.into_iter().map(|t| t.1).collect(), ticks.label)
     }
 
@@ -218,7 +195,7 @@ mod tests {
         assert_eq!(labels(0.0, 1.0, "s").0, ["0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
         assert_eq!(labels(-0.31, 0.31, "m").0, ["−0.2", "0", "0.2"]);
         assert_eq!(labels(150.0, 260.0, "mm").0, ["150", "200", "250"]);
-        let at = ticks(&Axis::new("q", ""), Range { low: 0.0, high: 1.0 }, 10.0).at;
+        let at = linear(&Axis::new("q", ""), (0.0, 1.0), 10.0).at;
         assert_eq!(at[3], (0.3, "0.3".to_string()));
     }
 
@@ -253,7 +230,7 @@ mod tests {
                 {
                     let range = Range::new(Some((a.min(b), a.max(b))), &axis, 0.05);
                     assert!(range.low < range.high && (range.high - range.low).is_finite(), "{a} {b} {range:?}");
-                    let ticks = ticks(&axis, range, 5.0);
+                    let ticks = ticks(&axis, range, 50.0, 10.0);
                     assert!((1..=12).contains(&ticks.at.len()), "{a} {b} {range:?} {ticks:?}");
                     assert!(ticks.at.iter().all(|t| t.0.is_finite() && t.1.chars().count() < 10), "{ticks:?}");
                 }
@@ -262,18 +239,9 @@ mod tests {
     }
 
     #[test]
-    fn a_level_line_lies_in_the_middle() {
-        let range = Range::new(Some((200.0, 200.0)), &Axis::default(), 0.05);
-        assert_eq!((range.low, range.high), (190.0, 210.0));
-        assert_eq!(range.place(200.0), 0.5);
-        let zero = Range::new(Some((0.0, 0.0)), &Axis::default(), 0.05);
-        assert_eq!((zero.low, zero.high), (-1.0, 1.0));
-    }
-
-    #[test]
     fn words_replace_numbers() {
         let axis = Axis::new("valve", "").words([(1.0, "open"), (0.0, "closed"), (9.0, "never")]);
-        let at = ticks(&axis, Range { low: -0.2, high: 1.2 }, 5.0).at;
+        let at = ticks(&axis, Range { scale: Scale::Linear, low: -0.2, high: 1.2 }, 50.0, 10.0).at;
         assert_eq!(at, [(0.0, "closed".to_string()), (1.0, "open".to_string())]);
     }
 }

@@ -33,7 +33,7 @@ pub struct CurvesArguments {
     /// Write the curves as a table: .csv.
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
-    /// Draw the curves: .svg or .png.
+    /// Draw the curves: .svg, .png or .pdf.
     #[arg(short, long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
     /// What the figure is drawn over.

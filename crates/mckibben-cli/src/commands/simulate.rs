@@ -43,7 +43,7 @@ pub struct SimulateArguments {
     /// Write the run, one row for each sample interval: .csv or .parquet.
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
-    /// Draw the run: .svg or .png.
+    /// Draw the run: .svg, .png or .pdf.
     #[arg(short, long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
     /// What the figure is drawn over.

@@ -242,19 +242,14 @@ pub(crate) fn page(cases: &[Rows]) -> String {
 
 /// The largest error over the step, both logarithmic, a panel for each case.
 pub(crate) fn figure(cases: &[Rows]) -> Figure {
-    let decades = |from: i32, to: i32, each: usize| {
-        let name = |power: i32| (f64::from(power), format!("1e{power}"));
-        (from..=to).step_by(each).map(name).collect::<Vec<_>>()
-    };
-    let steps = STEPS.map(|step| (step.log10(), milliseconds(step).replace(" ms", "")));
-    let ends = (STEPS[STEPS.len() - 1].log10() - 0.1, STEPS[0].log10() + 0.1);
-    let mut figure = Figure::new(Axis::new("step", "ms").starting_at(ends.0).ending_at(ends.1).words(steps));
+    let ends = (0.8e3 * STEPS[STEPS.len() - 1], 1.25e3 * STEPS[0]);
+    let mut figure = Figure::new(Axis::logarithmic("step", "ms").starting_at(ends.0).ending_at(ends.1));
     for (case, rows) in CASES.iter().zip(cases) {
-        let axis = Axis::new(format!("error, {}", case.short), "");
-        let mut panel = Panel::new(axis.starting_at(-8.0).ending_at(0.3).words(decades(-8, 0, 2)));
+        let axis = Axis::logarithmic(format!("error, {}", case.short), "");
+        let mut panel = Panel::new(axis.starting_at(RESOLVED).ending_at(2.0));
         for (index, (errors, (_, name))) in rows.errors.iter().zip(METHODS).enumerate() {
             let resolved = errors.iter().flatten().filter(|error| error.greatest() >= RESOLVED);
-            let (x, y) = resolved.map(|error| (error.step.log10(), error.greatest().log10())).unzip();
+            let (x, y) = resolved.map(|error| (1e3 * error.step, error.greatest())).unzip();
             let mut series = Series::line(name, x, y).colour(Colour::Category(index));
             series.style = Style::LineAndPoints;
             panel = panel.series(series);

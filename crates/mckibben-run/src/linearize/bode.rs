@@ -56,55 +56,57 @@ fn draw(view: &View<'_>, input: Option<&str>) -> Result<Figure, Failure> {
         let title = format!("the model has no input `{name}`");
         return Err(Failure::input(title, format!("give one of {}", names.join(", "))));
     };
-    let (low, high) = range(view);
-    let count = ((high - low) * POINTS).ceil();
-    let x: Vec<f64> = (0..=count as usize).map(|n| low + (high - low) * n as f64 / count).collect();
+    let frequencies = frequencies(view);
     let shown = view.outputs.iter().filter_map(|name| system.outputs.iter().position(|of| of.name == *name)).take(2);
     let mut phase = Panel::new(quarters());
-    let (mut figure, mut least, mut greatest) = (Figure::new(decades("frequency", "Hz", low, high)), 0.0_f64, 0.0_f64);
+    let (mut figure, mut least, mut greatest) =
+        (Figure::new(decades("frequency", "Hz", &frequencies)), 0.0_f64, 0.0_f64);
     for (place, output) in shown.enumerate() {
         let signal = &system.outputs[output];
         let response: Vec<Option<Phasor>> =
-            x.iter().map(|decade| system.response(input, output, TAU * 10_f64.powf(*decade))).collect();
-        let magnitude: Vec<f64> = response.iter().map(|g| g.map_or(f64::NAN, |g| g.magnitude().log10())).collect();
-        let (bottom, top) = magnitude
-            .iter()
-            .filter(|value| value.is_finite())
-            .fold((f64::MAX, f64::MIN), |ends, value| (ends.0.min(*value), ends.1.max(*value)));
+            frequencies.iter().map(|frequency| system.response(input, output, TAU * frequency)).collect();
+        let magnitude: Vec<f64> = response.iter().map(|g| g.map_or(f64::NAN, |g| g.magnitude())).collect();
         let label = format!("{} over {}", words(&signal.name), words(name));
-        let axis = decades(&label, &unit(signal, &system.inputs[input]), bottom.floor(), top.ceil());
+        let axis = decades(&label, &unit(signal, &system.inputs[input]), &magnitude);
         let colour = Colour::Category(place);
-        let panel = Panel::new(axis).series(Series::line("", x.clone(), magnitude).colour(colour));
-        figure = figure.panel(lines(view, panel, place == 0, low, high));
+        let panel = Panel::new(axis).series(Series::line("", frequencies.clone(), magnitude).colour(colour));
+        figure = figure.panel(lines(view, panel, place == 0));
         let angles = unwrapped(&response);
         for angle in angles.iter().filter(|angle| angle.is_finite()) {
             (least, greatest) = (least.min(*angle), greatest.max(*angle));
         }
-        phase = phase.series(Series::line(words(&signal.name), x.clone(), angles).colour(colour));
+        phase = phase.series(Series::line(words(&signal.name), frequencies.clone(), angles).colour(colour));
     }
     phase.y =
         phase.y.starting_at((least / 90.0).floor() * 90.0 - 15.0).ending_at((greatest / 90.0).ceil() * 90.0 + 15.0);
-    Ok(figure
-        .panel(lines(view, phase, false, low, high).legend(Legend::Above))
-        .size_mm(120.0, 40.0)
-        .caption(view.caption.clone()))
+    Ok(figure.panel(lines(view, phase, false).legend(Legend::Above)).size_mm(120.0, 40.0).caption(view.caption.clone()))
 }
 
-/// The decades of frequency in Hz between which the figure runs.
-fn range(view: &View<'_>) -> (f64, f64) {
+/// The frequencies of the figure in Hz, equally many in each decade.
+fn frequencies(view: &View<'_>) -> Vec<f64> {
     let moving = view.poles.iter().map(|pole| pole.natural_frequency() / TAU).filter(|frequency| *frequency > 0.0);
     let pwm = view.averaged.iter().copied();
-    let (least, greatest) =
-        moving.chain(pwm).fold((f64::MAX, 0.0_f64), |ends, value| (ends.0.min(value), ends.1.max(value)));
-    if greatest == 0.0 {
-        return (-2.0, 3.0);
-    }
-    let high = (greatest.log10() + BEYOND.0).ceil();
-    ((least.log10() - BEYOND.0).floor().max(high - BEYOND.1), high)
+    let (low, high) = match extent(moving.chain(pwm)) {
+        Some((least, greatest)) => {
+            let high = (greatest.log10() + BEYOND.0).ceil();
+            ((least.log10() - BEYOND.0).floor().max(high - BEYOND.1), high)
+        }
+        None => (-2.0, 3.0),
+    };
+    let count = ((high - low) * POINTS).ceil();
+    (0..=count as usize).map(|n| 10_f64.powf(low + (high - low) * n as f64 / count)).collect()
+}
+
+/// The least and the greatest of the values that have a logarithm.
+fn extent(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
+    values.filter(|value| *value > 0.0 && value.is_finite()).fold(None, |ends, value| {
+        let (least, greatest) = ends.unwrap_or((value, value));
+        Some((least.min(value), greatest.max(value)))
+    })
 }
 
 /// Lines at the natural frequency of each pair of poles and at the PWM's frequency.
-fn lines(view: &View<'_>, mut panel: Panel, told: bool, low: f64, high: f64) -> Panel {
+fn lines(view: &View<'_>, mut panel: Panel, named: bool) -> Panel {
     let pairs = view.poles.iter().filter(|pole| pole.imaginary > 0.0).map(Pole::natural_frequency);
     let mut marked: Vec<(f64, String)> = pairs.map(|rate| (rate / TAU, quantity(rate / TAU, "Hz"))).collect();
     for pulses in &view.averaged {
@@ -113,34 +115,17 @@ fn lines(view: &View<'_>, mut panel: Panel, told: bool, low: f64, high: f64) -> 
         }
     }
     for (frequency, words) in marked {
-        let place = frequency.log10();
-        if (low..=high).contains(&place) {
-            panel = panel.vertical(place, if told { words } else { String::new() });
-        }
+        panel = panel.vertical(frequency, if named { words } else { String::new() });
     }
     panel
 }
 
-/// An axis in powers of ten of a quantity.
-fn decades(label: &str, unit: &str, low: f64, high: f64) -> Axis {
-    let (low, high) = if high > low { (low, high) } else { (low, low + 1.0) };
-    let step = ((high - low) / 6.0).ceil().max(1.0) as usize;
-    let words = (low as i32..=high as i32).step_by(step).map(|decade| (f64::from(decade), power_of_ten(decade)));
-    Axis::new(label, unit).starting_at(low).ending_at(high).words(words)
-}
-
-fn power_of_ten(decade: i32) -> String {
-    if (-2..=3).contains(&decade) {
-        return format!("{:.*}", decade.min(0).unsigned_abs() as usize, 10_f64.powi(decade));
-    }
-    let raised = |digit| match digit {
-        '-' => '⁻',
-        '1' => '¹',
-        '2' => '²',
-        '3' => '³',
-        digit => char::from_u32(0x2070 + digit.to_digit(10).unwrap_or(0)).unwrap_or(digit),
-    };
-    format!("10{}", decade.to_string().chars().map(raised).collect::<String>())
+/// A logarithmic axis of whole decades around values.
+fn decades(label: &str, unit: &str, values: &[f64]) -> Axis {
+    let axis = Axis::logarithmic(label, unit);
+    let Some((least, greatest)) = extent(values.iter().copied()) else { return axis };
+    let (low, high) = (least.log10().floor(), greatest.log10().ceil());
+    axis.starting_at(10_f64.powf(low)).ending_at(10_f64.powf(high.max(low + 1.0)))
 }
 
 /// An axis of angles with a word at every quarter turn.
