@@ -52,9 +52,9 @@ def agreement(holds: bool) -> str:
 # preset assumes them and says so; whatever rests on them is **not comparable**, however good it looks.
 
 # %%
-preset = mckibben.presets()["colbrunn-2001"]["values"]
+preset = mckibben.presets()["colbrunn-2001"].values
 for value in preset.values():
-    print(f"{value['symbol']:8s}{value['text']:16s}{value['source']}")
+    print(f"{value.symbol:8s}{value.text:16s}{value.source}")
 
 # %% [markdown]
 # ## Fig. 3: force and stiffness of the ideal actuator

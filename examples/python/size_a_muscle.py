@@ -173,7 +173,7 @@ assert table["force_n"][0][over_stroke].min() > LOAD, "it holds the load at ever
 figure, axis = plt.subplots()
 times = {}
 for name, preset in mckibben.presets().items():
-    if preset["section"] != "valve" or preset["values"]["valve.kind"]["value"] != "three-way":
+    if preset.section != "valve" or preset.values["valve.kind"].value != "three-way":
         continue
     run = mckibben.simulate(muscle.with_values({"valve": {"preset": name}}))
     way = chosen["length"] - run.length

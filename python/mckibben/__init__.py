@@ -32,13 +32,12 @@ from mckibben._mckibben import (
     VectorPlant,
     __version__,
     linearize,
-    parameters,
-    presets,
     simulate,
 )
 from mckibben._identify import Estimate, Identification, Prediction, Run, Study, identify
 from mckibben._statics import Curves, Statics, curves
 from mckibben._sweep import SweepResult, sweep
+from mckibben._tables import Parameter, Preset, PresetValue, parameters, presets
 from mckibben.errors import Error, InputError, OutputError, SimulationError
 
 __all__ = [
@@ -54,7 +53,10 @@ __all__ = [
     "InputError",
     "LinearModel",
     "OutputError",
+    "Parameter",
     "Prediction",
+    "Preset",
+    "PresetValue",
     "Response",
     "Run",
     "Scenario",

@@ -1,4 +1,4 @@
-"""What is done with packages that may be there: pandas, Polars, Matplotlib, JAX, PyTorch. They are imported when asked for."""
+"""Functions that need optional packages: pandas, Polars, Matplotlib, JAX, PyTorch. These are imported on use."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if typing.TYPE_CHECKING:
 
 
 def to_pandas(run: Trajectory) -> pandas.DataFrame:
-    """The columns as a data frame, with the units in `attrs`."""
+    """Return the columns as a data frame of pandas, with the units in `attrs`."""
     import pandas
 
     frame = pandas.DataFrame(run.to_dict())
@@ -29,7 +29,7 @@ def to_pandas(run: Trajectory) -> pandas.DataFrame:
 
 
 def to_polars(run: Trajectory) -> polars.DataFrame:
-    """The columns as a data frame."""
+    """Return the columns as a data frame of Polars."""
     import polars
 
     return polars.DataFrame(run.to_dict())
@@ -45,7 +45,7 @@ _PANELS = (
 
 
 def _panels(run: Trajectory) -> list[tuple[str, float, dict[str, str]]]:
-    """The panels that a run has: label, factor, and the columns with their names in the legend."""
+    """Return the panels of a run: label, factor, and the columns with their names in the legend."""
     if "length_m" in run.columns:
         joint = "angle_rad" in run.columns
         panels = [panel for panel in _PANELS if ("length_m" if joint else "angle_rad") not in panel[2]]
@@ -64,7 +64,7 @@ def plot(
     columns: collections.abc.Sequence[str] | None = None,
     ax: collections.abc.Sequence[matplotlib.axes.Axes] | None = None,
 ) -> matplotlib.figure.Figure:
-    """Columns over time, a panel for each; without `columns` what is usually looked at."""
+    """Draw columns over time, in a panel for each; by default angle or length, pressure and tension."""
     import matplotlib.pyplot as plt
     import numpy
 
@@ -95,7 +95,7 @@ def plot(
 
 
 def _over_batches(function: collections.abc.Callable[..., typing.Any]) -> collections.abc.Callable[..., typing.Any]:
-    """The function of one set of values, over arrays of them: on the threads of this process, which the core lets go on."""
+    """Return a function of arrays of sets of values, from that of one set; threads of this process evaluate it in parallel."""
     import numpy
 
     def over(values: typing.Any) -> typing.Any:
@@ -115,7 +115,7 @@ def _over_batches(function: collections.abc.Callable[..., typing.Any]) -> collec
 
 
 def for_jax(run: Differentiable) -> collections.abc.Callable[..., typing.Any]:
-    """A run as a function of JAX with the derivatives of the simulator; the runs of a `vmap` go side by side on all cores."""
+    """Return a run as a function of JAX with the derivatives of the simulator; the runs of a `vmap` use all cores."""
     import jax
     import numpy
 
@@ -139,8 +139,10 @@ def for_jax(run: Differentiable) -> collections.abc.Callable[..., typing.Any]:
 
 
 def for_torch(run: Differentiable) -> collections.abc.Callable[..., typing.Any]:
-    """A run as a function of a tensor of PyTorch with the derivatives of the simulator; the runs of a `vmap`, or of leading
-    dimensions of the tensor, go side by side on all cores."""
+    """Return a run as a function of a tensor of PyTorch with the derivatives of the simulator.
+
+    The runs of a `vmap`, or of leading dimensions of the tensor, use all cores.
+    """
     import torch
 
     both_of = _over_batches(run.value_and_jacobian)
@@ -149,7 +151,7 @@ def for_torch(run: Differentiable) -> collections.abc.Callable[..., typing.Any]:
     Function: typing.Any = torch.autograd.Function
 
     class Slopes(Function):  # type: ignore[misc]
-        """The slopes as they are: the simulator has no second derivatives, and nobody is to take them for zero."""
+        """Jacobian whose own derivative is refused: the simulator has no second derivatives, and they are not zero."""
 
         generate_vmap_rule = True
 
@@ -170,7 +172,7 @@ def for_torch(run: Differentiable) -> collections.abc.Callable[..., typing.Any]:
             raise InputError("a run has no second derivatives: differentiate it once")
 
     class Simulated(Function):  # type: ignore[misc]
-        """Values and slopes of a run, or of a batch of them."""
+        """Values and Jacobian of a run, or of a batch of runs."""
 
         @staticmethod
         def forward(values: typing.Any) -> typing.Any:

@@ -159,7 +159,7 @@ class Study:
             files = []
             for number, table in enumerate(run.tables(), 1):
                 file = f"table {number} of {name}"
-                tables.append((file, [(str(key), _numbers(key, table[key], name)) for key in table.keys() if key in wanted]))
+                tables.append((file, [(str(key), _numbers(key, table[key], name)) for key in getattr(table, "columns", table) if key in wanted]))
                 files.append(file)
             held = {quantity: _text(value) for quantity, value in run.held.items()}
             runs.append({"name": name, "files": files, "held": held, "set": dict(run.set)})

@@ -1,4 +1,4 @@
-"""Linear models in python-control and as Bode plots. The packages are imported when asked for."""
+"""Linear models in python-control and as Bode plots. The packages are imported on use."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _BEYOND = 1.0
 
 
 def to_control(model: LinearModel) -> typing.Any:
-    """The model as `control.ss`, its signals with their names."""
+    """Return the model as `control.ss`, with the names of its signals."""
     import control
 
     names = {"states": model.states, "inputs": model.inputs, "outputs": model.outputs}
@@ -30,7 +30,7 @@ def to_control(model: LinearModel) -> typing.Any:
 
 
 def response(model: LinearModel, omega: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.complex128]:
-    """The complex response of each output to each input at angular frequencies in rad/s: `[frequency, output, input]`."""
+    """Return the complex response at angular frequencies in rad/s, of shape (len(omega), outputs, inputs)."""
     rates = numpy.atleast_1d(numpy.asarray(omega, dtype=float))
     identity = numpy.eye(len(model.A))
     answers = [model.C @ numpy.linalg.solve(1j * rate * identity - model.A, model.B) + model.D for rate in rates]
@@ -43,7 +43,7 @@ def bode(
     outputs: collections.abc.Sequence[str] | None = None,
     ax: collections.abc.Sequence[matplotlib.axes.Axes] | None = None,
 ) -> matplotlib.figure.Figure:
-    """Magnitude and phase of outputs over one input, as a figure of Matplotlib or into two axes."""
+    """Draw magnitude and phase of outputs over one input, in a new figure or into two axes."""
     import matplotlib.pyplot as plt
 
     def place(name: str, names: list[str], what: str) -> int:

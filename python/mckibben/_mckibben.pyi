@@ -1,12 +1,12 @@
 """
-What is compiled of the package `mckibben`.
+Compiled part of the package `mckibben`.
 """
 
 from _typeshed import Incomplete, SupportsLenAndGetItem
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from mckibben._results import Modes, Summary
+from mckibben._results import Modes, Summary, Validity
 from numpy import bool_, complex128, float64, int64, str_
 from numpy.typing import ArrayLike, NDArray
 from os import PathLike
@@ -14,7 +14,7 @@ from pandas import DataFrame
 from polars import DataFrame as DataFrame2
 from typing import Any, Final, SupportsFloat, SupportsIndex, final
 
-__all__ = ["__version__", "Actuator", "ActuatorState", "Actuators", "Differentiable", "Event", "LinearModel", "Response", "Scenario", "Sweep", "Trajectory", "VectorPlant", "_identify", "_identify_file", "curves", "linearize", "parameters", "presets", "simulate"]
+__all__ = ["__version__", "Actuator", "ActuatorState", "Actuators", "Differentiable", "Event", "LinearModel", "Response", "Scenario", "Sweep", "Trajectory", "VectorPlant", "_Statics", "_curves", "_identify", "_identify_file", "_parameters", "_presets", "_quantity", "linearize", "simulate"]
 
 __version__: Final[str]
 """
@@ -24,71 +24,198 @@ The version of the package.
 @final
 class Actuator:
     """
-    The actuator of a scenario, with its air, its valve and its air line, for a loop of one's own: you say what is asked of
-    the valve and where the ends are, and it says how hard it pulls.
+    Actuator of a scenario with its air, valve and air line, for a simulation loop that you write.
 
-    The scenario's load and command do not count. `pulse_frequency` in Hz is how often a duty cycle's pulses come; that of
-    the scenario's PWM unless given.
+    The loop commands the valve and moves the ends; the actuator returns its tension. The load, the command and the controller
+    of the scenario are not used. An actuator is immutable: `step` takes a state and returns the next, so that a step can be
+    repeated.
 
-    An actuator does not change: `step` takes a state and gives the next, so that any step can be taken again.
+    Parameters
+    ----------
+    scenario : Scenario
+        One actuator, or an antagonistic joint.
+    name : {"agonist", "antagonist"}, optional
+        Which actuator of a joint. Required for a joint, not allowed otherwise.
+    pulse_frequency : float, optional
+        Frequency in Hz, above zero, of the pulses of a duty cycle. By default that of the scenario's PWM. Required where the
+        valve has poppets and the scenario has no PWM.
+
+    Raises
+    ------
+    InputError
+        The scenario has several actuators with names, there is no actuator of that name, or `pulse_frequency` is missing.
+
+    Notes
+    -----
+    Take the tension at t, make your own step with it, then call `step` with the new length and velocity. A loop that calls
+    `step` with the length from before its own step uses a force that lags by one step.
+
+    Examples
+    --------
+    A mass of 2 kg on a muscle that is pulsed at 25 Hz with a duty cycle of 0.5:
+
+        >>> import mckibben
+        >>> scenario = mckibben.Scenario.from_dict({
+        ...     "supply": {"gauge_pressure": "100 psi"},
+        ...     "valve": {"preset": "matrix-eight-channel"},
+        ...     "load": {"kind": "isometric"},
+        ...     "initial": {"length": "85 mm", "gauge_pressure": "40 psi"},
+        ...     "run": {"duration": "1 s"},
+        ... })
+        >>> muscle = mckibben.Actuator(scenario, pulse_frequency=25.0)
+        >>> state, velocity, mass, dt = muscle.start(), 0.0, 2.0, 1e-3
+        >>> length, tension = muscle.initial_length, muscle.initial_tension
+        >>> for _ in range(100):
+        ...     velocity += (9.81 - tension / mass) * dt
+        ...     length += velocity * dt
+        ...     state, tension, response = muscle.step(state, length, velocity, 0.5, dt)
+        >>> round(state.time, 9), tension == response.tension
+        (0.1, True)
     """
-    def __getnewargs__(self, /) -> tuple[Scenario, float | None]: ...
-    def __new__(cls, /, scenario: Scenario, pulse_frequency: SupportsFloat | SupportsIndex | None = None) -> Actuator: ...
+    def __getnewargs_ex__(self, /) -> tuple[tuple[Scenario, str | None], dict[str, Any]]: ...
+    def __new__(cls, /, scenario: Scenario, name: str | None = None, *, pulse_frequency: SupportsFloat | SupportsIndex | None = None) -> Actuator: ...
     def __repr__(self, /) -> str: ...
+    @property
+    def initial_length(self, /) -> float:
+        """
+        Distance between the ends in m at the start, with the tendon if there is one.
+        """
+    @property
+    def initial_tension(self, /) -> float:
+        """
+        Tension in N at the start, at rest.
+        """
     def respond(self, /, state: ActuatorState, velocity: SupportsFloat | SupportsIndex = 0.0) -> Response:
         """
-        What the actuator answers at `state` while its ends move apart at `velocity` in m/s: the tension with which a loop
-        begins, and what it would be at another velocity.
+        Return the tension and its derivatives in a state, at any velocity of the ends, without a step.
 
-        Raises `InputError` for a state of another actuator.
-        """
-    def rest_length(self, /, gauge_pressure: SupportsFloat | SupportsIndex) -> float:
-        """
-        The longest distance between the ends in m at which the actuator, at rest at a gauge pressure in Pa and without
-        friction, does not pull; its shortest length where it pulls even there. A tendon is included.
+        Parameters
+        ----------
+        state : ActuatorState
+            State of this actuator.
+        velocity : float, optional
+            Velocity of the ends in m/s, above zero while lengthening, between -1e6 and 1e6; 0 by default.
 
-        Raises `InputError` for a pressure below vacuum, and where there is no such length.
+        Returns
+        -------
+        Response
+
+        Raises
+        ------
+        InputError
+            The velocity is out of range, or the state belongs to another actuator.
+        """
+    def rest_length(self, /, gauge_pressure: SupportsFloat | SupportsIndex | None = None) -> float:
+        """
+        Return the longest distance between the ends at which the actuator does not pull, at rest and without friction.
+
+        Parameters
+        ----------
+        gauge_pressure : float, optional
+            Gauge pressure of the air in Pa; that of the start by default.
+
+        Returns
+        -------
+        float
+            Distance in m, with the tendon if there is one; the shortest length where the actuator pulls even there.
+
+        Raises
+        ------
+        InputError
+            The pressure is below vacuum, or there is no such length.
         """
     @property
     def scenario(self, /) -> Scenario:
         """
-        What it was made of.
+        Scenario of the actuator.
         """
     def start(self, /) -> ActuatorState:
         """
-        The state at t = 0: that of the scenario, with the coils released.
+        Return the state at t = 0: that of the scenario, with the coils of the valve released.
+
+        Returns
+        -------
+        ActuatorState
         """
     def step(self, /, state: ActuatorState, length: SupportsFloat | SupportsIndex, velocity: SupportsFloat | SupportsIndex, command: float | str | None, dt: SupportsFloat | SupportsIndex, *, max_step: SupportsFloat | SupportsIndex | None = None) -> tuple[ActuatorState, float, Response]:
         """
-        Goes on from `state` by `dt` in s while the ends go in a straight line to a distance of `length` in m.
+        Advance a state by one time step, in which the ends move to a new distance at constant velocity.
 
-        `command` is a duty cycle from 0 to 1, "fill", "hold" or "exhaust"; of a pressure regulator the set point, a gauge
-        pressure in Pa; of a proportional spool the position from -1 to 1. With `None` what was asked before goes on, and an
-        actuator without a valve takes nothing else. `length` includes the tendon, if there is one. `velocity` in m/s is that of
-        the ends at the end of the step.
+        Parameters
+        ----------
+        state : ActuatorState
+            State at the beginning of the step.
+        length : float
+            Distance between the ends in m at the end of the step, above zero, with the tendon if there is one.
+        velocity : float
+            Velocity of the ends in m/s at the end of the step, above zero while lengthening, between -1e6 and 1e6. The
+            tension depends on it through friction; the motion during the step follows from `length` alone.
+        command : float or {"fill", "hold", "exhaust"} or None
+            Command of the valve: a duty cycle from 0 to 1, or one of the words; of a pressure regulator the set point, a
+            gauge pressure in Pa; of a proportional spool the position from -1 to 1. With `None` the last command continues.
+            It must be `None` where there is no valve.
+        dt : float
+            Duration of the step in s, above zero.
+        max_step : float, optional
+            Longest part of the step in s. The step is divided into equal parts no longer than that, along which the length is
+            interpolated linearly: the air is then as accurate as with steps of `max_step`. By default the step is one part.
 
-        With `max_step` in s the step is divided into equal parts no longer than that, over which the length is interpolated
-        linearly: the air is then as exact as in steps of `max_step`.
+        Returns
+        -------
+        state : ActuatorState
+            State at the end of the step.
+        tension : float
+            Tension there in N.
+        response : Response
+            Tension with its partial derivatives, and the rates of the air.
 
-        Returns the state there, the tension in N, and the tension's derivatives with the rates of the air.
+        Raises
+        ------
+        InputError
+            An argument is out of range, the valve does not take the command, the state belongs to another actuator, or the step
+            has more than 10 000 000 parts and edges of pulses.
+        SimulationError
+            The step leads to a non-physical state, or the length is one to which the actuator cannot be stretched.
 
-        Raises `InputError` for what cannot be asked, for a state of another actuator, and for more than 10 000 000 parts and
-        edges of pulses; `SimulationError` where the step leaves the physics. Ctrl-C ends a step of many parts.
+        Notes
+        -----
+        Edges of pulses and motions of the poppets take place at their instants, however long the step is. Ctrl-C ends a step of
+        many parts.
         """
 
 @final
 class ActuatorState:
     """
-    Where an `Actuator` is: its air, its valve's seats and pulses, and what its hysteresis remembers.
+    State of an `Actuator`: its air, the poppets and pulses of its valve, and the memory of its hysteresis.
 
-    It can be pickled; `ActuatorState(numbers)` is one as its pickle has it, in the same version of the package. An actuator of
-    the same scenario goes on from there to the same bits; one of another refuses it.
+    `Actuator.start` and `Actuator.step` return states. A state can be pickled. An actuator of the same scenario and pulse
+    frequency continues from it bit-identically; any other actuator refuses it.
 
-    Raises `InputError` for numbers that are no state.
+    Parameters
+    ----------
+    numbers : array_like
+        One-dimensional array that a pickle holds, made by the same version of the package.
+
+    Raises
+    ------
+    InputError
+        The numbers are not a state.
+
+    Examples
+    --------
+        >>> import mckibben
+        >>> muscle = mckibben.Actuator(mckibben.Scenario.from_dict({
+        ...     "load": {"kind": "isometric"},
+        ...     "initial": {"length": "85 mm", "gauge_pressure": "40 psi"},
+        ...     "run": {"duration": "1 s"},
+        ... }))
+        >>> state = muscle.start()
+        >>> state.time, state.length, state.valve
+        (0.0, 0.085, 'closed')
     """
     def __eq__(self, other: object, /) -> bool:
         """
-        Whether both are the same to the bit.
+        Return whether both states are bit-identical.
         """
     def __getnewargs__(self, /) -> tuple[NDArray[float64]]: ...
     def __new__(cls, /, numbers: ArrayLike) -> ActuatorState: ...
@@ -111,60 +238,143 @@ class ActuatorState:
     @property
     def time(self, /) -> float:
         """
-        The time in s that has been reached.
+        Time in s since the start.
         """
     @property
     def valve(self, /) -> str:
         """
-        Which port of the valve is open: "supply", "exhaust", "both" or "closed".
+        Open ports of the valve: "supply", "exhaust", "both" or "closed".
         """
 
 @final
 class Actuators:
     """
-    Many actuators of one scenario, each with its own air, valve and memory, stepped together in loops of your own.
+    Many actuators of one scenario, each with its own air, valve and hysteresis, stepped together on arrays.
 
-    Arrays are yours: `step` reads and writes them in place, and allocates nothing. They are one-dimensional, of 64-bit
-    floating-point numbers, without gaps, with one entry for each actuator. Rows are stepped on all cores; each is an
-    `Actuator` by itself, to the bit.
+    The caller owns the arrays: `step` reads and writes them in place. They are one-dimensional and contiguous, of float64, with
+    one element for each actuator. The actuators are stepped on all cores. Each is bit-identical to a scalar `Actuator`.
 
-    `pulse_frequency` in Hz is how often a duty cycle's pulses come; that of the scenario's PWM unless given.
+    Parameters
+    ----------
+    scenario : Scenario
+        One actuator, or an antagonistic joint.
+    count : int
+        Number of actuators.
+    name : {"agonist", "antagonist"}, optional
+        Which actuator of a joint. Required for a joint, not allowed otherwise.
+    parameters : sequence of str, optional
+        Paths of the parameters that differ between the actuators, such as "actuator.turns". Not together with `name`.
+    values : numpy.ndarray, optional
+        Values of `parameters` in SI, float64 of shape (count, len(parameters)). Required with `parameters`.
+    pulse_frequency : float, optional
+        Frequency in Hz, above zero, of the pulses of a duty cycle. By default that of the scenario's PWM. Required where the
+        valve has poppets and the scenario has no PWM.
 
-    Raises `MemoryError` for a count that this machine has no memory for.
+    Raises
+    ------
+    InputError
+        An argument does not fit the scenario, or a value of a parameter is out of range.
+    MemoryError
+        This machine does not have the memory for so many actuators.
+
+    Examples
+    --------
+        >>> import mckibben, numpy
+        >>> scenario = mckibben.Scenario.from_dict({
+        ...     "supply": {"gauge_pressure": "100 psi"},
+        ...     "valve": {"preset": "matrix-eight-channel"},
+        ...     "load": {"kind": "isometric"},
+        ...     "initial": {"length": "85 mm", "gauge_pressure": "40 psi"},
+        ...     "run": {"duration": "1 s"},
+        ... })
+        >>> muscles = mckibben.Actuators(scenario, 3, pulse_frequency=25.0)
+        >>> length, velocity, tension = numpy.full(3, 0.085), numpy.zeros(3), numpy.zeros(3)
+        >>> duty = numpy.array([0.2, 0.5, 0.8])
+        >>> for _ in range(200):
+        ...     muscles.step(length, velocity, duty, 1e-3, tension)
+        >>> bool((numpy.diff(tension) > 0.0).all())
+        True
     """
-    def __getnewargs__(self, /) -> tuple[Scenario, int, float | None]: ...
+    def __getnewargs_ex__(self, /) -> tuple[tuple[Scenario, int, str | None], dict[str, Any]]: ...
     def __getstate__(self, /) -> NDArray[float64]:
         """
-        Where each of them is, a row for each as an `ActuatorState` is pickled.
+        Return the states of the actuators, a row for each, as an `ActuatorState` is pickled.
         """
     def __len__(self, /) -> int:
         """
-        How many there are.
+        Return the number of actuators.
         """
-    def __new__(cls, /, scenario: Scenario, count: int, pulse_frequency: SupportsFloat | SupportsIndex | None = None) -> Actuators: ...
+    def __new__(cls, /, scenario: Scenario, count: int, name: str | None = None, *, parameters: Sequence[str] = ..., values: NDArray[float64] | None = None, pulse_frequency: SupportsFloat | SupportsIndex | None = None) -> Actuators: ...
     def __repr__(self, /) -> str: ...
     def __setstate__(self, /, numbers: NDArray[float64]) -> None: ...
+    @property
+    def parameters(self, /) -> list[str]:
+        """
+        Paths of the parameters that differ between the actuators.
+        """
     def reset(self, /) -> None:
         """
-        All of them go back to t = 0 and the scenario's state, with the coils released.
+        Reset all actuators to t = 0 and the state of the scenario, with the coils of the valves released.
         """
     def respond(self, /, velocity: NDArray[float64], tension: NDArray[float64], *, per_length: NDArray[float64] | None = None, per_velocity: NDArray[float64] | None = None, absolute_pressure: NDArray[float64] | None = None) -> None:
         """
-        Writes what the actuators answer where they are while their ends move apart at `velocity` in m/s, as `step` does: the
-        tensions with which a loop begins.
-        """
-    def step(self, /, dt: SupportsFloat | SupportsIndex, length: NDArray[float64], velocity: NDArray[float64], duty: NDArray[float64] | None, tension: NDArray[float64], *, per_length: NDArray[float64] | None = None, per_velocity: NDArray[float64] | None = None, absolute_pressure: NDArray[float64] | None = None, max_step: SupportsFloat | SupportsIndex | None = None) -> None:
-        """
-        Goes on by `dt` in s while the ends of each actuator go in a straight line to a distance of `length` in m, under
-        pulses of `duty` from 0 to 1; with `None` what was asked before goes on.
+        Write the tensions and their derivatives in the current states, at any velocity of the ends, without a step.
 
-        `tension` in N is written, and where they are given `per_length` (its derivative at constant pressure, N/m),
-        `per_velocity` (N*s/m) and `absolute_pressure` (Pa). `velocity` in m/s is that of the ends at the end of the step.
-        `max_step` in s divides the step as that of an `Actuator`.
+        Parameters
+        ----------
+        velocity : numpy.ndarray
+            Velocities of the ends in m/s, between -1e6 and 1e6.
+        tension : numpy.ndarray
+            Receives the tensions in N.
+        per_length : numpy.ndarray, optional
+            Receives the derivatives of the tension with respect to the length at constant pressure, in N/m.
+        per_velocity : numpy.ndarray, optional
+            Receives the derivatives of the tension with respect to the velocity, in N*s/m.
+        absolute_pressure : numpy.ndarray, optional
+            Receives the absolute pressures in Pa.
 
-        Raises `InputError` for arrays and numbers that cannot be, before anything has changed, and `SimulationError` where an
-        actuator leaves the physics: that one is then where it was and its entries are as they were, and the others have
-        gone on. Ctrl-C ends a step of many parts; all actuators are then where they were.
+        Raises
+        ------
+        InputError
+            An array or a number is not valid; nothing has changed.
+        """
+    def step(self, /, length: NDArray[float64], velocity: NDArray[float64], command: NDArray[float64] | None, dt: SupportsFloat | SupportsIndex, tension: NDArray[float64], *, per_length: NDArray[float64] | None = None, per_velocity: NDArray[float64] | None = None, absolute_pressure: NDArray[float64] | None = None, max_step: SupportsFloat | SupportsIndex | None = None) -> None:
+        """
+        Advance all actuators by one time step, in which the ends of each move to a new distance at constant velocity.
+
+        Parameters
+        ----------
+        length : numpy.ndarray
+            Distances between the ends in m at the end of the step, above zero, with the tendon if there is one.
+        velocity : numpy.ndarray
+            Velocities of the ends in m/s at the end of the step, between -1e6 and 1e6.
+        command : numpy.ndarray or None
+            Commands of the valves: duty cycles from 0 to 1; of pressure regulators the set points, gauge pressures in Pa; of
+            proportional spools the positions from -1 to 1. With `None` the last commands continue.
+        dt : float
+            Duration of the step in s, above zero.
+        tension : numpy.ndarray
+            Receives the tensions in N.
+        per_length : numpy.ndarray, optional
+            Receives the derivatives of the tension with respect to the length at constant pressure, in N/m.
+        per_velocity : numpy.ndarray, optional
+            Receives the derivatives of the tension with respect to the velocity, in N*s/m.
+        absolute_pressure : numpy.ndarray, optional
+            Receives the absolute pressures in Pa.
+        max_step : float, optional
+            Longest part of the step in s, as of `Actuator.step`. By default the step is one part.
+
+        Raises
+        ------
+        InputError
+            An array or a number is not valid; nothing has changed.
+        SimulationError
+            An actuator comes to a non-physical state: its state and its elements stay as they were, and the others have
+            advanced.
+
+        Notes
+        -----
+        Ctrl-C ends a step of many parts; then all actuators are in their states before the step.
         """
 
 @final
@@ -172,19 +382,61 @@ class Differentiable:
     """
     Quantities of a run at given times as a function of parameters of its scenario, with the exact Jacobian.
 
-    `parameters` are keys of numbers as the scenario file has them, such as "load.mass", "command.duty" or
-    "actuator.effectiveness.value[2]"; `quantities` are "length" (m), "gauge_pressure" (Pa), "tension" (N), of a joint also
-    "angle" (rad), "angular_velocity" (rad/s), "torque" (N*m), "antagonist_length", "antagonist_gauge_pressure",
-    "antagonist_tension"; `times` are in s, within the run. Every event is located, and derivatives go through it.
+    An instance is called with the values of the parameters, and returns the quantities. The run is that of the event-located
+    engine: every event is located, and the derivatives account for it.
 
-    Called with values of the parameters in SI, it returns an array of shape (len(times), len(quantities)).
+    Parameters
+    ----------
+    scenario : Scenario
+        One actuator or an antagonistic joint, without a controller.
+    parameters : sequence of str
+        Paths of numbers of the scenario, such as "load.mass", "command.duty" or "actuator.effectiveness.value[2]".
+    quantities : sequence of str
+        "length" (m), "gauge_pressure" (Pa), "tension" (N); of a joint also "angle" (rad), "angular_velocity" (rad/s), "torque"
+        (N*m), "antagonist_length", "antagonist_gauge_pressure" and "antagonist_tension".
+    times : array_like
+        Times in s, from 0 to `run.duration`.
 
-    Ctrl-C ends a call. Raises `InputError` for what is no number or quantity of the scenario, and for a scenario with a
-    controller.
+    Raises
+    ------
+    InputError
+        The scenario has a controller or several actuators with names, there is no such parameter or quantity, or a time is
+        outside the run.
+
+    Notes
+    -----
+    A call takes `values`, array_like of the parameters in SI, and returns an array of shape (len(times), len(quantities)). It
+    raises `InputError` for values that are not finite or out of range, and `SimulationError` where the run fails. Ctrl-C ends
+    it.
+
+    Examples
+    --------
+        >>> import mckibben
+        >>> scenario = mckibben.Scenario.from_dict({
+        ...     "load": {"kind": "hanging-mass", "mass": "5 lb"},
+        ...     "initial": {"gauge_pressure": "60 psi", "length": "85 mm"},
+        ...     "run": {"duration": "0.1 s"},
+        ... })
+        >>> run = mckibben.Differentiable(scenario, ["load.mass"], ["length", "tension"], [0.05, 0.1])
+        >>> run(run.defaults).shape
+        (2, 2)
+        >>> values, jacobian = run.value_and_jacobian([2.5])
+        >>> jacobian.shape
+        (2, 2, 1)
     """
     def __call__(self, /, values: ArrayLike) -> NDArray[float64]:
         """
-        The quantities at the times, of shape (len(times), len(quantities)).
+        Return the quantities at the times.
+
+        Parameters
+        ----------
+        values : array_like
+            Values of the parameters in SI.
+
+        Returns
+        -------
+        numpy.ndarray
+            Quantities of shape (len(times), len(quantities)).
         """
     def __getnewargs__(self, /) -> tuple[Scenario, list[str], list[str], Incomplete]: ...
     def __new__(cls, /, scenario: Scenario, parameters: Sequence[str], quantities: Sequence[str], times: ArrayLike) -> Differentiable: ...
@@ -192,60 +444,108 @@ class Differentiable:
     @property
     def defaults(self, /) -> NDArray[float64]:
         """
-        The scenario's own values of the parameters, in SI.
+        Values of the parameters in the scenario, in SI.
         """
     def for_jax(self, /) -> Callable[..., Any]:
         """
-        This function for JAX, which differentiates it forwards and backwards: `jax.custom_jvp`.
+        Return this function for JAX, which differentiates it in forward and in reverse mode.
 
-        JAX must count in 64 bits: `jax.config.update("jax_enable_x64", True)`.
+        Returns
+        -------
+        callable
+            A `jax.custom_jvp` of the values of the parameters in SI. The runs of a `vmap` use all cores.
+
+        Raises
+        ------
+        InputError
+            JAX computes in 32 bits; call `jax.config.update("jax_enable_x64", True)` first.
         """
     def for_torch(self, /) -> Callable[..., Any]:
         """
-        This function of a tensor for PyTorch, which differentiates it forwards and backwards: by
-        `torch.autograd.Function`, with the derivatives of `value_and_jacobian`.
+        Return this function for PyTorch, which differentiates it in forward and in reverse mode.
 
-        Tensors are of 64 bits and on the CPU: `dtype=torch.float64`.
+        Returns
+        -------
+        callable
+            A function of a float64 tensor of the values of the parameters in SI, with any leading dimensions. The runs of a
+            `vmap`, or of leading dimensions, use all cores. They take place on the CPU; the result is on the device of the
+            tensor.
+
+        Notes
+        -----
+        The function raises `InputError` for a tensor of another type, and where a second derivative is taken.
         """
     @property
     def parameters(self, /) -> list[str]:
         """
-        The parameters that it is a function of.
+        Paths of the parameters.
         """
     @property
     def quantities(self, /) -> list[str]:
         """
-        The quantities.
+        Names of the quantities.
         """
     @property
     def scenario(self, /) -> Scenario:
         """
-        What is run.
+        Scenario that is run.
         """
     @property
     def times(self, /) -> NDArray[float64]:
         """
-        The times in s.
+        Times in s.
         """
     @property
     def units(self, /) -> dict[str, str]:
         """
-        The units of the quantities by their names.
+        Units of the quantities by their names, in SI.
         """
     def value_and_jacobian(self, /, values: ArrayLike) -> tuple[NDArray[float64], NDArray[float64]]:
         """
-        The quantities, and their Jacobian with respect to the parameters, of shape
-        (len(times), len(quantities), len(parameters)).
+        Return the quantities at the times and their Jacobian with respect to the parameters.
+
+        Parameters
+        ----------
+        values : array_like
+            Values of the parameters in SI.
+
+        Returns
+        -------
+        value : numpy.ndarray
+            Quantities in SI, of shape (len(times), len(quantities)).
+        jacobian : numpy.ndarray
+            Derivatives in SI, of shape (len(times), len(quantities), len(parameters)).
+
+        Raises
+        ------
+        InputError
+            The values are of another number, not finite or out of range.
+        SimulationError
+            The run fails with these values.
         """
 
 @final
 class Event:
     """
-    What happened at an instant of a run, and what holds from then on.
+    Event of a run: a discontinuity, and the discrete state that holds after it.
+
+    `Trajectory.events` has them; the constructor serves pickling.
+
+    Examples
+    --------
+        >>> import mckibben
+        >>> run = mckibben.simulate(mckibben.Scenario.from_dict({
+        ...     "load": {"kind": "hanging-mass", "mass": "5 lb"},
+        ...     "initial": {"gauge_pressure": "60 psi", "length": "85 mm"},
+        ...     "run": {"duration": "0.1 s"},
+        ... }))
+        >>> event = run.events[0]
+        >>> event.kind, 0.0 <= event.time <= 0.1, event.after["valve"]
+        ('break-away', True, 'closed')
     """
     def __eq__(self, other: object, /) -> bool:
         """
-        Whether both are the same.
+        Return whether both events are equal.
         """
     def __getnewargs__(self, /) -> tuple[float, list[str], list[str]]: ...
     def __new__(cls, /, time: SupportsFloat | SupportsIndex, columns: Sequence[str], words: Sequence[str]) -> Event: ...
@@ -253,123 +553,201 @@ class Event:
     @property
     def after(self, /) -> dict[str, str | float | bool]:
         """
-        What holds from then on, by the names of the columns of `mckibben simulate --events-output`: words such as "slack",
-        whether something is so as a `bool`, numbers as `float`.
+        Discrete state after the event, by the names of the columns of `mckibben simulate --events-output`.
+
+        Values are words such as "slack", `bool` for true and false, and `float`.
         """
     @property
     def kind(self, /) -> str:
         """
-        What happened: `valve`, `stick`, `slack` and so on.
+        Kind of the event, such as "valve", "stick", "break-away" or "slack".
         """
     @property
     def time(self, /) -> float:
         """
-        When it happened, in s.
+        Time of the event in s.
         """
 
 @final
 class LinearModel:
     """
-    A linear model `dx/dt = A x + B u`, `y = C x + D u`, of differences from an operating point.
+    Linear model `dx/dt = A x + B u`, `y = C x + D u` of deviations from an operating point, in SI.
 
-    `to_control` gives it to python-control.
+    `linearize` returns it; the constructor serves pickling.
+
+    Examples
+    --------
+        >>> import mckibben
+        >>> model = mckibben.linearize(mckibben.Scenario.from_dict({
+        ...     "load": {"kind": "hanging-mass", "mass": "5 lb"},
+        ...     "initial": {"gauge_pressure": "60 psi", "length": "85 mm"},
+        ...     "run": {"duration": "0.1 s"},
+        ... }))
+        >>> model.A.shape, model.units["pressure"]
+        ((3, 3), 'Pa')
+        >>> model.response([1.0, 10.0]).shape == (2, len(model.outputs), len(model.inputs))
+        True
     """
     @property
     def A(self, /) -> NDArray[float64]:
         """
-        One row and one column for each state.
+        System matrix, of shape (states, states).
         """
     @property
     def B(self, /) -> NDArray[float64]:
         """
-        One row for each state, one column for each input.
+        Input matrix, of shape (states, inputs).
         """
     @property
     def C(self, /) -> NDArray[float64]:
         """
-        One row for each output, one column for each state.
+        Output matrix, of shape (outputs, states).
         """
     @property
     def D(self, /) -> NDArray[float64]:
         """
-        One row for each output, one column for each input.
+        Feedthrough matrix, of shape (outputs, inputs).
         """
     def __getnewargs__(self, /) -> tuple[Any, ...]: ...
     def __new__(cls, /, matrices: SupportsLenAndGetItem[Incomplete], signals: SupportsLenAndGetItem[Sequence[tuple[str, str]]], poles: Sequence[tuple[SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex]], point: Sequence[tuple[str, SupportsFloat | SupportsIndex]], warnings: Sequence[str], json: str) -> LinearModel: ...
     def __repr__(self, /) -> str: ...
     def bode(self, /, input: str | None = None, outputs: Sequence[str] | None = None, ax: Sequence[Axes] | None = None) -> Figure:
         """
-        Magnitude and phase of outputs over one input, as a figure of Matplotlib, or into two axes.
+        Draw magnitude and phase of outputs over one input with Matplotlib.
 
-        Without names: the first two outputs over the first input, which is the valve's where there is one.
+        Parameters
+        ----------
+        input : str, optional
+            Name of the input; by default the first, which is that of the valve where there is one.
+        outputs : sequence of str, optional
+            Names of the outputs; by default the first two.
+        ax : sequence of matplotlib.axes.Axes, optional
+            Two axes to draw into, for magnitude and phase. By default a new figure has them.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        InputError
+            The model has no signal of that name, or `ax` has not two axes.
         """
     def damp(self, /) -> Modes:
         """
-        The poles as modes with natural frequency, damping ratio and time constant, the slowest first; `print` shows a table.
+        Return the poles as modes with natural frequency, damping ratio and time constant, the slowest first.
+
+        Returns
+        -------
+        Modes
+            A list of `Mode`; `print` shows it as a table. A pair of conjugate poles is one mode.
         """
     @property
     def details(self, /) -> dict[str, Any]:
         """
-        What is known of the model beside its matrices, as `to_json` says it: `controllability`, how far pulses on average hold
-        (`pwm`), whether the braid is taut, what is assumed.
+        Content of `to_json` as a dictionary: `controllability`, the validity of the average under PWM (`pwm`), assumed values,
+        and more.
         """
     @property
     def inputs(self, /) -> list[str]:
         """
-        The names of the inputs.
+        Names of the inputs.
         """
     @property
     def operating_point(self, /) -> dict[str, float]:
         """
-        The values at the operating point, by names that have the unit at the end.
+        Values at the operating point in SI, by names that end with the unit, such as `gauge_pressure_pa`.
         """
     @property
     def outputs(self, /) -> list[str]:
         """
-        The names of the outputs.
+        Names of the outputs.
         """
     @property
     def poles(self, /) -> NDArray[complex128]:
         """
-        The poles in 1/s.
+        Poles in 1/s.
         """
     def response(self, /, omega: ArrayLike) -> NDArray[complex128]:
         """
-        The complex response of each output to each input at angular frequencies in rad/s: `[frequency, output, input]`.
+        Return the complex frequency response of each output to each input.
+
+        Parameters
+        ----------
+        omega : array_like
+            Angular frequencies in rad/s.
+
+        Returns
+        -------
+        numpy.ndarray
+            Response of shape (len(omega), outputs, inputs), in the unit of the output over that of the input.
         """
     @property
     def states(self, /) -> list[str]:
         """
-        The names of the states.
+        Names of the states.
         """
     def to_control(self, /) -> Any:
         """
-        The model as a system of python-control, its signals with their names.
+        Return the model as a system of python-control, with the names of its signals.
+
+        Returns
+        -------
+        control.StateSpace
         """
     def to_json(self, /) -> str:
         """
-        The model as `mckibben linearize --output model.json` writes it, with controllability and how far it holds.
+        Return the model as JSON, as `mckibben linearize --output model.json` writes it.
+
+        Returns
+        -------
+        str
         """
     @property
     def units(self, /) -> dict[str, str]:
         """
-        The units of states, inputs and outputs by their names, in SI; empty for a pure number.
+        Units of states, inputs and outputs by their names, in SI; empty for a pure number.
+        """
+    @property
+    def validity(self, /) -> Validity:
+        """
+        Validity of the model as a `Validity`.
+
+        It has controllability, whether the braid is taut, dead zone and ripple of each valve under PWM, and the warnings.
         """
     @property
     def warnings(self, /) -> list[str]:
         """
-        What casts doubt on the model: a valve that does not answer to its duty there, a ripple that is too large, pulses that are
+        Reasons to doubt the model.
+
+        Examples are a duty cycle to which the valve does not respond, a pressure ripple that is too large, and pulses that are
         too slow. `linearize` raises each as a `UserWarning` too.
         """
 
 @final
 class Response:
     """
-    What an actuator answers to where its ends are, with its derivatives.
+    Tension of an actuator with its partial derivatives, and the rates of its air.
+
+    `Actuator.step` and `Actuator.respond` return it; the constructor serves pickling.
+
+    Examples
+    --------
+    The tension at a velocity of 10 mm/s, and its first-order estimate from the derivatives at rest:
+
+        >>> import mckibben
+        >>> muscle = mckibben.Actuator(mckibben.Scenario.from_dict({
+        ...     "load": {"kind": "isometric"},
+        ...     "initial": {"length": "85 mm", "gauge_pressure": "40 psi"},
+        ...     "run": {"duration": "1 s"},
+        ... }))
+        >>> response = muscle.respond(muscle.start(), velocity=0.01)
+        >>> response.per_length > 0.0, response.per_pressure > 0.0
+        (True, True)
     """
     def __eq__(self, other: object, /) -> bool:
         """
-        Whether both are the same.
+        Return whether both responses have equal numbers.
         """
     def __getnewargs__(self, /) -> tuple[float, float, float, float, float, float, float, float]: ...
     def __new__(cls, /, tension: SupportsFloat | SupportsIndex, per_length: SupportsFloat | SupportsIndex, per_velocity: SupportsFloat | SupportsIndex, per_pressure: SupportsFloat | SupportsIndex, pressure_rate: SupportsFloat | SupportsIndex, mass_flow: SupportsFloat | SupportsIndex, temperature: SupportsFloat | SupportsIndex, volume: SupportsFloat | SupportsIndex) -> Response: ...
@@ -382,22 +760,22 @@ class Response:
     @property
     def per_length(self, /) -> float:
         """
-        Its derivative by the length at constant pressure, in N/m.
+        Partial derivative of the tension with respect to the length at constant pressure, in N/m.
         """
     @property
     def per_pressure(self, /) -> float:
         """
-        Its derivative by the pressure, in m^2.
+        Partial derivative of the tension with respect to the pressure, in m^2.
         """
     @property
     def per_velocity(self, /) -> float:
         """
-        Its derivative by the velocity, in N*s/m.
+        Partial derivative of the tension with respect to the velocity, in N*s/m.
         """
     @property
     def pressure_rate(self, /) -> float:
         """
-        Rate of the pressure in Pa/s.
+        Rate of change of the pressure in Pa/s.
         """
     @property
     def temperature(self, /) -> float:
@@ -412,80 +790,237 @@ class Response:
     @property
     def volume(self, /) -> float:
         """
-        Volume of the air in m^3, braid and hose.
+        Volume of the air in m^3, in the braid and outside it.
         """
 
 @final
 class Scenario:
     """
-    One experiment: what is built, what drives it, what is recorded; as a scenario file says it.
+    One experiment: what is built, what drives it and what is recorded, as in a scenario file.
 
-    A quantity is text with its unit, such as "60 psi"; in values from Python it may be a number in SI. What is wrong raises
-    `InputError` with the message of the command line. A scenario does not change: `with_values` gives another one.
+    A quantity is text with its unit, such as "60 psi"; in values from Python it may be a number in SI. A scenario is immutable:
+    `with_values` returns another one. Sections are attributes: `scenario.load.mass` is a number in SI. Two scenarios are equal
+    if `to_toml` returns equal text.
 
-    `Scenario(text)` reads TOML from a string; `name` stands in messages where a file's name would, and `values` are pairs of
-    a key's path and a value as TOML, put in place of the text's own. With `in_si` numbers without a unit are in SI.
+    Parameters
+    ----------
+    text : str
+        Scenario as TOML.
+    name : str, optional
+        Name that messages show in place of that of a file; "scenario.toml" by default.
+    values : sequence of (str, str), optional
+        Paths of keys with values as TOML, which replace those of the text.
+    in_si : bool, optional
+        Whether numbers without a unit are quantities in SI. By default they are refused.
+
+    Raises
+    ------
+    InputError
+        The text is not TOML, or the scenario is not valid. The message names the place, the range and the remedy.
+
+    Examples
+    --------
+        >>> import mckibben
+        >>> scenario = mckibben.Scenario('''
+        ...     [load]
+        ...     kind = "hanging-mass"
+        ...     mass = "2 kg"
+        ...     [initial]
+        ...     gauge_pressure = "60 psi"
+        ...     [run]
+        ...     duration = "0.1 s"
+        ... ''')
+        >>> scenario.load.mass, scenario.load.kind
+        (2.0, 'hanging-mass')
     """
+    def __dir__(self, /) -> Any: ...
     def __eq__(self, other: object, /) -> bool:
         """
-        Whether both mean the same.
+        Return whether both scenarios have equal values.
+        """
+    def __getattr__(self, name: str, /) -> Any:
+        """
+        Return a section or a value by its name, such as `scenario.load.mass`: a quantity is a number in SI.
         """
     def __getnewargs__(self, /) -> tuple[str, str, list[tuple[str, str]], bool]: ...
     def __new__(cls, /, text: str, name: str = "scenario.toml", values: Sequence[tuple[str, str]] = ..., in_si: bool = False) -> Scenario: ...
     def __repr__(self, /) -> str: ...
+    def __str__(self, /) -> str: ...
+    def _repr_html_(self, /) -> Any: ...
+    def diff(self, /, other: Scenario) -> dict[str, Any]:
+        """
+        Return the values in which another scenario differs.
+
+        Parameters
+        ----------
+        other : Scenario
+            Scenario to compare with.
+
+        Returns
+        -------
+        dict of str to tuple
+            For each path of a key the value here and that of `other`, as in `to_dict`; `None` where there is none.
+
+        Examples
+        --------
+            >>> import mckibben
+            >>> scenario = mckibben.Scenario.from_dict({
+            ...     "load": {"kind": "hanging-mass", "mass": "2 kg"},
+            ...     "initial": {"gauge_pressure": "60 psi"},
+            ...     "run": {"duration": "0.1 s"},
+            ... })
+            >>> scenario.diff(scenario.with_values({"load.mass": 3.5}))
+            {'load.mass': ('2 kg', '3.5 kg')}
+        """
     @staticmethod
     def from_dict(values: Mapping[str, Any], name: str = "scenario.toml") -> Scenario:
         """
-        A scenario from a dictionary of its sections, as `tomllib` reads them from a file:
-        `{"load": {"kind": "hanging-mass", "mass": "5 lb"}, "run": {"duration": "1 s"}}`.
+        Make a scenario from a dictionary of its sections, as `tomllib` reads them from a file.
 
-        A quantity is text with its unit, or a number in SI. Lists may be NumPy arrays, and numbers those of NumPy. Messages
-        show the dictionary as TOML.
+        Parameters
+        ----------
+        values : mapping
+            Sections with their keys. A quantity is text with its unit, or a number in SI. Lists may be NumPy arrays, and
+            numbers those of NumPy.
+        name : str, optional
+            Name that messages show in place of that of a file; "scenario.toml" by default. They show the dictionary as TOML.
 
-        Raises `InputError` for one that contains itself, or has more than 64 levels or 2 000 000 values.
+        Returns
+        -------
+        Scenario
+
+        Raises
+        ------
+        InputError
+            The scenario is not valid, or the dictionary contains itself, has more than 64 levels or more than 2 000 000 values.
+        TypeError
+            A key is not text, or a value is of a type that no scenario has.
+
+        Examples
+        --------
+            >>> import mckibben
+            >>> mckibben.Scenario.from_dict({
+            ...     "load": {"kind": "hanging-mass", "mass": 2.0},
+            ...     "initial": {"gauge_pressure": "60 psi"},
+            ...     "run": {"duration": "0.1 s"},
+            ... })
+            <mckibben.Scenario "scenario.toml">
         """
     @staticmethod
-    def load(path: str | PathLike[str]) -> Scenario:
+    def from_file(path: str | PathLike[str]) -> Scenario:
         """
-        Reads a scenario file.
+        Read a scenario file.
 
-        Raises `InputError` for a file that cannot be read, is not TOML, or says what cannot be.
+        Parameters
+        ----------
+        path : str or path
+            TOML file.
+
+        Returns
+        -------
+        Scenario
+
+        Raises
+        ------
+        InputError
+            The file cannot be read, is not TOML, or is not a valid scenario.
         """
     @property
     def name(self, /) -> str:
         """
-        The name of the file, or what stands in messages in its place.
+        Name of the file, or that given in its place.
         """
     @property
     def text(self, /) -> str:
         """
-        The text as it was read, without what `with_values` set.
+        Text as it was read, without the values that `with_values` set.
         """
     def to_dict(self, /) -> dict[str, Any]:
         """
-        The same as a dictionary of its sections, which `from_dict` takes.
+        Return the content of `to_toml` as a dictionary of sections, which `from_dict` accepts.
+
+        Returns
+        -------
+        dict
         """
     def to_toml(self, /) -> str:
         """
-        The scenario as it was understood, as TOML: every value in SI, no preset, no default. Of many actuators with names: every
-        key that was given, with its value as it was written.
+        Return the scenario as TOML: every value in SI, presets resolved, defaults left out.
+
+        Of several actuators with names: every key that was given, with its value as it was written.
+
+        Returns
+        -------
+        str
         """
     def with_values(self, /, values: Mapping[str, Any]) -> Scenario:
         """
-        This scenario with other values, each by the path of its key: `{"load.mass": "10 lb", "command.duty": 0.3}`. A number
-        where a quantity is due is in SI.
+        Return a scenario with other values.
+
+        Parameters
+        ----------
+        values : mapping
+            Values by the paths of their keys, such as `{"load.mass": "10 lb", "command.duty": 0.3}`. A quantity is text with
+            its unit, or a number in SI.
+
+        Returns
+        -------
+        Scenario
+            A new scenario; this one is unchanged.
+
+        Raises
+        ------
+        InputError
+            There is no such key, or the scenario is not valid with these values.
+        TypeError
+            A value is of a type that no scenario has.
+
+        Examples
+        --------
+            >>> import mckibben
+            >>> scenario = mckibben.Scenario.from_dict({
+            ...     "load": {"kind": "hanging-mass", "mass": "5 lb"},
+            ...     "initial": {"gauge_pressure": "60 psi"},
+            ...     "run": {"duration": "0.1 s"},
+            ... })
+            >>> scenario.with_values({"load.mass": 3.5}).load.mass
+            3.5
         """
 
 @final
 class Sweep:
     """
-    The runs of a scenario's section `[sweep]`, in parts that can be computed anywhere: what `mckibben sweep` does, to the last
-    bit.
+    Runs of a scenario's section `[sweep]`, in parts that can be computed anywhere.
 
-    `mckibben.sweep` does all of them. `chosen` is the step of the fixed-step engine that was chosen for all rows; it is chosen
-    where it is not given.
+    `mckibben.sweep` computes all of them; this class is for schedulers of your own. Parts are bit-identical to those of
+    `mckibben sweep`.
 
-    Raises `InputError` for a scenario without a sweep, and for one that cannot be.
+    Parameters
+    ----------
+    scenario : Scenario
+        Scenario with a section `[sweep]`.
+    chosen : tuple, optional
+        Step of the fixed-step engine for all runs: its length in s, the accuracy, the runs that reach it and those that do not.
+        By default it is chosen here, where the scenario leaves it open.
+
+    Raises
+    ------
+    InputError
+        The scenario has no section `[sweep]`, or the section is not valid.
+
+    Examples
+    --------
+        >>> import mckibben
+        >>> sweep = mckibben.Sweep(mckibben.Scenario.from_dict({
+        ...     "load": {"kind": "hanging-mass"},
+        ...     "initial": {"gauge_pressure": "60 psi", "length": "85 mm"},
+        ...     "run": {"duration": "20 ms"},
+        ...     "sweep": {"reductions": ["length.final"], "vary": {"load.mass": ["4 lb", "5 lb", "6 lb"]}},
+        ... }))
+        >>> sweep.rows, sweep.parts, sweep.units["length_final_m"]
+        (3, 1, 'm')
+        >>> sweep.part(0)[:4]
+        b'PAR1'
     """
     def __getnewargs__(self, /) -> tuple[Scenario, tuple[float, float, list[int], list[int]] | None]: ...
     def __new__(cls, /, scenario: Scenario, chosen: tuple[SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex, Sequence[SupportsIndex], Sequence[SupportsIndex]] | None = None) -> Sweep: ...
@@ -493,92 +1028,177 @@ class Sweep:
     @property
     def columns(self, /) -> list[str]:
         """
-        The names of the table's columns in their order.
+        Names of the columns of the table, in their order.
         """
     def missing(self, /, folder: str | PathLike[str]) -> tuple[list[int], int]:
         """
-        Makes the sweep's folder, or takes up one that holds the same sweep: the numbers of the parts that are not finished in
-        it, and how many runs failed in those that are.
+        Create the folder of the sweep, or open one that holds the same sweep, and return what is missing in it.
+
+        Parameters
+        ----------
+        folder : str or path
+            Folder of the sweep.
+
+        Returns
+        -------
+        parts : list of int
+            Indices of the parts that are not finished.
+        failed : int
+            Number of runs that failed in the finished parts.
+
+        Raises
+        ------
+        InputError
+            The folder holds something else, or a damaged part.
+        OutputError
+            The folder cannot be written to.
         """
     def part(self, /, part: SupportsIndex) -> bytes:
         """
-        Computes a part on one thread, while other threads of Python go on: the bytes of its Parquet file.
+        Compute a part on one thread, with the interpreter released.
+
+        Parameters
+        ----------
+        part : int
+            Index of the part, from 0.
+
+        Returns
+        -------
+        bytes
+            Content of its Parquet file.
+
+        Raises
+        ------
+        InputError
+            There is no such part.
         """
     @property
     def parts(self, /) -> int:
         """
-        How many parts they make, each a Parquet file.
+        Number of parts, each of which is a Parquet file.
         """
     def put(self, /, folder: str | PathLike[str], part: SupportsIndex, bytes: bytes) -> None:
         """
-        Puts the bytes of a part into the folder: it is there whole or not at all.
+        Write a part into the folder, whole or not at all.
+
+        Parameters
+        ----------
+        folder : str or path
+            Folder of the sweep.
+        part : int
+            Index of the part, from 0.
+        bytes : bytes
+            Content of its Parquet file, as `part` returns it.
+
+        Raises
+        ------
+        InputError
+            The folder holds something else.
+        OutputError
+            The file cannot be written.
         """
     @property
     def rows(self, /) -> int:
         """
-        How many runs there are.
+        Number of runs.
         """
     def run(self, /, folder: str | PathLike[str], jobs: SupportsIndex | None = None, progress: Any | None = None) -> None:
         """
-        Computes what is missing in the folder on `jobs` threads, one for each core unless given, and calls `progress` now and
-        then with the parts that are done and all there are.
+        Compute the missing parts into the folder on several threads.
 
-        Ctrl-C, and an exception of `progress`, stop it once the parts under way are finished; what is in the folder then is
-        kept.
+        Parameters
+        ----------
+        folder : str or path
+            Folder of the sweep; created where there is none.
+        jobs : int, optional
+            Number of threads, from 1 to 4096; one for each core by default.
+        progress : callable, optional
+            Called as `progress(done, parts)` after every few parts, with the number of finished parts and of all. An exception
+            that it raises ends the sweep.
+
+        Raises
+        ------
+        InputError
+            The folder holds something else, or `jobs` is too large.
+        OutputError
+            A file cannot be written.
+
+        Notes
+        -----
+        Ctrl-C, and an exception of `progress`, end the sweep when the parts in progress are finished. These stay in the folder.
         """
     @property
     def scenario(self, /) -> Scenario:
         """
-        What is swept.
+        Scenario whose section `[sweep]` is run.
         """
     @property
     def step(self, /) -> float | None:
         """
-        The longest step of the fixed-step engine in s that was chosen for all runs; `None` where they have their own.
+        Longest step in s of the fixed-step engine, chosen for all runs; `None` where each run has its own.
         """
     @property
     def units(self, /) -> dict[str, str]:
         """
-        The units of the columns of numbers by their names, in SI.
+        Units of the columns of numbers by their names, in SI.
         """
 
 @final
 class Trajectory:
     """
-    A finished run: its columns as NumPy arrays, its events, and what it was between the samples.
+    Result of a run: its columns as NumPy arrays, its events, and its values between the samples.
 
-    There is a row at t = 0, at every `run.sample_interval` and at the end. `trajectory["absolute_pressure_pa"]` is a column by its
-    name in the files of `mckibben simulate`; those that every run has are attributes too. The columns of a joint begin with
-    its agonist's; those of its antagonist are called `antagonist_length_m` and so on. Of many
-    actuators with names every column carries one: `flexor.absolute_pressure_pa`, `elbow.angle_rad`, `tank.absolute_pressure_pa`.
+    There is a sample at t = 0, at every `run.sample_interval` and at the end. `trajectory["absolute_pressure_pa"]` is a column
+    by its name in the files of `mckibben simulate`; those that every run of one actuator or joint has are attributes too.
+    Arrays are read-only: copy one to change it. `simulate` returns a trajectory; the constructor serves pickling.
 
-    Arrays cannot be written to: copy one to change it.
+    Notes
+    -----
+    Columns of a joint are those of its agonist, and those of its antagonist begin with `antagonist_`, as `antagonist_length_m`.
+    Of several actuators with names every column has a name in front: `flexor.absolute_pressure_pa`, `elbow.angle_rad`,
+    `tank.absolute_pressure_pa`. `len` is the number of samples; iteration, `in` and `dict` go by the names of the columns.
+
+    A trajectory from a pickle simulates the scenario again when a value between the samples, the summary or a file is
+    requested.
+
+    Examples
+    --------
+        >>> import mckibben
+        >>> run = mckibben.simulate(mckibben.Scenario.from_dict({
+        ...     "load": {"kind": "hanging-mass", "mass": "5 lb"},
+        ...     "initial": {"gauge_pressure": "60 psi", "length": "85 mm"},
+        ...     "run": {"duration": "0.1 s"},
+        ... }))
+        >>> run.length is run["length_m"], run.units["tension_n"]
+        (True, 'N')
+        >>> run.at(0.0)["length_m"]
+        0.085
     """
     def __contains__(self, name: Any, /) -> bool:
         """
-        Whether there is a column of this name.
+        Return whether there is a column of this name.
         """
     def __getitem__(self, name: str, /) -> NDArray[Any]:
         """
-        A column by its name, such as "length_m" or "hose_absolute_pressure_pa".
+        Return a column by its name, such as "length_m" or "hose_absolute_pressure_pa".
         """
     def __getnewargs__(self, /) -> tuple[Any, ...]: ...
     def __iter__(self, /) -> Iterator[str]:
         """
-        The names of the columns in their order.
+        Iterate over the names of the columns in their order.
         """
     def __len__(self, /) -> int:
         """
-        How many rows there are.
+        Return the number of samples.
         """
     def __new__(cls, /, scenario: Scenario, columns: Sequence[tuple[str, str, Any]], events: Sequence[Event]) -> Trajectory:
         """
-        A run as it was pickled; what only the engine knows is simulated anew when it is asked for.
+        Restore a trajectory from a pickle.
         """
     def __repr__(self, /) -> str: ...
     def _figures(self, /) -> tuple[list[tuple[str, float, str]], list[tuple[str, int]], list[tuple[str, str]]]:
         """
-        Numbers with their names and units, counts of events, and assumed values.
+        Return numbers with their names and units, counts of events, and assumed values.
         """
     def _repr_svg_(self, /) -> str: ...
     @property
@@ -599,31 +1219,64 @@ class Trajectory:
     @property
     def angular_velocity(self, /) -> NDArray[float64]:
         """
-        Rates of a joint's angle in rad/s.
+        Angular velocities of a joint in rad/s.
         """
     def at(self, /, time: SupportsFloat | SupportsIndex) -> dict[str, float | str]:
         """
-        Every column at `time` in s, by the polynomials of the steps: by the event-located engine exact between the samples too.
+        Return every column at one time, from the interpolating polynomials of the steps.
 
-        Raises `InputError` for a time outside the run, and for a run at fixed steps.
+        Parameters
+        ----------
+        time : float
+            Time in s, from 0 to the end of the run.
+
+        Returns
+        -------
+        dict of str to float or str
+            Values by the names of the columns.
+
+        Raises
+        ------
+        InputError
+            The time is outside the run.
         """
     def at_times(self, /, times: ArrayLike) -> dict[str, NDArray[Any]]:
         """
-        Every column at each of `times` in s, as arrays by the names of the columns; as `at`.
+        Return every column at several times, from the interpolating polynomials of the steps.
+
+        Parameters
+        ----------
+        times : array_like
+            Times in s, from 0 to the end of the run.
+
+        Returns
+        -------
+        dict of str to numpy.ndarray
+            Arrays of shape (len(times),) by the names of the columns.
+
+        Raises
+        ------
+        InputError
+            A time is not finite or outside the run.
         """
     @property
     def columns(self, /) -> list[str]:
         """
-        The names of the columns in their order, each of numbers with its unit at the end.
+        Names of the columns in their order; that of a column of numbers ends with its unit.
         """
     @property
     def events(self, /) -> list[Event]:
         """
-        What happened, in order of time.
+        Events in order of time.
         """
     def events_to_pandas(self, /) -> DataFrame:
         """
-        The log of events as a data frame of pandas: `time_s`, `event`, and what holds from then on.
+        Return the log of events as a data frame of pandas.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A row for each event: `time_s`, `event`, and the discrete state after it.
         """
     @property
     def gauge_pressure(self, /) -> NDArray[float64]:
@@ -632,12 +1285,16 @@ class Trajectory:
         """
     def keys(self, /) -> list[str]:
         """
-        The names of the columns, as of a data frame: `dict(run)` has the columns by their names.
+        Return the names of the columns in their order, so that `dict(run)` has the columns.
+
+        Returns
+        -------
+        list of str
         """
     @property
     def length(self, /) -> NDArray[float64]:
         """
-        Distances between the attachments in m; of a joint, its agonist's.
+        Distances between the attachments in m; of a joint, that of its agonist.
         """
     @property
     def mass_flow(self, /) -> NDArray[float64]:
@@ -646,24 +1303,59 @@ class Trajectory:
         """
     def plot(self, /, columns: Sequence[str] | None = None, ax: Sequence[Axes] | None = None) -> Figure:
         """
-        Columns over time as a figure of Matplotlib, a panel for each, or into as many axes.
+        Draw columns over time with Matplotlib, in a panel for each.
 
-        Without `columns`: length, pressure and tension; of a joint or a plant its angles too, a line for each actuator.
+        Parameters
+        ----------
+        columns : sequence of str, optional
+            Names of columns. By default length, pressure and tension; of a joint its angle in place of the length; of several
+            actuators angles too, with a line for each actuator or joint.
+        ax : sequence of matplotlib.axes.Axes, optional
+            Axes to draw into, one for each panel. By default a new figure has them.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        InputError
+            `columns` is empty, or `ax` has another number of axes.
+        KeyError
+            There is no column of that name.
         """
     @property
     def scenario(self, /) -> Scenario:
         """
-        What was run.
+        Scenario that was run.
         """
     def summary(self, /) -> Summary:
         """
-        What the run came to: extremes, ripple, air used, energy and exergy, the step that was chosen and its error, events, assumed
-        values.
+        Return figures of the run by the names of the reductions of a sweep.
+
+        They are extremes, ripple, air consumption, energy and exergy, the chosen step and its error, counts of events, and
+        assumed values.
+
+        Returns
+        -------
+        Summary
+            A mapping of names such as "length.final" to numbers in SI, with `units`, `events` and `assumed`.
+
+        Examples
+        --------
+            >>> import mckibben
+            >>> run = mckibben.simulate(mckibben.Scenario.from_dict({
+            ...     "load": {"kind": "hanging-mass", "mass": "5 lb"},
+            ...     "initial": {"gauge_pressure": "60 psi", "length": "85 mm"},
+            ...     "run": {"duration": "0.1 s"},
+            ... }))
+            >>> run.summary()["length.final"] == run.length[-1]
+            True
         """
     @property
     def t(self, /) -> NDArray[float64]:
         """
-        Times in s.
+        Times of the samples in s.
         """
     @property
     def temperature(self, /) -> NDArray[float64]:
@@ -673,31 +1365,80 @@ class Trajectory:
     @property
     def tension(self, /) -> NDArray[float64]:
         """
-        Tensions in N, zero or above: an actuator only pulls.
+        Tensions in N, zero or more: an actuator only pulls.
         """
     def to_csv(self, /, path: str | PathLike[str]) -> None:
         """
-        Writes the columns as CSV: the file of `mckibben simulate --output`, byte by byte.
+        Write the columns as CSV: byte for byte the file of `mckibben simulate --output`.
+
+        Parameters
+        ----------
+        path : str or path
+            File to write.
+
+        Raises
+        ------
+        OutputError
+            The file cannot be written; then none is left behind.
         """
     def to_dict(self, /) -> dict[str, NDArray[Any]]:
         """
-        The columns as arrays by their names, in their order.
+        Return the columns as arrays by their names, in their order.
+
+        Returns
+        -------
+        dict of str to numpy.ndarray
         """
     def to_pandas(self, /) -> DataFrame:
         """
-        The columns as a data frame of pandas.
+        Return the columns as a data frame of pandas, with the units in `attrs["units"]`.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A row for each sample.
         """
     def to_parquet(self, /, path: str | PathLike[str]) -> None:
         """
-        Writes the columns as Parquet: the file of `mckibben simulate --output`, byte by byte.
+        Write the columns as Parquet: byte for byte the file of `mckibben simulate --output`.
+
+        Parameters
+        ----------
+        path : str or path
+            File to write.
+
+        Raises
+        ------
+        OutputError
+            The file cannot be written; then none is left behind.
         """
     def to_polars(self, /) -> DataFrame2:
         """
-        The columns as a data frame of Polars.
+        Return the columns as a data frame of Polars.
+
+        Returns
+        -------
+        polars.DataFrame
+            A row for each sample.
         """
     def to_svg(self, /, over: str = "time") -> str:
         """
-        The figure of `mckibben simulate --plot` as SVG; over "time", or tension over "length".
+        Return the figure of `mckibben simulate --plot` as SVG.
+
+        Parameters
+        ----------
+        over : {"time", "length"}, optional
+            Horizontal axis: time, or the length, over which the tension is drawn. The figure of several actuators is always
+            over time.
+
+        Returns
+        -------
+        str
+
+        Raises
+        ------
+        InputError
+            `over` is another word.
         """
     @property
     def torque(self, /) -> NDArray[float64]:
@@ -707,12 +1448,12 @@ class Trajectory:
     @property
     def units(self, /) -> dict[str, str]:
         """
-        The units of the columns of numbers by their names, in SI.
+        Units of the columns of numbers by their names, in SI.
         """
     @property
     def valve(self, /) -> NDArray[str_]:
         """
-        Which passage of the valve is open: "supply", "exhaust", "both" or "closed".
+        Open ports of the valve: "supply", "exhaust", "both" or "closed".
         """
     @property
     def velocity(self, /) -> NDArray[float64]:
@@ -722,29 +1463,61 @@ class Trajectory:
     @property
     def volume(self, /) -> NDArray[float64]:
         """
-        Volumes of the actuator's air in m^3, braid and hose.
+        Volumes of the actuator's air in m^3, in the braid and outside it.
         """
 
 @final
 class VectorPlant:
     """
-    Many copies of a scenario's plant, stepped together on all cores. Your code commands their valves; each plant may be
-    reset, with parameters of its own, while the others go on. The environments of `mckibben.learning` are made of it.
+    Many instances of a scenario's plant, stepped together on all cores, whose valves the caller commands.
 
-    `scenario` is of any plant: one actuator with its load, an antagonistic joint, or actuators with names on their mechanisms.
-    Its controllers do not count, nor the commands of the actuators' valves; supplies follow theirs.
+    Each instance may be reset, with its own values of parameters, while the others continue. The environments of
+    `mckibben.learning` are made of it. The caller owns the arrays, which are contiguous; they are read and written in place.
 
-    `parameters` are paths of the numbers that differ from one to the next: "load.mass", "initial.gauge_pressure"; where actuators have
-    names also "actuators.biceps.friction.viscous" and "mechanism.joints.elbow.damping".
+    Parameters
+    ----------
+    scenario : Scenario
+        Any plant with a valve: one actuator with its load, an antagonistic joint, or several actuators with names on their
+        mechanisms. Its controllers and the commands of the actuators' valves are not used; supplies follow theirs.
+    count : int
+        Number of instances.
+    parameters : sequence of str, optional
+        Paths of the parameters that differ between the instances: "load.mass", "initial.gauge_pressure"; where actuators have
+        names also "actuators.biceps.friction.viscous" and "mechanism.joints.elbow.damping".
+    action_mode : {"duty", "request", "position", "set-point"}, optional
+        What an action is: a duty cycle from 0 to 1 (the default); a request, 1 to fill, 0 to hold, -1 to exhaust; the position
+        of a proportional spool from -1 to 1; the set point of a pressure regulator, a gauge pressure in Pa.
+    pulse_frequency : float, optional
+        Frequency in Hz, above zero, of the pulses of a duty cycle. By default that of the scenario's PWM.
 
-    `action_mode` says what the actions given to `step` are: "duty" (0 to 1), "request" (1 fill, 0 hold, -1 exhaust), "position" of
-    a proportional spool (-1 to 1), "set-point" of a pressure regulator (Pa, gauge). `pulse_frequency` in Hz is how often a
-    duty cycle's pulses come; that of the scenario's PWM unless given.
+    Raises
+    ------
+    InputError
+        The plant has no valve, a valve does not take such actions, or there is no such parameter.
+    MemoryError
+        This machine does not have the memory for so many instances.
 
-    They go at fixed steps by the scenario's run.method, each no longer than its run.step, or than what its run.accuracy
-    needs.
+    Notes
+    -----
+    Steps are fixed and by `run.method`, each no longer than `run.step`, or where that is not given than `run.accuracy` needs. A
+    copy, or an instance from a pickle, is reset: it has the same scenario and options, at t = 0.
 
-    A copy, or what comes out of a pickle, is made anew: of the same scenario and for the same purpose, at t = 0.
+    Examples
+    --------
+        >>> import mckibben, numpy
+        >>> scenario = mckibben.Scenario.from_dict({
+        ...     "supply": {"gauge_pressure": "100 psi"},
+        ...     "valve": {"preset": "matrix-eight-channel"},
+        ...     "load": {"kind": "hanging-mass", "mass": "5 lb"},
+        ...     "initial": {"gauge_pressure": "40 psi", "length": "equilibrium"},
+        ...     "run": {"duration": "1 s", "engine": "fixed-step", "step": "0.5 ms"},
+        ... })
+        >>> plants = mckibben.VectorPlant(scenario, 2, parameters=["load.mass"], action_mode="request")
+        >>> plants.start(numpy.array([[2.0], [3.0]]))
+        >>> observations, stopped = numpy.zeros((2, len(plants.columns))), numpy.zeros(2, dtype=bool)
+        >>> plants.step(numpy.array([[1.0], [-1.0]]), 0.02, observations, stopped)
+        >>> plants.columns[0], bool(stopped.any()), float(plants.time[0])
+        ('length_m', False, 0.02)
     """
     def __getnewargs_ex__(self, /) -> tuple[tuple[Scenario, int], dict[str, Any]]: ...
     def __len__(self, /) -> int: ...
@@ -753,150 +1526,360 @@ class VectorPlant:
     @property
     def columns(self, /) -> list[str]:
         """
-        What is observed of each, by the names of the columns of a run.
+        Names of the observations of an instance, as of the columns of a run.
         """
     @staticmethod
     def columns_of(scenario: Scenario) -> list[str]:
         """
-        What `columns` of plants of a scenario are, whatever the commands of its valves.
+        Return the names of the observations of a scenario's plant, without making one.
+
+        Parameters
+        ----------
+        scenario : Scenario
+            Any plant.
+
+        Returns
+        -------
+        list of str
+            The `columns` of its `VectorPlant`.
+
+        Raises
+        ------
+        InputError
+            The model finds a contradiction in the scenario.
         """
     @property
     def defaults(self, /) -> NDArray[float64]:
         """
-        The scenario's own values of `parameters`, in SI.
+        Values of `parameters` in the scenario, in SI.
         """
     def differ(self, /, one: ArrayLike, other: ArrayLike) -> bool:
         """
-        Whether plants with these two sets of values of the numbers `parameters`, in SI, would differ. Commands of valves do not count.
+        Return whether two sets of values of `parameters` give different plants, the commands of valves aside.
 
-        Raises `InputError` for values that cannot be.
+        Parameters
+        ----------
+        one : array_like
+            Values in SI, one for each of `parameters`.
+        other : array_like
+            Values to compare with.
+
+        Returns
+        -------
+        bool
+
+        Raises
+        ------
+        InputError
+            A value is missing or not valid.
         """
     @property
     def duration(self, /) -> float:
         """
-        How long the scenario runs, in s.
+        Duration of the scenario in s.
         """
     def observe(self, /, rows: NDArray[int64], observations: NDArray[float64]) -> None:
         """
-        Writes the observations of the plants of these numbers into rows of `observations`, of shape (count, len(columns)).
+        Write the current observations of some instances.
+
+        Parameters
+        ----------
+        rows : numpy.ndarray
+            Indices of the instances, int64, from 0.
+        observations : numpy.ndarray
+            Receives the observations in SI in the rows of these instances, float64 of shape (count, len(columns)).
+
+        Raises
+        ------
+        InputError
+            `observations` is of another shape.
         """
     @property
     def parameters(self, /) -> list[str]:
         """
-        Paths of the numbers that differ from one to the next.
+        Paths of the parameters that differ between the instances.
         """
     @property
     def pulses(self, /) -> float | None:
         """
-        How often pulses come, in Hz, where `action_mode` is "duty".
+        Frequency of the pulses in Hz; `None` unless `action_mode` is "duty".
         """
     @property
     def requests(self, /) -> list[float]:
         """
-        The requests that the valves can do: of 1 (fill), 0 (hold) and -1 (exhaust).
+        Requests that every valve can do, of 1 (fill), 0 (hold) and -1 (exhaust).
         """
     def restart(self, /, rows: NDArray[int64], values: NDArray[float64] | None = None) -> None:
         """
-        The plants of these numbers are reset, with these values, of shape (len(rows), len(parameters)), and no command to their
-        valves; those of the scenario unless given. The others go on.
+        Reset some instances, without a command to their valves, while the others continue.
+
+        Parameters
+        ----------
+        rows : numpy.ndarray
+            Indices of the instances, int64, from 0.
+        values : numpy.ndarray, optional
+            Values of `parameters` in SI, float64 of shape (len(rows), len(parameters)); those of the scenario by default.
+
+        Raises
+        ------
+        InputError
+            There is no such instance, or a value is not valid.
         """
     @property
     def scenario(self, /) -> Scenario:
         """
-        What it was made of.
+        Scenario of the plant.
         """
     def start(self, /, values: NDArray[float64] | None = None) -> None:
         """
-        All begin at t = 0, with no command to their valves, each with its values of the numbers `parameters` in SI, of shape
-        (count, len(parameters)); those of the scenario unless given.
+        Reset all instances to t = 0, without a command to their valves, and restart the clock.
 
-        Raises `InputError` for values that cannot be. Then nothing has changed.
-        """
-    def step(self, /, dt: SupportsFloat | SupportsIndex, actions: NDArray[float64], observations: NDArray[float64], stopped: NDArray[bool_]) -> None:
-        """
-        Asks `action_mode`, of shape (count, valves), of the valves, goes on by `dt` in s, and writes what the plants show into
-        `observations`, of shape (count, len(columns)), and into `stopped` which of them have produced a non-physical state: their entries stay
-        as they are, and only `restart` brings them back.
+        Parameters
+        ----------
+        values : numpy.ndarray, optional
+            Values of `parameters` in SI, float64 of shape (count, len(parameters)); those of the scenario by default.
 
-        Raises `InputError` for actions that cannot be, and for more than 10 000 000 steps or edges of pulses, before anything
-        has changed. Ctrl-C ends a step of many parts between two of them.
+        Raises
+        ------
+        InputError
+            A value is not valid; nothing has changed.
+        """
+    def step(self, /, actions: NDArray[float64], dt: SupportsFloat | SupportsIndex, observations: NDArray[float64], stopped: NDArray[bool_]) -> None:
+        """
+        Command the valves, advance all instances, and write their observations.
+
+        Parameters
+        ----------
+        actions : numpy.ndarray
+            Commands of the valves, float64 of shape (count, valves), as `action_mode` says.
+        dt : float
+            Duration of the step in s, above zero.
+        observations : numpy.ndarray
+            Receives the observations in SI, float64 of shape (count, len(columns)).
+        stopped : numpy.ndarray
+            Receives which instances have produced a non-physical state, bool of shape (count,). Their observations stay as they
+            are, and only `restart` or `start` brings them back.
+
+        Raises
+        ------
+        InputError
+            An action is not valid, an array is of another shape, or there are more than 10 000 000 steps and edges of pulses;
+            nothing has changed.
+
+        Notes
+        -----
+        Ctrl-C ends a step of many parts between two of them.
         """
     @property
     def time(self, /) -> NDArray[float64]:
         """
-        The time in s of each plant on the clock that its pulses follow: period p begins at p / `pulses`. All share one clock,
-        which begins with `start`.
+        Time in s of each instance on the clock of the pulses, which all share and `start` restarts.
+
+        Pulse p begins at p / `pulses`.
         """
     @property
     def valve_delay(self, /) -> float:
         """
-        The longest time in s for which a command shows no effect at the scenario's valves: the delays of their coils, or the
-        dead time of a pressure regulator, and what a hose adds.
+        Longest time in s from a command to its effect at a valve.
+
+        It is the longest delay of a coil or dead time of a pressure regulator, and what a hose adds.
         """
     @property
     def valves(self, /) -> int:
         """
-        How many valves each has.
+        Number of valves of an instance.
         """
+
+@final
+class _Statics:
+    """
+    What `mckibben.Statics` computes with, on flat arrays of one length.
+    """
+    def __new__(cls, /, scenario: Scenario) -> _Statics: ...
+    def force(self, /, length: ArrayLike, gauge: ArrayLike) -> NDArray[float64]:
+        """
+        Static force in N, zero where the braid would push.
+        """
+    def gauge_pressure_for(self, /, length: ArrayLike, force: ArrayLike, most: SupportsFloat | SupportsIndex) -> NDArray[float64]:
+        """
+        The least gauge pressure in Pa, up to `most`, that bears a force at a length.
+        """
+    def length_for(self, /, gauge: ArrayLike, force: ArrayLike) -> NDArray[float64]:
+        """
+        The length in m at which the actuator bears a force at a gauge pressure.
+        """
+    @property
+    def reach(self, /) -> tuple[float, float]:
+        """
+        Shortest and longest length in m.
+        """
+    def sealed_stiffness(self, /, length: ArrayLike, gauge: ArrayLike) -> NDArray[float64]:
+        """
+        Stiffness in N/m with the valve shut (5).
+        """
+    def stiffness(self, /, length: ArrayLike, gauge: ArrayLike) -> NDArray[float64]:
+        """
+        Stiffness in N/m at constant pressure (7).
+        """
+    @property
+    def supply(self, /) -> float | None:
+        """
+        Gauge pressure of the supply in Pa.
+        """
+    def volume(self, /, length: ArrayLike) -> NDArray[float64]:
+        """
+        Volume of the air in m^3 at a length, braid and what is outside it.
+        """
+
+def _curves(scenario: Scenario, gauge_pressures: ArrayLike | str | None = None) -> dict[str, NDArray[float64]]:
+    """
+    Return force, stiffness and volume of a scenario's actuator over length, at rest.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        One actuator.
+    gauge_pressures : array_like or str, optional
+        Gauge pressures in Pa, or text such as "35, 45, 55 psi"; those of the paper's Fig. 3 by default.
+
+    Returns
+    -------
+    dict of str to numpy.ndarray
+        Arrays by their names, which end with their units: a row for each pressure, a column for each length, from the shortest
+        to the longest. `stiffness_n_m` is equation (7), `sealed_stiffness_n_m` equation (5).
+    """
 
 def _identify(sections: Mapping[str, Any], tables: Sequence[tuple[str, Sequence[tuple[str, ArrayLike]]]], scenario: Scenario, output: str | PathLike[str] | None, progress: Any | None) -> dict[str, Any]:
     """
-    Estimates parameters from a study in memory: its sections as in a file, and its tables by the names that runs give them.
+    Estimate parameters from a study in memory: its sections as in a file, and its tables by their names.
     """
 
 def _identify_file(study: str | PathLike[str], output: str | PathLike[str] | None, progress: Any | None) -> dict[str, Any]:
     """
-    Estimates parameters from the study of a file.
+    Estimate parameters from a study file.
     """
 
-def curves(scenario: Scenario, gauge_pressures: ArrayLike | str | None = None) -> dict[str, NDArray[float64]]:
+def _parameters() -> dict[str, Any]:
     """
-    Force, stiffness and volume of a scenario's actuator over length, at rest: the table of `mckibben curves`.
+    Return the quantities of a scenario as dictionaries by their keys: the arguments of `Parameter` of the package.
+    """
 
-    `gauge_pressures` are numbers in Pa, or text such as "35, 45, 55 psi"; those of the paper's Fig. 3 unless given. Each array
-    has a row for each pressure and a column for each length, from the shortest to the longest; its name has its unit at
-    the end. `stiffness_n_m` is (7), at constant pressure; `sealed_stiffness_n_m` is (5), with the valve shut.
+def _presets() -> dict[str, Any]:
+    """
+    Return the named actuators and valves as dictionaries: the arguments of `Preset` and `PresetValue` of the package.
+    """
+
+def _quantity(text: str) -> float | None:
+    """
+    The value in SI of text with a unit; `None` where it is no quantity.
     """
 
 def linearize(scenario: Scenario, *, gauge_pressure: float | str | None = None, length: float | str | None = None, load: float | str | None = None, duty: SupportsFloat | SupportsIndex | None = None, pwm: bool = False, temperature: float | str | None = None, angle: float | str | None = None, stiffness: float | str | None = None, amplitude: float | str | None = None, all_states: bool = False) -> LinearModel:
     """
-    A scenario near an operating point, by exact derivatives: what `mckibben linearize` does.
+    Linearize a scenario about an operating point, with exact derivatives.
 
-    Two of `gauge_pressure`, `length` and `load` give the third; what is not given is that of the scenario. `duty` gives the
-    pressure by the valve's mean flow under PWM, and with `pwm` the duty follows from the pressure; else the valve is held
-    shut, and the mass flow into the actuator is the input. Of a joint `angle` and `stiffness` give the pressures. With
-    `amplitude` Coulomb friction is replaced by the viscous damping that takes as much. Quantities are numbers in SI or text with
-    units, such as "60 psi"; `load` is a force, as text also a mass.
+    Of `gauge_pressure`, `length` and `load` two give the third; what is not given is that of the scenario. A quantity is a
+    number in SI or text with its unit, such as "60 psi". The model is that of `mckibben linearize`.
 
-    Raises `InputError` where there is no such point.
-    """
+    Parameters
+    ----------
+    scenario : Scenario
+        One actuator, an antagonistic joint, or several actuators with names.
+    gauge_pressure : float or str, optional
+        Gauge pressure at the point in Pa. Not together with `duty`.
+    length : float or str, optional
+        Length of the actuator at the point in m.
+    load : float or str, optional
+        Load at the point: a force in N, or as text also a mass that hangs, such as "10 lb".
+    duty : float, optional
+        Commanded duty cycle at the point, 0 to 1; the pressure follows from the mean flow of the valve under PWM.
+    pwm : bool, optional
+        Take the mean flow of the valve under PWM, at the duty cycle that holds the pressure; of a pressure regulator the set
+        point, of a proportional spool the position. False by default. Not together with `duty`.
+    temperature : float or str, optional
+        Temperature of the air at the point in K. By default that of the scenario's air, brought to the point by its process.
+    angle : float or str, optional
+        Angle of a joint at the point in rad; together with `stiffness`.
+    stiffness : float or str, optional
+        Stiffness in N*m/rad that both actuators give the joint at `angle`, from which the pressures follow.
+    amplitude : float or str, optional
+        Amplitude in m of an oscillation. Coulomb friction is replaced by the viscous damping that dissipates as much energy.
+    all_states : bool, optional
+        Keep the air mass as a state where it follows from the others; its pole is zero. False by default.
 
-def parameters() -> dict[str, Any]:
-    """
-    The quantities of a scenario by their keys, in the order of the file: what `mckibben schema` says of them.
+    Returns
+    -------
+    LinearModel
+        Matrices, names and units of the signals, poles, and warnings.
 
-    Of each `meaning`, `symbol` (the paper's, or the usual one), `unit` (SI; empty for a pure number), `range` in words,
-    `minimum` and `maximum` (`None` where there is no end) with `minimum_included` and `maximum_included`, `default` in that
-    unit (`None` where it must be given or follows from other keys), the `source` of definition and default, the `remedy` where
-    a value is refused, and an `example` as a file has it. A preset may stand in for a default.
+    Raises
+    ------
+    InputError
+        Arguments exclude each other, a quantity has the wrong unit, or there is no such operating point.
 
-    Those of an antagonist have `antagonist.` before them. In the keys of a file of many actuators `*` stands for a name: what
-    `actuators.flexor.valve.efficiency` takes is said by `valve.efficiency`, and what `supplies.tank.inlet.drop` takes by
-    `supplies.*.inlet.drop`.
-    """
+    Warns
+    -----
+    UserWarning
+        Each of the model's `warnings`.
 
-def presets() -> dict[str, Any]:
-    """
-    The named actuators and valves, by their names: what `mckibben presets` shows.
+    Notes
+    -----
+    Without `duty` and `pwm` a scenario whose command is a PWM is averaged at its own duty cycle, and the last set point of a
+    regulator or position of a spool is taken likewise, unless `gauge_pressure` or `length` is given. Otherwise the valve is
+    held shut, and the mass flow into the actuator is an input.
 
-    Of each `section`, in whose `preset` a scenario names it, `meaning`, and `values`: for each key its `value` in `unit`
-    (SI), the `text` as the source writes it, the `source`, and whether it is `assumed`.
+    Examples
+    --------
+        >>> import mckibben
+        >>> scenario = mckibben.Scenario.from_dict({
+        ...     "load": {"kind": "hanging-mass", "mass": "5 lb"},
+        ...     "initial": {"gauge_pressure": "60 psi", "length": "85 mm"},
+        ...     "run": {"duration": "0.1 s"},
+        ... })
+        >>> model = mckibben.linearize(scenario, gauge_pressure="60 psi")
+        >>> model.states, model.inputs
+        (['length', 'velocity', 'pressure'], ['mass_flow', 'force'])
     """
 
 def simulate(scenario: Scenario, *, progress: Any | None = None) -> Trajectory:
     """
-    Runs a scenario, of whatever kind: what `mckibben simulate` does, to the last bit.
+    Simulate a scenario and return its trajectory.
 
-    Other threads of Python go on meanwhile, and Ctrl-C ends it. Raises `InputError` where the model finds a contradiction, and
-    `SimulationError` where the simulation cannot go on.
+    The result is bit-identical to that of `mckibben simulate`.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        One actuator, an antagonistic joint, or several actuators with names.
+    progress : callable, optional
+        Called as `progress(time, end)` with the time that is reached and the duration, both in s, at most about 20 times a
+        second. An exception that it raises ends the run.
+
+    Returns
+    -------
+    Trajectory
+        Columns over time, and events.
+
+    Raises
+    ------
+    InputError
+        The model finds a contradiction in the scenario.
+    SimulationError
+        The simulation cannot continue.
+
+    Notes
+    -----
+    The interpreter is released during the run, so other threads continue. Ctrl-C ends the run.
+
+    Examples
+    --------
+        >>> import mckibben
+        >>> scenario = mckibben.Scenario.from_dict({
+        ...     "load": {"kind": "hanging-mass", "mass": "5 lb"},
+        ...     "initial": {"gauge_pressure": "60 psi", "length": "85 mm"},
+        ...     "run": {"duration": "0.1 s"},
+        ... })
+        >>> run = mckibben.simulate(scenario)
+        >>> float(run.t[-1]), float(run.length[0])
+        (0.1, 0.085)
     """

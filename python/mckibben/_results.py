@@ -1,4 +1,4 @@
-"""What runs and linear models come to, as mappings and data classes."""
+"""Figures of runs and properties of linear models, as mappings and data classes."""
 
 from __future__ import annotations
 
@@ -16,19 +16,26 @@ if typing.TYPE_CHECKING:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Summary(collections.abc.Mapping[str, float]):
-    """What a run came to: numbers by their names, such as `summary["length.final"]` or `summary["air.used"]`.
+    """Figures of a run: numbers by their names, such as `summary["length.final"]` or `summary["air.used"]`.
 
-    A name is that of a reduction of a sweep where there is one; of a plant it begins with the part that it is of, as in
-    `flexor.tension.max`. Energies and exergies are in J.
+    A name is that of a reduction of a sweep where there is one. Of several actuators with names it begins with that of the
+    part, as in `flexor.tension.max`. Energies and exergies are in J. `print` shows a table.
+
+    Attributes
+    ----------
+    numbers : dict of str to float
+        Numbers by their names, in SI.
+    units : dict of str to str
+        Units of the numbers; empty for a pure number.
+    events : dict of str to int
+        Counts of events by their kinds.
+    assumed : dict of str to str
+        Values that no source states and the scenario does not set, by their keys.
     """
 
-    #: The numbers by their names, in SI.
     numbers: dict[str, float]
-    #: Their units; empty for a pure number.
     units: dict[str, str]
-    #: How many events of each kind there were.
     events: dict[str, int]
-    #: Values that no source states and the scenario does not set, by their keys.
     assumed: dict[str, str]
 
     def __getitem__(self, name: str) -> float:
@@ -55,14 +62,20 @@ class Summary(collections.abc.Mapping[str, float]):
         return "<table>" + "".join(f"<tr>{row}</tr>" for row in cells) + "</table>"
 
     def to_pandas(self) -> pandas.DataFrame:
-        """The numbers as a data frame with the columns `value` and `unit`, a row for each name."""
+        """Return the numbers as a data frame.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A row for each name, with the columns `value` and `unit`.
+        """
         import pandas
 
         return pandas.DataFrame({"value": self.numbers, "unit": self.units})
 
 
 def summary(run: Trajectory) -> Summary:
-    """What a run came to."""
+    """Return the figures of a run."""
     numbers, events, assumed = run._figures()
     return Summary(
         {name: value for name, value, _ in numbers},
@@ -73,7 +86,7 @@ def summary(run: Trajectory) -> Summary:
 
 
 def events_to_pandas(run: Trajectory) -> pandas.DataFrame:
-    """The log of events as a data frame: `time_s`, `event`, and what holds from then on."""
+    """Return the log of events as a data frame: `time_s`, `event`, and the discrete state after each."""
     import pandas
 
     return pandas.DataFrame([{"time_s": event.time, "event": event.kind, **event.after} for event in run.events])
@@ -81,20 +94,28 @@ def events_to_pandas(run: Trajectory) -> pandas.DataFrame:
 
 @dataclasses.dataclass(frozen=True)
 class Mode:
-    """A motion of a linear model that decays, swings or grows as `exp(pole * t)`."""
+    """Mode of a linear model, which evolves as `exp(pole * t)`.
 
-    #: The pole in 1/s.
+    Attributes
+    ----------
+    pole : complex
+        Pole in 1/s; of a conjugate pair the one above the real axis.
+    natural_frequency : float
+        Natural frequency in rad/s.
+    damping_ratio : float
+        Damping ratio, below zero for a mode that grows; NaN for an integrator.
+    time_constant : float
+        Time in s of a decay to 1/e; infinite for a mode that neither decays nor grows, below zero for one that grows.
+    """
+
     pole: complex
-    #: Natural frequency in rad/s.
     natural_frequency: float
-    #: Damping ratio, below zero where it grows; NaN of an integrator.
     damping_ratio: float
-    #: Time in s in which it falls to 1/e; infinite where it stays, below zero where it grows.
     time_constant: float
 
 
 class Modes(list[Mode]):
-    """The modes of a linear model, the slowest first."""
+    """Modes of a linear model, the slowest first; `print` shows a table."""
 
     def __str__(self) -> str:
         rows = [f"{'pole (1/s)':>24}{'frequency (Hz)':>16}{'damping':>10}{'time constant (s)':>19}"]
@@ -105,7 +126,7 @@ class Modes(list[Mode]):
 
 
 def modes(model: LinearModel) -> Modes:
-    """The modes of a linear model; of a pair of conjugate poles the one above the real axis."""
+    """Return the modes of a linear model; a pair of conjugate poles is one mode."""
 
     def mode(pole: dict[str, typing.Any]) -> Mode:
         known = [pole["natural_frequency_rad_s"], pole["damping_ratio"], pole["time_constant_s"]]
@@ -114,3 +135,116 @@ def modes(model: LinearModel) -> Modes:
 
     poles = [pole for pole in model.details["poles"] if pole["imaginary_rad_s"] >= 0]
     return Modes(sorted(map(mode, poles), key=lambda one: one.natural_frequency))
+
+
+@dataclasses.dataclass(frozen=True)
+class Controllability:
+    """Controllability of a linear model from one input.
+
+    Attributes
+    ----------
+    input : str
+        Name of the input.
+    rank : int
+        Rank of the controllability matrix: the number of states that the input can move independently.
+    condition : float or None
+        Ratio of the largest to the least singular value of that matrix; `None` where the least is zero.
+    singular_values : list of float
+        Singular values of that matrix, the largest first.
+    """
+
+    input: str
+    rank: int
+    condition: float | None
+    singular_values: list[float]
+
+
+@dataclasses.dataclass(frozen=True)
+class Pulses:
+    """Validity of the mean flow of a valve under PWM.
+
+    Attributes
+    ----------
+    valve : str
+        Name of the valve; empty for one actuator.
+    frequency : float
+        Frequency of the pulses in Hz.
+    supply_share : float
+        Fraction of a period in which the port to the supply is open.
+    exhaust_share : float
+        Fraction of a period in which the port to the exhaust is open.
+    duty_range : tuple of float
+        Lowest and highest duty cycle at which the poppets follow the coil.
+    seats_follow : bool
+        Whether they follow at this duty cycle. If not, the valve is in its dead zone and its gain is zero.
+    pressure_ripple : float
+        Peak-to-peak ripple of the pressure within a period in Pa.
+    pressure_margin : float
+        Distance in Pa of the pressure from the next pressure at which the law of the flow changes.
+    ripple_is_small : bool
+        Whether the ripple is well below the margin.
+    frequency_over_fastest_pole : float or None
+        Ratio of the frequency of the pulses to that of the fastest pole; `None` for several actuators with names.
+    """
+
+    valve: str
+    frequency: float
+    supply_share: float
+    exhaust_share: float
+    duty_range: tuple[float, float]
+    seats_follow: bool
+    pressure_ripple: float
+    pressure_margin: float
+    ripple_is_small: bool
+    frequency_over_fastest_pole: float | None
+
+
+@dataclasses.dataclass(frozen=True)
+class Validity:
+    """Validity of a linear model.
+
+    Attributes
+    ----------
+    taut : bool or None
+        Whether the braid is taut at the operating point; `None` for a joint or several actuators with names.
+    controllability : list of Controllability
+        Controllability from each input.
+    pulses : list of Pulses
+        Validity of the mean flow of each valve under PWM; empty where valves are held shut.
+    warnings : list of str
+        Reasons to doubt the model, in sentences. `linearize` raises each as a `UserWarning` too.
+    """
+
+    taut: bool | None
+    controllability: list[Controllability]
+    pulses: list[Pulses]
+    warnings: list[str]
+
+
+def validity(model: LinearModel) -> Validity:
+    """Return the validity of a linear model."""
+
+    def pulses(of: dict[str, typing.Any]) -> Pulses:
+        holds = of["validity"]
+        shares = {part["valve"]: part["share"] for part in of.get("intervals", [])}
+        return Pulses(
+            valve=of.get("of", ""),
+            frequency=of["frequency_hz"],
+            supply_share=of["supply_share"],
+            exhaust_share=of["exhaust_share"] if "exhaust_share" in of else shares.get("exhaust", 0.0),
+            duty_range=(holds["duty_from"], holds["duty_to"]),
+            seats_follow=holds["seats_follow"],
+            pressure_ripple=holds["pressure_ripple_pa"],
+            pressure_margin=holds["pressure_margin_pa"],
+            ripple_is_small=holds["ripple_is_small"],
+            frequency_over_fastest_pole=holds.get("frequency_over_fastest_pole"),
+        )
+
+    details = model.details
+    under_pwm = details.get("pwm") or []
+    return Validity(
+        taut=details.get("taut"),
+        controllability=[Controllability(**of) for of in details.get("controllability", [])],
+        pulses=[pulses(of) for of in (under_pwm if isinstance(under_pwm, list) else [under_pwm])],
+        warnings=model.warnings,
+    )

@@ -1,4 +1,4 @@
-"""Sweeps on this machine's cores, on any executor, on Ray: the same files whoever computes them."""
+"""Sweeps on the cores of this machine, on any executor, or on Ray. The files are bit-identical."""
 
 from __future__ import annotations
 
@@ -28,30 +28,64 @@ Progress = collections.abc.Callable[[int, int], object]
 
 @dataclasses.dataclass(frozen=True)
 class SweepResult:
-    """A finished sweep: its folder of Parquet parts, one line for each run."""
+    """Finished sweep: a folder of Parquet parts, with a row for each run.
 
-    #: The folder, which holds nothing but the parts and `sweep.json`.
+    Attributes
+    ----------
+    folder : pathlib.Path
+        Folder with the parts and `sweep.json`.
+    rows : int
+        Number of runs.
+    failed : int
+        Number of runs that failed; the column `error` of each has the reason.
+    units : dict of str to str
+        Units of the columns of numbers by their names, in SI.
+
+    Examples
+    --------
+    >>> import mckibben, tempfile
+    >>> scenario = mckibben.Scenario.from_dict({
+    ...     "load": {"kind": "hanging-mass"},
+    ...     "initial": {"gauge_pressure": "60 psi", "length": "85 mm"},
+    ...     "run": {"duration": "20 ms"},
+    ...     "sweep": {"reductions": ["length.final"], "vary": {"load.mass": ["4 lb", "8 lb"]}},
+    ... })
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     result = mckibben.sweep(scenario, folder)
+    ...     result.rows, result.failed, [part.name for part in result.parts]
+    (2, 0, ['part-00000.parquet'])
+    """
+
     folder: pathlib.Path
-    #: How many runs there are.
     rows: int
-    #: How many of them failed; each says why in the column `error`.
     failed: int
-    #: The units of the columns of numbers by their names, in SI.
     units: dict[str, str]
 
     @property
     def parts(self) -> list[pathlib.Path]:
-        """The files, in the order of their runs."""
+        """Paths of the Parquet files, in the order of their runs."""
         return sorted(self.folder.glob("part-*.parquet"))
 
     def to_polars(self) -> polars.DataFrame:
-        """All runs as a data frame of Polars, in their order."""
+        """Return all runs as a data frame of Polars, in their order.
+
+        Returns
+        -------
+        polars.DataFrame
+            A row for each run.
+        """
         import polars
 
         return polars.concat([polars.read_parquet(part) for part in self.parts])
 
     def to_pandas(self) -> pandas.DataFrame:
-        """All runs as a data frame of pandas, in their order, with the units in `attrs`. It needs pyarrow."""
+        """Return all runs as a data frame of pandas, in their order. It needs pyarrow.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A row for each run, with the units in `attrs["units"]`.
+        """
         import pandas
 
         frame = pandas.concat([pandas.read_parquet(part) for part in self.parts], ignore_index=True)
@@ -95,26 +129,64 @@ def sweep(
     jobs: int | None = None,
     progress: Progress | None = None,
 ) -> SweepResult | pandas.DataFrame:
-    """Does the runs of a scenario's section `[sweep]`, into a folder of Parquet parts: what `mckibben sweep` does.
+    """Simulate the runs of a parameter sweep, into a folder of Parquet parts or a data frame.
 
-    Without a `folder` the runs are a data frame of pandas with a row for each, its units in `attrs`; it needs pyarrow. `vary`
-    takes the place of the section `[sweep.vary]`: `{"load.mass": ["4 lb", "8 lb"], "command.duty": [0.3, 0.5]}`; `reductions` that
-    of the key `sweep.reductions`, such as `["length.final", "air.used"]`.
+    The runs are those of the scenario's section `[sweep]`, bit-identical to those of `mckibben sweep`.
 
-    Without an `executor` they go on `jobs` threads of this process, one for each core unless given. An executor is anything
-    with the interface of `concurrent.futures` (processes, threads, `Client.get_executor()` of Dask), or "ray": the cluster
-    that Ray is connected to, or one that it starts. Each of its workers computes a part at a time, and the parts come back
-    to this process, which alone writes; the files have the same bytes whoever computes them.
+    Parameters
+    ----------
+    scenario : Scenario
+        Scenario with a section `[sweep]`, unless `vary` and `reductions` give it.
+    folder : str or path, optional
+        Folder of the Parquet parts. Parts that are finished in it are kept, so that a sweep that was stopped continues with the
+        missing ones. By default the runs are returned as a data frame, which needs pyarrow.
+    vary : mapping, optional
+        Values by the paths of keys, in place of the section `[sweep.vary]`:
+        `{"load.mass": ["4 lb", "8 lb"], "command.duty": [0.3, 0.5]}`. A number is in SI.
+    reductions : sequence of str, optional
+        Names of reductions, in place of the key `sweep.reductions`, such as `["length.final", "air.used"]`.
+    executor : concurrent.futures.Executor or "ray", optional
+        Executor of processes or threads, or of Dask by `Client.get_executor()`. "ray" is the cluster to which Ray is connected,
+        or one that it starts. By default the runs take place on threads of this process.
+    jobs : int, optional
+        Number of threads, from 1 to 4096; one for each core by default. Not together with `executor`.
+    progress : callable, optional
+        Called as `progress(done, parts)` with the number of finished parts and of all: after each part with an executor, else
+        after every few parts. An exception that it raises ends the sweep between parts.
 
-    A part whose worker dies is computed again: by Ray and Dask on another worker; where an executor of `concurrent.futures`
-    breaks, by this process, with a `RuntimeWarning`. Parts that are finished in the folder are kept, so a sweep that was
-    stopped goes on with what is missing.
+    Returns
+    -------
+    SweepResult or pandas.DataFrame
+        With a `folder` the result in it. Else a data frame with a row for each run and the units in `attrs["units"]`.
 
-    `progress(done, parts)` is called with the parts that are finished and all there are: by an executor after each part, by
-    the threads of this process after each few. An exception that it raises ends the sweep between parts.
+    Raises
+    ------
+    InputError
+        The scenario has no sweep, the folder holds another one, or `jobs` or `executor` is not valid.
+    OutputError
+        A file cannot be written.
 
-    Raises `InputError` for a scenario without a sweep and for a folder of another one. Runs that fail do not stop the
-    others: they have their reason in the column `error`.
+    Warns
+    -----
+    RuntimeWarning
+        An executor of `concurrent.futures` failed; this process computes the missing parts.
+
+    Notes
+    -----
+    A run that fails does not stop the others: it has its reason in the column `error`. Workers of an executor compute one part
+    at a time and return it to this process, which writes it. Ray and Dask compute a part whose worker died on another worker.
+
+    Examples
+    --------
+    >>> import mckibben
+    >>> scenario = mckibben.Scenario.from_dict({
+    ...     "load": {"kind": "hanging-mass", "mass": "5 lb"},
+    ...     "initial": {"gauge_pressure": "60 psi", "length": "85 mm"},
+    ...     "run": {"duration": "20 ms"},
+    ... })
+    >>> runs = mckibben.sweep(scenario, vary={"load.mass": [2.0, 3.0]}, reductions=["length.final"])
+    >>> list(runs["load_mass_kg"]), runs.attrs["units"]["length_final_m"]
+    ([2.0, 3.0], 'm')
     """
     given = {"sweep.vary": None if vary is None else dict(vary), "sweep.reductions": reductions and list(reductions)}
     given = {key: value for key, value in given.items() if value is not None}
@@ -155,7 +227,7 @@ Put = collections.abc.Callable[[int, bytes], None]
 
 
 def _part(todo: Sweep, part: int) -> bytes:
-    """What a worker does."""
+    """Compute a part: the task of a worker."""
     return todo.part(part)
 
 

@@ -45,7 +45,7 @@ def program():
     return run
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def swing() -> mckibben.Scenario:
     return mckibben.Scenario(SWING, "swing.toml")
 

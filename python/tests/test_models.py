@@ -184,13 +184,13 @@ def test_presets_are_those_of_the_command_line(program, tmp_path):
     presets = mckibben.presets()
     for name, preset in presets.items():
         told = program(tmp_path, "presets", name).stdout
-        assert f'{preset["section"]}.preset = "{name}"' in told
-        for key, of in preset["values"].items():
+        assert f'{preset.section}.preset = "{name}"' in told
+        for key, of in preset.values.items():
             row = next(line for line in told.splitlines() if line.split()[:1] == [key])
-            assert of.get("text", of["value"]) in row
-            if of.get("assumed"):
+            assert (of.text or of.value) in row
+            if of.assumed:
                 assert "assumed" in row
-    assert presets["colbrunn-2001"]["values"]["actuator.max_length"]["value"] == 3.85 * 0.0254
+    assert presets["colbrunn-2001"].values["actuator.max_length"].value == 3.85 * 0.0254
 
 
 def test_parameters_are_those_of_the_schema(program, tmp_path):
@@ -221,17 +221,17 @@ def test_parameters_are_those_of_the_schema(program, tmp_path):
     assert set(parameters) == set(said) and len(said) > 150
     for key, description in said.items():
         of = parameters[key]
-        unit = of["unit"]
-        words = [of["meaning"], f"Symbol: {of['symbol']}.", f"Unit: {unit or 'none'}.", f"Source: {of['source']}."]
-        words.append(f"Range: {of['range']} {unit}".rstrip() + ".")
+        unit = of.unit
+        words = [of.meaning, f"Symbol: {of.symbol}.", f"Unit: {unit or 'none'}.", f"Source: {of.source}."]
+        words.append(f"Range: {of.range} {unit}".rstrip() + ".")
         assert all(word in description for word in words), (key, description)
         found = re.search(r" Default(?: without a preset)?: ([^ ]+?)(?: [^ ]+)?\. ", description)
-        if of["default"] is not None:
-            assert found and float(found[1]) == of["default"], (key, description)
-        ends = [end for end in (of["minimum"], of["maximum"]) if end is not None]
-        assert [float(end) for end in re.findall(r"-?[0-9][0-9.]*", of["range"])] == ends, (key, of["range"])
-        assert ("at least" in of["range"]) == of["minimum_included"], key
-        assert ("at most" in of["range"]) == of["maximum_included"], key
+        if of.default is not None:
+            assert found and float(found[1]) == of.default, (key, description)
+        ends = [end for end in (of.minimum, of.maximum) if end is not None]
+        assert [float(end) for end in re.findall(r"-?[0-9][0-9.]*", of.range)] == ends, (key, of.range)
+        assert ("at least" in of.range) == of.minimum_included, key
+        assert ("at most" in of.range) == of.maximum_included, key
 
 
 def test_the_ends_of_a_range_are_where_values_are_refused(swing):
@@ -242,11 +242,12 @@ def test_the_ends_of_a_range_are_where_values_are_refused(swing):
                 "air.heat_capacity_ratio", "actuator.wall_thickness", "run.relative_tolerance"]:
         of = parameters[key]
         for end in ["minimum", "maximum"]:
-            if of[end] is None:
+            limit = getattr(of, end)
+            if limit is None:
                 continue
-            beyond = of[end] + (-1e-9 if end == "minimum" else 1e-9)
-            for value, taken in [(of[end], of[f"{end}_included"]), (beyond, False)]:
-                values = {key: f"{value!r} {of['unit']}" if of["unit"] else value}
+            beyond = limit + (-1e-9 if end == "minimum" else 1e-9)
+            for value, taken in [(limit, getattr(of, f"{end}_included")), (beyond, False)]:
+                values = {key: f"{value!r} {of.unit}" if of.unit else value}
                 tried += 1
                 if taken:
                     swing.with_values(values)
@@ -254,8 +255,8 @@ def test_the_ends_of_a_range_are_where_values_are_refused(swing):
                     with pytest.raises(mckibben.InputError, match="out of range"):
                         swing.with_values(values)
     assert tried > 10
-    assert parameters["actuator.friction.viscous"]["unit"] == "N*s/m"
-    assert parameters["load.gravity"]["default"] == 9.80665
+    assert parameters["actuator.friction.viscous"].unit == "N*s/m"
+    assert parameters["load.gravity"].default == 9.80665
 
 
 def test_a_linear_model_goes_to_control_by_the_names_of_its_signals(examples):

@@ -46,7 +46,7 @@ def test_the_stiffness_is_the_slope_of_the_force(statics):
 
 
 def test_pressure_and_length_are_the_inverses_of_the_force(scenario, statics):
-    length, force = numpy.meshgrid([0.07, 0.08, 0.09], [5.0, 40.0])
+    length, force = numpy.meshgrid([0.075, 0.08, 0.09], [5.0, 40.0])
     pressure = statics.gauge_pressure_for(length, force)
     numpy.testing.assert_allclose(pressure, force / area(scenario, length), rtol=1e-12)
     numpy.testing.assert_allclose(statics.length_for(pressure, force), length, rtol=1e-9)

@@ -285,13 +285,54 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Asked {
     }
 }
 
-/// The actuator of a scenario, with its air, its valve and its air line, for a loop of one's own: you say what is asked of
-/// the valve and where the ends are, and it says how hard it pulls.
+/// Actuator of a scenario with its air, valve and air line, for a simulation loop that you write.
 ///
-/// The scenario's load and command do not count. Of a joint `name` is "agonist" or "antagonist". `pulse_frequency` in Hz is how
-/// often a duty cycle's pulses come; that of the scenario's PWM unless given.
+/// The loop commands the valve and moves the ends; the actuator returns its tension. The load, the command and the controller
+/// of the scenario are not used. An actuator is immutable: `step` takes a state and returns the next, so that a step can be
+/// repeated.
 ///
-/// An actuator does not change: `step` takes a state and gives the next, so that any step can be taken again.
+/// Parameters
+/// ----------
+/// scenario : Scenario
+///     One actuator, or an antagonistic joint.
+/// name : {"agonist", "antagonist"}, optional
+///     Which actuator of a joint. Required for a joint, not allowed otherwise.
+/// pulse_frequency : float, optional
+///     Frequency in Hz, above zero, of the pulses of a duty cycle. By default that of the scenario's PWM. Required where the
+///     valve has poppets and the scenario has no PWM.
+///
+/// Raises
+/// ------
+/// InputError
+///     The scenario has several actuators with names, there is no actuator of that name, or `pulse_frequency` is missing.
+///
+/// Notes
+/// -----
+/// Take the tension at t, make your own step with it, then call `step` with the new length and velocity. A loop that calls
+/// `step` with the length from before its own step uses a force that lags by one step.
+///
+/// Examples
+/// --------
+/// A mass of 2 kg on a muscle that is pulsed at 25 Hz with a duty cycle of 0.5:
+///
+///     >>> import mckibben
+///     >>> scenario = mckibben.Scenario.from_dict({
+///     ...     "supply": {"gauge_pressure": "100 psi"},
+///     ...     "valve": {"preset": "matrix-eight-channel"},
+///     ...     "command": {"kind": "pwm", "frequency": "25 Hz", "duty": 0.5},
+///     ...     "load": {"kind": "isometric"},
+///     ...     "initial": {"length": "85 mm", "gauge_pressure": "40 psi"},
+///     ...     "run": {"duration": "1 s"},
+///     ... })
+///     >>> muscle = mckibben.Actuator(scenario)
+///     >>> state, velocity, mass, dt = muscle.start(), 0.0, 2.0, 1e-3
+///     >>> length, tension = muscle.initial_length, muscle.initial_tension
+///     >>> for _ in range(100):
+///     ...     velocity += (9.81 - tension / mass) * dt
+///     ...     length += velocity * dt
+///     ...     state, tension, response = muscle.step(state, length, velocity, 0.5, dt)
+///     >>> round(state.time, 9), tension == response.tension
+///     (0.1, True)
 #[pyclass(frozen, module = "mckibben")]
 pub(crate) struct Actuator {
     scenario: Py<Scenario>,
@@ -302,12 +343,32 @@ pub(crate) struct Actuator {
     desk: Mutex<PlantSteps>,
 }
 
-/// Where an `Actuator` is: its air, its valve's seats and pulses, and what its hysteresis remembers.
+/// State of an `Actuator`: its air, the poppets and pulses of its valve, and the memory of its hysteresis.
 ///
-/// It can be pickled; `ActuatorState(numbers)` is one as its pickle has it, in the same version of the package. An actuator of
-/// the same scenario goes on from there to the same bits; one of another refuses it.
+/// `Actuator.start` and `Actuator.step` return states. A state can be pickled. An actuator of the same scenario and pulse
+/// frequency continues from it bit-identically; any other actuator refuses it.
 ///
-/// Raises `InputError` for numbers that are no state.
+/// Parameters
+/// ----------
+/// numbers : array_like
+///     One-dimensional array that a pickle holds, made by the same version of the package.
+///
+/// Raises
+/// ------
+/// InputError
+///     The numbers are not a state.
+///
+/// Examples
+/// --------
+///     >>> import mckibben
+///     >>> muscle = mckibben.Actuator(mckibben.Scenario.from_dict({
+///     ...     "load": {"kind": "isometric"},
+///     ...     "initial": {"length": "85 mm", "gauge_pressure": "40 psi"},
+///     ...     "run": {"duration": "1 s"},
+///     ... }))
+///     >>> state = muscle.start()
+///     >>> state.time, state.length, state.valve
+///     (0.0, 0.085, 'closed')
 #[pyclass(frozen, module = "mckibben")]
 pub(crate) struct ActuatorState {
     /// Those of [`HEAD`] and those of the plant.
@@ -345,25 +406,41 @@ impl ActuatorState {
     }
 }
 
-/// What an actuator answers to where its ends are, with its derivatives.
+/// Tension of an actuator with its partial derivatives, and the rates of its air.
+///
+/// `Actuator.step` and `Actuator.respond` return it; the constructor serves pickling.
+///
+/// Examples
+/// --------
+/// The tension at a velocity of 10 mm/s, and its first-order estimate from the derivatives at rest:
+///
+///     >>> import mckibben
+///     >>> muscle = mckibben.Actuator(mckibben.Scenario.from_dict({
+///     ...     "load": {"kind": "isometric"},
+///     ...     "initial": {"length": "85 mm", "gauge_pressure": "40 psi"},
+///     ...     "run": {"duration": "1 s"},
+///     ... }))
+///     >>> response = muscle.respond(muscle.start(), velocity=0.01)
+///     >>> response.per_length > 0.0, response.per_pressure > 0.0
+///     (True, True)
 #[pyclass(frozen, get_all, module = "mckibben")]
 #[derive(PartialEq)]
 pub(crate) struct Response {
     /// Tension in N, zero or more.
     tension: f64,
-    /// Its derivative by the length at constant pressure, in N/m.
+    /// Partial derivative of the tension with respect to the length at constant pressure, in N/m.
     per_length: f64,
-    /// Its derivative by the velocity, in N*s/m.
+    /// Partial derivative of the tension with respect to the velocity, in N*s/m.
     per_velocity: f64,
-    /// Its derivative by the pressure, in m^2.
+    /// Partial derivative of the tension with respect to the pressure, in m^2.
     per_pressure: f64,
-    /// Rate of the pressure in Pa/s.
+    /// Rate of change of the pressure in Pa/s.
     pressure_rate: f64,
     /// Net mass flow into the actuator in kg/s.
     mass_flow: f64,
     /// Temperature of the air in K.
     temperature: f64,
-    /// Volume of the air in m^3, braid and hose.
+    /// Volume of the air in m^3, in the braid and outside it.
     volume: f64,
 }
 
@@ -377,25 +454,57 @@ impl Actuator {
         Ok(Self { scenario, name, pulse_frequency, model, desk })
     }
 
-    /// The state at t = 0: that of the scenario, with the coils released.
+    /// Return the state at t = 0: that of the scenario, with the coils of the valve released.
+    ///
+    /// Returns
+    /// -------
+    /// ActuatorState
     fn start(&self) -> PyResult<ActuatorState> {
         self.model.state_of(&mut self.model.steps.clone()).raised()
     }
 
-    /// Goes on from `state` by `dt` in s while the ends go in a straight line to a distance of `length` in m.
+    /// Advance a state by one time step, in which the ends move to a new distance at constant velocity.
     ///
-    /// `command` is a duty cycle from 0 to 1, "fill", "hold" or "exhaust"; of a pressure regulator the set point, a gauge
-    /// pressure in Pa; of a proportional spool the position from -1 to 1. With `None` what was asked before goes on, and an
-    /// actuator without a valve takes nothing else. `length` includes the tendon, if there is one. `velocity` in m/s is that of
-    /// the ends at the end of the step.
+    /// Parameters
+    /// ----------
+    /// state : ActuatorState
+    ///     State at the beginning of the step.
+    /// length : float
+    ///     Distance between the ends in m at the end of the step, above zero, with the tendon if there is one.
+    /// velocity : float
+    ///     Velocity of the ends in m/s at the end of the step, above zero while lengthening, between -1e6 and 1e6. The
+    ///     tension depends on it through friction; the motion during the step follows from `length` alone.
+    /// command : float or {"fill", "hold", "exhaust"} or None
+    ///     Command of the valve: a duty cycle from 0 to 1, or one of the words; of a pressure regulator the set point, a
+    ///     gauge pressure in Pa; of a proportional spool the position from -1 to 1. With `None` the last command continues.
+    ///     It must be `None` where there is no valve.
+    /// dt : float
+    ///     Duration of the step in s, above zero.
+    /// max_step : float, optional
+    ///     Longest part of the step in s. The step is divided into equal parts no longer than that, along which the length is
+    ///     interpolated linearly: the air is then as accurate as with steps of `max_step`. By default the step is one part.
     ///
-    /// With `max_step` in s the step is divided into equal parts no longer than that, over which the length is interpolated
-    /// linearly: the air is then as exact as in steps of `max_step`.
+    /// Returns
+    /// -------
+    /// state : ActuatorState
+    ///     State at the end of the step.
+    /// tension : float
+    ///     Tension there in N.
+    /// response : Response
+    ///     Tension with its partial derivatives, and the rates of the air.
     ///
-    /// Returns the state there, the tension in N, and the tension's derivatives with the rates of the air.
+    /// Raises
+    /// ------
+    /// InputError
+    ///     An argument is out of range, the valve does not take the command, the state belongs to another actuator, or the step
+    ///     has more than 10 000 000 parts and edges of pulses.
+    /// SimulationError
+    ///     The step leads to a non-physical state, or the length is one to which the actuator cannot be stretched.
     ///
-    /// Raises `InputError` for what cannot be asked, for a state of another actuator, and for more than 10 000 000 parts and
-    /// edges of pulses; `SimulationError` where the step leaves the physics. Ctrl-C ends a step of many parts.
+    /// Notes
+    /// -----
+    /// Edges of pulses and motions of the poppets take place at their instants, however long the step is. Ctrl-C ends a step of
+    /// many parts.
     #[pyo3(signature = (state, length, velocity, command, dt, *, max_step = None))]
     #[expect(clippy::too_many_arguments, reason = "they are those of a step, each by its name")]
     fn step(
@@ -438,10 +547,23 @@ impl Actuator {
         self.answer(&mut own, velocity)
     }
 
-    /// What the actuator answers at `state` while its ends move apart at `velocity` in m/s: the tension with which a loop
-    /// begins, and what it would be at another velocity.
+    /// Return the tension and its derivatives in a state, at any velocity of the ends, without a step.
     ///
-    /// Raises `InputError` for a state of another actuator.
+    /// Parameters
+    /// ----------
+    /// state : ActuatorState
+    ///     State of this actuator.
+    /// velocity : float, optional
+    ///     Velocity of the ends in m/s, above zero while lengthening, between -1e6 and 1e6; 0 by default.
+    ///
+    /// Returns
+    /// -------
+    /// Response
+    ///
+    /// Raises
+    /// ------
+    /// InputError
+    ///     The velocity is out of range, or the state belongs to another actuator.
     #[pyo3(signature = (state, velocity = 0.0))]
     fn respond(&self, state: &Bound<'_, ActuatorState>, velocity: f64) -> PyResult<Response> {
         check_velocity("velocity", velocity).raised()?;
@@ -450,11 +572,22 @@ impl Actuator {
         self.answer(&mut actuator, velocity).map(|(_, _, response)| response)
     }
 
-    /// The longest distance between the ends in m at which the actuator, at rest at a gauge pressure in Pa and without
-    /// friction, does not pull; its shortest length where it pulls even there. A tendon is included. Without a pressure it is
-    /// that of the start.
+    /// Return the longest distance between the ends at which the actuator does not pull, at rest and without friction.
     ///
-    /// Raises `InputError` for a pressure below vacuum, and where there is no such length.
+    /// Parameters
+    /// ----------
+    /// gauge_pressure : float, optional
+    ///     Gauge pressure of the air in Pa; that of the start by default.
+    ///
+    /// Returns
+    /// -------
+    /// float
+    ///     Distance in m, with the tendon if there is one; the shortest length where the actuator pulls even there.
+    ///
+    /// Raises
+    /// ------
+    /// InputError
+    ///     The pressure is below vacuum, or there is no such length.
     #[pyo3(signature = (gauge_pressure = None))]
     fn rest_length(&self, gauge_pressure: Option<f64>) -> PyResult<f64> {
         let plant = self.model.steps.plant();
@@ -467,19 +600,19 @@ impl Actuator {
         length.map_err(|error| Failure::from(error).of("gauge_pressure")).raised()
     }
 
-    /// Tension in N at the start, at rest: with which a host's loop begins.
+    /// Tension in N at the start, at rest.
     #[getter]
     fn initial_tension(&self) -> PyResult<f64> {
         Ok(respond(&mut self.model.steps.clone(), 0.0).raised()?.tension)
     }
 
-    /// Distance between the ends in m at the start, a tendon included.
+    /// Distance between the ends in m at the start, with the tendon if there is one.
     #[getter]
     fn initial_length(&self) -> f64 {
         distance(&self.model.steps)
     }
 
-    /// What it was made of.
+    /// Scenario of the actuator.
     #[getter]
     fn scenario(&self, py: Python<'_>) -> Py<Scenario> {
         self.scenario.clone_ref(py)
@@ -528,7 +661,7 @@ impl ActuatorState {
         Self::of_numbers(&numbers.0).raised()
     }
 
-    /// The time in s that has been reached.
+    /// Time in s since the start.
     #[getter]
     fn time(&self) -> f64 {
         self.numbers[2]
@@ -552,13 +685,13 @@ impl ActuatorState {
         self.numbers[5]
     }
 
-    /// Which port of the valve is open: "supply", "exhaust", "both" or "closed".
+    /// Open ports of the valve: "supply", "exhaust", "both" or "closed".
     #[getter]
     fn valve(&self) -> &'static str {
         PORTS.get(self.numbers[6] as usize).copied().unwrap_or_default()
     }
 
-    /// Whether both are the same to the bit.
+    /// Return whether both states are bit-identical.
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
         let bits = |state: &Self| state.numbers.iter().map(|number| number.to_bits()).collect::<Vec<_>>();
         other.cast::<Self>().is_ok_and(|other| bits(other.get()) == bits(self))
@@ -594,7 +727,7 @@ impl Response {
         Self { tension, per_length, per_velocity, per_pressure, pressure_rate, mass_flow, temperature, volume }
     }
 
-    /// Whether both are the same.
+    /// Return whether both responses have equal numbers.
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
         other.cast::<Self>().is_ok_and(|other| other.get() == self)
     }

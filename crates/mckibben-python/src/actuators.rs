@@ -30,17 +30,52 @@ const UNHEARD: [f64; 2] = [2e4, 2e7];
 /// Bytes that one of them takes, about: states, mode, and what a step computes with.
 const EACH: usize = 16 << 10;
 
-/// Many actuators of one scenario, each with its own air, valve and memory, stepped together in loops of your own.
+/// Many actuators of one scenario, each with its own air, valve and hysteresis, stepped together on arrays.
 ///
-/// Arrays are yours: `step` reads and writes them in place, and allocates nothing. They are one-dimensional, of 64-bit
-/// floating-point numbers, without gaps, with one entry for each actuator. Rows are stepped on all cores; each is an
-/// `Actuator` by itself, to the bit.
+/// The caller owns the arrays: `step` reads and writes them in place. They are one-dimensional and contiguous, of float64, with
+/// one element for each actuator. The actuators are stepped on all cores. Each is bit-identical to a scalar `Actuator`.
 ///
-/// Of a joint `name` is "agonist" or "antagonist". `parameters` are paths of the numbers that differ from one to the next, such as
-/// "actuator.turns", and `values` what each has, of shape (count, len(parameters)) in SI. `pulse_frequency` in Hz is how often a
-/// duty cycle's pulses come; that of the scenario's PWM unless given.
+/// Parameters
+/// ----------
+/// scenario : Scenario
+///     One actuator, or an antagonistic joint.
+/// count : int
+///     Number of actuators.
+/// name : {"agonist", "antagonist"}, optional
+///     Which actuator of a joint. Required for a joint, not allowed otherwise.
+/// parameters : sequence of str, optional
+///     Paths of the parameters that differ between the actuators, such as "actuator.turns". Not together with `name`.
+/// values : numpy.ndarray, optional
+///     Values of `parameters` in SI, float64 of shape (count, len(parameters)). Required with `parameters`.
+/// pulse_frequency : float, optional
+///     Frequency in Hz, above zero, of the pulses of a duty cycle. By default that of the scenario's PWM. Required where the
+///     valve has poppets and the scenario has no PWM.
 ///
-/// Raises `MemoryError` for a count that this machine has no memory for.
+/// Raises
+/// ------
+/// InputError
+///     An argument does not fit the scenario, or a value of a parameter is out of range.
+/// MemoryError
+///     This machine does not have the memory for so many actuators.
+///
+/// Examples
+/// --------
+///     >>> import mckibben, numpy
+///     >>> scenario = mckibben.Scenario.from_dict({
+///     ...     "supply": {"gauge_pressure": "100 psi"},
+///     ...     "valve": {"preset": "matrix-eight-channel"},
+///     ...     "command": {"kind": "pwm", "frequency": "25 Hz", "duty": 0.5},
+///     ...     "load": {"kind": "isometric"},
+///     ...     "initial": {"length": "85 mm", "gauge_pressure": "40 psi"},
+///     ...     "run": {"duration": "1 s"},
+///     ... })
+///     >>> muscles = mckibben.Actuators(scenario, 3)
+///     >>> length, velocity, tension = numpy.full(3, 0.085), numpy.zeros(3), numpy.zeros(3)
+///     >>> duty = numpy.array([0.2, 0.5, 0.8])
+///     >>> for _ in range(200):
+///     ...     muscles.step(length, velocity, duty, 1e-3, tension)
+///     >>> bool((numpy.diff(tension) > 0.0).all())
+///     True
 #[pyclass(frozen, module = "mckibben")]
 pub(crate) struct Actuators {
     scenario: Py<Scenario>,
@@ -324,18 +359,41 @@ impl Actuators {
         Ok(Self { scenario, name, parameters, values, pulse_frequency, model, count, rows: Mutex::new(rows) })
     }
 
-    /// Goes on by `dt` in s while the ends of each actuator go in a straight line to a distance of `length` in m.
+    /// Advance all actuators by one time step, in which the ends of each move to a new distance at constant velocity.
     ///
-    /// `command` has a number for each valve: a duty cycle from 0 to 1, the set point of a pressure regulator (gauge, Pa), or the
-    /// position of a proportional spool from -1 to 1. With `None` the last command goes on.
+    /// Parameters
+    /// ----------
+    /// length : numpy.ndarray
+    ///     Distances between the ends in m at the end of the step, above zero, with the tendon if there is one.
+    /// velocity : numpy.ndarray
+    ///     Velocities of the ends in m/s at the end of the step, between -1e6 and 1e6.
+    /// command : numpy.ndarray or None
+    ///     Commands of the valves: duty cycles from 0 to 1; of pressure regulators the set points, gauge pressures in Pa; of
+    ///     proportional spools the positions from -1 to 1. With `None` the last commands continue.
+    /// dt : float
+    ///     Duration of the step in s, above zero.
+    /// tension : numpy.ndarray
+    ///     Receives the tensions in N.
+    /// per_length : numpy.ndarray, optional
+    ///     Receives the derivatives of the tension with respect to the length at constant pressure, in N/m.
+    /// per_velocity : numpy.ndarray, optional
+    ///     Receives the derivatives of the tension with respect to the velocity, in N*s/m.
+    /// absolute_pressure : numpy.ndarray, optional
+    ///     Receives the absolute pressures in Pa.
+    /// max_step : float, optional
+    ///     Longest part of the step in s, as of `Actuator.step`. By default the step is one part.
     ///
-    /// `tension` in N is written, and where they are given `per_length` (its derivative at constant pressure, N/m),
-    /// `per_velocity` (N*s/m) and `absolute_pressure` (Pa). `velocity` in m/s is that of the ends at the end of the step.
-    /// `max_step` in s divides the step as that of an `Actuator`.
+    /// Raises
+    /// ------
+    /// InputError
+    ///     An array or a number is not valid; nothing has changed.
+    /// SimulationError
+    ///     An actuator comes to a non-physical state: its state and its elements stay as they were, and the others have
+    ///     advanced.
     ///
-    /// Raises `InputError` for arrays and numbers that cannot be, before anything has changed, and `SimulationError` where an
-    /// actuator leaves the physics: that one is then where it was and its entries are as they were, and the others have
-    /// gone on. Ctrl-C ends a step of many parts; all actuators are then where they were.
+    /// Notes
+    /// -----
+    /// Ctrl-C ends a step of many parts; then all actuators are in their states before the step.
     #[pyo3(signature = (length, velocity, command, dt, tension, *, per_length = None, per_velocity = None, absolute_pressure = None,
         max_step = None))]
     #[expect(clippy::too_many_arguments, reason = "each is an array of its own")]
@@ -389,8 +447,25 @@ impl Actuators {
         }
     }
 
-    /// Writes what the actuators answer where they are while their ends move apart at `velocity` in m/s, as `step` does: the
-    /// tensions with which a loop begins.
+    /// Write the tensions and their derivatives in the current states, at any velocity of the ends, without a step.
+    ///
+    /// Parameters
+    /// ----------
+    /// velocity : numpy.ndarray
+    ///     Velocities of the ends in m/s, between -1e6 and 1e6.
+    /// tension : numpy.ndarray
+    ///     Receives the tensions in N.
+    /// per_length : numpy.ndarray, optional
+    ///     Receives the derivatives of the tension with respect to the length at constant pressure, in N/m.
+    /// per_velocity : numpy.ndarray, optional
+    ///     Receives the derivatives of the tension with respect to the velocity, in N*s/m.
+    /// absolute_pressure : numpy.ndarray, optional
+    ///     Receives the absolute pressures in Pa.
+    ///
+    /// Raises
+    /// ------
+    /// InputError
+    ///     An array or a number is not valid; nothing has changed.
     #[pyo3(signature = (velocity, tension, *, per_length = None, per_velocity = None, absolute_pressure = None))]
     fn respond<'py>(
         &self,
@@ -412,13 +487,13 @@ impl Actuators {
         py.detach(|| span.step_in_turn(&by)).map_or(Ok(()), |failure| Err(exception(&failure)))
     }
 
-    /// All of them go back to t = 0 and the scenario's state, with the coils released.
+    /// Reset all actuators to t = 0 and the state of the scenario, with the coils of the valves released.
     fn reset(&self) -> PyResult<()> {
         self.rows()?.iter_mut().for_each(PlantSteps::reset);
         Ok(())
     }
 
-    /// How many there are.
+    /// Return the number of actuators.
     fn __len__(&self) -> usize {
         self.count
     }
@@ -437,13 +512,13 @@ impl Actuators {
         Ok(((self.scenario.clone_ref(py), self.count, self.name.clone()), named))
     }
 
-    /// Paths of the numbers that differ from one to the next.
+    /// Paths of the parameters that differ between the actuators.
     #[getter]
     fn parameters(&self) -> Vec<String> {
         self.parameters.clone()
     }
 
-    /// Where each of them is, a row for each as an `ActuatorState` is pickled.
+    /// Return the states of the actuators, a row for each, as an `ActuatorState` is pickled.
     fn __getstate__<'py>(&self, py: Python<'py>) -> PyResult<Numbers<'py>> {
         let mut numbers = Vec::new();
         for actuator in self.rows()?.iter_mut() {

@@ -11,11 +11,20 @@ use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// Force, stiffness and volume of a scenario's actuator over length, at rest: the table of `mckibben curves`.
+/// Return force, stiffness and volume of a scenario's actuator over length, at rest.
 ///
-/// `gauge_pressures` are numbers in Pa, or text such as "35, 45, 55 psi"; those of the paper's Fig. 3 unless given. Each array
-/// has a row for each pressure and a column for each length, from the shortest to the longest; its name has its unit at
-/// the end. `stiffness_n_m` is (7), at constant pressure; `sealed_stiffness_n_m` is (5), with the valve shut.
+/// Parameters
+/// ----------
+/// scenario : Scenario
+///     One actuator.
+/// gauge_pressures : array_like or str, optional
+///     Gauge pressures in Pa, or text such as "35, 45, 55 psi"; those of the paper's Fig. 3 by default.
+///
+/// Returns
+/// -------
+/// dict of str to numpy.ndarray
+///     Arrays by their names, which end with their units: a row for each pressure, a column for each length, from the shortest
+///     to the longest. `stiffness_n_m` is equation (7), `sealed_stiffness_n_m` equation (5).
 #[pyfunction]
 #[pyo3(signature = (scenario, gauge_pressures = None))]
 pub(crate) fn _curves<'py>(
@@ -54,12 +63,9 @@ pub(crate) fn _curves<'py>(
     Ok(Numbered(arrays.into_any()))
 }
 
-/// The named actuators and valves, by their names: what `mckibben presets` shows.
-///
-/// Of each `section`, in whose `preset` a scenario names it, `meaning`, and `values`: for each key its `value` in `unit`
-/// (SI), the `text` as the source writes it, the `source`, and whether it is `assumed`.
+/// Return the named actuators and valves as dictionaries: the arguments of `Preset` and `PresetValue` of the package.
 #[pyfunction]
-pub(crate) fn presets(py: Python<'_>) -> PyResult<Sections<'_>> {
+pub(crate) fn _presets(py: Python<'_>) -> PyResult<Sections<'_>> {
     let all = PyDict::new(py);
     for (section, presets) in [("actuator", ACTUATORS), ("valve", VALVES)] {
         for preset in presets {

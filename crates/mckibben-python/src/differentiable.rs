@@ -16,15 +16,47 @@ use pyo3::types::PyDict;
 
 /// Quantities of a run at given times as a function of parameters of its scenario, with the exact Jacobian.
 ///
-/// `parameters` are keys of numbers as the scenario file has them, such as "load.mass", "command.duty" or
-/// "actuator.effectiveness.value[2]"; `quantities` are "length" (m), "gauge_pressure" (Pa), "tension" (N), of a joint also
-/// "angle" (rad), "angular_velocity" (rad/s), "torque" (N*m), "antagonist_length", "antagonist_gauge_pressure",
-/// "antagonist_tension"; `times` are in s, within the run. Every event is located, and derivatives go through it.
+/// An instance is called with the values of the parameters, and returns the quantities. The run is that of the event-located
+/// engine: every event is located, and the derivatives account for it.
 ///
-/// Called with values of the parameters in SI, it returns an array of shape (len(times), len(quantities)).
+/// Parameters
+/// ----------
+/// scenario : Scenario
+///     One actuator or an antagonistic joint, without a controller.
+/// parameters : sequence of str
+///     Paths of numbers of the scenario, such as "load.mass", "command.duty" or "actuator.effectiveness.value[2]".
+/// quantities : sequence of str
+///     "length" (m), "gauge_pressure" (Pa), "tension" (N); of a joint also "angle" (rad), "angular_velocity" (rad/s), "torque"
+///     (N*m), "antagonist_length", "antagonist_gauge_pressure" and "antagonist_tension".
+/// times : array_like
+///     Times in s, from 0 to `run.duration`.
 ///
-/// Ctrl-C ends a call. Raises `InputError` for what is no number or quantity of the scenario, and for a scenario with a
-/// controller.
+/// Raises
+/// ------
+/// InputError
+///     The scenario has a controller or several actuators with names, there is no such parameter or quantity, or a time is
+///     outside the run.
+///
+/// Notes
+/// -----
+/// A call takes `values`, array_like of the parameters in SI, and returns an array of shape (len(times), len(quantities)). It
+/// raises `InputError` for values that are not finite or out of range, and `SimulationError` where the run fails. Ctrl-C ends
+/// it.
+///
+/// Examples
+/// --------
+///     >>> import mckibben
+///     >>> scenario = mckibben.Scenario.from_dict({
+///     ...     "load": {"kind": "hanging-mass", "mass": "5 lb"},
+///     ...     "initial": {"gauge_pressure": "60 psi", "length": "85 mm"},
+///     ...     "run": {"duration": "0.1 s"},
+///     ... })
+///     >>> run = mckibben.Differentiable(scenario, ["load.mass"], ["length", "tension"], [0.05, 0.1])
+///     >>> run(run.defaults).shape
+///     (2, 2)
+///     >>> values, jacobian = run.value_and_jacobian([2.5])
+///     >>> jacobian.shape
+///     (2, 2, 1)
 #[pyclass(frozen, module = "mckibben")]
 pub(crate) struct Differentiable {
     scenario: Py<Scenario>,
@@ -114,37 +146,37 @@ impl Differentiable {
         Ok(Self { scenario, parameters, quantities, subject, sampling, start })
     }
 
-    /// What is run.
+    /// Scenario that is run.
     #[getter]
     fn scenario(&self, py: Python<'_>) -> Py<Scenario> {
         self.scenario.clone_ref(py)
     }
 
-    /// The parameters that it is a function of.
+    /// Paths of the parameters.
     #[getter]
     fn parameters(&self) -> Vec<String> {
         self.parameters.clone()
     }
 
-    /// The quantities.
+    /// Names of the quantities.
     #[getter]
     fn quantities(&self) -> Vec<String> {
         self.quantities.clone()
     }
 
-    /// The times in s.
+    /// Times in s.
     #[getter]
     fn times<'py>(&self, py: Python<'py>) -> Numbers<'py> {
         Numbers(PyArray1::from_slice(py, &self.sampling.times).into_any())
     }
 
-    /// The scenario's own values of the parameters, in SI.
+    /// Values of the parameters in the scenario, in SI.
     #[getter]
     fn defaults<'py>(&self, py: Python<'py>) -> Numbers<'py> {
         Numbers(PyArray1::from_slice(py, &self.start).into_any())
     }
 
-    /// The units of the quantities by their names.
+    /// Units of the quantities by their names, in SI.
     #[getter]
     fn units<'py>(&self, py: Python<'py>) -> PyResult<Names<'py>> {
         let units = PyDict::new(py);
@@ -153,7 +185,17 @@ impl Differentiable {
         Ok(Names(units.into_any()))
     }
 
-    /// The quantities at the times, of shape (len(times), len(quantities)).
+    /// Return the quantities at the times.
+    ///
+    /// Parameters
+    /// ----------
+    /// values : array_like
+    ///     Values of the parameters in SI.
+    ///
+    /// Returns
+    /// -------
+    /// numpy.ndarray
+    ///     Quantities of shape (len(times), len(quantities)).
     fn __call__<'py>(&self, py: Python<'py>, values: Sequence) -> PyResult<Numbers<'py>> {
         self.checked(&values.0).raised()?;
         let read = heard(py, |watch| self.sampling.values(&self.subject, &values.0, watch))?;
@@ -161,8 +203,26 @@ impl Differentiable {
         Self::shaped(py, read, &[self.sampling.times.len(), self.quantities.len()])
     }
 
-    /// The quantities, and their Jacobian with respect to the parameters, of shape
-    /// (len(times), len(quantities), len(parameters)).
+    /// Return the quantities at the times and their Jacobian with respect to the parameters.
+    ///
+    /// Parameters
+    /// ----------
+    /// values : array_like
+    ///     Values of the parameters in SI.
+    ///
+    /// Returns
+    /// -------
+    /// value : numpy.ndarray
+    ///     Quantities in SI, of shape (len(times), len(quantities)).
+    /// jacobian : numpy.ndarray
+    ///     Derivatives in SI, of shape (len(times), len(quantities), len(parameters)).
+    ///
+    /// Raises
+    /// ------
+    /// InputError
+    ///     The values are of another number, not finite or out of range.
+    /// SimulationError
+    ///     The run fails with these values.
     fn value_and_jacobian<'py>(&self, py: Python<'py>, values: Sequence) -> PyResult<(Numbers<'py>, Numbers<'py>)> {
         self.checked(&values.0).raised()?;
         let both = heard(py, |watch| self.sampling.value_and_jacobian(&self.subject, &values.0, watch))?;
@@ -172,17 +232,33 @@ impl Differentiable {
         Ok((read, Self::shaped(py, slopes, &[times, quantities, self.parameters.len()])?))
     }
 
-    /// This function for JAX, which differentiates it forwards and backwards: `jax.custom_jvp`.
+    /// Return this function for JAX, which differentiates it in forward and in reverse mode.
     ///
-    /// JAX must count in 64 bits: `jax.config.update("jax_enable_x64", True)`.
+    /// Returns
+    /// -------
+    /// callable
+    ///     A `jax.custom_jvp` of the values of the parameters in SI. The runs of a `vmap` use all cores.
+    ///
+    /// Raises
+    /// ------
+    /// InputError
+    ///     JAX computes in 32 bits; call `jax.config.update("jax_enable_x64", True)` first.
     fn for_jax<'py>(this: &Bound<'py, Self>) -> PyResult<Function<'py>> {
         python::call(this.py(), ("_beside", "for_jax"), (this,)).map(Function)
     }
 
-    /// This function of a tensor for PyTorch, which differentiates it forwards and backwards: by
-    /// `torch.autograd.Function`, with the derivatives of `value_and_jacobian`.
+    /// Return this function for PyTorch, which differentiates it in forward and in reverse mode.
     ///
-    /// Tensors are of 64 bits and on the CPU: `dtype=torch.float64`.
+    /// Returns
+    /// -------
+    /// callable
+    ///     A function of a float64 tensor of the values of the parameters in SI, with any leading dimensions. The runs of a
+    ///     `vmap`, or of leading dimensions, use all cores. They take place on the CPU; the result is on the device of the
+    ///     tensor.
+    ///
+    /// Notes
+    /// -----
+    /// The function raises `InputError` for a tensor of another type, and where a second derivative is taken.
     fn for_torch<'py>(this: &Bound<'py, Self>) -> PyResult<Function<'py>> {
         python::call(this.py(), ("_beside", "for_torch"), (this,)).map(Function)
     }

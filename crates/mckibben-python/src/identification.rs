@@ -16,7 +16,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::{Path, PathBuf};
 
-/// Estimates parameters from the study of a file.
+/// Estimate parameters from a study file.
 #[pyfunction]
 #[pyo3(signature = (study, output, progress))]
 pub(crate) fn _identify_file<'py>(
@@ -28,7 +28,7 @@ pub(crate) fn _identify_file<'py>(
     found(py, || Request::load(&study), output, progress)
 }
 
-/// Estimates parameters from a study in memory: its sections as in a file, and its tables by the names that runs give them.
+/// Estimate parameters from a study in memory: its sections as in a file, and its tables by their names.
 #[pyfunction]
 #[pyo3(signature = (sections, tables, scenario, output, progress))]
 pub(crate) fn _identify<'py>(

@@ -50,7 +50,7 @@ mod typed;
 mod values;
 mod vector_plant;
 
-/// What is compiled of the package `mckibben`.
+/// Compiled part of the package `mckibben`.
 #[pyo3::pymodule]
 mod _mckibben {
     #[pymodule_export]
@@ -58,7 +58,7 @@ mod _mckibben {
     #[pymodule_export]
     use crate::actuators::Actuators;
     #[pymodule_export]
-    use crate::curves::{_curves, presets};
+    use crate::curves::{_curves, _presets};
     #[pymodule_export]
     use crate::differentiable::Differentiable;
     #[pymodule_export]
@@ -66,7 +66,7 @@ mod _mckibben {
     #[pymodule_export]
     use crate::linear::{LinearModel, linearize};
     #[pymodule_export]
-    use crate::parameters::parameters;
+    use crate::parameters::_parameters;
     #[pymodule_export]
     use crate::scenario::{_quantity, Scenario};
     #[pymodule_export]

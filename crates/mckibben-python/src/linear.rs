@@ -3,7 +3,9 @@
 use crate::python;
 use crate::raised::Raised;
 use crate::scenario::Scenario;
-use crate::typed::{Axes, Complex, Figure, Items, Matrix, Modes, Object, Parts, Point, Quantity, Sections, Sequence};
+use crate::typed::{
+    Axes, Complex, Figure, Items, Matrix, Modes, Object, Parts, Point, Quantity, Sections, Sequence, Validity,
+};
 use mckibben::linearize::Signal;
 use mckibben_run::linearize::{Measure, Request};
 use mckibben_run::quantities;
@@ -13,15 +15,69 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::ffi::CString;
 
-/// A scenario near an operating point, by exact derivatives: what `mckibben linearize` does.
+/// Linearize a scenario about an operating point, with exact derivatives.
 ///
-/// Two of `gauge_pressure`, `length` and `load` give the third; what is not given is that of the scenario. `duty` gives the
-/// pressure by the valve's mean flow under PWM, and with `pwm` the duty follows from the pressure; else the valve is held
-/// shut, and the mass flow into the actuator is the input. Of a joint `angle` and `stiffness` give the pressures. With
-/// `amplitude` Coulomb friction is replaced by the viscous damping that takes as much. Quantities are numbers in SI or text with
-/// units, such as "60 psi"; `load` is a force, as text also a mass.
+/// Of `gauge_pressure`, `length` and `load` two give the third; what is not given is that of the scenario. A quantity is a
+/// number in SI or text with its unit, such as "60 psi". The model is that of `mckibben linearize`.
 ///
-/// Raises `InputError` where there is no such point.
+/// Parameters
+/// ----------
+/// scenario : Scenario
+///     One actuator, an antagonistic joint, or several actuators with names.
+/// gauge_pressure : float or str, optional
+///     Gauge pressure at the point in Pa. Not together with `duty`.
+/// length : float or str, optional
+///     Length of the actuator at the point in m.
+/// load : float or str, optional
+///     Load at the point: a force in N, or as text also a mass that hangs, such as "10 lb".
+/// duty : float, optional
+///     Commanded duty cycle at the point, 0 to 1; the pressure follows from the mean flow of the valve under PWM.
+/// pwm : bool, optional
+///     Take the mean flow of the valve under PWM, at the duty cycle that holds the pressure; of a pressure regulator the set
+///     point, of a proportional spool the position. False by default. Not together with `duty`.
+/// temperature : float or str, optional
+///     Temperature of the air at the point in K. By default that of the scenario's air, brought to the point by its process.
+/// angle : float or str, optional
+///     Angle of a joint at the point in rad; together with `stiffness`.
+/// stiffness : float or str, optional
+///     Stiffness in N*m/rad that both actuators give the joint at `angle`, from which the pressures follow.
+/// amplitude : float or str, optional
+///     Amplitude in m of an oscillation. Coulomb friction is replaced by the viscous damping that dissipates as much energy.
+/// all_states : bool, optional
+///     Keep the air mass as a state where it follows from the others; its pole is zero. False by default.
+///
+/// Returns
+/// -------
+/// LinearModel
+///     Matrices, names and units of the signals, poles, and warnings.
+///
+/// Raises
+/// ------
+/// InputError
+///     Arguments exclude each other, a quantity has the wrong unit, or there is no such operating point.
+///
+/// Warns
+/// -----
+/// UserWarning
+///     Each of the model's `warnings`.
+///
+/// Notes
+/// -----
+/// Without `duty` and `pwm` a scenario whose command is a PWM is averaged at its own duty cycle, and the last set point of a
+/// regulator or position of a spool is taken likewise, unless `gauge_pressure` or `length` is given. Otherwise the valve is
+/// held shut, and the mass flow into the actuator is an input.
+///
+/// Examples
+/// --------
+///     >>> import mckibben
+///     >>> scenario = mckibben.Scenario.from_dict({
+///     ...     "load": {"kind": "hanging-mass", "mass": "5 lb"},
+///     ...     "initial": {"gauge_pressure": "60 psi", "length": "85 mm"},
+///     ...     "run": {"duration": "0.1 s"},
+///     ... })
+///     >>> model = mckibben.linearize(scenario, gauge_pressure="60 psi")
+///     >>> model.states, model.inputs
+///     (['length', 'velocity', 'pressure'], ['mass_flow', 'force'])
 #[pyfunction]
 #[pyo3(signature = (scenario, *, gauge_pressure = None, length = None, load = None, duty = None, pwm = false, temperature = None,
     angle = None, stiffness = None, amplitude = None, all_states = false))]
@@ -65,9 +121,22 @@ pub(crate) fn linearize(
     Ok(model)
 }
 
-/// A linear model `dx/dt = A x + B u`, `y = C x + D u`, of differences from an operating point.
+/// Linear model `dx/dt = A x + B u`, `y = C x + D u` of deviations from an operating point, in SI.
 ///
-/// `to_control` gives it to python-control.
+/// `linearize` returns it; the constructor serves pickling.
+///
+/// Examples
+/// --------
+///     >>> import mckibben
+///     >>> model = mckibben.linearize(mckibben.Scenario.from_dict({
+///     ...     "load": {"kind": "hanging-mass", "mass": "5 lb"},
+///     ...     "initial": {"gauge_pressure": "60 psi", "length": "85 mm"},
+///     ...     "run": {"duration": "0.1 s"},
+///     ... }))
+///     >>> model.A.shape, model.units["pressure"]
+///     ((3, 3), 'Pa')
+///     >>> model.response([1.0, 10.0]).shape == (2, len(model.outputs), len(model.inputs))
+///     True
 #[pyclass(frozen, module = "mckibben")]
 pub(crate) struct LinearModel {
     matrices: [Py<PyArray2<f64>>; 4],
@@ -131,62 +200,62 @@ impl LinearModel {
         Self { matrices, signals, poles: poles.0, point: point.0, warnings: warnings.0, json }
     }
 
-    /// One row and one column for each state.
+    /// System matrix, of shape (states, states).
     #[getter(A)]
     fn a<'py>(&self, py: Python<'py>) -> Matrix<'py> {
         self.matrix(py, 0)
     }
 
-    /// One row for each state, one column for each input.
+    /// Input matrix, of shape (states, inputs).
     #[getter(B)]
     fn b<'py>(&self, py: Python<'py>) -> Matrix<'py> {
         self.matrix(py, 1)
     }
 
-    /// One row for each output, one column for each state.
+    /// Output matrix, of shape (outputs, states).
     #[getter(C)]
     fn c<'py>(&self, py: Python<'py>) -> Matrix<'py> {
         self.matrix(py, 2)
     }
 
-    /// One row for each output, one column for each input.
+    /// Feedthrough matrix, of shape (outputs, inputs).
     #[getter(D)]
     fn d<'py>(&self, py: Python<'py>) -> Matrix<'py> {
         self.matrix(py, 3)
     }
 
-    /// The names of the states.
+    /// Names of the states.
     #[getter]
     fn states(&self) -> Vec<&str> {
         self.names(0)
     }
 
-    /// The names of the inputs.
+    /// Names of the inputs.
     #[getter]
     fn inputs(&self) -> Vec<&str> {
         self.names(1)
     }
 
-    /// The names of the outputs.
+    /// Names of the outputs.
     #[getter]
     fn outputs(&self) -> Vec<&str> {
         self.names(2)
     }
 
-    /// The units of states, inputs and outputs by their names, in SI; empty for a pure number.
+    /// Units of states, inputs and outputs by their names, in SI; empty for a pure number.
     #[getter]
     fn units(&self) -> std::collections::BTreeMap<&str, &str> {
         self.signals.iter().flatten().map(|(name, unit)| (name.as_str(), unit.as_str())).collect()
     }
 
-    /// The poles in 1/s.
+    /// Poles in 1/s.
     #[getter]
     fn poles<'py>(&self, py: Python<'py>) -> PyResult<Complex<'py>> {
         let parts: Vec<f64> = self.poles.iter().flat_map(|(real, imaginary)| [*real, *imaginary]).collect();
         Ok(Complex(PyArray1::from_vec(py, parts).call_method1("view", ("complex128",))?))
     }
 
-    /// The values at the operating point, by names that have the unit at the end.
+    /// Values at the operating point in SI, by names that end with the unit, such as `gauge_pressure_pa`.
     #[getter]
     fn operating_point<'py>(&self, py: Python<'py>) -> PyResult<Point<'py>> {
         let point = PyDict::new(py);
@@ -194,33 +263,75 @@ impl LinearModel {
         Ok(Point(point.into_any()))
     }
 
-    /// What casts doubt on the model: a valve that does not answer to its duty there, a ripple that is too large, pulses that are
+    /// Reasons to doubt the model.
+    ///
+    /// Examples are a duty cycle to which the valve does not respond, a pressure ripple that is too large, and pulses that are
     /// too slow. `linearize` raises each as a `UserWarning` too.
     #[getter]
     fn warnings(&self) -> Vec<String> {
         self.warnings.clone()
     }
 
-    /// What is known of the model beside its matrices, as `to_json` says it: `controllability`, how far pulses on average hold
-    /// (`pwm`), whether the braid is taut, what is assumed.
+    /// Validity of the model as a `Validity`.
+    ///
+    /// It has controllability, whether the braid is taut, dead zone and ripple of each valve under PWM, and the warnings.
+    #[getter]
+    fn validity<'py>(model: &Bound<'py, Self>) -> PyResult<Validity<'py>> {
+        python::call(model.py(), ("_results", "validity"), (model,)).map(Validity)
+    }
+
+    /// Content of `to_json` as a dictionary.
+    ///
+    /// It has `controllability`, the validity of the mean flow under PWM (`pwm`), whether the braid is taut, and assumed
+    /// values.
     #[getter]
     fn details<'py>(&self, py: Python<'py>) -> PyResult<Sections<'py>> {
         Ok(Sections(py.import("json")?.call_method1("loads", (&self.json,))?))
     }
 
-    /// The model as a system of python-control, its signals with their names.
+    /// Return the model as a system of python-control, with the names of its signals.
+    ///
+    /// Returns
+    /// -------
+    /// control.StateSpace
     fn to_control<'py>(model: &Bound<'py, Self>) -> PyResult<Object<'py>> {
         python::call(model.py(), ("_linear", "to_control"), (model,)).map(Object)
     }
 
-    /// The complex response of each output to each input at angular frequencies in rad/s: `[frequency, output, input]`.
+    /// Return the complex frequency response of each output to each input.
+    ///
+    /// Parameters
+    /// ----------
+    /// omega : array_like
+    ///     Angular frequencies in rad/s.
+    ///
+    /// Returns
+    /// -------
+    /// numpy.ndarray
+    ///     Response of shape (len(omega), outputs, inputs), in the unit of the output over that of the input.
     fn response<'py>(model: &Bound<'py, Self>, omega: Sequence) -> PyResult<Complex<'py>> {
         python::call(model.py(), ("_linear", "response"), (model, omega.0)).map(Complex)
     }
 
-    /// Magnitude and phase of outputs over one input, as a figure of Matplotlib, or into two axes.
+    /// Draw magnitude and phase of outputs over one input with Matplotlib.
     ///
-    /// Without names: the first two outputs over the first input, which is the valve's where there is one.
+    /// Parameters
+    /// ----------
+    /// input : str, optional
+    ///     Name of the input; by default the first, which is that of the valve where there is one.
+    /// outputs : sequence of str, optional
+    ///     Names of the outputs; by default the first two.
+    /// ax : sequence of matplotlib.axes.Axes, optional
+    ///     Two axes to draw into, for magnitude and phase. By default a new figure has them.
+    ///
+    /// Returns
+    /// -------
+    /// matplotlib.figure.Figure
+    ///
+    /// Raises
+    /// ------
+    /// InputError
+    ///     The model has no signal of that name, or `ax` has not two axes.
     #[pyo3(signature = (input = None, outputs = None, ax = None))]
     fn bode<'py>(
         model: &Bound<'py, Self>,
@@ -232,12 +343,21 @@ impl LinearModel {
             .map(Figure)
     }
 
-    /// The poles as modes with natural frequency, damping ratio and time constant, the slowest first; `print` shows a table.
+    /// Return the poles as modes with natural frequency, damping ratio and time constant, the slowest first.
+    ///
+    /// Returns
+    /// -------
+    /// Modes
+    ///     A list of `Mode`; `print` shows it as a table. A pair of conjugate poles is one mode.
     fn damp<'py>(model: &Bound<'py, Self>) -> PyResult<Modes<'py>> {
         python::call(model.py(), ("_results", "modes"), (model,)).map(Modes)
     }
 
-    /// The model as `mckibben linearize --output model.json` writes it, with controllability and how far it holds.
+    /// Return the model as JSON, as `mckibben linearize --output model.json` writes it.
+    ///
+    /// Returns
+    /// -------
+    /// str
     fn to_json(&self) -> &str {
         &self.json
     }

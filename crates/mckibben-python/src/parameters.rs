@@ -6,18 +6,9 @@ use mckibben_scenario::keys::{Key, all_keys};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// The quantities of a scenario by their keys, in the order of the file: what `mckibben schema` says of them.
-///
-/// Of each `meaning`, `symbol` (the paper's, or the usual one), `unit` (SI; empty for a pure number), `range` in words,
-/// `minimum` and `maximum` (`None` where there is no end) with `minimum_included` and `maximum_included`, `default` in that
-/// unit (`None` where it must be given or follows from other keys), the `source` of definition and default, the `remedy` where
-/// a value is refused, and an `example` as a file has it. A preset may stand in for a default.
-///
-/// Those of an antagonist have `antagonist.` before them. In the keys of a file of many actuators `*` stands for a name: what
-/// `actuators.flexor.valve.efficiency` takes is said by `valve.efficiency`, and what `supplies.tank.inlet.drop` takes by
-/// `supplies.*.inlet.drop`.
+/// Return the quantities of a scenario as dictionaries by their keys: the arguments of `Parameter` of the package.
 #[pyfunction]
-pub(crate) fn parameters(py: Python<'_>) -> PyResult<Sections<'_>> {
+pub(crate) fn _parameters(py: Python<'_>) -> PyResult<Sections<'_>> {
     let all = PyDict::new(py);
     for key in all_keys() {
         if let Some(row) = key.parameter() {

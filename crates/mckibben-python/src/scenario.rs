@@ -12,13 +12,42 @@ use std::path::PathBuf;
 /// What stands in messages where a file's name would, for values that Python set.
 const SET: &str = "with_values";
 
-/// One experiment: what is built, what drives it, what is recorded; as a scenario file says it.
+/// One experiment: what is built, what drives it and what is recorded, as in a scenario file.
 ///
-/// A quantity is text with its unit, such as "60 psi"; in values from Python it may be a number in SI. What is wrong raises
-/// `InputError` with the message of the command line. A scenario does not change: `with_values` gives another one.
+/// A quantity is text with its unit, such as "60 psi"; in values from Python it may be a number in SI. A scenario is immutable:
+/// `with_values` returns another one. Sections are attributes: `scenario.load.mass` is a number in SI. Two scenarios are equal
+/// if `to_toml` returns equal text.
 ///
-/// `Scenario(text)` reads TOML from a string; `name` stands in messages where a file's name would, and `values` are pairs of
-/// a key's path and a value as TOML, put in place of the text's own. With `in_si` numbers without a unit are in SI.
+/// Parameters
+/// ----------
+/// text : str
+///     Scenario as TOML.
+/// name : str, optional
+///     Name that messages show in place of that of a file; "scenario.toml" by default.
+/// values : sequence of (str, str), optional
+///     Paths of keys with values as TOML, which replace those of the text.
+/// in_si : bool, optional
+///     Whether numbers without a unit are quantities in SI. By default they are refused.
+///
+/// Raises
+/// ------
+/// InputError
+///     The text is not TOML, or the scenario is not valid. The message names the place, the range and the remedy.
+///
+/// Examples
+/// --------
+///     >>> import mckibben
+///     >>> scenario = mckibben.Scenario('''
+///     ...     [load]
+///     ...     kind = "hanging-mass"
+///     ...     mass = "2 kg"
+///     ...     [initial]
+///     ...     gauge_pressure = "60 psi"
+///     ...     [run]
+///     ...     duration = "0.1 s"
+///     ... ''')
+///     >>> scenario.load.mass, scenario.load.kind
+///     (2.0, 'hanging-mass')
 #[pyclass(frozen, module = "mckibben")]
 pub(crate) struct Scenario {
     name: String,
@@ -93,21 +122,56 @@ impl Scenario {
         Self::read(document.raised()?, in_si, values.0)
     }
 
-    /// Reads a scenario file.
+    /// Read a scenario file.
     ///
-    /// Raises `InputError` for a file that cannot be read, is not TOML, or says what cannot be.
+    /// Parameters
+    /// ----------
+    /// path : str or path
+    ///     TOML file.
+    ///
+    /// Returns
+    /// -------
+    /// Scenario
+    ///
+    /// Raises
+    /// ------
+    /// InputError
+    ///     The file cannot be read, is not TOML, or is not a valid scenario.
     #[staticmethod]
     fn from_file(path: PathBuf) -> PyResult<Self> {
         Self::read(Document::load(path).raised()?, false, Vec::new())
     }
 
-    /// A scenario from a dictionary of its sections, as `tomllib` reads them from a file:
-    /// `{"load": {"kind": "hanging-mass", "mass": "5 lb"}, "run": {"duration": "1 s"}}`.
+    /// Make a scenario from a dictionary of its sections, as `tomllib` reads them from a file.
     ///
-    /// A quantity is text with its unit, or a number in SI. Lists may be NumPy arrays, and numbers those of NumPy. Messages
-    /// show the dictionary as TOML.
+    /// Parameters
+    /// ----------
+    /// values : mapping
+    ///     Sections with their keys. A quantity is text with its unit, or a number in SI. Lists may be NumPy arrays, and
+    ///     numbers those of NumPy.
+    /// name : str, optional
+    ///     Name that messages show in place of that of a file; "scenario.toml" by default. They show the dictionary as TOML.
     ///
-    /// Raises `InputError` for one that contains itself, or has more than 64 levels or 2 000 000 values.
+    /// Returns
+    /// -------
+    /// Scenario
+    ///
+    /// Raises
+    /// ------
+    /// InputError
+    ///     The scenario is not valid, or the dictionary contains itself, has more than 64 levels or more than 2 000 000 values.
+    /// TypeError
+    ///     A key is not text, or a value is of a type that no scenario has.
+    ///
+    /// Examples
+    /// --------
+    ///     >>> import mckibben
+    ///     >>> mckibben.Scenario.from_dict({
+    ///     ...     "load": {"kind": "hanging-mass", "mass": 2.0},
+    ///     ...     "initial": {"gauge_pressure": "60 psi"},
+    ///     ...     "run": {"duration": "0.1 s"},
+    ///     ... })
+    ///     <mckibben.Scenario "scenario.toml">
     #[staticmethod]
     #[pyo3(signature = (values, name = "scenario.toml"))]
     fn from_dict(values: Values<'_>, name: &str) -> PyResult<Self> {
@@ -115,8 +179,36 @@ impl Scenario {
         Self::new(&table.to_string(), name, Items(Vec::new()), true)
     }
 
-    /// This scenario with other values, each by the path of its key: `{"load.mass": "10 lb", "command.duty": 0.3}`. A number
-    /// where a quantity is due is in SI.
+    /// Return a scenario with other values.
+    ///
+    /// Parameters
+    /// ----------
+    /// values : mapping
+    ///     Values by the paths of their keys, such as `{"load.mass": "10 lb", "command.duty": 0.3}`. A quantity is text with
+    ///     its unit, or a number in SI.
+    ///
+    /// Returns
+    /// -------
+    /// Scenario
+    ///     A new scenario; this one is unchanged.
+    ///
+    /// Raises
+    /// ------
+    /// InputError
+    ///     There is no such key, or the scenario is not valid with these values.
+    /// TypeError
+    ///     A value is of a type that no scenario has.
+    ///
+    /// Examples
+    /// --------
+    ///     >>> import mckibben
+    ///     >>> scenario = mckibben.Scenario.from_dict({
+    ///     ...     "load": {"kind": "hanging-mass", "mass": "5 lb"},
+    ///     ...     "initial": {"gauge_pressure": "60 psi"},
+    ///     ...     "run": {"duration": "0.1 s"},
+    ///     ... })
+    ///     >>> scenario.with_values({"load.mass": 3.5}).load.mass
+    ///     3.5
     fn with_values(&self, values: Values<'_>) -> PyResult<Self> {
         let mut set = self.set.clone();
         for (key, value) in values::pairs_of(&values.0)? {
@@ -126,42 +218,72 @@ impl Scenario {
         Self::new(&self.text, &self.name, Items(set), self.in_si)
     }
 
-    /// The scenario as it was understood, as TOML: every value in SI, no preset, no default. Of many actuators with names: every
-    /// key that was given, with its value as it was written.
+    /// Return the scenario as TOML: every value in SI, those of presets and defaults written out.
+    ///
+    /// Of several actuators with names: every key that was given, with its value as it was written.
+    ///
+    /// Returns
+    /// -------
+    /// str
     fn to_toml(&self) -> String {
         self.understood.as_ref().map_or_else(|| self.document.to_toml(), mckibben_scenario::Scenario::to_toml)
     }
 
-    /// The scenario as a dictionary of its sections, which `from_dict` takes.
+    /// Return the content of `to_toml` as a dictionary of sections, which `from_dict` accepts.
+    ///
+    /// Returns
+    /// -------
+    /// dict
     fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Sections<'py>> {
         // What was written is read back.
         let table: toml::Table = self.to_toml().parse().unwrap_or_default();
         Ok(Sections(values::dict_of(py, &table)?.into_any()))
     }
 
-    /// The name of the file, or what stands in messages in its place.
+    /// Name of the file, or that given in its place.
     #[getter]
     fn name(&self) -> &str {
         &self.name
     }
 
-    /// The text as it was read, without what `with_values` set.
+    /// Text as it was read, without the values that `with_values` set.
     #[getter]
     fn text(&self) -> &str {
         &self.text
     }
 
-    /// Whether both mean the same.
+    /// Return whether both scenarios have equal values.
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
         other.cast::<Self>().is_ok_and(|other| other.get().to_toml() == self.to_toml())
     }
 
-    /// What differs from another scenario: by the paths of keys the values here and there, `None` where there is none.
+    /// Return the values in which another scenario differs.
+    ///
+    /// Parameters
+    /// ----------
+    /// other : Scenario
+    ///     Scenario to compare with.
+    ///
+    /// Returns
+    /// -------
+    /// dict of str to tuple
+    ///     For each path of a key the value here and that of `other`, as in `to_dict`; `None` where there is none.
+    ///
+    /// Examples
+    /// --------
+    ///     >>> import mckibben
+    ///     >>> scenario = mckibben.Scenario.from_dict({
+    ///     ...     "load": {"kind": "hanging-mass", "mass": "2 kg"},
+    ///     ...     "initial": {"gauge_pressure": "60 psi"},
+    ///     ...     "run": {"duration": "0.1 s"},
+    ///     ... })
+    ///     >>> scenario.diff(scenario.with_values({"load.mass": 3.5}))
+    ///     {'load.mass': ('2 kg', '3.5 kg')}
     fn diff<'py>(this: &Bound<'py, Self>, other: &Bound<'py, Self>) -> PyResult<Sections<'py>> {
         python::call(this.py(), ("_scenario", "diff"), (this, other)).map(Sections)
     }
 
-    /// A section or a value by its name, such as `scenario.load.mass`: a quantity is a number in SI.
+    /// Return a section or a value by its name, such as `scenario.load.mass`: a quantity is a number in SI.
     fn __getattr__<'py>(this: &Bound<'py, Self>, name: &str) -> PyResult<Object<'py>> {
         python::call(this.py(), ("_scenario", "attribute"), (this, name)).map(Object)
     }

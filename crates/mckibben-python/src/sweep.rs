@@ -22,13 +22,37 @@ type Chosen = (f64, f64, Items<u64>, Items<u64>);
 /// The same as it is given out.
 type Given = (f64, f64, Vec<u64>, Vec<u64>);
 
-/// The runs of a scenario's section `[sweep]`, in parts that can be computed anywhere: what `mckibben sweep` does, to the last
-/// bit.
+/// Runs of a scenario's section `[sweep]`, in parts that can be computed anywhere.
 ///
-/// `mckibben.sweep` does all of them. `chosen` is the step of the fixed-step engine that was chosen for all rows; it is chosen
-/// where it is not given.
+/// `mckibben.sweep` computes all of them; this class is for your own scheduler. Parts are bit-identical to those of
+/// `mckibben sweep`.
 ///
-/// Raises `InputError` for a scenario without a sweep, and for one that cannot be.
+/// Parameters
+/// ----------
+/// scenario : Scenario
+///     Scenario with a section `[sweep]`.
+/// chosen : tuple, optional
+///     Step of the fixed-step engine for all runs: its length in s, the accuracy, the runs that reach it and those that do not.
+///     By default it is chosen here, where the scenario leaves it open.
+///
+/// Raises
+/// ------
+/// InputError
+///     The scenario has no section `[sweep]`, or the section is not valid.
+///
+/// Examples
+/// --------
+///     >>> import mckibben
+///     >>> sweep = mckibben.Sweep(mckibben.Scenario.from_dict({
+///     ...     "load": {"kind": "hanging-mass"},
+///     ...     "initial": {"gauge_pressure": "60 psi", "length": "85 mm"},
+///     ...     "run": {"duration": "20 ms"},
+///     ...     "sweep": {"reductions": ["length.final"], "vary": {"load.mass": ["4 lb", "5 lb", "6 lb"]}},
+///     ... }))
+///     >>> sweep.rows, sweep.parts, sweep.units["length_final_m"]
+///     (3, 1, 'm')
+///     >>> sweep.part(0)[:4]
+///     b'PAR1'
 #[pyclass(frozen, module = "mckibben")]
 pub(crate) struct Sweep {
     scenario: Py<Scenario>,
@@ -89,31 +113,31 @@ impl Sweep {
         Ok(Self { scenario, prepared, choice })
     }
 
-    /// What is swept.
+    /// Scenario whose section `[sweep]` is run.
     #[getter]
     fn scenario(&self, py: Python<'_>) -> Py<Scenario> {
         self.scenario.clone_ref(py)
     }
 
-    /// How many runs there are.
+    /// Number of runs.
     #[getter]
     fn rows(&self) -> u64 {
         self.prepared.plan().rows
     }
 
-    /// How many parts they make, each a Parquet file.
+    /// Number of parts, each of which is a Parquet file.
     #[getter]
     fn parts(&self) -> u64 {
         self.prepared.plan().parts()
     }
 
-    /// The names of the table's columns in their order.
+    /// Names of the columns of the table, in their order.
     #[getter]
     fn columns(&self) -> Vec<&str> {
         self.prepared.columns().iter().map(|column| column.name.as_str()).collect()
     }
 
-    /// The units of the columns of numbers by their names, in SI.
+    /// Units of the columns of numbers by their names, in SI.
     #[getter]
     fn units<'py>(&self, py: Python<'py>) -> PyResult<Names<'py>> {
         let units = PyDict::new(py);
@@ -122,13 +146,28 @@ impl Sweep {
         Ok(Names(units.into_any()))
     }
 
-    /// The longest step of the fixed-step engine in s that was chosen for all runs; `None` where they have their own.
+    /// Longest step in s of the fixed-step engine, chosen for all runs; `None` where each run has its own.
     #[getter]
     fn step(&self) -> Option<f64> {
         self.choice.as_ref().map(|choice| choice.step)
     }
 
-    /// Computes a part on one thread, while other threads of Python go on: the bytes of its Parquet file.
+    /// Compute a part on one thread, with the interpreter released.
+    ///
+    /// Parameters
+    /// ----------
+    /// part : int
+    ///     Index of the part, from 0.
+    ///
+    /// Returns
+    /// -------
+    /// bytes
+    ///     Content of its Parquet file.
+    ///
+    /// Raises
+    /// ------
+    /// InputError
+    ///     There is no such part.
     fn part<'py>(&self, py: Python<'py>, part: u64) -> PyResult<Bound<'py, PyBytes>> {
         let parts = self.parts();
         let bytes = py
@@ -143,13 +182,47 @@ impl Sweep {
         Ok(PyBytes::new(py, &bytes))
     }
 
-    /// Makes the sweep's folder, or takes up one that holds the same sweep: the numbers of the parts that are not finished in
-    /// it, and how many runs failed in those that are.
+    /// Create the folder of the sweep, or open one that holds the same sweep, and return what is missing in it.
+    ///
+    /// Parameters
+    /// ----------
+    /// folder : str or path
+    ///     Folder of the sweep.
+    ///
+    /// Returns
+    /// -------
+    /// parts : list of int
+    ///     Indices of the parts that are not finished.
+    /// failed : int
+    ///     Number of runs that failed in the finished parts.
+    ///
+    /// Raises
+    /// ------
+    /// InputError
+    ///     The folder holds something else, or a damaged part.
+    /// OutputError
+    ///     The folder cannot be written to.
     fn missing(&self, folder: PathBuf) -> PyResult<(Vec<u64>, u64)> {
         self.prepared.folder(&folder).and_then(|folder| self.missing_in(&folder)).raised()
     }
 
-    /// Puts the bytes of a part into the folder: it is there whole or not at all.
+    /// Write a part into the folder, whole or not at all.
+    ///
+    /// Parameters
+    /// ----------
+    /// folder : str or path
+    ///     Folder of the sweep.
+    /// part : int
+    ///     Index of the part, from 0.
+    /// bytes : bytes
+    ///     Content of its Parquet file, as `part` returns it.
+    ///
+    /// Raises
+    /// ------
+    /// InputError
+    ///     The folder holds something else.
+    /// OutputError
+    ///     The file cannot be written.
     fn put(&self, py: Python<'_>, folder: PathBuf, part: u64, bytes: &[u8]) -> PyResult<()> {
         py.detach(|| {
             let folder = self.prepared.folder(&folder)?;
@@ -159,11 +232,28 @@ impl Sweep {
         .raised()
     }
 
-    /// Computes what is missing in the folder on `jobs` threads, one for each core unless given, and calls `progress` now and
-    /// then with the parts that are done and all there are.
+    /// Compute the missing parts into the folder on several threads.
     ///
-    /// Ctrl-C, and an exception of `progress`, stop it once the parts under way are finished; what is in the folder then is
-    /// kept.
+    /// Parameters
+    /// ----------
+    /// folder : str or path
+    ///     Folder of the sweep; created where there is none.
+    /// jobs : int, optional
+    ///     Number of threads, from 1 to 4096; one for each core by default.
+    /// progress : callable, optional
+    ///     Called as `progress(done, parts)` after every few parts, with the number of finished parts and of all. An exception
+    ///     that it raises ends the sweep.
+    ///
+    /// Raises
+    /// ------
+    /// InputError
+    ///     The folder holds something else, or `jobs` is too large.
+    /// OutputError
+    ///     A file cannot be written.
+    ///
+    /// Notes
+    /// -----
+    /// Ctrl-C, and an exception of `progress`, end the sweep when the parts in progress are finished. These stay in the folder.
     #[pyo3(signature = (folder, jobs = None, progress = None))]
     fn run(
         &self,

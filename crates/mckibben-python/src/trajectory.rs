@@ -23,10 +23,45 @@ use std::borrow::Cow;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Runs a scenario, of whatever kind: what `mckibben simulate` does, to the last bit.
+/// Simulate a scenario and return its trajectory.
 ///
-/// Other threads of Python go on meanwhile, and Ctrl-C ends it. Raises `InputError` where the model finds a contradiction, and
-/// `SimulationError` where the simulation cannot go on.
+/// The result is bit-identical to that of `mckibben simulate`.
+///
+/// Parameters
+/// ----------
+/// scenario : Scenario
+///     One actuator, an antagonistic joint, or several actuators with names.
+/// progress : callable, optional
+///     Called as `progress(time, end)` with the time that is reached and the duration, both in s, at most about 20 times a
+///     second. An exception that it raises ends the run.
+///
+/// Returns
+/// -------
+/// Trajectory
+///     Columns over time, and events.
+///
+/// Raises
+/// ------
+/// InputError
+///     The model finds a contradiction in the scenario.
+/// SimulationError
+///     The simulation cannot continue.
+///
+/// Notes
+/// -----
+/// The interpreter is released during the run, so other threads continue. Ctrl-C ends the run.
+///
+/// Examples
+/// --------
+///     >>> import mckibben
+///     >>> scenario = mckibben.Scenario.from_dict({
+///     ...     "load": {"kind": "hanging-mass", "mass": "5 lb"},
+///     ...     "initial": {"gauge_pressure": "60 psi", "length": "85 mm"},
+///     ...     "run": {"duration": "0.1 s"},
+///     ... })
+///     >>> run = mckibben.simulate(scenario)
+///     >>> float(run.t[-1]), float(run.length[0])
+///     (0.1, 0.085)
 #[pyfunction]
 #[pyo3(signature = (scenario, *, progress = None))]
 pub(crate) fn simulate(
@@ -65,14 +100,33 @@ struct Column {
     values: Py<PyAny>,
 }
 
-/// A finished run: its columns as NumPy arrays, its events, and what it was between the samples.
+/// Result of a run: its columns as NumPy arrays, its events, and its values between the samples.
 ///
-/// There is a row at t = 0, at every `run.sample_interval` and at the end. `trajectory["absolute_pressure_pa"]` is a column by its
-/// name in the files of `mckibben simulate`; those that every run has are attributes too. The columns of a joint begin with
-/// its agonist's; those of its antagonist are called `antagonist_length_m` and so on. Of many
-/// actuators with names every column carries one: `flexor.absolute_pressure_pa`, `elbow.angle_rad`, `tank.absolute_pressure_pa`.
+/// There is a sample at t = 0, at every `run.sample_interval` and at the end. `trajectory["absolute_pressure_pa"]` is a column
+/// by its name in the files of `mckibben simulate`; those that every run of one actuator or joint has are attributes too.
+/// Arrays are read-only: copy one to change it. `simulate` returns a trajectory; the constructor serves pickling.
 ///
-/// Arrays cannot be written to: copy one to change it.
+/// Notes
+/// -----
+/// Columns of a joint are those of its agonist, and those of its antagonist begin with `antagonist_`, as `antagonist_length_m`.
+/// Of several actuators with names every column has a name in front: `flexor.absolute_pressure_pa`, `elbow.angle_rad`,
+/// `tank.absolute_pressure_pa`. `len` is the number of samples; iteration, `in` and `dict` go by the names of the columns.
+///
+/// A trajectory from a pickle simulates the scenario again when a value between the samples, the summary or a file is
+/// requested.
+///
+/// Examples
+/// --------
+///     >>> import mckibben
+///     >>> run = mckibben.simulate(mckibben.Scenario.from_dict({
+///     ...     "load": {"kind": "hanging-mass", "mass": "5 lb"},
+///     ...     "initial": {"gauge_pressure": "60 psi", "length": "85 mm"},
+///     ...     "run": {"duration": "0.1 s"},
+///     ... }))
+///     >>> run.length is run["length_m"], run.units["tension_n"]
+///     (True, 'N')
+///     >>> run.at(0.0)["length_m"]
+///     0.085
 #[pyclass(frozen, module = "mckibben")]
 pub(crate) struct Trajectory {
     scenario: Py<Scenario>,
@@ -82,7 +136,21 @@ pub(crate) struct Trajectory {
     kept: Mutex<Option<Arc<Finished>>>,
 }
 
-/// What happened at an instant of a run, and what holds from then on.
+/// Event of a run: a discontinuity, and the discrete state that holds after it.
+///
+/// `Trajectory.events` has them; the constructor serves pickling.
+///
+/// Examples
+/// --------
+///     >>> import mckibben
+///     >>> run = mckibben.simulate(mckibben.Scenario.from_dict({
+///     ...     "load": {"kind": "hanging-mass", "mass": "5 lb"},
+///     ...     "initial": {"gauge_pressure": "60 psi", "length": "85 mm"},
+///     ...     "run": {"duration": "0.1 s"},
+///     ... }))
+///     >>> event = run.events[0]
+///     >>> event.kind, 0.0 <= event.time <= 0.1, event.after["valve"]
+///     ('reversal', True, 'closed')
 #[pyclass(frozen, module = "mckibben")]
 #[derive(Clone, PartialEq)]
 pub(crate) struct Event {
@@ -98,20 +166,21 @@ impl Event {
         Self { time, columns: columns.0.into(), words: words.0 }
     }
 
-    /// When it happened, in s.
+    /// Time of the event in s.
     #[getter]
     fn time(&self) -> f64 {
         self.time
     }
 
-    /// What happened: `valve`, `stick`, `slack` and so on.
+    /// Kind of the event, such as "valve", "stick", "break-away" or "slack".
     #[getter]
     fn kind(&self) -> &str {
         self.words.first().map_or("", String::as_str)
     }
 
-    /// What holds from then on, by the names of the columns of `mckibben simulate --events-output`: words such as "slack",
-    /// whether something is so as a `bool`, numbers as `float`.
+    /// Discrete state after the event, by the names of the columns of `mckibben simulate --events-output`.
+    ///
+    /// Values are words such as "slack", `bool` for true and false, and `float`.
     #[getter]
     fn after<'py>(&self, py: Python<'py>) -> PyResult<Facts<'py>> {
         let after = PyDict::new(py);
@@ -129,7 +198,7 @@ impl Event {
         Ok(Facts(after.into_any()))
     }
 
-    /// Whether both are the same.
+    /// Return whether both events are equal.
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
         other.cast::<Self>().is_ok_and(|other| other.get() == self)
     }
@@ -192,7 +261,7 @@ type Figured = (Vec<(String, f64, &'static str)>, Vec<(&'static str, u64)>, Vec<
 
 #[pymethods]
 impl Trajectory {
-    /// A run as it was pickled; what only the engine knows is simulated anew when it is asked for.
+    /// Restore a trajectory from a pickle.
     #[new]
     fn restored(
         scenario: Py<Scenario>,
@@ -208,19 +277,19 @@ impl Trajectory {
         Ok(Self { scenario, columns, events, kept: Mutex::new(None) })
     }
 
-    /// What was run.
+    /// Scenario that was run.
     #[getter]
     fn scenario(&self, py: Python<'_>) -> Py<Scenario> {
         self.scenario.clone_ref(py)
     }
 
-    /// The names of the columns in their order, each of numbers with its unit at the end.
+    /// Names of the columns in their order; that of a column of numbers ends with its unit.
     #[getter]
     fn columns(&self) -> Vec<&str> {
         self.columns.iter().map(|column| column.name.as_str()).collect()
     }
 
-    /// The units of the columns of numbers by their names, in SI.
+    /// Units of the columns of numbers by their names, in SI.
     #[getter]
     fn units<'py>(&self, py: Python<'py>) -> PyResult<Names<'py>> {
         let units = PyDict::new(py);
@@ -229,38 +298,42 @@ impl Trajectory {
         Ok(Names(units.into_any()))
     }
 
-    /// The names of the columns, as of a data frame: `dict(run)` has the columns by their names.
+    /// Return the names of the columns in their order, so that `dict(run)` has the columns.
+    ///
+    /// Returns
+    /// -------
+    /// list of str
     fn keys(&self) -> Vec<&str> {
         self.columns()
     }
 
-    /// The names of the columns in their order.
+    /// Iterate over the names of the columns in their order.
     fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Listed<'py>> {
         Ok(Listed(PyList::new(py, self.columns())?.try_iter()?.into_any()))
     }
 
-    /// Whether there is a column of this name.
+    /// Return whether there is a column of this name.
     fn __contains__(&self, name: &Bound<'_, PyAny>) -> bool {
         name.extract::<String>().is_ok_and(|name| self.find(&name).is_some())
     }
 
-    /// How many rows there are.
+    /// Return the number of samples.
     fn __len__(&self, py: Python<'_>) -> PyResult<usize> {
         self.columns.first().map_or(Ok(0), |column| column.values.bind(py).len())
     }
 
-    /// A column by its name, such as "length_m" or "hose_absolute_pressure_pa".
+    /// Return a column by its name, such as "length_m" or "hose_absolute_pressure_pa".
     fn __getitem__<'py>(&self, py: Python<'py>, name: Name) -> PyResult<typed::Column<'py>> {
         self.attribute(py, &name.0).map(typed::Column).map_err(|error| PyKeyError::new_err(error.value(py).to_string()))
     }
 
-    /// Times in s.
+    /// Times of the samples in s.
     #[getter]
     fn t<'py>(&self, py: Python<'py>) -> PyResult<Numbers<'py>> {
         self.attribute(py, "time_s").map(Numbers)
     }
 
-    /// Distances between the attachments in m; of a joint, its agonist's.
+    /// Distances between the attachments in m; of a joint, that of its agonist.
     #[getter]
     fn length<'py>(&self, py: Python<'py>) -> PyResult<Numbers<'py>> {
         self.attribute(py, "length_m").map(Numbers)
@@ -296,13 +369,13 @@ impl Trajectory {
         self.attribute(py, "temperature_k").map(Numbers)
     }
 
-    /// Volumes of the actuator's air in m^3, braid and hose.
+    /// Volumes of the actuator's air in m^3, in the braid and outside it.
     #[getter]
     fn volume<'py>(&self, py: Python<'py>) -> PyResult<Numbers<'py>> {
         self.attribute(py, "volume_m3").map(Numbers)
     }
 
-    /// Tensions in N, zero or above: an actuator only pulls.
+    /// Tensions in N, zero or more: an actuator only pulls.
     #[getter]
     fn tension<'py>(&self, py: Python<'py>) -> PyResult<Numbers<'py>> {
         self.attribute(py, "tension_n").map(Numbers)
@@ -314,7 +387,7 @@ impl Trajectory {
         self.attribute(py, "mass_flow_kg_s").map(Numbers)
     }
 
-    /// Which passage of the valve is open: "supply", "exhaust", "both" or "closed".
+    /// Open ports of the valve: "supply", "exhaust", "both" or "closed".
     #[getter]
     fn valve<'py>(&self, py: Python<'py>) -> PyResult<Words<'py>> {
         self.attribute(py, "valve").map(Words)
@@ -326,7 +399,7 @@ impl Trajectory {
         self.attribute(py, "angle_rad").map(Numbers)
     }
 
-    /// Rates of a joint's angle in rad/s.
+    /// Angular velocities of a joint in rad/s.
     #[getter]
     fn angular_velocity<'py>(&self, py: Python<'py>) -> PyResult<Numbers<'py>> {
         self.attribute(py, "angular_velocity_rad_s").map(Numbers)
@@ -338,15 +411,28 @@ impl Trajectory {
         self.attribute(py, "torque_n_m").map(Numbers)
     }
 
-    /// What happened, in order of time.
+    /// Events in order of time.
     #[getter]
     fn events(&self) -> Vec<Event> {
         self.events.clone()
     }
 
-    /// Every column at `time` in s, by the polynomials of the steps: by the event-located engine exact between the samples too.
+    /// Return every column at one time, from the interpolating polynomials of the steps.
     ///
-    /// Raises `InputError` for a time outside the run, and for a run at fixed steps.
+    /// Parameters
+    /// ----------
+    /// time : float
+    ///     Time in s, from 0 to the end of the run.
+    ///
+    /// Returns
+    /// -------
+    /// dict of str to float or str
+    ///     Values by the names of the columns.
+    ///
+    /// Raises
+    /// ------
+    /// InputError
+    ///     The time is outside the run.
     fn at<'py>(&self, py: Python<'py>, time: f64) -> PyResult<Row<'py>> {
         let row = PyDict::new(py);
         for (name, values) in &self.between(py, &[time])? {
@@ -355,36 +441,83 @@ impl Trajectory {
         Ok(Row(row.into_any()))
     }
 
-    /// Every column at each of `times` in s, as arrays by the names of the columns; as `at`.
+    /// Return every column at several times, from the interpolating polynomials of the steps.
+    ///
+    /// Parameters
+    /// ----------
+    /// times : array_like
+    ///     Times in s, from 0 to the end of the run.
+    ///
+    /// Returns
+    /// -------
+    /// dict of str to numpy.ndarray
+    ///     Arrays of shape (len(times),) by the names of the columns.
+    ///
+    /// Raises
+    /// ------
+    /// InputError
+    ///     A time is not finite or outside the run.
     fn at_times<'py>(&self, py: Python<'py>, times: Sequence) -> PyResult<Columns<'py>> {
         arguments::finite("times", &times.0).raised()?;
         Ok(Columns(self.between(py, &times.0)?.into_any()))
     }
 
-    /// The columns as arrays by their names, in their order.
+    /// Return the columns as arrays by their names, in their order.
+    ///
+    /// Returns
+    /// -------
+    /// dict of str to numpy.ndarray
     fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Columns<'py>> {
         let dictionary = PyDict::new(py);
         self.columns.iter().try_for_each(|column| dictionary.set_item(&column.name, &column.values))?;
         Ok(Columns(dictionary.into_any()))
     }
 
-    /// The columns as a data frame of pandas.
+    /// Return the columns as a data frame of pandas, with the units in `attrs["units"]`.
+    ///
+    /// Returns
+    /// -------
+    /// pandas.DataFrame
+    ///     A row for each sample.
     fn to_pandas<'py>(run: &Bound<'py, Self>) -> PyResult<Pandas<'py>> {
         python::call(run.py(), ("_beside", "to_pandas"), (run,)).map(Pandas)
     }
 
-    /// The columns as a data frame of Polars.
+    /// Return the columns as a data frame of Polars.
+    ///
+    /// Returns
+    /// -------
+    /// polars.DataFrame
+    ///     A row for each sample.
     fn to_polars<'py>(run: &Bound<'py, Self>) -> PyResult<Polars<'py>> {
         python::call(run.py(), ("_beside", "to_polars"), (run,)).map(Polars)
     }
 
-    /// What the run came to: extremes, ripple, air used, energy and exergy, the step that was chosen and its error, events, assumed
-    /// values.
+    /// Return figures of the run by the names of the reductions of a sweep.
+    ///
+    /// They are extremes, ripple, air consumption, energy and exergy, the chosen step and its error, counts of events, and
+    /// assumed values.
+    ///
+    /// Returns
+    /// -------
+    /// Summary
+    ///     A mapping of names such as "length.final" to numbers in SI, with `units`, `events` and `assumed`.
+    ///
+    /// Examples
+    /// --------
+    ///     >>> import mckibben
+    ///     >>> run = mckibben.simulate(mckibben.Scenario.from_dict({
+    ///     ...     "load": {"kind": "hanging-mass", "mass": "5 lb"},
+    ///     ...     "initial": {"gauge_pressure": "60 psi", "length": "85 mm"},
+    ///     ...     "run": {"duration": "0.1 s"},
+    ///     ... }))
+    ///     >>> bool(run.summary()["length.final"] == run.length[-1])
+    ///     True
     fn summary<'py>(run: &Bound<'py, Self>) -> PyResult<Summary<'py>> {
         python::call(run.py(), ("_results", "summary"), (run,)).map(Summary)
     }
 
-    /// Numbers with their names and units, counts of events, and assumed values.
+    /// Return numbers with their names and units, counts of events, and assumed values.
     fn _figures(&self, py: Python<'_>) -> PyResult<Figured> {
         let (finished, assumed) = (self.finished(py)?, self.scenario.get().document.assumed());
         let summary = py.detach(|| finished.figures().map(|figures| figures.summary())).raised()?;
@@ -393,14 +526,36 @@ impl Trajectory {
         Ok((numbers, summary.events.into_iter().collect(), assumed))
     }
 
-    /// The log of events as a data frame of pandas: `time_s`, `event`, and what holds from then on.
+    /// Return the log of events as a data frame of pandas.
+    ///
+    /// Returns
+    /// -------
+    /// pandas.DataFrame
+    ///     A row for each event: `time_s`, `event`, and the discrete state after it.
     fn events_to_pandas<'py>(run: &Bound<'py, Self>) -> PyResult<Pandas<'py>> {
         python::call(run.py(), ("_results", "events_to_pandas"), (run,)).map(Pandas)
     }
 
-    /// Columns over time as a figure of Matplotlib, a panel for each, or into as many axes.
+    /// Draw columns over time with Matplotlib, in a panel for each.
     ///
-    /// Without `columns`: length, pressure and tension; of a joint or a plant its angles too, a line for each actuator.
+    /// Parameters
+    /// ----------
+    /// columns : sequence of str, optional
+    ///     Names of columns. By default length, pressure and tension; of a joint its angle in place of the length; of several
+    ///     actuators angles too, with a line for each actuator or joint.
+    /// ax : sequence of matplotlib.axes.Axes, optional
+    ///     Axes to draw into, one for each panel. By default a new figure has them.
+    ///
+    /// Returns
+    /// -------
+    /// matplotlib.figure.Figure
+    ///
+    /// Raises
+    /// ------
+    /// InputError
+    ///     `columns` is empty, or `ax` has another number of axes.
+    /// KeyError
+    ///     There is no column of that name.
     #[pyo3(signature = (columns = None, ax = None))]
     fn plot<'py>(
         run: &Bound<'py, Self>,
@@ -411,17 +566,52 @@ impl Trajectory {
         python::call(run.py(), ("_beside", "plot"), arguments).map(Figure)
     }
 
-    /// Writes the columns as Parquet: the file of `mckibben simulate --output`, byte by byte.
+    /// Write the columns as Parquet: byte for byte the file of `mckibben simulate --output`.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : str or path
+    ///     File to write.
+    ///
+    /// Raises
+    /// ------
+    /// OutputError
+    ///     The file cannot be written; then none is left behind.
     fn to_parquet(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         self.write(py, path, Format::Parquet)
     }
 
-    /// Writes the columns as CSV: the file of `mckibben simulate --output`, byte by byte.
+    /// Write the columns as CSV: byte for byte the file of `mckibben simulate --output`.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : str or path
+    ///     File to write.
+    ///
+    /// Raises
+    /// ------
+    /// OutputError
+    ///     The file cannot be written; then none is left behind.
     fn to_csv(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         self.write(py, path, Format::Csv)
     }
 
-    /// The figure of `mckibben simulate --plot` as SVG; over "time", or tension over "length".
+    /// Return the figure of `mckibben simulate --plot` as SVG.
+    ///
+    /// Parameters
+    /// ----------
+    /// over : {"time", "length"}, optional
+    ///     Horizontal axis: time, or the length, over which the tension is drawn. The figure of several actuators is always
+    ///     over time.
+    ///
+    /// Returns
+    /// -------
+    /// str
+    ///
+    /// Raises
+    /// ------
+    /// InputError
+    ///     `over` is another word.
     #[pyo3(signature = (over = "time"))]
     fn to_svg(&self, py: Python<'_>, over: &str) -> PyResult<String> {
         let over = match over {

@@ -83,6 +83,8 @@ typed! {
     Summary = name!("mckibben._results", "Summary");
     /// The modes of a linear model.
     Modes = name!("mckibben._results", "Modes");
+    /// How far a linear model holds.
+    Validity = name!("mckibben._results", "Validity");
     /// A figure of Matplotlib.
     Figure = name!("matplotlib.figure", "Figure");
 }

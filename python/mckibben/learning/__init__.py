@@ -1,12 +1,12 @@
-"""Environments for learning, for Gymnasium: a muscle under a mass, an antagonistic joint, a leg, an arm, and any scenario file.
+"""Environments of Gymnasium for learning to control: a muscle under a mass, a joint, a leg, an arm, and any scenario file.
 
 >>> import gymnasium, mckibben.learning
 >>> environment = gymnasium.make("mckibben/HangingMass-v0", noise={"length_m": 1e-4})
 >>> many = gymnasium.make_vec("mckibben/HangingMass-v0", num_envs=4096, randomize={"load.mass": (1.5, 3.0)})
 
-Needs Gymnasium: `pip install "mckibben[learning]"`. The four are registered when this module is imported.
+The module needs Gymnasium: `pip install "mckibben[learning]"`. Importing it registers these four environments:
 
-| id | what is controlled | valves |
+| id | controlled quantity | valves |
 |---|---|---|
 | `mckibben/HangingMass-v0` | the length of a muscle that lifts a mass | 1 |
 | `mckibben/Joint-v0` | the angle of a joint that two muscles turn against each other | 2 |
@@ -15,10 +15,9 @@ Needs Gymnasium: `pip install "mckibben[learning]"`. The four are registered whe
 
 `reach` makes a task of any other scenario file: `VectorEnvironment(reach(scenario, targets), num_envs=256)`.
 
-In each, a target is drawn for an episode and shown among the observations, and the reward of a step is minus the distance
-from it, as a share of the range that targets are drawn from. By default an action holds as long as a pulse, or, where actions
-are no duty cycles, longer than the valve's delays: each changes the state. Everything that an option leaves out is the
-scenario's.
+A target is drawn for each episode and is part of the observation. The reward of a step is minus the distance from the target,
+as a share of the range that targets are drawn from. By default an action lasts for one pulse, or, where actions are not duty
+cycles, longer than the delays of the valve, so that each changes the state. Where an option is not given, the scenario holds.
 """
 
 from mckibben.learning._single import Environment

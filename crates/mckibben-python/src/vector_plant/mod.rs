@@ -29,23 +29,56 @@ use numpy::PyArray1;
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 
-/// Many copies of a scenario's plant, stepped together on all cores. Your code commands their valves; each plant may be
-/// reset, with parameters of its own, while the others go on. The environments of `mckibben.learning` are made of it.
+/// Many instances of a scenario's plant, stepped together on all cores, whose valves the caller commands.
 ///
-/// `scenario` is of any plant: one actuator with its load, an antagonistic joint, or actuators with names on their mechanisms.
-/// Its controllers do not count, nor the commands of the actuators' valves; supplies follow theirs.
+/// Each instance may be reset, with its own values of parameters, while the others continue. The environments of
+/// `mckibben.learning` are made of it. The caller owns the arrays, which are contiguous; they are read and written in place.
 ///
-/// `parameters` are paths of the numbers that differ from one to the next: "load.mass", "initial.gauge_pressure"; where actuators have
-/// names also "actuators.biceps.friction.viscous" and "mechanism.joints.elbow.damping".
+/// Parameters
+/// ----------
+/// scenario : Scenario
+///     Any plant with a valve: one actuator with its load, an antagonistic joint, or several actuators with names on their
+///     mechanisms. Its controllers and the commands of the actuators' valves are not used; supplies follow theirs.
+/// count : int
+///     Number of instances.
+/// parameters : sequence of str, optional
+///     Paths of the parameters that differ between the instances: "load.mass", "initial.gauge_pressure"; where actuators have
+///     names also "actuators.biceps.friction.viscous" and "mechanism.joints.elbow.damping".
+/// action_mode : {"duty", "request", "position", "set-point"}, optional
+///     What an action is: a duty cycle from 0 to 1 (the default); a request, 1 to fill, 0 to hold, -1 to exhaust; the position
+///     of a proportional spool from -1 to 1; the set point of a pressure regulator, a gauge pressure in Pa.
+/// pulse_frequency : float, optional
+///     Frequency in Hz, above zero, of the pulses of a duty cycle. By default that of the scenario's PWM.
 ///
-/// `action_mode` says what the actions given to `step` are: "duty" (0 to 1), "request" (1 fill, 0 hold, -1 exhaust), "position" of
-/// a proportional spool (-1 to 1), "set-point" of a pressure regulator (Pa, gauge). `pulse_frequency` in Hz is how often a
-/// duty cycle's pulses come; that of the scenario's PWM unless given.
+/// Raises
+/// ------
+/// InputError
+///     The plant has no valve, a valve does not take such actions, or there is no such parameter.
+/// MemoryError
+///     This machine does not have the memory for so many instances.
 ///
-/// They go at fixed steps by the scenario's run.method, each no longer than its run.step, or than what its run.accuracy
-/// needs.
+/// Notes
+/// -----
+/// Steps are fixed and by `run.method`, each no longer than `run.step`, or where that is not given than `run.accuracy` needs. A
+/// copy, or an instance from a pickle, is reset: it has the same scenario and options, at t = 0.
 ///
-/// A copy, or what comes out of a pickle, is made anew: of the same scenario and for the same purpose, at t = 0.
+/// Examples
+/// --------
+///     >>> import mckibben, numpy
+///     >>> scenario = mckibben.Scenario.from_dict({
+///     ...     "supply": {"gauge_pressure": "100 psi"},
+///     ...     "valve": {"preset": "matrix-eight-channel"},
+///     ...     "command": {"kind": "pwm", "frequency": "25 Hz", "duty": 0.5},
+///     ...     "load": {"kind": "hanging-mass", "mass": "5 lb"},
+///     ...     "initial": {"gauge_pressure": "40 psi", "length": "equilibrium"},
+///     ...     "run": {"duration": "1 s", "engine": "fixed-step", "step": "0.5 ms"},
+///     ... })
+///     >>> plants = mckibben.VectorPlant(scenario, 2, parameters=["load.mass"], action_mode="request")
+///     >>> plants.start(numpy.array([[2.0], [3.0]]))
+///     >>> observations, stopped = numpy.zeros((2, len(plants.columns))), numpy.zeros(2, dtype=bool)
+///     >>> plants.step(numpy.array([[1.0], [-1.0]]), 0.02, observations, stopped)
+///     >>> plants.columns[0], bool(stopped.any()), float(plants.time[0])
+///     ('length_m', False, 0.02)
 #[pyclass(module = "mckibben")]
 pub(crate) struct VectorPlant {
     scenario: Py<Scenario>,
@@ -195,17 +228,35 @@ impl VectorPlant {
         Ok(plants)
     }
 
-    /// All begin at t = 0, with no command to their valves, each with its values of the numbers `parameters` in SI, of shape
-    /// (count, len(parameters)); those of the scenario unless given.
+    /// Reset all instances to t = 0, without a command to their valves, and restart the clock.
     ///
-    /// Raises `InputError` for values that cannot be. Then nothing has changed.
+    /// Parameters
+    /// ----------
+    /// values : numpy.ndarray, optional
+    ///     Values of `parameters` in SI, float64 of shape (count, len(parameters)); those of the scenario by default.
+    ///
+    /// Raises
+    /// ------
+    /// InputError
+    ///     A value is not valid; nothing has changed.
     #[pyo3(signature = (values = None))]
     fn start(this: &Bound<'_, Self>, py: Python<'_>, values: Option<Table<'_>>) -> PyResult<()> {
         mine(this)?.begin(py, values)
     }
 
-    /// The plants of these numbers are reset, with these values, of shape (len(rows), len(parameters)), and no command to their
-    /// valves; those of the scenario unless given. The others go on.
+    /// Reset some instances, without a command to their valves, while the others continue.
+    ///
+    /// Parameters
+    /// ----------
+    /// rows : numpy.ndarray
+    ///     Indices of the instances, int64, from 0.
+    /// values : numpy.ndarray, optional
+    ///     Values of `parameters` in SI, float64 of shape (len(rows), len(parameters)); those of the scenario by default.
+    ///
+    /// Raises
+    /// ------
+    /// InputError
+    ///     There is no such instance, or a value is not valid.
     #[pyo3(signature = (rows, values = None))]
     fn restart(this: &Bound<'_, Self>, py: Python<'_>, rows: Rows<'_>, values: Option<Table<'_>>) -> PyResult<()> {
         let mut plants = mine(this)?;
@@ -224,12 +275,29 @@ impl VectorPlant {
         py.detach(|| together(count, || fleet.restart(&rows).map_err(of_plant))).raised()
     }
 
-    /// Asks `action_mode`, of shape (count, valves), of the valves, goes on by `dt` in s, and writes what the plants show into
-    /// `observations`, of shape (count, len(columns)), and into `stopped` which of them have produced a non-physical state: their entries stay
-    /// as they are, and only `restart` brings them back.
+    /// Command the valves, advance all instances, and write their observations.
     ///
-    /// Raises `InputError` for actions that cannot be, and for more than 10 000 000 steps or edges of pulses, before anything
-    /// has changed. Ctrl-C ends a step of many parts between two of them.
+    /// Parameters
+    /// ----------
+    /// actions : numpy.ndarray
+    ///     Commands of the valves, float64 of shape (count, valves), as `action_mode` says.
+    /// dt : float
+    ///     Duration of the step in s, above zero.
+    /// observations : numpy.ndarray
+    ///     Receives the observations in SI, float64 of shape (count, len(columns)).
+    /// stopped : numpy.ndarray
+    ///     Receives which instances have produced a non-physical state, bool of shape (count,). Their observations stay as they
+    ///     are, and only `restart` or `start` brings them back.
+    ///
+    /// Raises
+    /// ------
+    /// InputError
+    ///     An action is not valid, an array is of another shape, or there are more than 10 000 000 steps and edges of pulses;
+    ///     nothing has changed.
+    ///
+    /// Notes
+    /// -----
+    /// Ctrl-C ends a step of many parts between two of them.
     fn step(
         this: &Bound<'_, Self>,
         py: Python<'_>,
@@ -277,7 +345,19 @@ impl VectorPlant {
         Ok(())
     }
 
-    /// Writes the observations of the plants of these numbers into rows of `observations`, of shape (count, len(columns)).
+    /// Write the current observations of some instances.
+    ///
+    /// Parameters
+    /// ----------
+    /// rows : numpy.ndarray
+    ///     Indices of the instances, int64, from 0.
+    /// observations : numpy.ndarray
+    ///     Receives the observations in SI in the rows of these instances, float64 of shape (count, len(columns)).
+    ///
+    /// Raises
+    /// ------
+    /// InputError
+    ///     `observations` is of another shape.
     fn observe(&mut self, rows: Rows<'_>, observations: Table<'_>) -> PyResult<()> {
         let (width, rows, mut observations) = (self.width, rows.read("rows")?, observations.write("observations")?);
         let observations = observations.as_slice_mut()?;
@@ -290,9 +370,23 @@ impl VectorPlant {
         Ok(())
     }
 
-    /// Whether plants with these two sets of values of the numbers `parameters`, in SI, would differ. Commands of valves do not count.
+    /// Return whether two sets of values of `parameters` give different plants, the commands of valves aside.
     ///
-    /// Raises `InputError` for values that cannot be.
+    /// Parameters
+    /// ----------
+    /// one : array_like
+    ///     Values in SI, one for each of `parameters`.
+    /// other : array_like
+    ///     Values to compare with.
+    ///
+    /// Returns
+    /// -------
+    /// bool
+    ///
+    /// Raises
+    /// ------
+    /// InputError
+    ///     A value is missing or not valid.
     fn differ(&self, one: Sequence, other: Sequence) -> PyResult<bool> {
         let values = [one.0.as_slice(), other.0.as_slice()];
         if values.iter().any(|values| values.len() != self.parameters.len()) {
@@ -302,71 +396,88 @@ impl VectorPlant {
         self.fleet.differ(values).raised()
     }
 
-    /// The time in s of each plant on the clock that its pulses follow: period p begins at p / `pulses`. All share one clock,
-    /// which begins with `start`.
+    /// Time in s of each instance on the clock of the pulses, which all share and `start` restarts.
+    ///
+    /// Pulse p begins at p / `pulses`.
     #[getter]
     fn time<'py>(&self, py: Python<'py>) -> Array<'py> {
         let time = vec![self.fleet.time(); self.count];
         Array(PyArray1::from_vec(py, time).into_any())
     }
 
-    /// How often pulses come, in Hz, where `action_mode` is "duty".
+    /// Frequency of the pulses in Hz; `None` unless `action_mode` is "duty".
     #[getter]
     fn pulses(&self) -> Option<f64> {
         self.pulses
     }
 
-    /// The longest time in s for which a command shows no effect at the scenario's valves: the delays of their coils, or the
-    /// dead time of a pressure regulator, and what a hose adds.
+    /// Longest time in s from a command to its effect at a valve.
+    ///
+    /// It is the longest delay of a coil or dead time of a pressure regulator, and what a hose adds.
     #[getter]
     fn valve_delay(&self) -> f64 {
         self.valve_delay
     }
 
-    /// What is observed of each, by the names of the columns of a run.
+    /// Names of the observations of an instance, as of the columns of a run.
     #[getter]
     fn columns(&self) -> Vec<String> {
         self.fleet.file().columns.iter().map(|column| column.name.clone()).collect()
     }
 
-    /// How many valves each has.
+    /// Number of valves of an instance.
     #[getter]
     fn valves(&self) -> usize {
         self.fleet.valves()
     }
 
-    /// What `columns` of plants of a scenario are, whatever the commands of its valves.
+    /// Return the names of the observations of a scenario's plant, without making one.
+    ///
+    /// Parameters
+    /// ----------
+    /// scenario : Scenario
+    ///     Any plant.
+    ///
+    /// Returns
+    /// -------
+    /// list of str
+    ///     The `columns` of its `VectorPlant`.
+    ///
+    /// Raises
+    /// ------
+    /// InputError
+    ///     The model finds a contradiction in the scenario.
     #[staticmethod]
     fn columns_of(scenario: &Scenario) -> PyResult<Vec<String>> {
         let columns = file::columns_of(scenario).raised()?;
         Ok(columns.into_iter().map(|column| column.name).collect())
     }
 
-    /// The requests that the valves can do: of 1 (fill), 0 (hold) and -1 (exhaust).
+    /// Requests that every valve can do, of 1 (fill), 0 (hold) and -1 (exhaust).
     #[getter]
     fn requests(&self) -> Vec<f64> {
         self.requests.clone()
     }
 
-    /// How long the scenario runs, in s.
+    /// Duration of the scenario in s.
     #[getter]
     fn duration(&self) -> f64 {
         self.duration
     }
 
-    /// Paths of the numbers that differ from one to the next.
+    /// Paths of the parameters that differ between the instances.
     #[getter]
     fn parameters(&self) -> Vec<String> {
         self.parameters.clone()
     }
 
-    /// The scenario's own values of `parameters`, in SI.
+    /// Values of `parameters` in the scenario, in SI.
     #[getter]
     fn defaults<'py>(&self, py: Python<'py>) -> Array<'py> {
         Array(PyArray1::from_slice(py, &self.given).into_any())
     }
 
-    /// What it was made of.
+    /// Scenario of the plant.
     #[getter]
     fn scenario(&self, py: Python<'_>) -> Py<Scenario> {
         self.scenario.clone_ref(py)
