@@ -26,16 +26,16 @@ PAGE = pathlib.Path(__file__).parents[1] / "docs" / "api.md"
 UPDATE = "run `python python/reference.py` with the package as it is now, and commit docs/api.md"
 HEAD = """# Reference of the Python package
 
-Made from the docstrings of the package by `python/reference.py`. Numbers are in SI unless a text says otherwise; a quantity of a
-scenario may be text with its unit. [The package](python.md) introduces it, and [learning to control](python-learning.md) its
-environments.
+Made from the docstrings of the package by `python/reference.py`. Numbers are in SI; a quantity of a scenario may be text
+with its unit. [The package](python.md) introduces it, and [learning to control](python-learning.md) its environments.
 """
 #: The chapters, each with the names in it. A name with a point is not exported, but is the type of a result.
 CHAPTERS: dict[str, str] = {
     "Scenarios": "Scenario _scenario.Section parameters Parameter presets Preset PresetValue",
     "Runs": "simulate Trajectory Event _results.Summary",
     "Statics and curves": "Statics curves Curves",
-    "Linear models": "linearize LinearModel _results.Modes _results.Mode _results.Validity _results.Controllability _results.Pulses",
+    "Linear models": "linearize LinearModel _results.Modes _results.Mode "
+    "_results.Validity _results.Controllability _results.Pulses",
     "Sweeps": "sweep SweepResult Sweep",
     "Identification": "identify Study Run Identification Estimate Prediction",
     "In your own loop": "Actuator ActuatorState Response Actuators VectorPlant",
@@ -131,7 +131,8 @@ def call(name: str, of: typing.Any) -> str:
         prefix = {one.VAR_POSITIONAL: "*", one.VAR_KEYWORD: "**"}.get(one.kind, "")
         starred = starred or one.kind is one.VAR_POSITIONAL
         words.append(prefix + one.name + ("" if one.default is one.empty else f"={default(one.default)}"))
-    wrapped = textwrap.wrap(f"{name}({', '.join(words)})", 100, subsequent_indent=" " * (len(name) + 1), break_on_hyphens=False)
+    indent = " " * (len(name) + 1)
+    wrapped = textwrap.wrap(f"{name}({', '.join(words)})", 100, subsequent_indent=indent, break_on_hyphens=False)
     return "\n".join(["```python", *wrapped, "```", ""])
 
 
@@ -185,8 +186,9 @@ def entry(path: str) -> str:
     is_made = "Parameters" in documented or path.startswith("learning.")
     text += (call(name, of) + "\n" if is_made else "") + described(of.__doc__)
     if dataclasses.is_dataclass(of) and not {"Attributes", "Parameters"} & set(documented) and (fields := commented(of)):
-        text += "**Attributes**\n\n" + table(("name", "type", "meaning"), [(f"`{one}`", f"`{kind}`", words) for one, kind, words in fields])
-    properties = [(f"`{one}`", " ".join((member.__doc__ or "").split())) for one, member in members(of) if is_property(member)]
+        rows = [(f"`{field}`", f"`{kind}`", words) for field, kind, words in fields]
+        text += "**Attributes**\n\n" + table(("name", "type", "meaning"), rows)
+    properties = [(f"`{one}`", " ".join((its.__doc__ or "").split())) for one, its in members(of) if is_property(its)]
     text += "**Properties**\n\n" + table(("name", "meaning"), properties) if properties else ""
     for method, member in members(of):
         if not is_property(member):
@@ -200,7 +202,7 @@ def shown(path: str) -> str:
 
 
 def link(name: str, places: dict[str, int]) -> str:
-    """Return a link to the heading of a class or function; of headings that differ in case alone, the later ones are counted."""
+    """Return a link to a heading. Of headings that differ in case alone, the later ones are counted in `places`."""
     place = re.sub(r"[^a-z0-9_]", "", name.lower())
     places[place] = places.get(place, -1) + 1
     return f"[`{name}`](#{place}{f'-{places[place]}' if places[place] else ''})"
@@ -212,8 +214,8 @@ def page() -> str:
     if missing:
         raise SystemExit(f"python/reference.py: name a chapter of CHAPTERS for {', '.join(sorted(missing))}")
     places: dict[str, int] = {}
-    rows = [(chapter, ", ".join(link(shown(path), places) for path in names.split())) for chapter, names in CHAPTERS.items()]
-    text = HEAD + "\n" + table(("chapter", "names"), rows)
+    links = {chapter: [link(shown(path), places) for path in names.split()] for chapter, names in CHAPTERS.items()}
+    text = HEAD + "\n" + table(("chapter", "names"), [(chapter, ", ".join(its)) for chapter, its in links.items()])
     for chapter, names in CHAPTERS.items():
         text += f"## {chapter}\n\n" + (described(mckibben.learning.__doc__) if chapter == "Environments" else "")
         text += "".join(entry(path) for path in names.split())

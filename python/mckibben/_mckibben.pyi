@@ -58,11 +58,12 @@ class Actuator:
         >>> scenario = mckibben.Scenario.from_dict({
         ...     "supply": {"gauge_pressure": "100 psi"},
         ...     "valve": {"preset": "matrix-eight-channel"},
+        ...     "command": {"kind": "pwm", "frequency": "25 Hz", "duty": 0.5},
         ...     "load": {"kind": "isometric"},
         ...     "initial": {"length": "85 mm", "gauge_pressure": "40 psi"},
         ...     "run": {"duration": "1 s"},
         ... })
-        >>> muscle = mckibben.Actuator(scenario, pulse_frequency=25.0)
+        >>> muscle = mckibben.Actuator(scenario)
         >>> state, velocity, mass, dt = muscle.start(), 0.0, 2.0, 1e-3
         >>> length, tension = muscle.initial_length, muscle.initial_tension
         >>> for _ in range(100):
@@ -283,11 +284,12 @@ class Actuators:
         >>> scenario = mckibben.Scenario.from_dict({
         ...     "supply": {"gauge_pressure": "100 psi"},
         ...     "valve": {"preset": "matrix-eight-channel"},
+        ...     "command": {"kind": "pwm", "frequency": "25 Hz", "duty": 0.5},
         ...     "load": {"kind": "isometric"},
         ...     "initial": {"length": "85 mm", "gauge_pressure": "40 psi"},
         ...     "run": {"duration": "1 s"},
         ... })
-        >>> muscles = mckibben.Actuators(scenario, 3, pulse_frequency=25.0)
+        >>> muscles = mckibben.Actuators(scenario, 3)
         >>> length, velocity, tension = numpy.full(3, 0.085), numpy.zeros(3), numpy.zeros(3)
         >>> duty = numpy.array([0.2, 0.5, 0.8])
         >>> for _ in range(200):
@@ -541,7 +543,7 @@ class Event:
         ... }))
         >>> event = run.events[0]
         >>> event.kind, 0.0 <= event.time <= 0.1, event.after["valve"]
-        ('break-away', True, 'closed')
+        ('reversal', True, 'closed')
     """
     def __eq__(self, other: object, /) -> bool:
         """
@@ -645,8 +647,10 @@ class LinearModel:
     @property
     def details(self, /) -> dict[str, Any]:
         """
-        Content of `to_json` as a dictionary: `controllability`, the validity of the average under PWM (`pwm`), assumed values,
-        and more.
+        Content of `to_json` as a dictionary.
+
+        It has `controllability`, the validity of the mean flow under PWM (`pwm`), whether the braid is taut, and assumed
+        values.
         """
     @property
     def inputs(self, /) -> list[str]:
@@ -945,7 +949,7 @@ class Scenario:
         """
     def to_toml(self, /) -> str:
         """
-        Return the scenario as TOML: every value in SI, presets resolved, defaults left out.
+        Return the scenario as TOML: every value in SI, those of presets and defaults written out.
 
         Of several actuators with names: every key that was given, with its value as it was written.
 
@@ -992,7 +996,7 @@ class Sweep:
     """
     Runs of a scenario's section `[sweep]`, in parts that can be computed anywhere.
 
-    `mckibben.sweep` computes all of them; this class is for schedulers of your own. Parts are bit-identical to those of
+    `mckibben.sweep` computes all of them; this class is for your own scheduler. Parts are bit-identical to those of
     `mckibben sweep`.
 
     Parameters
@@ -1349,7 +1353,7 @@ class Trajectory:
             ...     "initial": {"gauge_pressure": "60 psi", "length": "85 mm"},
             ...     "run": {"duration": "0.1 s"},
             ... }))
-            >>> run.summary()["length.final"] == run.length[-1]
+            >>> bool(run.summary()["length.final"] == run.length[-1])
             True
         """
     @property
@@ -1508,6 +1512,7 @@ class VectorPlant:
         >>> scenario = mckibben.Scenario.from_dict({
         ...     "supply": {"gauge_pressure": "100 psi"},
         ...     "valve": {"preset": "matrix-eight-channel"},
+        ...     "command": {"kind": "pwm", "frequency": "25 Hz", "duty": 0.5},
         ...     "load": {"kind": "hanging-mass", "mass": "5 lb"},
         ...     "initial": {"gauge_pressure": "40 psi", "length": "equilibrium"},
         ...     "run": {"duration": "1 s", "engine": "fixed-step", "step": "0.5 ms"},

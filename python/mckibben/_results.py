@@ -170,19 +170,19 @@ class Pulses:
     frequency : float
         Frequency of the pulses in Hz.
     supply_share : float
-        Fraction of a period in which the port to the supply is open.
+        Mean opening of the port to the supply over a period, 0 to 1.
     exhaust_share : float
-        Fraction of a period in which the port to the exhaust is open.
+        Mean opening of the port to the exhaust over a period, 0 to 1.
     duty_range : tuple of float
         Lowest and highest duty cycle at which the poppets follow the coil.
     seats_follow : bool
         Whether they follow at this duty cycle. If not, the valve is in its dead zone and its gain is zero.
     pressure_ripple : float
-        Peak-to-peak ripple of the pressure within a period in Pa.
+        Peak-to-peak ripple of the pressure in Pa within a period, at a fixed length.
     pressure_margin : float
-        Distance in Pa of the pressure from the next pressure at which the law of the flow changes.
+        Distance in Pa of the pressure from the nearest pressure beyond a port, such as that of the supply.
     ripple_is_small : bool
-        Whether the ripple is well below the margin.
+        Whether the ripple is smaller than the margin.
     frequency_over_fastest_pole : float or None
         Ratio of the frequency of the pulses to that of the fastest pole; `None` for several actuators with names.
     """

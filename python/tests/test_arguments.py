@@ -427,7 +427,7 @@ def test_a_run_is_a_collection_of_its_columns(swing, examples):
     with pytest.raises(TypeError, match="columns have names.*length_m"):
         run[0]  # type: ignore[index]
     found = mckibben.identify(examples / "identify/tank.toml")
-    assert list(found) == found.keys() == [estimate.name for estimate in found.estimates]
+    assert list(found) == list(found.keys()) == [estimate.name for estimate in found.estimates]
     assert dict(found) == {estimate.name: estimate for estimate in found.estimates}
 
 

@@ -74,11 +74,11 @@ def test_a_point_that_is_none_is_refused_in_the_words_of_the_command_line(progra
     path = examples / "paper/fig-12.toml"
     scenario = mckibben.Scenario.from_file(path)
     for options in [{"gauge_pressure": "60 mm"}, {"gauge_pressure": "60 psi", "length": "85 mm", "load": "5 lb"}, {"duty": 1.5}]:
-        words = [f"--{name}={value}" for name, value in options.items()]
+        words = [f"--{name.replace('_', '-')}={value}" for name, value in options.items()]
         told = program(tmp_path, "linearize", str(path), *words, code=2).stderr
         with pytest.raises(mckibben.InputError) as raised:
             mckibben.linearize(scenario, **options)
-        title = str(raised.value).splitlines()[0].removeprefix("error: ").removeprefix("`pressure`: ")
+        title = str(raised.value).splitlines()[0].removeprefix("error: ").removeprefix("`gauge_pressure`: ")
         assert title in told
 
 

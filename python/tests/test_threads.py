@@ -224,20 +224,25 @@ def endless(scenario: mckibben.Scenario, what: str):
     if what == "actuators":
         many = mckibben.Actuators(scenario, 40)
         length, velocity, duty, tension = numpy.full(40, 0.09), numpy.zeros(40), numpy.full(40, 0.5), numpy.zeros(40)
-        call = functools.partial(many.step, 9.0, length, velocity, duty, tension, max_step=1e-6)
+        call = functools.partial(many.step, length, velocity, duty, 9.0, tension, max_step=1e-6)
         return call, lambda: many.__getstate__().tobytes()
     if what == "plants":
         plants = mckibben.VectorPlant(scenario.with_values({"run.engine": "fixed-step", "run.step": "1 us"}), 40)
         shown, stopped = numpy.zeros((40, len(plants.columns))), numpy.zeros(40, dtype=bool)
         return functools.partial(plants.step, numpy.full((40, 1), 0.5), 9.0, shown, stopped), lambda: len(plants)
     long = scenario.with_values({"run.duration": "3600 s"})
+    if what == "study":
+        data = {"t": numpy.linspace(0.0, 3600.0, 100), "L": numpy.full(100, 0.09)}
+        columns, fit = {"time": "t", "length": "L"}, {"load.mass": (1.0, 5.0)}
+        study = mckibben.Study(kind="trajectories", scenario=long, runs=[data], columns=columns, fit=fit)
+        return functools.partial(mckibben.identify, study), lambda: long.to_toml()
     function = mckibben.Differentiable(long, ["load.mass", "command.duty"], ["length"], [3600.0])
     short = mckibben.Differentiable(scenario, ["load.mass", "command.duty"], ["length"], [0.01])
     call = function if what == "values" else function.value_and_jacobian
     return functools.partial(call, function.defaults), lambda: short(short.defaults).tobytes()
 
 
-@pytest.mark.parametrize("what", ["actuator", "actuators", "plants", "values", "slopes"])
+@pytest.mark.parametrize("what", ["actuator", "actuators", "plants", "study", "values", "slopes"])
 def test_a_long_call_ends_at_an_interrupt(what, scenario, interrupted):
     """The signal that Ctrl-C sends arrives while the call is under way; what there was before is there after it."""
     call, seen = endless(scenario, what)
