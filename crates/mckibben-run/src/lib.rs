@@ -16,7 +16,7 @@
 //! | [`record`] | a run as columns in memory, as CSV or Parquet |
 //! | [`portrait`] | a run as a figure |
 //! | [`report`] | figures, tables and findings as a page |
-//! | [`output`], [`temporary`] | files that are whole or not there |
+//! | [`output`] | files that are whole or not there |
 //! | [`progress`] | how far work is, for whoever listens |
 //! | [`failure`] | why something could not be done |
 //! | [`quantities`], [`text`] | numbers with units, and lines, for people |
@@ -47,5 +47,5 @@ pub mod report;
 pub mod reproduce;
 pub mod summary;
 pub mod sweep;
-pub mod temporary;
+mod temporary;
 pub mod text;
