@@ -1,7 +1,8 @@
-//! Findings for a terminal and as CSV, and data as CSV.
+//! Findings and tables for a terminal and as CSV.
 
-use super::{Data, Report, Table};
+use super::{Finding, Report, Table};
 use crate::failure::Failure;
+use crate::table::{Cell, Column, Writer};
 use crate::text::wrap;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -35,55 +36,43 @@ impl Report {
         }
     }
 
-    /// The findings as CSV, with the reasons in full.
+    /// The findings as CSV, with the reasons in full; messages name `path`.
     ///
     /// # Errors
-    /// When the CSV cannot be made.
-    pub fn numbers_csv(&self) -> Result<Vec<u8>, csv::Error> {
-        let mut out = csv::Writer::from_writer(Vec::new());
-        out.write_record(["figure", "quantity", "value", "unit", "stated", "comparison", "reason"])?;
+    /// As [`Report::check`]; [`Failure::output`] when the CSV cannot be made.
+    pub fn numbers_csv(&self, path: &Path) -> Result<Vec<u8>, Failure> {
+        let columns =
+            ["figure", "quantity", "value", "unit", "stated", "comparison", "reason"].map(|name| match name {
+                "value" => Column::number(name, ""),
+                word => Column::word(word),
+            });
+        let mut writer = Writer::csv(columns.to_vec(), path, Vec::new())?;
         for section in &self.sections {
-            for finding in &section.findings {
-                let value = finding.value.to_string();
-                let (quantity, stated) = (plain(&finding.quantity), plain(&finding.stated));
-                let verdict = &finding.verdict;
-                let reason = plain(verdict.reason());
-                out.write_record([section.label, &quantity, &value, finding.unit, &stated, verdict.name(), &reason])?;
+            for Finding { quantity, value, unit, stated, verdict, .. } in &section.findings {
+                let [quantity, stated, reason] = [quantity.as_str(), stated, verdict.reason()].map(plain);
+                let words = [section.label, &quantity, unit, &stated, verdict.name(), &reason].map(Cell::Word);
+                let [label, quantity, rest @ ..] = words;
+                writer.row(&[&[label, quantity, Cell::Number(*value)], rest.as_slice()].concat())?;
             }
         }
-        out.into_inner().map_err(|error| error.into_error().into())
-    }
-}
-
-impl Data {
-    /// The columns as CSV, each number in the fewest digits that read back as itself, and an empty cell where there is none.
-    ///
-    /// # Errors
-    /// As [`Data::check`]; [`Failure::output`], which names `path`, when the CSV cannot be made.
-    pub fn to_csv(&self, path: &Path) -> Result<Vec<u8>, Failure> {
-        self.check()?;
-        let failed = |error: csv::Error| Failure::output(path, error);
-        let mut out = csv::Writer::from_writer(Vec::new());
-        out.write_record(&self.columns).map_err(failed)?;
-        for row in &self.rows {
-            let cells = row.iter().map(|value| if value.is_finite() { value.to_string() } else { String::new() });
-            out.write_record(cells).map_err(failed)?;
-        }
-        out.into_inner().map_err(|error| Failure::output(path, error.into_error()))
+        writer.finish(&[])
     }
 }
 
 impl Table {
-    /// The cells as CSV.
+    /// The cells as CSV; messages name `path`.
     ///
     /// # Errors
-    /// When the CSV cannot be made.
-    pub fn to_csv(&self) -> Result<Vec<u8>, csv::Error> {
-        let mut out = csv::Writer::from_writer(Vec::new());
-        for line in std::iter::once(&self.head).chain(&self.rows) {
-            out.write_record(line.iter().map(|cell| plain(cell).replace('−', "-")))?;
+    /// [`Failure::output`] when the CSV cannot be made.
+    pub fn to_csv(&self, path: &Path) -> Result<Vec<u8>, Failure> {
+        let word = |cell: &String| plain(cell).replace('−', "-");
+        let columns = self.head.iter().map(|name| Column::word(word(name))).collect();
+        let mut writer = Writer::csv(columns, path, Vec::new())?;
+        for row in &self.rows {
+            let words: Vec<String> = row.iter().map(word).collect();
+            writer.row(&words.iter().map(|word| Cell::Word(word)).collect::<Vec<_>>())?;
         }
-        out.into_inner().map_err(|error| error.into_error().into())
+        writer.finish(&[])
     }
 
     /// Aligned columns: words to the left, numbers to the right.
@@ -170,7 +159,7 @@ fn plain(words: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::{Finding, Section, Verdict};
+    use crate::report::{Data, Section, Verdict};
 
     #[test]
     fn columns_line_up() {
@@ -206,7 +195,7 @@ mod tests {
         let finding = Finding::new("a, \"b\"", 0.1, 2, "in").against("x_{eq}", Verdict::Agrees("yes".into()));
         let section = Section { label: "Fig. 1", findings: vec![finding], ..Section::default() };
         let report = Report { sections: vec![section], ..Report::default() };
-        let csv = String::from_utf8(report.numbers_csv().unwrap()).unwrap();
+        let csv = String::from_utf8(report.numbers_csv(Path::new("numbers.csv")).unwrap()).unwrap();
         assert!(csv.ends_with("Fig. 1,\"a, \"\"b\"\"\",0.1,in,x_eq,agrees,yes\n"), "{csv}");
     }
 
@@ -215,7 +204,7 @@ mod tests {
         let path = Path::new("data.csv");
         let mut data = Data::new(&["time_s", "fitted_m"]).lacking(&["fitted_m"]);
         data.rows = vec![vec![0.0, 1.5], vec![1.0, f64::NAN]];
-        assert_eq!(data.to_csv(path).unwrap(), b"time_s,fitted_m\n0,1.5\n1,\n");
+        assert_eq!(data.to_csv(path).unwrap(), b"time_s,fitted_m\n0.0,1.5\n1.0,\n");
         for bad in [vec![f64::NAN, 1.0], vec![2.0, f64::INFINITY]] {
             data.rows.truncate(2);
             data.rows.push(bad);
