@@ -20,7 +20,7 @@
 //! | [`output`] | files that are whole or not there |
 //! | [`progress`] | how far work is, for whoever listens |
 //! | [`failure`] | why something could not be done |
-//! | [`quantities`], [`text`] | numbers with units, and lines, for people |
+//! | [`quantities`], [`text`] | numbers with units, lines and aligned columns, for people |
 //!
 //! Requests are typed and so are failures; nothing here reads arguments, prints, or knows a terminal. The program, the Python
 //! package and other hosts are built on this.

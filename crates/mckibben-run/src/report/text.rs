@@ -3,12 +3,8 @@
 use super::{Finding, Report, Table};
 use crate::failure::Failure;
 use crate::table::{Cell, Column, Writer};
-use crate::text::wrap;
-use std::fmt::Write as _;
+use crate::text::{Alignment, GAP, Side, wrap};
 use std::path::Path;
-
-/// From one column to the next.
-const GAP: &str = "  ";
 
 impl Report {
     /// The summary as text: one line for each finding.
@@ -87,34 +83,24 @@ impl Table {
             return String::new();
         }
         let widths = self.widths(wide);
-        let right: Vec<bool> = (0..widths.len()).map(|column| self.is_numeric(column)).collect();
-        let fold = |line: &Vec<String>| -> Vec<Vec<String>> {
+        let side = |column| if self.is_numeric(column) { Side::Right } else { Side::Left };
+        let columns = Alignment::new((0..).map(side).zip(widths.iter().copied()));
+        // The lines of each cell; those of a head stand at its bottom.
+        let fold = |row: &[String], is_head: bool| -> String {
             let lines = |(cell, width): (&String, &usize)| wrap(cell, "", *width).lines().map(String::from).collect();
-            line.iter().zip(&widths).map(lines).collect()
-        };
-        let mut out = String::new();
-        let mut put = |cells: &[Vec<String>], from_below: bool| {
+            let cells: Vec<Vec<String>> = row.iter().zip(&widths).map(lines).collect();
             let height = cells.iter().map(Vec::len).max().unwrap_or(0);
-            for row in 0..height {
-                let mut text = String::new();
-                for (column, lines) in cells.iter().enumerate() {
-                    let above = if from_below { height - lines.len() } else { 0 };
-                    let cell = row.checked_sub(above).and_then(|row| lines.get(row)).map_or("", String::as_str);
-                    let (gap, room) = (if column == 0 { "" } else { GAP }, widths[column]);
-                    // Writing to a string cannot fail.
-                    let _ = match right[column] {
-                        true => write!(text, "{gap}{cell:>room$}"),
-                        false => write!(text, "{gap}{cell:<room$}"),
-                    };
-                }
-                out.push_str(text.trim_end());
-                out.push('\n');
-            }
+            let line = |place: usize| {
+                let cell = |lines: &Vec<String>| {
+                    let above = if is_head { height - lines.len() } else { 0 };
+                    place.checked_sub(above).and_then(|place| lines.get(place)).cloned().unwrap_or_default()
+                };
+                columns.line(&cells.iter().map(cell).collect::<Vec<_>>()) + "\n"
+            };
+            (0..height).map(line).collect()
         };
-        put(&fold(&self.head), true);
-        put(&[vec![widths.iter().map(|width| "─".repeat(*width)).collect::<Vec<_>>().join(GAP)]], false);
-        self.rows.iter().for_each(|row| put(&fold(row), false));
-        out
+        let rows = self.rows.iter().map(|row| fold(row, false));
+        [fold(&self.head, true), columns.rule() + "\n"].into_iter().chain(rows).collect()
     }
 
     /// The widths of the columns with which lines are at most so long, as far as that can be.
