@@ -2,6 +2,21 @@
 //!
 //! Nothing in a file depends on the clock or the machine. Rows are gathered into row groups of a fixed number, so the bytes depend
 //! on the rows alone and not on how they came.
+//!
+//! # Why no Arrow
+//!
+//! Record batches of Arrow would let pandas and Polars take columns without a copy. Measured with Arrow 60 on two shared cores
+//! (Xeon, rustc 1.95), a program of nothing but a Parquet writer, built from nothing, in seconds of processor time:
+//!
+//! | | packages | dev | release | program, stripped |
+//! |---|---|---|---|---|
+//! | `parquet` | 34 | 37 | 88 | 1.9 MB |
+//! | with its feature `arrow` | 47 | 62 | 233 | 5.9 MB |
+//! | `arrow-array` and `arrow-schema` alone, to be added to the first | 28 | 26 | 59 | |
+//!
+//! What that buys: a run of 6001 rows and 20 columns is 1 MB, and a copy of it takes 0.03 to 0.15 ms, against 3.5 ms for its
+//! Parquet file, and 4.8 ms by Arrow's writer. Columns of numbers reach NumPy without a copy already. So tables are written
+//! column by column, and Arrow is left out.
 
 use super::sealed::{CHECKSUM, Sealed, UNKNOWN};
 use super::{Cell, Column, Kind};
