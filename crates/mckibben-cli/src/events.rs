@@ -2,7 +2,7 @@
 
 use crate::terminal::{FAINT, styled};
 use mckibben_run::events::{Log, OF_ACTUATOR};
-use std::fmt::Write as _;
+use mckibben_run::text::{Alignment, Side};
 
 /// The columns of a log that say to what an event happened.
 const OF: [&str; 2] = ["actuator", "part"];
@@ -10,10 +10,12 @@ const OF: [&str; 2] = ["actuator", "part"];
 /// The log, with what holds after each event for whom it happened to.
 pub(crate) fn table(log: &Log) -> String {
     let of = log.columns.iter().position(|column| OF.contains(&column.as_str()));
-    let wide = of.map_or(0, |of| log.rows.iter().map(|row| row[of].chars().count()).max().unwrap_or(0).max(2));
-    let whose = |words: &str| if of.is_some() { format!("  {words:<wide$}") } else { String::new() };
-    let head = format!("{:>16}  {:<12}{}  {}", "time (s)", "event", whose("of"), "then");
-    let mut text = styled(FAINT, head) + "\n";
+    // The column of whom it happened to is there where the log tells it.
+    let row = |time: String, event: &str, part: &str, then: String| -> Vec<String> {
+        let part = of.map(|_| part.to_owned());
+        [time, event.to_owned()].into_iter().chain(part).chain([then]).collect()
+    };
+    let mut rows = vec![row("time (s)".to_owned(), "event", "of", "then".to_owned())];
     for (time, words) in log.times.iter().zip(&log.rows) {
         let part = of.map_or("", |of| &words[of]);
         let its = |column: &str| match prefix(column) {
@@ -24,10 +26,13 @@ pub(crate) fn table(log: &Log) -> String {
         let then = behind.filter(|(place, (column, _))| Some(*place) != of && its(column));
         let then: Vec<&str> =
             then.map(|(_, (column, word))| told(column, word)).filter(|word| !word.is_empty()).collect();
-        // Writing to a string cannot fail.
-        let _ = writeln!(text, "{time:>16.9}  {:<12}{}  {}", words[0], whose(part), then.join(", "));
+        rows.push(row(format!("{time:.9}"), &words[0], part, then.join(", ")));
     }
-    text
+    let least = [(Side::Right, 16), (Side::Left, 12), (Side::Left, 0), (Side::Left, 0)];
+    let columns = Alignment::new(least).fit(rows.iter().map(Vec::as_slice));
+    let (head, rows) = rows.split_at(1);
+    let head = head.iter().map(|row| styled(FAINT, columns.line(row)));
+    head.chain(rows.iter().map(|row| columns.line(row))).map(|line| line + "\n").collect()
 }
 
 /// Whose a column is, of several actuators in one log: `agonist` of `agonist_valve`; empty where it says nobody.

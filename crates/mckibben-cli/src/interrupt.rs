@@ -38,7 +38,7 @@ pub fn listen() {}
 
 #[cfg(unix)]
 fn end(signal: i32, name: &str) -> ! {
-    let words = match stays(mckibben_run::temporary::abandon_all()) {
+    let words = match stays(mckibben_run::output::abandon_all()) {
         None => "nothing was left behind".to_owned(),
         Some(stays) => format!("what was under way was removed; {stays}"),
     };

@@ -26,7 +26,7 @@ pub mod summary;
 pub mod terminal;
 
 use clap::Parser as _;
-use mckibben_run::{progress as work, temporary};
+use mckibben_run::{output, progress as work};
 use mckibben_scenario::Style;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -38,7 +38,7 @@ pub fn run() -> ExitCode {
     match work::with_listener(Arc::new(progress::Bars), || commands::run(&arguments.command)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            let failure = match interrupt::stays(temporary::finished()) {
+            let failure = match interrupt::stays(output::finished()) {
                 None => failure,
                 Some(stays) => failure.staying(|| stays),
             };

@@ -64,6 +64,11 @@ pub fn wrap(text: &str, indent: &str) -> String {
     text::wrap(text, indent, width())
 }
 
+/// A name in a column of `names` characters and text behind it, which is broken where the terminal ends.
+pub fn entry(name: &str, names: usize, text: &str) -> String {
+    text::entry(name, names, text, width())
+}
+
 /// The line that says that a file was written, with what is known of it.
 pub(crate) fn wrote(path: &Path, what: &str) -> String {
     format!("{} {}{what}\n", styled(GOOD, "wrote"), path.display())

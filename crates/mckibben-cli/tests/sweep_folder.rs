@@ -3,7 +3,7 @@
 mod common;
 
 use common::Folder;
-use mckibben_run::sweep::sheet::{Seal, seal};
+use mckibben_run::table::{Seal, seal};
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::path::Path;

@@ -55,10 +55,10 @@ pub(crate) fn _curves<'py>(
         })
         .raised()?;
     let arrays = PyDict::new(py);
-    for (place, name) in table.columns.iter().enumerate() {
+    for (place, column) in table.columns.iter().enumerate() {
         let values = table.rows.iter().map(|row| row[place]).collect();
         let array = PyArray1::from_vec(py, values).reshape([count, table.rows.len() / count.max(1)])?;
-        arrays.set_item(name, array)?;
+        arrays.set_item(&column.name, array)?;
     }
     Ok(Numbered(arrays.into_any()))
 }

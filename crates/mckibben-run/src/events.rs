@@ -6,6 +6,7 @@
 //! [`Log`] holds the same in memory, of an actuator, a joint or a plant.
 
 use crate::failure::Failure;
+use crate::table::{Cell, Column, Writer};
 use mckibben::plant::RigEvent;
 use mckibben::simulation::{EventKind, Extent, Mode, Sliding};
 use mckibben::valve::FlowZone;
@@ -51,16 +52,16 @@ impl Log {
     ///
     /// # Errors
     /// [`Failure::output`], which names `path`, when writing fails.
-    pub fn write(&self, path: &Path, out: &mut dyn Write) -> Result<(), Failure> {
-        let failed = |error: csv::Error| Failure::output(path, error);
-        let mut writer = csv::Writer::from_writer(out);
-        let columns = self.columns.iter().map(String::as_str);
-        writer.write_record(["time_s"].into_iter().chain(columns)).map_err(failed)?;
+    pub fn write(&self, path: &Path, out: &mut (dyn Write + Send)) -> Result<(), Failure> {
+        let words = self.columns.iter().map(Column::word);
+        let columns = [Column::number("time_s", "s")].into_iter().chain(words).collect();
+        let mut writer = Writer::csv(columns, path, out)?;
         for (time, words) in self.times.iter().zip(&self.rows) {
-            let time = format!("{time:?}");
-            writer.write_record([time.as_str()].into_iter().chain(words.iter().map(AsRef::as_ref))).map_err(failed)?;
+            let words = words.iter().map(|word| Cell::Word(word));
+            let cells: Vec<Cell<'_>> = [Cell::Number(*time)].into_iter().chain(words).collect();
+            writer.row(&cells)?;
         }
-        writer.flush().map_err(|error| Failure::output(path, error))
+        writer.finish(&[]).map(drop)
     }
 }
 

@@ -13,13 +13,14 @@
 //! | [`observation`], [`summary`] | the figures of a run: extremes, ripple, air used, energy; as numbers with names |
 //! | [`joint`], [`plant`] | all of this for a joint of two actuators, and for plants with names |
 //! | [`events`] | the log of events |
-//! | [`record`] | a run as columns in memory, as CSV or Parquet |
+//! | [`record`] | a run as columns, in memory and in a file |
+//! | [`table`] | columns and cells, and the writer of them as CSV or Parquet |
 //! | [`portrait`] | a run as a figure |
 //! | [`report`] | figures, tables and findings as a page |
-//! | [`output`], [`temporary`] | files that are whole or not there |
+//! | [`output`] | files that are whole or not there |
 //! | [`progress`] | how far work is, for whoever listens |
 //! | [`failure`] | why something could not be done |
-//! | [`quantities`], [`text`] | numbers with units, and lines, for people |
+//! | [`quantities`], [`text`] | numbers with units, lines and aligned columns, for people |
 //!
 //! Requests are typed and so are failures; nothing here reads arguments, prints, or knows a terminal. The program, the Python
 //! package and other hosts are built on this.
@@ -47,5 +48,6 @@ pub mod report;
 pub mod reproduce;
 pub mod summary;
 pub mod sweep;
-pub mod temporary;
+pub mod table;
+mod temporary;
 pub mod text;

@@ -2,12 +2,13 @@
 //!
 //! A file is written under another name in the same folder and then renamed, so that a reader never meets half of it,
 //! an older file stays as it was when something fails, and a killed process leaves at most a hidden temporary file, which
-//! [`crate::temporary`] names and clears.
+//! a later process clears. Every file of the program and of the Python package is written by this module.
 //!
 //! Checked by the tests below, and by those of the program, `tests/output.rs`.
 
 use crate::failure::Failure;
-use crate::temporary;
+use crate::temporary::Temporary;
+pub use crate::temporary::{abandon_all, finished};
 use std::fs::{File, OpenOptions};
 use std::io::{BufWriter, Error, ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -37,7 +38,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
 pub fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     let mut pending = Pending::begin(path)?;
     pending.write_all(bytes)?;
-    pending.settle()
+    pending.settle(Temporary::put)
 }
 
 /// Writes a whole file unless something of its name is there, and returns whether it did. Of several processes that try at once,
@@ -49,9 +50,10 @@ pub fn write_new(path: &Path, bytes: &[u8]) -> Result<bool, Failure> {
     let made = || {
         let mut pending = Pending::begin(path)?;
         pending.write_all(bytes)?;
-        match pending.settle_new() {
+        match pending.settle(Temporary::put_new) {
             Ok(is_first) => Ok(is_first),
-            // Without hard links the name comes before the content, and a reader may have to wait for it.
+            // Where a file cannot be put in place without replacing, its name comes before its content, and a reader may have to
+            // wait for it.
             Err(_) => match OpenOptions::new().write(true).create_new(true).open(path) {
                 Err(error) if error.kind() == ErrorKind::AlreadyExists => Ok(false),
                 Err(error) => Err(error),
@@ -108,9 +110,8 @@ pub fn distinct<'a>(
 #[derive(Debug)]
 pub struct Pending {
     path: PathBuf,
-    temporary: PathBuf,
-    writer: Option<BufWriter<File>>,
-    nothing: std::io::Sink,
+    temporary: Temporary,
+    writer: BufWriter<File>,
 }
 
 impl Pending {
@@ -132,8 +133,8 @@ impl Pending {
         if std::fs::metadata(&path).is_ok_and(|there| !there.is_file()) {
             return Err(Error::new(ErrorKind::AlreadyExists, "there is something that is no plain file"));
         }
-        let (temporary, file) = temporary::create(&path)?;
-        Ok(Self { path, temporary, writer: Some(BufWriter::new(file)), nothing: std::io::sink() })
+        let (temporary, file) = Temporary::begin(&path)?;
+        Ok(Self { path, temporary, writer: BufWriter::new(file) })
     }
 
     /// Where the file will stand.
@@ -143,10 +144,7 @@ impl Pending {
 
     /// Where its bytes go.
     pub fn writer(&mut self) -> &mut (dyn Write + Send) {
-        match &mut self.writer {
-            Some(writer) => writer,
-            None => &mut self.nothing,
-        }
+        &mut self.writer
     }
 
     /// Gives the file its name; what stood there before is replaced in the same instant.
@@ -155,53 +153,26 @@ impl Pending {
     /// [`Failure::output`] when the last bytes cannot be written or the file cannot be renamed.
     pub fn commit(self) -> Result<(), Failure> {
         let path = self.path.clone();
-        self.settle().map_err(|error| Failure::output(&path, error))
+        self.settle(Temporary::put).map_err(|error| Failure::output(&path, error))
     }
 
-    fn settle(mut self) -> std::io::Result<()> {
-        self.close()?;
-        self.done(temporary::put)
-    }
-
-    /// The same unless something of its name is there; whether it was put there.
-    fn settle_new(mut self) -> std::io::Result<bool> {
-        self.close()?;
-        self.done(temporary::put_new)
-    }
-
-    /// Brings the last bytes to the disk.
-    fn close(&mut self) -> std::io::Result<()> {
-        match &mut self.writer {
-            Some(writer) => writer.flush().and_then(|()| writer.get_ref().sync_all()),
-            None => Ok(()),
-        }
-    }
-
-    /// Puts the file in place, after which there is nothing to remove.
-    fn done<T>(mut self, put: impl FnOnce(&Path, &Path) -> std::io::Result<T>) -> std::io::Result<T> {
-        let there = put(&self.temporary, &self.path)?;
-        self.writer = None;
-        Ok(there)
+    /// Brings the last bytes to the disk and puts the file in place.
+    fn settle<T>(self, put: impl FnOnce(Temporary, &Path) -> std::io::Result<T>) -> std::io::Result<T> {
+        let Self { path, temporary, writer } = self;
+        // Open, and so locked, until it is in place.
+        let file = writer.into_inner()?;
+        file.sync_all()?;
+        put(temporary, &path)
     }
 }
 
 impl Write for Pending {
     fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        self.writer().write(bytes)
+        self.writer.write(bytes)
     }
 
     fn flush(&mut self) -> std::io::Result<()> {
-        self.writer().flush()
-    }
-}
-
-impl Drop for Pending {
-    fn drop(&mut self) {
-        if let Some(writer) = self.writer.take() {
-            // What is still in the buffer is not wanted any more.
-            drop(writer.into_parts());
-            temporary::remove(&self.temporary);
-        }
+        self.writer.flush()
     }
 }
 

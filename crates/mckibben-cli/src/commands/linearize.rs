@@ -152,8 +152,7 @@ fn told(account: &Account) -> String {
 /// A name in a column, and what it is.
 fn told_line(Line { name, value, warning }: &Line) -> String {
     let warning = if warning.is_empty() { String::new() } else { format!("; {}", styled(NOTABLE, warning)) };
-    let value = terminal::wrap(&format!("{value}{warning}"), &" ".repeat(20));
-    format!("  {name:<16}  {}\n", value.trim_start())
+    terminal::entry(name, 16, &format!("{value}{warning}"))
 }
 
 fn pressure(text: &str) -> Result<f64, String> {

@@ -2,6 +2,7 @@
 
 use crate::terminal::{self, FAINT, HEADING, NOTABLE, styled};
 use mckibben_run::failure::Failure;
+use mckibben_run::text::{Alignment, Side};
 use mckibben_scenario::presets::{ACTUATORS, Preset, PresetValue, VALVES};
 use mckibben_scenario::quantity;
 use std::fmt::Write as _;
@@ -43,40 +44,32 @@ fn table(section: &str, preset: &Preset) -> String {
     let mut text = format!("{}  {}\n", styled(HEADING, preset.name), preset.meaning);
     // Writing to a string cannot fail, here and below.
     let _ = writeln!(text, "{}\n", styled(FAINT, format!("in a file: {section}.preset = \"{}\"", preset.name)));
-    let rows: Vec<[String; 4]> = preset.values.iter().map(row).collect();
-    let head = ["key", "symbol", "value", "SI"].map(str::to_owned);
-    let width =
-        |column: usize| rows.iter().chain([&head]).map(|row| row[column].chars().count()).max().unwrap_or_default();
-    let widths = [0, 1, 2, 3].map(width);
-    let line = |row: &[String; 4]| {
-        let cells = row.iter().zip(widths).map(|(cell, width)| format!("{cell:<width$}"));
-        cells.collect::<Vec<_>>().join("  ")
-    };
-    let _ = writeln!(text, "  {}", styled(FAINT, format!("{}  source", line(&head))));
-    for (path, word) in preset.words {
-        let cells = [(*path).to_owned(), String::new(), (*word).to_owned(), String::new()];
-        let _ = writeln!(text, "  {}", line(&cells).trim_end());
-    }
-    for (value, cells) in preset.values.iter().zip(&rows) {
-        let source = match value.source.strip_prefix("assumed: ") {
-            Some(ground) => format!("{}  {ground}", styled(NOTABLE, "assumed")),
-            None if value.assumed => format!("{}  {}", styled(NOTABLE, "assumed"), value.source),
-            None => value.source.to_owned(),
-        };
-        let _ = writeln!(text, "  {}  {source}", line(cells));
+    let word = |(path, word): &(&str, &str)| [path, "", word, "", ""].map(str::to_owned);
+    let rows: Vec<[String; 5]> = preset.words.iter().map(word).chain(preset.values.iter().map(row)).collect();
+    let head = ["key", "symbol", "value", "SI", "source"].map(str::to_owned);
+    // Nothing stands behind the source, which may have colours.
+    let columns = Alignment::new([(Side::Left, 0); 5]).fit(rows.iter().chain([&head]).map(|row| &row[..4]));
+    let _ = writeln!(text, "  {}", styled(FAINT, columns.line(&head)));
+    for row in &rows {
+        let _ = writeln!(text, "  {}", columns.line(row));
     }
     text
 }
 
-/// Key, symbol, value as the source writes it, and value in SI.
-fn row(value: &PresetValue) -> [String; 4] {
+/// Key, symbol, value as the source writes it, value in SI, and source.
+fn row(value: &PresetValue) -> [String; 5] {
     let parameter = value.parameter;
     let si = match value.value() {
         // A pure number is the same in every unit.
         Some(number) if !parameter.unit.is_empty() => quantity::format(short(number), parameter.unit),
         _ => String::new(),
     };
-    [parameter.key.to_owned(), parameter.symbol.to_owned(), value.text.to_owned(), si]
+    let source = match value.source.strip_prefix("assumed: ") {
+        Some(ground) => format!("{}  {ground}", styled(NOTABLE, "assumed")),
+        None if value.assumed => format!("{}  {}", styled(NOTABLE, "assumed"), value.source),
+        None => value.source.to_owned(),
+    };
+    [parameter.key.to_owned(), parameter.symbol.to_owned(), value.text.to_owned(), si, source]
 }
 
 /// The value with six digits, which is more than any source has.

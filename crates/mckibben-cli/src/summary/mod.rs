@@ -4,7 +4,7 @@ pub(crate) mod joint;
 pub(crate) mod plant;
 
 use crate::describe;
-use crate::terminal::{FAINT, HEADING, NOTABLE, styled, wrap};
+use crate::terminal::{FAINT, HEADING, NOTABLE, entry, styled, wrap};
 use mckibben::air::Process;
 use mckibben::engine::Statistics;
 use mckibben::plant::{Balance, PlantLedger};
@@ -14,6 +14,7 @@ use mckibben_run::closed_loop::{Closed, Goal, Miss};
 use mckibben_run::failure::Failure;
 use mckibben_run::observation::{Ended, Observation, Range, Ripple, Steps};
 use mckibben_run::quantities::{self, common_prefix, count, given};
+use mckibben_run::text::{Alignment, Side};
 use mckibben_scenario::{Assumed, Load, Run, Scenario};
 use std::cell::{Cell, RefCell};
 use std::fmt::Write as _;
@@ -27,6 +28,9 @@ const KEPT: &str = "\u{a0}";
 
 /// Width of the column of names.
 const NAMES: usize = 14;
+
+/// A column of values.
+const VALUE: (Side, usize) = (Side::Right, 14);
 
 /// Everything that the summary tells about.
 #[derive(Clone, Copy, Debug)]
@@ -177,10 +181,7 @@ pub(crate) fn goals<'g>(page: &Page, goals: impl IntoIterator<Item = &'g Goal>) 
 pub(crate) fn goals_by_name<'g>(page: &Page, goals: impl IntoIterator<Item = (String, &'g Goal)>) {
     page.heading("Control");
     // Wider than the other tables: a stiffness has a long unit.
-    let row = |name: &str, [a, b, c]: [String; 3]| {
-        page.ends(name);
-        page.put(format_args!("  {name:<NAMES$}{a:>16}{b:>16}{c:>12}\n"));
-    };
+    let row = |name: &str, cells: [String; 3]| page.row(name, cells, [16, 16, 12]);
     row("", ["rms error", "largest error", "at"].map(str::to_owned));
     for (name, goal) in goals {
         let (Miss { rms, largest, at }, unit) = (goal.miss(), goal.quantity.rows().set_point.unit);
@@ -466,26 +467,32 @@ impl Page {
     /// A name and some text, broken where the terminal ends.
     pub(crate) fn line(&self, name: &str, text: &str) {
         self.ends(name);
-        let indent = " ".repeat(NAMES + 4);
-        let text = wrap(&keep_numbers(text), &indent).replace(KEPT, " ");
-        self.put(format_args!("  {name:<NAMES$}  {}\n", text.trim_start()));
+        self.put(format_args!("{}", entry(name, NAMES, &keep_numbers(text)).replace(KEPT, " ")));
     }
 
     /// A name, a value at the right of its column, and what it is.
     pub(crate) fn value(&self, name: &str, value: &str, what: &str) {
         self.ends(name);
-        self.put(format_args!("  {name:<NAMES$}{value:>14}  {}\n", styled(FAINT, what)));
+        let columns = Alignment::new([(Side::Left, NAMES), VALUE]).without_gaps();
+        self.put(format_args!("  {}  {}\n", columns.line(&[name, value]), styled(FAINT, what)));
     }
 
     pub(crate) fn head(&self, names: [&str; 3]) {
         let [a, b, c] = names;
-        let line = format!("  {:<NAMES$}{a:>14}{b:>14}{c:>14}", "");
-        self.put(format_args!("{}\n", styled(FAINT, line)));
+        let columns = Alignment::new([(Side::Left, NAMES + 2), VALUE, VALUE, VALUE]).without_gaps();
+        self.put(format_args!("{}\n", styled(FAINT, columns.line(&["", a, b, c]))));
     }
 
-    pub(crate) fn columns(&self, name: &str, [a, b, c]: [String; 3]) {
+    pub(crate) fn columns(&self, name: &str, values: [String; 3]) {
+        self.row(name, values, [VALUE.1; 3]);
+    }
+
+    /// A name and values at the right of columns of these widths.
+    fn row(&self, name: &str, [a, b, c]: [String; 3], widths: [usize; 3]) {
         self.ends(name);
-        self.put(format_args!("  {name:<NAMES$}{a:>14}{b:>14}{c:>14}\n"));
+        let values = widths.map(|width| (Side::Right, width));
+        let columns = Alignment::new([(Side::Left, NAMES)].into_iter().chain(values)).without_gaps();
+        self.put(format_args!("  {}\n", columns.line(&[name, &a, &b, &c])));
     }
 
     /// Three values under one prefix.

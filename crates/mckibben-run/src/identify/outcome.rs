@@ -206,8 +206,7 @@ impl Outcome {
         for (table, name) in [&self.table, &self.values].into_iter().zip(TABLES) {
             if !table.head.is_empty() {
                 let path = folder.join(name);
-                let csv = table.to_csv().map_err(|error| Failure::output(&path, error))?;
-                output::write(&path, &csv)?;
+                output::write(&path, &table.to_csv(&path)?)?;
             }
         }
         let report = Report {

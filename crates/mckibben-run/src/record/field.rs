@@ -1,47 +1,46 @@
 //! The columns of a file as functions of a sample, for an actuator, and for each of several.
 
-use super::{COLUMNS, VALVE};
 use crate::closed_loop::{Goal, Goals};
-use crate::failure::Failure;
+use crate::table::{Cell, Column};
 use mckibben::control::Quantity;
 use mckibben::simulation::{Fittings, JointRig, JointSample, Rig, Sample};
 
 /// A column of a file over samples `S`.
 pub(crate) struct Field<S> {
-    pub(crate) name: String,
-    /// Its unit; empty for words.
-    pub(crate) unit: &'static str,
-    pub(crate) value: Value<S>,
+    pub(crate) column: Column,
+    /// What it has of a sample.
+    pub(crate) cell: Box<dyn Fn(&S) -> Cell<'static>>,
 }
 
-impl<S> Field<S> {
-    /// A number of the column, in a row counted from 1.
-    ///
-    /// # Errors
-    /// [`Failure::not_finite`] for one that is not finite.
-    pub(super) fn finite(&self, value: f64, row: u64) -> Result<f64, Failure> {
-        match value.is_finite() {
-            true => Ok(value),
-            false => Err(Failure::not_finite(&format!("column {}, row {row}: {value}", self.name))),
-        }
-    }
-}
+/// A column of numbers that every run of one actuator has: name, unit and value, for which the absolute pressure of the atmosphere
+/// in Pa is given, from which gauge pressures count.
+type Common = (&'static str, &'static str, fn(&Sample, f64) -> f64);
 
-/// What a column holds of a sample.
-pub(crate) enum Value<S> {
-    Number(Box<dyn Fn(&S) -> f64>),
-    Word(Box<dyn Fn(&S) -> &'static str>),
-}
+/// The columns of numbers that every run of one actuator has, in their order.
+const COMMON: [Common; 10] = [
+    ("time_s", "s", |sample, _| sample.time),
+    ("length_m", "m", |sample, _| sample.length),
+    ("velocity_m_s", "m/s", |sample, _| sample.velocity),
+    ("absolute_pressure_pa", "Pa", |sample, _| sample.pressure.0),
+    ("gauge_pressure_pa", "Pa", |sample, atmosphere| sample.pressure.0 - atmosphere),
+    ("air_mass_kg", "kg", |sample, _| sample.air_mass),
+    ("temperature_k", "K", |sample, _| sample.temperature),
+    ("volume_m3", "m^3", |sample, _| sample.volume),
+    ("tension_n", "N", |sample, _| sample.tension),
+    ("mass_flow_kg_s", "kg/s", |sample, _| sample.mass_flow),
+];
+
+/// The column of the open ports.
+const VALVE: &str = "valve";
 
 /// Two times that differ by less than this part of themselves are one.
 const ROUNDING: f64 = 1e-14;
 
 /// The columns that every run of one actuator has, in their order. The absolute pressure of the atmosphere is in Pa.
 pub(crate) fn of_actuator(atmosphere: f64) -> Vec<Field<Sample>> {
-    let numbers = COLUMNS.iter().map(|column| {
-        let value = column.value;
-        number(column.name, column.unit, move |sample: &Sample| value(sample, atmosphere))
-    });
+    let numbers = COMMON
+        .into_iter()
+        .map(|(name, unit, value)| number(name, unit, move |sample: &Sample| value(sample, atmosphere)));
     numbers.chain([word(VALVE, |sample: &Sample| sample.ports.name())]).collect()
 }
 
@@ -174,21 +173,17 @@ fn of_both([agonist, antagonist]: [Vec<Field<Sample>>; 2]) -> Vec<Field<JointSam
 
 /// The columns of one actuator of several, which `its` takes out of a sample of all; their names with a prefix.
 fn member<S>(prefix: &str, fields: Vec<Field<Sample>>, its: impl Fn(&S) -> Sample + Copy + 'static) -> Vec<Field<S>> {
-    let of = move |field: Field<Sample>| Field {
-        name: format!("{prefix}{}", field.name),
-        unit: field.unit,
-        value: match field.value {
-            Value::Number(value) => Value::Number(Box::new(move |sample: &S| value(&its(sample)))),
-            Value::Word(value) => Value::Word(Box::new(move |sample: &S| value(&its(sample)))),
-        },
+    let of = move |Field { column, cell }: Field<Sample>| Field {
+        column: Column { name: format!("{prefix}{}", column.name), ..column },
+        cell: Box::new(move |sample: &S| cell(&its(sample))),
     };
     fields.into_iter().map(of).collect()
 }
 
 pub(crate) fn number<S>(name: &str, unit: &'static str, value: impl Fn(&S) -> f64 + 'static) -> Field<S> {
-    Field { name: name.to_owned(), unit, value: Value::Number(Box::new(value)) }
+    Field { column: Column::number(name, unit), cell: Box::new(move |sample| Cell::Number(value(sample))) }
 }
 
 pub(crate) fn word<S>(name: &str, value: impl Fn(&S) -> &'static str + 'static) -> Field<S> {
-    Field { name: name.to_owned(), unit: "", value: Value::Word(Box::new(value)) }
+    Field { column: Column::word(name), cell: Box::new(move |sample| Cell::Word(value(sample))) }
 }

@@ -1,8 +1,9 @@
 //! A run as columns in memory: the numbers and words of its files, before they are written.
 
 use super::Rows;
-use super::field::{Field, Value};
+use super::field::Field;
 use crate::failure::Failure;
+use crate::table::{Cell, Kind};
 
 /// A column with its values.
 #[derive(Clone, Debug, PartialEq)]
@@ -10,7 +11,7 @@ pub struct Filled {
     /// Its name, with the unit at its end.
     pub name: String,
     /// Its unit; empty for words.
-    pub unit: &'static str,
+    pub unit: String,
     /// What it holds, row by row.
     pub values: Values,
 }
@@ -26,40 +27,49 @@ pub enum Values {
 
 /// Fills the columns with the samples of a run.
 pub(crate) fn filled<S>(fields: Vec<Field<S>>, rows: Rows<'_, S>) -> Result<Vec<Filled>, Failure> {
-    let mut columns: Vec<Values> = fields.iter().map(|field| empty(&field.value)).collect();
+    let mut columns: Vec<Values> = fields.iter().map(|field| Values::of(field.column.kind)).collect();
     let mut row = 0;
     rows(&mut |sample| {
         row += 1;
-        for (field, column) in fields.iter().zip(&mut columns) {
-            match (&field.value, column) {
-                (Value::Number(value), Values::Numbers(numbers)) => numbers.push(field.finite(value(sample), row)?),
-                (Value::Word(value), Values::Words(words)) => words.push(value(sample)),
-                // The columns were made from the fields.
-                _ => {}
-            }
+        for (Field { column, cell }, values) in fields.iter().zip(&mut columns) {
+            let cell = cell(sample);
+            column.check(&cell, row)?;
+            values.push(cell);
         }
         Ok(())
     })?;
-    let of = |(field, values): (Field<S>, Values)| Filled { name: field.name, unit: field.unit, values };
+    let of =
+        |(Field { column, .. }, values): (Field<S>, Values)| Filled { name: column.name, unit: column.unit, values };
     Ok(fields.into_iter().zip(columns).map(of).collect())
 }
 
-fn empty<S>(value: &Value<S>) -> Values {
-    match value {
-        Value::Number(_) => Values::Numbers(Vec::new()),
-        Value::Word(_) => Values::Words(Vec::new()),
+impl Values {
+    fn of(kind: Kind) -> Self {
+        match kind {
+            Kind::Number | Kind::Count => Self::Numbers(Vec::new()),
+            Kind::Word => Self::Words(Vec::new()),
+        }
+    }
+
+    fn push(&mut self, cell: Cell<'static>) {
+        match (self, cell) {
+            (Self::Numbers(numbers), Cell::Number(number)) => numbers.push(number),
+            (Self::Words(words), Cell::Word(word)) => words.push(word),
+            // A sample has neither counts nor gaps, and each cell was checked against its column.
+            _ => {}
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::record::{Format, Provenance, Target, write};
+    use crate::record::{Format, Provenance, Target, number, write};
     use mckibben_scenario::Document;
     use std::path::Path;
 
     fn fields() -> Vec<Field<f64>> {
-        vec![Field { name: "length_m".to_owned(), unit: "m", value: Value::Number(Box::new(|value| *value)) }]
+        vec![number("length_m", "m", |value| *value)]
     }
 
     /// In memory, as CSV and as Parquet: the column and the row are named.

@@ -1,82 +1,32 @@
-//! The columns of a run: in memory, and in the two formats of a file.
+//! The columns of a run: in memory, and in a file.
+//!
+//! A Parquet file says about itself:
+//!
+//! | key of the metadata | value |
+//! |---|---|
+//! | `mckibben.version` | version of this program |
+//! | `mckibben.units` | JSON: the unit of each column of numbers |
+//! | `mckibben.scenario_file` | name of the scenario file |
+//! | `mckibben.scenario` | its text |
+//! | `mckibben.set` | JSON: what was set on the command line beside it |
+//! | `mckibben.resolved` | the scenario as it was understood: every value in SI, no preset, no default; not of a plant |
 
-mod csv;
 mod field;
 mod memory;
-mod parquet;
+
+pub use crate::table::{Format, ending};
 
 use crate::failure::Failure;
-pub(crate) use field::{Field, Value, goal_fields, number, of_actuator, of_controlled, of_joint, of_joint_alone, word};
-use mckibben::simulation::Sample;
+use crate::table::{self, Column, Layout, Writer};
+pub(crate) use field::{Field, goal_fields, number, of_actuator, of_controlled, of_joint, of_joint_alone, word};
 use mckibben_scenario::{Document, Scenario};
 pub(crate) use memory::filled;
 pub use memory::{Filled, Values};
 use std::io::Write;
 use std::path::Path;
 
-/// A column of numbers.
-#[derive(Clone, Copy, Debug)]
-pub struct Column {
-    /// Its name, with the unit at its end.
-    pub name: &'static str,
-    /// Its unit.
-    pub unit: &'static str,
-    /// Its value; the number is the absolute pressure of the atmosphere in Pa, from which gauge pressures count.
-    pub value: fn(&Sample, f64) -> f64,
-}
-
-/// The columns of numbers in their order; the name of the open ports follows them as [`VALVE`], and the columns of an air
-/// line, a pressure regulator or a tendon in series if there is one.
-pub const COLUMNS: [Column; 10] = [
-    column("time_s", "s", |sample, _| sample.time),
-    column("length_m", "m", |sample, _| sample.length),
-    column("velocity_m_s", "m/s", |sample, _| sample.velocity),
-    column("absolute_pressure_pa", "Pa", |sample, _| sample.pressure.0),
-    column("gauge_pressure_pa", "Pa", |sample, atmosphere| sample.pressure.0 - atmosphere),
-    column("air_mass_kg", "kg", |sample, _| sample.air_mass),
-    column("temperature_k", "K", |sample, _| sample.temperature),
-    column("volume_m3", "m^3", |sample, _| sample.volume),
-    column("tension_n", "N", |sample, _| sample.tension),
-    column("mass_flow_kg_s", "kg/s", |sample, _| sample.mass_flow),
-];
-
-/// The column of words.
-pub const VALVE: &str = "valve";
-
-const fn column(name: &'static str, unit: &'static str, value: fn(&Sample, f64) -> f64) -> Column {
-    Column { name, unit, value }
-}
-
-/// How a run is written.
-#[derive(Clone, Copy, Debug, Eq, PartialEq)]
-pub enum Format {
-    /// Text with commas, each number in the shortest digits that identify it.
-    Csv,
-    /// Apache Parquet.
-    Parquet,
-}
-
-impl Format {
-    /// The format that a file's ending asks for.
-    ///
-    /// # Errors
-    /// [`Failure::input`] for another ending.
-    pub fn of(path: &Path) -> Result<Self, Failure> {
-        match ending(path).as_deref() {
-            Some("csv") => Ok(Self::Csv),
-            Some("parquet") => Ok(Self::Parquet),
-            _ => Err(Failure::input(
-                format!("`{}` does not say how to write the run", path.display()),
-                "end its name with .csv or .parquet",
-            )),
-        }
-    }
-}
-
-/// The ending of a file's name in small letters.
-pub fn ending(path: &Path) -> Option<String> {
-    Some(path.extension()?.to_str()?.to_ascii_lowercase())
-}
+/// The Parquet files of runs.
+const LAYOUT: Layout = Layout { schema: "run", group: 1 << 17, sealed: false };
 
 /// What a file says about itself, where its format has a place for it.
 #[derive(Clone, Debug)]
@@ -104,14 +54,43 @@ pub struct Target<'t> {
     pub out: &'t mut (dyn Write + Send),
 }
 
+impl Provenance<'_> {
+    /// What is said in a file of these columns.
+    fn notes(&self, columns: &[Column]) -> Vec<(String, String)> {
+        let resolved = self.scenario.map(|scenario| ("mckibben.resolved".to_owned(), scenario.to_toml()));
+        notes(self.document, self.set, columns).into_iter().chain(resolved).collect()
+    }
+}
+
+/// What every file of results says about its columns and about the scenario that they come from.
+pub(crate) fn notes(document: &Document, set: &[String], columns: &[Column]) -> Vec<(String, String)> {
+    let source = document.source();
+    // Only the file's name: where it lies on the machine is nobody else's business and would change the bytes.
+    let name = Path::new(source.name()).file_name();
+    let pairs = [
+        ("mckibben.version", env!("CARGO_PKG_VERSION").to_owned()),
+        ("mckibben.units", table::units(columns)),
+        ("mckibben.scenario_file", name.map_or_else(String::new, |name| name.to_string_lossy().into_owned())),
+        ("mckibben.scenario", source.text().to_owned()),
+        ("mckibben.set", serde_json::Value::from(set).to_string()),
+    ];
+    pairs.map(|(key, value)| (key.to_owned(), value)).to_vec()
+}
+
 /// Writes the columns of a run whose samples come from `rows`, which may make the run on the way.
 ///
 /// # Errors
 /// [`Failure::output`], which names the path, when writing fails; [`Failure::not_finite`]; and those of `rows`.
 pub(crate) fn write<S>(fields: &[Field<S>], rows: Rows<'_, S>, target: Target<'_>) -> Result<(), Failure> {
     let Target { provenance, path, format, out } = target;
-    match format {
-        Format::Csv => csv::write(fields, rows, path, out),
-        Format::Parquet => parquet::write(fields, rows, provenance, path, out),
-    }
+    let columns: Vec<Column> = fields.iter().map(|field| field.column.clone()).collect();
+    let notes = provenance.notes(&columns);
+    let mut writer = Writer::begin(format, columns, LAYOUT, path, out)?;
+    let mut cells = Vec::with_capacity(fields.len());
+    rows(&mut |sample| {
+        cells.clear();
+        cells.extend(fields.iter().map(|field| (field.cell)(sample)));
+        writer.row(&cells)
+    })?;
+    writer.finish(&notes).map(drop)
 }

@@ -21,6 +21,7 @@ pub use html::{STYLE, escaped};
 use crate::failure::Failure;
 use crate::output;
 use crate::progress::Progress;
+use crate::table::{Cell, Column, Writer};
 use mckibben_plot::{Figure, Format};
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
@@ -77,12 +78,10 @@ pub struct Plate {
 /// Columns of numbers.
 #[derive(Clone, Debug, Default)]
 pub struct Data {
-    /// The names of the columns, each with its unit at the end, as in `length_m`.
-    pub columns: Vec<&'static str>,
-    /// The rows.
+    /// The columns; the name of each has its unit at the end, as in `length_m`.
+    pub columns: Vec<Column>,
+    /// The rows; where an optional column has no value stands NaN, and an empty cell in a file.
     pub rows: Vec<Vec<f64>>,
-    /// The columns in which not every row has a value: where there is none stands NaN, and an empty cell in a file.
-    pub lacking: Vec<&'static str>,
 }
 
 /// A small table of words.
@@ -218,8 +217,7 @@ impl Report {
         }
         if self.has_findings() {
             let path = folder.join(NUMBERS);
-            let csv = self.numbers_csv().map_err(|error| Failure::output(&path, error))?;
-            output::write(&path, &csv)?;
+            output::write(&path, &self.numbers_csv(&path)?)?;
         }
         let path = folder.join(PAGE);
         let page = self.to_html().map_err(|error| Failure::output(&path, error))?;
@@ -246,31 +244,49 @@ impl Plate {
 }
 
 impl Data {
-    /// No rows yet.
+    /// No rows yet of columns with these names.
     pub fn new(columns: &[&'static str]) -> Self {
-        Self { columns: columns.to_vec(), ..Self::default() }
+        let columns = columns.iter().map(|name| Column::number(*name, ""));
+        Self { columns: columns.collect(), rows: Vec::new() }
     }
 
-    /// The same where not every row has a value in some of the columns.
+    /// The table where not every row has a value in some of the columns.
     #[must_use]
-    pub fn lacking(self, columns: &[&'static str]) -> Self {
-        Self { lacking: columns.to_vec(), ..self }
+    pub fn lacking(mut self, names: &[&'static str]) -> Self {
+        self.columns.iter_mut().for_each(|column| column.optional |= names.contains(&column.name.as_str()));
+        self
     }
 
-    /// That every value is finite.
+    /// Checks that every value is finite.
     ///
     /// # Errors
     /// [`Failure::not_finite`] with the column and the row.
     pub fn check(&self) -> Result<(), Failure> {
-        for (row, values) in self.rows.iter().enumerate() {
-            for (column, value) in self.columns.iter().zip(values) {
-                let none = value.is_nan() && self.lacking.contains(column);
-                if !value.is_finite() && !none {
-                    return Err(Failure::not_finite(&format!("column {column}, row {}: {value}", row + 1)));
-                }
-            }
+        for (row, number) in self.rows.iter().zip(1..) {
+            self.columns.iter().zip(self.cells(row)).try_for_each(|(column, cell)| column.check(&cell, number))?;
         }
         Ok(())
+    }
+
+    /// The cells of a row.
+    fn cells<'r>(&'r self, row: &'r [f64]) -> impl Iterator<Item = Cell<'static>> + 'r {
+        let cell = |(column, value): (&Column, &f64)| match column.optional && value.is_nan() {
+            true => Cell::Nothing,
+            false => Cell::Number(*value),
+        };
+        self.columns.iter().zip(row).map(cell)
+    }
+
+    /// The table as CSV; messages name `path`.
+    ///
+    /// # Errors
+    /// As [`Data::check`]; [`Failure::output`] when the CSV cannot be made.
+    pub fn to_csv(&self, path: &Path) -> Result<Vec<u8>, Failure> {
+        let mut writer = Writer::csv(self.columns.clone(), path, Vec::new())?;
+        for row in &self.rows {
+            writer.row(&self.cells(row).collect::<Vec<_>>())?;
+        }
+        writer.finish(&[])
     }
 }
 

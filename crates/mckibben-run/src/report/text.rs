@@ -1,13 +1,10 @@
-//! Findings for a terminal and as CSV, and data as CSV.
+//! Findings and tables for a terminal and as CSV.
 
-use super::{Data, Report, Table};
+use super::{Finding, Report, Table};
 use crate::failure::Failure;
-use crate::text::wrap;
-use std::fmt::Write as _;
+use crate::table::{Cell, Column, Writer};
+use crate::text::{Alignment, GAP, Side, wrap};
 use std::path::Path;
-
-/// From one column to the next.
-const GAP: &str = "  ";
 
 impl Report {
     /// The summary as text: one line for each finding.
@@ -35,55 +32,43 @@ impl Report {
         }
     }
 
-    /// The findings as CSV, with the reasons in full.
+    /// The findings as CSV, with the reasons in full; messages name `path`.
     ///
     /// # Errors
-    /// When the CSV cannot be made.
-    pub fn numbers_csv(&self) -> Result<Vec<u8>, csv::Error> {
-        let mut out = csv::Writer::from_writer(Vec::new());
-        out.write_record(["figure", "quantity", "value", "unit", "stated", "comparison", "reason"])?;
+    /// As [`Report::check`]; [`Failure::output`] when the CSV cannot be made.
+    pub fn numbers_csv(&self, path: &Path) -> Result<Vec<u8>, Failure> {
+        let columns =
+            ["figure", "quantity", "value", "unit", "stated", "comparison", "reason"].map(|name| match name {
+                "value" => Column::number(name, ""),
+                word => Column::word(word),
+            });
+        let mut writer = Writer::csv(columns.to_vec(), path, Vec::new())?;
         for section in &self.sections {
-            for finding in &section.findings {
-                let value = finding.value.to_string();
-                let (quantity, stated) = (plain(&finding.quantity), plain(&finding.stated));
-                let verdict = &finding.verdict;
-                let reason = plain(verdict.reason());
-                out.write_record([section.label, &quantity, &value, finding.unit, &stated, verdict.name(), &reason])?;
+            for Finding { quantity, value, unit, stated, verdict, .. } in &section.findings {
+                let [quantity, stated, reason] = [quantity.as_str(), stated, verdict.reason()].map(plain);
+                let words = [section.label, &quantity, unit, &stated, verdict.name(), &reason].map(Cell::Word);
+                let [label, quantity, rest @ ..] = words;
+                writer.row(&[&[label, quantity, Cell::Number(*value)], rest.as_slice()].concat())?;
             }
         }
-        out.into_inner().map_err(|error| error.into_error().into())
-    }
-}
-
-impl Data {
-    /// The columns as CSV, each number in the fewest digits that read back as itself, and an empty cell where there is none.
-    ///
-    /// # Errors
-    /// As [`Data::check`]; [`Failure::output`], which names `path`, when the CSV cannot be made.
-    pub fn to_csv(&self, path: &Path) -> Result<Vec<u8>, Failure> {
-        self.check()?;
-        let failed = |error: csv::Error| Failure::output(path, error);
-        let mut out = csv::Writer::from_writer(Vec::new());
-        out.write_record(&self.columns).map_err(failed)?;
-        for row in &self.rows {
-            let cells = row.iter().map(|value| if value.is_finite() { value.to_string() } else { String::new() });
-            out.write_record(cells).map_err(failed)?;
-        }
-        out.into_inner().map_err(|error| Failure::output(path, error.into_error()))
+        writer.finish(&[])
     }
 }
 
 impl Table {
-    /// The cells as CSV.
+    /// The cells as CSV; messages name `path`.
     ///
     /// # Errors
-    /// When the CSV cannot be made.
-    pub fn to_csv(&self) -> Result<Vec<u8>, csv::Error> {
-        let mut out = csv::Writer::from_writer(Vec::new());
-        for line in std::iter::once(&self.head).chain(&self.rows) {
-            out.write_record(line.iter().map(|cell| plain(cell).replace('−', "-")))?;
+    /// [`Failure::output`] when the CSV cannot be made.
+    pub fn to_csv(&self, path: &Path) -> Result<Vec<u8>, Failure> {
+        let word = |cell: &String| plain(cell).replace('−', "-");
+        let columns = self.head.iter().map(|name| Column::word(word(name))).collect();
+        let mut writer = Writer::csv(columns, path, Vec::new())?;
+        for row in &self.rows {
+            let words: Vec<String> = row.iter().map(word).collect();
+            writer.row(&words.iter().map(|word| Cell::Word(word)).collect::<Vec<_>>())?;
         }
-        out.into_inner().map_err(|error| error.into_error().into())
+        writer.finish(&[])
     }
 
     /// Aligned columns: words to the left, numbers to the right.
@@ -98,34 +83,24 @@ impl Table {
             return String::new();
         }
         let widths = self.widths(wide);
-        let right: Vec<bool> = (0..widths.len()).map(|column| self.is_numeric(column)).collect();
-        let fold = |line: &Vec<String>| -> Vec<Vec<String>> {
+        let side = |column| if self.is_numeric(column) { Side::Right } else { Side::Left };
+        let columns = Alignment::new((0..).map(side).zip(widths.iter().copied()));
+        // The lines of each cell; those of a head stand at its bottom.
+        let fold = |row: &[String], is_head: bool| -> String {
             let lines = |(cell, width): (&String, &usize)| wrap(cell, "", *width).lines().map(String::from).collect();
-            line.iter().zip(&widths).map(lines).collect()
-        };
-        let mut out = String::new();
-        let mut put = |cells: &[Vec<String>], from_below: bool| {
+            let cells: Vec<Vec<String>> = row.iter().zip(&widths).map(lines).collect();
             let height = cells.iter().map(Vec::len).max().unwrap_or(0);
-            for row in 0..height {
-                let mut text = String::new();
-                for (column, lines) in cells.iter().enumerate() {
-                    let above = if from_below { height - lines.len() } else { 0 };
-                    let cell = row.checked_sub(above).and_then(|row| lines.get(row)).map_or("", String::as_str);
-                    let (gap, room) = (if column == 0 { "" } else { GAP }, widths[column]);
-                    // Writing to a string cannot fail.
-                    let _ = match right[column] {
-                        true => write!(text, "{gap}{cell:>room$}"),
-                        false => write!(text, "{gap}{cell:<room$}"),
-                    };
-                }
-                out.push_str(text.trim_end());
-                out.push('\n');
-            }
+            let line = |place: usize| {
+                let cell = |lines: &Vec<String>| {
+                    let above = if is_head { height - lines.len() } else { 0 };
+                    place.checked_sub(above).and_then(|place| lines.get(place)).cloned().unwrap_or_default()
+                };
+                columns.line(&cells.iter().map(cell).collect::<Vec<_>>()) + "\n"
+            };
+            (0..height).map(line).collect()
         };
-        put(&fold(&self.head), true);
-        put(&[vec![widths.iter().map(|width| "─".repeat(*width)).collect::<Vec<_>>().join(GAP)]], false);
-        self.rows.iter().for_each(|row| put(&fold(row), false));
-        out
+        let rows = self.rows.iter().map(|row| fold(row, false));
+        [fold(&self.head, true), columns.rule() + "\n"].into_iter().chain(rows).collect()
     }
 
     /// The widths of the columns with which lines are at most so long, as far as that can be.
@@ -170,7 +145,7 @@ fn plain(words: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::{Finding, Section, Verdict};
+    use crate::report::{Data, Section, Verdict};
 
     #[test]
     fn columns_line_up() {
@@ -206,7 +181,7 @@ mod tests {
         let finding = Finding::new("a, \"b\"", 0.1, 2, "in").against("x_{eq}", Verdict::Agrees("yes".into()));
         let section = Section { label: "Fig. 1", findings: vec![finding], ..Section::default() };
         let report = Report { sections: vec![section], ..Report::default() };
-        let csv = String::from_utf8(report.numbers_csv().unwrap()).unwrap();
+        let csv = String::from_utf8(report.numbers_csv(Path::new("numbers.csv")).unwrap()).unwrap();
         assert!(csv.ends_with("Fig. 1,\"a, \"\"b\"\"\",0.1,in,x_eq,agrees,yes\n"), "{csv}");
     }
 
@@ -215,7 +190,7 @@ mod tests {
         let path = Path::new("data.csv");
         let mut data = Data::new(&["time_s", "fitted_m"]).lacking(&["fitted_m"]);
         data.rows = vec![vec![0.0, 1.5], vec![1.0, f64::NAN]];
-        assert_eq!(data.to_csv(path).unwrap(), b"time_s,fitted_m\n0,1.5\n1,\n");
+        assert_eq!(data.to_csv(path).unwrap(), b"time_s,fitted_m\n0.0,1.5\n1.0,\n");
         for bad in [vec![f64::NAN, 1.0], vec![2.0, f64::INFINITY]] {
             data.rows.truncate(2);
             data.rows.push(bad);

@@ -3,11 +3,10 @@
 use super::folder::{FAILED, Folder, PART, ROWS};
 use super::plan::{Plan, Unit};
 use super::rows::Outcome;
-use super::sheet::{self, Sheet};
-use super::table::{self, Column};
+use super::table::{self, LAYOUT};
 use crate::failure::Failure;
 use crate::output::Pending;
-use crate::record::Format;
+use crate::table::{Column, Format, Writer};
 use mckibben_scenario::Sweep;
 use std::path::Path;
 
@@ -17,7 +16,7 @@ pub enum Place {
     /// Nowhere.
     Nowhere,
     /// Into one file with all rows in order.
-    File(Box<dyn Sheet>),
+    File(Box<Writer<Pending>>),
     /// Into parts.
     Folder(Folder),
 }
@@ -28,7 +27,7 @@ impl Place {
     /// # Errors
     /// [`Failure::output`] when it cannot be written.
     pub fn file(path: &Path, format: Format, columns: &[Column]) -> Result<Self, Failure> {
-        Ok(Self::File(sheet::begin(format, columns, Pending::create(path)?)?))
+        Ok(Self::File(Box::new(Writer::begin(format, columns.to_vec(), LAYOUT, path, Pending::create(path)?)?)))
     }
 }
 
@@ -42,7 +41,7 @@ pub struct Destination<'a> {
     notes: Vec<(String, String)>,
     place: Place,
     /// The part under way.
-    part: Option<Box<dyn Sheet>>,
+    part: Option<Writer<Pending>>,
     /// Failed runs in the file under way.
     failed: u64,
 }
@@ -59,25 +58,26 @@ impl<'a> Destination<'a> {
     /// [`Failure::output`] when they cannot be written.
     pub fn write(&mut self, unit: &Unit, outcomes: &[Outcome]) -> Result<(), Failure> {
         let rows = self.plan.rows_of(unit.part);
-        let sheet = match &mut self.place {
+        let writer = match &mut self.place {
             Place::Nowhere => return Ok(()),
-            Place::File(sheet) => sheet,
+            Place::File(writer) => writer,
             Place::Folder(folder) => match &mut self.part {
-                Some(sheet) => sheet,
+                Some(writer) => writer,
                 part => {
-                    let file = Pending::create(&folder.part(unit.part))?;
-                    part.insert(sheet::begin(Format::Parquet, &self.columns, file)?)
+                    let path = folder.part(unit.part);
+                    let file = Pending::create(&path)?;
+                    part.insert(Writer::parquet(self.columns.clone(), LAYOUT, &path, file)?)
                 }
             },
         };
         for (row, outcome) in unit.rows.clone().zip(outcomes) {
-            self.failed += table::write(self.sweep, row, outcome, sheet.as_mut())?;
+            self.failed += table::write(self.sweep, row, outcome, writer)?;
         }
         if matches!(self.place, Place::Folder(_))
             && unit.rows.end == rows.end
             && let Some(part) = self.part.take()
         {
-            part.finish(&about(&self.notes, unit.part, rows, self.failed))?;
+            part.finish(&about(&self.notes, unit.part, rows, self.failed))?.commit()?;
             self.failed = 0;
         }
         Ok(())
@@ -89,7 +89,7 @@ impl<'a> Destination<'a> {
     /// [`Failure::output`] when it cannot be written.
     pub fn finish(self) -> Result<(), Failure> {
         match self.place {
-            Place::File(sheet) => sheet.finish(&about(&self.notes, 0, 0..self.plan.rows, self.failed)),
+            Place::File(writer) => writer.finish(&about(&self.notes, 0, 0..self.plan.rows, self.failed))?.commit(),
             Place::Folder(folder) => {
                 folder.clear_remains();
                 Ok(())

@@ -9,9 +9,9 @@
 //! Checked by the program's `tests/sweep.rs` and `tests/sweep_folder.rs`.
 
 use super::plan::Plan;
-use super::sheet::{self, Seal};
 use crate::failure::Failure;
 use crate::quantities::count;
+use crate::table::{Seal, seal};
 use crate::{output, temporary};
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use std::fs::File;
@@ -171,7 +171,7 @@ impl Folder {
             Err(error) => return Err(refused(&format!("there and cannot be read: {error}"))),
         };
         let damaged = || refused(&format!("damaged or not part {part} of this sweep"));
-        match sheet::seal(&mut file) {
+        match seal(&mut file) {
             Ok(Seal::Whole) => {}
             Ok(Seal::Missing) => return Ok(None),
             Ok(Seal::Damaged) | Err(_) => return Err(damaged()),

@@ -16,7 +16,6 @@
 //! | [`reduce`] | a run as a few numbers |
 //! | [`schedule`] | units on threads, results in order, a bounded number of them |
 //! | [`table`] | columns, and a run as lines of them |
-//! | [`sheet`] | a table as CSV or Parquet, the latter with a checksum of the whole file |
 //! | [`destination`] | where the lines go |
 //! | [`folder`] | the parts of a sweep, finished or to be done |
 //! | [`read`] | the reductions of a finished part |
@@ -36,7 +35,6 @@ pub mod read;
 pub mod reduce;
 pub mod rows;
 pub mod schedule;
-pub mod sheet;
 pub mod step;
 pub mod table;
 pub mod tally;

@@ -1,11 +1,12 @@
 //! What is made of the runs of rows that are plants.
 
 use super::reduce::{LAST_PART, SIMULTANEOUS, Track, missed};
-use super::rows::{self, Outcome, Row, SampleCell};
+use super::rows::{self, Outcome, Row, not_finite};
 use super::step::{self, Choice};
 use crate::plant::columns;
 use crate::plant::control::Follower;
 use crate::plant::observation::air_used;
+use crate::table::Cell;
 use mckibben::Error;
 use mckibben::plant::{PlantLedgerKeeper, PlantRun, PlantSample, PlantStep};
 use mckibben::valve::Command;
@@ -32,7 +33,7 @@ struct Recorder<'a> {
     settles: bool,
     window_start: f64,
     last: Option<f64>,
-    rows: Vec<Vec<SampleCell>>,
+    rows: Vec<Vec<Cell<'static>>>,
     fault: Option<String>,
     /// The ledger, where the air that sources gave is asked for.
     keeper: Option<PlantLedgerKeeper<'a>>,
@@ -93,18 +94,14 @@ impl rows::Recorder for Recorder<'_> {
             return;
         }
         let cell = |column: &PlantColumn| match column.content {
-            PlantContent::Number(quantity) => SampleCell::Number(quantity.of(plant, sample)),
-            PlantContent::Ports(valve) => SampleCell::Word(columns::ports(valve, sample)),
+            PlantContent::Number(quantity) => Cell::Number(quantity.of(plant, sample)),
+            PlantContent::Ports(valve) => Cell::Word(columns::ports(valve, sample)),
         };
-        let row: Vec<SampleCell> =
-            std::iter::once(SampleCell::Number(time)).chain(self.columns.iter().map(cell)).collect();
-        let fault = |(cell, column): (&SampleCell, &PlantColumn)| match cell {
-            SampleCell::Number(value) if !value.is_finite() => {
-                Some(format!("{} = {value} at t = {time} s is not a finite number", column.title()))
-            }
-            _ => None,
-        };
-        self.fault = row[1..].iter().zip(self.columns).find_map(fault);
+        let row: Vec<Cell<'_>> = std::iter::once(Cell::Number(time)).chain(self.columns.iter().map(cell)).collect();
+        self.fault = not_finite(&row, |place| match place.checked_sub(1) {
+            Some(place) => self.columns[place].title(),
+            None => "time_s".to_owned(),
+        });
         self.rows.push(row);
     }
 

@@ -6,13 +6,14 @@
 use super::destination::{self, Destination, Place};
 use super::folder::{Folder, Manifest};
 use super::plan::{Plan, Unit};
-use super::sheet::{self, Kept};
 use super::step::Choice;
-use super::table::{self, Column};
+use super::table::{self, LAYOUT};
 use super::tally::Tally;
 use super::{rows, schedule};
 use crate::failure::Failure;
 use crate::progress::Progress;
+use crate::record;
+use crate::table::{Column, Writer};
 use mckibben_scenario::{Document, Engine, Sweep};
 use std::path::Path;
 
@@ -108,19 +109,18 @@ impl Prepared {
     /// # Errors
     /// As [`Prepared::simulate`].
     pub fn part(&self, choice: Option<&Choice>, part: u64) -> Result<Vec<u8>, Failure> {
-        let (kept, rows) = (Kept::default(), self.plan.rows_of(part));
-        let mut sheet = sheet::parquet(&self.columns, kept.clone())?;
+        let rows = self.plan.rows_of(part);
+        let mut writer = Writer::parquet(self.columns.clone(), LAYOUT, Path::new("memory"), Vec::new())?;
         let mut failed = 0;
         let units = self.plan.units(vec![part], self.unit(rows.end - rows.start, 1));
         let work = |unit: &Unit| rows::simulate_rows(&self.sweep, choice, unit.rows.clone());
         schedule::in_order(1, units, work, |unit, outcomes| {
             for (row, outcome) in unit.rows.zip(&outcomes) {
-                failed += table::write(&self.sweep, row, outcome, sheet.as_mut())?;
+                failed += table::write(&self.sweep, row, outcome, &mut writer)?;
             }
             Ok(())
         })?;
-        sheet.finish(&destination::about(&self.notes_with(choice), part, rows, failed))?;
-        Ok(kept.take())
+        writer.finish(&destination::about(&self.notes_with(choice), part, rows, failed))
     }
 
     /// Rows of a unit of work: few, so that the threads end together, but as many as are stepped side by side.
@@ -155,23 +155,11 @@ fn engine_by_default(document: &Document) -> Result<Engine, Failure> {
 
 /// What is said of the sweep in each of its files.
 fn notes(document: &Document, set: &[String], sweep: &Sweep, columns: &[Column]) -> Vec<(String, String)> {
-    let units: serde_json::Map<String, serde_json::Value> = columns
-        .iter()
-        .filter(|column| column.kind == table::Kind::Number)
-        .map(|column| (column.name.clone(), column.unit.clone().into()))
-        .collect();
-    let source = document.source();
-    // Only the file's name: where it lies on the machine is nobody else's business and would change the bytes.
-    let name = Path::new(source.name()).file_name();
-    let pairs = [
-        ("mckibben.version", env!("CARGO_PKG_VERSION").to_owned()),
-        ("mckibben.units", serde_json::Value::Object(units).to_string()),
-        ("mckibben.scenario_file", name.map_or_else(String::new, |name| name.to_string_lossy().into_owned())),
-        ("mckibben.scenario", source.text().to_owned()),
-        ("mckibben.set", serde_json::Value::from(set).to_string()),
+    let of_sweep = [
         ("mckibben.sweep", sweep.fingerprint_text()),
         ("mckibben.design", sweep.design().name().to_owned()),
         ("mckibben.seed", sweep.seed().to_string()),
     ];
-    pairs.map(|(key, value)| (key.to_owned(), value)).to_vec()
+    let of_sweep = of_sweep.map(|(key, value)| (key.to_owned(), value));
+    record::notes(document, set, columns).into_iter().chain(of_sweep).collect()
 }

@@ -15,7 +15,8 @@ use crate::alone::Alone;
 use crate::closed_loop::Goal;
 use crate::engine::Subject;
 use crate::joint::pair::Pair;
-use crate::record::{Field, Value, of_actuator, of_joint_alone};
+use crate::record::{Field, of_actuator, of_joint_alone};
+use crate::table::Cell;
 use mckibben::Error;
 use mckibben::air::Flow;
 use mckibben::command::Driver;
@@ -43,18 +44,9 @@ pub enum Outcome {
     /// The value of each reduction that has one.
     Reduced(Vec<Option<f64>>),
     /// A row of cells for each sample, in the order of time and of the sweep's columns.
-    Sampled(Vec<Vec<SampleCell>>),
+    Sampled(Vec<Vec<Cell<'static>>>),
     /// Why there is nothing.
     Failed(String),
-}
-
-/// What stands in a line of a plant.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum SampleCell {
-    /// A number.
-    Number(f64),
-    /// A word.
-    Word(&'static str),
 }
 
 /// Makes something of what a run shows, in the order of time.
@@ -369,7 +361,9 @@ struct ViewRecorder<'r, S: Swept> {
     view: S::View,
     reductions: Option<(&'r [Reduction], Reducer)>,
     fields: Vec<Field<SampleOf<S>>>,
-    rows: Vec<Vec<SampleCell>>,
+    rows: Vec<Vec<Cell<'static>>>,
+    /// The cells of the last sample.
+    cells: Vec<Cell<'static>>,
     fault: Option<String>,
     /// What a controller was to reach, where that is asked for.
     goals: Option<Vec<Goal>>,
@@ -391,7 +385,7 @@ impl<'r, S: Swept> ViewRecorder<'r, S> {
         let reducer = |list| Reducer::new(list, S::command(view.rig()), of.plan().duration);
         let reductions = reductions.map(|list| (list, reducer(list)));
         let fields = S::columns(view.rig());
-        Self { of, reductions, view, fields, rows: Vec::new(), fault: None, goals, drawn }
+        Self { of, reductions, view, fields, rows: Vec::new(), cells: Vec::new(), fault: None, goals, drawn }
     }
 }
 
@@ -401,10 +395,12 @@ impl<S: Swept> Recorder for ViewRecorder<'_, S> {
             return;
         }
         let sample = self.view.sample(sample);
-        self.fault = not_finite(&self.fields, &sample);
+        self.cells.clear();
+        self.cells.extend(self.fields.iter().map(|field| (field.cell)(&sample)));
+        self.fault = not_finite(&self.cells, |place| self.fields[place].column.name.clone());
         match &mut self.reductions {
             Some((_, reducer)) => reducer.see(S::seen(self.view.rig(), &sample)),
-            None => self.rows.push(self.fields.iter().map(|field| cell(field, &sample)).collect()),
+            None => self.rows.push(self.cells.clone()),
         }
     }
 
@@ -439,23 +435,14 @@ impl<S: Swept> Recorder for ViewRecorder<'_, S> {
     }
 }
 
-/// A sample's cell of a column.
-fn cell<S>(field: &Field<S>, sample: &S) -> SampleCell {
-    match &field.value {
-        Value::Number(value) => SampleCell::Number(value(sample)),
-        Value::Word(value) => SampleCell::Word(value(sample)),
+/// Which number of a sample is not finite, in words; `name` gives that of a column. The time is the first cell.
+pub(super) fn not_finite(cells: &[Cell<'_>], name: impl Fn(usize) -> String) -> Option<String> {
+    let is_fault = |cell: &Cell<'_>| matches!(cell, Cell::Number(value) if !value.is_finite());
+    let place = cells.iter().position(is_fault)?;
+    match (&cells[0], &cells[place]) {
+        (Cell::Number(time), Cell::Number(value)) => {
+            Some(format!("{} = {value} at t = {time} s is not a finite number", name(place)))
+        }
+        _ => None,
     }
-}
-
-/// Which number of a sample is not finite, in words. The time is the first column.
-fn not_finite<S>(fields: &[Field<S>], sample: &S) -> Option<String> {
-    let numbers = || {
-        fields.iter().filter_map(|field| match &field.value {
-            Value::Number(value) => Some((&field.name, value(sample))),
-            Value::Word(_) => None,
-        })
-    };
-    let (name, value) = numbers().find(|(_, value)| !value.is_finite())?;
-    let time = numbers().next().map_or(f64::NAN, |(_, time)| time);
-    Some(format!("{name} = {value} at t = {time} s is not a finite number"))
 }

@@ -10,54 +10,15 @@
 //! With reductions a run is one line; with samples or trajectories it is one line for each sample. A run that failed is
 //! one line without results.
 
-use super::rows::{Outcome, SampleCell};
-use super::sheet::Sheet;
+use super::rows::Outcome;
 use crate::failure::Failure;
-use crate::record::{Field, Value, of_actuator, of_joint_alone};
+use crate::record::{Field, of_actuator, of_joint_alone};
+use crate::table::{Cell, Column, Layout, Writer};
 use mckibben_scenario::{AxisKind, AxisValue, PlantColumn, Record, Sweep};
+use std::io::Write;
 
-/// What a column holds.
-#[derive(Clone, Copy, Debug, Eq, PartialEq)]
-pub enum Kind {
-    /// Whole numbers from 0.
-    Count,
-    /// Numbers.
-    Number,
-    /// Words.
-    Word,
-}
-
-/// A column.
-#[derive(Clone, Debug, Eq, PartialEq)]
-pub struct Column {
-    /// Its name, with the unit at its end.
-    pub name: String,
-    /// Its unit; empty for words and plain numbers.
-    pub unit: String,
-    /// What it holds.
-    pub kind: Kind,
-    /// Whether a line may have nothing in it.
-    pub optional: bool,
-}
-
-/// What stands in a line under a column.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Cell<'a> {
-    /// A whole number.
-    Count(u64),
-    /// A number.
-    Number(f64),
-    /// A word.
-    Word(&'a str),
-    /// Nothing.
-    Nothing,
-}
-
-impl From<Option<f64>> for Cell<'_> {
-    fn from(value: Option<f64>) -> Self {
-        value.map_or(Self::Nothing, Self::Number)
-    }
-}
+/// The Parquet files of sweeps.
+pub(super) const LAYOUT: Layout = Layout { schema: "sweep", group: 1 << 16, sealed: true };
 
 /// The column of the row's index.
 pub const RUN: &str = "run";
@@ -66,43 +27,34 @@ pub const ERROR: &str = "error";
 
 /// The columns of a sweep in their order.
 pub fn columns(sweep: &Sweep) -> Vec<Column> {
-    let column = |name: &str, unit: &str, kind, optional| Column {
-        name: name.to_owned(),
-        unit: unit.to_owned(),
-        kind,
-        optional,
-    };
-    let mut columns = vec![column(RUN, "", Kind::Count, false)];
-    for axis in sweep.axes() {
-        columns.push(match &axis.kind {
-            AxisKind::Quantity { unit, .. } => column(&axis.column(), unit, Kind::Number, false),
-            AxisKind::Word => column(&axis.column(), "", Kind::Word, false),
-        });
-    }
+    let mut columns = vec![Column::count(RUN)];
+    columns.extend(sweep.axes().iter().map(|axis| match &axis.kind {
+        AxisKind::Quantity { unit, .. } => Column::number(axis.column(), unit.to_string()),
+        AxisKind::Word => Column::word(axis.column()),
+    }));
     match sweep.record() {
         Record::Reductions(_) | Record::PlantReductions(_) => {
             let reduced = sweep.record().reduced().unwrap_or_default();
-            columns.extend(reduced.iter().map(|of| column(&of.column, of.unit, Kind::Number, true)));
+            columns.extend(reduced.iter().map(|of| Column::number(&of.column, of.unit).optional()));
         }
-        Record::Samples(_) | Record::Trajectories => {
-            columns.extend(sampled(sweep).into_iter().map(|(name, unit, kind)| column(&name, unit, kind, true)));
-        }
+        Record::Samples(_) | Record::Trajectories => columns.extend(sampled(sweep).into_iter().map(Column::optional)),
     }
-    columns.push(column(ERROR, "", Kind::Word, true));
+    columns.push(Column::word(ERROR).optional());
     columns
 }
 
-/// Name, unit and kind of the columns of samples.
-fn sampled(sweep: &Sweep) -> Vec<(String, &'static str, Kind)> {
-    fn of<S>(fields: Vec<Field<S>>) -> Vec<(String, &'static str, Kind)> {
-        let kind = |value: &Value<S>| if matches!(value, Value::Word(_)) { Kind::Word } else { Kind::Number };
-        fields.into_iter().map(|field| (field.name, field.unit, kind(&field.value))).collect()
+/// The columns of samples.
+fn sampled(sweep: &Sweep) -> Vec<Column> {
+    fn of<S>(fields: Vec<Field<S>>) -> Vec<Column> {
+        fields.into_iter().map(|field| field.column).collect()
     }
     if sweep.is_plant() {
-        let kind = |of: &PlantColumn| if of.quantity().is_some() { Kind::Number } else { Kind::Word };
-        let time = ("time_s".to_owned(), "s", Kind::Number);
-        let columns = sweep.plant_columns().iter().map(|of| (of.title(), of.unit, kind(of)));
-        return std::iter::once(time).chain(columns).collect();
+        let of = |of: &PlantColumn| match of.quantity() {
+            Some(_) => Column::number(of.title(), of.unit),
+            None => Column::word(of.title()),
+        };
+        let columns = sweep.plant_columns().iter().map(of);
+        return std::iter::once(Column::number("time_s", "s")).chain(columns).collect();
     }
     // Names and units do not depend on the atmosphere.
     match sweep.has_joint() {
@@ -114,9 +66,14 @@ fn sampled(sweep: &Sweep) -> Vec<(String, &'static str, Kind)> {
 /// Writes the lines of a run; 1 if it failed, to be counted.
 ///
 /// # Errors
-/// As [`Sheet::line`].
-pub fn write(sweep: &Sweep, row: u64, outcome: &Outcome, sheet: &mut dyn Sheet) -> Result<u64, Failure> {
-    lines(sweep, row, outcome, &mut |cells| sheet.line(cells))?;
+/// As [`Writer::row`].
+pub fn write<W: Write + Send>(
+    sweep: &Sweep,
+    row: u64,
+    outcome: &Outcome,
+    writer: &mut Writer<W>,
+) -> Result<u64, Failure> {
+    lines(sweep, row, outcome, &mut |cells| writer.row(cells))?;
     Ok(u64::from(matches!(outcome, Outcome::Failed(_))))
 }
 
@@ -142,10 +99,7 @@ fn lines(
         }
         Outcome::Sampled(rows) => rows.iter().try_for_each(|row| {
             line.truncate(head);
-            line.extend(row.iter().map(|cell| match cell {
-                SampleCell::Number(value) => Cell::Number(*value),
-                SampleCell::Word(word) => Cell::Word(word),
-            }));
+            line.extend(row);
             line.push(Cell::Nothing);
             each(&line)
         }),

@@ -7,6 +7,7 @@ use mckibben_run::quantities::{common_prefix, count, digits, given, quantity};
 use mckibben_run::sweep::plan::{Plan, Shard};
 use mckibben_run::sweep::step::Choice;
 use mckibben_run::sweep::tally::Tally;
+use mckibben_run::text::{Alignment, Side};
 use mckibben_scenario::Sweep;
 use std::fmt::Write as _;
 use std::time::Duration;
@@ -25,12 +26,9 @@ pub(super) fn summary(
         styled(HEADING, arguments.file.display()),
         styled(FAINT, format!("{} runs", count(plan.rows)))
     );
-    /// Before what stands beside a name.
-    const INDENT: &str = "            ";
-    let line = |name: &str, what: &str| format!("  {name:<8}  {what}\n");
+    let line = |name: &str, what: &str| terminal::entry(name, 8, what);
     let varied: Vec<&str> = sweep.axes().iter().map(|axis| axis.path.as_str()).collect();
-    let varied = terminal::wrap(&format!("{} ({})", varied.join(", "), sweep.design().name()), INDENT);
-    text.push_str(&line("varied", varied.trim_start()));
+    text.push_str(&line("varied", &format!("{} ({})", varied.join(", "), sweep.design().name())));
     let first = match sweep.plant(0) {
         Some(first) => first.ok().map(|first| first.run),
         None => sweep.scenario(0).ok().map(|first| first.run),
@@ -39,8 +37,7 @@ pub(super) fn summary(
         text.push_str(&line("engine", &describe::engine(&run)));
     }
     if let Some(choice) = choice {
-        let step = terminal::wrap(&step_of(choice), INDENT);
-        text.push_str(&line("step", step.trim_start()));
+        text.push_str(&line("step", &step_of(choice)));
     }
     let new = tally.runs() - kept;
     if kept > 0 {
@@ -91,30 +88,29 @@ fn step_of(Choice { step, accuracy, reached, unreached }: &Choice) -> String {
 
 /// The range of each reduction as a table.
 fn ranges(tally: &Tally) -> String {
-    let mut text = String::new();
     let known = || tally.ranges();
     if known().next().is_none() {
-        return text;
+        return String::new();
     }
-    let names = known().map(|(reduction, _)| reduction.name.len()).max().unwrap_or(0);
-    // Room for ten characters of digits and prefix before the longest unit.
-    let width = known().map(|(reduction, _)| 10 + reduction.unit.len()).max().unwrap_or(0).max(14);
-    put(&mut text, format_args!("\n{}\n", styled(HEADING, "Reductions")));
-    let head = format!("  {:<names$}{:>width$}{:>width$}{:>width$}", "", "least", "mean", "greatest");
-    put(&mut text, format_args!("{}\n", styled(FAINT, head)));
+    // Room for eight characters of digits and prefix before the longest unit.
+    let width = known().map(|(reduction, _)| 8 + reduction.unit.len()).max().unwrap_or(0).max(12);
+    let mut rows = vec![["", "least", "mean", "greatest", ""].map(str::to_owned)];
     for (reduction, spread) in known() {
         let values = [spread.least, spread.sum / spread.runs as f64, spread.greatest];
         let [least, mean, greatest] = values.map(told(&values, reduction.unit));
         let missing = tally.runs() - tally.failed() - spread.runs;
-        let note = if missing > 0 { format!("  none in {} runs", count(missing)) } else { String::new() };
-        put(
-            &mut text,
-            format_args!(
-                "  {:<names$}{least:>width$}{mean:>width$}{greatest:>width$}{}\n",
-                reduction.name,
-                styled(FAINT, note)
-            ),
-        );
+        let note = if missing > 0 { format!("none in {} runs", count(missing)) } else { String::new() };
+        rows.push([reduction.name.clone(), least, mean, greatest, note]);
+    }
+    let right = (Side::Right, width);
+    let columns =
+        Alignment::new([(Side::Left, 0), right, right, right, (Side::Left, 0)]).fit(rows.iter().map(|row| &row[..]));
+    let mut text = format!("\n{}\n", styled(HEADING, "Reductions"));
+    for (place, [name, least, mean, greatest, note]) in rows.into_iter().enumerate() {
+        let note = if note.is_empty() { note } else { styled(FAINT, note) };
+        let line = columns.line(&[name, least, mean, greatest, note]);
+        let line = if place == 0 { styled(FAINT, line) } else { line };
+        put(&mut text, format_args!("  {line}\n"));
     }
     text
 }

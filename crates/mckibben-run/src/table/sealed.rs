@@ -8,12 +8,9 @@
 //!
 //! Checked by the program's `tests/sweep_folder.rs`, which damages parts byte by byte.
 
-use super::Sink;
-use crate::failure::Failure;
 use crc32fast::Hasher;
 use std::fs::File;
 use std::io::{Error, ErrorKind, Read as _, Result, Seek as _, SeekFrom, Write};
-use std::path::Path;
 
 /// Key of a part's metadata: the checksum of its file.
 pub const CHECKSUM: &str = "mckibben.crc32";
@@ -36,14 +33,14 @@ pub enum Seal {
 }
 
 /// Bytes on their way to a sink.
-pub(super) struct Sealed<W: Sink> {
+pub(super) struct Sealed<W: Write> {
     sink: W,
     hasher: Hasher,
     /// The end of the file, once it has begun.
     end: Option<Vec<u8>>,
 }
 
-impl<W: Sink> Sealed<W> {
+impl<W: Write> Sealed<W> {
     pub(super) fn new(sink: W) -> Self {
         Self { sink, hasher: Hasher::new(), end: None }
     }
@@ -53,21 +50,19 @@ impl<W: Sink> Sealed<W> {
         self.end.get_or_insert_default();
     }
 
-    /// Puts the digits into their place, and makes of the bytes what they are to be.
-    pub(super) fn commit(mut self, path: &Path) -> std::result::Result<(), Failure> {
-        let mut end = self.end.take().unwrap_or_default();
-        self.hasher.update(&end);
-        let digits = digits(self.hasher.clone());
-        match place(&end) {
-            Some(at) => end[at..][..UNKNOWN.len()].copy_from_slice(digits.as_bytes()),
-            None => return Err(Failure::output(path, "its checksum has no place")),
+    /// Puts the digits into their place, where the end has begun; the sink with all bytes.
+    pub(super) fn finish(mut self) -> Result<W> {
+        if let Some(mut end) = self.end.take() {
+            self.hasher.update(&end);
+            let at = place(&end).ok_or_else(|| Error::other("its checksum has no place"))?;
+            end[at..][..UNKNOWN.len()].copy_from_slice(digits(self.hasher).as_bytes());
+            self.sink.write_all(&end)?;
         }
-        self.sink.write_all(&end).map_err(|error| Failure::output(path, error))?;
-        self.sink.commit()
+        Ok(self.sink)
     }
 }
 
-impl<W: Sink> Write for Sealed<W> {
+impl<W: Write> Write for Sealed<W> {
     fn write(&mut self, bytes: &[u8]) -> Result<usize> {
         match &mut self.end {
             Some(end) => end.write(bytes),
