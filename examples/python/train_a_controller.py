@@ -21,7 +21,7 @@ NETWORKS, MUSCLES = 16, 16  # networks in a generation, and muscles that each is
 PERIOD, STEPS = 0.005, 160
 EXHAUST, HOLD, FILL = 0, 1, 2
 OPTIONS = {
-    "scenario": mckibben.learning.hanging_mass().scenario.with_values({"valve.kind": "fill-hold-exhaust"}),
+    "scenario": mckibben.learning.task("HangingMass").scenario.with_values({"valve.kind": "fill-hold-exhaust"}),
     "action_mode": "request",
     "control_period": PERIOD,
     "duration": STEPS * PERIOD,

@@ -1,10 +1,10 @@
-"""Environments for learning, for Gymnasium: a muscle under a mass, an antagonistic joint, a leg, an arm, and any scenario file.
+"""Environments for Gymnasium: a muscle that lifts a mass, an antagonistic joint, a leg, an arm, and any scenario file.
 
 >>> import gymnasium, mckibben.learning
 >>> environment = gymnasium.make("mckibben/HangingMass-v0", noise={"length_m": 1e-4})
 >>> many = gymnasium.make_vec("mckibben/HangingMass-v0", num_envs=4096, randomize={"load.mass": (1.5, 3.0)})
 
-Needs Gymnasium: `pip install "mckibben[learning]"`. The four are registered when this module is imported.
+Needs Gymnasium: `pip install "mckibben[learning]"`. Environments are registered when this module is imported.
 
 | id | what is controlled | valves |
 |---|---|---|
@@ -12,8 +12,11 @@ Needs Gymnasium: `pip install "mckibben[learning]"`. The four are registered whe
 | `mckibben/Joint-v0` | the angle of a joint that two muscles turn against each other | 2 |
 | `mckibben/Leg-v0` | hip and knee of a leg of six muscles, by default on a belt | 6 |
 | `mckibben/Arm-v0` | shoulder, elbow and wrist of an arm of six muscles on a manifold | 6 |
+| `mckibben/Scenario-v0` | what `targets` name, of any scenario file | those of the file |
 
-`reach` makes a task of any other scenario file: `VectorEnvironment(reach(scenario, targets), num_envs=256)`.
+>>> leg = gymnasium.make("mckibben/Scenario-v0", scenario="examples/plant/leg.toml", action_mode="set-point")
+
+`reach` makes a task of any plant, for `VectorEnvironment(reach(scenario, targets), num_envs=256)`; `task` one by its name.
 
 In each, a target is drawn for an episode and shown among the observations, and the reward of a step is minus the distance
 from it, as a share of the range that targets are drawn from. By default an action holds as long as a pulse, or, where actions
@@ -24,7 +27,7 @@ scenario's.
 from mckibben.learning._single import Environment
 from mckibben._gymnasium import register
 from mckibben.learning._options import Options
-from mckibben.learning._tasks import Seen, Task, arm, hanging_mass, joint, leg, reach
+from mckibben.learning._tasks import Seen, Task, reach, task
 from mckibben.learning._vector import VectorEnvironment
 
 __all__ = [
@@ -33,12 +36,9 @@ __all__ = [
     "Seen",
     "Task",
     "VectorEnvironment",
-    "arm",
-    "hanging_mass",
-    "joint",
-    "leg",
     "reach",
     "register",
+    "task",
 ]
 
 register()

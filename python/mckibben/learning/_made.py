@@ -10,7 +10,8 @@ from gymnasium.envs.registration import EnvSpec
 from mckibben._mckibben import Scenario
 from mckibben.errors import InputError
 from mckibben.learning._options import Options
-from mckibben.learning._tasks import TASKS, Task
+from mckibben.learning._tasks import Task
+from mckibben.learning._tasks import task as named
 
 
 def made_of(task: str | Task, count: int, options: Mapping[str, Any]) -> tuple[Task, int, Options]:
@@ -19,10 +20,10 @@ def made_of(task: str | Task, count: int, options: Mapping[str, Any]) -> tuple[T
     of_task = {name: rest.pop(name) for name in ("scenario", "targets") if rest.get(name) is not None}
     if isinstance(of_task.get("scenario"), (str, Path)):
         of_task["scenario"] = Scenario.load(of_task["scenario"])
+    if not isinstance(of_task.get("scenario", None), (Scenario, type(None))):
+        raise InputError(f"scenario = {of_task['scenario']!r}: give a mckibben.Scenario or the path of a scenario file")
     if not isinstance(task, Task):
-        if task not in TASKS:
-            raise InputError(f"task: there is no `{task}`; name one of {', '.join(TASKS)}, or give a Task")
-        task = TASKS[task](**of_task)
+        task = named(task, **of_task)
     elif of_task:
         raise InputError("scenario, targets: a Task has its own; give them to the task")
     known = Options.__dataclass_fields__
