@@ -85,4 +85,4 @@ class Environment(gymnasium.Env[Observations, Any], EzPickle):
         return observed[0], float(rewards[0]), bool(terminated[0]), bool(truncated[0]), self._info()
 
     def _info(self) -> dict[str, Any]:
-        return {name: values[0].item() for name, values in self._episodes.info(slice(None)).items()}
+        return {name: values[0].item() for name, values in self._episodes.info().items()}
