@@ -241,6 +241,11 @@ class Episodes:
         commands = np.clip(given.astype(np.float64), self._lowest(), 1.0)
         return commands * self.options.max_pressure if self.options.action_mode == "set-point" else commands
 
+    def targets(self, place: int) -> dict[str, float]:
+        """The targets of a plant's episode in SI, by their columns."""
+        ranges = self.task.targets.items()
+        return {name: float(low + share * (high - low)) for (name, (low, high)), share in zip(ranges, self.aims[place], strict=True)}
+
     def info(self) -> dict[str, NDArray[Any]]:
         """The columns of the plants in SI without noise and delay, and how their episodes stand: an array over them each."""
         columns = {name: self.observations[:, place].copy() for place, name in enumerate(self.plants.columns)}

@@ -5,6 +5,7 @@ from typing import Any
 
 from mckibben._mckibben import Scenario, VectorPlant
 from mckibben.errors import InputError
+from mckibben.learning._named import JOINT
 
 # Sections that stand beside the keys of `[actuator]` in `[actuators.NAME]`.
 SECTIONS = ("valve", "hose", "command", "controller", "pressure", "tendon", "load", "initial", "coupling", "supply")
@@ -56,6 +57,13 @@ class Plant:
         given = self.at(path)
         paths = [f"{path}[{place}]" for place in range(len(given))] if isinstance(given, list) else [path]
         return [value for value in map(self.number, paths) if value is not None]
+
+    def angles(self, path: str) -> list[float]:
+        """The angles in rad of a table, which are no numbers of the plant that can be set one by one; none where there is none."""
+        # The scenario of a joint reads them, whatever their unit.
+        joint = Scenario(JOINT)
+        read = (joint.with_values({"load.hanging_angle": angle}).to_dict() for angle in self.at(path) or [])
+        return [float(sections["load"]["hanging_angle"].partition(" ")[0]) for sections in read]
 
     def at(self, path: str) -> Any:
         """What the file has at this path as it was written, or None."""

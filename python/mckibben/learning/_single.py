@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from mckibben.learning._draws import Source
 from mckibben.learning._episodes import Episodes, Observations
-from mckibben.learning._made import made_of, reset_options, with_steps
+from mckibben.learning._made import Frames, made_of, reset_options, with_steps
 from mckibben.learning._tasks import Task
 
 
@@ -22,13 +22,14 @@ class Environment(gymnasium.Env[Observations, Any], EzPickle):
     is made anew with the same options: reset it.
     """
 
-    metadata = {"render_modes": []}
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array"]}
     _spec: EnvSpec | None = None
 
-    def __init__(self, task: str | Task = "HangingMass", *, render_mode: None = None, **options: Any) -> None:
+    def __init__(self, task: str | Task = "HangingMass", *, render_mode: str | None = None, **options: Any) -> None:
         EzPickle.__init__(self, task, render_mode=render_mode, **options)
         self._episodes = Episodes(*made_of(task, 1, options))
         self.render_mode = render_mode
+        self._frames = Frames(render_mode, self._episodes)
         self.action_space = self._episodes.action_space()
         self.observation_space = self._episodes.observation_space()
         # A step takes one control period.
@@ -83,6 +84,23 @@ class Environment(gymnasium.Env[Observations, Any], EzPickle):
         actions: NDArray[Any] = np.asarray(action)[np.newaxis]
         observed, rewards, terminated, truncated = episodes.step(Source([self.np_random]), actions)
         return observed[0], float(rewards[0]), bool(terminated[0]), bool(truncated[0]), self._info()
+
+    def render(self) -> NDArray[np.uint8] | None:
+        """A picture of the plant where it is, with its targets, muscles coloured by their gauge pressure.
+
+        Returns
+        -------
+        frame
+            An array of shape (480, 640, 3); None with a warning unless the environment was made with
+            `render_mode="rgb_array"`.
+
+        Raises
+        ------
+        gymnasium.error.ResetNeeded
+            Before the first `reset`.
+        """
+        frames = self._frames(bool(self._episodes.elapsed[0]) or not self._episodes.over[0])
+        return None if frames is None else frames[0]
 
     def _info(self) -> dict[str, Any]:
         return {name: values[0].item() for name, values in self._episodes.info().items()}

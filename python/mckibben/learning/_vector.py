@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from mckibben.errors import InputError
 from mckibben.learning._draws import Places, Source
 from mckibben.learning._episodes import Episodes, Observations
-from mckibben.learning._made import made_of, reset_options, with_steps
+from mckibben.learning._made import Frames, made_of, reset_options, with_steps
 from mckibben.learning._tasks import Task
 
 
@@ -38,7 +38,7 @@ class VectorEnvironment(VectorEnv[Observations, Any, Any], EzPickle):
     comes out of a pickle is made anew with the same options: reset it.
     """
 
-    metadata: dict[str, Any] = {"render_modes": []}
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array"]}
     _spec: EnvSpec | None = None
 
     def __init__(
@@ -47,7 +47,7 @@ class VectorEnvironment(VectorEnv[Observations, Any, Any], EzPickle):
         num_envs: int = 1,
         *,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
-        render_mode: None = None,
+        render_mode: str | None = None,
         **options: Any,
     ) -> None:
         EzPickle.__init__(self, task, num_envs, autoreset_mode=autoreset_mode, render_mode=render_mode, **options)
@@ -56,7 +56,9 @@ class VectorEnvironment(VectorEnv[Observations, Any, Any], EzPickle):
         self._episodes = Episodes(*made_of(task, num_envs, options))
         self.num_envs, self.render_mode = num_envs, render_mode
         self.autoreset_mode = mode(autoreset_mode)
-        self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode}
+        self._frames = Frames(render_mode, self._episodes)
+        fps = round(1.0 / self._episodes.period)
+        self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode, "render_fps": fps}
         self.single_action_space = self._episodes.action_space()
         self.single_observation_space = self._episodes.observation_space()
         self.action_space = batch_space(self.single_action_space, num_envs)
@@ -188,6 +190,22 @@ class VectorEnvironment(VectorEnv[Observations, Any, Any], EzPickle):
             observed[places] = episodes.restart(self._source(), places)
         self._last = observed.copy()
         return observed, rewards, terminated, truncated, {**self._info(self._everyone), **info}
+
+    def render(self) -> tuple[NDArray[np.uint8], ...] | None:
+        """Pictures of the plants where they are, as those of the single form.
+
+        Returns
+        -------
+        frames
+            An array of shape (480, 640, 3) for each plant; None with a warning unless the environment was made with
+            `render_mode="rgb_array"`.
+
+        Raises
+        ------
+        gymnasium.error.ResetNeeded
+            Before the first `reset`.
+        """
+        return self._frames(len(self._last) > 0)
 
     def _info(self, having: NDArray[np.bool_]) -> dict[str, Any]:
         """What there is to know of the plants that these flags mean, in Gymnasium's form: zeros elsewhere, and the flags."""
