@@ -78,7 +78,8 @@ def test_the_number_of_threads_changes_no_bit() -> None:
     found = set()
     for threads in ("1", "3"):
         code = "import test_learning_plants; print(test_learning_plants.digest())"
-        environment = {**os.environ, "RAYON_NUM_THREADS": threads, "PYTHONPATH": os.pathsep.join([str(pathlib.Path(__file__).parent), *sys.path])}
+        path = os.pathsep.join([str(pathlib.Path(__file__).parent), *sys.path])
+        environment = {**os.environ, "RAYON_NUM_THREADS": threads, "PYTHONPATH": path}
         done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
         found.add(done.stdout)
     assert len(found) == 1

@@ -171,7 +171,9 @@ def test_a_higher_pressure_is_darker() -> None:
     assert shade(-0.1) == shade(0.0) and shade(1.2) == shade(1.0)
 
 
-@pytest.mark.parametrize("file", ["plant/leg", "plant/arm", "antagonistic-joint", "plant/bottle", "plant/hose-joint", "moment-arm"])
+@pytest.mark.parametrize(
+    "file", ["plant/leg", "plant/arm", "antagonistic-joint", "plant/bottle", "plant/hose-joint", "moment-arm"]
+)
 def test_nothing_is_cut_off_at_the_stops(file: str) -> None:
     draw, task = renderer(example(file))
     columns = draw.columns
@@ -200,7 +202,7 @@ def test_directions_are_those_in_which_angles_grow() -> None:
     np.testing.assert_allclose(ahead, axes(0.4)[1], atol=1e-6)
 
 
-def test_the_picture_of_the_documentation_is_what_its_lines_draw(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_documentation_shows_what_its_lines_draw(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
     text = (ROOT / "docs" / "python-learning.md").read_text()
     (lines,) = (block for block in re.findall(r"```python\n(.*?)```", text, re.DOTALL) if "python-learning.png" in block)
     monkeypatch.chdir(tmp_path)

@@ -1,7 +1,7 @@
 """What pictures of plants are drawn with: a canvas on which lengths are in m, and muscles on it.
 
-The width of a braid follows from its length L, its thread length b and its turns n: √(b² - L²)/(n π). The widths of muscles, and
-the moment arms of joints, are drawn `ACROSS` times as large as they are.
+The width of a braid follows from its length L, its thread length b and its turns n: √(b² - L²)/(n π). The widths of muscles,
+and the moment arms of joints, are drawn `ACROSS` times as large as they are.
 """
 
 import functools

@@ -243,8 +243,8 @@ class Episodes:
 
     def targets(self, place: int) -> dict[str, float]:
         """The targets of a plant's episode in SI, by their columns."""
-        ranges = self.task.targets.items()
-        return {name: float(low + share * (high - low)) for (name, (low, high)), share in zip(ranges, self.aims[place], strict=True)}
+        aims = zip(self.task.targets.items(), self.aims[place], strict=True)
+        return {name: float(low + share * (high - low)) for (name, (low, high)), share in aims}
 
     def info(self) -> dict[str, NDArray[Any]]:
         """The columns of the plants in SI without noise and delay, and how their episodes stand: an array over them each."""

@@ -59,8 +59,8 @@ class Plant:
         return [value for value in map(self.number, paths) if value is not None]
 
     def angles(self, path: str) -> list[float]:
-        """The angles in rad of a table, which are no numbers of the plant that can be set one by one; none where there is none."""
-        # The scenario of a joint reads them, whatever their unit.
+        """The angles in rad of a table; none where there is none."""
+        # They cannot be set one by one: the scenario of a joint reads them, whatever their unit.
         joint = Scenario(JOINT)
         read = (joint.with_values({"load.hanging_angle": angle}).to_dict() for angle in self.at(path) or [])
         return [float(sections["load"]["hanging_angle"].partition(" ")[0]) for sections in read]

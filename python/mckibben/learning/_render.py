@@ -160,11 +160,13 @@ def groups(plant: Plant, columns: list[str]) -> list[Any]:
             drawn.append(chain)
             on_it = [cord.muscle.pressure for cord in chain.cords]
         else:
-            position = f"{path.rpartition('.')[2]}.position_m"
             named = path.rpartition(".")[2]
-            theirs = {name: muscle for name, muscle in alone.items()
-                      if plant.section(name, "coupling").get("mechanism", named) == named and not plant.at(f"actuators.{name}.load")}
-            drawn.append(Hanging(plant, theirs, position, plant.number(f"{path}.mass") or 0.0))
+            theirs = {
+                name: muscle
+                for name, muscle in alone.items()
+                if plant.section(name, "coupling").get("mechanism", named) == named and not plant.at(f"actuators.{name}.load")
+            }
+            drawn.append(Hanging(plant, theirs, f"{named}.position_m", plant.number(f"{path}.mass") or 0.0))
             on_it = [muscle.pressure for muscle in theirs.values()]
         alone = {name: muscle for name, muscle in alone.items() if muscle.pressure not in on_it}
     if alone:

@@ -18,7 +18,7 @@ from mckibben.learning._tasks import Task
 class Environment(gymnasium.Env[Observations, Any], EzPickle):
     """One plant of a scenario that is to reach a target in each episode; made by `gymnasium.make`.
 
-    Options are those of `VectorEnvironment`, of which this is one plant; without `autoreset_mode`. What comes out of a pickle
+    Options are those of `VectorEnvironment`, of which this is one plant, without `autoreset_mode`. What comes out of a pickle
     is made anew with the same options: reset it.
     """
 
@@ -63,9 +63,23 @@ class Environment(gymnasium.Env[Observations, Any], EzPickle):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observations, dict[str, Any]]:
-        """Begins an episode at t = 0. With the option `targets`, `{"length_m": 0.08}`, targets in SI are these instead of drawn.
+        """Begins an episode at t = 0.
 
-        Raises `InputError` for another option, and for a target beyond the range that targets are drawn from.
+        Parameters
+        ----------
+        seed
+            Of the generator that everything random of the episodes comes from; it goes on unless given.
+        options
+            `targets`: targets in SI of this episode, `{"length_m": 0.08}`, instead of drawn ones.
+
+        Returns
+        -------
+        observation, info
+
+        Raises
+        ------
+        InputError
+            For another option, and for a target beyond the range that targets are drawn from.
         """
         targets = reset_options(options, "targets")
         super().reset(seed=seed)

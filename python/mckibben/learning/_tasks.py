@@ -176,8 +176,8 @@ def _moving(plant: Plant, mechanism: str) -> Range | None:
     if sections.get(mechanism, sections.get(f"mechanisms.{mechanism}", {})).get("kind") != "mass":
         return None
     on_it = [name for name in plant.actuators if plant.section(name, "coupling").get("mechanism", mechanism) == mechanism]
-    ends = [[plant.number(f"actuators.{name}.{end}_length") for name in on_it] for end in ("min", "max")]
-    low, high = (choose(value for value in values if value is not None) for choose, values in zip((max, min), ends, strict=True))
+    low = max(plant.number(f"actuators.{name}.min_length", "actuator.min_length") or 0.0 for name in on_it)
+    high = min(plant.number(f"actuators.{name}.max_length", "actuator.max_length") or 0.0 for name in on_it)
     return (low, high) if low < high else None
 
 
@@ -185,15 +185,16 @@ def _check(targets: Ranges, columns: list[str]) -> None:
     """Refuses targets that are no ranges of columns."""
     if not isinstance(targets, Mapping) or not targets:
         raise InputError(f"targets = {targets!r}: give ranges in SI by columns, one at least, of {', '.join(columns)}")
+    remedy = "give two finite numbers in SI, the lower first"
     for column, given in targets.items():
         if column not in columns:
             raise InputError(f"targets: `{column}` is no column of this plant; name one of {', '.join(columns)}")
         try:
             low, high = (float(end) for end in given)
         except (TypeError, ValueError):
-            raise InputError(f"targets: {column} = {given!r} is no range; give two finite numbers in SI, the lower first") from None
+            raise InputError(f"targets: {column} = {given!r} is no range; {remedy}") from None
         if not -math.inf < low < high < math.inf:
-            raise InputError(f"targets: {column} from {low} to {high} is no range; give two finite numbers in SI, the lower first")
+            raise InputError(f"targets: {column} from {low} to {high} is no range; {remedy}")
 
 
 def _position(column: str, ends: Range) -> Seen:

@@ -30,7 +30,8 @@ class VectorEnvironment(VectorEnv[Observations, Any, Any], EzPickle):
     - `action_mode`, `pulse_frequency`, `max_pressure`: what an action is;
     - `control_period`, `duration`, `max_episode_steps`: how long an action and an episode last;
     - `distance_limit`, `terminal_penalty`, `success_tolerance`: rewards, and what counts as success;
-    - `noise`, `sensor_delay`, `action_delay`, `randomize`: what makes it hard.
+    - `noise`, `sensor_delay`, `action_delay`, `randomize`: what makes it hard;
+    - `render_mode`: "rgb_array" for pictures, as `render` returns them.
 
     See `mckibben.learning.Options` for their meanings and defaults. An observation has what the task sees of the plant, the
     phase of the pulses and the duty cycles under way where control is not in step with the pulses, and the targets, all of
