@@ -216,6 +216,7 @@ def test_a_mass_that_several_actuators_move_has_the_lengths_that_all_can_have() 
     "options, words",
     [
         ({}, "scenario is missing: give a mckibben.Scenario or the path"),
+        ({"scenario": step_given("sweep-co-contraction.toml")}, "no valve that could be commanded"),
         ({"scenario": 3}, "scenario = 3: give a mckibben.Scenario or the path"),
         ({"scenario": step_given("isometric-charge.toml")}, r"nothing in this plant moves freely.*targets=\{"),
         ({"scenario": step_given("plant/controlled.toml")}, r"`elbow.angle_rad`, whose joint lacks a stop; give .*min_angle"),

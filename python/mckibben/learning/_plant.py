@@ -18,7 +18,12 @@ class Plant:
     Parameters
     ----------
     scenario
-        Any scenario.
+        Any scenario of a plant whose valves can be commanded.
+
+    Raises
+    ------
+    InputError
+        For a plant without a valve.
 
     Attributes
     ----------
@@ -33,15 +38,18 @@ class Plant:
         self.actuators = list(self.tree.get("actuators", {}))
         # With a step the engine searches for none.
         self._scenario = scenario.with_values({"run.step": "1 ms"})
-        self._mode = next(filter(self._takes, ACTION_MODES), ACTION_MODES[0])
+        self._mode = self._taken()
 
-    def _takes(self, mode: str) -> bool:
-        """Whether the valves take actions of this mode."""
-        try:
-            VectorPlant(self._scenario, 1, action_mode=mode)
-        except InputError:
-            return False
-        return True
+    def _taken(self) -> str:
+        """An action mode that the valves take."""
+        for mode in ACTION_MODES:
+            try:
+                VectorPlant(self._scenario, 1, action_mode=mode)
+            except InputError as error:
+                refused = error
+            else:
+                return mode
+        raise refused
 
     def number(self, *paths: str) -> float | None:
         """The value in SI of the first of these keys that is a number of the plant, or None."""
