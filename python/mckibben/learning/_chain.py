@@ -217,7 +217,8 @@ class Cord:
         taken = 0.0
         for joint, (angles, arms) in self.arms.items():
             steps = np.linspace(0.0, values[columns[joint]], 9)
-            taken += float(np.trapezoid(np.interp(steps, angles, arms), steps))
+            radii = np.interp(steps, angles, arms)
+            taken += float(np.sum(0.5 * (radii[1:] + radii[:-1]) * np.diff(steps)))
         return self.rest - taken
 
     def draw(self, canvas: Canvas, chain: Chain, posture: Posture, values: Values, full: float) -> None:
