@@ -21,7 +21,7 @@ NETWORKS, MUSCLES = 16, 16  # networks in a generation, and muscles that each is
 PERIOD, STEPS = 0.005, 160
 EXHAUST, HOLD, FILL = 0, 1, 2
 OPTIONS = {
-    "scenario": mckibben.learning.hanging_mass().scenario.with_values({"valve.kind": "fill-hold-exhaust"}),
+    "scenario": mckibben.learning.task("HangingMass").scenario.with_values({"valve.kind": "fill-hold-exhaust"}),
     "action_mode": "request",
     "control_period": PERIOD,
     "duration": STEPS * PERIOD,
@@ -66,7 +66,8 @@ many = gymnasium.make_vec("mckibben/HangingMass-v0", num_envs=NETWORKS * MUSCLES
 
 def worth(networks: np.ndarray, seed: int) -> np.ndarray:
     """The mean reward of each network on its muscles; the same seed draws the same muscles."""
-    observed, _ = many.reset(seed=seed)
+    # Each muscle has a seed of its own, counted up from this one.
+    observed, _ = many.reset(seed=seed * many.num_envs)
     total = np.zeros(len(networks))
     for _ in range(STEPS):
         observed, rewards, *_ = many.step(requests(networks, observed))
@@ -101,7 +102,7 @@ many = gymnasium.make_vec("mckibben/HangingMass-v0", num_envs=256, **OPTIONS)
 
 def course_of(control) -> tuple[np.ndarray, np.ndarray, float]:
     """Lengths and targets in m over time, and the mean reward, under what `control` answers to observations."""
-    observed, _ = many.reset(seed=12345)
+    observed, _ = many.reset(seed=1_000_000)
     lengths, total = [many.unwrapped.observations[:, 0].copy()], 0.0
     low, high = 0.070, 0.090
     targets = low + (high - low) * observed[:, 3].astype(float)

@@ -3,7 +3,7 @@
 from gymnasium.envs.registration import register as to_register
 from gymnasium.envs.registration import registry
 
-IDS = {f"mckibben/{task}-v0": task for task in ("HangingMass", "Joint", "Leg", "Arm")}
+IDS = {f"mckibben/{task}-v0": task for task in ("HangingMass", "Joint", "Leg", "Arm", "Scenario")}
 
 
 def register() -> None:

@@ -6,7 +6,6 @@ import pathlib
 import subprocess
 import sys
 import tomllib
-from collections.abc import Callable
 from typing import Any
 
 import gymnasium
@@ -18,9 +17,7 @@ from mckibben import learning
 from mckibben._mckibben import VectorPlant
 
 PLANTS = pathlib.Path(__file__).parents[2] / "examples" / "plant"
-TASKS: dict[str, Callable[[], learning.Task]] = {
-    "rig": learning.hanging_mass, "joint": learning.joint, "leg": learning.leg, "arm": learning.arm,
-}
+TASKS = {"rig": "HangingMass", "joint": "Joint", "leg": "Leg", "arm": "Arm"}
 COUNT, STEPS, PERIOD = 5, 14, 0.012
 
 
@@ -37,7 +34,7 @@ def drawn(name: str) -> tuple[list[str], np.ndarray]:
 
 
 def scenario(name: str) -> mckibben.Scenario:
-    of_task = TASKS[name]().scenario
+    of_task = learning.task(TASKS[name]).scenario
     return of_task.with_values({"actuators.biceps.friction.viscous": "3 N*s/m"}) if name == "arm" else of_task
 
 
@@ -81,7 +78,8 @@ def test_the_number_of_threads_changes_no_bit() -> None:
     found = set()
     for threads in ("1", "3"):
         code = "import test_learning_plants; print(test_learning_plants.digest())"
-        environment = {**os.environ, "RAYON_NUM_THREADS": threads, "PYTHONPATH": str(pathlib.Path(__file__).parent)}
+        path = os.pathsep.join([str(pathlib.Path(__file__).parent), *sys.path])
+        environment = {**os.environ, "RAYON_NUM_THREADS": threads, "PYTHONPATH": path}
         done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
         found.add(done.stdout)
     assert len(found) == 1
@@ -119,7 +117,7 @@ def test_the_examples_are_environments(name: str, asked: str) -> None:
 @pytest.mark.parametrize("name", ["arm", "leg"])
 def test_the_tasks_have_the_mechanisms_of_the_examples(name: str) -> None:
     example = tomllib.loads((PLANTS / f"{name}.toml").read_text())
-    ours = TASKS[name]().scenario.to_dict()
+    ours = learning.task(TASKS[name]).scenario.to_dict()
     assert ours["mechanism"] == example["mechanism"] and ours["coupling"] == example["coupling"]
     assert ours.get("supplies") == example.get("supplies")
     couplings = {muscle: its["coupling"] for muscle, its in example["actuators"].items()}
@@ -136,8 +134,102 @@ def test_any_scenario_is_an_environment() -> None:
         for _ in range(4):
             observed, *_, truncated, info = many.step(many.action_space.sample())
         assert truncated.all() and np.isfinite(observed).all() and set(targets) < set(info)
-    with pytest.raises(mckibben.InputError, match="is nothing that is seen of this plant; name one of"):
+    with pytest.raises(mckibben.InputError, match="is no column of this plant; name one of"):
         learning.reach(plant, {"wrist.angle_rad": (0.0, 1.0)})
+
+
+SCENARIO = "mckibben/Scenario-v0"
+EXAMPLES = PLANTS.parent
+
+
+def step_given(file: str) -> mckibben.Scenario:
+    return mckibben.Scenario.from_file(EXAMPLES / file).with_values({"run.step": "0.5 ms"})
+
+
+@pytest.mark.parametrize(
+    "file, options, targets",
+    [
+        ("fill-hold-exhaust.toml", {"action_mode": "request"}, ["length_m"]),
+        ("tendon.toml", {"pulse_frequency": 25.0}, ["length_m"]),
+        ("valves/pressure-regulator.toml", {"action_mode": "set-point"}, ["length_m"]),
+        ("valves/proportional-spool.toml", {"action_mode": "position"}, ["length_m"]),
+        ("antagonistic-joint.toml", {"action_mode": "request"}, ["angle_rad"]),
+        ("moment-arm.toml", {"action_mode": "request"}, ["angle_rad"]),
+        ("plant/bottle.toml", {"action_mode": "request"}, ["paper.length_m", "thick.length_m", "long.length_m"]),
+        ("plant/hose-joint.toml", {"action_mode": "request"}, ["elbow.angle_rad"]),
+        ("plant/leg.toml", {"action_mode": "set-point"}, ["hip.angle_rad", "knee.angle_rad"]),
+        ("plant/arm.toml", {"action_mode": "request"}, [f"{joint}.angle_rad" for joint in ("shoulder", "elbow", "wrist")]),
+    ],
+)
+def test_a_scenario_file_of_any_plant_is_an_environment(file: str, options: dict[str, Any], targets: list[str]) -> None:
+    """With targets that are chosen for it; the path of a file and what was read from it mean the same."""
+    one = gymnasium.make(SCENARIO, scenario=step_given(file), max_episode_steps=3, **options)
+    many = gymnasium.make_vec(SCENARIO, num_envs=2, scenario=step_given(file), max_episode_steps=3, **options)
+    assert list(one.unwrapped._episodes.task.targets) == list(many.unwrapped._episodes.task.targets) == targets
+    (observed, _), (both, _) = one.reset(seed=3), many.reset(seed=3)
+    for _ in range(3):
+        np.testing.assert_array_equal(both[0], observed)
+        assert observed in one.observation_space
+        action = many.action_space.sample()
+        (observed, reward, *_), (both, rewards, *_) = one.step(action[0]), many.step(action)
+        assert rewards[0] == reward
+    if file == "fill-hold-exhaust.toml":
+        for path in (EXAMPLES / file, str(EXAMPLES / file)):
+            loaded = gymnasium.make(SCENARIO, scenario=path, **options).unwrapped
+            assert loaded._episodes.task.targets == one.unwrapped._episodes.task.targets
+
+
+def test_targets_that_are_chosen_are_within_reach() -> None:
+    """Lengths from where the supply's pressure lifts the load to where it hangs without pressure; angles between the stops."""
+    # Without dry friction, which stops the muscle up to a millimetre away, and with enough damping to come to rest in 2 s.
+    friction = {"actuator.friction.coulomb_width": 0.0, "actuator.friction.viscous": 60.0}
+    free = step_given("fill-hold-exhaust.toml").with_values(friction)
+    targets = learning.reach(free).targets
+    many = gymnasium.make_vec(SCENARIO, num_envs=2, scenario=free, action_mode="request", max_episode_steps=400)
+    many.reset(seed=1)
+    for _ in range(400):
+        many.step(np.array([many.single_action_space.n - 1, 0]))
+    short, long = many.unwrapped.observations[:, 0]
+    low, high = targets["length_m"]
+    assert low == pytest.approx(short + 0.1 * (long - short), abs=1e-4)
+    # The braid, taut without pressure, stretches by a quarter of a millimetre.
+    assert high == pytest.approx(long - 0.1 * (long - short), abs=3e-4)
+    stops = np.radians([-40.0, 40.0])
+    assert learning.reach(step_given("antagonistic-joint.toml")).targets["angle_rad"] == pytest.approx(0.8 * stops)
+    # Each of three unlike muscles has its own load.
+    ranges = learning.reach(step_given("plant/bottle.toml")).targets
+    assert ranges["thick.length_m"][0] > ranges["paper.length_m"][0] and ranges["long.length_m"][0] > 0.13
+
+
+def test_a_mass_that_several_actuators_move_has_the_lengths_that_all_can_have() -> None:
+    sections = step_given("plant/bottle.toml").to_dict()
+    sections["mechanism"] = {"kind": "mass", "mass": "5 kg", "position": "90 mm"}
+    del sections["load"]
+    actuators = {"one": {"preset": "colbrunn-2001"}, "other": {"preset": "colbrunn-2001", "max_length": "90 mm"}}
+    targets = learning.reach(mckibben.Scenario.from_dict({**sections, "actuators": actuators})).targets
+    assert list(targets) == ["mechanism.position_m"]
+    short, long = 0.10977372 / np.sqrt(3.0), 0.09
+    assert targets["mechanism.position_m"] == pytest.approx((0.9 * short + 0.1 * long, 0.1 * short + 0.9 * long), rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    "options, words",
+    [
+        ({}, "scenario is missing: give a mckibben.Scenario or the path"),
+        ({"scenario": step_given("sweep-co-contraction.toml")}, "no valve that could be commanded"),
+        ({"scenario": 3}, "scenario = 3: give a mckibben.Scenario or the path"),
+        ({"scenario": step_given("isometric-charge.toml")}, r"nothing in this plant moves freely.*targets=\{"),
+        ({"scenario": step_given("plant/controlled.toml")}, r"`elbow.angle_rad`, whose joint lacks a stop; give .*min_angle"),
+        ({"scenario": step_given("fill-hold-exhaust.toml").with_values({"load.mass": "90 lb"})}, "cannot lift its load"),
+        ({"scenario": step_given("antagonistic-joint.toml"), "targets": {"length_m": (0.1, 0.2)}}, "name one of angle_rad"),
+        ({"scenario": step_given("antagonistic-joint.toml"), "targets": {"angle_rad": (0.2, 0.1)}}, "the lower first"),
+        ({"scenario": step_given("antagonistic-joint.toml"), "targets": {"angle_rad": 0.2}}, "give two finite numbers in SI"),
+        ({"scenario": step_given("antagonistic-joint.toml"), "targets": {}}, "one at least, of angle_rad"),
+    ],
+)
+def test_where_no_task_can_be_made_the_message_says_what_to_give(options: dict[str, Any], words: str) -> None:
+    with pytest.raises(mckibben.InputError, match=words):
+        gymnasium.make(SCENARIO, **options)
 
 
 def test_every_number_of_a_file_can_be_drawn() -> None:
@@ -159,7 +251,7 @@ def test_a_joint_takes_positions_and_set_points() -> None:
     from test_learning_actions import REGULATOR, SPOOL
 
     for asked, valve in [("position", SPOOL), ("set-point", REGULATOR)]:
-        sections = learning.joint().scenario.to_dict()
+        sections = learning.task("Joint").scenario.to_dict()
         for of in (sections, sections["antagonist"]) if "antagonist" in sections else (sections,):
             for section in ("valve", "command"):
                 of.pop(section, None)

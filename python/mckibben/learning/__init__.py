@@ -1,10 +1,10 @@
-"""Environments of Gymnasium for learning to control: a muscle under a mass, a joint, a leg, an arm, and any scenario file.
+"""Environments for Gymnasium: a muscle that lifts a mass, an antagonistic joint, a leg, an arm, and any scenario file.
 
 >>> import gymnasium, mckibben.learning
 >>> environment = gymnasium.make("mckibben/HangingMass-v0", noise={"length_m": 1e-4})
 >>> many = gymnasium.make_vec("mckibben/HangingMass-v0", num_envs=4096, randomize={"load.mass": (1.5, 3.0)})
 
-The module needs Gymnasium: `pip install "mckibben[learning]"`. Importing it registers these four environments:
+Needs Gymnasium: `pip install "mckibben[learning]"`. Environments are registered when this module is imported.
 
 | id | controlled quantity | valves |
 |---|---|---|
@@ -12,8 +12,11 @@ The module needs Gymnasium: `pip install "mckibben[learning]"`. Importing it reg
 | `mckibben/Joint-v0` | the angle of a joint that two muscles turn against each other | 2 |
 | `mckibben/Leg-v0` | hip and knee of a leg of six muscles, by default on a belt | 6 |
 | `mckibben/Arm-v0` | shoulder, elbow and wrist of an arm of six muscles on a manifold | 6 |
+| `mckibben/Scenario-v0` | what `targets` name, of any scenario file | those of the file |
 
-`reach` makes a task of any other scenario file: `VectorEnvironment(reach(scenario, targets), num_envs=256)`.
+>>> leg = gymnasium.make("mckibben/Scenario-v0", scenario="examples/plant/leg.toml", action_mode="set-point")
+
+`reach` makes a task of any plant, for `VectorEnvironment(reach(scenario, targets), num_envs=256)`; `task` one by its name.
 
 A target is drawn for each episode and is part of the observation. The reward of a step is minus the distance from the target,
 as a share of the range that targets are drawn from. By default an action lasts for one pulse, or, where actions are not duty
@@ -23,7 +26,7 @@ cycles, longer than the delays of the valve, so that each changes the state. Whe
 from mckibben.learning._single import Environment
 from mckibben._gymnasium import register
 from mckibben.learning._options import Options
-from mckibben.learning._tasks import Seen, Task, arm, hanging_mass, joint, leg, reach
+from mckibben.learning._tasks import Seen, Task, reach, task
 from mckibben.learning._vector import VectorEnvironment
 
 __all__ = [
@@ -32,12 +35,9 @@ __all__ = [
     "Seen",
     "Task",
     "VectorEnvironment",
-    "arm",
-    "hanging_mass",
-    "joint",
-    "leg",
     "reach",
     "register",
+    "task",
 ]
 
 register()

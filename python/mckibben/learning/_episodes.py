@@ -36,7 +36,7 @@ class Episodes:
         known = ", ".join(columns)
         for name in (*options.noise, *task.targets, *(seen.column for seen in task.seen)):
             if name not in columns:
-                raise InputError(f"`{name}` is nothing that is seen of this plant; name one of {known}")
+                raise InputError(f"`{name}` is no column of this plant; name one of {known}")
         # Column by column: NumPy is slow along rows of a few numbers.
         self._seen = [(columns[seen.column], seen.zero, 1.0 / seen.unit) for seen in task.seen]
         noise = np.array([options.noise.get(seen.column, 0.0) / seen.unit for seen in task.seen])
@@ -93,7 +93,9 @@ class Episodes:
         return self._begin(source, self._all, aims)
 
     def restart(self, source: Source, places: Places, targets: Any = None) -> Observations:
-        """Begins another episode of some plants while the others go on: their observations, a row for each of them."""
+        """Begins another episode of some plants while the others go on, or of all and their clock: their observations."""
+        if len(places) == self.count:
+            return self.start(source, targets)
         aims = self._targets(targets, places)
         self.plants.restart(places, drawn(self.options.randomize, source, places))
         return self._begin(source, places, aims)
@@ -239,10 +241,15 @@ class Episodes:
         commands = np.clip(given.astype(np.float64), self._lowest(), 1.0)
         return commands * self.options.max_pressure if self.options.action_mode == "set-point" else commands
 
-    def info(self, places: Places | slice) -> dict[str, NDArray[Any]]:
-        """What some plants show without noise and delay, in SI by their columns, and how their episodes stand."""
-        columns = {name: self.observations[places, place].copy() for place, name in enumerate(self.plants.columns)}
-        return {**columns, "is_success": self.succeeded[places].copy(), "diverged": self.stopped[places].copy()}
+    def targets(self, place: int) -> dict[str, float]:
+        """The targets of a plant's episode in SI, by their columns."""
+        aims = zip(self.task.targets.items(), self.aims[place], strict=True)
+        return {name: float(low + share * (high - low)) for (name, (low, high)), share in aims}
+
+    def info(self) -> dict[str, NDArray[Any]]:
+        """The columns of the plants in SI without noise and delay, and how their episodes stand: an array over them each."""
+        columns = {name: self.observations[:, place].copy() for place, name in enumerate(self.plants.columns)}
+        return {**columns, "is_success": self.succeeded.copy(), "diverged": self.stopped.copy()}
 
 
 def first(given: NDArray[Any], wrong: NDArray[np.bool_]) -> str:

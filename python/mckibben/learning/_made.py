@@ -5,24 +5,30 @@ from copy import copy
 from pathlib import Path
 from typing import Any
 
+import gymnasium
+import numpy as np
 from gymnasium.envs.registration import EnvSpec
+from gymnasium.error import DependencyNotInstalled, ResetNeeded
+from numpy.typing import NDArray
 
 from mckibben._mckibben import Scenario
 from mckibben.errors import InputError
+from mckibben.learning._episodes import Episodes
 from mckibben.learning._options import Options
-from mckibben.learning._tasks import TASKS, Task
+from mckibben.learning._tasks import Task
+from mckibben.learning._tasks import task as named
 
 
 def made_of(task: str | Task, count: int, options: Mapping[str, Any]) -> tuple[Task, int, Options]:
     """The task, the number of plants and the options, from what an environment is made with."""
     rest = dict(options)
-    of_task = {name: rest.pop(name) for name in ("scenario", "targets") if rest.get(name) is not None}
+    of_task = {name: value for name in ("scenario", "targets") if (value := rest.pop(name, None)) is not None}
     if isinstance(of_task.get("scenario"), (str, Path)):
         of_task["scenario"] = Scenario.from_file(of_task["scenario"])
+    if not isinstance(of_task.get("scenario", None), (Scenario, type(None))):
+        raise InputError(f"scenario = {of_task['scenario']!r}: give a mckibben.Scenario or the path of a scenario file")
     if not isinstance(task, Task):
-        if task not in TASKS:
-            raise InputError(f"task: there is no `{task}`; name one of {', '.join(TASKS)}, or give a Task")
-        task = TASKS[task](**of_task)
+        task = named(task, **of_task)
     elif of_task:
         raise InputError("scenario, targets: a Task has its own; give them to the task")
     known = Options.__dataclass_fields__
@@ -30,6 +36,39 @@ def made_of(task: str | Task, count: int, options: Mapping[str, Any]) -> tuple[T
         if name not in known:
             raise InputError(f"`{name}` is no option of an environment; name one of {', '.join(known)}")
     return task, count, Options(**rest)
+
+
+class Frames:
+    """Pictures of the plants of an environment, as `render` returns them.
+
+    Raises `InputError` for a render mode that there is not, and `gymnasium.error.DependencyNotInstalled` without Pillow.
+    """
+
+    def __init__(self, render_mode: str | None, episodes: Episodes) -> None:
+        self._episodes, self._renderer = episodes, None
+        if render_mode is None:
+            return
+        if render_mode != "rgb_array":
+            raise InputError(f'render_mode = {render_mode!r}: give "rgb_array" or None')
+        try:
+            from mckibben.learning._render import Renderer
+        except ImportError as error:
+            raise DependencyNotInstalled('render_mode: Pillow is missing; pip install "mckibben[learning]"') from error
+        self._renderer = Renderer(episodes.task.scenario, episodes.plants.columns, list(episodes.task.targets))
+
+    def __call__(self, begun: bool) -> tuple[NDArray[np.uint8], ...] | None:
+        """A frame of each plant, of shape (height, width, 3); None with a warning where there is no render mode."""
+        if self._renderer is None:
+            gymnasium.logger.warn('render() returns nothing: make the environment with render_mode="rgb_array"')
+            return None
+        if not begun:
+            raise ResetNeeded("no episode has begun: call reset() before render()")
+        episodes = self._episodes
+        times = episodes.elapsed * episodes.period
+        return tuple(
+            self._renderer.frame(observed, episodes.targets(place), time)
+            for place, (observed, time) in enumerate(zip(episodes.observations, times, strict=True))
+        )
 
 
 def reset_options(options: Mapping[str, Any] | None, *known: str) -> dict[str, Any]:

@@ -11,24 +11,25 @@ from numpy.typing import NDArray
 
 from mckibben.learning._draws import Source
 from mckibben.learning._episodes import Episodes, Observations
-from mckibben.learning._made import made_of, reset_options, with_steps
+from mckibben.learning._made import Frames, made_of, reset_options, with_steps
 from mckibben.learning._tasks import Task
 
 
 class Environment(gymnasium.Env[Observations, Any], EzPickle):
     """One plant of a scenario that is to reach a target in each episode; made by `gymnasium.make`.
 
-    Options are those of `VectorEnvironment`, of which this is one plant; without `autoreset_mode`. What comes out of a pickle
+    Options are those of `VectorEnvironment`, of which this is one plant, without `autoreset_mode`. What comes out of a pickle
     is made anew with the same options: reset it.
     """
 
-    metadata = {"render_modes": []}
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array"]}
     _spec: EnvSpec | None = None
 
-    def __init__(self, task: str | Task = "HangingMass", *, render_mode: None = None, **options: Any) -> None:
+    def __init__(self, task: str | Task = "HangingMass", *, render_mode: str | None = None, **options: Any) -> None:
         EzPickle.__init__(self, task, render_mode=render_mode, **options)
         self._episodes = Episodes(*made_of(task, 1, options))
         self.render_mode = render_mode
+        self._frames = Frames(render_mode, self._episodes)
         self.action_space = self._episodes.action_space()
         self.observation_space = self._episodes.observation_space()
         # A step takes one control period.
@@ -62,9 +63,23 @@ class Environment(gymnasium.Env[Observations, Any], EzPickle):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observations, dict[str, Any]]:
-        """Begins an episode at t = 0. With the option `targets`, `{"length_m": 0.08}`, targets in SI are these instead of drawn.
+        """Begins an episode at t = 0.
 
-        Raises `InputError` for another option, and for a target beyond the range that targets are drawn from.
+        Parameters
+        ----------
+        seed
+            Of the generator that everything random of the episodes comes from; it goes on unless given.
+        options
+            `targets`: targets in SI of this episode, `{"length_m": 0.08}`, instead of drawn ones.
+
+        Returns
+        -------
+        observation, info
+
+        Raises
+        ------
+        InputError
+            For another option, and for a target beyond the range that targets are drawn from.
         """
         targets = reset_options(options, "targets")
         super().reset(seed=seed)
@@ -84,5 +99,22 @@ class Environment(gymnasium.Env[Observations, Any], EzPickle):
         observed, rewards, terminated, truncated = episodes.step(Source([self.np_random]), actions)
         return observed[0], float(rewards[0]), bool(terminated[0]), bool(truncated[0]), self._info()
 
+    def render(self) -> NDArray[np.uint8] | None:
+        """A picture of the plant where it is, with its targets, muscles coloured by their gauge pressure.
+
+        Returns
+        -------
+        frame
+            An array of shape (480, 640, 3); None with a warning unless the environment was made with
+            `render_mode="rgb_array"`.
+
+        Raises
+        ------
+        gymnasium.error.ResetNeeded
+            Before the first `reset`.
+        """
+        frames = self._frames(bool(self._episodes.elapsed[0]) or not self._episodes.over[0])
+        return None if frames is None else frames[0]
+
     def _info(self) -> dict[str, Any]:
-        return {name: values[0].item() for name, values in self._episodes.info(slice(None)).items()}
+        return {name: values[0].item() for name, values in self._episodes.info().items()}

@@ -1,196 +1,34 @@
-"""What is controlled in each environment: the plant, what is seen of it, and the targets."""
+"""Tasks: a plant, the targets that its columns are to reach, and what an observation has of it."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
-from mckibben._mckibben import VectorPlant, Scenario
+import numpy as np
+
+from mckibben._mckibben import Scenario, VectorPlant, curves
 from mckibben.errors import InputError
+from mckibben.learning._named import NAMED
+from mckibben.learning._plant import Plant
 
-Ranges = Mapping[str, tuple[float, float]]
+Range = tuple[float, float]
+Ranges = Mapping[str, Range]
 
-MUSCLE = """
-[actuator]
-preset = "colbrunn-2001"
-[supply]
-gauge_pressure = "100 psi"
-[valve]
-preset = "matrix-eight-channel"
-[command]
-kind = "pwm"
-frequency = "25 Hz"
-duty = 0.5
-[run]
-duration = "2 s"
-engine = "fixed-step"
-method = "rk4"
-"""
-HANGING_MASS = (
-    MUSCLE
-    + """
-step = "0.5 ms"
-[load]
-kind = "hanging-mass"
-mass = "5 lb"
-[initial]
-gauge_pressure = "40 psi"
-length = "equilibrium"
-"""
-)
-JOINT = (
-    MUSCLE
-    + """
-step = "0.2 ms"
-[load]
-kind = "antagonistic-joint"
-pulley_radius = "15 mm"
-rest_length = "3.3 in"
-mass = "0.5 kg"
-distance = "100 mm"
-inertia = "1e-3 kg*m^2"
-damping = "0.02 N*m*s/rad"
-min_angle = "-40 deg"
-max_angle = "40 deg"
-[initial]
-gauge_pressure = "20 psi"
-"""
-)
-LEG = (
-    MUSCLE
-    + """
-step = "0.2 ms"
-[initial]
-gauge_pressure = "15 psi"
-[mechanism]
-kind = "chain"
-[mechanism.joints.hip]
-segment = "thigh"
-length = "22 cm"
-mass = "0.40 kg"
-distance = "9 cm"
-inertia = "1.6e-3 kg*m^2"
-damping = "0.02 N*m*s/rad"
-min_angle = "-60 deg"
-max_angle = "60 deg"
-stop_stiffness = "50 N*m/rad"
-stop_damping = "0.3 N*m*s/rad"
-angle = "0.1 rad"
-[mechanism.joints.knee]
-segment = "shank"
-length = "22 cm"
-mass = "0.22 kg"
-distance = "10 cm"
-inertia = "0.9e-3 kg*m^2"
-damping = "0.02 N*m*s/rad"
-min_angle = "-100 deg"
-max_angle = "-5 deg"
-stop_stiffness = "50 N*m/rad"
-stop_damping = "0.3 N*m*s/rad"
-angle = "-0.5 rad"
-[mechanism.belt]
-depth = "43.2 cm"
-velocity = "-0.35 m/s"
-stiffness = "20 kN/m"
-damping = "80 N*s/m"
-friction = 0.6
-slipping_speed = "2 cm/s"
-[coupling]
-rest_length = "80 mm"
-[actuators.both-forward]
-coupling.arms = { hip = "8 mm", knee = "8 mm" }
-[actuators.both-back]
-coupling.arms = { hip = "-8 mm", knee = "-8 mm" }
-[actuators.hip-forward]
-coupling.arms.hip = "18 mm"
-[actuators.hip-back]
-coupling.arms.hip = "-18 mm"
-[actuators.knee-forward]
-coupling.arms.knee = "15 mm"
-coupling.rest_length = "78 mm"
-[actuators.knee-back]
-coupling.arms.knee = "-15 mm"
-coupling.rest_length = "78 mm"
-"""
-)
-ARM = """
-[supplies.tank]
-gauge_pressure = "6.6 bar"
-reservoir_volume = "300 cm^3"
-compressor_displacement = "40 L/min"
-cut_in_gauge_pressure = "6.5 bar"
-cut_out_gauge_pressure = "8 bar"
-[supplies.regulator]
-from = "tank"
-gauge_pressure = "4 bar"
-lag = "20 ms"
-droop = "2e7 Pa*s/kg"
-[supplies.manifold]
-from = "regulator"
-reservoir_volume = "50 cm^3"
-inlet.flow_area = "10 mm^2"
-[valve]
-preset = "matrix-eight-channel"
-kind = "fill-hold-exhaust"
-[command]
-kind = "pwm"
-frequency = "25 Hz"
-duty = 0.5
-[initial]
-gauge_pressure = "1 bar"
-[mechanism]
-kind = "chain"
-[mechanism.joints.shoulder]
-segment = "upper-arm"
-length = "28 cm"
-mass = "0.8 kg"
-distance = "12 cm"
-inertia = "5e-3 kg*m^2"
-damping = "0.05 N*m*s/rad"
-min_angle = "-60 deg"
-max_angle = "60 deg"
-[mechanism.joints.elbow]
-segment = "forearm"
-length = "24 cm"
-mass = "0.5 kg"
-distance = "10 cm"
-inertia = "2.5e-3 kg*m^2"
-damping = "0.04 N*m*s/rad"
-min_angle = "-10 deg"
-max_angle = "100 deg"
-angle = "20 deg"
-[mechanism.joints.wrist]
-segment = "hand"
-mass = "0.2 kg"
-distance = "6 cm"
-inertia = "3e-4 kg*m^2"
-damping = "0.02 N*m*s/rad"
-min_angle = "-50 deg"
-max_angle = "50 deg"
-[coupling]
-rest_length = "3.4 in"
-[actuators.deltoid]
-coupling.arms.shoulder = "20 mm"
-[actuators.latissimus]
-coupling.arms.shoulder = "-20 mm"
-[actuators.biceps]
-coupling.arms = { shoulder = "12 mm", elbow = "15 mm" }
-[actuators.triceps]
-coupling.arms.elbow = "-12 mm"
-[actuators.flexor]
-coupling.arms.wrist = "10 mm"
-[actuators.extensor]
-coupling.arms.wrist = "-10 mm"
-[run]
-duration = "2 s"
-engine = "fixed-step"
-step = "0.5 ms"
-"""
+# What may be controlled, with the name of its velocity.
+VELOCITY = {
+    "length_m": "velocity_m_s",
+    "position_m": "velocity_m_s",
+    "angle_rad": "angular_velocity_rad_s",
+}
+# Share of what a coordinate can reach that is left out at each end, unless targets are given.
+MARGIN = 0.1
 
 
 @dataclass(frozen=True)
 class Seen:
-    """One entry of an observation: a column of the plant, from which `zero` is taken and which is divided by `unit`; `least`
-    is the least that the column can be, in SI."""
+    """One entry of an observation: a column of the plant, from which `zero` is subtracted and which is divided by `unit`;
+    `least` is the least value that the column can have. All are in SI."""
 
     column: str
     zero: float
@@ -200,7 +38,7 @@ class Seen:
 
 @dataclass(frozen=True)
 class Task:
-    """A plant that is to be brought to targets.
+    """A plant whose columns are to reach targets.
 
     `targets` are the columns that are to reach a target, each with the range in SI that targets are drawn from; `seen` is
     what an observation has of the plant, before the targets.
@@ -211,85 +49,157 @@ class Task:
     seen: tuple[Seen, ...]
 
 
-def hanging_mass(scenario: Scenario | None = None, targets: Ranges | None = None) -> Task:
-    """A muscle of the paper that lifts a mass of 5 lb; the length is to reach its target."""
-    ranges = among({"length_m": (0.070, 0.090)}, targets)
-    seen = (position("length_m", ranges), velocity("velocity_m_s", "length_m", ranges), pressure("absolute_pressure_pa"))
-    return Task(scenario or Scenario(HANGING_MASS, "HangingMass"), ranges, seen)
+def reach(scenario: Scenario, targets: Ranges | None = None) -> Task:
+    """Make a task of any plant: some of its columns are to reach targets.
 
+    An observation has the columns with targets, their velocities and all pressures.
 
-def joint(scenario: Scenario | None = None, targets: Ranges | None = None) -> Task:
-    """A limb that two muscles of the paper turn against each other about a pulley; the angle is to reach its target."""
-    ranges = among({"angle_rad": (math.radians(-30.0), math.radians(30.0))}, targets)
-    seen = (
-        position("angle_rad", ranges),
-        velocity("angular_velocity_rad_s", "angle_rad", ranges),
-        pressure("absolute_pressure_pa"),
-        pressure("antagonist_absolute_pressure_pa"),
-    )
-    return Task(scenario or Scenario(JOINT, "Joint"), ranges, seen)
+    Parameters
+    ----------
+    scenario
+        The plant: one actuator, an antagonistic joint, or actuators with names.
+    targets
+        Ranges in SI from which targets are drawn, by columns of `mckibben.VectorPlant.columns_of(scenario)`. Unless given,
+        each coordinate of the plant has a target. Angles have the middle 80 % between the stops of their joint; lengths the
+        middle 80 % between the lengths at which the actuator carries its load at the pressure of its supply and at the
+        pressure of the atmosphere; the position of a mass that several actuators move the middle 80 % of the lengths that
+        all of them can have.
 
-
-def leg(scenario: Scenario | None = None, targets: Ranges | None = None) -> Task:
-    """A leg of a small dog's size, whose numbers are assumed, on six muscles of the paper; hip and knee are to reach their
-    targets, and where the foot comes low enough a belt drags it. A scenario is one with joints `hip` and `knee`."""
-    own = {
-        "hip.angle_rad": (math.radians(-25.0), math.radians(25.0)),
-        "knee.angle_rad": (math.radians(-70.0), math.radians(-20.0)),
-    }
-    return reach(scenario or Scenario(LEG, "Leg"), among(own, targets))
-
-
-def arm(scenario: Scenario | None = None, targets: Ranges | None = None) -> Task:
-    """An arm of three joints on six muscles, on a manifold behind a regulator and a tank with a compressor; its numbers are
-    assumed. All three joints are to reach their targets. A scenario is one with joints `shoulder`, `elbow` and `wrist`."""
-    own = {
-        "shoulder.angle_rad": (math.radians(-10.0), math.radians(30.0)),
-        "elbow.angle_rad": (math.radians(5.0), math.radians(60.0)),
-        "wrist.angle_rad": (math.radians(-20.0), math.radians(20.0)),
-    }
-    return reach(scenario or Scenario(ARM, "Arm"), among(own, targets))
-
-
-def reach(scenario: Scenario, targets: Ranges) -> Task:
-    """Any plant whose columns are to reach targets: an observation has those columns, their velocities and all pressures.
-    `mckibben.VectorPlant.columns_of(scenario)` has the names of the columns."""
+    Raises
+    ------
+    InputError
+        For a column that the plant does not have, for a range that is none, and where no range can be chosen.
+    """
     columns = VectorPlant.columns_of(scenario)
-    for column in targets:
-        if column not in columns:
-            raise InputError(f"targets: `{column}` is nothing that is seen of this plant; name one of {', '.join(columns)}")
-    ranges = among(dict(targets), targets)
-    velocities = [(column, velocity_of(column)) for column in ranges]
+    if targets is None:
+        targets = chosen(scenario, columns)
+    _check(targets, columns)
+    velocities = [(column, velocity_of(column)) for column in targets]
     seen = (
-        *(position(column, ranges) for column in ranges),
-        *(velocity(name, column, ranges) for column, name in velocities if name in columns),
-        *(pressure(column) for column in columns if column.endswith("absolute_pressure_pa") and column not in ranges),
+        *(_position(column, targets[column]) for column in targets),
+        *(_velocity(name, targets[column]) for column, name in velocities if name in columns),
+        *(_pressure(column) for column in columns if column.endswith("absolute_pressure_pa") and column not in targets),
     )
-    return Task(scenario, ranges, seen)
+    return Task(scenario, dict(targets), seen)
 
 
-TASKS: Mapping[str, Callable[..., Task]] = {"HangingMass": hanging_mass, "Joint": joint, "Leg": leg, "Arm": arm}
-# Of what may be controlled, the name of its velocity.
-VELOCITY = {
-    "length_m": "velocity_m_s",
-    "position_m": "velocity_m_s",
-    "angle_rad": "angular_velocity_rad_s",
-}
+def task(name: str, scenario: Scenario | None = None, targets: Ranges | None = None) -> Task:
+    """Make a task by its name.
+
+    Parameters
+    ----------
+    name
+        "HangingMass", "Joint", "Leg" or "Arm"; or "Scenario", which has no plant of its own.
+    scenario
+        The plant, where it is not the task's own. It must have the columns of the task's targets.
+    targets
+        Ranges in SI by columns. They replace those of the task, column by column.
+
+    Raises
+    ------
+    InputError
+        For another name, for "Scenario" without a scenario, and as `reach` does.
+    """
+    if name == "Scenario":
+        if scenario is None:
+            raise InputError("scenario is missing: give a mckibben.Scenario or the path of a scenario file")
+        return reach(scenario, targets)
+    if name not in NAMED:
+        raise InputError(f"task: there is no `{name}`; name one of {', '.join(NAMED)}, Scenario, or give a Task")
+    text, own = NAMED[name]
+    return reach(scenario or Scenario(text, name), {**own, **(targets or {})})
 
 
-def among(own: dict[str, tuple[float, float]], given: Ranges | None) -> Ranges:
-    """The ranges of targets, some of them given."""
-    for column, (low, high) in (given or {}).items():
-        if column not in own:
-            raise InputError(f"targets: `{column}` is not controlled here; name one of {', '.join(own)}")
+def chosen(scenario: Scenario, columns: list[str]) -> Ranges:
+    """The ranges of targets of a plant's coordinates, unless they are given."""
+    plant, ranges = Plant(scenario), {}
+    for column in columns:
+        part, _, name = column.rpartition(".")
+        if name not in VELOCITY or velocity_of(column) not in columns:
+            continue
+        reached = {"angle_rad": _between_stops, "length_m": _carrying, "position_m": _moving}[name](plant, part)
+        if reached is not None:
+            low, high = reached
+            ranges[column] = (low + MARGIN * (high - low), high - MARGIN * (high - low))
+    if not ranges:
+        pressure = next((column for column in columns if column.endswith("absolute_pressure_pa")), columns[0])
+        raise InputError(
+            "targets: nothing in this plant moves freely, so that no targets can be chosen; give ranges in SI by columns, "
+            f'such as targets={{"{pressure}": (2e5, 5e5)}}'
+        )
+    return ranges
+
+
+def _between_stops(plant: Plant, joint: str) -> Range:
+    """The range in rad between the stops of a joint."""
+    paths = [f"{path}.joints.{joint}" for path, section in plant.mechanisms().items() if joint in section.get("joints", {})]
+    path = paths[0] if joint else "load"
+    low, high = plant.number(f"{path}.min_angle"), plant.number(f"{path}.max_angle")
+    if low is None or high is None or not low < high:
+        column = f"{joint}.angle_rad" if joint else "angle_rad"
+        raise InputError(
+            f"targets: no range can be chosen for `{column}`, whose joint lacks a stop; give `{path}.min_angle` and "
+            f'`{path}.max_angle` in the scenario, or a range in rad, such as targets={{"{column}": (-0.5, 0.5)}}'
+        )
+    return low, high
+
+
+def _carrying(plant: Plant, actuator: str) -> Range | None:
+    """The range in m of the lengths at which an actuator can carry its own load at rest, or None where it has none."""
+    load = plant.section(actuator, "load")
+    on_mechanism = plant.mechanisms() and not plant.at(f"actuators.{actuator}.load")
+    if on_mechanism or load.get("kind") not in ("hanging-mass", "constant-force"):
+        return None
+    prefix = f"actuators.{actuator}." if actuator else ""
+
+    def of_load(key: str) -> float:
+        return plant.number(f"{prefix}load.{key}", f"load.{key}") or 0.0
+
+    force = of_load("force") if load["kind"] == "constant-force" else of_load("mass") * of_load("gravity")
+    alone: dict[str, Any] = {"actuator": plant.section(actuator, "actuator"), "run": {"duration": "1 s"}}
+    alone["load"] = {"kind": "hanging-mass", "mass": "1 kg"}
+    table = curves(Scenario.from_dict(alone), [0.0, plant.supply_pressure(actuator) or 0.0])
+    # Forces rise with the length.
+    long, short = (
+        float(np.interp(force, np.maximum.accumulate(forces), lengths))
+        for forces, lengths in zip(table["force_n"], table["length_m"], strict=True)
+    )
+    if not short < long:
+        remedy = "raise the gauge pressure of the supply, reduce the load, or give a range in m"
+        raise InputError(f"targets: no range can be chosen for the length of an actuator that cannot lift its load; {remedy}")
+    return short, long
+
+
+def _moving(plant: Plant, mechanism: str) -> Range | None:
+    """The range in m of the lengths that all actuators on a mass can have, or None where the position is given."""
+    sections = plant.mechanisms()
+    if sections.get(mechanism, sections.get(f"mechanisms.{mechanism}", {})).get("kind") != "mass":
+        return None
+    on_it = [name for name in plant.actuators if plant.section(name, "coupling").get("mechanism", mechanism) == mechanism]
+    low = max(plant.number(f"actuators.{name}.min_length", "actuator.min_length") or 0.0 for name in on_it)
+    high = min(plant.number(f"actuators.{name}.max_length", "actuator.max_length") or 0.0 for name in on_it)
+    return (low, high) if low < high else None
+
+
+def _check(targets: Ranges, columns: list[str]) -> None:
+    """Refuses targets that are no ranges of columns."""
+    if not isinstance(targets, Mapping) or not targets:
+        raise InputError(f"targets = {targets!r}: give ranges in SI by columns, one at least, of {', '.join(columns)}")
+    remedy = "give two finite numbers in SI, the lower first"
+    for column, given in targets.items():
+        if column not in columns:
+            raise InputError(f"targets: `{column}` is no column of this plant; name one of {', '.join(columns)}")
+        try:
+            low, high = (float(end) for end in given)
+        except (TypeError, ValueError):
+            raise InputError(f"targets: {column} = {given!r} is no range; {remedy}") from None
         if not -math.inf < low < high < math.inf:
-            raise InputError(f"targets: {column} from {low} to {high} is no range; give the lower end first, in SI")
-    return {**own, **(given or {})}
+            raise InputError(f"targets: {column} from {low} to {high} is no range; {remedy}")
 
 
-def position(column: str, ranges: Ranges) -> Seen:
+def _position(column: str, ends: Range) -> Seen:
     """What is controlled, from 0 to 1 over the range of its targets."""
-    low, high = ranges[column]
+    low, high = ends
     return Seen(column, low, high - low)
 
 
@@ -299,12 +209,12 @@ def velocity_of(column: str) -> str:
     return part + dot + VELOCITY.get(name, "")
 
 
-def velocity(column: str, of: str, ranges: Ranges) -> Seen:
+def _velocity(column: str, ends: Range) -> Seen:
     """A velocity, in ranges of targets for each tenth of a second."""
-    low, high = ranges[of]
+    low, high = ends
     return Seen(column, 0.0, (high - low) / 0.1)
 
 
-def pressure(column: str) -> Seen:
+def _pressure(column: str) -> Seen:
     """A pressure above 101325 Pa, in units of 500 kPa."""
     return Seen(column, 101325.0, 5e5, 0.0)

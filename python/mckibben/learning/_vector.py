@@ -1,6 +1,7 @@
 """Many plants as one environment of Gymnasium."""
 
 from collections.abc import Sequence
+from numbers import Integral
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 from mckibben.errors import InputError
 from mckibben.learning._draws import Places, Source
 from mckibben.learning._episodes import Episodes, Observations
-from mckibben.learning._made import made_of, reset_options, with_steps
+from mckibben.learning._made import Frames, made_of, reset_options, with_steps
 from mckibben.learning._tasks import Task
 
 
@@ -29,7 +30,8 @@ class VectorEnvironment(VectorEnv[Observations, Any, Any], EzPickle):
     - `action_mode`, `pulse_frequency`, `max_pressure`: what an action is;
     - `control_period`, `duration`, `max_episode_steps`: how long an action and an episode last;
     - `distance_limit`, `terminal_penalty`, `success_tolerance`: rewards, and what counts as success;
-    - `noise`, `sensor_delay`, `action_delay`, `randomize`: what makes it hard.
+    - `noise`, `sensor_delay`, `action_delay`, `randomize`: what makes it hard;
+    - `render_mode`: "rgb_array" for pictures, as `render` returns them.
 
     See `mckibben.learning.Options` for their meanings and defaults. An observation has what the task sees of the plant, the
     phase of the pulses and the duty cycles under way where control is not in step with the pulses, and the targets, all of
@@ -37,7 +39,7 @@ class VectorEnvironment(VectorEnv[Observations, Any, Any], EzPickle):
     comes out of a pickle is made anew with the same options: reset it.
     """
 
-    metadata: dict[str, Any] = {"render_modes": []}
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array"]}
     _spec: EnvSpec | None = None
 
     def __init__(
@@ -46,7 +48,7 @@ class VectorEnvironment(VectorEnv[Observations, Any, Any], EzPickle):
         num_envs: int = 1,
         *,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
-        render_mode: None = None,
+        render_mode: str | None = None,
         **options: Any,
     ) -> None:
         EzPickle.__init__(self, task, num_envs, autoreset_mode=autoreset_mode, render_mode=render_mode, **options)
@@ -55,7 +57,9 @@ class VectorEnvironment(VectorEnv[Observations, Any, Any], EzPickle):
         self._episodes = Episodes(*made_of(task, num_envs, options))
         self.num_envs, self.render_mode = num_envs, render_mode
         self.autoreset_mode = mode(autoreset_mode)
-        self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode}
+        self._frames = Frames(render_mode, self._episodes)
+        fps = round(1.0 / self._episodes.period)
+        self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode, "render_fps": fps}
         self.single_action_space = self._episodes.action_space()
         self.single_observation_space = self._episodes.observation_space()
         self.action_space = batch_space(self.single_action_space, num_envs)
@@ -95,15 +99,28 @@ class VectorEnvironment(VectorEnv[Observations, Any, Any], EzPickle):
     ) -> tuple[Observations, dict[str, Any]]:
         """Begins an episode of every plant at t = 0.
 
-        With one seed, all plants draw from one generator. With a list, which has a seed or None for each plant, each draws
-        from its own, as the single form with that seed does: slower where there is noise, but then a plant's episodes do not
-        depend on the others.
+        Parameters
+        ----------
+        seed
+            A list with a seed for each plant, or a number for `[seed, seed + 1, …]`. Each plant then draws from a generator
+            of its own, and is bit for bit the single form with its seed; None in a list goes on with the generator that the
+            plant has. Until a seed is given, all plants draw from one generator, which is faster where there is noise.
+        options
+            `reset_mask`: an array of flags of the plants that begin, while the others wait. `targets`: targets in SI of
+            these episodes, `{"length_m": 0.08}`, instead of drawn ones, a number for all plants or one for each.
 
-        Options: `reset_mask`, flags of the plants that begin while the others wait; `targets`, `{"length_m": 0.08}`, targets
-        in SI of these episodes instead of drawn ones, a number for all plants or one for each.
+        Returns
+        -------
+        observations, info
+            Of the plants that wait, the last observations; in `info` their flags are False.
 
-        Raises `InputError` for another option, as many seeds or flags as there are no plants, and a target beyond the range
-        that targets are drawn from; `gymnasium.error.ResetNeeded` for a mask before all plants have begun once.
+        Raises
+        ------
+        InputError
+            For another option, for another number of seeds or flags than there are plants, and for a target beyond the range
+            that targets are drawn from.
+        gymnasium.error.ResetNeeded
+            For a mask before all plants have begun once.
         """
         targets = reset_options(options, "reset_mask", "targets")
         places = self._masked(targets.pop("reset_mask", None))
@@ -112,7 +129,11 @@ class VectorEnvironment(VectorEnv[Observations, Any, Any], EzPickle):
             self._last = self._episodes.start(self._source(), **targets)
         else:
             self._last[places] = self._episodes.restart(self._source(), places, **targets)
-        return self._last.copy(), self._info()
+        having = self._everyone
+        if len(places) < self.num_envs:
+            having = np.zeros(self.num_envs, dtype=bool)
+            having[places] = True
+        return self._last.copy(), self._info(having)
 
     def _masked(self, mask: Any) -> Places:
         """The plants that a mask means."""
@@ -127,18 +148,17 @@ class VectorEnvironment(VectorEnv[Observations, Any, Any], EzPickle):
         return places
 
     def _seed(self, seed: int | Sequence[int | None] | None, places: Places) -> None:
-        """Seeds the generator of all plants, or those of some."""
-        if seed is None or not isinstance(seed, (Sequence, np.ndarray)):
-            if seed is not None:
-                self._own = []
-            super().reset(seed=seed)
+        """Seeds the generators of these plants."""
+        if seed is None:
             return
-        if len(seed) != self.num_envs:
-            raise InputError(f"seed: {len(seed)} seeds for {self.num_envs} plants; give one for each, or one number for all")
+        seeds: Any = range(int(seed), int(seed) + self.num_envs) if isinstance(seed, Integral) else seed
+        listed = isinstance(seeds, (Sequence, np.ndarray)) and len(seeds) == self.num_envs
+        if not listed or not all(of_one is None or isinstance(of_one, Integral) for of_one in seeds):
+            raise InputError(f"seed = {seed!r}: give a whole number, or a list of {self.num_envs}, one or None for each plant")
         self._own = self._own or self.np_random.spawn(self.num_envs)
         for place in places:
-            if seed[place] is not None:
-                self._own[place], _ = np_random(int(seed[place]))
+            if seeds[place] is not None:
+                self._own[place], _ = np_random(int(seeds[place]))
 
     def _source(self) -> Source:
         return Source(self._own or [self.np_random])
@@ -163,17 +183,37 @@ class VectorEnvironment(VectorEnv[Observations, Any, Any], EzPickle):
         if self.autoreset_mode is AutoresetMode.SAME_STEP and episodes.over.any():
             done = episodes.over.copy()
             places = np.flatnonzero(done)
-            final = self._info()
-            final |= {f"_{name}": done for name in final if not name.startswith("_")}
-            info = {"final_obs": observed.copy(), "_final_obs": done, "final_info": final, "_final_info": done}
+            # As Gymnasium has it, the observations of ended episodes are objects in an array, beside None.
+            last = np.full(self.num_envs, None, dtype=object)
+            for place in places:
+                last[place] = observed[place].copy()
+            info = {"final_obs": last, "_final_obs": done, "final_info": self._info(done), "_final_info": done}
             observed[places] = episodes.restart(self._source(), places)
         self._last = observed.copy()
-        return observed, rewards, terminated, truncated, {**self._info(), **info}
+        return observed, rewards, terminated, truncated, {**self._info(self._everyone), **info}
 
-    def _info(self) -> dict[str, Any]:
-        """What there is to know of every plant, with Gymnasium's flags of who has it."""
-        info = self._episodes.info(slice(None))
-        return {**info, **{f"_{name}": self._everyone for name in info}}
+    def render(self) -> tuple[NDArray[np.uint8], ...] | None:
+        """Pictures of the plants where they are, as those of the single form.
+
+        Returns
+        -------
+        frames
+            An array of shape (480, 640, 3) for each plant; None with a warning unless the environment was made with
+            `render_mode="rgb_array"`.
+
+        Raises
+        ------
+        gymnasium.error.ResetNeeded
+            Before the first `reset`.
+        """
+        return self._frames(len(self._last) > 0)
+
+    def _info(self, having: NDArray[np.bool_]) -> dict[str, Any]:
+        """What there is to know of the plants that these flags mean, in Gymnasium's form: zeros elsewhere, and the flags."""
+        info = self._episodes.info()
+        if having is not self._everyone:
+            info = {name: np.where(having, values, np.zeros_like(values)) for name, values in info.items()}
+        return {**info, **{f"_{name}": having for name in info}}
 
 
 def mode(named: AutoresetMode | str) -> AutoresetMode:
