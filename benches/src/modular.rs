@@ -10,7 +10,7 @@
 
 use mckibben::plant::{Plant, PlantRun, PlantSteps};
 use mckibben::simulation::Method;
-use mckibben::valve::{Command, Demand};
+use mckibben::valve::{Command, RuntimeCommand};
 use mckibben_scenario::Document;
 use rayon::prelude::*;
 use std::hint::black_box;
@@ -46,12 +46,12 @@ fn main() -> ExitCode {
 
 /// What is asked of a row, and where its ends go: the same in `benches/python/overhead.py`.
 struct Row {
-    demand: Demand,
+    demand: RuntimeCommand,
     length: [f64; 2],
 }
 
 impl Row {
-    fn of(place: usize, pulses: impl Fn(f64) -> Demand) -> Self {
+    fn of(place: usize, pulses: impl Fn(f64) -> RuntimeCommand) -> Self {
         let length = 0.075 + 0.015 * (place % 61) as f64 / 60.0;
         Self { demand: pulses(0.2 + 0.6 * (place % 97) as f64 / 96.0), length: [length, length + 2e-5] }
     }
@@ -75,7 +75,7 @@ fn measure(file: &str, count: usize, steps: usize) -> Result<(f64, Option<f64>),
     let external = Plant::of_rig(rig).to_external(&Plant::start_of_rig(rig, &experiment.start));
     let begun = external.and_then(|(plant, start)| PlantRun::new(&plant, &start, 1e-9));
     let actuator = begun.map_err(|error| error.to_string())?.steps(Method::Stable);
-    let pulses = |duty| Demand::Pulses { frequency, duty, pulse, rest };
+    let pulses = |duty| RuntimeCommand::Pulses { frequency, duty, pulse, rest };
     let rows: Vec<Row> = (0..count).map(|place| Row::of(place, pulses)).collect();
     let mut least = f64::INFINITY;
     for _ in 0..REPEATS {

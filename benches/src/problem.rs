@@ -2,7 +2,7 @@
 
 use mckibben::simulation::simulate;
 use mckibben_scenario::{
-    Command, CommandState, Document, Effectiveness, Experiment, Load, Passage, Process, Scenario, ValveKind,
+    Command, CommandState, Document, Effectiveness, Experiment, Load, FlowPath, Process, Scenario, ValveKind,
 };
 use std::fmt::Write;
 use std::path::Path;
@@ -52,7 +52,7 @@ impl Problem {
             && matches!(scenario.load, Load::HangingMass { .. })
             && scenario.valve.as_ref().is_none_or(|valve| {
                 valve.kind == ValveKind::ThreeWay
-                    && matches!(valve.passage, Passage::FlowArea(_))
+                    && matches!(valve.passage, FlowPath::FlowArea(_))
                     && valve.exhaust.is_none()
             });
         if !known {
@@ -97,8 +97,8 @@ impl Problem {
             (s.gauge_pressure + air.atmospheric_pressure, s.temperature)
         });
         let (area, laminar_ratio) = valve.as_ref().map_or((0.0, 0.999), |valve| match valve.passage {
-            Passage::FlowArea(area) => (valve.efficiency * area, valve.laminar_ratio),
-            Passage::Iso6358 { .. } | Passage::Kv { .. } | Passage::Cv { .. } => (f64::NAN, f64::NAN),
+            FlowPath::FlowArea(area) => (valve.efficiency * area, valve.laminar_ratio),
+            FlowPath::Iso6358 { .. } | FlowPath::Kv { .. } | FlowPath::Cv { .. } => (f64::NAN, f64::NAN),
         });
         let magnitudes = self.magnitudes();
         vec![

@@ -253,7 +253,8 @@ class Actuators:
     Many actuators of one scenario, each with its own air, valve and hysteresis, stepped together on arrays.
 
     The caller owns the arrays: `step` reads and writes them in place. They are one-dimensional and contiguous, of float64, with
-    one element for each actuator. The actuators are stepped on all cores. Each is bit-identical to a scalar `Actuator`.
+    one element for each actuator. From 128 on, the actuators are stepped on all cores. Each is bit-identical to a scalar
+    `Actuator`.
 
     Parameters
     ----------
@@ -737,7 +738,7 @@ class Response:
 
     Examples
     --------
-    The tension at a velocity of 10 mm/s, and its first-order estimate from the derivatives at rest:
+    The tension rises with the length and with the pressure:
 
         >>> import mckibben
         >>> muscle = mckibben.Actuator(mckibben.Scenario.from_dict({

@@ -3,7 +3,7 @@
 use mckibben::simulation::{Initial, InitialLength, Rig, State};
 use mckibben::valve::SeatClock;
 use mckibben::{GaugePressure, parameter};
-use mckibben_scenario::{Document, Effectiveness, Load, Passage, Scenario};
+use mckibben_scenario::{Document, Effectiveness, Load, FlowPath, Scenario};
 use std::fmt::Write;
 
 /// Step in s.
@@ -159,7 +159,7 @@ impl Work {
         let (Some(supply), Some(valve), Load::HangingMass { gravity, .. }) = (supply, valve, load) else {
             return Err("the batch is of valves and hanging masses".into());
         };
-        let (Passage::FlowArea(area), Effectiveness::Constant(effectiveness)) =
+        let (FlowPath::FlowArea(area), Effectiveness::Constant(effectiveness)) =
             (valve.passage, &actuator.effectiveness)
         else {
             return Err("the peers know the paper's orifice and a constant effectiveness".into());

@@ -12,7 +12,7 @@ use crate::twice::Twice;
 use crate::wide::Doubles;
 use crate::width::Width;
 use mckibben::plant::{Plant, PlantSample, PlantSteps};
-use mckibben::valve::Demand;
+use mckibben::valve::RuntimeCommand;
 use mckibben::{Error, parameter};
 use rayon::prelude::*;
 
@@ -159,7 +159,7 @@ impl PlantBatch {
     ///
     /// # Errors
     /// As [`PlantSteps::set`] and [`PlantBatch::row`].
-    pub fn set(&mut self, row: usize, valve: usize, demand: impl Into<Demand>) -> Result<(), Error> {
+    pub fn set(&mut self, row: usize, valve: usize, demand: impl Into<RuntimeCommand>) -> Result<(), Error> {
         let row = self.living(row)?;
         row.changes(Change::Commands);
         row.steps.set(valve, demand)

@@ -141,7 +141,7 @@ impl<W: Wide<Lane = f64>> Compiled for Create<'_, W> {
             .collect();
         let system = System::in_lanes(without_commands(rows[0].steps.plant()).convert(&mut Deal::new(&lists)));
         let plant = &system.plant;
-        let (states, zero) = (plant.places().states, W::zero());
+        let (states, zero) = (plant.indices().states, W::zero());
         let is_isothermal =
             plant.actuators().iter().any(|mounted| matches!(mounted.actuator.air().process(), Process::Isothermal));
         for row in rows.iter_mut() {

@@ -135,13 +135,13 @@ impl<W: Wide> Work for Look<'_, W> {
                 continue;
             }
             let frozen = held.is_frozen(m);
-            for &i in &system.plant.places().members[m] {
+            for &i in &system.plant.indices().members[m] {
                 // No mode says whether what rests would push.
                 let unit = &mut at.units[i];
                 unit.tension = W::select(frozen, unit.tension.larger(W::zero()), unit.tension);
             }
             system.enter_load(m, end, held, at);
-            for &i in &system.plant.places().members[m] {
+            for &i in &system.plant.indices().members[m] {
                 let (least, most) = holdable(system, i, end, held, at);
                 facets.bounds[i] = [least, most];
             }

@@ -7,12 +7,14 @@ use crate::flows::HeldFlows;
 use crate::wide::{Number, Wide};
 use mckibben::air::Chamber;
 use mckibben::friction::LuGre;
-use mckibben::internals::{Branch, Evaluation, Formulas, Presses, Rubbing, System, Touch, Unit, Wire, end_is_damped};
+use mckibben::internals::{
+    Branch, Evaluation, Formulas, Presses, SlidingState, System, ThreadContact, Unit, Wire, end_is_damped,
+};
 use mckibben::load::{MomentArm, Motion};
 use mckibben::mechanism::{Contact, Mechanism};
 use mckibben::plant::{Plant, PlantMode};
 use mckibben::scalar::{Differentiable, Mask, Over, Scalar};
-use mckibben::simulation::{Extent, Sliding};
+use mckibben::simulation::{LengthRegime, Sliding};
 
 /// Of an actuator in every lane.
 #[derive(Clone, Copy, Debug)]
@@ -168,7 +170,7 @@ impl<W: Wide> Held<W> {
             has_branches.push(friction.hysteresis().is_some() && friction.lugre().is_none());
         }
         let mut rows = Vec::new();
-        for (mechanism, members) in plant.mechanisms().iter().zip(&plant.places().members) {
+        for (mechanism, members) in plant.mechanisms().iter().zip(&plant.indices().members) {
             rows.push(HeldRows::new(mechanism.coordinates(), members.len()));
         }
         let flags =
@@ -188,9 +190,9 @@ impl<W: Wide> Held<W> {
     /// Enters the mode of the row in a lane; [`Held::update`] makes masks of it.
     pub(crate) fn enter(&mut self, lane: usize, plant: &Plant<W::Lane>, mode: &PlantMode<W::Lane>) {
         for (flags, its) in self.flags.iter_mut().zip(&mode.actuators) {
-            let (slack, stuck) = (its.mode.extent == Extent::Slack, its.mode.sliding == Sliding::Stuck);
+            let (slack, stuck) = (its.mode.extent == LengthRegime::Slack, its.mode.sliding == Sliding::Stuck);
             flags.slack.mark(lane, slack);
-            flags.taut.mark(lane, its.mode.extent == Extent::Taut);
+            flags.taut.mark(lane, its.mode.extent == LengthRegime::Taut);
             flags.stuck.mark(lane, stuck);
             flags.on_stop.mark(lane, its.on_stop);
             flags.loose.mark(lane, its.loose);
@@ -216,7 +218,7 @@ impl<W: Wide> Held<W> {
             }
             contacts.foot_flag.mark(lane, its.foot == Contact::Pressed);
         }
-        for (rows, (its, members)) in self.rows.iter_mut().zip(mode.mechanisms.iter().zip(&plant.places().members)) {
+        for (rows, (its, members)) in self.rows.iter_mut().zip(mode.mechanisms.iter().zip(&plant.indices().members)) {
             rows.enter(lane, members, &its.basis);
         }
         self.flows.enter(lane, plant.network(), &mode.network);
@@ -345,7 +347,7 @@ impl<W: Wide> Formulas<W> for Held<W> {
     ) -> W::Mask {
         row.fill(T::zero());
         let mut used = W::Mask::splat(false);
-        for (&i, mask) in system.plant.places().members[m].iter().zip(&self.rows[m].is_member[place]) {
+        for (&i, mask) in system.plant.indices().members[m].iter().zip(&self.rows[m].is_member[place]) {
             if !mask.any() {
                 continue;
             }
@@ -360,7 +362,7 @@ impl<W: Wide> Formulas<W> for Held<W> {
     #[inline(always)]
     fn held_bending<T: Differentiable<W>>(&self, system: &System<W>, (m, place): (usize, usize), state: &[T]) -> T {
         let mut bending = T::zero();
-        for (&i, mask) in system.plant.places().members[m].iter().zip(&self.rows[m].is_member[place]) {
+        for (&i, mask) in system.plant.indices().members[m].iter().zip(&self.rows[m].is_member[place]) {
             if mask.any() {
                 bending = T::select(*mask, system.bending(i, state, self), bending);
             }
@@ -373,12 +375,12 @@ impl<W: Wide> Formulas<W> for Held<W> {
         let (held, actuator) = (&self.actuators[wire.index], &wire.member.actuator);
         let factors = actuator.factors(ends[0], ends[2]);
         let width = self.width(wire, [ends[0], ends[1]], bent);
-        let rubbing = Rubbing { direction: T::of(held.direction), width, touch: Touch::Pressed };
+        let rubbing = SlidingState { direction: T::of(held.direction), width, touch: ThreadContact::Pressed };
         let force = actuator.signed_force(ends, rubbing, held.taut, factors);
         if actuator.friction().has_direction() {
             let apart = ends[2].lt(T::of(actuator.air().atmosphere().0));
             if apart.any() {
-                let rubbing = Rubbing { touch: Touch::Apart, ..rubbing };
+                let rubbing = SlidingState { touch: ThreadContact::Apart, ..rubbing };
                 return T::select(apart, actuator.signed_force(ends, rubbing, held.taut, factors), force);
             }
         }

@@ -20,12 +20,12 @@ use crate::facets::Facets;
 use crate::held::Held;
 use crate::wide::Wide;
 use mckibben::internals::{
-    Evaluation, Formulas, GuardForm, NetworkGuard, Rubbing, System, Touch, Trace, tendon_tension,
+    Evaluation, Formulas, GuardForm, NetworkGuard, SlidingState, System, ThreadContact, Trace, tendon_tension,
 };
 use mckibben::line::Poppet;
 use mckibben::mechanism::Mechanism;
 use mckibben::network::NodeKind;
-use mckibben::plant::{PlantGuard, PlantMode, Touching};
+use mckibben::plant::{ContactEvent, PlantGuard, PlantMode};
 use mckibben::scalar::{Mask, Scalar};
 use mckibben::simulation::Guard;
 
@@ -165,7 +165,7 @@ impl<W: Wide> Watch<W> {
             }
         }
         Self {
-            states: vec![all; system.plant.places().states],
+            states: vec![all; system.plant.indices().states],
             actuators: vec![of_actuator; actuators],
             contacts,
             outlets,
@@ -253,7 +253,7 @@ impl<W: Wide> Watch<W> {
                 let (wire, its, ranges) = (&system.wires[i], &mode.actuators[i].mode, &mut self.actuators[i]);
                 let band = wire.member.force_band;
                 let watched = &mut self.of_lanes[lane][i];
-                let (by_length, _) = wire.member.extent_guards(its.extent);
+                let (by_length, _) = wire.member.length_regime_guards(its.extent);
                 if let Some((_, bound, lasts_above)) = by_length.into_iter().flatten().find(|(own, ..)| *own == guard) {
                     ranges.length.bound(lane, (bound, lasts_above));
                     watched.ends = true;
@@ -286,21 +286,21 @@ impl<W: Wide> Watch<W> {
                 }
             }
             (GuardForm::Function, PlantGuard::Release { mechanism, facet, .. }) => {
-                let (its, places) = (&mode.mechanisms[mechanism], system.plant.places());
+                let (its, places) = (&mode.mechanisms[mechanism], system.plant.indices());
                 if !(its.frozen && places.mechanisms[mechanism].coordinates == 1) {
                     return self.facets.enter(lane, mechanism, &its.facets[facet]);
                 }
                 self.holds[mechanism].mark(lane, true);
             }
-            (GuardForm::Function, PlantGuard::Touch { mechanism, stop, touch }) => {
+            (GuardForm::Function, PlantGuard::ThreadContact { mechanism, stop, touch }) => {
                 let contacts = &mut self.contacts[mechanism];
                 let place = stop.map_or(contacts.len() - 1, |(k, end)| 2 * k + end);
                 let (its, band) = (&mut contacts[place], system.contact_band(mechanism, stop.is_some()));
                 match touch {
-                    Touching::Reach => its.depth.below(lane, 0.0),
-                    Touching::Leave => its.depth.above(lane, 0.0),
-                    Touching::Rebound => its.press.above(lane, -band),
-                    Touching::Press => its.press.below(lane, band),
+                    ContactEvent::Reach => its.depth.below(lane, 0.0),
+                    ContactEvent::Leave => its.depth.above(lane, 0.0),
+                    ContactEvent::Rebound => its.press.above(lane, -band),
+                    ContactEvent::Press => its.press.below(lane, band),
                 }
             }
             (GuardForm::Function, PlantGuard::Network(guard)) => return self.enter_outlet(lane, system, mode, guard),
@@ -415,7 +415,7 @@ impl<W: Wide> Watch<W> {
 fn contacts_hold<W: Wide>(system: &System<W>, m: usize, contacts: &[ContactRanges<W>], end: &[W]) -> W::Mask {
     let mut within = W::Mask::splat(true);
     let Mechanism::Chain(chain) = &system.plant.mechanisms()[m] else { return within };
-    let (angle, rate) = system.plant.places().mechanisms[m].of(end);
+    let (angle, rate) = system.plant.indices().mechanisms[m].of(end);
     for (place, its) in contacts.iter().enumerate() {
         if !its.watched {
             continue;
@@ -433,7 +433,7 @@ fn contacts_hold<W: Wide>(system: &System<W>, m: usize, contacts: &[ContactRange
 pub(crate) fn holdable<W: Wide>(system: &System<W>, i: usize, end: &[W], held: &Held<W>, at: &Evaluation<W>) -> (W, W) {
     let (wire, unit, zero) = (&system.wires[i], &at.units[i], W::zero());
     let width = held.width(wire, [unit.length, zero], system.bristles(i, end));
-    let rubbing = Rubbing { direction: zero, width, touch: Touch::ByPressure };
+    let rubbing = SlidingState { direction: zero, width, touch: ThreadContact::ByPressure };
     let pressure = end[wire.places.pressure];
     wire.member.actuator.holdable(unit.length, pressure, held.is_on_stop(i), rubbing)
 }
@@ -442,7 +442,7 @@ pub(crate) fn holdable<W: Wide>(system: &System<W>, i: usize, end: &[W], held: &
 #[inline(always)]
 fn hold_margin<W: Wide>(system: &System<W>, m: usize, end: &[W], held: &Held<W>, at: &mut Evaluation<W>) -> W::Mask {
     let zero = W::zero();
-    let position = end[system.plant.places().mechanisms[m].first];
+    let position = end[system.plant.indices().mechanisms[m].first];
     let mut load = match &system.plant.mechanisms()[m] {
         Mechanism::Mass(mass) => mass.force(position),
         Mechanism::Chain(_) => {
@@ -454,7 +454,7 @@ fn hold_margin<W: Wide>(system: &System<W>, m: usize, end: &[W], held: &Held<W>,
     };
     let (mut least, mut most) = (zero, zero);
     let mut size = load.magnitude();
-    for &i in &system.plant.places().members[m] {
+    for &i in &system.plant.indices().members[m] {
         let (wire, unit) = (&system.wires[i], at.units[i]);
         let arm = system.gradient(i, &at.gradient)[0];
         if let Some(tendon) = &system.plant.actuators()[i].tendon {

@@ -12,7 +12,7 @@ use mckibben::force::Effectiveness;
 use mckibben::friction::{Hysteresis, LuGre};
 use mckibben::plant::{Plant, PlantRun, PlantStart, PlantSteps, RigPlant};
 use mckibben::simulation::{Actuation, Method, Rig};
-use mckibben::valve::{self, Command, Demand, FlowStandard, Request, Solenoid, ValveKind};
+use mckibben::valve::{self, Command, FlowStandard, Request, RuntimeCommand, Solenoid, ValveKind};
 use mckibben::{Error, GaugePressure, parameter};
 use mckibben_batch::{PlantBatch, Width};
 
@@ -170,7 +170,7 @@ fn proportional_regulators_are_those_alone() {
     for (method, step) in [(Method::Rk4, 5e-5), (Method::Stable, 1e-3)] {
         let mut made = rows(&plant, &start, method, 19).expect("rows");
         for (index, row) in made.iter_mut().enumerate() {
-            row.set(0, Demand::SetPoint(GaugePressure(5e4 + 3e4 * index as f64))).expect("a set point");
+            row.set(0, RuntimeCommand::SetPoint(GaugePressure(5e4 + 3e4 * index as f64))).expect("a set point");
         }
         agree(&made, step, 300);
     }
@@ -213,7 +213,7 @@ fn rows_are_set_and_begun_anew() {
     let (plant, start) = as_plant(&Paper::pwm(25.0, 0.5).gauge(30.0 * PSI).friction(3.5, 1e-4));
     let mut alone = rows(&plant, &start, Method::Stable, 20).expect("rows");
     let mut batch = PlantBatch::new(alone.clone()).expect("a batch");
-    let pulses = |duty| Demand::Pulses { frequency: 40.0, duty, pulse: Request::Fill, rest: Request::Exhaust };
+    let pulses = |duty| RuntimeCommand::Pulses { frequency: 40.0, duty, pulse: Request::Fill, rest: Request::Exhaust };
     for count in 1..=120 {
         let until = 1e-3 * f64::from(count);
         let row = count as usize % 20;

@@ -7,7 +7,7 @@ use mckibben::line::{Hose, HoseKind, Line};
 use mckibben::load::SeriesTendon;
 use mckibben::plant::{Plant, PlantRun, PlantSteps};
 use mckibben::simulation::{Actuation, Method, Rig, State};
-use mckibben::valve::{Command, Demand, Ramp, Regulator, Request, Solenoid, Spool, ValveKind};
+use mckibben::valve::{Command, Ramp, Regulator, Request, RuntimeCommand, Solenoid, Spool, ValveKind};
 use mckibben::{Error, GaugePressure};
 use mckibben_batch::{PlantBatch, Width};
 
@@ -35,23 +35,23 @@ const STEPS: u64 = 4;
 const TOLD: usize = 120;
 
 /// What a valve of a row is set to at an instant.
-type Tells = fn(usize, usize) -> Demand;
+type Tells = fn(usize, usize) -> RuntimeCommand;
 
 /// Fill or exhaust, as it comes.
-fn fill_or_exhaust(row: usize, count: usize) -> Demand {
+fn fill_or_exhaust(row: usize, count: usize) -> RuntimeCommand {
     if spread(count * 37 + row, 0) < 0.6 { Request::Fill.into() } else { Request::Exhaust.into() }
 }
 
-fn any_request(row: usize, count: usize) -> Demand {
+fn any_request(row: usize, count: usize) -> RuntimeCommand {
     [Request::Fill, Request::Hold, Request::Exhaust][(spread(count * 37 + row, 1) * 3.0) as usize].into()
 }
 
-fn a_position(row: usize, count: usize) -> Demand {
-    Demand::Position(between(count * 37 + row, 2, -1.0, 1.0))
+fn a_position(row: usize, count: usize) -> RuntimeCommand {
+    RuntimeCommand::Position(between(count * 37 + row, 2, -1.0, 1.0))
 }
 
-fn a_set_point(row: usize, count: usize) -> Demand {
-    Demand::SetPoint(GaugePressure(between(count * 37 + row, 3, 1e5, 5e5)))
+fn a_set_point(row: usize, count: usize) -> RuntimeCommand {
+    RuntimeCommand::SetPoint(GaugePressure(between(count * 37 + row, 3, 1e5, 5e5)))
 }
 
 fn paper(row: usize) -> Paper {
@@ -109,20 +109,20 @@ fn row(index: usize) -> (Row, Tells) {
 /// All that a row is told, as a command known beforehand. A request that is told again asks nothing new: left in, its instant
 /// could meet that of a seat and stand for it, a rounding beside.
 fn known(index: usize, tells: Tells, at: impl Fn(usize) -> f64) -> Command {
-    let mut told: Vec<(f64, Demand)> = (0..TOLD).map(|count| (at(count), tells(index, count))).collect();
-    told.dedup_by(|(_, next), (_, before)| matches!(next, Demand::Request(_)) && next == before);
+    let mut told: Vec<(f64, RuntimeCommand)> = (0..TOLD).map(|count| (at(count), tells(index, count))).collect();
+    told.dedup_by(|(_, next), (_, before)| matches!(next, RuntimeCommand::Request(_)) && next == before);
     let time = told.iter().map(|(time, _)| *time).collect();
     let numbers = told.iter().filter_map(|(_, demand)| match demand {
-        Demand::Position(number) | Demand::SetPoint(GaugePressure(number)) => Some(*number),
+        RuntimeCommand::Position(number) | RuntimeCommand::SetPoint(GaugePressure(number)) => Some(*number),
         _ => None,
     });
     let requests = told.iter().filter_map(|(_, demand)| match demand {
-        Demand::Request(request) => Some(*request),
+        RuntimeCommand::Request(request) => Some(*request),
         _ => None,
     });
     match told[0].1 {
-        Demand::Position(_) => Command::positions(time, numbers.collect()),
-        Demand::SetPoint(_) => Command::set_points(time, numbers.collect()),
+        RuntimeCommand::Position(_) => Command::positions(time, numbers.collect()),
+        RuntimeCommand::SetPoint(_) => Command::set_points(time, numbers.collect()),
         _ => Command::table(time, requests.collect()),
     }
     .expect("a command")
@@ -163,7 +163,7 @@ fn beforehand(row: &Row, command: Command, method: Method) -> String {
 }
 
 /// Where steps come to that are set at each millisecond.
-fn set(mut steps: PlantSteps, from: usize, demand: impl Fn(usize) -> Demand) -> String {
+fn set(mut steps: PlantSteps, from: usize, demand: impl Fn(usize) -> RuntimeCommand) -> String {
     for count in 0..TOLD {
         steps.set(0, demand(count)).expect("set");
         let [from, until] = [from + count, from + count + 1].map(millisecond);
@@ -207,8 +207,8 @@ fn a_row_that_is_set_is_the_run_of_the_command_known_beforehand_bit_for_bit() {
     }
 }
 
-fn pulses(frequency: f64, duty: f64) -> Demand {
-    Demand::Pulses { frequency, duty, pulse: Request::Fill, rest: Request::Exhaust }
+fn pulses(frequency: f64, duty: f64) -> RuntimeCommand {
+    RuntimeCommand::Pulses { frequency, duty, pulse: Request::Fill, rest: Request::Exhaust }
 }
 
 /// Rows under pulses of `duty(index, count)`, set at each millisecond.
@@ -380,11 +380,11 @@ fn what_cannot_be_set_is_refused_and_changes_nothing() {
     assert!(said(batch.set(0, 0, Request::Hold)).contains("cannot hold"));
     assert!(said(batch.set(0, 0, pulses(50.0, 1.5))).contains("duty"));
     assert!(said(batch.set(0, 0, pulses(0.0, 0.5))).contains("frequency"));
-    assert!(said(batch.set(0, 0, Demand::Position(0.5))).contains("no proportional spool"));
-    assert!(said(batch.set(0, 0, Demand::SetPoint(GaugePressure(1e5)))).contains("no pressure regulator"));
+    assert!(said(batch.set(0, 0, RuntimeCommand::Position(0.5))).contains("no proportional spool"));
+    assert!(said(batch.set(0, 0, RuntimeCommand::SetPoint(GaugePressure(1e5)))).contains("no pressure regulator"));
     assert!(said(batch.set(1, 0, Request::Fill)).contains("not there"));
     assert!(said(batch.set(2, 0, Request::Fill)).contains("positions"));
-    assert!(said(batch.set(2, 0, Demand::Position(1.5))).contains("command.position"));
+    assert!(said(batch.set(2, 0, RuntimeCommand::Position(1.5))).contains("command.position"));
     assert!(said(batch.set(3, 0, Request::Fill)).contains("count the rows"));
     assert_eq!(ends(&mut batch), unchanged);
 }

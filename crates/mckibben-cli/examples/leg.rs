@@ -11,7 +11,7 @@
 use mckibben::mechanism::{Chain, Mechanism};
 use mckibben::plant::{PlantRun, PlantSteps};
 use mckibben::simulation::Method;
-use mckibben::valve::{Demand, Request};
+use mckibben::valve::{Request, RuntimeCommand};
 use mckibben_plot::{Axis, Colour, Figure, Format, Legend, Panel, Series};
 use mckibben_run::output;
 use mckibben_scenario::{Document, PlantExperiment};
@@ -44,7 +44,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     for stride in 0..STRIDES.0 {
         for count in 0..STEPS {
             for (valve, duty) in valves.iter().zip(duties(f64::from(count) / f64::from(STEPS))) {
-                let pulses = Demand::Pulses { frequency: 25.0, duty, pulse: Request::Fill, rest: Request::Exhaust };
+                let pulses =
+                    RuntimeCommand::Pulses { frequency: 25.0, duty, pulse: Request::Fill, rest: Request::Exhaust };
                 steps.set(*valve, pulses)?;
             }
             if stride + STRIDES.1 >= STRIDES.0 && count % DRAWN.0 == 0 {

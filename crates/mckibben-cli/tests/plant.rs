@@ -63,8 +63,7 @@ fn columns_carry_the_names() {
         assert!(printed.contains(words), "{words}:\n{printed}");
     }
     let (header, columns) = columns(&folder, "run.csv");
-    let of_one =
-        "length_m,velocity_m_s,absolute_pressure_pa,air_mass_kg,temperature_k,volume_m3,tension_n,mass_flow_kg_s,valve";
+    let of_one = "length_m,velocity_m_s,absolute_pressure_pa,gauge_pressure_pa,air_mass_kg,temperature_k,volume_m3,tension_n,mass_flow_kg_s,valve";
     let mut expected = vec!["time_s".to_owned()];
     for name in ["deltoid", "latissimus", "biceps", "triceps", "flexor", "extensor"] {
         expected.extend(of_one.split(',').map(|column| format!("{name}.{column}")));
@@ -73,7 +72,11 @@ fn columns_carry_the_names() {
         expected
             .extend(["angle_rad", "angular_velocity_rad_s", "torque_n_m"].map(|column| format!("{joint}.{column}")));
     }
-    expected.extend(["tank", "regulator", "manifold"].map(|name| format!("{name}.absolute_pressure_pa")));
+    expected.extend(
+        ["tank", "regulator", "manifold"]
+            .iter()
+            .flat_map(|name| ["absolute", "gauge"].map(|of| format!("{name}.{of}_pressure_pa"))),
+    );
     assert_eq!(header, expected);
     assert_eq!(columns["time_s"].len(), 201);
     // The muscle over two joints shortens with both.

@@ -22,12 +22,15 @@ fn the_file_shows_set_point_and_regulated_pressure() {
 
     let mut reader = csv::Reader::from_path(folder.path("run.csv")).expect("a CSV file");
     let header = reader.headers().expect("a header").iter().collect::<Vec<_>>().join(",");
-    assert!(header.ends_with("valve,regulated_absolute_pressure_pa,set_point_pa"), "{header}");
+    assert!(
+        header.ends_with("valve,regulated_absolute_pressure_pa,regulated_gauge_pressure_pa,set_point_pa"),
+        "{header}"
+    );
     let (mut rows, mut last) = (0, [0.0; 3]);
     for record in reader.records() {
         let record = record.expect("a row");
         let number = |column: usize| record[column].parse::<f64>().expect("a number");
-        let [time, pressure, regulated, asked] = [0, 3, 10, 11].map(number);
+        let [time, pressure, regulated, asked] = [0, 3, 11, 13].map(number);
         let expected = match time {
             t if t < 0.1 => 0.0,
             t if t < 0.7 => 4e5,
@@ -79,15 +82,15 @@ fn fixed_steps_write_the_same_and_a_sweep_its_rows() {
         rows.iter().zip(&located).map(|(row, exact)| (row[column] - exact[column]).abs()).fold(0.0, f64::max)
     };
     // The set point is known; the regulated pressure and the actuator's are states, as near as the step.
-    for (column, within) in [(10, 0.3), (11, 1e-9), (3, 50.0)] {
+    for (column, within) in [(11, 0.3), (13, 1e-9), (3, 50.0)] {
         let off = most_off("stepped.csv", column);
         assert!(off <= within, "column {column}: {off}");
     }
-    let ratio = most_off("coarse.csv", 10) / most_off("stepped.csv", 10);
+    let ratio = most_off("coarse.csv", 11) / most_off("stepped.csv", 11);
     assert!((ratio - 4.0).abs() < 0.2, "the method has order 2: {ratio}");
 
     let text = std::fs::read_to_string(&file).expect("the example");
-    let sweep = "engine = \"fixed-step\"\nstep = \"0.2 ms\"\n[sweep]\nreductions = [\"pressure.final\"]\n[sweep.vary]\n\
+    let sweep = "engine = \"fixed-step\"\nstep = \"0.2 ms\"\n[sweep]\nreductions = [\"absolute_pressure.final\"]\n[sweep.vary]\n\
                  \"valve.rate_limit\" = [\"10 bar/s\", \"15 bar/s\"]\n";
     let swept = folder.file("swept.toml", &(text + sweep)).display().to_string();
     let arguments = ["sweep", swept.as_str(), "-o", "swept.csv"];

@@ -10,7 +10,7 @@ use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use parquet::record::RowAccessor as _;
 use std::path::Path;
 
-const HEADER: &str = "time_s,length_m,velocity_m_s,absolute_pressure_pa,air_mass_kg,temperature_k,volume_m3,tension_n,mass_flow_kg_s,valve";
+const HEADER: &str = "time_s,length_m,velocity_m_s,absolute_pressure_pa,gauge_pressure_pa,air_mass_kg,temperature_k,volume_m3,tension_n,mass_flow_kg_s,valve";
 
 const PWM: &str = r#"[supply]
 gauge_pressure = "100 psi"
@@ -34,7 +34,7 @@ fn run(folder: &Folder, arguments: &[&str]) -> String {
 }
 
 /// The numbers of a row, and its valve.
-type Row = ([f64; 9], String);
+type Row = ([f64; 10], String);
 
 /// The rows of a CSV file.
 fn rows(path: &Path) -> Vec<Row> {
@@ -42,7 +42,7 @@ fn rows(path: &Path) -> Vec<Row> {
     assert_eq!(reader.headers().expect("a header").iter().collect::<Vec<_>>().join(","), HEADER);
     let row = |record: csv::StringRecord| {
         let numbers = std::array::from_fn(|column| record[column].parse().expect("a number"));
-        (numbers, record[9].to_owned())
+        (numbers, record[10].to_owned())
     };
     reader.records().map(|record| row(record.expect("a row"))).collect()
 }
@@ -58,8 +58,19 @@ fn the_file_holds_what_the_library_computes_to_the_last_bit() {
     let samples: Vec<_> = trajectory.samples(1e-3).collect();
     assert_eq!((written.len(), samples.len()), (301, 301));
     for ((numbers, valve), s) in written.iter().zip(samples) {
-        let expected =
-            [s.time, s.length, s.velocity, s.pressure.0, s.air_mass, s.temperature, s.volume, s.tension, s.mass_flow];
+        let gauge = s.pressure.0 - 101_325.0;
+        let expected = [
+            s.time,
+            s.length,
+            s.velocity,
+            s.pressure.0,
+            gauge,
+            s.air_mass,
+            s.temperature,
+            s.volume,
+            s.tension,
+            s.mass_flow,
+        ];
         assert_eq!(numbers.map(f64::to_bits), expected.map(f64::to_bits));
         assert_eq!(valve, s.ports.name());
     }
@@ -130,7 +141,7 @@ fn set_changes_the_run() {
     folder.file("muscle.toml", PWM);
     run(&folder, &["simulate", "muscle.toml", "-o", "light.csv", "--set", "load.mass=1 lb"]);
     run(&folder, &["simulate", "muscle.toml", "-o", "heavy.csv", "--set", "load.mass=\"15 lb\""]);
-    let tension = |name: &str| rows(&folder.path(name))[0].0[7];
+    let tension = |name: &str| rows(&folder.path(name))[0].0[8];
     let pound = 0.453_592_37 * 9.806_65;
     assert!((tension("light.csv") - pound).abs() < 1e-9 && (tension("heavy.csv") - 15.0 * pound).abs() < 1e-9);
 }
@@ -351,11 +362,11 @@ fn a_joint_adds_its_columns_after_the_usual_ones() {
     let records: Vec<_> = reader.records().map(|record| record.expect("a row")).collect();
     for (record, sample) in records.iter().zip(trajectory.samples(1e-3)) {
         let number = |column: usize| record[column].parse::<f64>().expect("a number");
-        let numbers = [number(0), number(1), number(10), number(12), number(13), number(19)];
+        let numbers = [number(0), number(1), number(11), number(13), number(14), number(21)];
         let [agonist, antagonist] = sample.actuators;
         let expected =
             [sample.time, agonist.length, sample.angle, sample.torque, antagonist.length, antagonist.tension];
-        assert_eq!((numbers, &record[9], &record[21]), (expected, agonist.ports.name(), antagonist.ports.name()));
+        assert_eq!((numbers, &record[10], &record[23]), (expected, agonist.ports.name(), antagonist.ports.name()));
     }
     assert_eq!(records.len(), 201);
     let events = std::fs::read_to_string(folder.path("events.csv")).expect("the events");
@@ -477,10 +488,17 @@ fn a_joint_on_a_bottle_with_hoses_and_tendons_has_columns_events_and_sweeps() {
         let mut reader = csv::Reader::from_path(folder.path(name)).expect("a CSV file");
         reader.headers().expect("a header").iter().map(str::to_owned).collect::<Vec<_>>()
     };
-    let own = ["hose_absolute_pressure_pa", "supply_absolute_pressure_pa", "load_distance_m", "load_velocity_m_s"]
-        .map(str::to_owned);
+    let own = [
+        "hose_absolute_pressure_pa",
+        "hose_gauge_pressure_pa",
+        "supply_absolute_pressure_pa",
+        "supply_gauge_pressure_pa",
+        "load_distance_m",
+        "load_velocity_m_s",
+    ]
+    .map(str::to_owned);
     let usual: Vec<String> = HEADER.split(',').map(str::to_owned).collect();
-    let others = own.iter().filter(|name| *name != "supply_absolute_pressure_pa");
+    let others = own.iter().filter(|name| !name.starts_with("supply_"));
     let second = usual.iter().skip(1).chain(others).map(|name| format!("antagonist_{name}"));
     let of_joint = ["angle_rad", "angular_velocity_rad_s", "torque_n_m"].map(str::to_owned);
     let due: Vec<String> = usual.iter().chain(&own).chain(&of_joint).cloned().chain(second).collect();

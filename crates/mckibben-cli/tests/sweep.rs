@@ -524,7 +524,7 @@ const CONTROLLED: [(&str, &str, Varied); 3] = [
     ),
     (
         "kind = \"bang-bang\"\ngauge_pressure = \"40 psi\"\ndead_band = \"1 psi\"",
-        "pressure",
+        "gauge_pressure",
         [("controller.dead_band", "2 psi"), ("controller.rate", "130 Hz"), ("load.mass", "8 lb")],
     ),
     (
@@ -566,7 +566,7 @@ fn rows_with_a_controller_are_those_of_simulate() {
             let lines = csv_lines(&folder.path("all.csv"));
             assert_eq!(lines.len(), samples.len());
             let columns: Vec<&String> = lines[0].keys().filter(|name| samples[0].contains_key(*name)).collect();
-            assert_eq!(columns.len(), 10);
+            assert_eq!(columns.len(), 11);
             for (line, sample) in lines.iter().zip(&samples) {
                 assert!(columns.iter().all(|name| line[*name] == sample[*name]), "{quantity} by {engine}: {line:?}");
             }
@@ -574,7 +574,7 @@ fn rows_with_a_controller_are_those_of_simulate() {
             let line = &csv_lines(&folder.path("sweep.csv"))[0];
             let [name, unit] = match quantity {
                 "length" => ["length_m", "m"],
-                "pressure" => ["absolute_pressure_pa", "pa"],
+                "gauge_pressure" => ["gauge_pressure_pa", "pa"],
                 _ => ["air_mass_kg", "kg"],
             };
             assert_eq!(line[&format!("{quantity}_final_{unit}")], samples[samples.len() - 1][name]);
@@ -595,8 +595,7 @@ fn rows_with_a_controller_are_those_of_simulate() {
 fn a_controller_without_a_step_takes_the_event_located_engine() {
     let folder = Folder::new("sweep-controlled-engine");
     let (controller, ..) = CONTROLLED[1];
-    let vary =
-        "[sweep]\nreductions = [\"pressure.final\"]\n[sweep.vary]\n\"controller.dead_band\" = [\"1 psi\", \"2 psi\"]\n";
+    let vary = "[sweep]\nreductions = [\"gauge_pressure.final\"]\n[sweep.vary]\n\"controller.dead_band\" = [\"1 psi\", \"2 psi\"]\n";
     let text = under_control(controller) + vary;
     folder.file("muscle.toml", &text);
     assert!(run(&folder, &["sweep", "muscle.toml"]).contains("fixed"));
@@ -686,7 +685,7 @@ fn check_joint(name: &str, text: &str, varied: &[(&str, &str)], errors: &[&str])
         let lines = csv_lines(&folder.path("all.csv"));
         assert_eq!((lines.len(), samples.len()), (121, 121));
         let columns: Vec<&String> = lines[0].keys().filter(|name| samples[0].contains_key(*name)).collect();
-        assert_eq!(columns.len(), 22);
+        assert_eq!(columns.len(), 24);
         for (line, sample) in lines.iter().zip(&samples) {
             assert!(columns.iter().all(|name| line[*name] == sample[*name]), "{name} by {engine}: {line:?}");
         }

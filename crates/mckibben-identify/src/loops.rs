@@ -22,7 +22,7 @@
 
 use crate::adjustable::{Adjustable, Seeded};
 use crate::least_squares::{self, Evaluation, FitError, Found, Model, Search, Unknown};
-use mckibben::friction::{Memory, Rubbing};
+use mckibben::friction::{Memory, SlidingState};
 use mckibben::{Actuator, Error};
 use mckibben_scenario::Scenario;
 use thiserror::Error as ThisError;
@@ -122,7 +122,8 @@ impl Loop {
             let velocity = S::constant((here.length - before.length) / (here.time - before.time));
             let length = S::constant(here.length);
             if place >= self.first && here.length != before.length {
-                let rubbing = Rubbing { width: actuator.width(&memory, length, velocity), ..velocity.sign().into() };
+                let rubbing =
+                    SlidingState { width: actuator.width(&memory, length, velocity), ..velocity.sign().into() };
                 let pressure = S::constant(here.gauge_pressure) + atmosphere;
                 visit(place, actuator.tension_sliding(length, velocity, pressure, rubbing));
             }

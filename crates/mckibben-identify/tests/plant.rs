@@ -8,7 +8,7 @@ use mckibben_identify::adjustable::Adjustable;
 use mckibben_identify::least_squares::{Search, Unknown};
 use mckibben_identify::study::Quantity;
 use mckibben_identify::trajectories::{
-    AdjustablePlant, Course, Described, Horizon, Identified, Observed, Recorded, Sampling, Subject, Task,
+    AdjustablePlant, Described, Horizon, Identified, Observed, Recorded, Sampling, Subject, Task, TimeSeries,
 };
 use mckibben_scenario::{Document, Place, PlantPlace, Scenario};
 use noise::Noise;
@@ -77,7 +77,7 @@ fn recorded(document: &Document, paths: &[&str], columns: &[(&str, f64)], seed: 
         let quantity = of.columns().into_iter().find(|of| of.name == title).and_then(|of| of.quantity()).expect("one");
         let values: Vec<f64> = times.iter().map(|time| quantity.of(&of.plant, &run.sample(*time)) - shift).collect();
         let values = noise.added_to(&values, *deviation);
-        Course { observed: column(document, name), times: times.clone(), values, deviation: None }
+        TimeSeries { observed: column(document, name), times: times.clone(), values, deviation: None }
     };
     Recorded {
         name: format!("seed {seed}"),

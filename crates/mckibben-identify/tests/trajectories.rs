@@ -7,9 +7,9 @@ use mckibben::simulation::{JointSample, simulate};
 use mckibben_identify::adjustable::Adjustable;
 use mckibben_identify::least_squares::{Loss, Search, Unknown};
 use mckibben_identify::trajectories::{
-    Course, Horizon, Identified, Observed, Recorded, Subject, Task, TrajectoryError,
+    Horizon, Identified, Observed, Recorded, Subject, Task, TimeSeries, TrajectoryError,
 };
-use mckibben_scenario::{Effectiveness, Load, Place, PressureCourse, Scenario};
+use mckibben_scenario::{Effectiveness, Load, Place, PressureSeries, Scenario};
 use noise::{Noise, holds};
 
 /// The paper's muscle under pulses at a pressure of the supply in psi, from 40 psi.
@@ -37,7 +37,7 @@ fn recorded(truth: &Scenario, sought: &[&str], deviations: [f64; 2], duration: f
     let lengths: Vec<f64> = times.iter().map(|time| run.at(*time).length).collect();
     let gauge = |time: f64| run.at(time).pressure.0 - truth.air.atmospheric_pressure;
     let pressures: Vec<f64> = times.iter().map(|time| gauge(*time)).collect();
-    let course = |observed, values: Vec<f64>| Course { observed, times: times.clone(), values, deviation: None };
+    let course = |observed, values: Vec<f64>| TimeSeries { observed, times: times.clone(), values, deviation: None };
     let courses = vec![
         course(Observed::Length, noise.added_to(&lengths, length)),
         course(Observed::GaugePressure, noise.added_to(&pressures, pressure)),
@@ -262,7 +262,7 @@ fn driven_by_its_pressure(supply: f64, [length, pressure]: [f64; 2]) -> Recorded
     let gauges: Vec<f64> = time.iter().map(gauge).collect();
     let gauge_pressure = Noise::new(5).added_to(&gauges, pressure);
     (truth.valve, truth.supply, truth.command) = (None, None, None);
-    truth.pressure = Some(PressureCourse { time, gauge_pressure });
+    truth.pressure = Some(PressureSeries { time, gauge_pressure });
     run.courses.retain(|course| course.observed == Observed::Length);
     let places: Vec<Place> = STATIC.iter().map(|path| Place::find(path, &mut truth).expect("a number")).collect();
     Recorded { subject: Adjustable::new(truth, places, [false; 2]).into(), ..run }
@@ -356,7 +356,7 @@ fn recorded_joint(truth: &Scenario, sought: &[&str], seed: u64) -> Recorded {
             (_, sample) => gauge(&sample, 1),
         };
         let values: Vec<f64> = times.iter().map(of).collect();
-        Course { observed, times: times.clone(), values: noise.added_to(&values, deviation), deviation: None }
+        TimeSeries { observed, times: times.clone(), values: noise.added_to(&values, deviation), deviation: None }
     });
     let mut base = truth.clone();
     let places: Vec<Place> = sought.iter().map(|path| Place::find(path, &mut base).expect("a number")).collect();

@@ -12,7 +12,7 @@ use mckibben::valve::{
 };
 use mckibben::{AbsolutePressure, Actuator, Braid, GaugePressure};
 use mckibben_identify::valve::{
-    Delays, DutyPoint, FlowCurve, PulseTrain, Scatter, Sought, SteadyPoint, Tank, TankFit, TankRecord, Transfer,
+    Delays, DutyPoint, FlowCurve, PulseTrain, Scatter, SteadyPoint, Tank, TankFit, TankRecord, TankUnknown, Transfer,
     ValveError, delay_difference, efficiency, flow_coefficient,
 };
 use noise::{HITS, Noise, coverage, holds};
@@ -236,7 +236,7 @@ fn intervals_by_windows_of_an_isothermal_tank_hold_c_and_b_in_95_of_100_trials()
     println!("windows: C, b of a charge, C, b of a discharge {hits:?}");
     assert!(hits.iter().all(|hits| HITS.contains(hits)), "{hits:?}");
     // The trajectory tells more.
-    let guess = Sought::Valve { sonic_conductance: 1e-8, critical_ratio: 0.5 };
+    let guess = TankUnknown::Valve { sonic_conductance: 1e-8, critical_ratio: 0.5 };
     for run in &runs {
         let record = record(run, 1);
         let (windows, trajectory) = (by_windows(&run.0, &record), run.0.fit(&record, guess, false).expect("a fit"));
@@ -254,7 +254,7 @@ fn intervals_of_a_discharge_hold_c_and_b_in_95_of_100_trials() {
     let tank = tank(balance, Transfer::Discharge);
     let times = times(1.5, 60);
     let exact = tank.pressures(AbsolutePressure(8e5), VALVE, 1.0, &times).expect("pressures");
-    let guess = Sought::Valve { sonic_conductance: 7e-9, critical_ratio: 0.4 };
+    let guess = TankUnknown::Valve { sonic_conductance: 7e-9, critical_ratio: 0.4 };
     let hits = coverage(|seed| {
         let record = TankRecord::new(times.clone(), Noise::new(seed).added_to(&exact, 500.0)).expect("a record");
         let found = tank.fit(&record, guess, false).expect("a fit");
@@ -276,7 +276,7 @@ fn a_charge_and_a_discharge_together_tell_more_than_either() {
         let exact = tank.pressures(AbsolutePressure(from), VALVE, 1.0, &times).expect("pressures");
         (tank, TankRecord::new(times, Noise::new(seed).added_to(&exact, noise)).expect("a record"))
     });
-    let guess = Sought::Valve { sonic_conductance: 7e-9, critical_ratio: 0.4 };
+    let guess = TankUnknown::Valve { sonic_conductance: 7e-9, critical_ratio: 0.4 };
     let both = records.each_ref().map(|(tank, record)| (*tank, record));
     let together = Tank::fit_together(&both, guess, false).expect("a fit");
     let alone = records.each_ref().map(|(tank, record)| tank.fit(record, guess, false).expect("a fit"));
@@ -305,7 +305,7 @@ fn intervals_of_a_charge_hold_the_volume_in_95_of_100_trials() {
     let guess = Tank { volume: 2e-4, ..tank };
     let hits = coverage(|seed| {
         let record = TankRecord::new(times.clone(), Noise::new(seed).added_to(&exact, 1e3)).expect("a record");
-        let sought = Sought::Volume { standard: VALVE, efficiency: 0.9 };
+        let sought = TankUnknown::Volume { standard: VALVE, efficiency: 0.9 };
         [holds(&guess.fit(&record, sought, false).expect("a fit").volume.expect("V"), 5e-4)]
     });
     println!("charge: V {hits:?}");
@@ -320,7 +320,7 @@ fn heat_transfer_is_found_beside_the_valve() {
     let times = times(1.5, 200);
     let exact = of(0.5).pressures(AbsolutePressure(8e5), VALVE, 1.0, &times).expect("pressures");
     let record = TankRecord::new(times, Noise::new(8).added_to(&exact, 20.0)).expect("a record");
-    let guess = Sought::Valve { sonic_conductance: 7e-9, critical_ratio: 0.4 };
+    let guess = TankUnknown::Valve { sonic_conductance: 7e-9, critical_ratio: 0.4 };
     let found = of(0.2).fit(&record, guess, true).expect("a fit");
     close(found.heat_transfer.expect("h A").value, 0.5, 0.05, "h A");
     close(found.sonic_conductance.expect("C").value, CONDUCTANCE, 0.01, "C");
@@ -328,7 +328,7 @@ fn heat_transfer_is_found_beside_the_valve() {
     let times: Vec<f64> = (0..=240).map(|place| 5e-3 * f64::from(place)).collect();
     let exact = of(0.5).pressures(AbsolutePressure(8.01325e5), VALVE, 1.0, &times).expect("pressures");
     let short = TankRecord::new(times, Noise::new(8).added_to(&exact, 5.0)).expect("a record");
-    let far = Sought::Valve { sonic_conductance: 1e-8, critical_ratio: 0.5 };
+    let far = TankUnknown::Valve { sonic_conductance: 1e-8, critical_ratio: 0.5 };
     let found = of(0.2).fit(&short, far, true).expect("a fit");
     close(found.heat_transfer.expect("h A").value, 0.5, 0.05, "h A");
     close(found.critical_ratio.expect("b").value, RATIO, 0.05, "b");

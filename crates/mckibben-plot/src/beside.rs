@@ -7,7 +7,7 @@ use super::{Figure, Format, PlotError, Theme, pdf, raster, svg};
 
 /// Figures from the left to the right.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Beside {
+pub struct SideBySide {
     /// The words above; may be empty.
     pub title: String,
     /// The words below; may be empty.
@@ -16,7 +16,7 @@ pub struct Beside {
     pub figures: Vec<Figure>,
 }
 
-impl Beside {
+impl SideBySide {
     /// All of it as one SVG document.
     ///
     /// # Errors

@@ -52,7 +52,7 @@ mod theme;
 mod ticks;
 
 pub use axis::{Axis, Scale};
-pub use beside::Beside;
+pub use beside::SideBySide;
 pub use figure::{Colour, Dash, Extent, Field, Figure, Legend, Marks, Panel, Reference, Series, Span, Style, Symbol};
 pub use theme::Theme;
 

@@ -8,7 +8,7 @@ use crate::signals::Watch;
 use crate::typed::{NewArguments, Numbers, Sequence};
 use mckibben::plant::{Plant, PlantRun, PlantSteps};
 use mckibben::simulation::{MOST_PARTS, Method};
-use mckibben::valve::{Demand, Request};
+use mckibben::valve::{Request, RuntimeCommand};
 use mckibben::{Error, GaugePressure, parameter};
 use mckibben_run::failure::Failure;
 use mckibben_scenario::{Experiment, InitialLength, Load};
@@ -69,7 +69,7 @@ impl Model {
     }
 
     /// What is asked of the valve, by a request or a number in the kind of the valve.
-    pub(crate) fn demand(&self, name: &str, asked: &Asked) -> Result<Demand, Failure> {
+    pub(crate) fn demand(&self, name: &str, asked: &Asked) -> Result<RuntimeCommand, Failure> {
         let Some(valve) = self.steps.plant().network().valves.first() else {
             return Err(Failure::input(
                 "something is asked of a valve, but the actuator has none",
@@ -77,15 +77,17 @@ impl Model {
             ));
         };
         let demand = match *asked {
-            Asked::Request(request) => Demand::Request(request),
-            Asked::Number(gauge) if valve.solenoid.regulator().is_some() => Demand::SetPoint(GaugePressure(gauge)),
-            Asked::Number(position) if valve.solenoid.spool().is_some() => Demand::Position(position),
+            Asked::Request(request) => RuntimeCommand::Request(request),
+            Asked::Number(gauge) if valve.solenoid.regulator().is_some() => {
+                RuntimeCommand::SetPoint(GaugePressure(gauge))
+            }
+            Asked::Number(position) if valve.solenoid.spool().is_some() => RuntimeCommand::Position(position),
             Asked::Number(duty) => {
                 arguments::number(name, duty, "", "a duty cycle from 0 to 1", (0.0..=1.0).contains(&duty))?;
                 self.pulses.of_duty(duty)
             }
         };
-        valve.solenoid.check_demand(&demand).map_err(|error| Failure::from(error).of(name))?;
+        valve.solenoid.check_command(&demand).map_err(|error| Failure::from(error).of(name))?;
         Ok(demand)
     }
 
@@ -105,7 +107,7 @@ impl Model {
     pub(crate) fn state_of(&self, steps: &mut PlantSteps) -> Result<ActuatorState, Failure> {
         let mut numbers = vec![0.0; HEAD + self.size];
         steps.save_to(&mut numbers[HEAD..])?;
-        let here = steps.plant().places().actuators[0];
+        let here = steps.plant().indices().actuators[0];
         let valve = steps.mode().network.valves.first().map(|valve| valve.ports);
         let ports = valve.map_or(0, |ports| usize::from(ports.supply) + 2 * usize::from(ports.exhaust));
         let (air, count) = ([steps.state()[here.pressure], steps.state()[here.mass()]], self.size as f64);
@@ -169,12 +171,12 @@ const TOLERANCE: f64 = 1e-9;
 
 /// The distance between the ends in m.
 pub(crate) fn distance(steps: &PlantSteps) -> f64 {
-    steps.state()[steps.plant().places().mechanisms[0].position(0)]
+    steps.state()[steps.plant().indices().mechanisms[0].position(0)]
 }
 
 /// What the actuator answers while its ends move apart at a velocity in m/s.
 pub(crate) fn respond(steps: &mut PlantSteps, velocity: f64) -> Result<mckibben::Response, Error> {
-    let rate = steps.state()[steps.plant().places().mechanisms[0].rate(0)];
+    let rate = steps.state()[steps.plant().indices().mechanisms[0].rate(0)];
     if rate.to_bits() == velocity.to_bits() { steps.compute(0) } else { steps.compute_at(0, &[velocity]) }
 }
 
@@ -412,7 +414,7 @@ impl ActuatorState {
 ///
 /// Examples
 /// --------
-/// The tension at a velocity of 10 mm/s, and its first-order estimate from the derivatives at rest:
+/// The tension rises with the length and with the pressure:
 ///
 ///     >>> import mckibben
 ///     >>> muscle = mckibben.Actuator(mckibben.Scenario.from_dict({
@@ -591,7 +593,7 @@ impl Actuator {
     #[pyo3(signature = (gauge_pressure = None))]
     fn rest_length(&self, gauge_pressure: Option<f64>) -> PyResult<f64> {
         let plant = self.model.steps.plant();
-        let here = || self.model.steps.state()[plant.places().actuators[0].pressure] - plant.network().atmosphere;
+        let here = || self.model.steps.state()[plant.indices().actuators[0].pressure] - plant.network().atmosphere;
         let gauge_pressure = gauge_pressure.unwrap_or_else(here);
         let is_in = gauge_pressure.is_finite();
         arguments::number("gauge_pressure", gauge_pressure, "Pa", "a gauge pressure in Pa, such as 2e5", is_in)

@@ -33,7 +33,8 @@ const EACH: usize = 16 << 10;
 /// Many actuators of one scenario, each with its own air, valve and hysteresis, stepped together on arrays.
 ///
 /// The caller owns the arrays: `step` reads and writes them in place. They are one-dimensional and contiguous, of float64, with
-/// one element for each actuator. The actuators are stepped on all cores. Each is bit-identical to a scalar `Actuator`.
+/// one element for each actuator. From 128 on, the actuators are stepped on all cores. Each is bit-identical to a scalar
+/// `Actuator`.
 ///
 /// Parameters
 /// ----------
@@ -197,7 +198,7 @@ impl<'a> Span<'a> {
             let values = [
                 response.per_length,
                 response.per_velocity,
-                actuator.state()[actuator.plant().places().actuators[0].pressure],
+                actuator.state()[actuator.plant().indices().actuators[0].pressure],
             ];
             for (slice, value) in self.beside.iter_mut().zip(values) {
                 if let Some(slice) = slice {
@@ -266,7 +267,7 @@ fn check_commands(model: &Model, command: &[f64]) -> Result<(), Failure> {
 }
 
 /// Arguments of the constructor by place: scenario, count, name.
-type Places = (Py<Scenario>, usize, Option<String>);
+type StateIndices = (Py<Scenario>, usize, Option<String>);
 
 /// An actuator for each row of values of these parameters.
 fn varied<'v>(
@@ -502,7 +503,7 @@ impl Actuators {
         format!("<mckibben.Actuators, {} of {:?}>", self.count, self.scenario.get().title())
     }
 
-    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<NewArguments<'py, Places>> {
+    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<NewArguments<'py, StateIndices>> {
         let mut named = BTreeMap::from([("pulse_frequency", self.pulse_frequency.into_bound_py_any(py)?)]);
         if !self.parameters.is_empty() {
             let values = PyArray1::from_slice(py, &self.values).reshape([self.count, self.parameters.len()])?;

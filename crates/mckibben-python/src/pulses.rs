@@ -1,7 +1,7 @@
 //! How a valve is pulsed by a duty cycle.
 
 use crate::arguments;
-use mckibben::valve::{Command, Demand, Request};
+use mckibben::valve::{Command, Request, RuntimeCommand};
 use mckibben_run::failure::Failure;
 
 /// How often pulses come, and what is asked for in them and between.
@@ -40,7 +40,7 @@ impl Pulses {
     }
 
     /// Pulses of a duty cycle.
-    pub(crate) fn of_duty(&self, duty: f64) -> Demand {
-        Demand::Pulses { frequency: self.frequency, duty, pulse: self.pulse, rest: self.rest }
+    pub(crate) fn of_duty(&self, duty: f64) -> RuntimeCommand {
+        RuntimeCommand::Pulses { frequency: self.frequency, duty, pulse: self.pulse, rest: self.rest }
     }
 }

@@ -5,11 +5,11 @@ use crate::scenario::Scenario;
 use crate::typed::{Items, Names};
 use mckibben_run::failure::Failure;
 use mckibben_run::output;
+use mckibben_run::sweep::counts::SweepCounts;
 use mckibben_run::sweep::destination::Place;
 use mckibben_run::sweep::folder::Folder;
 use mckibben_run::sweep::prepared::Prepared;
 use mckibben_run::sweep::step::Choice;
-use mckibben_run::sweep::tally::Tally;
 use mckibben_run::table::Kind;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
@@ -267,7 +267,7 @@ impl Sweep {
             let remedy = format!("give {MOST_JOBS} at most; more than there are cores are of no use");
             return Err(Failure::input(format!("{jobs} jobs are more threads than can be started"), remedy)).raised();
         }
-        let mut tally = Tally::new(self.prepared.sweep(), false);
+        let mut tally = SweepCounts::new(self.prepared.sweep(), false);
         let (missing, _) = py.detach(|| self.missing_in(&self.prepared.folder(&folder)?)).raised()?;
         let mut done = self.parts() - missing.len() as u64;
         let of_rows = |rows: u64| (rows * jobs as u64).div_ceil(self.prepared.plan().part_rows.max(1));

@@ -12,10 +12,10 @@ use crate::typed::{
 };
 use mckibben_plot::Theme;
 use mckibben_run::failure::Failure;
-use mckibben_run::finished::{Finished, Ready};
 use mckibben_run::output;
-use mckibben_run::portrait::Over;
 use mckibben_run::record::{Format, Provenance};
+use mckibben_run::run::{Finished, Ready};
+use mckibben_run::trajectory_plot::Over;
 use pyo3::exceptions::{PyAttributeError, PyKeyError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};

@@ -8,7 +8,7 @@
 use crate::failure::Failure;
 use crate::table::{Cell, Column, Writer};
 use mckibben::plant::RigEvent;
-use mckibben::simulation::{EventKind, Extent, Mode, Sliding};
+use mckibben::simulation::{EventKind, LengthRegime, Mode, Sliding};
 use mckibben::valve::FlowZone;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -84,12 +84,12 @@ pub(crate) fn zone(zone: FlowZone) -> &'static str {
     }
 }
 
-pub(crate) fn extent(extent: Extent) -> &'static str {
+pub(crate) fn extent(extent: LengthRegime) -> &'static str {
     match extent {
-        Extent::Slack => "slack",
-        Extent::Free => "free",
-        Extent::Taut => "taut",
-        Extent::Rebound => "rebound",
+        LengthRegime::Slack => "slack",
+        LengthRegime::Free => "free",
+        LengthRegime::Taut => "taut",
+        LengthRegime::Rebound => "rebound",
     }
 }
 

@@ -6,7 +6,7 @@ use mckibben::Actuator;
 use mckibben::air::Flow;
 use mckibben::engine::Statistics;
 use mckibben::plant::{PlantLedger, PlantView, RigPlant, ViewStep};
-use mckibben::simulation::{EventKind, Extent, Mode, Readable, Reading, Rig, Sample, SampleTimes};
+use mckibben::simulation::{EventKind, LengthRegime, Mode, Readable, Reading, Rig, Sample, SampleTimes};
 use mckibben::valve::Command;
 use mckibben_scenario::Run;
 use std::collections::BTreeMap;
@@ -89,7 +89,7 @@ impl AirUse {
     /// Adds the flow of an actuator without an air line at a point of a quadrature with its weight in s.
     pub fn see_actuator(&mut self, actuator: &Actuator, weight: f64, sample: &Sample, mode: &Mode) {
         let (length, velocity, pressure, mass) = (sample.length, sample.velocity, sample.pressure.0, sample.air_mass);
-        let chamber = actuator.chamber(length, velocity, pressure, mass, mode.extent == Extent::Slack);
+        let chamber = actuator.chamber(length, velocity, pressure, mass, mode.extent == LengthRegime::Slack);
         let supply = actuator.flow(&chamber, sample.ports.supply, false);
         let surroundings = actuator.flow(&chamber, false, sample.ports.exhaust);
         self.see(weight, [supply, surroundings]);

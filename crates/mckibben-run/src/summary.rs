@@ -6,10 +6,10 @@
 //! Checked by the tests below, and by those of the Python package, which hold it to the columns of the run.
 
 use crate::closed_loop::Goal;
-use crate::finished::{Figures, ViewFigures};
 use crate::joint::{self, NAMES};
 use crate::observation::{self, AirUse, Ended, Range};
 use crate::plant::PlantFigures;
+use crate::run::{Figures, ViewFigures};
 use mckibben::control::Quantity;
 use mckibben::plant::{ActuatorLedger, Balance, MechanismLedger, PlantLedger};
 use mckibben::simulation::{EventKind, JointRig, Rig};
@@ -243,7 +243,7 @@ fn of_plant(of: &PlantFigures) -> Summary {
 
 #[cfg(test)]
 mod tests {
-    use crate::finished::Ready;
+    use crate::run::Ready;
     use mckibben_scenario::Document;
     use std::collections::BTreeSet;
     use std::path::Path;

@@ -272,7 +272,7 @@ fn sections_of(table: &Table, path: &str, text: &mut String) {
         text.push_str(&format!("{gap}[{path}]\n"));
     }
     for Entry { name, node, .. } in table.0.iter().filter(|entry| !inner(entry)) {
-        text.push_str(&format!("{} = {}\n", quoted(name), said(&node.value, unit_at(path, name))));
+        text.push_str(&format!("{} = {}\n", quoted(name), said(node, unit_at(path, name))));
     }
     for Entry { name, node, .. } in &table.0 {
         if let Value::Table(inner) = &node.value {
@@ -294,19 +294,20 @@ fn unit_at(section: &str, name: &str) -> &'static str {
     keys::key_at(&keys::stands_for(&path)).and_then(keys::Key::parameter).map_or("", |row| row.unit)
 }
 
-/// A value as TOML, numbers in the digits that identify them; a number of a key with a unit is in SI.
-fn said(value: &Value, unit: &str) -> String {
-    match value {
+/// A value as TOML, numbers in the digits that identify them; a number that a program gave for a
+/// quantity has its SI unit.
+fn said(node: &Node, unit: &str) -> String {
+    let unit = if node.place.source().numbers_are_si() { unit } else { "" };
+    match &node.value {
         Value::String(words) => toml::Value::from(words.as_str()).to_string(),
         Value::Number(number) if unit.is_empty() => toml::Value::from(*number).to_string(),
         Value::Number(number) => toml::Value::from(quantity::format(*number, unit)).to_string(),
         Value::List(items) => {
-            let items: Vec<String> = items.iter().map(|item| said(&item.value, unit)).collect();
+            let items: Vec<String> = items.iter().map(|item| said(item, unit)).collect();
             format!("[{}]", items.join(", "))
         }
         Value::Table(table) => {
-            let entries =
-                table.0.iter().map(|entry| format!("{} = {}", quoted(&entry.name), said(&entry.node.value, unit)));
+            let entries = table.0.iter().map(|entry| format!("{} = {}", quoted(&entry.name), said(&entry.node, unit)));
             format!("{{ {} }}", entries.collect::<Vec<_>>().join(", "))
         }
         // What no key takes has been refused; its text says what it was.

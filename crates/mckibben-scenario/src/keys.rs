@@ -33,7 +33,7 @@ pub enum Kind {
     /// A unit of the same dimension as this one.
     Unit(&'static str),
     /// A quantity, or a list of them at the times of a table.
-    Course(&'static Parameter),
+    TimeSeries(&'static Parameter),
     /// A quantity in the unit of what the controller regulates.
     Regulated,
     /// The name of another part of the file.
@@ -90,7 +90,7 @@ impl Key {
             | Kind::QuantityOr(row, _)
             | Kind::Quantities(row)
             | Kind::Whole(row)
-            | Kind::Course(row) => Some(row),
+            | Kind::TimeSeries(row) => Some(row),
             Kind::Regulated | Kind::Unit(_) | Kind::Name | Kind::Choice(_) | Kind::Choices(_) => None,
         }
     }
@@ -288,7 +288,7 @@ const fn list(row: &'static Parameter, example: &'static str) -> Key {
 }
 
 const fn course(row: &'static Parameter, example: &'static str) -> Key {
-    key(row.key, Kind::Course(row), row.meaning, example)
+    key(row.key, Kind::TimeSeries(row), row.meaning, example)
 }
 
 const fn regulated(path: &'static str, meaning: &'static str, example: &'static str) -> Key {

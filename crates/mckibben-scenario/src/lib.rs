@@ -81,10 +81,10 @@ pub use plant::{
     PlantExperiment, PlantNames, PlantOver, PlantPlace, PlantQuantity,
 };
 pub use scenario::{
-    Actuator, Aim, Air, Antagonist, Bladder, Command, Compressor, Controller, Effectiveness, Force, Friction, Hose,
-    Hysteresis, Initial, InitialAngle, InitialLength, Joint, Limit, Load, MomentArm, Motion, Passage, PressureCourse,
-    PressureRegulator, Process, ProportionalRegulator, Regulator, Reservoir, Run, Scenario, SeriesTendon, Spool,
-    Supply, Taper, Tendon, TonduLopezCoefficients, Valve,
+    Actuator, Aim, Air, Antagonist, Bladder, Command, Compressor, Controller, Effectiveness, FlowPath, Force, Friction,
+    Hose, Hysteresis, Initial, InitialAngle, InitialLength, Joint, Limit, Load, MomentArm, Motion, PressureRegulator,
+    PressureSeries, Process, ProportionalRegulator, Regulator, Reservoir, Run, Scenario, SeriesTendon, Spool, Supply,
+    Taper, Tendon, TonduLopezCoefficients, Valve,
 };
 pub use schema::schema;
 pub use starter::starter;

@@ -4,8 +4,8 @@ use crate::choice::{BladderForm, CommandState, Engine, ExhaustTemperature, HoseK
 use crate::diagnostic::Diagnostics;
 use crate::document::Document;
 use crate::scenario::{
-    self, Antagonist, Command, Effectiveness, Force, Friction, Hysteresis, InitialAngle, InitialLength, Joint, Load,
-    MomentArm, Motion, Passage, Process, ProportionalRegulator, Run, Scenario, Supply, Tendon, Valve,
+    self, Antagonist, Command, Effectiveness, FlowPath, Force, Friction, Hysteresis, InitialAngle, InitialLength,
+    Joint, Load, MomentArm, Motion, Process, ProportionalRegulator, Run, Scenario, Supply, Tendon, Valve,
 };
 use mckibben::command::Driver;
 use mckibben::force::{self, Characteristic, Effective, LengthLimits, Statics};
@@ -13,7 +13,7 @@ use mckibben::line::{self, Line};
 use mckibben::parameter as p;
 use mckibben::plant::{JointPlant, Plant, PlantStart, PlantStepError, RigPlant, TimeStepping, plant_step_for_accuracy};
 use mckibben::simulation::{
-    self, Actuation, Driven, Fittings, Initial, JointInitial, JointRig, JointState, JointSupply, PressureCourse, Rig,
+    self, Actuation, Driven, Fittings, Initial, JointInitial, JointRig, JointState, JointSupply, PressureSeries, Rig,
     State,
 };
 use mckibben::{AbsolutePressure, Actuator, Braid, Error, GaugePressure, air, friction, load, valve};
@@ -372,8 +372,8 @@ impl Scenario {
     }
 
     /// The pressure over time, where it is given.
-    pub(crate) fn core_pressure(&self) -> Result<Option<PressureCourse>, Error> {
-        self.pressure.as_ref().map(|course| PressureCourse::new(&course.time, &course.gauge_pressure)).transpose()
+    pub(crate) fn core_pressure(&self) -> Result<Option<PressureSeries>, Error> {
+        self.pressure.as_ref().map(|course| PressureSeries::new(&course.time, &course.gauge_pressure)).transpose()
     }
 
     /// The air line: hose, leak, reservoir and regulator, as far as there are such.
@@ -623,8 +623,8 @@ fn regulating(valve: &Valve) -> Result<valve::Solenoid, Error> {
 }
 
 pub(crate) fn core_valve(valve: &Valve, supply: &Supply, air: &air::Air) -> Result<valve::Valve, Error> {
-    let law = |port, passage: Passage| {
-        valve::FlowLaw::of_passage(port, passage.standard(), valve.efficiency, valve.laminar_ratio, air)
+    let law = |port, passage: FlowPath| {
+        valve::FlowLaw::of_flow_path(port, passage.standard(), valve.efficiency, valve.laminar_ratio, air)
     };
     let inlet = law(valve::Port::Supply, valve.passage)?;
     let outlet = valve.exhaust.map(|passage| law(valve::Port::Exhaust, passage)).transpose()?;
@@ -637,7 +637,7 @@ pub(crate) fn core_valve(valve: &Valve, supply: &Supply, air: &air::Air) -> Resu
     Ok(outlet.map_or(built, |outlet| built.with_exhaust(outlet)))
 }
 
-impl Passage {
+impl FlowPath {
     /// As the core has it.
     pub fn standard(self) -> valve::FlowStandard {
         match self {

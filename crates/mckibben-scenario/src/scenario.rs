@@ -28,7 +28,7 @@ pub struct Scenario {
     /// What the valve is told; there exactly when `valve` is.
     pub command: Option<Command>,
     /// The pressure in the actuator over time, where it is given; in place of a valve.
-    pub pressure: Option<PressureCourse>,
+    pub pressure: Option<PressureSeries>,
     /// The elastic tendon between actuator and load, if there is one.
     pub tendon: Option<SeriesTendon>,
     /// What the actuator pulls on.
@@ -343,7 +343,7 @@ pub struct Hose {
 
 /// The pressure in the actuator as a given function of time: straight lines between points, constant outside.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PressureCourse {
+pub struct PressureSeries {
     /// Times in s, strictly increasing, from zero on.
     pub time: Vec<f64>,
     /// Gauge pressure in Pa at each.
@@ -365,9 +365,9 @@ pub struct Valve {
     /// How it joins the actuator to supply and exhaust.
     pub kind: ValveKind,
     /// How much it lets through.
-    pub passage: Passage,
+    pub passage: FlowPath,
     /// How much the passage to the surroundings lets through, where it differs.
-    pub exhaust: Option<Passage>,
+    pub exhaust: Option<FlowPath>,
     /// Factor η on the calculated mass flow.
     pub efficiency: f64,
     /// What makes the pressure beyond the passage, exactly of a pressure regulator.
@@ -414,7 +414,7 @@ pub struct Spool {
 
 /// The usual ways to state how much a valve lets through.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Passage {
+pub enum FlowPath {
     /// Effective area A_p C_q in m².
     FlowArea(f64),
     /// ISO 6358.
@@ -682,7 +682,7 @@ pub struct Antagonist {
     /// What the valve is told.
     pub command: Option<Command>,
     /// The pressure over time, where it is given; in place of a valve.
-    pub pressure: Option<PressureCourse>,
+    pub pressure: Option<PressureSeries>,
     /// How it is led over the joint.
     pub tendon: Tendon,
     /// The elastic tendon between it and the joint, if there is one.

@@ -147,7 +147,7 @@ fn properties_in_plant(path: &str) -> Map<String, Value> {
 fn of_axis(key: &Key) -> Value {
     let mut ways = vec![json!({ "type": "array", "minItems": 1, "items": of_key(key) })];
     let quantity = match key.kind {
-        Kind::Quantity(row) | Kind::QuantityOr(row, _) | Kind::Course(row) => {
+        Kind::Quantity(row) | Kind::QuantityOr(row, _) | Kind::TimeSeries(row) => {
             Some((of_quantity(row), of_quantity(&Parameter { range: Range::POSITIVE, ..*row })))
         }
         Kind::Regulated => Some((of_key(key), of_key(key))),
@@ -291,7 +291,7 @@ fn of_key(key: &Key) -> Value {
             json!({ "anyOf": [of_quantity(row), { "const": word.name, "description": word.meaning }] })
         }
         Kind::Quantities(row) => json!({ "type": "array", "minItems": 1, "items": of_quantity(row) }),
-        Kind::Course(row) => {
+        Kind::TimeSeries(row) => {
             let one = of_quantity(row);
             json!({ "anyOf": [one, { "type": "array", "minItems": 1, "items": one }] })
         }

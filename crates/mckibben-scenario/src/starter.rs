@@ -87,7 +87,7 @@ fn remark(key: &Key) -> String {
         | Kind::QuantityOr(row, _)
         | Kind::Quantities(row)
         | Kind::Whole(row)
-        | Kind::Course(row) => notes.push(row.symbol.to_owned()),
+        | Kind::TimeSeries(row) => notes.push(row.symbol.to_owned()),
         Kind::Regulated | Kind::Unit(_) | Kind::Name => {}
     }
     if let Some(when) = key.when {

@@ -10,8 +10,8 @@ use crate::keys::{BALANCED, EQUILIBRIUM};
 use crate::quantity;
 use crate::read::passage;
 use crate::scenario::{
-    Actuator, Aim, Command, Controller, Effectiveness, Force, Friction, Hysteresis, InitialAngle, InitialLength, Load,
-    MomentArm, Motion, Passage, Process, Regulator, Scenario, Supply, Tendon,
+    Actuator, Aim, Command, Controller, Effectiveness, FlowPath, Force, Friction, Hysteresis, InitialAngle,
+    InitialLength, Load, MomentArm, Motion, Process, Regulator, Scenario, Supply, Tendon,
 };
 use mckibben::control::{Quantity, SetPoint};
 use mckibben::parameter::{self as p, Parameter};
@@ -345,18 +345,18 @@ fn valve(w: &mut Writer, scenario: &Scenario) {
     }
 }
 
-fn passage(w: &mut Writer, rows: &passage::Rows, passage: Passage) {
+fn passage(w: &mut Writer, rows: &passage::Rows, passage: FlowPath) {
     match passage {
-        Passage::FlowArea(area) => w.number(rows.flow_area, area),
-        Passage::Iso6358 { sonic_conductance, critical_ratio } => {
+        FlowPath::FlowArea(area) => w.number(rows.flow_area, area),
+        FlowPath::Iso6358 { sonic_conductance, critical_ratio } => {
             w.number(rows.sonic_conductance, sonic_conductance);
             w.number(rows.critical_ratio, critical_ratio);
         }
-        Passage::Kv { kv, pressure_drop_ratio } => {
+        FlowPath::Kv { kv, pressure_drop_ratio } => {
             w.number(rows.kv, kv);
             w.number(rows.pressure_drop_ratio, pressure_drop_ratio);
         }
-        Passage::Cv { cv, pressure_drop_ratio } => {
+        FlowPath::Cv { cv, pressure_drop_ratio } => {
             w.number(rows.cv, cv);
             w.number(rows.pressure_drop_ratio, pressure_drop_ratio);
         }

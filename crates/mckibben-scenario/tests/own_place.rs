@@ -164,7 +164,7 @@ fn plain() -> Actuator {
 
 fn iso(port: Port, sonic_conductance: f64, critical_ratio: f64) -> FlowLaw {
     let standard = FlowStandard::Iso6358 { sonic_conductance, critical_ratio };
-    FlowLaw::of_passage(port, standard, 0.87, 0.995, &air()).expect("a flow law")
+    FlowLaw::of_flow_path(port, standard, 0.87, 0.995, &air()).expect("a flow law")
 }
 
 /// The actuator of `BODY` on the valve of `DRIVE`.
@@ -241,7 +241,7 @@ fn passages_of_every_standard() {
         *rig(&[BODY, &drive, PWM, HANGING]).actuator().valve().expect("a valve")
     };
     let expected = |standard| {
-        let law = FlowLaw::of_passage(Port::Supply, standard, 0.87, 0.995, &air()).expect("a flow law");
+        let law = FlowLaw::of_flow_path(Port::Supply, standard, 0.87, 0.995, &air()).expect("a flow law");
         let supply = Supply::new(GaugePressure(6e5), 295.0, &air()).expect("a supply");
         Valve::new(law, supply, ExhaustTemperature::Ambient, &air()).with_exhaust(iso(Port::Exhaust, 5e-9, 0.27))
     };

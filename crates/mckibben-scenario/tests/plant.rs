@@ -180,7 +180,7 @@ lag = "20 ms"
     let fed = network.branches.iter().filter(|branch| branch.from == manifold);
     assert_eq!(fed.filter(|branch| matches!(branch.kind, BranchKind::Path { .. })).count(), 1);
     let start = of.plant.start(&of.start).expect("a start");
-    let pressure = |node: usize| start[of.plant.places().nodes[node].expect("a state")];
+    let pressure = |node: usize| start[of.plant.indices().nodes[node].expect("a state")];
     assert_eq!([tank, regulator, manifold].map(pressure), [801_325.0, 501_325.0, 501_325.0]);
     assert_eq!(pressure(check.to), 501_325.0);
     let run = simulate_plant(&of.plant, &of.start, 0.2, 1e-8).expect("a run");

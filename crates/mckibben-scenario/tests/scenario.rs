@@ -2,8 +2,8 @@
 //! and that what is written reads back to the same.
 
 use mckibben_scenario::{
-    Command, CommandState, Document, Effectiveness, Engine, InitialLength, Load, Method, MomentArm, Motion, Passage,
-    PressureCourse, Process, Scenario, ValveKind, starter,
+    Command, CommandState, Document, Effectiveness, Engine, FlowPath, InitialLength, Load, Method, MomentArm, Motion,
+    PressureSeries, Process, Scenario, ValveKind, starter,
 };
 use proptest::prelude::*;
 
@@ -87,7 +87,7 @@ fn the_specification_s_example() {
     assert_eq!(scenario.actuator.effectiveness, Effectiveness::Constant(0.9));
     assert_eq!(scenario.air.process, Process::Isentropic);
     let valve = scenario.valve.expect("a valve");
-    assert_eq!((valve.kind, valve.passage), (ValveKind::ThreeWay, Passage::FlowArea(1.672_254_72e-6)));
+    assert_eq!((valve.kind, valve.passage), (ValveKind::ThreeWay, FlowPath::FlowArea(1.672_254_72e-6)));
     assert_eq!(scenario.initial.length, InitialLength::Equilibrium);
     let (pulse, rest) = (CommandState::Fill, CommandState::Exhaust);
     assert_eq!(scenario.command, Some(Command::Pwm { frequency: 25.0, duty: 0.5, pulse, rest }));
@@ -138,7 +138,7 @@ fn named_valve() {
     // Another way to state the passage takes the place of the preset's.
     let iso = text.replace("[load]", "sonic_conductance = \"0.5 L/(s*bar) ANR\"\ncritical_ratio = 0.3\n[load]");
     let passage = read(&iso).valve.map(|valve| valve.passage);
-    assert_eq!(passage, Some(Passage::Iso6358 { sonic_conductance: 5e-9, critical_ratio: 0.3 }));
+    assert_eq!(passage, Some(FlowPath::Iso6358 { sonic_conductance: 5e-9, critical_ratio: 0.3 }));
     round_trip(&read(&iso));
 }
 
@@ -390,7 +390,7 @@ fn a_pressure_over_time_is_read_built_and_written() {
     let file = "[pressure]\ntime = [\"0 s\", \"100 ms\"]\ngauge_pressure = [\"1 bar\", \"3 bar\"]\n\
                 [load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n[run]\nduration = \"0.2 s\"\n";
     let read = Scenario::from_str(file, "test.toml").unwrap_or_else(|error| panic!("{error}"));
-    let course = PressureCourse { time: vec![0.0, 0.1], gauge_pressure: vec![1e5, 3e5] };
+    let course = PressureSeries { time: vec![0.0, 0.1], gauge_pressure: vec![1e5, 3e5] };
     assert_eq!(read.pressure, Some(course));
     let experiment = read.experiment().expect("an experiment");
     assert!((experiment.start.pressure.0 - 201_325.0).abs() < 1e-6);

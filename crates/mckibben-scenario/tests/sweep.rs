@@ -290,7 +290,7 @@ fn surroundings(path: &str) -> String {
 /// Three values of a key near its example, as a file has them; the last stands in a file alone.
 fn literals(key: &Key) -> Option<[String; 3]> {
     let row = match key.kind {
-        Kind::Quantity(row) | Kind::QuantityOr(row, _) | Kind::Course(row) | Kind::Whole(row) => row,
+        Kind::Quantity(row) | Kind::QuantityOr(row, _) | Kind::TimeSeries(row) | Kind::Whole(row) => row,
         // Their examples are pressures.
         Kind::Regulated => Quantity::Pressure.rows().set_point,
         _ => return None,

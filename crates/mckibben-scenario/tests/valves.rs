@@ -1,7 +1,7 @@
 //! The section `[valve]`: the ways to state its passages, presets and what overrides them, and every kind of valve.
 
 use mckibben::valve::{Ports, SeatClock};
-use mckibben_scenario::{Command, CommandState, Document, Passage, Scenario, Valve, ValveKind};
+use mckibben_scenario::{Command, CommandState, Document, FlowPath, Scenario, Valve, ValveKind};
 
 const AROUND: &str = "[supply]\ngauge_pressure = \"6 bar\"\n[command]\nkind = \"fill\"\n\
                       [load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n[run]\nduration = \"1 s\"\n";
@@ -29,14 +29,14 @@ fn refused(text: &str) -> String {
 fn a_passage_is_stated_in_one_of_four_ways() {
     let of = |text: &str| valve(&format!("kind = \"three-way\"\n{text}")).passage;
     // 0.36 m³/h are 1e-4 m³/s, and 6 L/min the same.
-    let Passage::Kv { kv, pressure_drop_ratio } = of("kv = \"0.36 m^3/h\"") else { panic!("not by Kv") };
+    let FlowPath::Kv { kv, pressure_drop_ratio } = of("kv = \"0.36 m^3/h\"") else { panic!("not by Kv") };
     assert!((kv / 1e-4 - 1.0).abs() < 1e-15);
     assert_eq!(pressure_drop_ratio, 0.7);
-    let Passage::Kv { kv, .. } = of("kv = \"6 L/min\"") else { panic!("not by Kv") };
+    let FlowPath::Kv { kv, .. } = of("kv = \"6 L/min\"") else { panic!("not by Kv") };
     assert!((kv / 1e-4 - 1.0).abs() < 1e-15);
-    assert_eq!(of("cv = 0.3\npressure_drop_ratio = 0.6"), Passage::Cv { cv: 0.3, pressure_drop_ratio: 0.6 });
-    assert!(matches!(of("flow_area = \"1 mm^2\""), Passage::FlowArea(_)));
-    assert!(matches!(of("sonic_conductance = \"1 L/(s*bar)\"\ncritical_ratio = 0.3"), Passage::Iso6358 { .. }));
+    assert_eq!(of("cv = 0.3\npressure_drop_ratio = 0.6"), FlowPath::Cv { cv: 0.3, pressure_drop_ratio: 0.6 });
+    assert!(matches!(of("flow_area = \"1 mm^2\""), FlowPath::FlowArea(_)));
+    assert!(matches!(of("sonic_conductance = \"1 L/(s*bar)\"\ncritical_ratio = 0.3"), FlowPath::Iso6358 { .. }));
 }
 
 #[test]
@@ -63,11 +63,11 @@ fn two_ways_half_a_way_and_strays_are_refused() {
 fn a_preset_s_passages_give_way_to_the_file_s() {
     let preset = "preset = \"ckd-m4ga2r\"\n";
     let whole = valve(preset);
-    let iso = |c: f64, b: f64| Passage::Iso6358 { sonic_conductance: c * 1e-8, critical_ratio: b };
-    let close = |a: Passage, b: Passage| match (a, b) {
+    let iso = |c: f64, b: f64| FlowPath::Iso6358 { sonic_conductance: c * 1e-8, critical_ratio: b };
+    let close = |a: FlowPath, b: FlowPath| match (a, b) {
         (
-            Passage::Iso6358 { sonic_conductance: a, critical_ratio: x },
-            Passage::Iso6358 { sonic_conductance: b, critical_ratio: y },
+            FlowPath::Iso6358 { sonic_conductance: a, critical_ratio: x },
+            FlowPath::Iso6358 { sonic_conductance: b, critical_ratio: y },
         ) => (a / b - 1.0).abs() < 1e-14 && x == y,
         _ => false,
     };
@@ -78,10 +78,10 @@ fn a_preset_s_passages_give_way_to_the_file_s() {
     assert!(close(part.passage, iso(2.3, 0.36)) && close(part.exhaust.expect("its own"), iso(2.9, 0.5)));
     // Another way: of the exhaust alone, or of both.
     let throttled = valve(&format!("{preset}exhaust.cv = 0.1"));
-    assert_eq!(throttled.exhaust, Some(Passage::Cv { cv: 0.1, pressure_drop_ratio: 0.7 }));
+    assert_eq!(throttled.exhaust, Some(FlowPath::Cv { cv: 0.1, pressure_drop_ratio: 0.7 }));
     assert!(close(throttled.passage, iso(2.3, 0.36)));
     let own = valve(&format!("{preset}cv = 0.1"));
-    assert_eq!((own.passage, own.exhaust), (Passage::Cv { cv: 0.1, pressure_drop_ratio: 0.7 }, None));
+    assert_eq!((own.passage, own.exhaust), (FlowPath::Cv { cv: 0.1, pressure_drop_ratio: 0.7 }, None));
 }
 
 #[test]

@@ -27,7 +27,7 @@ use crate::convert::{Anew, Convert};
 use crate::dual::Dual;
 use crate::error::Error;
 use crate::force::{Characteristic, Effective, LengthLimits, StaticForce, Statics};
-use crate::friction::{Friction, Memory, Pressing, Rubbing, Touch};
+use crate::friction::{Friction, Memory, NormalLoad, SlidingState, ThreadContact};
 use crate::parameter::{self, Parameter};
 use crate::pressure::{AbsolutePressure, GaugePressure};
 use crate::scalar::{Mask, Over, Scalar};
@@ -181,14 +181,14 @@ impl<S: Scalar> Actuator<S> {
 
     /// What presses the threads together at an actuator length and an absolute pressure.
     #[inline(always)]
-    pub fn pressing<T: Over<S>>(&self, length: T, pressure: T, touch: Touch) -> Pressing<T> {
-        Pressing::new(self.secant_stiffness(length, pressure), self.gauge(pressure).0, touch)
+    pub fn normal_load<T: Over<S>>(&self, length: T, pressure: T, touch: ThreadContact) -> NormalLoad<T> {
+        NormalLoad::new(self.secant_stiffness(length, pressure), self.gauge(pressure).0, touch)
     }
 
     /// Coulomb force in N in motion, `Q k_sec` in the paper's law, at an actuator length and an absolute pressure.
     #[inline(always)]
     pub fn coulomb_bound<T: Over<S>>(&self, length: T, pressure: T) -> T {
-        self.friction.coulomb().kinetic(self.pressing(length, pressure, Touch::ByPressure))
+        self.friction.coulomb().kinetic(self.normal_load(length, pressure, ThreadContact::ByPressure))
     }
 
     /// The least and the largest tension in N that can be held at rest, at an actuator length and absolute pressure:
@@ -199,10 +199,10 @@ impl<S: Scalar> Actuator<S> {
         length: T,
         pressure: T,
         on_the_stop: S::Mask,
-        rubbing: impl Into<Rubbing<T>>,
+        rubbing: impl Into<SlidingState<T>>,
     ) -> (T, T) {
         let rubbing = rubbing.into();
-        let pressing = self.pressing(length, pressure, rubbing.touch);
+        let pressing = self.normal_load(length, pressure, rubbing.touch);
         let mut middle = self.static_force(length, pressure) + self.limits.force(length, T::zero());
         if let Some(width) = rubbing.width {
             middle = middle + pressing.secant_stiffness() * width;
@@ -219,7 +219,7 @@ impl<S: Scalar> Actuator<S> {
     pub fn signed_force<T: Over<S>>(
         &self,
         [length, velocity, pressure]: [T; 3],
-        rubbing: impl Into<Rubbing<T>>,
+        rubbing: impl Into<SlidingState<T>>,
         taut: S::Mask,
         [effectiveness, law_force]: [T; 2],
     ) -> T {
@@ -229,7 +229,7 @@ impl<S: Scalar> Actuator<S> {
             let gauge = self.gauge(pressure);
             let secant = self.law.law.secant_stiffness(length, T::of(self.limits.min_length()), gauge);
             let rubbing = rubbing.into();
-            let pressing = Pressing::new(effectiveness * secant, gauge.0, rubbing.touch);
+            let pressing = NormalLoad::new(effectiveness * secant, gauge.0, rubbing.touch);
             force = force + self.friction.dry_force(rubbing, velocity, pressing);
         }
         force
@@ -275,7 +275,7 @@ impl<S: Scalar> Actuator<S> {
         distance: T,
         velocity: T,
         pressure: T,
-        rubbing: impl Into<Rubbing<T>>,
+        rubbing: impl Into<SlidingState<T>>,
     ) -> T {
         let slack = self.limits.is_slack(distance);
         let taut =
@@ -322,7 +322,7 @@ impl<S: Scalar> Actuator<S> {
     pub fn respond(&self, state: &ActuatorState<S>, distance: S, velocity: S, ports: Ports) -> Response<S> {
         let [length, rate, pressure] = [distance, velocity, state.pressure.0];
         let [end, speed]: [Dual<S, 3>; 2] = [Dual::variable(length, 0), Dual::variable(rate, 1)];
-        let rubbing = Rubbing { width: self.width(&state.memory, end, speed), ..speed.sign().into() };
+        let rubbing = SlidingState { width: self.width(&state.memory, end, speed), ..speed.sign().into() };
         let force = self.tension_sliding(end, speed, Dual::variable(pressure, 2), rubbing);
         let chamber = self.chamber(distance, velocity, pressure, state.air_mass, self.limits.is_slack(distance));
         let flow = self.flow(&chamber, S::Mask::splat(ports.supply), S::Mask::splat(ports.exhaust));

@@ -17,7 +17,7 @@ use crate::{
         Plant, PlantMode, PlantReader, PlantRun, PlantSample, PlantStart, PlantSteps, PlantTrajectory, TimeStepping,
     },
     simulation::Method,
-    valve::Demand,
+    valve::RuntimeCommand,
 };
 use alloc::vec::Vec;
 
@@ -59,7 +59,7 @@ entry_points! {
         plant: &Plant<Self>, start: &PlantStart<Self>, stepping: TimeStepping, drivers: Vec<Driver<Self>>
     ) -> Result<PlantRun<Self>, Error> = PlantRun::generic_begin(plant, start, stepping, drivers);
     fn measure_plant_run(run: &PlantRun<Self>) -> PlantMeasurement<Self> = run.generic_measurement();
-    fn set_plant_valve(run: &mut PlantRun<Self>, valve: usize, demand: Demand<Self>) -> Result<(), Error> =
+    fn set_plant_valve(run: &mut PlantRun<Self>, valve: usize, demand: RuntimeCommand<Self>) -> Result<(), Error> =
         run.generic_set(valve, demand);
     fn set_plant_rates(run: &mut PlantRun<Self>, mechanism: usize, rates: &[Self]) -> Result<(), Error> =
         run.generic_set_rates(mechanism, rates);

@@ -9,7 +9,7 @@ pub use of_plants::*;
 #[cfg(feature = "alloc")]
 mod of_plants {
     pub use crate::engine::GuardForm;
-    pub use crate::friction::{Branch, Rubbing, Touch};
+    pub use crate::friction::{Branch, SlidingState, ThreadContact};
     pub use crate::mechanism::chain::{MAX_JOINTS, Presses};
     pub use crate::network::flow::{NetworkState, OrificeEnds, SquaredDrive};
     pub use crate::network::formulas::FlowFormulas;

@@ -26,7 +26,7 @@ fn errors(paper: &Paper, duration: f64, method: Method, step: f64) -> Result<[f6
     let of = RigPlant::new(&paper.rig());
     let start = of.start(&paper.start());
     let errors = PlantReference::new((of.plant(), &start), &Vec::new, duration, 1e-12)?.errors(method, step)?;
-    let (mechanism, actuator) = (of.plant().places().mechanisms[0], &of.plant().places().actuators[0]);
+    let (mechanism, actuator) = (of.plant().indices().mechanisms[0], &of.plant().indices().actuators[0]);
     let places = [mechanism.position(0), mechanism.rate(0), actuator.pressure, actuator.mass()];
     Ok(places.map(|place| errors[place]))
 }

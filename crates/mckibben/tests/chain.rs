@@ -7,7 +7,7 @@ use mckibben::load::MomentArm;
 use mckibben::mechanism::{Arm, Belt, Chain, ChainSegment, Coupling, JointStops, Mechanism, Revolute};
 use mckibben::network::Network;
 use mckibben::plant::{InitialAir, Mounted, Plant, PlantRun, PlantSample, PlantStart, simulate_plant};
-use mckibben::simulation::{Method, PressureCourse};
+use mckibben::simulation::{Method, PressureSeries};
 use std::f64::consts::PI;
 
 const THIGH: ChainSegment = ChainSegment { length: 0.3, mass: 0.9, distance: 0.13, inertia: 0.008 };
@@ -39,7 +39,7 @@ fn on(chain: Chain, paper: &Paper, given: Option<[f64; 6]>) -> Plant {
         mechanism: 0,
         coupling: coupling(ARMS[i]),
         tendon: None,
-        pressure: given.map(|gauges| PressureCourse::new(&[0.0], &[gauges[i]]).expect("a pressure")),
+        pressure: given.map(|gauges| PressureSeries::new(&[0.0], &[gauges[i]]).expect("a pressure")),
     });
     Plant::new(mounted.collect(), Network::new(&paper.air()), vec![Mechanism::Chain(chain)]).expect("a plant")
 }

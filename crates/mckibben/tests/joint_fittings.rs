@@ -12,7 +12,7 @@ use mckibben::load::{MomentArm, SeriesTendon, Tendon};
 use mckibben::mechanism::Contact;
 use mckibben::plant::{JointPlant, JointTrajectory, TimeStepping};
 use mckibben::simulation::{
-    EventKind, Fittings, InitialAngle, JointInitial, JointRig, JointSupply, Method, PressureCourse,
+    EventKind, Fittings, InitialAngle, JointInitial, JointRig, JointSupply, Method, PressureSeries,
 };
 use mckibben::valve::{Command, Request};
 use mckibben::{AbsolutePressure, Error, GaugePressure, parameter};
@@ -48,7 +48,7 @@ fn on_tendon(stiffness: f64, line: Line) -> Fittings {
 }
 
 fn given(gauges: [f64; 3], tendon: Option<SeriesTendon>) -> Fittings {
-    let pressure = PressureCourse::new(&[0.0, 0.1, 0.3], &gauges).expect("a course");
+    let pressure = PressureSeries::new(&[0.0, 0.1, 0.3], &gauges).expect("a course");
     Fittings { line: Line::NONE, tendon, pressure: Some(pressure) }
 }
 

@@ -11,7 +11,7 @@ use mckibben::plant::{JointPlant, plant_step_for_accuracy};
 use mckibben::simulation::{
     Actuation, Driven, EventKind, InitialAngle, JointRig, JointState, Method, Rig, SampleTimes, Sliding,
 };
-use mckibben::valve::{Command, Demand, FlowStandard, Ramp, Regulator, Request, Solenoid, Spool, ValveKind};
+use mckibben::valve::{Command, FlowStandard, Ramp, Regulator, Request, RuntimeCommand, Solenoid, Spool, ValveKind};
 use proptest::prelude::*;
 use std::f64::consts::PI;
 
@@ -269,8 +269,8 @@ fn what_is_set_is_the_tabled_command_and_steps_are_values() {
     assert_eq!(on(set.clone()), on(set));
 }
 
-fn duty(duty: f64) -> Demand {
-    Demand::Pulses { frequency: 25.0, duty, pulse: Request::Fill, rest: Request::Exhaust }
+fn duty(duty: f64) -> RuntimeCommand {
+    RuntimeCommand::Pulses { frequency: 25.0, duty, pulse: Request::Fill, rest: Request::Exhaust }
 }
 
 /// Pulses that are set are those of the command of the same frequency and duty cycle.

@@ -144,7 +144,7 @@ fn no_air_is_lost_between_bottle_and_actuators() {
                 let plant = stepper.steps.plant();
                 let is_bottle = |node: usize| matches!(plant.network().nodes[node].kind, NodeKind::Reservoir(_));
                 let bottle = (0..plant.network().nodes.len()).find(|node| is_bottle(*node)).expect("a bottle");
-                let bottled = stepper.steps.state()[plant.places().nodes[bottle].expect("a state")];
+                let bottled = stepper.steps.state()[plant.indices().nodes[bottle].expect("a state")];
                 let lost = (1.2 * SUPPLY + ATMOSPHERE - bottled) * per_pressure;
                 assert!(gained > 1e-6 * actuators, "{gained}");
                 assert_close(lost, gained, 1e-9);

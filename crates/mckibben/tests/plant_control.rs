@@ -16,9 +16,9 @@ use mckibben::network::{BranchKind, Network, NodeKind};
 use mckibben::plant::{
     InitialAir, JointPlant, Mounted, Part, Plant, PlantRun, PlantStart, PlantTrajectory, TimeStepping, simulate_plant,
 };
-use mckibben::simulation::{Actuation, EventKind, InitialAngle, JointSample, Method, PressureCourse, Rig};
+use mckibben::simulation::{Actuation, EventKind, InitialAngle, JointSample, Method, PressureSeries, Rig};
 use mckibben::valve::{
-    Command, Demand, FlowStandard, Port, Regulator as Proportional, Request, Solenoid, Spool, ValveKind,
+    Command, FlowStandard, Port, Regulator as Proportional, Request, RuntimeCommand, Solenoid, Spool, ValveKind,
 };
 use mckibben::{Error, GaugePressure, Scalar};
 use std::fmt::Debug;
@@ -77,10 +77,10 @@ where
     let fixed = TimeStepping::Fixed { method: Method::Rk4, step: duration / 8000.0 };
     let mut steps = PlantRun::with_drivers(&plant, &at_start, fixed, vec![driver]).expect(name);
     steps.advance_to(duration).expect(name);
-    let here = plant.places().actuators[0];
+    let here = plant.indices().actuators[0];
     let (end, stepped) = (new.at(duration).0, steps.state());
     assert_close(stepped[here.pressure], end[here.pressure], 2e-3);
-    let place = plant.places().mechanisms[0].position(0);
+    let place = plant.indices().mechanisms[0].position(0);
     assert_close(stepped[place], end[place], 2e-3);
     let times = (0..=200).map(|index| duration * f64::from(index) / 200.0);
     let states: Vec<f64> = times.clone().map(|time| new.at(time).0[here.pressure]).collect();
@@ -273,7 +273,7 @@ fn two_unlike_loops_share_a_bottle() {
     }
     // What the drivers asked for, as schedules, gives the same run.
     let repeated = simulate_plant(run.plant(), &start, duration, TOLERANCE).expect("a run");
-    let places = plant.places();
+    let places = plant.indices();
     let tank = places.nodes[bottle].expect("a state");
     let times: Vec<f64> = (0..=200).map(|k| duration * f64::from(k) / 200.0).collect();
     let series = |run: &PlantTrajectory, place: usize| times.iter().map(|t| run.at(*t).0[place]).collect::<Vec<f64>>();
@@ -288,7 +288,7 @@ fn two_unlike_loops_share_a_bottle() {
     let both = record(&plant, &start, two_loops().to_vec(), duration);
     for (kept, driver) in two_loops().into_iter().enumerate() {
         let alone = record(&plant, &start, vec![driver], duration);
-        let place = plant.places().actuators[kept].pressure;
+        let place = plant.indices().actuators[kept].pressure;
         let most = difference(&series(&alone, place), &series(&both, place));
         assert!(most < 1e-7, "loop {kept} alone: {most:e}");
     }
@@ -344,7 +344,7 @@ fn valves_that_are_set_at_run_time_run_as_under_the_schedule() {
     let seats = Solenoid::new(ValveKind::FillHoldExhaust, 2.7e-3, 1.3e-3).expect("a solenoid");
     let spool = Solenoid::proportional(Spool::new(60.0, 0.7, 0.05, 0.05).expect("a spool"));
     let regulator = Solenoid::regulating(Proportional::new(0.02, 5.5e-3, 5e6).expect("a regulator"));
-    type Case = (&'static str, Solenoid, Command, Command, Vec<Demand>);
+    type Case = (&'static str, Solenoid, Command, Command, Vec<RuntimeCommand>);
     let nothing = vec![10.0];
     let cases: Vec<Case> = vec![
         (
@@ -359,14 +359,14 @@ fn valves_that_are_set_at_run_time_run_as_under_the_schedule() {
             spool,
             Command::positions(times.clone(), positions.clone()).expect("positions"),
             Command::positions(nothing.clone(), vec![0.0]).expect("positions"),
-            positions.iter().map(|at| Demand::Position(*at)).collect(),
+            positions.iter().map(|at| RuntimeCommand::Position(*at)).collect(),
         ),
         (
             "regulator",
             regulator,
             Command::set_points(times.clone(), set_points.clone()).expect("set points"),
             Command::set_points(nothing, vec![0.0]).expect("set points"),
-            set_points.iter().map(|gauge| Demand::SetPoint(GaugePressure(*gauge))).collect(),
+            set_points.iter().map(|gauge| RuntimeCommand::SetPoint(GaugePressure(*gauge))).collect(),
         ),
     ];
     for (name, solenoid, schedule, before, demands) in cases {
@@ -396,7 +396,7 @@ fn pulses_that_are_set_at_run_time_are_those_of_the_schedule() {
     let known = simulate_plant(&plant, &start, 0.5, TOLERANCE).expect("a run");
     let (plant, start) = under(solenoid, Command::Constant(Request::Exhaust));
     let mut run = PlantRun::new(&plant, &start, TOLERANCE).expect("a run");
-    run.set(0, Demand::Pulses { frequency: 25.0, duty: 0.4, pulse: Request::Fill, rest: Request::Exhaust })
+    run.set(0, RuntimeCommand::Pulses { frequency: 25.0, duty: 0.4, pulse: Request::Fill, rest: Request::Exhaust })
         .expect("set");
     for count in 1..=97 {
         let time = 0.5 * f64::from(count) / 97.0;
@@ -412,7 +412,7 @@ fn a_function_drives_several_valves_by_what_any_node_shows() {
     // One driver of both valves: it fills the one whose chamber is lower, as long as the bottle is above 6.5 bar.
     let papers = [fill_hold_exhaust(), fill_hold_exhaust().gauge(10.0 * PSI)];
     let (plant, start, bottle) = on_one_bottle(&papers, 1e-4);
-    let decide = move |seen: &PlantMeasurement, filled: &mut u32, demands: &mut [Option<Demand>]| {
+    let decide = move |seen: &PlantMeasurement, filled: &mut u32, demands: &mut [Option<RuntimeCommand>]| {
         let lower = usize::from(seen.actuators[1].pressure.0 < seen.actuators[0].pressure.0);
         let fills = seen.nodes[bottle].0 > 6.5e5;
         *filled += u32::from(fills);
@@ -424,14 +424,14 @@ fn a_function_drives_several_valves_by_what_any_node_shows() {
     let (end, _) = run.at(1.0);
     let atmosphere = papers[0].air().atmosphere();
     let gauge = |place: usize| end[place] - atmosphere.0;
-    let tank = gauge(plant.places().nodes[bottle].expect("a state"));
+    let tank = gauge(plant.indices().nodes[bottle].expect("a state"));
     // It stopped within what one sample lets in.
     assert!(tank < 6.5e5 && tank > 6.1e5, "{tank}");
     // What is held keeps its air, from the closing delay on to the next sample; what is filled gains some.
     let mut filled = [0, 0];
     for (_, decision) in run.decisions().iter().filter(|(_, decision)| decision.seen.time < 0.985) {
         for valve in 0..2 {
-            let place = plant.places().actuators[valve].mass();
+            let place = plant.indices().actuators[valve].mass();
             let mass = |after: f64| run.at(decision.seen.time + after).0[place];
             let fills = decision.demands[valve] == Some(Request::Fill.into());
             if fills {
@@ -453,12 +453,12 @@ fn a_function_drives_several_valves_by_what_any_node_shows() {
 fn what_makes_no_sense_is_refused() {
     let papers = [fill_hold_exhaust(), fill_hold_exhaust()];
     let (plant, start, _) = on_one_bottle(&papers, 1e-3);
-    let steady = |demand: Demand, valves: &[usize]| {
+    let steady = |demand: RuntimeCommand, valves: &[usize]| {
         let decide =
-            move |_: &PlantMeasurement, (): &mut (), demands: &mut [Option<Demand>]| demands.fill(Some(demand));
+            move |_: &PlantMeasurement, (): &mut (), demands: &mut [Option<RuntimeCommand>]| demands.fill(Some(demand));
         Driver::of_function(decide, (), valves, sampling(50.0, 0), PlantSensors::perfect())
     };
-    let fill = Demand::Request(Request::Fill);
+    let fill = RuntimeCommand::Request(Request::Fill);
     let run = |drivers| PlantRun::with_drivers(&plant, &start, 1e-8, drivers);
     let refused = |drivers: Vec<Driver>| run(drivers).err().map(|error| error.to_string()).unwrap_or_default();
     assert!(refused(vec![steady(fill, &[0]), steady(fill, &[1, 0])]).contains("two drivers"));
@@ -471,14 +471,14 @@ fn what_makes_no_sense_is_refused() {
     assert!(driven.set(5, Request::Hold).expect_err("refused").to_string().contains("not there"));
     driven.set(1, Request::Exhaust).expect("the valve is free");
     let at = driven.save();
-    assert!(matches!(driven.set(1, Demand::Position(0.5)), Err(Error::Misuse { .. })));
-    let rapid = Demand::Pulses { frequency: 1e15, duty: 0.5, pulse: Request::Fill, rest: Request::Hold };
+    assert!(matches!(driven.set(1, RuntimeCommand::Position(0.5)), Err(Error::Misuse { .. })));
+    let rapid = RuntimeCommand::Pulses { frequency: 1e15, duty: 0.5, pulse: Request::Fill, rest: Request::Hold };
     driven.set(1, rapid).expect("a frequency");
     assert!(matches!(driven.advance_to(1.0), Err(Error::TooMany { .. })));
     // A run that is refused stays where it was.
     assert_eq!(driven.state(), at.state());
     // A driver that asks for what its valve cannot do ends the run.
-    let mut wrong = run(vec![steady(Demand::Position(0.1), &[0])]).expect("a run");
+    let mut wrong = run(vec![steady(RuntimeCommand::Position(0.1), &[0])]).expect("a run");
     assert!(wrong.advance_to(0.1).expect_err("refused").to_string().contains("spool"));
     assert!(matches!(driven.advance_to(f64::NAN), Err(Error::OutOfRange { .. })));
     assert!(matches!(driven.advance_to(f64::INFINITY), Err(Error::OutOfRange { .. })));
@@ -503,7 +503,7 @@ fn derivatives_pass_through_a_driver() {
         let driver = Driver::of_actuator(law.clone(), 0, 0, (sampling(70.0, 1), Sensors::perfect()));
         let mut run = PlantRun::with_drivers(&changed, &start, 1e-12, vec![driver]).expect("a run");
         run.advance_to(0.2).expect("on");
-        run.state()[plant.places().actuators[0].pressure]
+        run.state()[plant.indices().actuators[0].pressure]
     };
     let constant = |number: &f64| D::constant(*number);
     let seeded = plant.map(
@@ -526,7 +526,7 @@ fn derivatives_pass_through_a_driver() {
     let driver = Driver::of_actuator(of_law, 0, 0, (instants, Sensors::perfect()));
     let mut run = PlantRun::with_drivers(&seeded, &dual_start, 1e-12, vec![driver]).expect("a run");
     run.advance_to(D::constant(0.2)).expect("on");
-    let reached = run.state()[plant.places().actuators[0].pressure];
+    let reached = run.state()[plant.indices().actuators[0].pressure];
     let step = 3e-8;
     let difference = (end(3e-4 + step) - end(3e-4 - step)) / (2.0 * step);
     assert_close(reached.value, end(3e-4), 1e-9);
@@ -555,7 +555,7 @@ fn an_external_mechanism_follows_its_host_under_a_driver() {
         run.set_rates(0, &[(length[k + 1] - length[k]) / 0.1]).expect("rates");
         run.advance_to(times[k + 1]).expect("on");
         let (state, _) = given.at(times[k + 1] - 1e-12);
-        let here = plant.places().actuators[0];
+        let here = plant.indices().actuators[0];
         assert_close(run.state()[here.pressure], state[here.pressure], 1e-7);
         assert_close(run.state()[0], length[k + 1], 1e-12);
         let tension = run.measurement().actuators[0].tension;
@@ -570,7 +570,7 @@ fn an_external_mechanism_follows_its_host_under_a_driver() {
 fn a_given_pressure_stands_beside_a_driver() {
     let paper = fill_hold_exhaust();
     let (plant, _, _) = on_one_bottle(core::slice::from_ref(&paper), 1e-3);
-    let course = PressureCourse::new(&[0.0, 0.2, 0.5], &[1e5, 3e5, 2e5]).expect("a course");
+    let course = PressureSeries::new(&[0.0, 0.2, 0.5], &[1e5, 3e5, 2e5]).expect("a course");
     let mut mounted = plant.actuators().to_vec();
     mounted.push(Mounted { pressure: Some(course), ..mounted[0].clone() });
     let mass = Mechanism::Mass(Mass::new(4.0, Pull::Gravity(GRAVITY), None).expect("a mass"));

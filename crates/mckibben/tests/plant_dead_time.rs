@@ -115,7 +115,7 @@ fn a_shifted_run_is_the_unshifted_one_later() {
         let run = |valve: Solenoid| {
             let (plant, start) = plant(valve, command.clone());
             let run = simulate_plant(&plant, &start, 0.5, 1e-10).expect(name);
-            let here = plant.places().actuators[0];
+            let here = plant.indices().actuators[0];
             move |time: f64| [run.at(time).0[here.pressure], run.at(time).0[here.mass()]]
         };
         let (before, after) = (run(valve), run(late));

@@ -54,7 +54,7 @@ fn an_end_without_a_length_starts_where_both_tensions_are_equal() {
     let distance = REST + 3.7 * INCH;
     let (plant, start) = on_a_weight(&paper, true, distance, None);
     let state = plant.start(&start).expect("a start");
-    let here = plant.places().actuators[0];
+    let here = plant.indices().actuators[0];
     let length = state[here.length.expect("a state")];
     let (b, n) = (paper.thread_length, paper.turns);
     let gauge = state[here.pressure] - ATMOSPHERE;

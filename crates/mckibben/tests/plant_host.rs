@@ -70,7 +70,7 @@ fn the_tension_of_a_sealed_actuator_and_its_derivatives_are_those_of_its_law() {
         let velocity = (distance - before) / 1e-3;
         before = distance;
         let here = steps.compute(0).expect("an actuator");
-        let pressure = steps.state()[plant.places().actuators[0].pressure];
+        let pressure = steps.state()[plant.indices().actuators[0].pressure];
         // Second order in the step: within 10⁻⁵ of the closed form.
         assert_close(pressure, gas / actuator.volume(distance).powf(1.4), 1e-5);
         let force =
@@ -193,7 +193,7 @@ fn actuators_on_one_bottle_are_one_system() {
         run.set_rates(0, &rates).expect("rates");
         run.advance_to(f64::from(count + 1) * 1e-3).expect("on");
     }
-    let places = plant.places();
+    let places = plant.indices();
     let tank = places.nodes[bottle].expect("a state");
     assert!(run.state()[tank] < ATMOSPHERE + 6.8e5, "the bottle sags");
     let error = |parts: f64| {
@@ -214,7 +214,7 @@ fn actuators_on_one_bottle_are_one_system() {
 fn no_air_is_lost_between_the_bottle_and_what_it_fills() {
     let (plant, start, bottle) = on_a_bottle();
     let mut host = steps(&plant, &start);
-    let places = plant.places();
+    let places = plant.indices();
     let tank = places.nodes[bottle].expect("a state");
     let NodeKind::Reservoir(reservoir) = &plant.network().nodes[bottle].kind else { panic!("it is a bottle") };
     // What a unit of air adds to the pressure of the bottle is a constant.
@@ -269,14 +269,14 @@ fn any_plant_becomes_one_whose_ends_a_host_moves() {
     for count in 1..=2000 {
         let time = 1e-4 * f64::from(count);
         run.advance_to(time).expect("on");
-        let distance = run.state()[plant.places().mechanisms[1].position(0)];
+        let distance = run.state()[plant.indices().mechanisms[1].position(0)];
         host.move_to(time, &[0.085, 0.088, distance]).expect("a step");
     }
     let pressures = |plant: &Plant, state: &[f64]| {
-        [state[plant.places().actuators[2].pressure], state[plant.places().nodes[bottle].expect("a state")]]
+        [state[plant.indices().actuators[2].pressure], state[plant.indices().nodes[bottle].expect("a state")]]
     };
     let (found, exact) = (pressures(&ours, host.state()), pressures(&plant, run.state()));
-    let lifted = run.state()[plant.places().mechanisms[1].position(0)];
+    let lifted = run.state()[plant.indices().mechanisms[1].position(0)];
     assert!((lifted - 0.086).abs() > 1e-3, "it moves to {lifted}");
     for (found, exact) in found.into_iter().zip(exact) {
         assert_close(found, exact, 1e-4);

@@ -7,16 +7,16 @@ use mckibben::line::{Hose, HoseKind, Line};
 use mckibben::load::{Load, Motion};
 use mckibben::plant::{Plant, PlantRun, PlantStart, PlantSteps};
 use mckibben::simulation::{Method, Rig};
-use mckibben::valve::{Demand, Request};
+use mckibben::valve::{Request, RuntimeCommand};
 use mckibben::{Dual, Error, GaugePressure, Over, parameter};
 
 const FREQUENCY: f64 = 25.0;
 
-fn pulses_at<R>(frequency: R, duty: R) -> Demand<R> {
-    Demand::Pulses { frequency, duty, pulse: Request::Fill, rest: Request::Exhaust }
+fn pulses_at<R>(frequency: R, duty: R) -> RuntimeCommand<R> {
+    RuntimeCommand::Pulses { frequency, duty, pulse: Request::Fill, rest: Request::Exhaust }
 }
 
-fn pulses(duty: f64) -> Demand {
+fn pulses(duty: f64) -> RuntimeCommand {
     pulses_at(FREQUENCY, duty)
 }
 
@@ -34,7 +34,7 @@ fn hosted(paper: &Paper) -> PlantSteps {
 
 /// Pressure in Pa and mass of the air in kg.
 fn air(steps: &PlantSteps) -> [f64; 2] {
-    let here = steps.plant().places().actuators[0];
+    let here = steps.plant().indices().actuators[0];
     [steps.state()[here.pressure], steps.state()[here.mass()]]
 }
 
@@ -138,7 +138,7 @@ fn dual_numbers_carry_derivatives_through_pulses_and_motion() {
     actuator.set(0, pulses_at(Dual::of(FREQUENCY), Dual::of(0.4))).expect("pulses");
     (1..=50).for_each(|k| actuator.move_to(Dual::of(f64::from(k) * 2e-3), &[Dual::of(0.09)]).expect("a step"));
     let slope = common::slope(1e-4, end);
-    assert_close(actuator.state()[plant.places().actuators[0].pressure].slope[0], slope, 1e-7);
+    assert_close(actuator.state()[plant.indices().actuators[0].pressure].slope[0], slope, 1e-7);
 }
 
 #[test]

@@ -9,7 +9,7 @@ use mckibben::line::{Compressor, Hose, HoseKind, Leakage, Line, Regulator, Suppl
 use mckibben::mechanism::{Coupling, Mass, Mechanism, Pull, Spring};
 use mckibben::network::Network;
 use mckibben::plant::{Balance, InitialAir, Mounted, Plant, PlantLedger, PlantStart, PlantTrajectory, simulate_plant};
-use mckibben::simulation::{Actuation, JointSample, PressureCourse, Rig, SeriesTendon};
+use mckibben::simulation::{Actuation, JointSample, PressureSeries, Rig, SeriesTendon};
 use mckibben::valve::{Command, Request, Solenoid, ValveKind};
 use mckibben::{Error, GaugePressure};
 use proptest::prelude::*;
@@ -262,7 +262,7 @@ fn lines_close() {
     let ledger = run_of(&filled.rig().with_tendon(tendon), &filled, 0.3, 1e-8).ledger();
     assert!(ledger.actuators[0].tendon_storage != 0.0);
     assert_closes("tendon", &ledger, 1e-6);
-    let course = PressureCourse::new(&[0.0, 0.2, 0.4], &[1e5, 4e5, 2e5]).expect("a course");
+    let course = PressureSeries::new(&[0.0, 0.2, 0.4], &[1e5, 4e5, 2e5]).expect("a course");
     let given = Paper::sealed().gauge(1e5);
     for process in [Process::Isentropic, Process::Isothermal, balance] {
         let given = given.clone().process(process);
@@ -297,7 +297,7 @@ fn unlike_muscles_on_one_tank_close() {
         assert_closes(&format!("seed {seed}"), &ledger, 1e-6);
         let parts: f64 = ledger.actuators.iter().map(|of| of.gas_work).sum();
         assert_eq!(parts, ledger.total().gas_work);
-        for (m, members) in plant.places().members.iter().enumerate() {
+        for (m, members) in plant.indices().members.iter().enumerate() {
             let allowed = 1e-6 * ledger.work().turnover;
             assert_within(ledger.mechanism_residual(m, members), 0.0, allowed);
         }

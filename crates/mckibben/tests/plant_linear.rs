@@ -155,7 +155,7 @@ fn compare_rig(paper: &Paper, rig: &Rig, balance: Balance, gauge: f64) {
     let old = linearize(rig, balance, Content::Temperature(ROOM)).expect("a model of the rig");
     let new = plant_at(rig, &paper.start(), gauge);
     assert_close(new.point.lengths[0], old.point.state.length, 1e-12);
-    let mass = new.point.state[new.point.plant.places().actuators[0].mass()];
+    let mass = new.point.state[new.point.plant.indices().actuators[0].mass()];
     assert_close(mass, old.point.state.air_mass, 1e-11);
     let state = |it| old_state(rig, it);
     assert_same(&old.system, &new.system, &state, &old_input, &old_output, 1e-8);

@@ -210,7 +210,7 @@ fn a_hose_cell_before_a_volume_is_a_helmholtz_resonator() {
     let system = eight.minimal();
     assert_eq!(system.states.len(), 17);
     for cell in 0..8 {
-        let place = eight.point.plant.places().nodes[1 + cell].expect("a state");
+        let place = eight.point.plant.indices().nodes[1 + cell].expect("a state");
         assert_close(eight.point.state[place], 3e5 + ATMOSPHERE, 1e-12);
     }
     // Waves in the cells, P_i ~ cos((i − ½)φ) with ω² = 4 c²/Δx² sin²(φ/2), end in the actuator's volume:
@@ -284,7 +284,7 @@ fn lowest_swing(a: &[Vec<f64>], omega: f64) -> f64 {
 /// of the model's; of the plant's states only those that a start can give may be moved.
 fn moved(model: &PlantLinearization, plant: &Plant, by: &[f64], time: f64, tolerance: f64) -> [Vec<f64>; 2] {
     let mut start = model.point.start();
-    let places = plant.places();
+    let places = plant.indices();
     let system = &model.system;
     let slot = |it: &PlantState| match *it {
         PlantState::Position { mechanism, coordinate } => places.mechanisms[mechanism].position(coordinate),
@@ -413,7 +413,7 @@ fn simulated_pulses_lie_about_the_point_of_a_joint_on_a_bottle() {
     assert!(lost > 0.0);
     let time = 0.06;
     let run = simulate_plant(&plant, &model.point.start(), time, 1e-8).expect("a run");
-    let places = plant.places();
+    let places = plant.indices();
     let tank = places.nodes[1].expect("a tank");
     let [begun, ended] = [0.0, time].map(|time| run.at(time).0[tank]);
     let gone = (begun - ended) * 5e-4 / (286.99 * ROOM);
@@ -510,7 +510,7 @@ fn a_slow_change_of_a_command_moves_the_point() {
         let system = here.minimal();
         // The air from one balance to the next is the start's, in all of them.
         let moved = moves(&system, input(&system, command));
-        let places = here.point.plant.places().clone();
+        let places = here.point.plant.indices().clone();
         let pressure = slope(step, |by| model(&plant(by)).point.state[places.actuators[0].pressure]);
         let length = slope(step, |by| model(&plant(by)).point.lengths[0]);
         assert_close(moved[state(&system, PlantState::Pressure { actuator: 0 })], pressure, 1e-6);

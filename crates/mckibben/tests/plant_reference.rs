@@ -39,7 +39,7 @@ fn reference(name: &str) -> (Vec<String>, Vec<Vec<f64>>) {
 
 /// The place of a column's state in the plant.
 fn place(plant: &Plant, column: &str) -> usize {
-    let places = plant.places();
+    let places = plant.indices();
     let nodes = &plant.network().nodes;
     let (what, index) = column.rsplit_once('_').map_or((column, 0), |(what, index)| (what, index.parse().unwrap_or(0)));
     // Coordinates are counted through all mechanisms.

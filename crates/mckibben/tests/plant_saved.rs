@@ -10,7 +10,7 @@ use mckibben::line::{Compressor, Hose, HoseKind, Line, Regulator, Reservoir, Sup
 use mckibben::load::SeriesTendon;
 use mckibben::plant::{Plant, PlantRun, PlantStart, PlantSteps};
 use mckibben::simulation::{Actuation, Method, Rig};
-use mckibben::valve::{self, Command, Demand, Ramp, Request, Solenoid, Spool, ValveKind};
+use mckibben::valve::{self, Command, Ramp, Request, RuntimeCommand, Solenoid, Spool, ValveKind};
 use mckibben::{Error, GaugePressure};
 
 const STEP: f64 = 1e-3;
@@ -102,17 +102,17 @@ fn begun(plant: &Plant, start: &PlantStart) -> PlantSteps {
 
 /// A step to and fro, with another demand of the valve now and then.
 fn step(steps: &mut PlantSteps, takes: Takes, count: usize) {
-    let pulses = |duty| Demand::Pulses { frequency: 25.0, duty, pulse: Request::Fill, rest: Request::Exhaust };
+    let pulses = |duty| RuntimeCommand::Pulses { frequency: 25.0, duty, pulse: Request::Fill, rest: Request::Exhaust };
     let demand = match (takes, count % 23) {
         (Takes::Requests, 5 | 9) => Some(pulses(spread(count, 0))),
         (Takes::Requests, 17) => Some(Request::Exhaust.into()),
         (Takes::Requests, 21) => Some(Request::Fill.into()),
-        (Takes::SetPoints, 5 | 17 | 21) => Some(Demand::SetPoint(GaugePressure(4e5 * spread(count, 0)))),
-        (Takes::Positions, 2 | 5 | 17 | 19) => Some(Demand::Position(2.0 * spread(count, 0) - 1.0)),
+        (Takes::SetPoints, 5 | 17 | 21) => Some(RuntimeCommand::SetPoint(GaugePressure(4e5 * spread(count, 0)))),
+        (Takes::Positions, 2 | 5 | 17 | 19) => Some(RuntimeCommand::Position(2.0 * spread(count, 0) - 1.0)),
         _ => None,
     };
     demand.map_or(Ok(()), |demand| steps.set(0, demand)).expect("a demand");
-    let place = steps.plant().places().mechanisms[0].position(0);
+    let place = steps.plant().indices().mechanisms[0].position(0);
     let there = steps.state()[place] + 1e-4 * (spread(count, 1) - 0.5);
     steps.move_to(steps.time() + STEP, &[there]).expect("a step");
 }
@@ -237,7 +237,7 @@ fn what_numbers_cannot_hold_is_named() {
     let late = steps.save_to(&mut numbers).expect_err("too many");
     assert!(late.to_string().contains("64 commands"), "{late}");
 
-    let decide = |_: &PlantMeasurement, _: &mut u32, demands: &mut [Option<Demand>]| {
+    let decide = |_: &PlantMeasurement, _: &mut u32, demands: &mut [Option<RuntimeCommand>]| {
         demands[0] = Some(Request::Hold.into());
     };
     let sampling = Sampling::new(100.0, 0).expect("a rate");
@@ -257,12 +257,12 @@ fn rates_tensions_at_other_rates_and_the_way_back_to_the_start() {
     let begin = steps.sample();
     (0..40).for_each(|count| step(&mut steps, takes, count));
     let there = steps.sample();
-    let places = plant.places().actuators[0];
-    let mut rates = vec![0.0; plant.places().states];
+    let places = plant.indices().actuators[0];
+    let mut rates = vec![0.0; plant.indices().states];
     steps.derivative(&mut rates).expect("rates");
     let now = steps.compute(0).expect("one");
     assert_eq!([rates[places.pressure], rates[places.mass()]], [now.pressure_rate, now.mass_flow]);
-    let rate = steps.state()[plant.places().mechanisms[0].rate(0)];
+    let rate = steps.state()[plant.indices().mechanisms[0].rate(0)];
     assert_eq!(steps.compute_at(0, &[rate]).expect("one"), now);
     let back = steps.compute_at(0, &[-rate]).expect("one");
     assert!((back.tension - now.tension) * rate < 0.0, "friction turns with the velocity");

@@ -166,7 +166,7 @@ fn assert_alike(plant: &Plant, all: &[Compared], ends: &[f64], tolerance: f64, l
     let size: Vec<f64> = (0..states)
         .map(|k| all.iter().fold(0.0_f64, |most, (_, value, exact, _)| most.max((exact[k] * value).abs())))
         .collect();
-    let is_flow = |k: usize| plant.places().branches.contains(&Some(k));
+    let is_flow = |k: usize| plant.indices().branches.contains(&Some(k));
     let (mut moved, mut wrong) = (0, Vec::new());
     for (name, value, exact, differences) in all {
         moved += usize::from(exact.iter().any(|slope| *slope != 0.0));
@@ -291,7 +291,7 @@ fn instants_of_one_value_differ_in_their_derivatives() {
     };
     for valve in 0..3 {
         let (exact, differences) = of(valve, 0.01);
-        let own = plant.places().actuators[valve].pressure;
+        let own = plant.indices().actuators[valve].pressure;
         let [expected, _] = differences[own];
         assert!((exact[own].slope[0] - expected).abs() < 1e-3 * expected.abs(), "{valve}: {exact:?} {expected}");
         assert!(expected < -1e5, "{expected}");

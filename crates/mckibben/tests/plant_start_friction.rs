@@ -6,7 +6,7 @@ use mckibben::load::Motion;
 use mckibben::mechanism::{Coupling, Mass, Mechanism, Pull};
 use mckibben::network::Network;
 use mckibben::plant::{InitialAir, InitialFriction, Mounted, Plant, PlantRun, PlantStart};
-use mckibben::simulation::PressureCourse;
+use mckibben::simulation::PressureSeries;
 use mckibben::{Error, GaugePressure};
 use std::f64::consts::PI;
 
@@ -36,7 +36,7 @@ fn plant(paper: &Paper, mechanism: Mechanism) -> Plant {
         mechanism: 0,
         coupling: Coupling::Direct { coordinate: 0 },
         tendon: None,
-        pressure: Some(PressureCourse::new(&[0.0, 100.0], &[GAUGE, GAUGE]).expect("a pressure")),
+        pressure: Some(PressureSeries::new(&[0.0, 100.0], &[GAUGE, GAUGE]).expect("a pressure")),
     };
     Plant::new(vec![mounted], Network::new(&paper.air()), vec![mechanism]).expect("a plant")
 }

@@ -25,7 +25,7 @@ fn located(plant: &Plant, start: &PlantStart, duration: f64) -> Vec<f64> {
 
 /// The usual sizes of the states.
 fn sizes(plant: &Plant) -> Vec<f64> {
-    let places = plant.places();
+    let places = plant.indices();
     let mut sizes = vec![0.1; places.states];
     for here in &places.mechanisms {
         (0..here.coordinates).for_each(|k| sizes[here.rate(k)] = 1.0);
@@ -219,6 +219,6 @@ fn a_plant_without_commands_does_what_is_set() {
     assert!(difference(&still, &ends[0], &ends[1]) < 1e-9);
     let mut untouched = first;
     untouched.advance_to(0.05).expect("a run");
-    let pressure = still.places().actuators[0].pressure;
+    let pressure = still.indices().actuators[0].pressure;
     assert!(ends[0][pressure] - untouched.state()[pressure] > 1e4);
 }

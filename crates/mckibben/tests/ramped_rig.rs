@@ -252,7 +252,7 @@ fn ends_that_a_host_moves_take_it() {
         steps.move_to(1e-3 * f64::from(step), &[3.5 * INCH]).expect("a step");
     }
     let own = stepped(&rig, &paper, Method::Stable, 20e-3, 20);
-    assert_close(steps.state()[plant.places().actuators[0].pressure], own[2], 1e-12);
+    assert_close(steps.state()[plant.indices().actuators[0].pressure], own[2], 1e-12);
 }
 
 /// On average a seat that takes its time passes as much as one that jumps half of that later.

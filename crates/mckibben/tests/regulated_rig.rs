@@ -2,7 +2,7 @@
 //! the orders of fixed steps, a batch.
 
 use crate::common::accounts::Audited;
-use crate::common::regulated::{Course, Regulated};
+use crate::common::regulated::{Regulated, TimeSeries};
 use crate::common::steps::RigSteps;
 use crate::common::{ATMOSPHERE, INCH, PSI, Paper, assert_close, assert_within, scaled, seeded, slope};
 use mckibben::air::Process;
@@ -63,7 +63,7 @@ fn instants(run: &RigTrajectory, kind: EventKind) -> Vec<f64> {
 const STAIRS: ([f64; 3], [f64; 3]) = ([0.02, 0.15, 0.6], [4e5, 4.6e5, 1e5]);
 
 /// What the closed form makes of these, each with its end, up to 1.2 s.
-fn courses() -> Vec<(Course, f64)> {
+fn courses() -> Vec<(TimeSeries, f64)> {
     let (times, gauges) = STAIRS;
     let courses = CLOSED_FORM.courses(ATMOSPHERE, &times, &gauges.map(|gauge| gauge + ATMOSPHERE));
     let ends = times.iter().skip(1).map(|time| time + DEAD).chain([1.2]);

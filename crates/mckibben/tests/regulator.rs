@@ -1,6 +1,6 @@
 //! The proportional pressure regulator: its equation, the limit of its rate, and what is refused.
 
-use crate::common::regulated::{Course, Regulated};
+use crate::common::regulated::{Regulated, TimeSeries};
 use crate::common::{assert_close, assert_within, slope};
 use mckibben::Error;
 use mckibben::valve::{Approach, Regulator};
@@ -13,8 +13,8 @@ fn regulator() -> Regulator {
     Regulator::new(TAU, 5e-3, LIMIT).expect("a regulator")
 }
 
-fn course(pressure: f64, set_point: f64) -> Course {
-    Course { time: 0.1, pressure, set_point }
+fn course(pressure: f64, set_point: f64) -> TimeSeries {
+    TimeSeries { time: 0.1, pressure, set_point }
 }
 
 /// The rate by the approach that holds is the slope of the closed form.

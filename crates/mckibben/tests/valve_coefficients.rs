@@ -153,7 +153,7 @@ fn a_gas_that_never_chokes_flows_ever_more() {
 #[test]
 fn coefficients_outside_physics_are_refused() {
     let air = air(286.99, 1.4);
-    let key = |port, standard| match FlowLaw::of_passage(port, standard, 1.0, 0.999, &air) {
+    let key = |port, standard| match FlowLaw::of_flow_path(port, standard, 1.0, 0.999, &air) {
         Err(Error::OutOfRange { parameter, .. } | Error::Inconsistent { parameter, .. }) => parameter.key,
         other => panic!("{other:?}"),
     };
@@ -172,7 +172,7 @@ fn an_exhaust_of_its_own_serves_its_port_alone() {
     let paper = Paper::pwm(25.0, 0.5);
     let air = paper.air();
     let wide = FlowStandard::Iso6358 { sonic_conductance: 2e-8, critical_ratio: 0.2 };
-    let wide = FlowLaw::of_passage(Port::Exhaust, wide, 1.0, 0.999, &air).expect("a law");
+    let wide = FlowLaw::of_flow_path(Port::Exhaust, wide, 1.0, 0.999, &air).expect("a law");
     let (plain, own) = (paper.valve(), paper.valve().with_exhaust(wide));
     let chamber = Chamber::new(3e5, 3e5 * 1e-5 / (286.99 * ROOM), 1e-5, 0.0);
     assert_eq!(own.flow(Port::Supply, &chamber), plain.flow(Port::Supply, &chamber));

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from mckibben._mckibben import Scenario, VectorPlant, curves
+from mckibben._mckibben import Scenario, VectorPlant
+from mckibben._statics import curves
 from mckibben.errors import InputError
 from mckibben.learning._named import NAMED
 from mckibben.learning._plant import Plant

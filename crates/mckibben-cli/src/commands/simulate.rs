@@ -9,11 +9,11 @@ use crate::{events, files, terminal};
 use mckibben_plot::Format;
 use mckibben_run::engine;
 use mckibben_run::failure::Failure;
-use mckibben_run::finished::{Figures, Finished, Ready};
 use mckibben_run::output::{self, Pending};
-use mckibben_run::portrait;
 use mckibben_run::progress::Progress;
 use mckibben_run::record::{self, Provenance, Target};
+use mckibben_run::run::{Figures, Finished, Ready};
+use mckibben_run::trajectory_plot;
 use mckibben_scenario::{Assumed, Document, Scenario};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -73,7 +73,7 @@ pub enum Over {
     Length,
 }
 
-impl From<Over> for portrait::Over {
+impl From<Over> for trajectory_plot::Over {
     fn from(over: Over) -> Self {
         match over {
             Over::Time => Self::Time,

@@ -114,7 +114,7 @@ impl Case {
         let (start, none) = (of.start(&experiment.start), &Vec::new);
         let reference = PlantReference::new((of.plant(), &start), none, experiment.run.duration, TOLERANCE)
             .expect("an event-located run");
-        let places = of.plant().places();
+        let places = of.plant().indices();
         let (mechanism, actuator) = (&places.mechanisms[0], &places.actuators[0]);
         let [pressure, mass] = [actuator.pressure, actuator.mass()];
         let measure = |method, step| {

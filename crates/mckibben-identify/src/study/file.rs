@@ -76,7 +76,7 @@ pub struct Study {
     /// The runs.
     pub runs: Vec<RunEntry>,
     /// The numbers that are looked for, in rising order of their paths; those of a force map follow from its laws.
-    pub sought: Vec<SoughtEntry>,
+    pub sought: Vec<FitEntry>,
     /// More starts than the first.
     pub more_starts: usize,
     /// By how many deviations a residual counts in full; beyond it counts less (Huber).
@@ -129,7 +129,7 @@ pub struct RunEntry {
 
 /// A number that is looked for.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SoughtEntry {
+pub struct FitEntry {
     /// Its path in the scenario.
     pub path: String,
     /// Text of start, bounds and prior (mean and deviation), as far as they are given.
@@ -320,7 +320,7 @@ impl Study {
         for raw in file.run {
             runs.push(within.run(raw)?);
         }
-        let sought = file.fit.into_iter().map(|(path, raw)| SoughtEntry {
+        let sought = file.fit.into_iter().map(|(path, raw)| FitEntry {
             path,
             start: raw.start.map(Text::text),
             from: raw.from.map(Text::text),
@@ -328,7 +328,7 @@ impl Study {
             prior: raw.prior.map(|prior| [prior.mean.text(), prior.deviation.text()]),
             per_run: raw.per_run,
         });
-        let sought: Vec<SoughtEntry> = sought.collect();
+        let sought: Vec<FitEntry> = sought.collect();
         if let Some(entry) = sought.iter().find(|entry| entry.per_run && head.kind != Kind::Trajectories) {
             let what = format!("`per_run` of `{}` in [fit] is of a study of the kind \"trajectories\"", entry.path);
             return Err(within.fault(None, what, "leave it out"));

@@ -41,7 +41,7 @@ mod table;
 mod valve;
 
 pub use clean::{Note, Severity};
-pub use file::{ColumnEntry, Input, Kind, RunEntry, SoughtEntry, Study};
+pub use file::{ColumnEntry, FitEntry, Input, Kind, RunEntry, Study};
 pub use table::Table;
 pub use valve::{Direction, FlowEntry, PulsesEntry, TankEntry, TankTarget};
 

@@ -49,7 +49,7 @@ use simulated::{Built, Ready};
 
 /// Readings of one quantity.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Course {
+pub struct TimeSeries {
     /// What was read.
     pub observed: Observed,
     /// When, in s from the start of the run; rising, the first not below zero.
@@ -70,7 +70,7 @@ pub struct Recorded {
     /// Which unknown each of these numbers is.
     pub unknowns: Vec<usize>,
     /// Its courses.
-    pub courses: Vec<Course>,
+    pub courses: Vec<TimeSeries>,
 }
 
 /// All runs, as far as a horizon.
@@ -136,7 +136,7 @@ impl Runs<'_> {
     }
 
     /// Times and values of the readings of a course.
-    fn within<'r>(&'r self, course: &'r Course) -> impl Iterator<Item = (f64, f64)> + 'r {
+    fn within<'r>(&'r self, course: &'r TimeSeries) -> impl Iterator<Item = (f64, f64)> + 'r {
         let readings = course.times.iter().copied().zip(course.values.iter().copied());
         readings.filter(|(time, _)| *time <= self.until)
     }

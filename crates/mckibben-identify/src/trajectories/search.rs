@@ -1,6 +1,6 @@
 //! The search: scales of the quantities, starts, and a horizon that grows.
 
-use super::{Course, Described, Observed, Recorded, Runs, Simulated, SubjectError, observed_in, shooting};
+use super::{Described, Observed, Recorded, Runs, Simulated, SubjectError, TimeSeries, observed_in, shooting};
 use crate::least_squares::{self, Evaluation, Fit, FitError, Found, Model, Search, Unknown};
 use crate::series;
 use thiserror::Error as ThisError;
@@ -204,7 +204,7 @@ impl Task {
         }
     }
 
-    pub(super) fn courses<'s>(&'s self, observed: &'s Observed) -> impl Iterator<Item = &'s Course> {
+    pub(super) fn courses<'s>(&'s self, observed: &'s Observed) -> impl Iterator<Item = &'s TimeSeries> {
         self.runs.iter().flat_map(|run| &run.courses).filter(move |course| course.observed == *observed)
     }
 

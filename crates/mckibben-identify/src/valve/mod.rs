@@ -23,7 +23,7 @@ mod tank;
 pub use delays::{Delays, DutyPoint, Onset, PulseTrain, delay_difference};
 pub use flow_curve::FlowCurve;
 pub use steady::{Efficiency, Scatter, SteadyPoint, efficiency, flow_coefficient};
-pub use tank::{Sought, Tank, TankFit, TankRecord, Transfer};
+pub use tank::{Tank, TankFit, TankRecord, TankUnknown, Transfer};
 
 use crate::least_squares::FitError;
 use crate::series::SeriesError;

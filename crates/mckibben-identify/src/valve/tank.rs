@@ -98,7 +98,7 @@ pub struct Tank {
 
 /// What is unknown beside the pressure at the first sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Sought {
+pub enum TankUnknown {
     /// C and b of the valve, from guesses in m³/(s·Pa) and 1.
     Valve {
         /// A guess of C in m³/(s·Pa).
@@ -173,7 +173,7 @@ impl Tank {
     ///
     /// # Errors
     /// As [`Tank::fit_together`].
-    pub fn fit(&self, record: &TankRecord, sought: Sought, heat: bool) -> Result<TankFit, ValveError> {
+    pub fn fit(&self, record: &TankRecord, sought: TankUnknown, heat: bool) -> Result<TankFit, ValveError> {
         Self::fit_together(&[(*self, record)], sought, heat)
     }
 
@@ -184,7 +184,7 @@ impl Tank {
     /// # Errors
     /// [`ValveError::Misuse`] for heat without an energy balance or no record at all, [`ValveError::CriticalRatio`] for a
     /// b outside 0 to 1, [`ValveError::Physics`] for a number outside its range, [`ValveError::Fit`] when nothing fits.
-    pub fn fit_together(runs: &[(Self, &TankRecord)], sought: Sought, heat: bool) -> Result<TankFit, ValveError> {
+    pub fn fit_together(runs: &[(Self, &TankRecord)], sought: TankUnknown, heat: bool) -> Result<TankFit, ValveError> {
         let Some((first, _)) = runs.first() else {
             return Err(ValveError::Misuse { what: "there is no record of a tank", remedy: "give one or more" });
         };
@@ -194,7 +194,7 @@ impl Tank {
             .collect();
         let mut rows = Vec::new();
         match sought {
-            Sought::Valve { sonic_conductance, critical_ratio } => {
+            TankUnknown::Valve { sonic_conductance, critical_ratio } => {
                 rows.extend([&parameter::SONIC_CONDUCTANCE, &parameter::CRITICAL_RATIO]);
                 unknowns.push(
                     Unknown::new("sonic_conductance", "m^3/(s*Pa)", sonic_conductance)
@@ -202,7 +202,7 @@ impl Tank {
                 );
                 unknowns.push(Unknown::new("critical_ratio", "", critical_ratio).between(-0.5, 0.95));
             }
-            Sought::Volume { .. } => {
+            TankUnknown::Volume { .. } => {
                 rows.push(&parameter::EXTERNAL_VOLUME);
                 unknowns
                     .push(Unknown::new("volume", "m^3", first.volume).between(1e-3 * first.volume, 1e3 * first.volume));
@@ -254,7 +254,7 @@ impl Tank {
         efficiency: f64,
         times: &[f64],
     ) -> Result<Vec<f64>, ValveError> {
-        let rig = self.rig(Sought::Volume { standard, efficiency })?;
+        let rig = self.rig(TankUnknown::Volume { standard, efficiency })?;
         let start = rig.start(&self.initial(from))?;
         let last = times.iter().copied().fold(0.0, f64::max);
         let run = simulate(&rig, start, last, TOLERANCE)?;
@@ -271,12 +271,12 @@ impl Tank {
     }
 
     /// The tank with its valve as a rig.
-    fn rig(&self, sought: Sought) -> Result<Rig, ValveError> {
+    fn rig(&self, sought: TankUnknown) -> Result<Rig, ValveError> {
         let (standard, efficiency) = match sought {
-            Sought::Valve { sonic_conductance, critical_ratio } => {
+            TankUnknown::Valve { sonic_conductance, critical_ratio } => {
                 (FlowStandard::Iso6358 { sonic_conductance, critical_ratio }, 1.0)
             }
-            Sought::Volume { standard, efficiency } => (standard, efficiency),
+            TankUnknown::Volume { standard, efficiency } => (standard, efficiency),
         };
         let air = self.air;
         let (supply, request) = match self.transfer {

@@ -1,7 +1,7 @@
 //! Actions: commands of valves as numbers in an array.
 
 use crate::pulses::Pulses;
-use mckibben::valve::{Demand, Request, Solenoid};
+use mckibben::valve::{Request, RuntimeCommand, Solenoid};
 use mckibben::{Error, GaugePressure, parameter};
 use mckibben_run::failure::Failure;
 
@@ -77,17 +77,17 @@ impl ActionMode {
     }
 
     /// The command of a number.
-    pub(super) fn demand(&self, number: f64) -> Result<Demand, Error> {
+    pub(super) fn demand(&self, number: f64) -> Result<RuntimeCommand, Error> {
         match self {
             Self::Duty(Pulses { frequency, pulse, rest }) => {
                 let duty = parameter::DUTY.check(number)?;
-                Ok(Demand::Pulses { frequency: *frequency, duty, pulse: *pulse, rest: *rest })
+                Ok(RuntimeCommand::Pulses { frequency: *frequency, duty, pulse: *pulse, rest: *rest })
             }
-            Self::Request => request(number).map(Demand::Request),
-            Self::Position => parameter::COMMAND_POSITION.check(number).map(Demand::Position),
+            Self::Request => request(number).map(RuntimeCommand::Request),
+            Self::Position => parameter::COMMAND_POSITION.check(number).map(RuntimeCommand::Position),
             Self::SetPoint => {
                 let gauge = parameter::COMMAND_GAUGE_PRESSURE.check(number)?;
-                Ok(Demand::SetPoint(GaugePressure(gauge)))
+                Ok(RuntimeCommand::SetPoint(GaugePressure(gauge)))
             }
         }
     }

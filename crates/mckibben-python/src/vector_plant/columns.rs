@@ -62,7 +62,7 @@ pub(super) fn of_named(experiment: &PlantExperiment) -> Vec<Column> {
 /// The place of a quantity among the states, if it is one.
 fn state(plant: &Plant, quantity: PlantQuantity) -> Option<usize> {
     use PlantQuantity as Q;
-    let places = plant.places();
+    let places = plant.indices();
     let spans = |actuator: usize| {
         let mounted = &plant.actuators()[actuator];
         let Coupling::Direct { coordinate } = mounted.coupling else { return None };

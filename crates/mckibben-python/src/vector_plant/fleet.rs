@@ -142,7 +142,7 @@ impl Fleet {
         };
         for (row, actions) in actions.chunks(valves).enumerate() {
             for (number, solenoid) in actions.iter().zip(self.file.solenoids()) {
-                let demand = self.action_mode.demand(*number).and_then(|demand| solenoid.check_demand(&demand));
+                let demand = self.action_mode.demand(*number).and_then(|demand| solenoid.check_command(&demand));
                 demand.map_err(|error| (row, error.into()))?;
             }
         }

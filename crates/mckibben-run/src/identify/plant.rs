@@ -6,8 +6,8 @@ use super::trajectories::held_at_its_end;
 use crate::failure::Failure;
 use mckibben_identify::least_squares::Unknown;
 use mckibben_identify::study::{Column, Input, Quantity, Recording, Sheet};
-use mckibben_identify::trajectories::{AdjustablePlant, Course, Observed, Recorded, Subject};
-use mckibben_scenario::{Document, PlantExperiment, PlantQuantity, PressureCourse};
+use mckibben_identify::trajectories::{AdjustablePlant, Observed, Recorded, Subject, TimeSeries};
+use mckibben_scenario::{Document, PlantExperiment, PlantQuantity, PressureSeries};
 
 /// The runs, and the numbers that are looked for in them.
 pub(super) fn runs(material: &Material, warnings: &mut Vec<String>) -> Result<(Vec<Recorded>, Vec<Unknown>), Failure> {
@@ -46,7 +46,7 @@ fn read(document: &Document) -> Result<PlantExperiment, Failure> {
 }
 
 /// The courses of a run; a pressure that is given is no course.
-fn courses(recording: &Recording, of: &PlantExperiment) -> Result<Vec<Course>, Failure> {
+fn courses(recording: &Recording, of: &PlantExperiment) -> Result<Vec<TimeSeries>, Failure> {
     let of_no_part = |column: &&Column| column.part.is_none() && column.quantity != Quantity::Time;
     if let Some(column) = recording.sheets.iter().flat_map(|sheet| &sheet.columns).find(of_no_part) {
         let title = format!("the run `{}` has a column of no part of the plant: {}", recording.name, column.words());
@@ -65,7 +65,7 @@ fn courses(recording: &Recording, of: &PlantExperiment) -> Result<Vec<Course>, F
         let is_given = matches!(quantity, PlantQuantity::Pressure(i) if of.plant.actuators()[i].pressure.is_some());
         if !is_given {
             let (times, values) = over_time(recording, sheet, column)?;
-            courses.push((place, Course { observed, times, values, deviation: column.deviation }));
+            courses.push((place, TimeSeries { observed, times, values, deviation: column.deviation }));
         }
     }
     // In the order of a run's table: by the parts, as the file has them.
@@ -131,7 +131,7 @@ fn give_pressures(
                     values.iter_mut().for_each(|pressure| *pressure -= of.plant.network().atmosphere);
                 }
                 if !given.iter().any(|(other, _)| *other == actuator) {
-                    given.push((actuator, PressureCourse { time, gauge_pressure: values }));
+                    given.push((actuator, PressureSeries { time, gauge_pressure: values }));
                 }
             }
             _ => until = until.max(time.last().copied().unwrap_or(0.0)),

@@ -4,7 +4,7 @@ use super::Material;
 use crate::failure::Failure;
 use mckibben::parameter::Parameter;
 use mckibben_identify::least_squares::Unknown;
-use mckibben_identify::study::SoughtEntry;
+use mckibben_identify::study::FitEntry;
 use mckibben_scenario::{Document, Place, PlaceError, Scenario, quantity as grammar};
 
 /// All of them, in the scenario of the study.
@@ -37,7 +37,7 @@ pub(super) type InScenario<P> = (P, &'static Parameter, f64);
 /// each run's own is an unknown for each, named behind its path; a common one starts at the first run's value.
 pub(super) fn of_runs<P>(
     material: &Material,
-    mut find: impl FnMut(usize, &SoughtEntry) -> Result<InScenario<P>, Failure>,
+    mut find: impl FnMut(usize, &FitEntry) -> Result<InScenario<P>, Failure>,
 ) -> Result<(Vec<Unknown>, Vec<OfRun<P>>), Failure> {
     let mut unknowns: Vec<Unknown> = Vec::new();
     let mut numbers: Vec<OfRun<P>> =
@@ -63,14 +63,14 @@ pub(super) fn of_runs<P>(
 /// A number of the scenario of a run.
 pub(super) fn in_run(
     material: &Material,
-    entry: &SoughtEntry,
+    entry: &FitEntry,
     (document, (name, scenario)): (&Document, &mut (String, Scenario)),
 ) -> Result<InScenario<Place>, Failure> {
     let place = place(material, entry, (document, scenario), Some(name))?;
     Ok((place, place.parameter(), place.value(scenario).unwrap_or(0.0)))
 }
 
-fn entries(material: &Material) -> Result<&[SoughtEntry], Failure> {
+fn entries(material: &Material) -> Result<&[FitEntry], Failure> {
     let entries = &material.study.sought;
     if entries.is_empty() {
         let help = "add for instance `[fit.\"actuator.friction.viscous\"]` with `from` and `to`";
@@ -81,7 +81,7 @@ fn entries(material: &Material) -> Result<&[SoughtEntry], Failure> {
 
 fn place(
     material: &Material,
-    entry: &SoughtEntry,
+    entry: &FitEntry,
     (document, scenario): (&Document, &mut Scenario),
     run: Option<&str>,
 ) -> Result<Place, Failure> {
@@ -96,7 +96,7 @@ pub(super) fn misplaced(error: &PlaceError, run: Option<&str>) -> Failure {
 }
 
 /// Bounds are those of the study within those of the parameter.
-fn unknown(numbers_are_si: bool, entry: &SoughtEntry, row: &Parameter, first: f64) -> Result<Unknown, Failure> {
+fn unknown(numbers_are_si: bool, entry: &FitEntry, row: &Parameter, first: f64) -> Result<Unknown, Failure> {
     let read = |text: &Option<String>| -> Result<Option<f64>, Failure> {
         let Some(text) = text else { return Ok(None) };
         if let (true, Ok(number)) = (numbers_are_si, text.parse::<f64>()) {

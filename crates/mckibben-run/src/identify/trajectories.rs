@@ -13,10 +13,11 @@ use mckibben_identify::adjustable::Adjustable;
 use mckibben_identify::least_squares::Unknown;
 use mckibben_identify::study::{Input, Quantity, Recording};
 use mckibben_identify::trajectories::{
-    Course, Described, Drift, HeldOutRun, Identified, Observed, Recorded, Simulated, Task, TrajectoryError, Unexplained,
+    Described, Drift, HeldOutRun, Identified, Observed, Recorded, Simulated, Task, TimeSeries, TrajectoryError,
+    Unexplained,
 };
 use mckibben_plot::{Axis, Colour, Figure, Legend, Panel, Series};
-use mckibben_scenario::{Load, PressureCourse, Scenario};
+use mckibben_scenario::{Load, PressureSeries, Scenario};
 
 /// The figures of the runs; the table speaks of all.
 pub(super) const STEMS: Stems = ["run-1", "run-2", "run-3", "run-4", "run-5", "run-6"];
@@ -150,7 +151,7 @@ fn measured_course(
     of: [Quantity; 2],
     scenario: &Scenario,
     warnings: &mut Vec<String>,
-) -> Result<PressureCourse, Failure> {
+) -> Result<PressureSeries, Failure> {
     let (measured, time, mut gauge_pressure) = pressure_of(recording, of)?;
     if measured == of[1] {
         gauge_pressure.iter_mut().for_each(|pressure| *pressure -= scenario.air.atmospheric_pressure);
@@ -158,7 +159,7 @@ fn measured_course(
     let last = |(times, _): (Vec<f64>, Vec<f64>)| times.last().copied();
     let others = FOLLOWING.into_iter().filter_map(|of| last(recording.channel(of)?));
     held_at_its_end(recording, "the pressure", (&time, others.fold(0.0, f64::max)), warnings);
-    Ok(PressureCourse { time, gauge_pressure })
+    Ok(PressureSeries { time, gauge_pressure })
 }
 
 /// That a measured pressure ends before what follows it, which goes on until a time in s.
@@ -190,11 +191,11 @@ const FOLLOWING: [Quantity; 7] = [
     Quantity::AntagonistTension,
 ];
 
-fn courses(recording: &Recording, atmosphere: f64) -> Vec<Course> {
+fn courses(recording: &Recording, atmosphere: f64) -> Vec<TimeSeries> {
     let of = |quantity: Quantity, observed: Observed, shift: f64| {
         let (times, values) = recording.channel(quantity)?;
         let deviation = recording.column(quantity).and_then(|column| column.deviation);
-        Some(Course { observed, times, values: values.into_iter().map(|value| value - shift).collect(), deviation })
+        Some(TimeSeries { observed, times, values: values.into_iter().map(|value| value - shift).collect(), deviation })
     };
     [
         of(Quantity::Length, Observed::Length, 0.0),
@@ -295,7 +296,7 @@ fn sections(task: &Task, found: &Identified, tables: [&Table; 2], scenarios: &[(
 
 /// Every reading of every run.
 fn predictions(task: &Task, found: &Identified) -> Vec<Prediction> {
-    let of_course = |run: &Recorded, simulated: &Simulated, course: &Course| Prediction {
+    let of_course = |run: &Recorded, simulated: &Simulated, course: &TimeSeries| Prediction {
         run: run.name.clone(),
         quantity: course.observed.words(),
         unit: course.observed.unit(),

@@ -106,7 +106,7 @@ impl PlantModel {
     /// The values at the operating point, each name with its unit at the end.
     pub(super) fn point(&self) -> Vec<(String, f64)> {
         let (of, point) = (&self.experiment, &self.linear.point);
-        let places = point.plant.places();
+        let places = point.plant.indices();
         let mut values = Vec::new();
         for its in of.coordinates() {
             let column = if its.is_angle { "angle_rad" } else { "position_m" };
@@ -134,7 +134,7 @@ impl PlantModel {
     /// The model in words and tables.
     pub(super) fn account(&self) -> Account {
         let (of, point) = (&self.experiment, &self.linear.point);
-        let places = point.plant.places();
+        let places = point.plant.indices();
         let mut lines = Vec::new();
         for its in of.coordinates() {
             let place = places.mechanisms[its.mechanism].position(its.index);

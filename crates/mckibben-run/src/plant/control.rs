@@ -4,7 +4,7 @@ use crate::closed_loop::{Goal, Goals};
 use mckibben::GaugePressure;
 use mckibben::command::{PlantDecision, PlantMeasurement};
 use mckibben::control::{Held, Quantity};
-use mckibben::valve::Demand;
+use mckibben::valve::RuntimeCommand;
 use mckibben_scenario::{JointControl, PlantControl, PlantExperiment};
 
 /// What the controllers of a plant did in a run.
@@ -28,7 +28,7 @@ pub(crate) struct Follower<'e> {
     first: Vec<usize>,
     samples: Vec<u64>,
     requests: Vec<u64>,
-    last: Vec<Vec<Option<Demand>>>,
+    last: Vec<Vec<Option<RuntimeCommand>>>,
 }
 
 impl<'e> Follower<'e> {

@@ -15,7 +15,7 @@ pub(crate) mod columns;
 pub mod control;
 pub(crate) mod events;
 pub(crate) mod observation;
-pub(crate) mod portrait;
+pub(crate) mod trajectory_plot;
 
 use crate::closed_loop::Goals;
 use crate::engine::{Stepping, Way};

@@ -8,11 +8,11 @@
 //!
 //! Runs that failed are gaps, crossed cells, or not there.
 
-use super::tally::Tally;
+use super::counts::SweepCounts;
 use crate::failure::Failure;
 use crate::quantities::count;
 use mckibben::control;
-use mckibben_plot::{Axis, Beside, Field, Figure, Format, Legend, Panel, PlotError, Series, Style, Theme};
+use mckibben_plot::{Axis, Field, Figure, Format, Legend, Panel, PlotError, Series, SideBySide, Style, Theme};
 use mckibben_scenario::sweep::{Quantity, Statistic};
 use mckibben_scenario::{AxisKind, AxisValue, PlantReduction, Record, Reduction, Sweep};
 use std::f64::consts::PI;
@@ -29,7 +29,12 @@ const DOTS: usize = 60;
 ///
 /// # Errors
 /// [`Failure::output`], which names `path`, when the figure cannot be drawn.
-pub fn draw(sweep: &Sweep, tally: &Tally, title: &str, (path, format): (&Path, Format)) -> Result<Vec<u8>, Failure> {
+pub fn draw(
+    sweep: &Sweep,
+    tally: &SweepCounts,
+    title: &str,
+    (path, format): (&Path, Format),
+) -> Result<Vec<u8>, Failure> {
     let picture = picture(sweep, tally, title);
     picture.bytes(format).map_err(|error| Failure::output(path, error))
 }
@@ -38,24 +43,24 @@ pub fn draw(sweep: &Sweep, tally: &Tally, title: &str, (path, format): (&Path, F
 ///
 /// # Errors
 /// When the figure contradicts itself.
-pub fn svg(sweep: &Sweep, tally: &Tally, theme: Theme) -> Result<String, PlotError> {
+pub fn svg(sweep: &Sweep, tally: &SweepCounts, theme: Theme) -> Result<String, PlotError> {
     match picture(sweep, tally, "") {
         Picture::One(figure) => figure.to_svg(theme),
-        Picture::Beside(beside) => beside.to_svg(theme),
+        Picture::SideBySide(beside) => beside.to_svg(theme),
     }
 }
 
 /// A figure, or several side by side.
 enum Picture {
     One(Figure),
-    Beside(Beside),
+    SideBySide(SideBySide),
 }
 
 impl Picture {
     fn bytes(&self, format: Format) -> Result<Vec<u8>, PlotError> {
         match self {
             Self::One(figure) => figure.bytes(format),
-            Self::Beside(beside) => beside.bytes(format),
+            Self::SideBySide(beside) => beside.bytes(format),
         }
     }
 }
@@ -83,7 +88,7 @@ impl Values {
     }
 }
 
-fn picture(sweep: &Sweep, tally: &Tally, title: &str) -> Picture {
+fn picture(sweep: &Sweep, tally: &SweepCounts, title: &str) -> Picture {
     let (kept, stride) = tally.kept();
     let rows: Vec<u64> = kept.keys().copied().collect();
     let mut keys: Vec<Values> = (0..sweep.axes().len()).map(|axis| key(sweep, axis, &rows)).collect();
@@ -134,7 +139,7 @@ fn picture(sweep: &Sweep, tally: &Tally, title: &str) -> Picture {
             }
             notes.push("ρ: rank correlation after Spearman.".to_owned());
             let figures = scatter(&keys[..keys.len().min(COLUMNS)], results);
-            Picture::Beside(Beside { title: title.to_owned(), caption: notes.join(" "), figures })
+            Picture::SideBySide(SideBySide { title: title.to_owned(), caption: notes.join(" "), figures })
         }
     }
 }

@@ -26,6 +26,7 @@
 //! Checked by the program's `tests/sweep.rs`.
 
 pub mod chart;
+pub mod counts;
 pub mod destination;
 pub mod folder;
 pub mod plan;
@@ -37,4 +38,3 @@ pub mod rows;
 pub mod schedule;
 pub mod step;
 pub mod table;
-pub mod tally;

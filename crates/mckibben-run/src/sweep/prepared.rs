@@ -3,12 +3,12 @@
 //! A part follows from the sweep and from the step of its fixed-step engine alone, so whoever computes it gives the same
 //! bytes.
 
+use super::counts::SweepCounts;
 use super::destination::{self, Destination, Place};
 use super::folder::{Folder, Manifest};
 use super::plan::{Plan, Unit};
 use super::step::Choice;
 use super::table::{self, LAYOUT};
-use super::tally::Tally;
 use super::{rows, schedule};
 use crate::failure::Failure;
 use crate::progress::Progress;
@@ -80,7 +80,7 @@ impl Prepared {
         parts: Vec<u64>,
         jobs: usize,
         place: Place,
-        tally: &mut Tally,
+        tally: &mut SweepCounts,
     ) -> Result<(), Failure> {
         let mut destination = Destination::new(&self.sweep, self.plan, self.notes_with(choice), place);
         let rows_of = |part: &u64| self.plan.rows_of(*part).end - self.plan.rows_of(*part).start;

@@ -19,7 +19,7 @@ use crate::keys::{self, ACTUATORS, Kind};
 use crate::place::{Place, PlaceError};
 use crate::quantity;
 use crate::read::GEOMETRY;
-use crate::scenario::PressureCourse;
+use crate::scenario::PressureSeries;
 use mckibben::parameter::{self as p, Parameter};
 use mckibben::plant::{Part, Plant, PlantStart, StartNumber};
 use mckibben::{Dual, Error};
@@ -109,11 +109,11 @@ impl Document {
         let kind = row.map(|row| row.kind);
         let parameter = match (kind, entry) {
             (Some(Kind::Quantity(row) | Kind::QuantityOr(row, _)), None) => row,
-            (Some(Kind::Quantities(row) | Kind::Course(row)), Some(_)) => row,
+            (Some(Kind::Quantities(row) | Kind::TimeSeries(row)), Some(_)) => row,
             (Some(Kind::Quantities(_)), None) => {
                 return Err(fault("is a list", format!("name one of its entries, as in `{key}[0]`")));
             }
-            (Some(Kind::Course(row)), None) => row,
+            (Some(Kind::TimeSeries(row)), None) => row,
             (Some(Kind::Quantity(_) | Kind::QuantityOr(..)), Some(_)) => {
                 return Err(fault("is no list", format!("write `{key}`")));
             }
@@ -141,7 +141,7 @@ impl Document {
     ///
     /// # Errors
     /// When the file has something there that is no section.
-    pub fn give_pressure(&mut self, actuator: &str, course: &PressureCourse) -> Result<(), Diagnostics> {
+    pub fn give_pressure(&mut self, actuator: &str, course: &PressureSeries) -> Result<(), Diagnostics> {
         for section in ["valve", "command", "controller", "hose", "supply", "pressure", p::INITIAL_GAUGE_PRESSURE.key] {
             self.remove(&format!("{ACTUATORS}.{actuator}.{section}"));
         }

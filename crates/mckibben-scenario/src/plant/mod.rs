@@ -29,7 +29,7 @@ pub(crate) mod parts;
 use crate::diagnostic::{Diagnostics, Place};
 use crate::document::Document;
 use crate::keys;
-use crate::scenario::{Air, Command, Controller, Hose, Motion, Passage, Run, Scenario, Supply, Valve};
+use crate::scenario::{Air, Command, Controller, FlowPath, Hose, Motion, Run, Scenario, Supply, Valve};
 use mckibben::Error;
 use mckibben::mechanism::Mechanism;
 use mckibben::plant::{Plant, PlantStart, PlantStepError, TimeStepping};
@@ -134,7 +134,7 @@ pub(crate) struct Store {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Inlet {
     pub(crate) one_way: bool,
-    pub(crate) passage: Passage,
+    pub(crate) passage: FlowPath,
     pub(crate) efficiency: f64,
     pub(crate) laminar_ratio: f64,
 }

@@ -9,12 +9,12 @@ use crate::diagnostic::{Class, Diagnostic};
 use crate::keys::{self, EQUILIBRIUM};
 use crate::quantity;
 use crate::reader::{Reader, out_of_range};
-use crate::scenario::{Air, Initial, InitialLength, Load, Motion, PressureCourse, Run, SeriesTendon};
+use crate::scenario::{Air, Initial, InitialLength, Load, Motion, PressureSeries, Run, SeriesTendon};
 use mckibben::parameter::{self as p, Parameter};
 use mckibben::plant::{INITIAL_FRICTION_FORCE, InitialFriction};
 
 /// The pressure over time, if the file gives it: then there is no valve, and the start follows.
-pub(super) fn pressure(r: &mut Reader<'_>) -> Option<PressureCourse> {
+pub(super) fn pressure(r: &mut Reader<'_>) -> Option<PressureSeries> {
     let section = r.key_place("pressure")?;
     for path in [p::COURSE_TIME.key, p::COURSE_GAUGE_PRESSURE.key] {
         if !r.has(path) {
@@ -36,7 +36,7 @@ pub(super) fn pressure(r: &mut Reader<'_>) -> Option<PressureCourse> {
     }
     let (time, gauges) = (r.list(&p::COURSE_TIME), r.list(&p::COURSE_GAUGE_PRESSURE));
     let (time, gauge_pressure) = columns(r, &p::COURSE_TIME, time, p::COURSE_GAUGE_PRESSURE.key, gauges);
-    Some(PressureCourse { time, gauge_pressure })
+    Some(PressureSeries { time, gauge_pressure })
 }
 
 /// The tendon in series, if the file has one.

@@ -10,7 +10,7 @@ use crate::diagnostic::{Class, Diagnostic, Place};
 use crate::keys::CONTROLLER;
 use crate::presets;
 use crate::reader::Reader;
-use crate::scenario::{Air, Command, Passage, ProportionalRegulator, Spool, Supply, Valve};
+use crate::scenario::{Air, Command, FlowPath, ProportionalRegulator, Spool, Supply, Valve};
 use mckibben::parameter as p;
 
 /// Keys of a valve with seats.
@@ -73,7 +73,7 @@ fn valve(r: &mut Reader<'_>) -> Option<Valve> {
             let because = "; `sonic_conductance` and `critical_ratio`, `kv` or `cv` would do as well";
             r.missing(p::FLOW_AREA.key, because);
         }
-        Passage::FlowArea(1.0)
+        FlowPath::FlowArea(1.0)
     });
     let efficiency = r.value(&p::EFFICIENCY, preset);
     let regulator = (kind == Some(ValveKind::PressureRegulator)).then(|| regulator(r));

@@ -4,7 +4,7 @@ use super::alternative;
 use crate::diagnostic::{Class, Diagnostic};
 use crate::presets::Preset;
 use crate::reader::Reader;
-use crate::scenario::Passage;
+use crate::scenario::FlowPath;
 use mckibben::parameter::{self as p, Parameter};
 
 /// The rows that state a passage.
@@ -49,7 +49,7 @@ impl Rows {
 }
 
 /// The passage, or `None` when neither the file nor the preset states it.
-pub(super) fn passage(r: &mut Reader<'_>, rows: &Rows, preset: Option<&Preset>) -> Option<Passage> {
+pub(super) fn passage(r: &mut Reader<'_>, rows: &Rows, preset: Option<&Preset>) -> Option<FlowPath> {
     let by_preset = |row: &Parameter| preset.is_some_and(|preset| preset.get(row).is_some());
     let ways = rows.ways();
     let whole = |way: &[&Parameter]| way.iter().all(|row| by_preset(row));
@@ -67,8 +67,8 @@ pub(super) fn passage(r: &mut Reader<'_>, rows: &Rows, preset: Option<&Preset>) 
     }
     let mut number = |row| if by_preset(row) { r.value(row, preset) } else { r.noted(row) };
     Some(match chosen? {
-        0 => Passage::FlowArea(number(rows.flow_area)),
-        1 => Passage::Iso6358 {
+        0 => FlowPath::FlowArea(number(rows.flow_area)),
+        1 => FlowPath::Iso6358 {
             sonic_conductance: number(rows.sonic_conductance),
             critical_ratio: number(rows.critical_ratio),
         },
@@ -76,8 +76,8 @@ pub(super) fn passage(r: &mut Reader<'_>, rows: &Rows, preset: Option<&Preset>) 
             let coefficient = number(if way == 2 { rows.kv } else { rows.cv });
             let pressure_drop_ratio = r.value(rows.pressure_drop_ratio, preset);
             match way {
-                2 => Passage::Kv { kv: coefficient, pressure_drop_ratio },
-                _ => Passage::Cv { cv: coefficient, pressure_drop_ratio },
+                2 => FlowPath::Kv { kv: coefficient, pressure_drop_ratio },
+                _ => FlowPath::Cv { cv: coefficient, pressure_drop_ratio },
             }
         }
     })

@@ -8,7 +8,7 @@ mod joint;
 
 use crate::choice::BladderForm;
 use crate::scenario::{
-    Command, Compressor, Effectiveness, Force, Hysteresis, InitialLength, Load, Motion, Passage, PressureRegulator,
+    Command, Compressor, Effectiveness, FlowPath, Force, Hysteresis, InitialLength, Load, Motion, PressureRegulator,
     Process, Reservoir, Scenario, TonduLopezCoefficients,
 };
 use mckibben::parameter::{self as p, Parameter};
@@ -238,38 +238,40 @@ fn tondu_lopez(scenario: &mut Scenario) -> Option<&mut TonduLopezCoefficients> {
     }
 }
 
-fn supply(scenario: &mut Scenario) -> Option<&mut Passage> {
+fn supply(scenario: &mut Scenario) -> Option<&mut FlowPath> {
     Some(&mut scenario.valve.as_mut()?.passage)
 }
 
-fn exhaust(scenario: &mut Scenario) -> Option<&mut Passage> {
+fn exhaust(scenario: &mut Scenario) -> Option<&mut FlowPath> {
     scenario.valve.as_mut()?.exhaust.as_mut()
 }
 
-fn flow_area(passage: &mut Passage) -> Option<&mut f64> {
-    if let Passage::FlowArea(area) = passage { Some(area) } else { None }
+fn flow_area(passage: &mut FlowPath) -> Option<&mut f64> {
+    if let FlowPath::FlowArea(area) = passage { Some(area) } else { None }
 }
 
-fn sonic_conductance(passage: &mut Passage) -> Option<&mut f64> {
-    if let Passage::Iso6358 { sonic_conductance, .. } = passage { Some(sonic_conductance) } else { None }
+fn sonic_conductance(passage: &mut FlowPath) -> Option<&mut f64> {
+    if let FlowPath::Iso6358 { sonic_conductance, .. } = passage { Some(sonic_conductance) } else { None }
 }
 
-fn critical_ratio(passage: &mut Passage) -> Option<&mut f64> {
-    if let Passage::Iso6358 { critical_ratio, .. } = passage { Some(critical_ratio) } else { None }
+fn critical_ratio(passage: &mut FlowPath) -> Option<&mut f64> {
+    if let FlowPath::Iso6358 { critical_ratio, .. } = passage { Some(critical_ratio) } else { None }
 }
 
-fn kv(passage: &mut Passage) -> Option<&mut f64> {
-    if let Passage::Kv { kv, .. } = passage { Some(kv) } else { None }
+fn kv(passage: &mut FlowPath) -> Option<&mut f64> {
+    if let FlowPath::Kv { kv, .. } = passage { Some(kv) } else { None }
 }
 
-fn cv(passage: &mut Passage) -> Option<&mut f64> {
-    if let Passage::Cv { cv, .. } = passage { Some(cv) } else { None }
+fn cv(passage: &mut FlowPath) -> Option<&mut f64> {
+    if let FlowPath::Cv { cv, .. } = passage { Some(cv) } else { None }
 }
 
-fn pressure_drop_ratio(passage: &mut Passage) -> Option<&mut f64> {
+fn pressure_drop_ratio(passage: &mut FlowPath) -> Option<&mut f64> {
     match passage {
-        Passage::Kv { pressure_drop_ratio, .. } | Passage::Cv { pressure_drop_ratio, .. } => Some(pressure_drop_ratio),
-        Passage::FlowArea(_) | Passage::Iso6358 { .. } => None,
+        FlowPath::Kv { pressure_drop_ratio, .. } | FlowPath::Cv { pressure_drop_ratio, .. } => {
+            Some(pressure_drop_ratio)
+        }
+        FlowPath::FlowArea(_) | FlowPath::Iso6358 { .. } => None,
     }
 }
 

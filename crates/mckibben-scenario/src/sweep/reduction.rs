@@ -378,11 +378,11 @@ mod tests {
             ("tension.peak", "tension_peak_n"),
             ("velocity.peak", "velocity_peak_m_s"),
             ("mass_flow.max", "mass_flow_max_kg_s"),
-            ("pressure.ripple", "pressure_ripple_pa"),
+            ("gauge_pressure.ripple", "gauge_pressure_ripple_pa"),
             ("temperature.min", "temperature_min_k"),
             ("air.used", "air_used_kg"),
             ("length_error.rms", "length_error_rms_m"),
-            ("pressure_error.peak", "pressure_error_peak_pa"),
+            ("gauge_pressure_error.peak", "gauge_pressure_error_peak_pa"),
         ] {
             assert_eq!(column(name).as_deref(), Some(expected));
         }

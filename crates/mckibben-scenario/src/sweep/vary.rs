@@ -239,7 +239,7 @@ fn values<'d>(
             };
             Some((values, items.iter().collect()))
         }
-        (Value::Table(table), Kind::Quantity(_) | Kind::QuantityOr(..) | Kind::Course(_) | Kind::Regulated) => {
+        (Value::Table(table), Kind::Quantity(_) | Kind::QuantityOr(..) | Kind::TimeSeries(_) | Kind::Regulated) => {
             spread(r, table, node, parameter?, design)
         }
         (other, kind) => {

@@ -3,7 +3,7 @@
 use super::{PlantController, PlantMeasurement};
 use crate::control::{Controller, Drive, JointController, Quantity};
 use crate::scalar::Real;
-use crate::valve::Demand;
+use crate::valve::RuntimeCommand;
 use alloc::boxed::Box;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
@@ -11,7 +11,7 @@ use core::fmt::{self, Debug};
 
 /// A controller with its memory, whatever its type.
 pub(super) trait Unit<R: Real>: Debug + Send + Sync {
-    fn decide(&mut self, seen: &PlantMeasurement<R>, demands: &mut [Option<Demand<R>>]);
+    fn decide(&mut self, seen: &PlantMeasurement<R>, demands: &mut [Option<RuntimeCommand<R>>]);
     fn aims(&self, seen: &PlantMeasurement<R>) -> Vec<(Quantity, R)>;
     fn copy(&self) -> Box<dyn Unit<R>>;
 }
@@ -33,7 +33,7 @@ where
     R: Real + 'static,
     C: PlantController<R, Memory: Send + Sync> + Debug + Send + Sync + 'static,
 {
-    fn decide(&mut self, seen: &PlantMeasurement<R>, demands: &mut [Option<Demand<R>>]) {
+    fn decide(&mut self, seen: &PlantMeasurement<R>, demands: &mut [Option<RuntimeCommand<R>>]) {
         self.controller.decide(seen, &mut self.memory, demands);
     }
 
@@ -57,10 +57,10 @@ where
 }
 
 /// What a drive asks of a valve whose pulses have a frequency in Hz.
-fn demand<R: Real>(drive: Drive<R>, frequency: R) -> Demand<R> {
+fn demand<R: Real>(drive: Drive<R>, frequency: R) -> RuntimeCommand<R> {
     match drive {
-        Drive::Steady(request) => Demand::Request(request),
-        Drive::Pulses { duty, pulse, rest } => Demand::Pulses { frequency, duty, pulse, rest },
+        Drive::Steady(request) => RuntimeCommand::Request(request),
+        Drive::Pulses { duty, pulse, rest } => RuntimeCommand::Pulses { frequency, duty, pulse, rest },
     }
 }
 
@@ -79,7 +79,7 @@ impl<R: Real, C: Controller<R>> PlantController<R> for OnActuator<C, R> {
         self.controller.begin()
     }
 
-    fn decide(&self, seen: &PlantMeasurement<R>, memory: &mut C::Memory, demands: &mut [Option<Demand<R>>]) {
+    fn decide(&self, seen: &PlantMeasurement<R>, memory: &mut C::Memory, demands: &mut [Option<RuntimeCommand<R>>]) {
         if let (Some(seen), [its]) = (seen.actuators.get(self.actuator), demands) {
             *its = Some(demand(self.controller.decide(seen, memory), self.pulse_frequency));
         }
@@ -106,7 +106,7 @@ impl<R: Real, C: JointController<R>> PlantController<R> for OnJoint<C, R> {
         self.controller.begin()
     }
 
-    fn decide(&self, seen: &PlantMeasurement<R>, memory: &mut C::Memory, demands: &mut [Option<Demand<R>>]) {
+    fn decide(&self, seen: &PlantMeasurement<R>, memory: &mut C::Memory, demands: &mut [Option<RuntimeCommand<R>>]) {
         let Some(seen) = seen.of_joint(self.joint, self.actuators) else { return };
         for (its, drive) in demands.iter_mut().zip(self.controller.decide(&seen, memory)) {
             *its = Some(demand(drive, self.pulse_frequency));
@@ -135,7 +135,7 @@ impl<R, M, F> PlantController<R> for ByFunction<M, F>
 where
     R: Real,
     M: Clone + Debug,
-    F: Fn(&PlantMeasurement<R>, &mut M, &mut [Option<Demand<R>>]),
+    F: Fn(&PlantMeasurement<R>, &mut M, &mut [Option<RuntimeCommand<R>>]),
 {
     type Memory = M;
 
@@ -143,7 +143,7 @@ where
         self.memory.clone()
     }
 
-    fn decide(&self, seen: &PlantMeasurement<R>, memory: &mut M, demands: &mut [Option<Demand<R>>]) {
+    fn decide(&self, seen: &PlantMeasurement<R>, memory: &mut M, demands: &mut [Option<RuntimeCommand<R>>]) {
         (self.function)(seen, memory, demands);
     }
 }

@@ -6,7 +6,7 @@
 //! | controller | a [`Driver`]: at its sampling instants it measures the plant and sets the valves that are its own |
 //! | run time | [`PlantRun::set`](crate::plant::PlantRun::set), between two calls of `advance_to` |
 //!
-//! All of them say what a valve is to do as a [`Demand`]: a request of seats, pulses, a set point of a pressure regulator or
+//! All of them say what a valve is to do as a [`RuntimeCommand`]: a request of seats, pulses, a set point of a pressure regulator or
 //! a position of a spool. A valve has one source: a driver takes the place of its schedule, and a demand at run time takes
 //! the place of the rest of it.
 //!
@@ -36,7 +36,7 @@ pub use measurement::{PlantMeasurement, PlantSensors};
 use crate::control::{Controller, Drive, JointController, JointSensors, Quantity, Sampled, Sampling, Sensors};
 use crate::error::Error;
 use crate::scalar::Real;
-use crate::valve::Demand;
+use crate::valve::RuntimeCommand;
 use adapter::{OnActuator, OnJoint, Unit};
 use alloc::boxed::Box;
 use alloc::sync::Arc;
@@ -53,7 +53,7 @@ pub trait PlantController<R: Real = f64> {
     fn begin(&self) -> Self::Memory;
 
     /// Sets what each of its valves is to do, in their order; a valve that is left at `None` goes on with what it does.
-    fn decide(&self, seen: &PlantMeasurement<R>, memory: &mut Self::Memory, demands: &mut [Option<Demand<R>>]);
+    fn decide(&self, seen: &PlantMeasurement<R>, memory: &mut Self::Memory, demands: &mut [Option<RuntimeCommand<R>>]);
 
     /// What it tries to reach at a sampling instant and in which quantities, if it has such aims.
     fn aims(&self, seen: &PlantMeasurement<R>) -> Vec<(Quantity, R)> {
@@ -63,7 +63,7 @@ pub trait PlantController<R: Real = f64> {
 }
 
 /// What the valves of a driver are to do; `None` where one goes on as it does.
-type Demands<R> = Vec<Option<Demand<R>>>;
+type Demands<R> = Vec<Option<RuntimeCommand<R>>>;
 
 /// What a driver saw at a sampling instant and what it decided.
 #[derive(Clone, Debug, PartialEq)]
@@ -80,8 +80,10 @@ impl<R: Real> PlantDecision<R> {
     /// What the seats of one of the driver's valves are to do; none where it goes on as it does, or has no seats.
     pub fn drive(&self, valve: usize) -> Option<Drive<R>> {
         match self.demands.get(valve)?.as_ref()? {
-            Demand::Request(request) => Some(Drive::Steady(*request)),
-            Demand::Pulses { duty, pulse, rest, .. } => Some(Drive::Pulses { duty: *duty, pulse: *pulse, rest: *rest }),
+            RuntimeCommand::Request(request) => Some(Drive::Steady(*request)),
+            RuntimeCommand::Pulses { duty, pulse, rest, .. } => {
+                Some(Drive::Pulses { duty: *duty, pulse: *pulse, rest: *rest })
+            }
             _ => None,
         }
     }
@@ -187,7 +189,7 @@ impl<R: Real> Driver<R> {
     where
         R: 'static,
         M: Clone + Debug + Send + Sync + 'static,
-        F: Fn(&PlantMeasurement<R>, &mut M, &mut [Option<Demand<R>>]) + Send + Sync + 'static,
+        F: Fn(&PlantMeasurement<R>, &mut M, &mut [Option<RuntimeCommand<R>>]) + Send + Sync + 'static,
     {
         Self::new(adapter::ByFunction { function, memory }, valves, sampling, sensors)
     }

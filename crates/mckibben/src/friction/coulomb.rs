@@ -24,7 +24,7 @@
 //! Sources: Colbrunn, Nelson & Quinn (2001), (12); the falling part in this form is that of Armstrong-Hélouvry, Dupont &
 //! Canudas de Wit, Automatica 30 (1994). Checked by `tests/friction.rs` and `tests/hysteresis.rs`.
 
-use super::Pressing;
+use super::NormalLoad;
 use crate::convert::Convert;
 use crate::error::Error;
 use crate::parameter;
@@ -110,7 +110,7 @@ impl<S: Scalar> Coulomb<S> {
 
     /// The force `F_c` in N, in motion fast enough, by what presses the threads together.
     #[inline(always)]
-    pub fn kinetic<T: Over<S>>(&self, pressing: Pressing<T>) -> T {
+    pub fn kinetic<T: Over<S>>(&self, pressing: NormalLoad<T>) -> T {
         let bound = T::of(self.width) * pressing.secant_stiffness();
         match self.beside {
             Some([force, per_pressure]) => bound + T::of(force) + T::of(per_pressure) * pressing.gauge(),

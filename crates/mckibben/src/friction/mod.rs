@@ -47,18 +47,18 @@ pub struct Friction<S = f64> {
 
 /// What friction depends on beside the state of the actuator: how it slides, and what it remembers.
 #[derive(Clone, Copy, Debug)]
-pub struct Rubbing<T> {
+pub struct SlidingState<T> {
     /// Direction of sliding: −1 shortening, 0 at rest, +1 lengthening.
     pub direction: T,
     /// Force of the hysteresis over the secant stiffness in m, where there is such a law.
     pub width: Option<T>,
     /// Whether the gas presses the threads together.
-    pub touch: Touch,
+    pub touch: ThreadContact,
 }
 
 /// Whether the gas presses the threads together: with the bladder sucked off the braid they do not rub.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Touch {
+pub enum ThreadContact {
     /// Where the gauge pressure is above zero.
     ByPressure,
     /// They are pressed, by a formula that goes on smoothly below zero gauge pressure.
@@ -69,16 +69,16 @@ pub enum Touch {
 
 /// What presses the threads together.
 #[derive(Clone, Copy, Debug)]
-pub struct Pressing<T> {
+pub struct NormalLoad<T> {
     secant_stiffness: T,
     gauge: T,
-    touch: Touch,
+    touch: ThreadContact,
 }
 
-impl<T: Scalar> Pressing<T> {
+impl<T: Scalar> NormalLoad<T> {
     /// By a secant stiffness (N/m) and a gauge pressure (Pa).
     #[inline(always)]
-    pub fn new(secant_stiffness: T, gauge: T, touch: Touch) -> Self {
+    pub fn new(secant_stiffness: T, gauge: T, touch: ThreadContact) -> Self {
         Self { secant_stiffness, gauge, touch }
     }
 
@@ -97,18 +97,18 @@ impl<T: Scalar> Pressing<T> {
     #[inline(always)]
     fn part(&self, number: T) -> T {
         match self.touch {
-            Touch::ByPressure => number.larger(T::zero()),
-            Touch::Pressed => number,
-            Touch::Apart => T::zero(),
+            ThreadContact::ByPressure => number.larger(T::zero()),
+            ThreadContact::Pressed => number,
+            ThreadContact::Apart => T::zero(),
         }
     }
 }
 
-impl<T: Scalar> From<T> for Rubbing<T> {
+impl<T: Scalar> From<T> for SlidingState<T> {
     /// A direction of sliding without hysteresis.
     #[inline(always)]
     fn from(direction: T) -> Self {
-        Self { direction, width: None, touch: Touch::ByPressure }
+        Self { direction, width: None, touch: ThreadContact::ByPressure }
     }
 }
 
@@ -194,7 +194,7 @@ impl<S: Scalar> Friction<S> {
 
     /// Everything but the viscous part in N, at a velocity (m/s).
     #[inline(always)]
-    pub fn dry_force<T: Over<S>>(&self, rubbing: Rubbing<T>, velocity: T, pressing: Pressing<T>) -> T {
+    pub fn dry_force<T: Over<S>>(&self, rubbing: SlidingState<T>, velocity: T, pressing: NormalLoad<T>) -> T {
         let mut force = T::zero();
         if self.has_coulomb() {
             force = self.coulomb.sliding(rubbing.direction, velocity, self.coulomb.kinetic(pressing));

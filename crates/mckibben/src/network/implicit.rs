@@ -122,7 +122,7 @@ pub(crate) struct NodeResponse<R> {
 impl<R: Scalar> Elimination<R> {
     /// That of a plant, without numbers.
     pub(crate) fn new(plant: &Plant<R>) -> Self {
-        let (network, places) = (plant.network(), plant.places());
+        let (network, places) = (plant.network(), plant.indices());
         let place_of = |node: usize| match network.nodes[node].kind {
             NodeKind::Chamber { actuator } => {
                 let given = plant.actuators()[actuator].pressure.is_some();

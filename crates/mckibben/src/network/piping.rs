@@ -73,7 +73,7 @@ pub(crate) struct Piping<R> {
 impl<R: Scalar> Piping<R> {
     /// That of a plant.
     pub(crate) fn new(plant: &Plant<R>) -> Self {
-        let (network, places) = (plant.network(), plant.places());
+        let (network, places) = (plant.network(), plant.indices());
         let end = |node: usize| {
             let kind = &network.nodes[node].kind;
             let chamber = match kind {

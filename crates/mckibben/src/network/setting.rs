@@ -12,7 +12,7 @@ use crate::numbered::Row;
 use crate::parameter;
 use crate::scalar::Real;
 use crate::simulation::Actuation;
-use crate::valve::{Approach, Command, Demand};
+use crate::valve::{Approach, Command, RuntimeCommand};
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 
@@ -174,19 +174,19 @@ impl<R: Real> Network<R> {
     /// Sets what a valve does from `time` in s on, in place of all that was to come.
     ///
     /// # Errors
-    /// As [`Solenoid::check_demand`](crate::valve::Solenoid::check_demand).
+    /// As [`Solenoid::check_command`](crate::valve::Solenoid::check_demand).
     pub(crate) fn set_valve(
         &self,
         valve: usize,
         time: R,
-        demand: Demand<R>,
+        demand: RuntimeCommand<R>,
         mode: &mut NetworkMode<R>,
     ) -> Result<(), Error> {
-        self.valves[valve].solenoid.check_demand(&demand)?;
+        self.valves[valve].solenoid.check_command(&demand)?;
         let of_valve = &mut mode.valves[valve];
         let setting = of_valve.setting.get_or_insert_with(|| Box::new(Setting::of(&self.valves[valve])));
         let Setting { actuation, told, pulse_frequency } = &mut **setting;
-        *pulse_frequency = if let Demand::Pulses { frequency, .. } = demand { Some(frequency) } else { None };
+        *pulse_frequency = if let RuntimeCommand::Pulses { frequency, .. } = demand { Some(frequency) } else { None };
         told.tell(actuation, &mut of_valve.progress, time, demand);
         self.forget_set_points(valve, mode);
         Ok(())

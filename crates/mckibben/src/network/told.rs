@@ -20,12 +20,12 @@ use crate::numbered::Row;
 use crate::pressure::GaugePressure;
 use crate::scalar::Real;
 use crate::simulation::Actuation;
-use crate::valve::{Demand, Request, Solenoid, is_due};
+use crate::valve::{Request, RuntimeCommand, Solenoid, is_due};
 
 /// What a valve has been told.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Told<R> {
-    last: Option<Demand<R>>,
+    last: Option<RuntimeCommand<R>>,
     modulator: Modulator<R>,
     pulse_frequency: R,
     /// When in s the modulator asks for something by itself next; infinite when it does not.
@@ -44,12 +44,12 @@ impl<R: Real> Told<R> {
     /// Takes up at `time` in s what needs nothing of the valve, the request that holds or another duty cycle of the pulses that
     /// go on; whether it is that.
     #[inline]
-    fn follow(&mut self, time: R, demand: &Demand<R>) -> bool {
+    fn follow(&mut self, time: R, demand: &RuntimeCommand<R>) -> bool {
         match (&self.last, demand) {
-            (Some(Demand::Request(before)), Demand::Request(request)) => before == request,
+            (Some(RuntimeCommand::Request(before)), RuntimeCommand::Request(request)) => before == request,
             (
-                Some(Demand::Pulses { frequency: before, pulse: pulse_before, rest: rest_before, .. }),
-                Demand::Pulses { frequency, duty, pulse, rest },
+                Some(RuntimeCommand::Pulses { frequency: before, pulse: pulse_before, rest: rest_before, .. }),
+                RuntimeCommand::Pulses { frequency, duty, pulse, rest },
             ) => {
                 let goes_on = before.value() == frequency.value() && (pulse_before, rest_before) == (pulse, rest);
                 if goes_on {
@@ -70,20 +70,22 @@ impl<R: Real> Told<R> {
         actuation: &mut Actuation<R>,
         progress: &mut Progress<R>,
         time: R,
-        demand: Demand<R>,
+        demand: RuntimeCommand<R>,
     ) {
         if !self.follow(time, &demand) {
             self.change(actuation, progress, time, demand);
         }
     }
 
-    fn change(&mut self, actuation: &mut Actuation<R>, progress: &mut Progress<R>, time: R, demand: Demand<R>) {
+    fn change(&mut self, actuation: &mut Actuation<R>, progress: &mut Progress<R>, time: R, demand: RuntimeCommand<R>) {
         let drive = match demand {
-            Demand::Request(request) => Some((Drive::Steady(request), self.pulse_frequency)),
-            Demand::Pulses { frequency, duty, pulse, rest } => Some((Drive::Pulses { duty, pulse, rest }, frequency)),
-            Demand::SetPoint(_) | Demand::Position(_) => None,
+            RuntimeCommand::Request(request) => Some((Drive::Steady(request), self.pulse_frequency)),
+            RuntimeCommand::Pulses { frequency, duty, pulse, rest } => {
+                Some((Drive::Pulses { duty, pulse, rest }, frequency))
+            }
+            RuntimeCommand::SetPoint(_) | RuntimeCommand::Position(_) => None,
         };
-        let go_on = matches!((self.last, demand), (Some(Demand::Pulses { .. }), Demand::Pulses { .. }));
+        let go_on = matches!((self.last, demand), (Some(RuntimeCommand::Pulses { .. }), RuntimeCommand::Pulses { .. }));
         progress.settle(actuation, time, if go_on { R::constant(f64::INFINITY) } else { time });
         match drive {
             Some((drive, frequency)) => {
@@ -92,7 +94,7 @@ impl<R: Real> Told<R> {
                     self.pulse_frequency = frequency;
                 }
                 if let Some(request) = self.modulator.command(drive, time, frequency) {
-                    actuation.command.append(time, Demand::Request(request));
+                    actuation.command.append(time, RuntimeCommand::Request(request));
                 }
             }
             None => actuation.command.append(time, demand),
@@ -133,7 +135,7 @@ impl<R: Real> Told<R> {
                 settled = true;
             }
             if let Some(request) = self.modulator.pass(edge, self.pulse_frequency) {
-                actuation.command.append(edge, Demand::Request(request));
+                actuation.command.append(edge, RuntimeCommand::Request(request));
             }
             self.look_ahead();
         }
@@ -146,10 +148,10 @@ impl Told<f64> {
         let Self { last, modulator, pulse_frequency, edge, unheard } = self;
         let (mut kind, mut number, mut duty, mut requests) = match *last {
             None => (0, 0.0, 0.0, [Request::Fill; 2]),
-            Some(Demand::Request(request)) => (1, 0.0, 0.0, [request; 2]),
-            Some(Demand::Pulses { frequency, duty, pulse, rest }) => (2, frequency, duty, [pulse, rest]),
-            Some(Demand::SetPoint(gauge)) => (3, gauge.0, 0.0, [Request::Fill; 2]),
-            Some(Demand::Position(position)) => (4, position, 0.0, [Request::Fill; 2]),
+            Some(RuntimeCommand::Request(request)) => (1, 0.0, 0.0, [request; 2]),
+            Some(RuntimeCommand::Pulses { frequency, duty, pulse, rest }) => (2, frequency, duty, [pulse, rest]),
+            Some(RuntimeCommand::SetPoint(gauge)) => (3, gauge.0, 0.0, [Request::Fill; 2]),
+            Some(RuntimeCommand::Position(position)) => (4, position, 0.0, [Request::Fill; 2]),
         };
         row.choice(&mut kind, [0, 1, 2, 3, 4]);
         row.number(&mut number);
@@ -157,12 +159,12 @@ impl Told<f64> {
         requests.iter_mut().for_each(|request| row.request(request));
         *last = match kind {
             0 => None,
-            1 => Some(Demand::Request(requests[0])),
-            2 => Some(Demand::Pulses { frequency: number, duty, pulse: requests[0], rest: requests[1] }),
-            3 => Some(Demand::SetPoint(GaugePressure(number))),
-            _ => Some(Demand::Position(number)),
+            1 => Some(RuntimeCommand::Request(requests[0])),
+            2 => Some(RuntimeCommand::Pulses { frequency: number, duty, pulse: requests[0], rest: requests[1] }),
+            3 => Some(RuntimeCommand::SetPoint(GaugePressure(number))),
+            _ => Some(RuntimeCommand::Position(number)),
         };
-        if last.is_some_and(|demand| solenoid.check_demand(&demand).is_err()) {
+        if last.is_some_and(|demand| solenoid.check_command(&demand).is_err()) {
             row.refuse();
         }
         modulator.each_number(row);

@@ -12,7 +12,7 @@ use crate::mechanism::Mechanism;
 use crate::mechanism::chain::Contacts;
 use crate::network::{BranchKind, NodeKind};
 use crate::scalar::Scalar;
-use crate::simulation::Extent;
+use crate::simulation::LengthRegime;
 use crate::simulation::member::Trace;
 use alloc::sync::Arc;
 use alloc::vec;
@@ -80,7 +80,7 @@ impl<'a> Bookkeeper<'a> {
             dead: DeadState::of(plant),
             ledger,
             nodes: vec![Passing::default(); network.nodes.len()],
-            state: vec![0.0; plant.places().states],
+            state: vec![0.0; plant.indices().states],
             has_begun: false,
             tolerance: stepping.tolerance(),
             steps: 0.0,
@@ -150,7 +150,7 @@ impl<'a> Bookkeeper<'a> {
             of.exergy_gain += sign * dead.contents(chamber.mass, [chamber.pressure, temperature, chamber.volume]);
         }
         for (m, of) in ledger.mechanisms.iter_mut().enumerate() {
-            let (position, rate) = plant.places().mechanisms[m].of(state);
+            let (position, rate) = plant.indices().mechanisms[m].of(state);
             let [kinetic, potential] = plant.mechanisms()[m].energies(position, rate);
             of.kinetic += sign * kinetic;
             of.potential += sign * potential;
@@ -199,7 +199,7 @@ impl<'a> Bookkeeper<'a> {
         let actuator = &plant.actuators()[i].actuator;
         of.work -= weight * unit.tension * unit.rate;
         sizes[0] += chamber.pressure * chamber.volume + (unit.tension * unit.distance).abs();
-        if of_actuator.mode.extent == Extent::Slack {
+        if of_actuator.mode.extent == LengthRegime::Slack {
             return;
         }
         let (limits, friction) = (actuator.limits(), actuator.friction());
@@ -216,12 +216,12 @@ impl<'a> Bookkeeper<'a> {
             }
             _ => Trace::widths(&of_actuator.trace, limits.actuator_length(length)),
         };
-        let pressing = actuator.pressing(length, pressure, of_actuator.mode.touch());
+        let pressing = actuator.normal_load(length, pressure, of_actuator.mode.touch());
         let viscous: f64 = friction.viscous_force(velocity);
         let coulomb: f64 = friction.coulomb().sliding(direction, velocity, friction.coulomb().kinetic(pressing));
         let secant = pressing.secant_stiffness();
         let (hysteresis, slipping) = (secant * widths[0], direction * secant * widths[1]);
-        let taut = of_actuator.mode.extent == Extent::Taut;
+        let taut = of_actuator.mode.extent == LengthRegime::Taut;
         let limit: f64 = if taut { limits.taut_force(length, velocity) } else { 0.0 };
         let stretch = (length - limits.max_length()).larger(0.0);
         of.viscous += weight * viscous * velocity;
@@ -236,7 +236,7 @@ impl<'a> Bookkeeper<'a> {
     /// The losses of a mechanism, and the work on a motion that is given.
     fn mechanism(&mut self, m: usize, weight: f64, state: &[f64], mode: &PlantMode) {
         let (plant, of) = (self.plant, &mut self.ledger.mechanisms[m]);
-        let places = plant.places();
+        let places = plant.indices();
         let (position, rate) = places.mechanisms[m].of(state);
         let energies = plant.mechanisms()[m].energies(position, rate);
         self.sizes[0] += energies[0].abs() + energies[1].abs();

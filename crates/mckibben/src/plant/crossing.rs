@@ -2,7 +2,7 @@
 
 use super::ends::opposite;
 use super::evaluation::{Evaluation, System};
-use super::guard::{PlantGuard, Touching};
+use super::guard::{ContactEvent, PlantGuard};
 use super::mode::PlantMode;
 use crate::error::Error;
 use crate::mechanism::{Contact, Coupling, Mechanism};
@@ -10,7 +10,7 @@ use crate::network::guard::NetworkGuard;
 use crate::network::{BranchKind, NodeKind};
 use crate::scalar::Real;
 use crate::simulation::member::Member;
-use crate::simulation::{EventKind, Extent, Guard, Sliding};
+use crate::simulation::{EventKind, Guard, LengthRegime, Sliding};
 use crate::valve::is_due;
 
 /// Which part of a plant an event belongs to.
@@ -204,22 +204,22 @@ impl<R: Real> System<R> {
                 }
                 of(Part::Actuator(actuator), EventKind::MomentArm)
             }
-            PlantGuard::Touch { mechanism, stop, touch } => {
+            PlantGuard::ThreadContact { mechanism, stop, touch } => {
                 let contact = match touch {
-                    Touching::Reach | Touching::Press => Contact::Pressed,
-                    Touching::Rebound => Contact::Rebound,
-                    Touching::Leave => Contact::None,
+                    ContactEvent::Reach | ContactEvent::Press => Contact::Pressed,
+                    ContactEvent::Rebound => Contact::Rebound,
+                    ContactEvent::Leave => Contact::None,
                 };
                 let kind = match touch {
-                    Touching::Reach | Touching::Press => EventKind::StopReached,
-                    Touching::Rebound => EventKind::StopRebound,
-                    Touching::Leave => EventKind::StopLeft,
+                    ContactEvent::Reach | ContactEvent::Press => EventKind::StopReached,
+                    ContactEvent::Rebound => EventKind::StopRebound,
+                    ContactEvent::Leave => EventKind::StopLeft,
                 };
                 let its = &mut mode.mechanisms[mechanism];
                 match stop {
                     Some((k, end)) => {
                         its.stops[k][end] = contact;
-                        if let (Touching::Reach | Touching::Leave, Mechanism::Chain(chain)) =
+                        if let (ContactEvent::Reach | ContactEvent::Leave, Mechanism::Chain(chain)) =
                             (touch, &self.plant.mechanisms[mechanism])
                             && let Some(angle) = chain.joints()[k].stops.ends[end]
                         {
@@ -283,7 +283,7 @@ impl<R: Real> System<R> {
             Guard::Slack | Guard::Tight => {
                 self.put_on(i, limits.min_length(), state);
                 if self.rests_on_the_shortest(i, time, state, mode, at) {
-                    mode.actuators[i].mode.extent = Extent::Free;
+                    mode.actuators[i].mode.extent = LengthRegime::Free;
                     mode.actuators[i].mode.clamped = false;
                     mode.actuators[i].on_stop = true;
                     self.bring_to_rest(i, time, state, mode, at);
@@ -291,14 +291,14 @@ impl<R: Real> System<R> {
                     return Ok(EventKind::Stick);
                 }
                 let slack = guard == Guard::Slack;
-                mode.actuators[i].mode.extent = if slack { Extent::Slack } else { Extent::Free };
+                mode.actuators[i].mode.extent = if slack { LengthRegime::Slack } else { LengthRegime::Free };
                 self.slide_on(i, time, state, mode, at);
                 Ok(if slack { EventKind::Slack } else { EventKind::Tight })
             }
             Guard::Taut | Guard::Untaut => {
                 self.put_on(i, limits.max_length(), state);
                 let taut = guard == Guard::Taut;
-                mode.actuators[i].mode.extent = if taut { Extent::Taut } else { Extent::Free };
+                mode.actuators[i].mode.extent = if taut { LengthRegime::Taut } else { LengthRegime::Free };
                 self.clamp_all(m, time, state, mode, at);
                 Ok(if taut { EventKind::Taut } else { EventKind::Untaut })
             }
@@ -369,21 +369,21 @@ impl<R: Real> System<R> {
         self.enter_distances(time, state, mode, at);
         let rate = at.units[i].rate.value();
         // As it would be at rest, on its shortest length and slack.
-        let at_rest = |extent: Extent, at: &mut Evaluation<R>| {
+        let at_rest = |extent: LengthRegime, at: &mut Evaluation<R>| {
             let (mut state, mut mode) = (state.to_vec(), mode.clone());
             mode.actuators[i].mode.extent = extent;
-            mode.actuators[i].on_stop = extent == Extent::Free;
+            mode.actuators[i].on_stop = extent == LengthRegime::Free;
             self.bring_to_rest(i, time, &mut state, &mut mode, at);
             self.settle(m, time, &mut state, &mut mode, at);
             self.evaluate(time, &state, &mode, at);
             (state, mode)
         };
-        at_rest(Extent::Slack, at);
+        at_rest(LengthRegime::Slack, at);
         let count = self.plant.places.mechanisms[m].coordinates;
         let first = self.plant.places.mechanisms[m].acceleration;
         let gradient = self.gradient(i, &at.gradient).to_vec();
         let back = super::dense::dot(&gradient, &at.acceleration[first..first + count]).value();
-        let (held_state, held) = at_rest(Extent::Free, at);
+        let (held_state, held) = at_rest(LengthRegime::Free, at);
         if held.actuators[i].mode.sliding != Sliding::Stuck {
             return false;
         }

@@ -12,7 +12,7 @@ use crate::error::{Error, Requirement};
 use crate::parameter;
 use crate::scalar::Real;
 use crate::simulation::member::Member;
-use crate::simulation::{EventKind, Extent, Guard, Sliding};
+use crate::simulation::{EventKind, Guard, LengthRegime, Sliding};
 
 /// Force in widths of a border above which an end has jumped: viscous, or missing where there is no viscosity.
 const JUMP: f64 = 1e3;
@@ -40,7 +40,7 @@ impl<R: Real> System<R> {
         let its = &mut mode.actuators[i];
         its.loose = (unit.distance - unit.length - tendon.rest_length()).value() <= 0.0;
         let beyond = unit.length.value() > limits.max_length().value();
-        its.mode.extent = if beyond { Extent::Taut } else { Extent::Free };
+        its.mode.extent = if beyond { LengthRegime::Taut } else { LengthRegime::Free };
         its.mode.sliding = Sliding::Stuck;
         let friction = member.actuator.friction();
         let on_the_stop = unit.length.value() <= limits.min_length().value();
@@ -158,8 +158,8 @@ impl<R: Real> System<R> {
                 let its = &mut mode.actuators[i];
                 if friction.has_coulomb() {
                     its.mode.sliding = Sliding::Stuck;
-                    if its.mode.extent == Extent::Rebound {
-                        its.mode.extent = Extent::Taut;
+                    if its.mode.extent == LengthRegime::Rebound {
+                        its.mode.extent = LengthRegime::Taut;
                     }
                     EventKind::Stick
                 } else {
@@ -181,7 +181,7 @@ impl<R: Real> System<R> {
             Guard::Taut | Guard::Untaut => {
                 state[place] = limits.max_length();
                 let taut = guard == Guard::Taut;
-                its.mode.extent = if taut { Extent::Taut } else { Extent::Free };
+                its.mode.extent = if taut { LengthRegime::Taut } else { LengthRegime::Free };
                 if taut { EventKind::Taut } else { EventKind::Untaut }
             }
             Guard::Slip => EventKind::Slip,

@@ -8,7 +8,7 @@ use crate::load::SeriesTendon;
 use crate::mechanism::Coupling;
 use crate::network::{BranchKind, Network, NodeKind};
 use crate::scalar::Scalar;
-use crate::simulation::{Actuation, PressureCourse};
+use crate::simulation::{Actuation, PressureSeries};
 use crate::valve::{ExhaustTemperature, Port};
 use alloc::vec::Vec;
 
@@ -30,7 +30,7 @@ pub(super) struct Equipment<'a, S> {
     pub(super) actuation: Option<&'a Actuation<S>>,
     pub(super) line: &'a Line<S>,
     pub(super) tendon: Option<&'a SeriesTendon<S>>,
-    pub(super) pressure: Option<&'a PressureCourse<S>>,
+    pub(super) pressure: Option<&'a PressureSeries<S>>,
 }
 
 impl<S: Scalar> Equipment<'_, S> {

@@ -38,7 +38,7 @@ use crate::network::flow::{NetworkState, Surroundings};
 use crate::network::formulas::FlowFormulas;
 use crate::network::piping::Piping;
 use crate::scalar::{Differentiable, Mask, Over, Real, Scalar, Work};
-use crate::simulation::Extent;
+use crate::simulation::LengthRegime;
 use crate::simulation::member::Member;
 use alloc::sync::Arc;
 use alloc::vec;
@@ -615,7 +615,7 @@ impl<R: Real> Wire<R> {
     #[inline(always)]
     pub(super) fn bristle_rate<T: Over<R>>(&self, deflection: T, velocity: T, of_actuator: &ActuatorMode<R>) -> T {
         match self.member.lugre() {
-            Some(law) if of_actuator.mode.extent != Extent::Slack => {
+            Some(law) if of_actuator.mode.extent != LengthRegime::Slack => {
                 law.rate(deflection, velocity, T::constant(of_actuator.mode.sliding.direction()))
             }
             _ => T::zero(),

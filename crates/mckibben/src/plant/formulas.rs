@@ -14,7 +14,7 @@ use crate::mechanism::chain::Contacts;
 use crate::network::formulas::FlowFormulas;
 use crate::network::mode::NetworkMode;
 use crate::scalar::{Differentiable, Over, Real, Scalar};
-use crate::simulation::{Extent, Sliding};
+use crate::simulation::{LengthRegime, Sliding};
 
 /// The discrete state of a plant as an evaluation asks for it.
 pub trait Formulas<S: Scalar> {
@@ -103,7 +103,7 @@ impl<R: Real> Formulas<R> for PlantMode<R> {
 
     #[inline(always)]
     fn is_slack(&self, actuator: usize) -> bool {
-        self.actuators[actuator].mode.extent == Extent::Slack
+        self.actuators[actuator].mode.extent == LengthRegime::Slack
     }
 
     #[inline(always)]
@@ -178,7 +178,7 @@ impl<R: Real> Formulas<R> for PlantMode<R> {
 
     #[inline(always)]
     fn is_damped(&self, system: &System<R>, actuator: usize) -> bool {
-        let is_taut = self.actuators[actuator].mode.extent == Extent::Taut;
+        let is_taut = self.actuators[actuator].mode.extent == LengthRegime::Taut;
         super::tendon::is_damped(&system.plant.actuators[actuator].actuator, is_taut)
     }
 

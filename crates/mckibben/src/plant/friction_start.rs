@@ -2,7 +2,7 @@
 
 use super::{Plant, PlantStart};
 use crate::error::{Error, Requirement};
-use crate::friction::{Hysteresis, Memory, Touch};
+use crate::friction::{Hysteresis, Memory, ThreadContact};
 use crate::parameter::{Parameter, Range};
 use crate::scalar::Real;
 use alloc::vec::Vec;
@@ -71,7 +71,8 @@ impl<R: Real> Plant<R> {
             match initial {
                 InitialFriction::Held(force) => {
                     let pressure = state[self.places.actuators[i].pressure];
-                    let stiffness = actuator.pressing(length, pressure, Touch::ByPressure).secant_stiffness();
+                    let stiffness =
+                        actuator.normal_load(length, pressure, ThreadContact::ByPressure).secant_stiffness();
                     holding(law, length, stiffness, force).map(Some)
                 }
                 InitialFriction::Unloading => Ok(Some(law.slid(length, -1.0))),

@@ -15,7 +15,7 @@ use crate::network::BranchKind;
 use crate::network::guard::NetworkGuard;
 use crate::scalar::{Differentiable, Real};
 use crate::simulation::member::Trace;
-use crate::simulation::{Extent, Guard, Sliding};
+use crate::simulation::{Guard, LengthRegime, Sliding};
 use alloc::vec::Vec;
 
 /// Why a mode of a plant ends.
@@ -33,13 +33,13 @@ pub enum PlantGuard {
         up: bool,
     },
     /// A contact of a mechanism begins, ends, presses or ceases to press.
-    Touch {
+    ThreadContact {
         /// Which mechanism.
         mechanism: usize,
         /// Of which joint and end; the foot where there is none.
         stop: Option<(usize, usize)>,
         /// What happens.
-        touch: Touching,
+        touch: ContactEvent,
     },
     /// The end of an actuator on a tendon, without viscous friction, jumps: its air holds its length no more.
     Jump(usize),
@@ -58,7 +58,7 @@ pub enum PlantGuard {
 
 /// What happens to a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Touching {
+pub enum ContactEvent {
     /// It is reached.
     Reach,
     /// It ceases to press while the other side comes back.
@@ -111,7 +111,7 @@ impl<R: Real> System<R> {
             return;
         }
         let here = self.plant.places.mechanisms[m];
-        let touch = |stop, touch| PlantGuard::Touch { mechanism: m, stop, touch };
+        let touch = |stop, touch| PlantGuard::ThreadContact { mechanism: m, stop, touch };
         for (k, joint) in chain.joints().iter().enumerate() {
             for end in 0..2 {
                 let Some(angle) = joint.stops.ends[end] else { continue };
@@ -122,22 +122,22 @@ impl<R: Real> System<R> {
                 };
                 let stop = Some((k, end));
                 match of_mechanism.stops[k][end] {
-                    Contact::None => guards.push((touch(stop, Touching::Reach), inside)),
-                    Contact::Pressed => guards.push((touch(stop, Touching::Rebound), GuardForm::Function)),
+                    Contact::None => guards.push((touch(stop, ContactEvent::Reach), inside)),
+                    Contact::Pressed => guards.push((touch(stop, ContactEvent::Rebound), GuardForm::Function)),
                     Contact::Rebound => {
-                        guards.push((touch(stop, Touching::Leave), outside));
-                        guards.push((touch(stop, Touching::Press), GuardForm::Function));
+                        guards.push((touch(stop, ContactEvent::Leave), outside));
+                        guards.push((touch(stop, ContactEvent::Press), GuardForm::Function));
                     }
                 }
             }
         }
         if chain.belt().is_some() {
             match of_mechanism.foot {
-                Contact::None => guards.push((touch(None, Touching::Reach), GuardForm::Function)),
-                Contact::Pressed => guards.push((touch(None, Touching::Rebound), GuardForm::Function)),
+                Contact::None => guards.push((touch(None, ContactEvent::Reach), GuardForm::Function)),
+                Contact::Pressed => guards.push((touch(None, ContactEvent::Rebound), GuardForm::Function)),
                 Contact::Rebound => {
-                    guards.push((touch(None, Touching::Leave), GuardForm::Function));
-                    guards.push((touch(None, Touching::Press), GuardForm::Function));
+                    guards.push((touch(None, ContactEvent::Leave), GuardForm::Function));
+                    guards.push((touch(None, ContactEvent::Press), GuardForm::Function));
                 }
             }
         }
@@ -156,7 +156,7 @@ impl<R: Real> System<R> {
         let mechanism = &self.plant.mechanisms[mounted.mechanism];
         let held = matches!(mechanism, Mechanism::Fixed) && here.length.is_none();
         if !stuck && !held {
-            let (by_length, by_force) = member.extent_guards(its.extent);
+            let (by_length, by_force) = member.length_regime_guards(its.extent);
             for (guard, bound, lasts_above) in by_length.into_iter().flatten() {
                 add(guard, self.length_form(i, bound, lasts_above));
             }
@@ -169,7 +169,7 @@ impl<R: Real> System<R> {
                 add(Guard::Rest, GuardForm::Function);
             }
             Sliding::Lengthening | Sliding::Shortening
-                if its.extent != Extent::Slack && self.leads_to_rest(i, mode) =>
+                if its.extent != LengthRegime::Slack && self.leads_to_rest(i, mode) =>
             {
                 add(Guard::Rest, self.rest_form(i, its.sliding));
             }
@@ -179,7 +179,7 @@ impl<R: Real> System<R> {
             }
             _ => {}
         }
-        if its.extent != Extent::Slack
+        if its.extent != LengthRegime::Slack
             && let Some((end, lasts_above)) = of_actuator.trace.as_ref().and_then(Trace::end)
         {
             add(Guard::Slip, self.length_form(i, end, lasts_above));
@@ -190,7 +190,7 @@ impl<R: Real> System<R> {
         let mut add = |guard, form| guards.push((PlantGuard::Of(i, guard), form));
         if mounted.tendon.is_some() {
             add(if of_actuator.loose { Guard::TendonTight } else { Guard::TendonLoose }, GuardForm::Function);
-        } else if !stuck && its.extent != Extent::Slack {
+        } else if !stuck && its.extent != LengthRegime::Slack {
             add(if its.clamped { Guard::TensionBack } else { Guard::TensionZero }, GuardForm::Function);
         }
         for guard in [
@@ -269,7 +269,7 @@ impl<R: Real> System<R> {
         let slides = |&&other: &&usize| {
             let its = &mode.actuators[other].mode;
             let sliding = matches!(its.sliding, Sliding::Lengthening | Sliding::Shortening);
-            sliding && its.extent != Extent::Slack && self.plant.places.actuators[other].length.is_none()
+            sliding && its.extent != LengthRegime::Slack && self.plant.places.actuators[other].length.is_none()
         };
         self.plant.places.members[mounted.mechanism].iter().find(slides) == Some(&i)
     }
@@ -287,7 +287,7 @@ impl<R: Real> System<R> {
             PlantGuard::Release { mechanism, facet, positive } => {
                 self.facet_guard((mechanism, facet, positive), time, state, mode, at)
             }
-            PlantGuard::Touch { mechanism, stop, touch } => self.touch_guard(mechanism, stop, touch, state),
+            PlantGuard::ThreadContact { mechanism, stop, touch } => self.touch_guard(mechanism, stop, touch, state),
             PlantGuard::Arm { actuator, arm, up } => {
                 let mounted = &self.plant.actuators[actuator];
                 let Coupling::Arms { arms, .. } = &mounted.coupling else { return T::one() };
@@ -460,7 +460,7 @@ impl<R: Real> System<R> {
         &self,
         m: usize,
         stop: Option<(usize, usize)>,
-        touch: Touching,
+        touch: ContactEvent,
         state: &[T],
     ) -> T {
         let Mechanism::Chain(chain) = &self.plant.mechanisms[m] else { return T::one() };
@@ -468,10 +468,10 @@ impl<R: Real> System<R> {
         let [beyond, press] = chain.contact(stop, angle, rate);
         let band = T::constant(self.contact_band(m, stop.is_some()));
         match touch {
-            Touching::Reach => -beyond,
-            Touching::Leave => beyond,
-            Touching::Rebound => press + band,
-            Touching::Press => band - press,
+            ContactEvent::Reach => -beyond,
+            ContactEvent::Leave => beyond,
+            ContactEvent::Rebound => press + band,
+            ContactEvent::Press => band - press,
         }
     }
 }

@@ -55,7 +55,7 @@ pub use crossing::{Part, PlantEventKind};
 pub use equipment::SupplyNodes;
 pub use feed::Feed;
 pub use friction_start::{INITIAL_FRICTION_FORCE, InitialFriction};
-pub use guard::{PlantGuard, Touching};
+pub use guard::{ContactEvent, PlantGuard};
 pub(crate) use joint::linear as joint_linear;
 pub use joint::{
     JointConsumer, JointEvent, JointEventKind, JointMode, JointPlant, JointReader, JointRunEnd, JointStep,
@@ -92,7 +92,7 @@ use crate::mechanism::{Coupling, Mechanism};
 use crate::network::{BranchKind, Network, NodeKind};
 use crate::parameter::Parameter;
 use crate::scalar::{Real, Scalar};
-use crate::simulation::PressureCourse;
+use crate::simulation::PressureSeries;
 use crate::valve::Command;
 use alloc::vec::Vec;
 
@@ -108,7 +108,7 @@ pub struct Mounted<S = f64> {
     /// An elastic tendon in series.
     pub tendon: Option<SeriesTendon<S>>,
     /// Its pressure over time, where that is given in place of its air.
-    pub pressure: Option<PressureCourse<S>>,
+    pub pressure: Option<PressureSeries<S>>,
 }
 
 /// Actuators, air network, mechanisms and commands as one system.
@@ -117,12 +117,12 @@ pub struct Plant<S = f64> {
     actuators: Vec<Mounted<S>>,
     network: Network<S>,
     mechanisms: Vec<Mechanism<S>>,
-    places: Places,
+    places: StateIndices,
 }
 
 /// Where the states of a mechanism lie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct MechanismPlaces {
+pub struct MechanismIndices {
     /// The first coordinate; the first rate lies `coordinates` behind it.
     pub first: usize,
     /// How many coordinates there are.
@@ -131,7 +131,7 @@ pub struct MechanismPlaces {
     pub(crate) acceleration: usize,
 }
 
-impl MechanismPlaces {
+impl MechanismIndices {
     /// The place of a coordinate.
     #[inline(always)]
     pub fn position(&self, coordinate: usize) -> usize {
@@ -154,7 +154,7 @@ impl MechanismPlaces {
 
 /// Where the states of an actuator lie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ActuatorPlaces {
+pub struct ActuatorIndices {
     /// Absolute pressure; the mass of the air is behind it.
     pub pressure: usize,
     /// The actuator's length, where a tendon makes it a state.
@@ -167,7 +167,7 @@ pub struct ActuatorPlaces {
     pub(crate) arms: usize,
 }
 
-impl ActuatorPlaces {
+impl ActuatorIndices {
     /// The place of the mass of its air.
     #[inline(always)]
     pub fn mass(&self) -> usize {
@@ -177,11 +177,11 @@ impl ActuatorPlaces {
 
 /// Where each state lies.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Places {
+pub struct StateIndices {
     /// Of each mechanism.
-    pub mechanisms: Vec<MechanismPlaces>,
+    pub mechanisms: Vec<MechanismIndices>,
     /// Of each actuator.
-    pub actuators: Vec<ActuatorPlaces>,
+    pub actuators: Vec<ActuatorIndices>,
     /// The pressure of each node of the network, where it is a state that no actuator has.
     pub nodes: Vec<Option<usize>>,
     /// The flow of each branch, where it is a state.
@@ -201,7 +201,7 @@ pub struct Places {
     pub(crate) arms: usize,
 }
 
-impl Places {
+impl StateIndices {
     /// The states that runs are compared by: of mechanisms, actuators and nodes.
     pub(crate) fn compared(&self) -> impl Iterator<Item = usize> + '_ {
         let of_mechanisms = self.mechanisms.iter().flat_map(|here| here.first..here.first + 2 * here.coordinates);
@@ -278,7 +278,7 @@ impl<S: Scalar> Plant<S> {
     /// A plant of parts that fit each other.
     fn assemble(actuators: Vec<Mounted<S>>, network: Network<S>, mechanisms: Vec<Mechanism<S>>) -> Self {
         let network = network.seen_late();
-        let places = Places::new(&actuators, &network, &mechanisms);
+        let places = StateIndices::new(&actuators, &network, &mechanisms);
         Self { actuators, network, mechanisms, places }
     }
 
@@ -339,7 +339,7 @@ impl<S: Scalar> Plant<S> {
     }
 
     /// Where each state lies.
-    pub fn places(&self) -> &Places {
+    pub fn indices(&self) -> &StateIndices {
         &self.places
     }
 }
@@ -360,13 +360,13 @@ impl<R: Real> Plant<R> {
     }
 }
 
-impl Places {
+impl StateIndices {
     fn new<S: Scalar>(actuators: &[Mounted<S>], network: &Network<S>, mechanisms: &[Mechanism<S>]) -> Self {
         let mut places = Self::default();
         for mechanism in mechanisms {
             let coordinates = mechanism.coordinates();
             let acceleration = places.states / 2;
-            places.mechanisms.push(MechanismPlaces { first: places.states, coordinates, acceleration });
+            places.mechanisms.push(MechanismIndices { first: places.states, coordinates, acceleration });
             places.members.push(Vec::new());
             places.states += 2 * coordinates;
         }
@@ -379,7 +379,7 @@ impl Places {
             places.arms += coupling.arm_count();
             places.members[*mechanism].push(index);
             places.keeps_heat.push(matches!(actuator.air().process(), Process::EnergyBalance { .. }));
-            places.actuators.push(ActuatorPlaces { pressure, length, bristles, gradient, arms });
+            places.actuators.push(ActuatorIndices { pressure, length, bristles, gradient, arms });
         }
         places.chambers = actuators.iter().map(|_| None).collect();
         for (index, node) in network.nodes.iter().enumerate() {

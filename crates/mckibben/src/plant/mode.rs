@@ -8,7 +8,7 @@ use crate::mechanism::Contact;
 use crate::network::mode::NetworkMode;
 use crate::scalar::Real;
 use crate::simulation::member::Trace;
-use crate::simulation::{Extent, Mode, Sliding};
+use crate::simulation::{LengthRegime, Mode, Sliding};
 use crate::valve::Ports;
 use alloc::vec;
 use alloc::vec::Vec;
@@ -119,7 +119,7 @@ impl<R: Real> System<R> {
                 effectiveness_piece: member.effectiveness_piece(state[places.pressure]),
                 pressed: member.pressed(state[places.pressure]),
                 force_piece: Default::default(),
-                extent: Extent::Free,
+                extent: LengthRegime::Free,
                 sliding: Sliding::Held,
                 clamped: false,
             },
@@ -129,7 +129,7 @@ impl<R: Real> System<R> {
             isothermal: None,
             rows_passed: 0,
         };
-        let mechanism = |here: &super::MechanismPlaces| MechanismMode {
+        let mechanism = |here: &super::MechanismIndices| MechanismMode {
             frozen: false,
             stops: vec![[Contact::None; 2]; here.coordinates],
             foot: Contact::None,

@@ -11,7 +11,7 @@ use crate::engine::{Integrator, Pace, Piece, Statistics};
 use crate::error::Error;
 use crate::instantiate::Instantiate;
 use crate::parameter;
-use crate::valve::{Command, Demand};
+use crate::valve::{Command, RuntimeCommand};
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
@@ -88,7 +88,7 @@ impl<R: Instantiate> PlantSnapshot<R> {
     }
 
     /// As [`PlantRun::set`].
-    pub(super) fn set(&mut self, plant: &Plant<R>, valve: usize, demand: Demand<R>) -> Result<(), Error> {
+    pub(super) fn set(&mut self, plant: &Plant<R>, valve: usize, demand: RuntimeCommand<R>) -> Result<(), Error> {
         let wrong = |what, remedy| Err(Error::Misuse { what, remedy });
         if valve >= plant.network.valves.len() {
             return wrong("a valve is set that is not there", "name a valve of the network");
@@ -339,11 +339,11 @@ impl<R: Instantiate> PlantRun<R> {
     /// # Errors
     /// [`Error::Misuse`] when there is no such valve, it has a driver, or it cannot do what is asked;
     /// [`Error::OutOfRange`] for a number outside its range. Then nothing has changed.
-    pub fn set(&mut self, valve: usize, demand: impl Into<Demand<R>>) -> Result<(), Error> {
+    pub fn set(&mut self, valve: usize, demand: impl Into<RuntimeCommand<R>>) -> Result<(), Error> {
         R::set_plant_valve(self, valve, demand.into())
     }
 
-    pub(crate) fn generic_set(&mut self, valve: usize, demand: Demand<R>) -> Result<(), Error> {
+    pub(crate) fn generic_set(&mut self, valve: usize, demand: RuntimeCommand<R>) -> Result<(), Error> {
         self.reached.set(&self.system.plant, valve, demand)
     }
 

@@ -16,7 +16,7 @@ use crate::air::Process;
 use crate::instantiate::Instantiate;
 use crate::network::{BranchKind, NodeKind, flow::NetworkState};
 use crate::pressure::AbsolutePressure;
-use crate::simulation::{Extent, SampleTimes};
+use crate::simulation::{LengthRegime, SampleTimes};
 use crate::valve::Ports;
 use alloc::sync::Arc;
 use alloc::vec;
@@ -246,7 +246,7 @@ impl<R: Instantiate> Observer<R> {
         for m in 0..plant.mechanisms().len() {
             self.system.share_tensions(m, state, mode, &mut self.at);
         }
-        let (at, places) = (&self.at, plant.places());
+        let (at, places) = (&self.at, plant.indices());
         sample.time = time;
         for (i, of_actuator) in sample.actuators.iter_mut().enumerate() {
             let (unit, chamber) = (&at.units[i], &at.chambers[i]);
@@ -336,7 +336,9 @@ pub(crate) fn actual<R: Instantiate>(
 ) -> Actual<R> {
     let unit = &at.units[i];
     match mode.actuators[i].mode.extent {
-        Extent::Slack => Actual { length: system.wires[i].member.actuator.limits().min_length(), velocity: R::zero() },
+        LengthRegime::Slack => {
+            Actual { length: system.wires[i].member.actuator.limits().min_length(), velocity: R::zero() }
+        }
         _ => Actual { length: unit.length, velocity: unit.velocity },
     }
 }
@@ -360,7 +362,7 @@ impl<'t, R: Instantiate> PlantReader<'t, R> {
     pub(crate) fn generic_new(trajectory: &'t PlantTrajectory<R>) -> Self {
         let plant = trajectory.plant();
         let observer = Observer::new(trajectory.shared_plant(), trajectory.stepping());
-        Self { trajectory, observer, state: vec![R::zero(); plant.places().states], begun: 0 }
+        Self { trajectory, observer, state: vec![R::zero(); plant.indices().states], begun: 0 }
     }
 
     /// Writes the sample at `time` in s to `sample`, which was made for the same plant: see [`PlantTrajectory::sample`].

@@ -14,7 +14,7 @@ use crate::error::Error;
 use crate::limit;
 use crate::mechanism::{Contact, Mechanism};
 use crate::numbered::{Counted, Kept, PutBack, Row};
-use crate::simulation::{Extent, Sliding};
+use crate::simulation::{LengthRegime, Sliding};
 use alloc::vec::Vec;
 
 const CONTACTS: [Contact; 3] = [Contact::None, Contact::Pressed, Contact::Rebound];
@@ -99,7 +99,10 @@ impl System<f64> {
         let PlantMode { actuators, mechanisms, network, arms: _, drivers: _ } = mode;
         for (mounted, its) in self.plant.actuators.iter().zip(actuators) {
             let ActuatorMode { mode, on_stop, loose, trace, isothermal, rows_passed } = its;
-            row.choice(&mut mode.extent, [Extent::Slack, Extent::Free, Extent::Taut, Extent::Rebound]);
+            row.choice(
+                &mut mode.extent,
+                [LengthRegime::Slack, LengthRegime::Free, LengthRegime::Taut, LengthRegime::Rebound],
+            );
             let all = [Sliding::Lengthening, Sliding::Shortening, Sliding::Stuck, Sliding::Held, Sliding::Frictionless];
             row.choice(&mut mode.sliding, all);
             [&mut mode.clamped, on_stop, loose].into_iter().for_each(|truth| row.truth(truth));

@@ -31,7 +31,7 @@ use super::mode::PlantMode;
 use crate::error::Error;
 use crate::mechanism::{Coupling, Mechanism};
 use crate::scalar::{Differentiable, Over, Real, Scalar};
-use crate::simulation::{Extent, Sliding};
+use crate::simulation::{LengthRegime, Sliding};
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -57,7 +57,7 @@ impl<R: Real> System<R> {
     /// The least and the largest tension in N that an actuator without a tendon can hold at rest.
     pub(crate) fn holdable<T: Over<R>>(&self, i: usize, state: &[T], mode: &PlantMode<R>, length: T) -> (T, T) {
         let of_actuator = &mode.actuators[i];
-        if of_actuator.mode.extent == Extent::Slack {
+        if of_actuator.mode.extent == LengthRegime::Slack {
             return (T::zero(), T::zero());
         }
         let member = &self.wires[i].member;
@@ -89,7 +89,7 @@ impl<R: Real> System<R> {
             let slow = at_rest || (is_slow && !self.is_at_dead_centre(i, at));
             mode.actuators[i].mode.sliding = self.slides(i, at.units[i].rate.value());
             let holds = self.wires[i].member.actuator.friction().has_coulomb() || mode.actuators[i].on_stop;
-            if slow && mode.actuators[i].mode.extent != Extent::Slack {
+            if slow && mode.actuators[i].mode.extent != LengthRegime::Slack {
                 if holds {
                     resting.push(i);
                 }
@@ -189,7 +189,7 @@ impl<R: Real> System<R> {
         self.stick(m, state, mode, at, &sticking);
         let frozen = mode.mechanisms[m].frozen;
         for &i in &places.members[m] {
-            if places.actuators[i].length.is_some() || mode.actuators[i].mode.extent == Extent::Slack {
+            if places.actuators[i].length.is_some() || mode.actuators[i].mode.extent == LengthRegime::Slack {
                 continue;
             }
             let heading = match resting.iter().position(|&it| it == i) {
@@ -260,7 +260,7 @@ impl<R: Real> System<R> {
     /// falls slack.
     fn head(&self, i: usize, mode: &mut PlantMode<R>, heading: f64) {
         if heading < 0.0 && mode.actuators[i].on_stop {
-            mode.actuators[i].mode.extent = Extent::Slack;
+            mode.actuators[i].mode.extent = LengthRegime::Slack;
         }
         mode.actuators[i].on_stop = false;
         mode.actuators[i].mode.sliding = self.slides(i, heading);

@@ -14,7 +14,7 @@ use crate::network::NodeKind;
 use crate::parameter;
 use crate::pressure::GaugePressure;
 use crate::scalar::{Real, Scalar};
-use crate::simulation::Extent;
+use crate::simulation::LengthRegime;
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -367,7 +367,7 @@ impl<R: Real> System<R> {
             let above = if on_stop { [0.0, above[1]] } else { above };
             let its = &mut mode.actuators[i];
             its.mode.extent = member.extent_at([unit.distance, unit.rate], above, pushed);
-            its.on_stop = on_stop && its.mode.extent == Extent::Free && unit.rate.value() == 0.0;
+            its.on_stop = on_stop && its.mode.extent == LengthRegime::Free && unit.rate.value() == 0.0;
         }
     }
 }

@@ -146,7 +146,7 @@ impl PlantRun {
         parameter::DURATION.check(until)?;
         let plant = self.shared_plant().clone();
         let observer = Observer::new(&plant, self.stepping());
-        let room = Room { observer, state: vec![0.0; plant.places().states] };
+        let room = Room { observer, state: vec![0.0; plant.indices().states] };
         let reads = Shared(&plant, RefCell::new(room));
         let mut mode = self.mode().clone();
         self.extend(until, &mut |piece| {
@@ -179,7 +179,7 @@ impl PlantTrajectory {
     pub fn replay(&self, consumer: &mut PlantConsumer<'_>) -> Result<(), Error> {
         let plant = self.shared_plant();
         let observer = Observer::new(plant, self.stepping());
-        let room = Room { observer, state: vec![0.0; plant.places().states] };
+        let room = Room { observer, state: vec![0.0; plant.indices().states] };
         let reads = Shared(plant, RefCell::new(room));
         self.each_piece_with_event(|view, event| {
             let after = event.map(|(_, after)| after);

@@ -229,7 +229,7 @@ impl<R: Instantiate> PlantTrajectory<R> {
 
     pub(crate) fn generic_at(&self, time: R) -> (Vec<R>, &PlantMode<R>) {
         let system = System::new(&self.plant, self.stepping.tolerance());
-        let mut state = vec![R::zero(); self.plant.places().states];
+        let mut state = vec![R::zero(); self.plant.indices().states];
         let begun = self.begun(0, time.value());
         let (_, mode) = self.read(&system, begun, time, &mut state, &mut Evaluation::new(&self.plant));
         (state, mode)
@@ -264,7 +264,7 @@ impl<R: Instantiate> PlantTrajectory<R> {
         &self,
         mut visit: impl FnMut(PieceView<'_, R>, Option<(&PlantEvent<R>, &PlantMode<R>)>) -> Result<(), Error>,
     ) -> Result<(), Error> {
-        let size = arc_size(self.plant.places().states);
+        let size = arc_size(self.plant.indices().states);
         for (index, Kept { start, step, end, segment, event }) in self.pieces.iter().enumerate() {
             let points = &self.points[index * size..(index + 1) * size];
             let view = PieceView { start: *start, step: *step, end: *end, points, mode: &self.segments[*segment] };
@@ -327,7 +327,7 @@ impl<R: Instantiate> PlantTrajectory<R> {
 impl<R: Instantiate> Plant<R> {
     /// What a kept run of this plant takes in bytes for each step, its events not counted.
     pub fn bytes_per_step(&self) -> usize {
-        size_of::<Kept<R>>() + arc_size(self.places().states) * size_of::<R>()
+        size_of::<Kept<R>>() + arc_size(self.indices().states) * size_of::<R>()
     }
 }
 

@@ -1,6 +1,6 @@
 //! Where each actuator and mechanism takes its numbers from, resolved once for a run: what every evaluation would look up again.
 
-use super::{ActuatorPlaces, MechanismPlaces, Plant};
+use super::{ActuatorIndices, MechanismIndices, Plant};
 use crate::mechanism::{Coupling, Mechanism};
 use crate::scalar::Scalar;
 use crate::simulation::member::Member;
@@ -35,7 +35,7 @@ pub struct Wire<R: Scalar> {
     /// The actuator with what its events are told by.
     pub member: Member<R>,
     /// Where its states are.
-    pub places: ActuatorPlaces,
+    pub places: ActuatorIndices,
     pub(crate) mechanism: usize,
     pub(crate) span: Span,
     /// The node of the network that is its chamber.
@@ -50,7 +50,7 @@ pub struct Assembly<R: Scalar> {
     /// Which of the plant.
     pub(crate) index: usize,
     pub(crate) mechanism: Mechanism<R>,
-    pub(crate) places: MechanismPlaces,
+    pub(crate) places: MechanismIndices,
     pub(crate) members: Vec<usize>,
 }
 

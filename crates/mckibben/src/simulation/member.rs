@@ -11,12 +11,12 @@
 //! How the ends move, and so the sliding, is the mechanism's to say, and the flow zones are the network's. The pieces are in
 //! `pieces.rs`.
 
-use super::mode::{EventKind, Extent, Guard, Mode, Sliding};
+use super::mode::{EventKind, Guard, LengthRegime, Mode, Sliding};
 use crate::actuator::Actuator;
 use crate::air::Process;
 use crate::engine::event::band;
 use crate::force::Statics;
-use crate::friction::{Branch, Hysteresis, LuGre, Memory, Rubbing};
+use crate::friction::{Branch, Hysteresis, LuGre, Memory, SlidingState};
 use crate::numbered::Row;
 use crate::scalar::{Over, Real, Scalar};
 
@@ -175,13 +175,13 @@ impl<R: Real> Member<R> {
         [length, velocity]: [T; 2],
         mode: &Mode,
         (trace, bent): (&Option<Trace<R>>, Option<T>),
-    ) -> Rubbing<T> {
+    ) -> SlidingState<T> {
         let direction = T::constant(mode.sliding.direction());
         let width = match (bent, self.lugre()) {
             (Some(bent), Some(law)) => Some(law.width_at(bent, velocity, direction)),
             _ => trace.as_ref().map(|trace| trace.width(length)),
         };
-        Rubbing { direction, width, touch: mode.touch() }
+        SlidingState { direction, width, touch: mode.touch() }
     }
 
     /// The sum of (12) at a length, velocity and pressure, before it is kept from pushing, by what the hysteresis remembers.
@@ -197,12 +197,12 @@ impl<R: Real> Member<R> {
 
     /// The same as the threads rub.
     #[inline(always)]
-    pub(crate) fn signed_force_rubbing<T: Over<R>>(&self, ends: [T; 3], mode: &Mode, rubbing: Rubbing<T>) -> T {
+    pub(crate) fn signed_force_rubbing<T: Over<R>>(&self, ends: [T; 3], mode: &Mode, rubbing: SlidingState<T>) -> T {
         let actuator = &self.actuator;
         let (law, gauge) = (actuator.law(), actuator.gauge(ends[2]));
         let effectiveness = law.effectiveness.in_piece(mode.effectiveness_piece, gauge);
         let factors = [effectiveness, law.law.force_in_piece(mode.force_piece, ends[0], gauge)];
-        actuator.signed_force(ends, rubbing, mode.extent == Extent::Taut, factors)
+        actuator.signed_force(ends, rubbing, mode.extent == LengthRegime::Taut, factors)
     }
 
     /// Tension in N while the ends move: what the load feels.
@@ -213,7 +213,7 @@ impl<R: Real> Member<R> {
         mode: &Mode,
         remembered: (&Option<Trace<R>>, Option<T>),
     ) -> T {
-        if mode.extent == Extent::Slack || mode.clamped {
+        if mode.extent == LengthRegime::Slack || mode.clamped {
             return T::zero();
         }
         self.signed_force(ends, mode, remembered)
@@ -221,43 +221,50 @@ impl<R: Real> Member<R> {
 
     /// Rate of the force in N with the velocity, from friction and the taut braid, while the ends move.
     pub(crate) fn damping(&self, mode: &Mode) -> f64 {
-        if mode.extent == Extent::Slack || mode.clamped || mode.sliding == Sliding::Stuck {
+        if mode.extent == LengthRegime::Slack || mode.clamped || mode.sliding == Sliding::Stuck {
             return 0.0;
         }
-        let taut = if mode.extent == Extent::Taut { self.actuator.limits().damping().value() } else { 0.0 };
+        let taut = if mode.extent == LengthRegime::Taut { self.actuator.limits().damping().value() } else { 0.0 };
         self.actuator.friction().viscous().value() + taut
     }
 
     /// The extent at a length and velocity that lie so far (negative: less) from the shortest and the longest length; on a
     /// limit the velocity, or at rest the balance, decides: `pushed` says whether the ends are pushed together.
-    pub(crate) fn extent_at(&self, ends: [R; 2], [above_shortest, above_longest]: [f64; 2], pushed: bool) -> Extent {
+    pub(crate) fn extent_at(
+        &self,
+        ends: [R; 2],
+        [above_shortest, above_longest]: [f64; 2],
+        pushed: bool,
+    ) -> LengthRegime {
         let velocity = ends[1].value();
         if above_shortest < 0.0 || (above_shortest == 0.0 && (velocity < 0.0 || (velocity == 0.0 && pushed))) {
-            Extent::Slack
+            LengthRegime::Slack
         } else if above_longest < 0.0 || (above_longest == 0.0 && velocity <= 0.0) {
-            Extent::Free
+            LengthRegime::Free
         } else if self.actuator.limits().taut_force(ends[0], ends[1]).value() >= 0.0 {
-            Extent::Taut
+            LengthRegime::Taut
         } else {
-            Extent::Rebound
+            LengthRegime::Rebound
         }
     }
 
     /// Decides anew whether the force is kept from pushing.
     pub(crate) fn enter_clamp(&self, ends: [R; 3], mode: &mut Mode, remembered: (&Option<Trace<R>>, Option<R>)) {
-        let moves = mode.extent != Extent::Slack && mode.sliding != Sliding::Stuck;
+        let moves = mode.extent != LengthRegime::Slack && mode.sliding != Sliding::Stuck;
         mode.clamped = moves && self.signed_force(ends, mode, remembered).value() < 0.0;
     }
 
     /// The guards that end an extent: by length, and by the force of the taut braid.
-    pub fn extent_guards(&self, extent: Extent) -> ([Option<LengthGuard<R>>; 2], Option<Guard>) {
+    pub fn length_regime_guards(&self, extent: LengthRegime) -> ([Option<LengthGuard<R>>; 2], Option<Guard>) {
         let limits = self.actuator.limits();
         let (shortest, longest) = (limits.min_length(), limits.max_length());
         match extent {
-            Extent::Slack => ([Some((Guard::Tight, shortest, false)), None], None),
-            Extent::Free => ([Some((Guard::Slack, shortest, true)), Some((Guard::Taut, longest, false))], None),
-            Extent::Taut => ([Some((Guard::ThreadLength, self.thread_length(), false)), None], Some(Guard::Rebound)),
-            Extent::Rebound => ([Some((Guard::Untaut, longest, true)), None], Some(Guard::Retaut)),
+            LengthRegime::Slack => ([Some((Guard::Tight, shortest, false)), None], None),
+            LengthRegime::Free => ([Some((Guard::Slack, shortest, true)), Some((Guard::Taut, longest, false))], None),
+            LengthRegime::Taut => {
+                ([Some((Guard::ThreadLength, self.thread_length(), false)), None], Some(Guard::Rebound))
+            }
+            LengthRegime::Rebound => ([Some((Guard::Untaut, longest, true)), None], Some(Guard::Retaut)),
         }
     }
 
@@ -306,7 +313,7 @@ impl<R: Real> Member<R> {
         match guard {
             Guard::Rebound | Guard::Retaut => {
                 let taut = guard == Guard::Retaut;
-                mode.extent = if taut { Extent::Taut } else { Extent::Rebound };
+                mode.extent = if taut { LengthRegime::Taut } else { LengthRegime::Rebound };
                 Some(if taut { EventKind::Taut } else { EventKind::Rebound })
             }
             Guard::TensionZero | Guard::TensionBack => {

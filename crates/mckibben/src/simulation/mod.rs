@@ -34,8 +34,8 @@ pub use decision::{Decision, JointDecision};
 #[cfg(feature = "alloc")]
 pub use joint::JointSample;
 pub use joint::{Driven, Fittings, InitialAngle, JointInitial, JointRig, JointState, JointSupply};
-pub use mode::{EventKind, Extent, Guard, Mode, Sliding};
-pub use pressure_course::PressureCourse;
+pub use mode::{EventKind, Guard, LengthRegime, Mode, Sliding};
+pub use pressure_course::PressureSeries;
 pub use reading::{Readable, Reading};
 pub use rig::{Actuation, Initial, InitialLength, Rig, State};
 pub use sample::{Sample, SampleTimes, steps_between};

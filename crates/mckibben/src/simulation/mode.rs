@@ -2,12 +2,12 @@
 
 use crate::force::Piece;
 #[cfg(feature = "alloc")]
-use crate::friction::Touch;
+use crate::friction::ThreadContact;
 use crate::valve::{FlowZone, Ports};
 
 /// Where the distance between the attachments lies, (10) and (14).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Extent {
+pub enum LengthRegime {
     /// Below the shortest length: the tendon is slack.
     Slack,
     /// Between the limits, or at rest on the lower one.
@@ -61,7 +61,7 @@ pub struct Mode {
     /// The piece of a measured force map; none other has any.
     pub force_piece: Piece,
     /// Slack, free or taut.
-    pub extent: Extent,
+    pub extent: LengthRegime,
     /// The direction of sliding, or sticking.
     pub sliding: Sliding,
     /// Whether the sum of forces is kept at zero because a tendon cannot push.
@@ -71,8 +71,8 @@ pub struct Mode {
 impl Mode {
     /// Whether the gas presses the threads together.
     #[cfg(feature = "alloc")]
-    pub(crate) fn touch(&self) -> Touch {
-        if self.pressed { Touch::Pressed } else { Touch::Apart }
+    pub(crate) fn touch(&self) -> ThreadContact {
+        if self.pressed { ThreadContact::Pressed } else { ThreadContact::Apart }
     }
 }
 

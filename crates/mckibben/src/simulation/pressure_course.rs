@@ -41,13 +41,13 @@ type Rows<S> = [[S; 2]; 0];
 
 /// Gauge pressures over time, with straight lines between them.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PressureCourse<S = f64> {
+pub struct PressureSeries<S = f64> {
     /// Time in s and gauge pressure in Pa.
     rows: Rows<S>,
 }
 
 #[cfg(feature = "alloc")]
-impl PressureCourse {
+impl PressureSeries {
     /// Straight lines through `(time, gauge_pressure)` in s and Pa.
     ///
     /// # Errors
@@ -85,9 +85,9 @@ impl PressureCourse {
     }
 }
 
-impl<S: Scalar> PressureCourse<S> {
+impl<S: Scalar> PressureSeries<S> {
     /// The same over another scalar.
-    pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> PressureCourse<T> {
+    pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> PressureSeries<T> {
         #[cfg(not(feature = "alloc"))]
         let rows = {
             let _ = convert;
@@ -101,7 +101,7 @@ impl<S: Scalar> PressureCourse<S> {
             };
             self.rows.iter().map(row).collect()
         };
-        PressureCourse { rows }
+        PressureSeries { rows }
     }
 
     /// How many rows there are.
@@ -137,7 +137,7 @@ impl Rig {
     /// # Errors
     /// [`Error::Misuse`] for a rig with a valve or a leak; [`Error::Inconsistent`] for a pressure below vacuum.
     #[cfg(feature = "alloc")]
-    pub fn with_pressure(self, course: PressureCourse) -> Result<Self, Error> {
+    pub fn with_pressure(self, course: PressureSeries) -> Result<Self, Error> {
         course.check(self.actuator(), self.line())?;
         Ok(self.driven_at(course))
     }

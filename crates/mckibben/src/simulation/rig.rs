@@ -14,12 +14,12 @@
 //! | P | `pressure`, absolute | Pa |
 //! | m | `air_mass` | kg |
 
-use super::pressure_course::PressureCourse;
+use super::pressure_course::PressureSeries;
 use crate::actuator::Actuator;
 use crate::convert::{Anew, Convert};
 use crate::error::{Error, Requirement};
 use crate::force::Statics;
-use crate::friction::Rubbing;
+use crate::friction::SlidingState;
 use crate::line::Line;
 use crate::load::{Load, SeriesTendon};
 use crate::parameter::{self, Parameter};
@@ -44,7 +44,7 @@ pub struct Rig<S = f64> {
     load: Load<S>,
     line: Line<S>,
     tendon: Option<SeriesTendon<S>>,
-    pressure: Option<PressureCourse<S>>,
+    pressure: Option<PressureSeries<S>>,
 }
 
 /// The four states.
@@ -239,7 +239,7 @@ impl Rig {
 
     /// The same rig with the pressure in its actuator given.
     #[cfg(feature = "alloc")]
-    pub(super) fn driven_at(self, course: PressureCourse) -> Self {
+    pub(super) fn driven_at(self, course: PressureSeries) -> Self {
         Self { pressure: Some(course), ..self }
     }
 
@@ -318,7 +318,7 @@ impl<S: Scalar> Rig<S> {
 
     /// The gauge pressure in the actuator over time, where it is given.
     #[inline(always)]
-    pub fn pressure_course(&self) -> Option<&PressureCourse<S>> {
+    pub fn pressure_course(&self) -> Option<&PressureSeries<S>> {
         self.pressure.as_ref()
     }
 
@@ -363,7 +363,7 @@ impl<S: Scalar> Rig<S> {
     /// The least and the largest tension in N that can be held at rest, at an actuator length and absolute pressure:
     /// `F_s + F_limit + F_h ± Q k_sec` with the hysteresis `F_h`, and any from zero up on the shortest length.
     #[inline(always)]
-    pub fn holdable<T: Over<S>>(&self, length: T, pressure: T, rubbing: impl Into<Rubbing<T>>) -> (T, T) {
+    pub fn holdable<T: Over<S>>(&self, length: T, pressure: T, rubbing: impl Into<SlidingState<T>>) -> (T, T) {
         let on_the_stop = length.le(T::of(self.actuator.limits().min_length()));
         self.actuator.holdable(length, pressure, on_the_stop, rubbing)
     }

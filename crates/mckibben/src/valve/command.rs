@@ -8,7 +8,7 @@ use crate::error::Error;
 use crate::parameter;
 use crate::scalar::{Mask, Real, Scalar};
 #[cfg(feature = "alloc")]
-use crate::valve::Demand;
+use crate::valve::RuntimeCommand;
 use crate::valve::is_due;
 
 /// What the valve is asked to do.
@@ -353,38 +353,38 @@ impl<S: Real> Command<S> {
         let mut index = 0;
         while let Some((at, request)) = other.change(index) {
             if later(&at) {
-                self.append(at, Demand::Request(request));
+                self.append(at, RuntimeCommand::Request(request));
             }
             index += 1;
         }
         let mut index = 0;
         while let Some((at, gauge)) = other.set_point(index) {
             if later(&at) {
-                self.append(at, Demand::SetPoint(crate::pressure::GaugePressure(gauge)));
+                self.append(at, RuntimeCommand::SetPoint(crate::pressure::GaugePressure(gauge)));
             }
             index += 1;
         }
         let mut index = 0;
         while let Some((at, position)) = other.position(index) {
             if later(&at) {
-                self.append(at, Demand::Position(position));
+                self.append(at, RuntimeCommand::Position(position));
             }
             index += 1;
         }
     }
 
     /// Adds what is asked from `at` s on, later than all before, to a list of its kind. A demand of pulses is none.
-    pub(crate) fn append(&mut self, at: S, demand: Demand<S>) {
+    pub(crate) fn append(&mut self, at: S, demand: RuntimeCommand<S>) {
         match (self, demand) {
-            (Self::Table { time, request }, Demand::Request(asked)) => {
+            (Self::Table { time, request }, RuntimeCommand::Request(asked)) => {
                 time.push(at);
                 request.push(asked);
             }
-            (Self::SetPoints { time, gauge_pressure }, Demand::SetPoint(gauge)) => {
+            (Self::SetPoints { time, gauge_pressure }, RuntimeCommand::SetPoint(gauge)) => {
                 time.push(at);
                 gauge_pressure.push(gauge.0);
             }
-            (Self::Positions { time, position }, Demand::Position(asked)) => {
+            (Self::Positions { time, position }, RuntimeCommand::Position(asked)) => {
                 time.push(at);
                 position.push(asked);
             }

@@ -14,7 +14,7 @@ use crate::scalar::Real;
 
 /// What a valve is asked for from now on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Demand<S = f64> {
+pub enum RuntimeCommand<S = f64> {
     /// The same request all the while.
     Request(Request),
     /// Pulse-width modulation; period p begins at p/f. A duty cycle is taken up when the next period begins; what was asked
@@ -35,7 +35,7 @@ pub enum Demand<S = f64> {
     Position(S),
 }
 
-impl<S> From<Request> for Demand<S> {
+impl<S> From<Request> for RuntimeCommand<S> {
     fn from(request: Request) -> Self {
         Self::Request(request)
     }
@@ -47,20 +47,20 @@ impl<S: Real> Solenoid<S> {
     /// # Errors
     /// As [`Solenoid::check_request`]; [`Error::Misuse`] for a set point of a valve that is no pressure regulator and a
     /// position of one that is no proportional spool; [`Error::OutOfRange`] for a number outside its range.
-    pub fn check_demand(&self, demand: &Demand<S>) -> Result<(), Error> {
+    pub fn check_command(&self, demand: &RuntimeCommand<S>) -> Result<(), Error> {
         let within = |parameter: &'static parameter::Parameter, value: S| parameter.check(value.value()).map(drop);
         match demand {
-            Demand::Request(request) => self.check_request(*request),
-            Demand::Pulses { frequency, duty, pulse, rest } => {
+            RuntimeCommand::Request(request) => self.check_request(*request),
+            RuntimeCommand::Pulses { frequency, duty, pulse, rest } => {
                 within(&parameter::PWM_FREQUENCY, *frequency)?;
                 within(&parameter::DUTY, *duty)?;
                 self.check_request(*pulse)?;
                 self.check_request(*rest)
             }
-            Demand::SetPoint(_) if self.regulator().is_none() => Err(NO_REGULATOR),
-            Demand::SetPoint(gauge) => within(&parameter::COMMAND_GAUGE_PRESSURE, gauge.0),
-            Demand::Position(_) if self.spool().is_none() => Err(NO_SPOOL),
-            Demand::Position(position) => within(&parameter::COMMAND_POSITION, *position),
+            RuntimeCommand::SetPoint(_) if self.regulator().is_none() => Err(NO_REGULATOR),
+            RuntimeCommand::SetPoint(gauge) => within(&parameter::COMMAND_GAUGE_PRESSURE, gauge.0),
+            RuntimeCommand::Position(_) if self.spool().is_none() => Err(NO_SPOOL),
+            RuntimeCommand::Position(position) => within(&parameter::COMMAND_POSITION, *position),
         }
     }
 }

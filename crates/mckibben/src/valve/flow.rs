@@ -128,14 +128,14 @@ impl FlowLaw {
     /// [`Error::OutOfRange`] for a number outside its range; [`Error::Inconsistent`] when the straight line would begin
     /// below the critical ratio.
     pub fn new(standard: FlowStandard, efficiency: f64, laminar_ratio: f64, air: &Air) -> Result<Self, Error> {
-        Self::of_passage(Port::Supply, standard, efficiency, laminar_ratio, air)
+        Self::of_flow_path(Port::Supply, standard, efficiency, laminar_ratio, air)
     }
 
     /// As [`FlowLaw::new`], for the passage to one port: messages name that passage's keys.
     ///
     /// # Errors
     /// As [`FlowLaw::new`].
-    pub fn of_passage(
+    pub fn of_flow_path(
         port: Port,
         standard: FlowStandard,
         efficiency: f64,

@@ -30,7 +30,7 @@ mod spool_clock;
 #[cfg(feature = "alloc")]
 pub(crate) use command::check_times;
 pub use command::{Command, Request};
-pub use demand::Demand;
+pub use demand::RuntimeCommand;
 #[cfg(feature = "alloc")]
 pub use duty_cycle::{Interval, actual_duty_cycle};
 #[cfg(feature = "alloc")]

@@ -176,7 +176,7 @@ impl Paper {
         let air = self.air();
         let supply = Supply::new(GaugePressure(self.supply_gauge), self.supply_temperature, &air).expect("a supply");
         let valve = Valve::new(self.flow_law(), supply, self.exhaust_temperature, &air);
-        let own = |standard| FlowLaw::of_passage(Port::Exhaust, standard, self.efficiency, self.laminar_ratio, &air);
+        let own = |standard| FlowLaw::of_flow_path(Port::Exhaust, standard, self.efficiency, self.laminar_ratio, &air);
         self.exhaust.map_or(valve, |standard| valve.with_exhaust(own(standard).expect("a flow law")))
     }
 

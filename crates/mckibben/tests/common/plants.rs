@@ -10,7 +10,7 @@ use mckibben::mechanism::{Arm, Belt, Chain, ChainSegment, Coupling, JointStops, 
 use mckibben::network::{BranchKind, Network, NodeKind};
 use mckibben::plant::{InitialAir, Mounted, Plant, PlantStart};
 use mckibben::simulation::{Actuation, InitialLength};
-use mckibben::valve::{Command, Demand, Port, Request, Solenoid, ValveKind};
+use mckibben::valve::{Command, Port, Request, RuntimeCommand, Solenoid, ValveKind};
 
 /// A muscle of a plant on one tank.
 pub(crate) struct Muscle {
@@ -210,9 +210,9 @@ pub(crate) fn on_a_bottle() -> (Plant, PlantStart, usize) {
 }
 
 /// What a host asks of the three valves in a step of 1 ms, if anything, and where it moves the ends.
-pub(crate) fn asked(count: i32) -> (Option<[Demand; 3]>, [f64; 2]) {
+pub(crate) fn asked(count: i32) -> (Option<[RuntimeCommand; 3]>, [f64; 2]) {
     let phase = f64::from(count) * 0.05;
-    let pulses = Demand::Pulses { frequency: 25.0, duty: 0.4, pulse: Request::Fill, rest: Request::Exhaust };
+    let pulses = RuntimeCommand::Pulses { frequency: 25.0, duty: 0.4, pulse: Request::Fill, rest: Request::Exhaust };
     let second = if count % 80 == 0 { Request::Fill } else { Request::Exhaust };
     let demands = [pulses, second.into(), Request::Fill.into()];
     ((count % 40 == 0).then_some(demands), [0.085 + 2e-3 * phase.sin(), 0.088 - 1e-3 * phase.cos() + 1e-3])

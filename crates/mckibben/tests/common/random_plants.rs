@@ -10,7 +10,7 @@ use mckibben::mechanism::{
 };
 use mckibben::network::{BranchKind, Network, NodeKind};
 use mckibben::plant::{InitialAir, InitialFriction, Mounted, Plant, PlantStart};
-use mckibben::simulation::{Actuation, PressureCourse};
+use mckibben::simulation::{Actuation, PressureSeries};
 use mckibben::valve::{self, Command, Ramp, Request, Solenoid, Spool, ValveKind};
 use mckibben::{Error, GaugePressure};
 use proptest::prelude::*;
@@ -323,7 +323,7 @@ pub(crate) fn plant(drawn: &Drawn) -> (Result<Plant, Error>, PlantStart, f64) {
         };
         network.draw(index, &actuator, actuation.as_ref(), &line, [feed, outside], copies);
         let times = [0.0, 0.4 * duration, 0.8 * duration];
-        let course = PressureCourse::new(&times, &[at.between(0.0, 5e5), at.between(0.0, 5e5), at.between(-5e4, 5e5)]);
+        let course = PressureSeries::new(&times, &[at.between(0.0, 5e5), at.between(0.0, 5e5), at.between(-5e4, 5e5)]);
         let friction = match (paper.hysteresis.is_some(), at.pick(4)) {
             (true, 0) => InitialFriction::Loading,
             (true, 1) => InitialFriction::Unloading,

@@ -11,7 +11,7 @@ pub(crate) struct Regulated {
 
 /// The absolute pressure in Pa from an instant in s on, and what it goes to.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Course {
+pub(crate) struct TimeSeries {
     pub(crate) time: f64,
     pub(crate) pressure: f64,
     pub(crate) set_point: f64,
@@ -19,7 +19,7 @@ pub(crate) struct Course {
 
 impl Regulated {
     /// The pressure at a time, not before the course begins.
-    pub(crate) fn pressure(&self, course: &Course, time: f64) -> f64 {
+    pub(crate) fn pressure(&self, course: &TimeSeries, time: f64) -> f64 {
         let apart = course.pressure - course.set_point;
         let straight = (apart.abs() / self.rate_limit - self.time_constant).max(0.0);
         let elapsed = time - course.time;
@@ -29,14 +29,14 @@ impl Regulated {
     }
 
     /// What follows a set point (Pa, absolute) that is given at a time, when `before` held.
-    pub(crate) fn then(&self, before: &Course, time: f64, set_point: f64) -> Course {
+    pub(crate) fn then(&self, before: &TimeSeries, time: f64, set_point: f64) -> TimeSeries {
         let time = time + self.dead_time;
-        Course { time, pressure: self.pressure(before, time), set_point }
+        TimeSeries { time, pressure: self.pressure(before, time), set_point }
     }
 
     /// What follows set points (Pa, absolute) that are given at times, from rest at a pressure.
-    pub(crate) fn courses(&self, at_rest: f64, times: &[f64], set_points: &[f64]) -> Vec<Course> {
-        let mut course = Course { time: 0.0, pressure: at_rest, set_point: at_rest };
+    pub(crate) fn courses(&self, at_rest: f64, times: &[f64], set_points: &[f64]) -> Vec<TimeSeries> {
+        let mut course = TimeSeries { time: 0.0, pressure: at_rest, set_point: at_rest };
         let mut follows = |(time, set_point): (&f64, &f64)| {
             course = self.then(&course, *time, *set_point);
             course

@@ -5,10 +5,10 @@ use mckibben::load::Load;
 use mckibben_plot::Theme;
 use mckibben_run::curves::{self, Curves, Pressures, USUAL};
 use mckibben_run::failure::Failure;
-use mckibben_run::finished::{Finished, Ready};
 use mckibben_run::linearize::{LinearModel, Request};
-use mckibben_run::portrait::Over;
+use mckibben_run::run::{Finished, Ready};
 use mckibben_run::sweep::prepared::Prepared;
+use mckibben_run::trajectory_plot::Over;
 use mckibben_scenario::{Document, Record};
 use std::path::Path;
 

@@ -12,12 +12,12 @@ use mckibben_plot::{PlotError, Theme};
 use mckibben_run::failure::Failure;
 use mckibben_run::output;
 use mckibben_run::record;
+use mckibben_run::sweep::counts::SweepCounts;
 use mckibben_run::sweep::destination::Place;
 use mckibben_run::sweep::folder::Folder;
 use mckibben_run::sweep::plan::{Plan, Shard};
 use mckibben_run::sweep::prepared::Prepared;
 use mckibben_run::sweep::step::Choice;
-use mckibben_run::sweep::tally::Tally;
 use mckibben_run::sweep::{chart, read};
 use mckibben_scenario::{Document, Sweep};
 use std::num::NonZeroUsize;
@@ -110,7 +110,7 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
     figure.map_or(Ok(()), |(path, _)| output::probe(path))?;
 
     let started = Instant::now();
-    let mut tally = Tally::new(sweep, figure.is_some());
+    let mut tally = SweepCounts::new(sweep, figure.is_some());
     let mut parts: Vec<u64> = plan.shard(arguments.shard).collect();
     let place = match target {
         Target::Nothing => Place::Nowhere,
@@ -217,7 +217,7 @@ pub(crate) fn svg(prepared: &Prepared, theme: Theme) -> Result<Result<String, Pl
     let jobs = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
     let (sweep, parts) = (prepared.sweep(), prepared.plan().shard(Shard::WHOLE).collect());
     let choice = Choice::of(sweep, jobs)?;
-    let mut tally = Tally::new(sweep, true);
+    let mut tally = SweepCounts::new(sweep, true);
     prepared.simulate(choice.as_ref(), parts, jobs, Place::Nowhere, &mut tally)?;
     match tally.first_reason() {
         Some(reason) if tally.failed() == tally.runs() => {
@@ -228,7 +228,13 @@ pub(crate) fn svg(prepared: &Prepared, theme: Theme) -> Result<Result<String, Pl
 }
 
 /// Finds the parts that are finished, and takes up what is in them.
-fn keep(folder: &Folder, plan: &Plan, parts: &[u64], sweep: &Sweep, tally: &mut Tally) -> Result<Vec<u64>, Failure> {
+fn keep(
+    folder: &Folder,
+    plan: &Plan,
+    parts: &[u64],
+    sweep: &Sweep,
+    tally: &mut SweepCounts,
+) -> Result<Vec<u64>, Failure> {
     let mut finished = Vec::new();
     for part in parts {
         let Some(failed) = folder.finished(plan, *part)? else { continue };

@@ -4,9 +4,9 @@ use super::{SweepArguments, Target};
 use crate::describe;
 use crate::terminal::{self, FAINT, HEADING, NOTABLE, styled};
 use mckibben_run::quantities::{common_prefix, count, digits, given, quantity};
+use mckibben_run::sweep::counts::SweepCounts;
 use mckibben_run::sweep::plan::{Plan, Shard};
 use mckibben_run::sweep::step::Choice;
-use mckibben_run::sweep::tally::Tally;
 use mckibben_run::text::{Alignment, Side};
 use mckibben_scenario::Sweep;
 use std::fmt::Write as _;
@@ -17,7 +17,7 @@ pub(super) fn summary(
     arguments: &SweepArguments,
     plan: &Plan,
     (sweep, choice): (&Sweep, Option<&Choice>),
-    tally: &Tally,
+    tally: &SweepCounts,
     (kept, written, elapsed): (u64, u64, Duration),
 ) -> String {
     let seconds = elapsed.as_secs_f64();
@@ -87,7 +87,7 @@ fn step_of(Choice { step, accuracy, reached, unreached }: &Choice) -> String {
 }
 
 /// The range of each reduction as a table.
-fn ranges(tally: &Tally) -> String {
+fn ranges(tally: &SweepCounts) -> String {
     let known = || tally.ranges();
     if known().next().is_none() {
         return String::new();
@@ -116,7 +116,7 @@ fn ranges(tally: &Tally) -> String {
 }
 
 /// The runs that failed, with the first reasons.
-fn failures(tally: &Tally) -> String {
+fn failures(tally: &SweepCounts) -> String {
     if tally.failed() == 0 {
         return String::new();
     }

@@ -23,7 +23,7 @@ use mckibben::valve::FlowLaw;
 use mckibben_identify::least_squares::Estimate;
 use mckibben_identify::study::{Direction, Quantity, Recording};
 use mckibben_identify::valve::ValveError;
-use mckibben_scenario::{Passage, Place, Scenario, Valve};
+use mckibben_scenario::{FlowPath, Place, Scenario, Valve};
 
 /// What the figures of all studies of a valve are called.
 pub(super) const STEMS: [&[&str]; 4] = [&pulses::STEMS, &[pulses::DUTY], &tank::PRESSURES, &steady::STEMS];
@@ -44,14 +44,14 @@ fn actuator_of(scenario: &Scenario) -> Result<Actuator, Failure> {
 }
 
 /// The passage that the air takes.
-fn passage_of(valve: &Valve, direction: Direction) -> Passage {
+fn passage_of(valve: &Valve, direction: Direction) -> FlowPath {
     match direction {
         Direction::Supply => valve.passage,
         Direction::Exhaust => valve.exhaust.unwrap_or(valve.passage),
     }
 }
 
-fn law_of(passage: Passage, efficiency: f64, valve: &Valve, actuator: &Actuator) -> Result<FlowLaw, Failure> {
+fn law_of(passage: FlowPath, efficiency: f64, valve: &Valve, actuator: &Actuator) -> Result<FlowLaw, Failure> {
     FlowLaw::new(passage.standard(), efficiency, valve.laminar_ratio, actuator.air())
         .map_err(|error| Failure::input(error.to_string(), "mend `[valve]` of the scenario"))
 }
@@ -120,7 +120,7 @@ fn rows(direction: Direction, of: &Valve) -> [&'static Parameter; 3] {
 fn with_passage(
     scenario: &Scenario,
     direction: Direction,
-    passage: Passage,
+    passage: FlowPath,
     split: bool,
     warnings: &mut Vec<String>,
 ) -> Result<Scenario, Failure> {
@@ -164,7 +164,7 @@ fn with_conductance(
         warnings.push(format!("{WARNED}b comes out as {told}; the scenario has 0, the least that a passage has."));
     }
     let [sonic_conductance, critical_ratio] = [conductance.value, ratio.value.max(0.0)];
-    let passage = Passage::Iso6358 { sonic_conductance, critical_ratio };
+    let passage = FlowPath::Iso6358 { sonic_conductance, critical_ratio };
     let mut scenario = with_passage(scenario, direction, passage, split, warnings)?;
     let [of_conductance, of_ratio, _] = rows(direction, valve_of(&scenario)?);
     put(&mut scenario, &[(of_conductance, sonic_conductance), (of_ratio, critical_ratio)])?;

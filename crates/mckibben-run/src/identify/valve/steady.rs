@@ -15,7 +15,7 @@ use mckibben_identify::least_squares::Estimate;
 use mckibben_identify::study::{Direction, Quantity, Recording};
 use mckibben_identify::valve::{Efficiency, FlowCurve, Scatter, SteadyPoint, ValveError, efficiency, flow_coefficient};
 use mckibben_plot::{Axis, Colour, Figure, Legend, Panel, Series, Span};
-use mckibben_scenario::Passage;
+use mckibben_scenario::FlowPath;
 
 /// The figures.
 pub(super) const CURVE: &str = "flow-curve";
@@ -119,7 +119,7 @@ pub(in super::super) fn steady_flow(material: &Material) -> Result<Outcome, Fail
             let found = flow_coefficient(&points.points, area, actuator.air(), entry.scatter).map_err(failed)?;
             let effective = area * found.factor.value;
             let split = entry.passage == Direction::Exhaust;
-            let passage = Passage::FlowArea(effective);
+            let passage = FlowPath::FlowArea(effective);
             let mut scenario = with_passage(&scenario, entry.passage, passage, split, &mut warnings)?;
             let row = rows(entry.passage, valve_of(&scenario)?)[2];
             put(&mut scenario, &[(row, effective)])?;

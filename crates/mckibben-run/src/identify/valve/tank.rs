@@ -14,7 +14,7 @@ use mckibben::{AbsolutePressure, parameter};
 use mckibben_identify::least_squares::Estimate;
 use mckibben_identify::study::clean::{STUCK, longest_at_the_end};
 use mckibben_identify::study::{Direction, Quantity, Recording, TankEntry, TankTarget};
-use mckibben_identify::valve::{FlowCurve, Scatter, Sought, SteadyPoint, Tank, TankFit, TankRecord, Transfer};
+use mckibben_identify::valve::{FlowCurve, Scatter, SteadyPoint, Tank, TankFit, TankRecord, TankUnknown, Transfer};
 use mckibben_plot::{Axis, Colour, Figure, Legend, Panel, Series};
 use mckibben_scenario::{ExhaustTemperature, Process, Scenario};
 
@@ -362,14 +362,14 @@ fn with_volumes(runs: &[Experiment<'_>], volume: &Estimate) -> Result<(Vec<Scena
 }
 
 /// What is unknown; guesses of C and b are those of the scenario's passage.
-fn sought(of: &Experiment<'_>) -> Result<Sought, Failure> {
+fn sought(of: &Experiment<'_>) -> Result<TankUnknown, Failure> {
     let valve = valve_of(&of.scenario)?;
     let passage = passage_of(valve, of.entry.transfer);
     if of.entry.find == TankTarget::Volume {
-        return Ok(Sought::Volume { standard: passage.standard(), efficiency: valve.efficiency });
+        return Ok(TankUnknown::Volume { standard: passage.standard(), efficiency: valve.efficiency });
     }
     let law = law_of(passage, valve.efficiency, valve, &actuator_of(&of.scenario)?)?;
-    Ok(Sought::Valve {
+    Ok(TankUnknown::Valve {
         sonic_conductance: law.conductance() / (REFERENCE_DENSITY * REFERENCE_TEMPERATURE.sqrt()),
         critical_ratio: law.critical_ratio().min(0.8),
     })

@@ -89,7 +89,7 @@ impl<R: Instantiate> JointPlant<R> {
             [Sliding::Stuck, _] | [_, Sliding::Stuck] => Turning::Stuck,
             _ => Turning::Frictionless,
         };
-        let arm_pieces = core::array::from_fn(|i| of.arms[self.plant.places().actuators[i].arms]);
+        let arm_pieces = core::array::from_fn(|i| of.arms[self.plant.indices().actuators[i].arms]);
         JointMode { actuators, turning, stops: of.mechanisms[0].stops[0], arm_pieces }
     }
 

@@ -29,7 +29,7 @@ impl PlantLinearization {
     /// How large a state usually is.
     pub(in crate::plant) fn usual_size(&self, of: &PlantState) -> UsualSize {
         let (plant, state, lengths) = (&self.point.plant, &self.point.state, &self.point.lengths);
-        let places = plant.places();
+        let places = plant.indices();
         let coordinate = |mechanism: usize| match (&plant.mechanisms()[mechanism], places.members[mechanism].first()) {
             (Mechanism::Chain(_), _) | (_, None) => 1.0,
             (_, Some(first)) => lengths[*first],

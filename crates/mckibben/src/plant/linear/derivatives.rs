@@ -6,7 +6,7 @@ use super::signal::{PlantInput, PlantOutput, PlantState};
 use crate::mechanism::Mechanism;
 use crate::network::NodeKind;
 use crate::plant::{Plant, dense, tendon};
-use crate::simulation::Extent;
+use crate::simulation::LengthRegime;
 use crate::valve::{Port, ValveKind};
 use alloc::vec;
 use alloc::vec::Vec;
@@ -204,7 +204,7 @@ pub(super) fn derivatives(frame: &Frame) -> PlantStateSpace {
     }
     // Without viscous friction both tensions give the length.
     for (i, mounted) in frame.plant.actuators.iter().enumerate() {
-        let is_taut = none.mode.actuators[i].mode.extent == Extent::Taut;
+        let is_taut = none.mode.actuators[i].mode.extent == LengthRegime::Taut;
         if mounted.tendon.is_none() || tendon::is_damped(&mounted.actuator, is_taut) {
             continue;
         }

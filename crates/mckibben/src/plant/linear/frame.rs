@@ -14,7 +14,7 @@ use crate::plant::evaluation::{Evaluation, System};
 use crate::plant::mode::PlantMode;
 use crate::plant::{Mounted, Plant};
 use crate::scalar::Scalar;
-use crate::simulation::{Actuation, Extent, Sliding};
+use crate::simulation::{Actuation, LengthRegime, Sliding};
 use crate::valve::{Approach, Command, Openings, Port, Ports, actual_duty_cycle};
 use alloc::sync::Arc;
 use alloc::vec;
@@ -285,9 +285,9 @@ fn enter_mode(
         let length = Number::constant(unit.length.value);
         let is_slack = tendon.is_none() && length.value < limits.min_length().value;
         its.mode.extent = match length.value > limits.max_length().value {
-            true => Extent::Taut,
-            false if is_slack => Extent::Slack,
-            false => Extent::Free,
+            true => LengthRegime::Taut,
+            false if is_slack => LengthRegime::Slack,
+            false => LengthRegime::Free,
         };
         if holds_ends && tendon.is_some() {
             its.mode.sliding = Sliding::Stuck;

@@ -157,7 +157,7 @@ impl Linearization {
         let mut point = point;
         // What flows leave of the temperature is the plant's to say.
         if !OperatingPoint::keeps_content(&point.rig) {
-            point.state.air_mass = plant.point.state[plant.point.plant.places().actuators[0].mass()];
+            point.state.air_mass = plant.point.state[plant.point.plant.indices().actuators[0].mass()];
         }
         let driven = !matches!(how, PlantBalance::Shut(_));
         Ok(Self::of(point, view, (plant, driven)))

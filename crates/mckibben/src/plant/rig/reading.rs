@@ -99,7 +99,7 @@ impl<R: Instantiate> RigTrajectory<R> {
     pub fn line_at(&self, time: R) -> Vec<R> {
         let (plant, feed) = (self.view().plant(), self.view().feed);
         let (state, _) = self.plant().at(time);
-        let (network, places) = (plant.network(), plant.places());
+        let (network, places) = (plant.network(), plant.indices());
         let hose = feed.hose.map_or(0..0, |[first, count]| first..first + count);
         let volumes = hose.filter_map(|node| places.nodes[node]);
         let cells = network.branches.iter().zip(&places.branches);
@@ -113,7 +113,7 @@ impl<R: Instantiate> RigTrajectory<R> {
 
     /// The deflection in m of the bristles of LuGre's law at `time` in s, if that is the rig's friction.
     pub fn bristles_at(&self, time: R) -> Option<R> {
-        let place = self.view().plant().places().actuators[0].bristles?;
+        let place = self.view().plant().indices().actuators[0].bristles?;
         Some(self.plant().at(time).0[place])
     }
 }

@@ -37,7 +37,7 @@ pub fn simulate_in_segments<R: Instantiate>(
         return Err(Error::NotImplemented(&crate::limit::SEGMENTS_MEMORY));
     }
     let view = RigPlant::new(rig);
-    let places = [view.plant().places().mechanisms[0].first, view.plant().places().actuators[0].pressure];
+    let places = [view.plant().indices().mechanisms[0].first, view.plant().indices().actuators[0].pressure];
     let places = [places[0], places[0] + 1, places[1], places[1] + 1];
     let mut run = PlantRun::with_drivers(view.plant(), &view.start(&start), relative_tolerance, vec![])?;
     let mut kept = PlantTrajectory::begin(&run);

@@ -97,7 +97,7 @@ impl<'p> PlantReference<'p> {
             }
         }
         let mut sizes = vec![None; usual.len()];
-        for place in plant.places().compared() {
+        for place in plant.indices().compared() {
             let (low, high) = ranges[place];
             sizes[place] = Some((high - low).max(LEAST_RANGE * usual[place]));
         }
@@ -192,7 +192,7 @@ impl<'t> States<'t> {
     fn new(trajectory: &'t PlantTrajectory) -> Self {
         let plant = trajectory.shared_plant();
         let (system, at) = (System::new(plant, trajectory.relative_tolerance()), Evaluation::new(plant));
-        Self { trajectory, system, at, state: vec![0.0; plant.places().states], begun: 0 }
+        Self { trajectory, system, at, state: vec![0.0; plant.indices().states], begun: 0 }
     }
 
     fn at(&mut self, time: f64) -> &[f64] {

@@ -193,7 +193,7 @@ impl<R: Instantiate> PlantSteps<R> {
 
     /// That there is one distance for each coordinate that a host moves, and that it can be reached.
     fn check_moves(&self, span: R, distances: &[R]) -> Result<(), Error> {
-        let places = &self.plant().places().mechanisms;
+        let places = &self.plant().indices().mechanisms;
         self.check_count("distances", distances.len())?;
         let mut left = distances.iter();
         for (mechanism, here) in self.plant().mechanisms().iter().zip(places) {
@@ -213,7 +213,7 @@ impl<R: Instantiate> PlantSteps<R> {
         let Self { system, method, reached, work, .. } = self;
         let plant = &*system.plant;
         let of_host = || {
-            let mechanisms = plant.mechanisms().iter().zip(&plant.places().mechanisms).enumerate();
+            let mechanisms = plant.mechanisms().iter().zip(&plant.indices().mechanisms).enumerate();
             mechanisms.filter(|(_, (mechanism, _))| matches!(mechanism, Mechanism::External { .. }))
         };
         let mut first = 0;

@@ -23,7 +23,7 @@
 use super::super::dense;
 use super::super::evaluation::{Evaluation, System, Unit};
 use super::super::formulas::Formulas;
-use super::super::{MechanismPlaces, Plant};
+use super::super::{MechanismIndices, Plant};
 use crate::air::{Flow, Process};
 use crate::dual::Dual;
 use crate::mechanism::Mechanism;
@@ -68,7 +68,7 @@ pub(super) struct Implicit<R> {
 impl<R: Scalar> Implicit<R> {
     pub(super) fn new(plant: &Plant<R>) -> Self {
         let zero = R::zero();
-        let counts = plant.places().mechanisms.iter().map(|here| here.coordinates);
+        let counts = plant.indices().mechanisms.iter().map(|here| here.coordinates);
         let mut begins = Vec::new();
         let mut size = 0;
         for count in counts.clone() {
@@ -159,7 +159,7 @@ impl<R: Scalar> Implicit<R> {
     fn solve_mechanism(
         &mut self,
         system: &System<R>,
-        (m, here): (usize, MechanismPlaces),
+        (m, here): (usize, MechanismIndices),
         moves: R::Mask,
         at: &Evaluation<R>,
         right: &[R],
@@ -197,7 +197,7 @@ impl<R: Scalar> Implicit<R> {
     fn solve_own(
         &mut self,
         system: &System<R>,
-        (i, here): (usize, MechanismPlaces),
+        (i, here): (usize, MechanismIndices),
         at: &Evaluation<R>,
         right: &[R],
         slopes: &mut [R],

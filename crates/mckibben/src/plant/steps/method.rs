@@ -68,7 +68,7 @@ type Span<R> = (R, R);
 impl<R: Scalar> Stages<R> {
     /// Room for a plant.
     pub fn new(plant: &Plant<R>) -> Self {
-        let zeros = vec![R::zero(); plant.places().states];
+        let zeros = vec![R::zero(); plant.indices().states];
         let slopes = core::array::from_fn(|_| zeros.clone());
         Self { slopes, state: zeros, implicit: Implicit::new(plant), second: Evaluation::new(plant) }
     }

@@ -40,7 +40,7 @@ use crate::engine::GuardForm;
 use crate::error::Error;
 use crate::instantiate::Instantiate;
 use crate::parameter;
-use crate::valve::Demand;
+use crate::valve::RuntimeCommand;
 use alloc::vec::Vec;
 use part::Workspace;
 
@@ -241,7 +241,7 @@ impl<R: Instantiate> PlantSteps<R> {
     ///
     /// # Errors
     /// As [`PlantRun::set`].
-    pub fn set(&mut self, valve: usize, demand: impl Into<Demand<R>>) -> Result<(), Error> {
+    pub fn set(&mut self, valve: usize, demand: impl Into<RuntimeCommand<R>>) -> Result<(), Error> {
         self.reached.set(&self.system.plant, valve, demand.into())
     }
 

@@ -57,7 +57,7 @@ pub(super) struct Workspace<R: Real> {
 
 impl<R: Instantiate> Workspace<R> {
     pub(super) fn new(plant: &Plant<R>) -> Self {
-        let states = plant.places().states;
+        let states = plant.indices().states;
         Self {
             at: Evaluation::new(plant),
             stages: Stages::new(plant),

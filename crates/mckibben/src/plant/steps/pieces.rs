@@ -28,7 +28,7 @@ pub(super) fn is_between_pieces(guard: PlantGuard) -> bool {
                 | Guard::PressDown
                 | Guard::PressUp
         ),
-        PlantGuard::Touch { .. } | PlantGuard::Jump(_) | PlantGuard::Release { .. } => false,
+        PlantGuard::ThreadContact { .. } | PlantGuard::Jump(_) | PlantGuard::Release { .. } => false,
     }
 }
 

@@ -15,7 +15,7 @@ use crate::load::Joint;
 use crate::load::SeriesTendon;
 use crate::pressure::{AbsolutePressure, GaugePressure};
 use crate::scalar::{Real, Scalar};
-use crate::simulation::pressure_course::PressureCourse;
+use crate::simulation::pressure_course::PressureSeries;
 #[cfg(feature = "alloc")]
 use crate::simulation::rig::check_line;
 
@@ -27,7 +27,7 @@ pub struct Fittings<S = f64> {
     /// The elastic tendon between the actuator and the joint.
     pub tendon: Option<SeriesTendon<S>>,
     /// Its gauge pressure over time, in place of a valve.
-    pub pressure: Option<PressureCourse<S>>,
+    pub pressure: Option<PressureSeries<S>>,
 }
 
 impl<S> Fittings<S> {

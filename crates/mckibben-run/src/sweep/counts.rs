@@ -13,7 +13,7 @@ const TOLD: usize = 3;
 
 /// What has been seen of the runs.
 #[derive(Clone, Debug)]
-pub struct Tally {
+pub struct SweepCounts {
     reductions: Vec<ReducedColumn>,
     runs: u64,
     failed: u64,
@@ -37,7 +37,7 @@ pub struct Spread {
     pub runs: u64,
 }
 
-impl Tally {
+impl SweepCounts {
     /// Begins to look at a sweep; with a figure, its values are kept.
     pub fn new(sweep: &Sweep, is_drawn: bool) -> Self {
         let reductions = sweep.record().reduced().unwrap_or_default();

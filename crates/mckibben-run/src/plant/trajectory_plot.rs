@@ -2,7 +2,7 @@
 
 use super::PlantOutcome;
 use crate::closed_loop::Goal;
-use crate::portrait::{POINTS, wanted};
+use crate::trajectory_plot::{POINTS, wanted};
 use mckibben::control::Quantity;
 use mckibben::plant::PlantSample;
 use mckibben_plot::{Axis, Colour, Dash, Figure, Panel, Series};

@@ -16,8 +16,8 @@ use crate::failure::Failure;
 use crate::joint::{self, pair::Pair};
 use crate::observation::{Ended, Observation, Observes as _};
 use crate::plant::{self, PlantFigures, PlantOutcome};
-use crate::portrait::{self, Over};
 use crate::record::{self, Field, Filled, Format, Provenance, Target, filled};
+use crate::trajectory_plot::{self, Over};
 use mckibben::plant::{
     JointPlant, PlantLedgerKeeper, PlantReader, PlantSample, PlantView, RigPlant, ViewReader, ViewTrajectory,
 };
@@ -357,9 +357,9 @@ impl Finished {
     /// The figure of the run; that of several actuators is always over time.
     pub fn figure(&self, over: Over, title: &str) -> Figure {
         match self {
-            Self::Actuator(of) => portrait::figure(of, over, title),
-            Self::Joint(of) => joint::portrait::figure(of, title),
-            Self::Plant(of) => plant::portrait::figure(of, title),
+            Self::Actuator(of) => trajectory_plot::figure(of, over, title),
+            Self::Joint(of) => joint::trajectory_plot::figure(of, title),
+            Self::Plant(of) => plant::trajectory_plot::figure(of, title),
         }
     }
 }

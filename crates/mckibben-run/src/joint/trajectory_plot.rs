@@ -2,7 +2,7 @@
 
 use super::NAMES;
 use crate::engine::Kept;
-use crate::portrait::{Bands, POINTS, wanted};
+use crate::trajectory_plot::{Bands, POINTS, wanted};
 use mckibben::control::Quantity;
 use mckibben::plant::{JointEvent, JointPlant};
 use mckibben::simulation::EventKind;
