@@ -14,8 +14,8 @@
 >>> trajectory.units["length_m"]
 'm'
 
-Every number is in SI; a quantity of a scenario is text with its unit. What `simulate` gives is what the command
-`mckibben simulate` writes, to the last bit.
+Numbers are in SI; a quantity of a scenario may be text with its unit. A run is bit-identical to that of the command
+`mckibben simulate`.
 """
 
 from mckibben._mckibben import (

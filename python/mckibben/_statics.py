@@ -92,11 +92,37 @@ class Statics:
         return self._both(self._of.force, length, gauge_pressure)
 
     def stiffness(self, length: ArrayLike, gauge_pressure: ArrayLike, *, sealed: bool = False) -> Numbers:
-        """Stiffness in N/m at constant pressure, equation (7); with the valve shut, equation (5), if `sealed`."""
+        """Return the stiffness at constant pressure, equation (7), or with the valve shut, equation (5).
+
+        Parameters
+        ----------
+        length : array_like
+            Distance between the ends in m.
+        gauge_pressure : array_like
+            Gauge pressure in Pa.
+        sealed : bool, optional
+            Whether the valve is shut. False by default.
+
+        Returns
+        -------
+        numpy.ndarray
+            Stiffness in N/m, of the common shape; NaN out of reach.
+        """
         return self._both(self._of.sealed_stiffness if sealed else self._of.stiffness, length, gauge_pressure)
 
     def volume(self, length: ArrayLike) -> Numbers:
-        """Volume of the air in m^3, in the braid and outside it."""
+        """Return the volume of the air, in the braid and outside it.
+
+        Parameters
+        ----------
+        length : array_like
+            Distance between the ends in m.
+
+        Returns
+        -------
+        numpy.ndarray
+            Volume in m^3, of the shape of `length`; NaN out of reach.
+        """
         lengths = numpy.asarray(length, dtype=float)
         return self._of.volume(lengths.ravel()).reshape(lengths.shape)
 
@@ -130,8 +156,21 @@ class Statics:
         return self._both(lambda first, second: self._of.gauge_pressure_for(first, second, most), length, force)
 
     def length_for(self, gauge_pressure: ArrayLike, force: ArrayLike) -> Numbers:
-        """The length in m at which the actuator bears a force in N at a gauge pressure in Pa; NaN where it pulls harder even at
-        its shortest length, or bears less at its longest."""
+        """Return the length at which the actuator bears a force at a gauge pressure.
+
+        Parameters
+        ----------
+        gauge_pressure : array_like
+            Gauge pressure in Pa.
+        force : array_like
+            Tension in N, zero or above.
+
+        Returns
+        -------
+        numpy.ndarray
+            Length in m, of the common shape; NaN where the actuator pulls harder even at its shortest length, or bears less at
+            its longest.
+        """
         return self._both(self._of.length_for, gauge_pressure, force)
 
     @staticmethod
@@ -170,7 +209,13 @@ class Curves(collections.abc.Mapping[str, Numbers]):
         return f"<mckibben.Curves, {pressures} gauge pressures and {lengths} lengths: {', '.join(self)}>"
 
     def to_pandas(self) -> pandas.DataFrame:
-        """A tidy frame: a row for each gauge pressure and length."""
+        """Return a tidy frame.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A row for each gauge pressure and length.
+        """
         import pandas
 
         return pandas.DataFrame({name: values.ravel() for name, values in self._arrays.items()})

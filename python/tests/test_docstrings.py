@@ -32,8 +32,6 @@ EXEMPLARY = {
     "Differentiable", "Error", "Event", "InputError", "LinearModel", "OutputError", "Response", "Scenario",
     "SimulationError", "Statics", "Sweep", "SweepResult", "Trajectory", "VectorPlant",
 }
-#: Arguments of these are described in prose.
-IN_PROSE = {"Statics.length_for", "Statics.stiffness", "Statics.volume"}
 #: In their order.
 SECTIONS = ["", "Parameters", "Attributes", "Returns", "Raises", "Warns", "See Also", "Notes", "Examples"]
 
@@ -72,7 +70,7 @@ def test_it_has_a_summary_and_no_section_but_those_of_numpydoc(name):
 
 def is_called(name: str, of: typing.Any) -> bool:
     """Whether users call it with arguments."""
-    return not reference.is_property(of) and name not in RETURNED | IN_PROSE
+    return not reference.is_property(of) and name not in RETURNED
 
 
 @pytest.mark.parametrize("name", [name for name, of in DOCUMENTED.items() if is_called(name, of)])

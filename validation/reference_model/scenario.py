@@ -310,8 +310,8 @@ def read_arm(content):
     return ArmTable(angles, [quantity(r, "m") for r in content["moment_arm"]])
 
 
-NAMES = ("length_m", "velocity_m_s", "absolute_pressure_pa", "air_mass_kg", "temperature_k", "volume_m3")
-NAMES += ("tension_n", "mass_flow_kg_s", "valve")
+NAMES = ("length_m", "velocity_m_s", "absolute_pressure_pa", "gauge_pressure_pa", "air_mass_kg", "temperature_k")
+NAMES += ("volume_m3", "tension_n", "mass_flow_kg_s", "valve")
 
 
 class Experiment:
@@ -473,11 +473,11 @@ class Experiment:
         if first.tendon:
             header += ["load_distance_m", "load_velocity_m_s"]
         if first.hose:
-            header.append("hose_absolute_pressure_pa")
+            header += ["hose_absolute_pressure_pa", "hose_gauge_pressure_pa"]
         if first.supply.reservoir or first.supply.regulator:
-            header.append("supply_absolute_pressure_pa")
+            header += ["supply_absolute_pressure_pa", "supply_gauge_pressure_pa"]
         if isinstance(first.valve, RegulatorValve):
-            header += ["regulated_absolute_pressure_pa", "set_point_pa"]
+            header += ["regulated_absolute_pressure_pa", "regulated_gauge_pressure_pa", "set_point_pa"]
         if self.controller:
             header += list(self.controller.names)
         return header
@@ -500,7 +500,8 @@ class Experiment:
             item, actuator = seen[k], plant.actuators[k]
             length = item["length"] if actuator.tendon else item["distance"]
             velocity = item["velocity"] if actuator.tendon else item["speed"]
-            numbers = [length, velocity, item["pressure"], item["mass"], item["temperature"], item["volume"]]
+            pressure = [item["pressure"], item["pressure"] - actuator.air.atmosphere]
+            numbers = [length, velocity, *pressure, item["mass"], item["temperature"], item["volume"]]
             return [*numbers, item["tension"], item["flow"], self.ports(actuator, mode, k)]
 
         first = plant.actuators[0]
@@ -512,13 +513,15 @@ class Experiment:
         if first.tendon:
             row += [float(state[0]), float(state[1])]
         if first.hose:
-            row.append(seen[0]["hose_pressure"])
+            row += [seen[0]["hose_pressure"], seen[0]["hose_pressure"] - first.air.atmosphere]
         if first.supply.reservoir or first.supply.regulator:
-            row.append(float(first.supply.outlet(state)))
+            outlet = float(first.supply.outlet(state))
+            row += [outlet, outlet - first.air.atmosphere]
         if isinstance(first.valve, RegulatorValve):
             asked = first.valve.asked
             start = first.pressure if asked is None else asked
-            row += [float(state[first.i_valve[0]]), start - first.air.atmosphere]
+            regulated = float(state[first.i_valve[0]])
+            row += [regulated, regulated - first.air.atmosphere, start - first.air.atmosphere]
         if self.controller:
             row += [self.controller.shown[name] for name in self.controller.names]
         return row

@@ -119,8 +119,10 @@ impl Error {
         self.greatest - self.least
     }
 
+    /// What small errors are measured by; of a gauge pressure, which may be zero, that of the absolute one.
     fn magnitude(&self) -> f64 {
-        self.least.abs().max(self.greatest.abs())
+        let gauge = if self.column.ends_with("gauge_pressure_pa") { 101_325.0 } else { 0.0 };
+        gauge + self.least.abs().max(self.greatest.abs())
     }
 
     fn is_constant(&self) -> bool {

@@ -3,7 +3,7 @@
 //!
 //! | module | what it holds |
 //! |---|---|
-//! | [`finished`] | whatever a scenario describes, run; its columns, events and figure |
+//! | [`run`] | whatever a scenario describes, run; its columns, events and figure |
 //! | [`curves`] | force, stiffness and volume over length |
 //! | [`linearize`] | the linear model at an operating point |
 //! | [`sweep`] | many runs of one scenario |
@@ -15,7 +15,7 @@
 //! | [`events`] | the log of events |
 //! | [`record`] | a run as columns, in memory and in a file |
 //! | [`table`] | columns and cells, and the writer of them as CSV or Parquet |
-//! | [`portrait`] | a run as a figure |
+//! | [`trajectory_plot`] | a run as a figure |
 //! | [`report`] | figures, tables and findings as a page |
 //! | [`output`] | files that are whole or not there |
 //! | [`progress`] | how far work is, for whoever listens |

@@ -6,7 +6,7 @@
 //! | `control` | the controllers' part: what was to be reached, and how far it was |
 //! | `events` | the log of events |
 //! | `observation` | extremes, counts and the ledger, observed as the run is made |
-//! | `portrait` | the figure |
+//! | `trajectory_plot` | the figure |
 //!
 //! A run is kept, for figures, events and values between samples, or streamed: then memory does not grow with it. Checked by
 //! the program's `tests/plant.rs`.

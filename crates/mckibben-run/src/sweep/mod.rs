@@ -3,7 +3,7 @@
 //! ```text
 //! plan ──> units of rows ──> schedule (threads) ──> in row order ──> lines of a table ──> part, CSV
 //!               │                                        │
-//!          rows, reduce                                tally ──> summary, chart
+//!          rows, reduce                                counts ─> summary, chart
 //! ```
 //!
 //! | module | its idea |
@@ -19,7 +19,7 @@
 //! | [`destination`] | where the lines go |
 //! | [`folder`] | the parts of a sweep, finished or to be done |
 //! | [`read`] | the reductions of a finished part |
-//! | [`tally`] | what is told and drawn of the runs |
+//! | [`counts`] | what is told and drawn of the runs |
 //! | [`chart`] | lines, maps and scatter plots of the reductions |
 //!
 //! What a run comes to depends on its row alone: not on the unit, part, shard, thread or engine batch that it is in.
