@@ -16,6 +16,8 @@ from mckibben._mckibben import Scenario, Sweep
 from mckibben.errors import InputError
 
 if typing.TYPE_CHECKING:
+    import matplotlib.axes
+    import matplotlib.figure
     import pandas
     import polars
 
@@ -91,6 +93,58 @@ class SweepResult:
         frame = pandas.concat([pandas.read_parquet(part) for part in self.parts], ignore_index=True)
         frame.attrs["units"] = self.units
         return frame
+
+    def plot(
+        self,
+        columns: collections.abc.Sequence[str] | None = None,
+        over: str | None = None,
+        ax: collections.abc.Sequence[matplotlib.axes.Axes] | None = None,
+    ) -> matplotlib.figure.Figure:
+        """Draw columns of numbers over another, a point for each run and a panel for each column.
+
+        Parameters
+        ----------
+        columns : sequence of str, optional
+            Names of columns; by default all that are not constant, without `over`.
+        over : str, optional
+            Name of the column on the horizontal axis; by default the first that varies.
+        ax : sequence of matplotlib.axes.Axes, optional
+            Axes to draw into, one for each column.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Figure with the panels.
+
+        Raises
+        ------
+        InputError
+            A name is that of no column of numbers, or `ax` has another number of axes.
+        """
+        import matplotlib.pyplot as plt
+        import numpy
+
+        frame = self.to_pandas()
+        for name in [*(columns or []), *([] if over is None else [over])]:
+            if name not in self.units:
+                raise InputError(f"`{name}` is no column of numbers of the sweep; name one of {', '.join(self.units)}")
+        varying = [name for name in self.units if frame[name].nunique() > 1]
+        across = over if over is not None else next(iter(varying), next(iter(self.units)))
+        drawn = list(columns) if columns is not None else [name for name in varying if name != across]
+        if not drawn:
+            raise InputError("no column of the sweep varies; name those to draw in `columns`")
+        if ax is None:
+            grid = plt.subplots(len(drawn), sharex=True, squeeze=False, layout="constrained")[1]
+            axes = list(grid[:, 0])
+        else:
+            axes = list(numpy.atleast_1d(numpy.asarray(ax, dtype=object)))
+            if len(axes) != len(drawn):
+                raise InputError(f"`ax` has {len(axes)} axes for {len(drawn)} columns; give one for each")
+        for axis, name in zip(axes, drawn):
+            axis.plot(frame[across], frame[name], ".")
+            axis.set_ylabel(f"{name} ({self.units[name]})" if self.units[name] else name)
+        axes[-1].set_xlabel(f"{across} ({self.units[across]})" if self.units[across] else across)
+        return typing.cast("matplotlib.figure.Figure", axes[0].figure)
 
 
 @typing.overload

@@ -261,3 +261,18 @@ def test_a_sweep_without_a_folder_is_a_data_frame(swing, tmp_path):
     assert frame["length_final_m"].iloc[-1] == mckibben.simulate(swing.with_values(one)).length[-1]
     with pytest.raises(mckibben.InputError, match="load.weight"):
         mckibben.sweep(swing, vary={"load.weight": ["4 lb"]}, reductions=reductions)
+
+
+def test_a_figure_has_a_point_for_each_run(swept, tmp_path):
+    done = mckibben.sweep(swept, tmp_path / "runs", jobs=2)
+    frame = done.to_pandas()
+    figure = done.plot()
+    assert [axis.get_ylabel() for axis in figure.axes] == [
+        f"{name} ({done.units[name]})" for name in list(frame) if name in done.units and name != "load_mass_kg"
+    ]
+    assert figure.axes[-1].get_xlabel() == "load_mass_kg (kg)"
+    (line,) = done.plot(["tension_peak_n"], over="initial_gauge_pressure_pa").axes[0].lines
+    assert line.get_xdata().tolist() == frame["initial_gauge_pressure_pa"].tolist()
+    assert line.get_ydata().tolist() == frame["tension_peak_n"].tolist()
+    with pytest.raises(mckibben.InputError, match="`tension` is no column of numbers"):
+        done.plot(["tension"])
