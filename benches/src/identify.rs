@@ -123,7 +123,7 @@ fn compare() -> Result<(), String> {
     let mut furthest = 0.0_f64;
     for (place, estimate) in found.estimates.iter().enumerate() {
         let deviation = estimate
-            .deviation
+            .standard_error
             .ok_or_else(|| format!("{} is not told at {:e}: {:?}", estimate.name, estimate.value, found.untold))?;
         let apart = (estimate.value - values[place]).abs() / deviation;
         furthest = furthest.max(apart);

@@ -70,12 +70,8 @@ fn recorded(document: &Document, paths: &[&str], columns: &[(&str, f64)], seed: 
     let times: Vec<f64> = (1..=150).map(|step| of.run.duration * f64::from(step) / 150.0).collect();
     let mut noise = Noise::new(seed);
     let course = |(name, deviation): &(&str, f64)| {
-        let (title, shift) = match name.strip_suffix("gauge_pressure") {
-            Some(part) => (format!("{part}pressure"), of.plant.network().atmosphere),
-            None => ((*name).to_owned(), 0.0),
-        };
-        let quantity = of.columns().into_iter().find(|of| of.name == title).and_then(|of| of.quantity()).expect("one");
-        let values: Vec<f64> = times.iter().map(|time| quantity.of(&of.plant, &run.sample(*time)) - shift).collect();
+        let quantity = of.columns().into_iter().find(|of| of.name == *name).and_then(|of| of.quantity()).expect("one");
+        let values: Vec<f64> = times.iter().map(|time| quantity.of(&of.plant, &run.sample(*time))).collect();
         let values = noise.added_to(&values, *deviation);
         TimeSeries { observed: column(document, name), times: times.clone(), values, deviation: None }
     };
@@ -139,8 +135,13 @@ const OF_ALL_SECTIONS: [&str; 21] = [
 fn derivatives_are_those_of_differences() {
     let document = arm(10.0);
     let subject = subject(&document, &OF_ALL_SECTIONS);
-    let names =
-        ["shoulder.angle", "elbow.angular_velocity", "biceps.gauge_pressure", "deltoid.tension", "tank.pressure"];
+    let names = [
+        "shoulder.angle",
+        "elbow.angular_velocity",
+        "biceps.gauge_pressure",
+        "deltoid.tension",
+        "tank.absolute_pressure",
+    ];
     let sampling = Sampling {
         observed: names.iter().map(|name| column(&document, name)).collect(),
         times: vec![0.05, 0.13, 0.19, 0.3, 0.4],

@@ -16,7 +16,7 @@
 //! fn friction(time: Vec<f64>, length: Vec<f64>, rig: &Rig, start: &Initial) -> Result<(), RingDownError> {
 //!     let comparison = compare(&Record::new(time, length)?, 2.7, Some((rig, start, Free::ALL)))?;
 //!     for row in &comparison.rows {
-//!         println!("{:?}: c = {} N s/m, {:?}", row.estimator, row.viscous.value, row.viscous.interval);
+//!         println!("{:?}: c = {} N s/m, {:?}", row.estimator, row.viscous.value, row.viscous.confidence_interval);
 //!     }
 //!     Ok(())
 //! }

@@ -34,7 +34,7 @@
 //! let mut steps = PlantRun::new(plant, start, 1e-6)?.steps(Method::Stable);
 //! steps.set(0, Request::Fill)?;
 //! let (mass, step, mut velocity) = (2.0, 1e-3, 0.0);
-//! let mut distance = steps.state()[plant.places().mechanisms[0].position(0)];
+//! let mut distance = steps.state()[plant.indices().mechanisms[0].position(0)];
 //! for count in 1..=1000 {
 //!     velocity += (9.81 - steps.compute(0)?.tension / mass) * step;
 //!     distance += velocity * step;
