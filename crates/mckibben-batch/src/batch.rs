@@ -131,7 +131,7 @@ impl PlantBatch {
         self.living(row).map(|row| &row.steps)
     }
 
-    /// Writes the states of a row, in the places that [`Plant::places`] says, without bringing more of it up to date.
+    /// Writes the states of a row, in the places that [`Plant::indices`] says, without bringing more of it up to date.
     ///
     /// # Errors
     /// As [`PlantBatch::row`]; [`Error::Misuse`] where there is not one number for each state.

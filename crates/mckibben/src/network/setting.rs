@@ -174,7 +174,7 @@ impl<R: Real> Network<R> {
     /// Sets what a valve does from `time` in s on, in place of all that was to come.
     ///
     /// # Errors
-    /// As [`Solenoid::check_command`](crate::valve::Solenoid::check_demand).
+    /// As [`Solenoid::check_command`](crate::valve::Solenoid::check_command).
     pub(crate) fn set_valve(
         &self,
         valve: usize,

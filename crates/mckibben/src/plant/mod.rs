@@ -10,7 +10,7 @@
 //! | actuator | absolute pressure P (19) and mass m of its air; the length L on an elastic tendon; bristles of LuGre's law |
 //! | network | pressures of hoses, reservoirs, outlets and ports; flows in distributed hoses |
 //!
-//! States lie in one slice, in the order of this table; [`Plant::places`] says where each is. Parameters are values, states
+//! States lie in one slice, in the order of this table; [`Plant::indices`] says where each is. Parameters are values, states
 //! belong to the caller, and the discrete state is a [`PlantMode`].
 //!
 //! The smallest plant is the paper's: one actuator at a constant supply with a hanging mass (15)(19)(21).

@@ -47,7 +47,7 @@ impl<R: Instantiate> PlantSnapshot<R> {
         self.time
     }
 
-    /// The states, in the places that [`Plant::places`] says.
+    /// The states, in the places that [`Plant::indices`] says.
     pub fn state(&self) -> &[R] {
         &self.state
     }

@@ -89,7 +89,7 @@ pub enum PlantAir {
 pub struct PlantPoint {
     /// The plant; a motion that is given is held where it starts.
     pub plant: Plant,
-    /// Its states, as [`Plant::places`] orders them.
+    /// Its states, as [`Plant::indices`] orders them.
     pub state: Vec<f64>,
     /// The values of the inputs in the order of the model's, those that keep given pressures included.
     pub inputs: Vec<(PlantInput, f64)>,

@@ -104,7 +104,7 @@ impl<'p> PlantReference<'p> {
         Ok(Self { plant, start, drivers, trajectory, sizes })
     }
 
-    /// The error of each state, in the places that [`Plant::places`] says, of steps of `step` s; the last one ends with the run and
+    /// The error of each state, in the places that [`Plant::indices`] says, of steps of `step` s; the last one ends with the run and
     /// may be shorter. A state that is not compared has none.
     ///
     /// # Errors

@@ -184,7 +184,7 @@ impl<R: Instantiate> PlantSteps<R> {
         self.reached.time()
     }
 
-    /// The states at that time, in the places that [`Plant::places`] says.
+    /// The states at that time, in the places that [`Plant::indices`] says.
     pub fn state(&self) -> &[R] {
         self.reached.state()
     }
@@ -229,7 +229,7 @@ impl<R: Instantiate> PlantSteps<R> {
                 name: "rates",
                 problem: "there is not one rate for each state",
                 entry: rates.len().min(state.len()) + 1,
-                remedy: "give as many rates as `Plant::places` has states",
+                remedy: "give as many rates as `Plant::indices` has states",
             });
         }
         system.enter_pieces(*time, state, mode, &mut work.at);
