@@ -248,7 +248,8 @@ fn an_arm_gives_back_its_parts() {
 fn what_is_shared_is_one_parameter() {
     let paths =
         ["valve.flow_area", "supply.reservoir_volume", "actuators.long.friction.viscous", "actuators.thick.load.mass"];
-    let columns = [("paper.length", 2e-5), ("thick.length", 2e-5), ("long.length", 2e-5), ("supply.absolute_pressure", 5e2)];
+    let columns =
+        [("paper.length", 2e-5), ("thick.length", 2e-5), ("long.length", 2e-5), ("supply.absolute_pressure", 5e2)];
     let truth = bottle();
     let masses = [1.0, 1.15];
     let own = find(&truth, paths[3]);
