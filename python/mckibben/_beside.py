@@ -75,7 +75,8 @@ def plot(
             raise InputError("`columns` is empty: name what is to be drawn, or leave it out")
         panels = [(f"{name} ({run.units[name]})" if name in run.units else name, 1.0, {name: ""}) for name in columns]
     if ax is None:
-        figure, grid = plt.subplots(len(panels), sharex=True, layout="constrained", squeeze=False)
+        size = (6.4, 0.6 + 2.0 * len(panels))
+        figure, grid = plt.subplots(len(panels), sharex=True, layout="constrained", squeeze=False, figsize=size)
         axes = list(grid[:, 0])
     else:
         axes = list(numpy.atleast_1d(numpy.asarray(ax, dtype=object)))
