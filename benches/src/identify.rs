@@ -16,7 +16,7 @@ mod problem;
 use mckibben::simulation::simulate;
 use mckibben_identify::adjustable::Adjustable;
 use mckibben_identify::least_squares::{Search, Unknown};
-use mckibben_identify::trajectories::{TimeSeries, Horizon, Observed, Recorded, Task};
+use mckibben_identify::trajectories::{Horizon, Observed, Recorded, Task, TimeSeries};
 use mckibben_scenario::{Place, Scenario};
 use problem::Problem;
 use std::io::Write;

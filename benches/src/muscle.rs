@@ -309,7 +309,8 @@ impl Muscle {
                 if mode.extent == LengthRegime::Free {
                     state[0] = self.max_length;
                 }
-                mode.extent = if mode.extent == LengthRegime::Taut { LengthRegime::Rebound } else { LengthRegime::Taut };
+                mode.extent =
+                    if mode.extent == LengthRegime::Taut { LengthRegime::Rebound } else { LengthRegime::Taut };
                 self.clamp(mode, state);
             }
             VELOCITY_ZERO => {

@@ -2,7 +2,7 @@
 
 use mckibben::simulation::simulate;
 use mckibben_scenario::{
-    Command, CommandState, Document, Effectiveness, Experiment, Load, FlowPath, Process, Scenario, ValveKind,
+    Command, CommandState, Document, Effectiveness, Experiment, FlowPath, Load, Process, Scenario, ValveKind,
 };
 use std::fmt::Write;
 use std::path::Path;

@@ -3,7 +3,7 @@
 use mckibben::simulation::{Initial, InitialLength, Rig, State};
 use mckibben::valve::SeatClock;
 use mckibben::{GaugePressure, parameter};
-use mckibben_scenario::{Document, Effectiveness, Load, FlowPath, Scenario};
+use mckibben_scenario::{Document, Effectiveness, FlowPath, Load, Scenario};
 use std::fmt::Write;
 
 /// Step in s.
