@@ -50,10 +50,12 @@ impl Model {
         let document = &scenario.document;
         let of_core = |error| Failure::of_core(&error, document);
         let alone = name.map(|name| member(scenario, name)).transpose()?;
-        let experiment = match (&alone, document.controlled_experiment()) {
-            (Some(alone), _) => alone.experiment().map_err(of_core)?,
-            (None, Ok(Some(controlled))) => controlled.experiment,
-            (None, _) => document.experiment()?,
+        let experiment = match &alone {
+            Some(alone) => alone.experiment().map_err(of_core)?,
+            None => match document.controlled_experiment()? {
+                Some(controlled) => controlled.experiment,
+                None => document.experiment()?,
+            },
         };
         let rig = &experiment.rig;
         let pulsed = rig.actuation().filter(|actuation| actuation.solenoid.has_seats());
