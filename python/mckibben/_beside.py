@@ -8,6 +8,7 @@ import math
 import os
 import typing
 
+from mckibben._axes import axes_for, label
 from mckibben.errors import InputError
 
 if typing.TYPE_CHECKING:
@@ -65,30 +66,20 @@ def plot(
     ax: collections.abc.Sequence[matplotlib.axes.Axes] | None = None,
 ) -> matplotlib.figure.Figure:
     """Draw columns over time, in a panel for each; by default angle or length, pressure and tension."""
-    import matplotlib.pyplot as plt
-    import numpy
-
     if columns is None:
         panels = _panels(run)
     else:
         if not columns:
             raise InputError("`columns` is empty: name what is to be drawn, or leave it out")
-        panels = [(f"{name} ({run.units[name]})" if name in run.units else name, 1.0, {name: ""}) for name in columns]
-    if ax is None:
-        size = (6.4, 0.6 + 2.0 * len(panels))
-        figure, grid = plt.subplots(len(panels), sharex=True, layout="constrained", squeeze=False, figsize=size)
-        axes = list(grid[:, 0])
-    else:
-        axes = list(numpy.atleast_1d(numpy.asarray(ax, dtype=object)))
-        if len(axes) != len(panels):
-            raise InputError(f"`ax` has {len(axes)} axes for {len(panels)} panels; give one for each")
-        figure = axes[0].figure
-    for axis, (label, factor, its) in zip(axes, panels):
+        panels = [(label(name, run.units.get(name, "")), 1.0, {name: ""}) for name in columns]
+    remedy, size = f" for {len(panels)} panels; give one for each", (6.4, 0.6 + 2.0 * len(panels))
+    axes, figure = axes_for(ax, len(panels), remedy, figsize=size)
+    for axis, (title, factor, its) in zip(axes, panels):
         drawn = [(run[column], name) for column, name in its.items() if columns is not None or column in run.columns]
         for values, name in drawn:
             values = values if values.dtype.kind == "U" else factor * values
             axis.plot(run.t, values, label=name or None)
-        axis.set_ylabel(label)
+        axis.set_ylabel(title)
         if any(name for _, name in drawn):
             axis.legend()
     axes[-1].set_xlabel("time (s)")

@@ -13,6 +13,7 @@ import warnings
 import numpy
 from numpy.typing import NDArray
 
+from mckibben._axes import axes_for, label
 from mckibben._mckibben import Scenario, _identify, _identify_file
 from mckibben.errors import InputError
 
@@ -327,8 +328,6 @@ class Identification(collections.abc.Mapping[str, Estimate]):
         -------
         matplotlib.figure.Figure
         """
-        import matplotlib.pyplot as plt
-
         if not self.predictions:
             raise InputError("a study of this kind has no predictions to draw; `figures` has the figures of its report")
         wanted = self.predictions[0].run if run is None else run
@@ -336,24 +335,15 @@ class Identification(collections.abc.Mapping[str, Estimate]):
         if not drawn:
             known = ", ".join(dict.fromkeys(one.run for one in self.predictions))
             raise InputError(f"there is no run `{wanted}`; name one of {known}")
-        if ax is None:
-            ratios = [3, 1] * len(drawn)
-            options = {"height_ratios": ratios}
-            figure, grid = plt.subplots(
-                len(ratios), sharex=True, squeeze=False, layout="constrained", gridspec_kw=options, figsize=(6.4, 4 * len(drawn))
-            )
-            axes = list(grid[:, 0])
-        else:
-            axes = list(numpy.atleast_1d(numpy.asarray(ax, dtype=object)))
-            if len(axes) != 2 * len(drawn):
-                raise InputError(f"`ax` has {len(axes)} axes; give {2 * len(drawn)}, two for each quantity")
-            figure = axes[0].figure
+        count = 2 * len(drawn)
+        options = {"gridspec_kw": {"height_ratios": [3, 1] * len(drawn)}, "figsize": (6.4, 4 * len(drawn))}
+        axes, figure = axes_for(ax, count, f"; give {count}, two for each quantity", **options)
         for one, (upper, lower) in zip(drawn, zip(axes[::2], axes[1::2])):
             name, at = next(iter(one.coordinates.items()))
             line = "-" if name == "time_s" else "."
             upper.plot(at, one.measured, ".", color="0.6", markersize=3, label="measured")
             upper.plot(at, one.predicted, line, label="predicted")
-            upper.set_ylabel(f"{one.quantity} ({one.unit})" if one.unit else one.quantity)
+            upper.set_ylabel(label(one.quantity, one.unit))
             lower.plot(at, one.residuals, ".", markersize=3)
             lower.axhline(0.0, color="0.6", linewidth=0.8)
             lower.set_ylabel("residual")

@@ -8,6 +8,7 @@ import typing
 
 import numpy
 
+from mckibben._axes import axes_for
 from mckibben.errors import InputError
 
 if typing.TYPE_CHECKING:
@@ -44,8 +45,6 @@ def bode(
     ax: collections.abc.Sequence[matplotlib.axes.Axes] | None = None,
 ) -> matplotlib.figure.Figure:
     """Draw magnitude and phase of outputs over one input, in a new figure or into two axes."""
-    import matplotlib.pyplot as plt
-
     def place(name: str, names: list[str], what: str) -> int:
         if name not in names:
             raise InputError(f"the model has no {what} `{name}`; it has {', '.join(names)}")
@@ -59,13 +58,7 @@ def bode(
     ends = math.log10(min(sizes)) - _BEYOND, math.log10(max(sizes)) + _BEYOND
     omega = numpy.logspace(*ends, int(_POINTS * (ends[1] - ends[0])))
     answers = response(model, omega)
-    if ax is None:
-        figure, axes = plt.subplots(2, sharex=True, layout="constrained")
-    else:
-        axes = list(ax)
-        if len(axes) != 2:
-            raise InputError(f"`ax` has {len(axes)} axes; give two, for magnitude and phase")
-        figure = axes[0].figure
+    axes, figure = axes_for(ax, 2, "; give two, for magnitude and phase")
     for row, output in zip(rows, chosen):
         answer = answers[:, row, column]
         label = f"{output} ({model.units[output]}/{model.units[name] or '1'})"

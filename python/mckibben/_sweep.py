@@ -12,6 +12,7 @@ import tempfile
 import typing
 import warnings
 
+from mckibben._axes import axes_for, label
 from mckibben._mckibben import Scenario, Sweep
 from mckibben.errors import InputError
 
@@ -121,9 +122,6 @@ class SweepResult:
         InputError
             A name is that of no column of numbers, or `ax` has another number of axes.
         """
-        import matplotlib.pyplot as plt
-        import numpy
-
         frame = self.to_pandas()
         for name in [*(columns or []), *([] if over is None else [over])]:
             if name not in self.units:
@@ -133,18 +131,12 @@ class SweepResult:
         drawn = list(columns) if columns is not None else [name for name in varying if name != across]
         if not drawn:
             raise InputError("no column of the sweep varies; name those to draw in `columns`")
-        if ax is None:
-            grid = plt.subplots(len(drawn), sharex=True, squeeze=False, layout="constrained")[1]
-            axes = list(grid[:, 0])
-        else:
-            axes = list(numpy.atleast_1d(numpy.asarray(ax, dtype=object)))
-            if len(axes) != len(drawn):
-                raise InputError(f"`ax` has {len(axes)} axes for {len(drawn)} columns; give one for each")
+        axes, figure = axes_for(ax, len(drawn), f" for {len(drawn)} columns; give one for each")
         for axis, name in zip(axes, drawn):
             axis.plot(frame[across], frame[name], ".")
-            axis.set_ylabel(f"{name} ({self.units[name]})" if self.units[name] else name)
-        axes[-1].set_xlabel(f"{across} ({self.units[across]})" if self.units[across] else across)
-        return typing.cast("matplotlib.figure.Figure", axes[0].figure)
+            axis.set_ylabel(label(name, self.units[name]))
+        axes[-1].set_xlabel(label(across, self.units[across]))
+        return figure
 
 
 @typing.overload
