@@ -379,6 +379,11 @@ impl Study {
         })
     }
 
+    /// The number of a text without a unit, where [`Study::numbers_are_si`].
+    pub fn in_si(&self, text: &str) -> Option<f64> {
+        in_si(self.numbers_are_si, text)
+    }
+
     /// Reads the tables of all runs and cleans them.
     ///
     /// # Errors
@@ -409,6 +414,11 @@ impl Study {
     }
 }
 
+/// The number of a text without a unit, where such numbers are in SI.
+pub(super) fn in_si(numbers_are_si: bool, text: &str) -> Option<f64> {
+    numbers_are_si.then(|| text.parse().ok()).flatten()
+}
+
 /// A path beside a file.
 fn beside(file: &Path, path: &Path) -> PathBuf {
     file.parent().map_or_else(|| path.to_path_buf(), |folder| folder.join(path))
@@ -430,7 +440,7 @@ impl Within<'_> {
     /// A quantity of a dimension, in SI.
     fn si(&self, text: &Spanned<String>, of: Quantity) -> Result<f64, StudyError> {
         let at = Some(text.span().start);
-        if let (true, Ok(number)) = (self.numbers_are_si, text.as_ref().parse::<f64>()) {
+        if let Some(number) = in_si(self.numbers_are_si, text.as_ref()) {
             return Ok(number);
         }
         let read = quantity::parse(text.as_ref()).map_err(|error| {

@@ -23,7 +23,7 @@
 //! ```
 
 use super::StudyError;
-use super::file::{Kind, Within};
+use super::file::{Kind, Within, in_si};
 use crate::valve::Scatter;
 use mckibben_scenario::Dimension;
 use serde::Deserialize;
@@ -192,7 +192,7 @@ impl Within<'_> {
     /// A quantity of a dimension in SI, where a key of a section has one.
     fn number(&self, key: &str, text: &Spanned<String>, (dimension, example): Sort) -> Result<f64, StudyError> {
         let at = Some(text.span().start);
-        if let (true, Ok(number)) = (self.numbers_are_si, text.as_ref().parse::<f64>()) {
+        if let Some(number) = in_si(self.numbers_are_si, text.as_ref()) {
             return Ok(number);
         }
         let wrong = |why: String| {

@@ -4,7 +4,7 @@ use super::Material;
 use crate::failure::Failure;
 use mckibben::parameter::Parameter;
 use mckibben_identify::least_squares::Unknown;
-use mckibben_identify::study::FitEntry;
+use mckibben_identify::study::{FitEntry, Study};
 use mckibben_scenario::{Document, Place, PlaceError, Scenario, quantity as grammar};
 
 /// All of them, in the scenario of the study.
@@ -13,12 +13,7 @@ pub(super) fn all(material: &Material) -> Result<(Vec<Place>, Vec<Unknown>), Fai
     let mut found = (Vec::new(), Vec::new());
     for entry in entries(material)? {
         let place = place(material, entry, (&material.document, &mut scenario), None)?;
-        found.1.push(unknown(
-            material.study.numbers_are_si,
-            entry,
-            place.parameter(),
-            place.value(&mut scenario).unwrap_or(0.0),
-        )?);
+        found.1.push(unknown(&material.study, entry, place.parameter(), place.value(&mut scenario).unwrap_or(0.0))?);
         found.0.push(place);
     }
     Ok(found)
@@ -47,11 +42,11 @@ pub(super) fn of_runs<P>(
         for (run, of) in numbers.iter_mut().enumerate() {
             let (place, row, value) = find(run, entry)?;
             if entry.per_run {
-                let own = unknown(material.study.numbers_are_si, entry, row, value)?;
+                let own = unknown(&material.study, entry, row, value)?;
                 let name = format!("{} [{}]", entry.path, material.recordings[run].name);
                 unknowns.push(Unknown { name, ..own });
             } else if unknowns.len() == first {
-                unknowns.push(unknown(material.study.numbers_are_si, entry, row, value)?);
+                unknowns.push(unknown(&material.study, entry, row, value)?);
             }
             of.unknowns.push(unknowns.len() - 1);
             of.places.push(place);
@@ -96,10 +91,10 @@ pub(super) fn misplaced(error: &PlaceError, run: Option<&str>) -> Failure {
 }
 
 /// Bounds are those of the study within those of the parameter.
-fn unknown(numbers_are_si: bool, entry: &FitEntry, row: &Parameter, first: f64) -> Result<Unknown, Failure> {
+fn unknown(study: &Study, entry: &FitEntry, row: &Parameter, first: f64) -> Result<Unknown, Failure> {
     let read = |text: &Option<String>| -> Result<Option<f64>, Failure> {
         let Some(text) = text else { return Ok(None) };
-        if let (true, Ok(number)) = (numbers_are_si, text.parse::<f64>()) {
+        if let Some(number) = study.in_si(text) {
             return Ok(Some(number));
         }
         let wrong = |why: String| {
