@@ -179,7 +179,11 @@ pub(crate) fn distance(steps: &PlantSteps) -> f64 {
 /// What the actuator answers while its ends move apart at a velocity in m/s.
 pub(crate) fn respond(steps: &mut PlantSteps, velocity: f64) -> Result<mckibben::Response, Error> {
     let rate = steps.state()[steps.plant().indices().mechanisms[0].rate(0)];
-    if rate.to_bits() == velocity.to_bits() { steps.compute(0) } else { steps.compute_at(0, &[velocity]) }
+    let mut response = [steps.compute(0)?];
+    if rate.to_bits() != velocity.to_bits() {
+        steps.compute_at(&[distance(steps)], &[velocity], &mut response)?;
+    }
+    Ok(response[0])
 }
 
 /// A number that tells texts from each other, exact as a float.

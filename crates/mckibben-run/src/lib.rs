@@ -10,6 +10,7 @@
 //! | [`identify`] | measured data to the numbers of a scenario |
 //! | [`reproduce`] | the paper's experiments as a report |
 //! | [`engine`], [`closed_loop`] | a run by the engine that the scenario names, and a controller's part in it |
+//! | [`host`] | any scenario as a plant that another simulator steps |
 //! | [`observation`], [`summary`] | the figures of a run: extremes, ripple, air used, energy; as numbers with names |
 //! | [`joint`], [`plant`] | all of this for a joint of two actuators, and for plants with names |
 //! | [`events`] | the log of events |
@@ -33,6 +34,7 @@ pub mod curves;
 pub mod engine;
 pub mod events;
 pub mod failure;
+pub mod host;
 pub mod identify;
 pub mod joint;
 pub mod linearize;

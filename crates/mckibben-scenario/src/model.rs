@@ -267,7 +267,7 @@ fn core_lead(tendon: &Tendon) -> Result<load::Tendon, Error> {
 
 impl Run {
     /// The method of the fixed-step engine, as the core names it.
-    pub(crate) fn core_method(&self) -> simulation::Method {
+    pub fn core_method(&self) -> simulation::Method {
         match self.method {
             Method::Stable => simulation::Method::Stable,
             Method::Rk4 => simulation::Method::Rk4,

@@ -75,6 +75,9 @@ entry_points! {
         steps.generic_derivative(rates);
     fn compute_plant_steps(steps: &mut PlantSteps<Self>, actuator: usize) -> Result<Response<Self>, Error> =
         steps.generic_compute(actuator);
+    fn compute_plant_steps_at(
+        steps: &mut PlantSteps<Self>, distances: &[Self], rates: &[Self], responses: &mut [Response<Self>]
+    ) -> Result<(), Error> = steps.generic_compute_at(distances, rates, responses);
     fn keep_plant_run(
         trajectory: &mut PlantTrajectory<Self>, run: &mut PlantRun<Self>, until: Self, watch: Watch<'_>
     ) -> Result<(), Error> = trajectory.generic_keep(run, until, watch);

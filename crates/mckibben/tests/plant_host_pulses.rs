@@ -45,7 +45,9 @@ fn hang(paper: &Paper, duty: f64, mass: f64, duration: f64, steps: u32) -> Vec<f
     let (mut length, mut velocity, step) = (paper.start().length, 0.0, duration / f64::from(steps));
     let mut lengths = Vec::new();
     for count in 1..=steps {
-        velocity += (GRAVITY - actuator.compute_at(0, &[velocity]).expect("one").tension / mass) * step;
+        let mut response = [actuator.compute(0).expect("one")];
+        actuator.compute_at(&[length], &[velocity], &mut response).expect("one");
+        velocity += (GRAVITY - response[0].tension / mass) * step;
         length += velocity * step;
         actuator.move_to(duration * f64::from(count) / f64::from(steps), &[length]).expect("a step");
         if count % (steps / 20) == 0 {

@@ -263,14 +263,23 @@ fn rates_tensions_at_other_rates_and_the_way_back_to_the_start() {
     let now = steps.compute(0).expect("one");
     assert_eq!([rates[places.pressure], rates[places.mass()]], [now.pressure_rate, now.mass_flow]);
     let rate = steps.state()[plant.indices().mechanisms[0].rate(0)];
-    assert_eq!(steps.compute_at(0, &[rate]).expect("one"), now);
-    let back = steps.compute_at(0, &[-rate]).expect("one");
+    let distance = steps.state()[plant.indices().mechanisms[0].position(0)];
+    let mut at = |distance: f64, rate: f64| {
+        let mut responses = [now];
+        steps.compute_at(&[distance], &[rate], &mut responses).map(|()| responses[0])
+    };
+    assert_eq!(at(distance, rate).expect("one"), now);
+    let (back, longer) = (at(distance, -rate).expect("one"), at(distance + 1e-7, rate).expect("one"));
+    let difference = (longer.tension - now.tension) / 1e-7;
+    assert!((difference / now.per_length - 1.0).abs() < 1e-4, "{difference} for {} N/m", now.per_length);
     assert!((back.tension - now.tension) * rate < 0.0, "friction turns with the velocity");
     assert_eq!(steps.sample(), there, "to ask changes nothing");
     assert!(matches!(steps.derivative(&mut []), Err(Error::Table { .. })));
-    assert!(matches!(steps.compute_at(0, &[]), Err(Error::Table { .. })));
-    assert!(matches!(steps.compute_at(0, &[f64::NAN]), Err(Error::OutOfRange { .. })));
-    assert!(matches!(steps.compute_at(1, &[0.0]), Err(Error::Misuse { .. })));
+    assert!(matches!(steps.compute_at(&[distance], &[], &mut [now]), Err(Error::Table { .. })));
+    assert!(matches!(steps.compute_at(&[], &[0.0], &mut [now]), Err(Error::Table { .. })));
+    assert!(matches!(steps.compute_at(&[distance], &[0.0], &mut []), Err(Error::Table { .. })));
+    assert!(matches!(steps.compute_at(&[distance], &[f64::NAN], &mut [now]), Err(Error::OutOfRange { .. })));
+    assert!(matches!(steps.compute_at(&[0.0], &[0.0], &mut [now]), Err(Error::OutOfRange { .. })));
     assert_eq!(steps.sample(), there, "nor does what cannot be");
     steps.reset();
     assert_eq!(steps.sample(), begin);

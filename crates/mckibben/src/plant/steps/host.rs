@@ -7,9 +7,10 @@
 //! compute   the tension of an actuator and its derivatives, while its ends move as they do now
 //!
 //! Plant::rest_distance   how far apart the ends of an actuator are where it does not pull
-//! compute_at  the tension and its derivatives while the ends move at other rates
+//! compute_at  the tensions and their derivatives of all actuators, with the ends elsewhere and moving at other rates
 //! derivative  the rates of all states
 //! set_rates   how fast the ends move from now on
+//! set_pressure  another pressure of the air in an actuator
 //! save        where everything is
 //! restore     back to there, as for a step that is only tried
 //! state_size, save_to, restore_from   as numbers in the caller's memory
@@ -54,20 +55,17 @@ use super::super::run::PlantRun;
 use super::super::sample::ActuatorSample;
 use super::super::{Mounted, Plant, PlantStart};
 use super::{Method, NARROW, PlantSteps, part};
-use crate::actuator::Response;
-use crate::dual::Dual;
 use crate::error::Error;
 use crate::force::Statics;
 use crate::instantiate::Instantiate;
 use crate::mechanism::{Coupling, Mechanism};
 use crate::parameter;
 use crate::pressure::GaugePressure;
-use crate::scalar::Over;
-use crate::simulation::Sliding;
+use crate::valve::below_vacuum;
 use alloc::vec;
 
 /// What is said of an actuator that is not there.
-const NO_ACTUATOR: Error = Error::Misuse {
+pub(super) const NO_ACTUATOR: Error = Error::Misuse {
     what: "an actuator is asked for that is not there",
     remedy: "name one of the plant's actuators, counted from zero",
 };
@@ -242,40 +240,8 @@ impl<R: Instantiate> PlantSteps<R> {
         Ok(())
     }
 
-    /// The tension of an actuator, its derivatives over the distance, its rate and the pressure, and the rates of its air,
-    /// while its ends move as they do now. On a tendon the length of the actuator is a state, and the derivative over the
-    /// distance is the tendon's stiffness.
-    ///
-    /// # Errors
-    /// [`Error::Misuse`] when there is no such actuator.
-    pub fn compute(&mut self, actuator: usize) -> Result<Response<R>, Error> {
-        R::compute_plant_steps(self, actuator)
-    }
-
-    /// The tension of an actuator and its derivatives, as [`PlantSteps::compute`] has them, while the ends of all external
-    /// mechanisms move at `rates` in m/s in place of how they do: one rate for each coordinate, in the order of the mechanisms.
-    ///
-    /// # Errors
-    /// As [`PlantSteps::compute`]; [`Error::Table`] unless there is one rate for each coordinate; [`Error::OutOfRange`] for a
-    /// rate that is not finite.
-    pub fn compute_at(&mut self, actuator: usize, rates: &[R]) -> Result<Response<R>, Error> {
-        self.check_count("rates", rates.len())?;
-        self.before.clone_from(&self.reached);
-        let mut first = 0;
-        let mut set = Ok(());
-        for m in 0..self.plant().mechanisms().len() {
-            if let Mechanism::External { distances } = self.plant().mechanisms()[m] {
-                set = set.and_then(|()| self.set_rates(m, &rates[first..first + distances]));
-                first += distances;
-            }
-        }
-        let response = set.and_then(|()| self.compute(actuator));
-        core::mem::swap(&mut self.reached, &mut self.before);
-        response
-    }
-
     /// That there is one number for each coordinate that a host moves.
-    fn check_count(&self, name: &'static str, given: usize) -> Result<(), Error> {
+    pub(super) fn check_count(&self, name: &'static str, given: usize) -> Result<(), Error> {
         let of_host = self.plant().mechanisms().iter().map(|mechanism| match mechanism {
             Mechanism::External { distances } => *distances,
             _ => 0,
@@ -291,42 +257,38 @@ impl<R: Instantiate> PlantSteps<R> {
             remedy: "give as many as the external mechanisms have coordinates",
         })
     }
+}
 
-    pub(crate) fn generic_compute(&mut self, actuator: usize) -> Result<Response<R>, Error> {
+impl PlantSteps {
+    /// Replaces the air in an actuator by air of another gauge pressure, at the temperature that it has: its mass changes in
+    /// proportion to the absolute pressure. A host that keeps pressures among its own states sets them by this.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] and [`Error::Inconsistent`] for a pressure that is not finite or is vacuum; [`Error::Misuse`]
+    /// when there is no such actuator, when its pressure is given, and when no host moves its ends. Then nothing has changed.
+    pub fn set_pressure(&mut self, actuator: usize, gauge: GaugePressure) -> Result<(), Error> {
         let Self { system, reached, work, .. } = self;
-        let (time, state, mode) = reached.parts();
-        let mounted = system.plant.actuators().get(actuator).ok_or(NO_ACTUATOR)?;
-        system.enter_pieces(*time, state, mode, &mut work.at);
-        system.evaluate(*time, state, mode, &mut work.at);
-        system.share_tensions(mounted.mechanism, state, mode, &mut work.at);
-        let (unit, chamber, its) = (work.at.units[actuator], work.at.chambers[actuator], &mode.actuators[actuator]);
-        let slopes = match &mounted.tendon {
-            Some(_) if its.loose => [R::zero(); 3],
-            Some(tendon) => [tendon.stiffness(), R::zero(), R::zero()],
-            None => {
-                let mut sliding = its.mode;
-                if sliding.sliding == Sliding::Stuck {
-                    sliding.sliding = Sliding::Frictionless;
-                }
-                let ends: [Dual<R, 3>; 3] = [
-                    Dual::variable(unit.length, 0),
-                    Dual::variable(unit.velocity, 1),
-                    Dual::variable(chamber.pressure, 2),
-                ];
-                let bristles = system.bristles(actuator, state).map(<Dual<R, 3> as Over<R>>::of);
-                system.wires[actuator].member.tension(ends, &sliding, (&its.trace, bristles)).slope
-            }
-        };
+        let plant = &*system.plant;
+        let mounted = plant.actuators().get(actuator).ok_or(NO_ACTUATOR)?;
+        let is_moved = matches!(plant.mechanisms()[mounted.mechanism], Mechanism::External { .. });
+        if mounted.pressure.is_some() || !is_moved {
+            return Err(Error::Misuse {
+                what: "a pressure is set of an actuator that has a given one, or whose ends no host moves",
+                remedy: "set that of an actuator on an external mechanism, whose pressure follows from its air",
+            });
+        }
         let air = mounted.actuator.air();
-        Ok(Response {
-            tension: unit.tension.larger(R::zero()),
-            per_length: slopes[0],
-            per_velocity: slopes[1],
-            per_pressure: slopes[2],
-            pressure_rate: unit.pressure_rate,
-            mass_flow: unit.flow.net(),
-            temperature: air.temperature(&chamber),
-            volume: chamber.volume,
-        })
+        parameter::INITIAL_GAUGE_PRESSURE.check(gauge.0)?;
+        let pressure = gauge.absolute(air.atmosphere()).0;
+        if pressure <= 0.0 {
+            return Err(below_vacuum(&parameter::INITIAL_GAUGE_PRESSURE, gauge, air));
+        }
+        let here = plant.indices().actuators[actuator];
+        let (time, state, mode) = reached.parts();
+        state[here.mass()] *= pressure / state[here.pressure];
+        state[here.pressure] = pressure;
+        work.forget_guards();
+        system.enter_given_motion(mounted.mechanism, *time, state, mode, &mut work.at);
+        Ok(())
     }
 }

@@ -24,6 +24,7 @@ mod implicit;
 mod method;
 mod part;
 mod pieces;
+mod response;
 mod saved;
 
 pub use accuracy::{PILOT, PlantReference, PlantStepError, SHORTEST, plant_step_for_accuracy};

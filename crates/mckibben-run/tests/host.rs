@@ -1,0 +1,197 @@
+//! A scenario as a plant that a host steps: names, commands, distances, outputs, and the way back.
+
+use mckibben::GaugePressure;
+use mckibben_run::host::{CommandMode, HostOptions, HostPlant, Motion};
+use mckibben_scenario::Document;
+
+/// A muscle of the paper with a valve of two poppets, 25 Hz pulses, at 90 mm and 40 psi.
+const MUSCLE: &str = r#"
+[supply]
+gauge_pressure = "100 psi"
+[valve]
+preset = "matrix-eight-channel"
+[command]
+kind = "pwm"
+frequency = "25 Hz"
+duty = 0.5
+[load]
+kind = "hanging-mass"
+mass = "5 lb"
+[initial]
+length = "90 mm"
+gauge_pressure = "40 psi"
+[run]
+duration = "1 s"
+engine = "fixed-step"
+step = "0.5 ms"
+"#;
+const PSI: f64 = 6_894.757_293_168_361;
+const POUND: f64 = 0.453_592_37;
+
+fn document(text: &str) -> Document {
+    Document::parse(text, "muscle.toml").expect("TOML")
+}
+
+fn host(text: &str, options: &HostOptions<'_>) -> HostPlant {
+    HostPlant::read(&document(text), options).expect("a plant")
+}
+
+fn output(host: &mut HostPlant, name: &str) -> f64 {
+    let at = host.outputs().iter().position(|column| column.name == name);
+    let mut all = vec![0.0; host.outputs().len()];
+    host.read_outputs(&mut all).expect("as many");
+    all[at.unwrap_or_else(|| panic!("no output {name}"))]
+}
+
+/// A load that a host integrates comes to where the scenario's own load does, to first order in the step.
+#[test]
+fn a_mass_of_the_host_moves_as_that_of_the_scenario() {
+    // Dry friction at rest is set-valued: who owns the load has to hold it, so it would blur the order.
+    let text = MUSCLE.replace("[load]", "[actuator.friction]\ncoulomb_width = \"0 in\"\n[load]");
+    let (requests, duration) = (HostOptions { command_mode: Some("request"), ..HostOptions::default() }, 0.05);
+    let fine = HostOptions { motion: Motion::Scenario, max_step: Some(1e-6), ..requests };
+    let mut whole = host(&text, &fine);
+    whole.command(0, 1.0).expect("a request");
+    whole.advance(duration, &[]).expect("a run");
+    let length = output(&mut whole, "actuator.length");
+    assert!((0.066..0.089).contains(&length), "free, and moved: {length} m");
+    let error = |count: u32| {
+        let mut of = host(&text, &requests);
+        of.command(0, 1.0).expect("a request");
+        let (mut distance, mut velocity, step) = (0.09, 0.0, duration / f64::from(count));
+        let mut response = [of.steps_mut().compute(0).expect("a response")];
+        for k in 1..=count {
+            of.compute_at(&[distance], &[velocity], &mut response).expect("a response");
+            velocity += (9.80665 - response[0].tension / (5.0 * POUND)) * step;
+            distance += velocity * step;
+            of.advance(f64::from(k) * step, &[distance]).expect("a step");
+        }
+        (distance - length).abs()
+    };
+    let errors = [2000, 4000, 8000].map(error);
+    for pair in errors.windows(2) {
+        let order = (pair[0] / pair[1]).log2();
+        assert!((order - 1.0).abs() < 0.15, "order {order} of {errors:?} m");
+    }
+}
+
+/// Each valve has the mode that it takes, and its name says so.
+#[test]
+fn commands_are_named_by_actuator_and_mode() {
+    let named = |text: &str| host(text, &HostOptions::default()).commands()[0].name.clone();
+    assert_eq!(named(MUSCLE), "actuator.duty");
+    let held = MUSCLE.replace("kind = \"pwm\"\nfrequency = \"25 Hz\"\nduty = 0.5", "kind = \"fill\"");
+    assert_eq!(named(&held), "actuator.request");
+    let of = host(&held, &HostOptions { pulse_frequency: Some(50.0), ..HostOptions::default() });
+    assert!(matches!(of.commands()[0].mode, CommandMode::Duty(pulses) if pulses.frequency == 50.0));
+    let set_point = HostOptions { command_mode: Some("set-point"), ..HostOptions::default() };
+    let refused = HostPlant::read(&document(MUSCLE), &set_point).expect_err("a valve with seats").to_string();
+    assert!(refused.contains("command_mode=\"duty\" or command_mode=\"request\""), "{refused}");
+}
+
+/// Actuators on one tank are one plant with the names of the file.
+#[test]
+fn an_arm_on_one_tank_is_one_plant() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/plant/arm.toml");
+    let document = Document::load(path).expect("an example");
+    let options = HostOptions { command_mode: Some("request"), ..HostOptions::default() };
+    let mut arm = HostPlant::read(&document, &options).expect("an arm");
+    let count = arm.actuators().len();
+    assert!(count >= 4 && arm.commands().len() == count, "{:?}", arm.commands());
+    let distances: Vec<f64> = (0..count).map(|actuator| arm.distance(actuator)).collect();
+    arm.command(0, 1.0).expect("a command");
+    let name = arm.actuators()[0].clone();
+    let begin = output(&mut arm, &format!("{name}.gauge_pressure"));
+    arm.advance(0.2, &distances).expect("a step");
+    assert!(output(&mut arm, &format!("{name}.gauge_pressure")) > begin + 1e4);
+}
+
+/// A state goes to numbers and back, and the plant goes on to the same bits; an equal command changes nothing.
+#[test]
+fn what_is_restored_goes_on_bit_for_bit() {
+    let (mut of, mut other, mut once) = {
+        let new = || host(MUSCLE, &HostOptions::default());
+        (new(), new(), new())
+    };
+    let mut numbers = vec![0.0; of.state_size()];
+    let step = |of: &mut HostPlant, k: u32| {
+        of.command(0, 0.7).expect("a duty cycle");
+        of.advance(f64::from(k) * 1e-3, &[0.09 - 1e-5 * f64::from(k % 40)]).expect("a step");
+    };
+    (1..=60).for_each(|k| step(&mut of, k));
+    of.save(&mut numbers).expect("a state");
+    (61..=200).for_each(|k| step(&mut of, k));
+    let there = of.steps().state().to_vec();
+    other.restore(&numbers).expect("a state");
+    (61..=200).for_each(|k| step(&mut other, k));
+    assert_eq!(other.steps().state(), there);
+    once.command(0, 0.7).expect("a duty cycle");
+    for k in 1..=200 {
+        once.advance(f64::from(k) * 1e-3, &[0.09 - 1e-5 * f64::from(k % 40)]).expect("a step");
+    }
+    assert_eq!(once.steps().state(), there, "set once and left alone");
+    of.reset();
+    assert_eq!(of.steps().time(), 0.0);
+}
+
+/// A pressure that the host sets is that of other air at the temperature that there is, and the tension of (1) is linear in it.
+#[test]
+fn a_host_sets_a_pressure() {
+    let mut of = host(MUSCLE, &HostOptions::default());
+    let before = of.steps_mut().compute(0).expect("a response");
+    let mass = output(&mut of, "actuator.air_mass");
+    of.steps_mut().set_pressure(0, GaugePressure(3e5)).expect("a pressure");
+    let after = of.steps_mut().compute(0).expect("a response");
+    assert!((after.temperature / before.temperature - 1.0).abs() < 1e-12);
+    assert!((output(&mut of, "actuator.gauge_pressure") - 3e5).abs() < 1e-6);
+    let ratio = (3e5 + 101_325.0) / (40.0 * PSI + 101_325.0);
+    assert!((output(&mut of, "actuator.air_mass") / mass / ratio - 1.0).abs() < 1e-12);
+    let (rise, expected) = (after.tension - before.tension, before.per_pressure * (3e5 - 40.0 * PSI));
+    assert!((rise / expected - 1.0).abs() < 1e-9, "{rise} N for {expected} N");
+    for (actuator, gauge) in [(0, -2e5), (0, f64::NAN), (1, 0.0)] {
+        assert!(of.steps_mut().set_pressure(actuator, GaugePressure(gauge)).is_err());
+    }
+    assert_eq!(of.steps_mut().compute(0).expect("a response"), after);
+}
+
+/// A host begins where its model has the ends.
+#[test]
+fn a_plant_begins_at_distances_of_the_host() {
+    let mut of = host(MUSCLE, &HostOptions::default());
+    of.begin_at(&[0.085], &[0.01]).expect("a start");
+    assert_eq!((of.distance(0), of.steps().time()), (0.085, 0.0));
+    assert!((output(&mut of, "actuator.gauge_pressure") - 40.0 * PSI).abs() < 1e-6);
+    assert!(of.begin_at(&[0.5], &[0.0]).is_err(), "longer than the thread");
+    assert!(of.begin_at(&[], &[]).is_err());
+    assert_eq!(of.distance(0), 0.085);
+}
+
+/// What cannot be is said, and changes nothing.
+#[test]
+fn what_cannot_be_is_refused() {
+    let mut of = host(MUSCLE, &HostOptions::default());
+    let state = of.steps().state().to_vec();
+    let response = of.steps_mut().compute(0).expect("a response");
+    for refused in [
+        of.command(0, 1.5),
+        of.command(0, f64::NAN),
+        of.command(7, 0.5),
+        of.advance(1e-3, &[]),
+        of.advance(1e-3, &[f64::NAN]),
+        of.advance(1e-3, &[0.5]),
+        of.advance(-1.0, &[0.09]),
+        of.advance(f64::INFINITY, &[0.09]),
+        of.compute_at(&[0.09], &[f64::NAN], &mut [response]),
+        of.read_outputs(&mut []),
+        of.save(&mut []),
+        of.restore(&[0.0]),
+    ] {
+        assert!(!refused.expect_err("refused").to_string().is_empty());
+    }
+    assert_eq!(of.steps().state(), state);
+    let mut whole = host(MUSCLE, &HostOptions { motion: Motion::Scenario, ..HostOptions::default() });
+    assert!(whole.advance(1e-3, &[0.09]).is_err() && whole.begin_at(&[0.09], &[0.0]).is_err());
+    assert!(whole.advance(f64::NAN, &[]).is_err());
+    let late = HostOptions { max_step: Some(0.0), ..HostOptions::default() };
+    assert!(HostPlant::read(&document(MUSCLE), &late).is_err());
+}

@@ -1,0 +1,137 @@
+//! Tensions with their derivatives, where the ends of actuators are or would be.
+//!
+//! ```text
+//! F(L, v, P)      tension in N, of the state of the air and of the friction that the steps have reached
+//! ∂F/∂L           N/m, at constant pressure; on a tendon its stiffness, since the length of the actuator is a state
+//! ∂F/∂v           N·s/m
+//! ∂F/∂P           m²
+//! ```
+//!
+//! Source: Colbrunn, Nelson & Quinn (2001), (1), (11), (12). Checked by `tests/plant_host.rs` and `tests/plant_saved.rs`.
+
+use super::PlantSteps;
+use super::host::NO_ACTUATOR;
+use crate::actuator::Response;
+use crate::dual::Dual;
+use crate::error::Error;
+use crate::instantiate::Instantiate;
+use crate::mechanism::Mechanism;
+use crate::parameter;
+use crate::scalar::Over;
+use crate::simulation::Sliding;
+
+impl<R: Instantiate> PlantSteps<R> {
+    /// The tension of an actuator, its derivatives over the distance, its rate and the pressure, and the rates of its air,
+    /// while its ends move as they do now. On a tendon the length of the actuator is a state, and the derivative over the
+    /// distance is the tendon's stiffness.
+    ///
+    /// # Errors
+    /// [`Error::Misuse`] when there is no such actuator.
+    pub fn compute(&mut self, actuator: usize) -> Result<Response<R>, Error> {
+        R::compute_plant_steps(self, actuator)
+    }
+
+    pub(crate) fn generic_compute(&mut self, actuator: usize) -> Result<Response<R>, Error> {
+        let mechanism = self.plant().actuators().get(actuator).ok_or(NO_ACTUATOR)?.mechanism;
+        self.evaluate(core::iter::once(mechanism));
+        Ok(self.response(actuator))
+    }
+
+    /// The responses of all actuators, as [`PlantSteps::compute`] has them, with the ends of all external mechanisms at
+    /// `distances` in m and moving at `rates` in m/s in place of where they are: one of each for each coordinate, in the order
+    /// of the mechanisms. The air and the memory of friction are those of the state that has been reached, which stays.
+    ///
+    /// # Errors
+    /// [`Error::Table`] unless there is one distance and one rate for each coordinate, and one response for each actuator;
+    /// [`Error::OutOfRange`] for a number that is not finite, and for a distance that is not above zero.
+    pub fn compute_at(&mut self, distances: &[R], rates: &[R], responses: &mut [Response<R>]) -> Result<(), Error> {
+        R::compute_plant_steps_at(self, distances, rates, responses)
+    }
+
+    pub(crate) fn generic_compute_at(
+        &mut self,
+        distances: &[R],
+        rates: &[R],
+        responses: &mut [Response<R>],
+    ) -> Result<(), Error> {
+        self.check_count("distances", distances.len())?;
+        self.check_count("rates", rates.len())?;
+        distances.iter().try_for_each(|its| parameter::INITIAL_LENGTH.check(its.value()).map(drop))?;
+        rates.iter().try_for_each(|its| parameter::INITIAL_VELOCITY.check(its.value()).map(drop))?;
+        let count = self.plant().actuators().len();
+        if responses.len() != count {
+            return Err(Error::Table {
+                name: "responses",
+                problem: "there is not one for each actuator",
+                entry: responses.len().min(count) + 1,
+                remedy: "give as many as the plant has actuators",
+            });
+        }
+        self.before.clone_from(&self.reached);
+        let Self { system, reached, work, .. } = self;
+        let mut first = 0;
+        for (m, here) in system.plant.indices().mechanisms.iter().enumerate() {
+            if !matches!(system.plant.mechanisms()[m], Mechanism::External { .. }) {
+                continue;
+            }
+            let (time, state, mode) = reached.parts();
+            let theirs = first..first + here.coordinates;
+            state[here.position(0)..here.position(0) + here.coordinates].copy_from_slice(&distances[theirs.clone()]);
+            state[here.rate(0)..here.rate(0) + here.coordinates].copy_from_slice(&rates[theirs]);
+            first += here.coordinates;
+            system.enter_given_motion(m, *time, state, mode, &mut work.at);
+        }
+        self.evaluate(0..self.plant().mechanisms().len());
+        for (actuator, response) in responses.iter_mut().enumerate() {
+            *response = self.response(actuator);
+        }
+        self.work.forget_guards();
+        core::mem::swap(&mut self.reached, &mut self.before);
+        Ok(())
+    }
+
+    /// Evaluates the plant where the steps are, with the tensions that actuators on these mechanisms share.
+    fn evaluate(&mut self, mechanisms: impl Iterator<Item = usize>) {
+        let Self { system, reached, work, .. } = self;
+        let (time, state, mode) = reached.parts();
+        system.enter_pieces(*time, state, mode, &mut work.at);
+        system.evaluate(*time, state, mode, &mut work.at);
+        mechanisms.for_each(|m| system.share_tensions(m, state, mode, &mut work.at));
+    }
+
+    /// The response of an actuator that is there, once the plant has been evaluated.
+    fn response(&mut self, actuator: usize) -> Response<R> {
+        let Self { system, reached, work, .. } = self;
+        let (_, state, mode) = reached.parts();
+        let mounted = &system.plant.actuators()[actuator];
+        let (unit, chamber, its) = (work.at.units[actuator], work.at.chambers[actuator], &mode.actuators[actuator]);
+        let slopes = match &mounted.tendon {
+            Some(_) if its.loose => [R::zero(); 3],
+            Some(tendon) => [tendon.stiffness(), R::zero(), R::zero()],
+            None => {
+                let mut sliding = its.mode;
+                if sliding.sliding == Sliding::Stuck {
+                    sliding.sliding = Sliding::Frictionless;
+                }
+                let ends: [Dual<R, 3>; 3] = [
+                    Dual::variable(unit.length, 0),
+                    Dual::variable(unit.velocity, 1),
+                    Dual::variable(chamber.pressure, 2),
+                ];
+                let bristles = system.bristles(actuator, state).map(<Dual<R, 3> as Over<R>>::of);
+                system.wires[actuator].member.tension(ends, &sliding, (&its.trace, bristles)).slope
+            }
+        };
+        let air = mounted.actuator.air();
+        Response {
+            tension: unit.tension.larger(R::zero()),
+            per_length: slopes[0],
+            per_velocity: slopes[1],
+            per_pressure: slopes[2],
+            pressure_rate: unit.pressure_rate,
+            mass_flow: unit.flow.net(),
+            temperature: air.temperature(&chamber),
+            volume: chamber.volume,
+        }
+    }
+}
