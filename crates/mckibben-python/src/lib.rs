@@ -5,6 +5,7 @@
 //! | `scenario` | the class `Scenario` |
 //! | `trajectory` | `simulate`, the classes `Trajectory` and `Event` |
 //! | `actuator` | the modular actuator, step by step: `Actuator`, `ActuatorState`, `Response` |
+//! | `hosted_plant` | plants whose ends a simulator moves: `HostedPlant`; the plugin for MuJoCo |
 //! | `actuators` | many of them on arrays: `Actuators` |
 //! | `vector_plant` | many plants that are commanded together and reset one by one: `VectorPlant` |
 //! | `pulses` | how a valve is pulsed by a duty cycle |
@@ -34,6 +35,7 @@ mod arguments;
 mod columns;
 mod curves;
 mod differentiable;
+mod hosted_plant;
 mod identification;
 mod linear;
 mod parameters;
@@ -61,6 +63,8 @@ mod _mckibben {
     use crate::curves::{_curves, _presets};
     #[pymodule_export]
     use crate::differentiable::Differentiable;
+    #[pymodule_export]
+    use crate::hosted_plant::{_register_mujoco, HostedPlant};
     #[pymodule_export]
     use crate::identification::{_identify, _identify_file};
     #[pymodule_export]

@@ -157,13 +157,8 @@ impl HostPlant {
         let commands = inputs(&experiment, options)?;
         let valves: Vec<usize> = commands.iter().map(|input| input.valve).collect();
         let PlantExperiment { plant, start, run, names, .. } = experiment;
-        let mut experiment = PlantExperiment {
-            plant: plant.without_commands(&valves),
-            start,
-            run,
-            names,
-            controls: Vec::new(),
-        };
+        let mut experiment =
+            PlantExperiment { plant: plant.without_commands(&valves), start, run, names, controls: Vec::new() };
         let method = experiment.run.core_method();
         let stepping = match options.motion {
             Motion::Host => {
@@ -190,7 +185,11 @@ impl HostPlant {
             column.quantity().filter(|quantity| !matches!(quantity, PlantQuantity::SetPoint(..)))
         };
         let columns = experiment.columns();
-        let outputs: Vec<PlantColumn> = columns.into_iter().filter(|column| is_output(column).is_some()).collect();
+        let mut outputs: Vec<PlantColumn> = columns.into_iter().filter(|column| is_output(column).is_some()).collect();
+        for (actuator, name) in experiment.names.actuators.iter().enumerate() {
+            let name = format!("{name}.contraction");
+            outputs.push(PlantColumn::number(name, "", PlantQuantity::Contraction(actuator)));
+        }
         let quantities = outputs.iter().filter_map(is_output).collect();
         let (commanded, sampler) = (vec![None; commands.len()], PlantSampler::new(&steps));
         let motion = options.motion;
@@ -214,7 +213,8 @@ impl HostPlant {
         &self.commands
     }
 
-    /// What [`HostPlant::read_outputs`] writes: the columns of a run that are numbers, in their order.
+    /// What [`HostPlant::read_outputs`] writes: the columns of a run that are numbers, in their order, then the contraction of
+    /// each actuator.
     pub fn outputs(&self) -> &[PlantColumn] {
         &self.outputs
     }
@@ -324,6 +324,8 @@ impl HostPlant {
         let start = PlantStart {
             positions: vec![distances.to_vec()],
             rates: vec![rates.to_vec()],
+            // On a tendon, that at which actuator and tendon balance.
+            lengths: vec![None; self.experiment.start.lengths.len()],
             ..self.experiment.start.clone()
         };
         let begun = PlantRun::new(&self.experiment.plant, &start, self.stepping)?;
@@ -344,12 +346,7 @@ impl HostPlant {
     ///
     /// # Errors
     /// As there.
-    pub fn compute_at(
-        &mut self,
-        distances: &[f64],
-        rates: &[f64],
-        responses: &mut [Response],
-    ) -> Result<(), Failure> {
+    pub fn compute_at(&mut self, distances: &[f64], rates: &[f64], responses: &mut [Response]) -> Result<(), Failure> {
         Ok(self.steps.compute_at(distances, rates, responses)?)
     }
 
@@ -415,7 +412,8 @@ fn inputs(experiment: &PlantExperiment, options: &HostOptions<'_>) -> Result<Vec
         let name = &experiment.names.actuators[actuator];
         if let Some(input) = inputs.iter_mut().find(|input| input.valve == valve) {
             input.actuators.push(actuator);
-            let names: Vec<&str> = input.actuators.iter().map(|its| experiment.names.actuators[*its].as_str()).collect();
+            let names: Vec<&str> =
+                input.actuators.iter().map(|its| experiment.names.actuators[*its].as_str()).collect();
             input.name = input.mode.title(&names.join("+"));
             continue;
         }

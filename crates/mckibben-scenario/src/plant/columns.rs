@@ -14,6 +14,8 @@ use mckibben::plant::{Plant, PlantSample};
 pub enum PlantQuantity {
     /// Length of an actuator in m: the distance between its attachments, which may be below the shortest where it is slack.
     Length(usize),
+    /// Contraction of an actuator, `(L_max − L)/L_max`.
+    Contraction(usize),
     /// Velocity of lengthening of an actuator in m/s.
     Velocity(usize),
     /// Absolute pressure in an actuator in Pa.
@@ -76,6 +78,7 @@ impl PlantQuantity {
         let (actuator, mechanism) = (|i: usize| &sample.actuators[i], |m: usize| &sample.mechanisms[m]);
         match self {
             Self::Length(i) if has_tendon(i) => actuator(i).length,
+            Self::Contraction(i) => plant.actuators()[i].actuator.limits().contraction(actuator(i).length),
             Self::Velocity(i) if has_tendon(i) => actuator(i).velocity,
             Self::Length(i) | Self::LoadDistance(i) => actuator(i).distance,
             Self::Velocity(i) | Self::LoadVelocity(i) => actuator(i).rate,
@@ -101,7 +104,8 @@ impl PlantQuantity {
 }
 
 impl PlantColumn {
-    fn number(name: String, unit: &'static str, quantity: PlantQuantity) -> Self {
+    /// A column of a number, by its name without the unit.
+    pub fn number(name: String, unit: &'static str, quantity: PlantQuantity) -> Self {
         Self { name, unit, content: PlantContent::Number(quantity) }
     }
 

@@ -98,6 +98,13 @@ fn less_than(other: &'static Parameter, value: f64) -> Requirement {
 }
 
 impl<S: Scalar> LengthLimits<S> {
+    /// Contraction of a length L in m, `(L_max − L)/L_max`: 0 at the longest, rising as the actuator shortens.
+    pub fn contraction(&self, length: S) -> S {
+        (self.max_length - length) / self.max_length
+    }
+}
+
+impl<S: Scalar> LengthLimits<S> {
     /// The same limits over another scalar.
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> LengthLimits<T> {
         LengthLimits {

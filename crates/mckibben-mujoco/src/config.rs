@@ -1,0 +1,216 @@
+//! Attributes of an instance in a model file, to a scenario and what the plugin needs besides.
+//!
+//! | attribute | meaning |
+//! |---|---|
+//! | `scenario` | path of a scenario file; without it, one actuator by the keys below |
+//! | `scenario_text` | the text of a scenario file |
+//! | `command_mode` | what `ctrl` is: `duty`, `request`, `position`, `set-point`; by default each valve's own |
+//! | `pulse_frequency` | of duty cycles, such as `25 Hz`; by default that of the scenario's PWM |
+//! | `max_step` | the longest part of a step, such as `0.5 ms`: the air takes several in a long step of MuJoCo |
+//! | `length_offset` | what is added to MuJoCo's length for the distance between the ends of a muscle, such as `-30 mm` for fittings; for several, `biceps = -30 mm, triceps = -25 mm` |
+//! | `actuator.thread_length`, … | any key of a scenario file by its path, as there: `4.3 in`, `0.9`, `isentropic` |
+
+use mckibben_run::failure::Failure;
+use mckibben_run::host::{HostOptions, HostPlant};
+use mckibben_scenario::keys::all_keys;
+use mckibben_scenario::{Document, quantity};
+
+/// Attributes other than keys of a scenario.
+const OWN: [&str; 6] = ["scenario", "scenario_text", "command_mode", "pulse_frequency", "max_step", "length_offset"];
+/// What a muscle alone has unless its attributes say otherwise. MuJoCo moves its ends, so the load and the times are unused.
+const ALONE: [(&str, &str); 3] =
+    [("load.kind", "\"isometric\""), ("initial.length", "\"1 m\""), ("run.duration", "\"1 s\"")];
+
+/// What a valve may be commanded before `ctrl` says it: the first that it takes.
+const AT_REST: [&str; 4] = [
+    "{ kind = \"exhaust\" }",
+    "{ kind = \"hold\" }",
+    "{ kind = \"set-points\", time = [\"0 s\"], gauge_pressure = [\"0 Pa\"] }",
+    "{ kind = \"positions\", time = [\"0 s\"], position = [0.0] }",
+];
+
+/// What an instance is made of.
+#[derive(Clone, Debug)]
+pub(crate) struct Config {
+    pub(crate) host: HostPlant,
+    /// What is added to MuJoCo's length, in m, for each actuator of the plant.
+    pub(crate) offsets: Vec<f64>,
+}
+
+/// The names of all attributes.
+pub(crate) fn attributes() -> impl Iterator<Item = &'static str> {
+    // A plugin has no load and no run; how it is commanded at the start is said by `ctrl`.
+    let elsewhere = ["load.", "run.", "sweep.", "controller."];
+    let keys = all_keys().map(|key| key.path);
+    OWN.into_iter().chain(keys.filter(move |path| !elsewhere.iter().any(|section| path.starts_with(section))))
+}
+
+/// Reads the attributes of an instance; `attribute` has the value of each, empty where it is not given.
+pub(crate) fn read<'m>(attribute: impl Fn(&str) -> Option<&'m str>) -> Result<Config, Failure> {
+    let given = |name: &str| attribute(name).map(str::trim).filter(|value| !value.is_empty());
+    let document = document(&given)?;
+    let time = |name: &str, unit: &str| given(name).map(|text| number(name, text, unit)).transpose();
+    let options = HostOptions {
+        command_mode: given("command_mode"),
+        pulse_frequency: time("pulse_frequency", "Hz")?,
+        max_step: time("max_step", "s")?,
+        ..HostOptions::default()
+    };
+    let is_alone = given("scenario").or(given("scenario_text")).is_none();
+    let made = |document: Document| HostPlant::read(&if is_alone { alone(document)? } else { document }, &options);
+    let host = match document.contains("valve") && !document.contains("command") {
+        false => made(document)?,
+        true => at_rest(&document, made)?,
+    };
+    let offsets = offsets(given("length_offset"), host.actuators())?;
+    Ok(Config { host, offsets })
+}
+
+/// The scenario with the values of all keys that are given.
+fn document<'m>(given: &impl Fn(&str) -> Option<&'m str>) -> Result<Document, Failure> {
+    let mut document = match (given("scenario"), given("scenario_text")) {
+        (Some(_), Some(_)) => {
+            return Err(Failure::input(
+                "`scenario` and `scenario_text` are both given",
+                "give the path or the text, not both",
+            ));
+        }
+        (Some(path), None) => Document::load(path)?,
+        (None, Some(text)) => Document::parse(text, "scenario_text")?,
+        (None, None) => Document::parse("", "the model")?,
+    };
+    for path in attributes().filter(|name| !OWN.contains(name)) {
+        if let Some(value) = given(path) {
+            document.set_text_from("the model", path, &as_toml(value))?;
+        }
+    }
+    Ok(document)
+}
+
+/// The scenario of a muscle alone with what its attributes need not say.
+fn alone(mut document: Document) -> Result<Document, Failure> {
+    let is_said = document.contains("initial.length");
+    for (path, value) in ALONE {
+        if !document.contains(path) {
+            document.set_text_from("the plugin", path, value)?;
+        }
+    }
+    if !is_said {
+        // MuJoCo says how long it is.
+        let longest = document.scenario()?.actuator.max_length;
+        document.set_text_from("the plugin", "initial.length", &format!("\"{longest} m\""))?;
+    }
+    Ok(document)
+}
+
+/// Reads a scenario whose valve is commanded by `ctrl` alone.
+fn at_rest(document: &Document, made: impl Fn(Document) -> Result<HostPlant, Failure>) -> Result<HostPlant, Failure> {
+    let with = |command: &str| {
+        let mut document = document.clone();
+        document.set_text_from("the plugin", "command", command)?;
+        made(document)
+    };
+    let first = with(AT_REST[0]);
+    // What is wrong with anything else is wrong with every command.
+    first.or_else(|failure| AT_REST[1..].iter().find_map(|command| with(command).ok()).ok_or(failure))
+}
+
+/// A value as TOML: what is none, such as `4.3 in`, is a text.
+fn as_toml(value: &str) -> String {
+    let is_value = format!("value = {value}").parse::<toml::Table>().is_ok_and(|table| table.len() == 1);
+    if is_value { value.to_owned() } else { toml::Value::from(value).to_string() }
+}
+
+/// A number in SI from a text with a unit.
+fn number(name: &str, text: &str, unit: &str) -> Result<f64, Failure> {
+    let wrong = |problem: String| {
+        Failure::input(format!("{name} = \"{text}\": {problem}"), format!("give a number with a unit of {unit}"))
+    };
+    let read = quantity::parse(text).map_err(|error| wrong(error.to_string()))?;
+    let (dimension, _) = quantity::parse_unit(unit).map_err(|error| wrong(error.to_string()))?;
+    if read.dimension != dimension || !read.has_unit {
+        return Err(wrong("this is no quantity in that unit".to_owned()));
+    }
+    Ok(read.value)
+}
+
+/// What is added to the length of each actuator.
+fn offsets(text: Option<&str>, names: &[String]) -> Result<Vec<f64>, Failure> {
+    let Some(text) = text else { return Ok(vec![0.0; names.len()]) };
+    if !text.contains('=') {
+        return Ok(vec![number("length_offset", text, "m")?; names.len()]);
+    }
+    let mut offsets = vec![0.0; names.len()];
+    for entry in text.split(',') {
+        let (name, value) = entry.split_once('=').unwrap_or((entry, ""));
+        let Some(at) = names.iter().position(|known| known == name.trim()) else {
+            return Err(Failure::input(
+                format!("length_offset = \"{text}\" names `{}`, which is no actuator", name.trim()),
+                format!("name {}", names.join(", ")),
+            ));
+        };
+        offsets[at] = number("length_offset", value.trim(), "m")?;
+    }
+    Ok(offsets)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn with(pairs: &[(&str, &str)]) -> Result<Config, Failure> {
+        let pairs: Vec<(String, String)> = pairs.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned())).collect();
+        let value = |name: &str| pairs.iter().find(|(key, _)| key == name).map(|(_, value)| value.as_str());
+        read(value)
+    }
+
+    #[test]
+    fn a_muscle_by_its_keys() {
+        let muscle = [
+            ("supply.gauge_pressure", "100 psi"),
+            ("valve.preset", "matrix-eight-channel"),
+            ("air.process", "isothermal"),
+        ];
+        let of = with(&[&muscle[..], &[("pulse_frequency", "25 Hz"), ("length_offset", "-30 mm")]].concat())
+            .expect("a muscle");
+        assert_eq!((of.offsets, of.host.commands()[0].name.as_str()), (vec![-0.03], "actuator.duty"));
+        let of = with(&muscle).expect("a muscle");
+        assert_eq!(of.host.commands()[0].name, "actuator.request", "no frequency is said");
+        let regulator = [
+            ("supply.gauge_pressure", "100 psi"),
+            ("valve.kind", "pressure-regulator"),
+            ("valve.flow_area", "1.8e-5 ft^2"),
+            ("valve.time_constant", "30 ms"),
+            ("valve.rate_limit", "20 bar/s"),
+        ];
+        assert_eq!(with(&regulator).expect("a regulator").host.commands()[0].name, "actuator.set_point");
+    }
+
+    #[test]
+    fn mistakes_are_named_with_what_to_do() {
+        for (pairs, words) in [
+            (vec![("actuator.thread_length", "4.3 kg")], "is a mass"),
+            (vec![("actuator.turns", "-2")], "actuator.turns"),
+            (vec![("length_offset", "elbow = 1 mm")], "name actuator"),
+            (vec![("length_offset", "3")], "unit of m"),
+            (vec![("max_step", "1 m")], "unit of s"),
+            (vec![("command_mode", "force")], "duty"),
+            (vec![("scenario", "a.toml"), ("scenario_text", "[load]")], "not both"),
+            (vec![("scenario", "nowhere/a.toml")], "nowhere/a.toml"),
+            (vec![("scenario_text", "[load")], "scenario_text"),
+        ] {
+            let pairs = [&pairs[..], &[("supply.gauge_pressure", "100 psi"), ("valve.preset", "matrix-eight-channel")]]
+                .concat();
+            let failure = with(&pairs).expect_err("a mistake").to_string();
+            assert!(failure.contains(words), "{words}: {failure}");
+        }
+    }
+
+    #[test]
+    fn attributes_are_keys_of_scenarios() {
+        let names: Vec<&str> = attributes().collect();
+        assert!(names.contains(&"actuator.thread_length") && names.contains(&"valve.opening_delay"));
+        assert!(!names.iter().any(|name| name.starts_with("run.")));
+        assert!(names.iter().all(|name| !name.is_empty() && name.len() < 100));
+    }
+}

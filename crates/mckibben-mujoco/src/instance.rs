@@ -1,0 +1,378 @@
+//! One plant in a model: which MuJoCo actuator is which, where it begins, its forces, its step and its sensors.
+//!
+//! The state of an instance is numbers that MuJoCo owns (`plugin_state`), so that saving, resetting, copying and rollouts are
+//! MuJoCo's own:
+//!
+//! ```text
+//! [0]        phase: 0 not begun, 1 under way, 2 stopped
+//! [1 .. n]   what `act` was given last, for each actuator: gauge pressure in Pa
+//! [n+1 ..]   the state of the plant
+//! ```
+//!
+//! It begins where MuJoCo has the ends at the first step. What is kept beside the numbers is only what they say, read already.
+//!
+//! A step is in MuJoCo's order: forces at t, MuJoCo's own step, then all ends go to where they are at t + h. MuJoCo knows that
+//! length only at the next step, so it is taken as `L(t) + h J(t) v(t + h)`, right to second order in h; the next step begins
+//! from there, so nothing adds up, and the force is always that at MuJoCo's own length.
+
+use crate::config::Config;
+use mckibben::{GaugePressure, Response};
+use mckibben_run::failure::Failure;
+use mckibben_run::host::HostPlant;
+use mckibben_scenario::PlantQuantity;
+use std::borrow::Borrow;
+
+const FRESH: f64 = 0.0;
+const UNDER_WAY: f64 = 1.0;
+const STOPPED: f64 = 2.0;
+
+/// A MuJoCo actuator that is one of the plant's.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Wire {
+    /// Address of its force, length and velocity.
+    pub(crate) output: usize,
+    /// Address of its control.
+    pub(crate) control: usize,
+    /// Address of its pressure in `act`, where it has one.
+    pub(crate) act: Option<usize>,
+    /// Limits that the model sets on its control.
+    pub(crate) range: Option<[f64; 2]>,
+}
+
+/// What MuJoCo has of each actuator of the plant, in the plant's order.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Ends {
+    /// Length and velocity at the time of the state, in m and m/s, without the offset.
+    pub(crate) lengths: Vec<f64>,
+    pub(crate) velocities: Vec<f64>,
+    /// Velocity at the end of the step, in m/s.
+    pub(crate) next_velocities: Vec<f64>,
+    pub(crate) controls: Vec<f64>,
+    /// Gauge pressures in `act`, where they are there.
+    pub(crate) acts: Vec<f64>,
+}
+
+/// Where the plant was brought.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+enum Brought {
+    Nowhere,
+    /// To a beginning: `here` has the distances and velocities of the ends.
+    Begun,
+    /// To a state under way, which `here` has.
+    To,
+}
+
+/// One plant in a model, with its memory.
+#[derive(Debug)]
+pub(crate) struct Instance {
+    host: HostPlant,
+    offsets: Vec<f64>,
+    /// Each actuator of the plant in the model.
+    pub(crate) wires: Vec<Wire>,
+    /// Addresses in `sensordata` and what they hold.
+    pub(crate) sensors: Vec<(usize, PlantQuantity, usize)>,
+    /// What MuJoCo has, to be filled in.
+    pub(crate) ends: Ends,
+    /// The numbers that the plant was last brought to.
+    here: Vec<f64>,
+    /// The pressures that it was brought to besides.
+    here_acts: Vec<f64>,
+    brought: Brought,
+    zeros: Vec<f64>,
+    distances: Vec<f64>,
+    responses: Vec<Response>,
+    outputs: Vec<f64>,
+}
+
+/// How many numbers of the state come before the plant's.
+fn head(actuators: usize) -> usize {
+    1 + actuators
+}
+
+/// How many numbers the state of an instance is.
+pub(crate) fn state_size(config: &mut Config) -> usize {
+    head(config.host.actuators().len()) + config.host.state_size()
+}
+
+/// The gauge pressure in Pa that an actuator came to in the last step.
+pub(crate) fn pressure(state: &[f64], actuator: usize) -> f64 {
+    state[1 + actuator]
+}
+
+/// Makes the numbers of a state those of an instance that has not begun.
+pub(crate) fn reset(state: &mut [f64]) {
+    state.fill(0.0);
+}
+
+/// The index of what a MuJoCo name stands for among names: the name itself, or what follows its last `/`, as attached models
+/// have it.
+pub(crate) fn index_of(name: &str, names: &[String]) -> Option<usize> {
+    let last = name.rsplit('/').next().unwrap_or(name);
+    let of = |name: &str| names.iter().position(|known| known == name);
+    of(name).or_else(|| of(last))
+}
+
+impl Instance {
+    /// An instance; `actuators` are the MuJoCo actuators that refer to it, `sensors` its sensors with their addresses.
+    pub(crate) fn new(
+        config: Config,
+        actuators: &[(String, Wire)],
+        sensors: &[(String, usize)],
+    ) -> Result<Self, Failure> {
+        let Config { mut host, offsets } = config;
+        let names = host.actuators().to_vec();
+        let mut wires: Vec<Option<Wire>> = vec![None; names.len()];
+        for (name, wire) in actuators {
+            // A muscle alone may have any name.
+            let at = if names.len() == 1 && actuators.len() == 1 { Some(0) } else { index_of(name, &names) };
+            let Some(at) = at else {
+                return Err(Failure::input(
+                    format!("the actuator `{name}` of the model is none of the scenario"),
+                    format!("name it {}", names.join(", ")),
+                ));
+            };
+            if wires[at].replace(*wire).is_some() {
+                return Err(Failure::input(
+                    format!("two actuators of the model are `{}` of the scenario", names[at]),
+                    "give each its own name",
+                ));
+            }
+        }
+        let missing = |at: usize| {
+            Failure::input(
+                format!("`{}` of the scenario is no actuator of the model", names[at]),
+                format!("add <plugin name=\"{}\" tendon=\"…\" instance=\"…\"/> to <actuator>", names[at]),
+            )
+        };
+        let wires: Vec<Wire> =
+            wires.iter().enumerate().map(|(at, wire)| wire.ok_or_else(|| missing(at))).collect::<Result<_, _>>()?;
+        let columns: Vec<String> = host.outputs().iter().map(|column| column.name.clone()).collect();
+        let sensors = sensors.iter().map(|(name, address)| {
+            let short =
+                (names.len() == 1).then(|| format!("{}.{}", names[0], name.rsplit(['.', '/']).next().unwrap_or(name)));
+            let at = index_of(name, &columns).or_else(|| short.and_then(|short| index_of(&short, &columns)));
+            let at = at.ok_or_else(|| {
+                Failure::input(
+                    format!("the sensor `{name}` of the model is no output of the plant"),
+                    format!("name it after one of {}", columns.join(", ")),
+                )
+            })?;
+            let quantity = host.outputs()[at].quantity();
+            quantity
+                .map(|quantity| (*address, quantity, at))
+                .ok_or_else(|| Failure::input("an output is no number", "name another"))
+        });
+        let sensors = sensors.collect::<Result<Vec<_>, _>>()?;
+        let count = names.len();
+        let zeros = vec![0.0; count];
+        let responses = (0..count).map(|at| host.steps_mut().compute(at)).collect::<Result<_, _>>()?;
+        let ends = Ends {
+            lengths: zeros.clone(),
+            velocities: zeros.clone(),
+            next_velocities: zeros.clone(),
+            controls: zeros.clone(),
+            acts: zeros.clone(),
+        };
+        Ok(Self {
+            here: vec![f64::NAN; (head(count) + host.state_size()).max(2 * count)],
+            here_acts: zeros.clone(),
+            brought: Brought::Nowhere,
+            zeros: zeros.clone(),
+            distances: zeros,
+            outputs: vec![0.0; columns.len()],
+            host,
+            offsets,
+            wires,
+            sensors,
+            ends,
+            responses,
+        })
+    }
+
+    /// How many numbers the state is.
+    pub(crate) fn size(&mut self) -> usize {
+        head(self.wires.len()) + self.host.state_size()
+    }
+
+    /// Computes tensions where MuJoCo has the ends.
+    ///
+    /// # Errors
+    /// Why they cannot be had; the instance has then stopped.
+    pub(crate) fn compute(&mut self, state: &mut [f64]) -> Result<(), Failure> {
+        if state[0] == STOPPED {
+            return Ok(());
+        }
+        let done = self.respond(state);
+        if done.is_err() {
+            state[0] = STOPPED;
+        }
+        done
+    }
+
+    /// The tensions in N that were computed, for each actuator; none where the instance has stopped.
+    pub(crate) fn tensions(&self, state: &[f64]) -> impl Iterator<Item = f64> + '_ {
+        let is_stopped = state[0] == STOPPED;
+        self.responses.iter().map(move |response| if is_stopped { 0.0 } else { response.tension })
+    }
+
+    /// Goes on by a step of `h` in s, and writes the state that it comes to.
+    ///
+    /// # Errors
+    /// Why it cannot; the state is then that of an instance that has stopped.
+    pub(crate) fn advance(&mut self, state: &mut [f64], h: f64) -> Result<(), Failure> {
+        if state[0] == STOPPED {
+            return Ok(());
+        }
+        let done = self.step(state, h);
+        if done.is_err() {
+            state[0] = STOPPED;
+        }
+        done
+    }
+
+    fn step(&mut self, state: &mut [f64], h: f64) -> Result<(), Failure> {
+        self.bring(state)?;
+        self.brought = Brought::Nowhere;
+        for input in 0..self.host.commands().len() {
+            let command = &self.host.commands()[input];
+            let actuator = command.actuators[0];
+            let (low, high, _) = command.mode.range();
+            let [least, most] = self.wires[actuator].range.unwrap_or([low, high]);
+            let control = self.ends.controls[actuator];
+            if control.is_nan() {
+                return Err(Failure::stopped(format!("the control of `{}` is not a number", command.name)));
+            }
+            // As MuJoCo's own actuators: what is out of range is the end of the range.
+            let control = control.clamp(least, most).clamp(low, high);
+            let is_request = matches!(command.mode, mckibben_run::host::CommandMode::Request);
+            self.host.command(input, if is_request { control.round() } else { control })?;
+        }
+        let Ends { lengths, next_velocities, .. } = &self.ends;
+        for (at, distance) in self.distances.iter_mut().enumerate() {
+            *distance = lengths[at] + self.offsets[at] + h * next_velocities[at];
+        }
+        let until = self.host.steps().time() + h;
+        self.host.advance(until, &self.distances)?;
+        let count = self.wires.len();
+        state[0] = UNDER_WAY;
+        for at in 0..count {
+            state[1 + at] = self.gauge_pressure(at);
+        }
+        self.host.save(&mut state[head(count)..])?;
+        self.here[..state.len()].copy_from_slice(state);
+        self.here_acts.copy_from_slice(&state[1..head(count)]);
+        self.brought = Brought::To;
+        Ok(())
+    }
+
+    /// Writes the sensors.
+    ///
+    /// # Errors
+    /// Why they cannot be had.
+    pub(crate) fn sense(&mut self, state: &[f64], mut write: impl FnMut(usize, f64)) -> Result<(), Failure> {
+        if self.sensors.is_empty() || state[0] == STOPPED {
+            return Ok(());
+        }
+        self.respond(state)?;
+        self.host.read_outputs(&mut self.outputs)?;
+        for (address, quantity, output) in &self.sensors {
+            // What depends on where the ends are is that of MuJoCo's own lengths, as the force is.
+            let value = match *quantity {
+                PlantQuantity::Tension(at) => self.responses[at].tension,
+                PlantQuantity::MassFlow(at) => self.responses[at].mass_flow,
+                PlantQuantity::LoadDistance(at) => self.distances[at],
+                PlantQuantity::LoadVelocity(at) => self.ends.velocities[at],
+                _ => self.outputs[*output],
+            };
+            write(*address, value);
+        }
+        Ok(())
+    }
+
+    /// Gauge pressure in Pa of an actuator where the plant is.
+    pub(crate) fn gauge_pressure(&self, actuator: usize) -> f64 {
+        let steps = self.host.steps();
+        let plant = steps.plant();
+        steps.state()[plant.indices().actuators[actuator].pressure] - plant.network().atmosphere
+    }
+
+    /// Responses where MuJoCo has the ends.
+    fn respond(&mut self, state: &[f64]) -> Result<(), Failure> {
+        self.bring(state)?;
+        for (at, distance) in self.distances.iter_mut().enumerate() {
+            *distance = self.ends.lengths[at] + self.offsets[at];
+        }
+        self.host.compute_at(&self.distances, &self.ends.velocities, &mut self.responses)
+    }
+
+    /// Brings the plant to where the numbers say, with the pressures of `act` where those are others.
+    fn bring(&mut self, state: &[f64]) -> Result<(), Failure> {
+        if state[0] == FRESH {
+            return self.begin();
+        }
+        let count = self.wires.len();
+        let is_here =
+            self.brought == Brought::To && same(state, &self.here) && same(self.acts_or(&state[1..]), &self.here_acts);
+        if is_here {
+            return Ok(());
+        }
+        self.brought = Brought::Nowhere;
+        self.host.restore(&state[head(count)..])?;
+        self.take_acts(&state[1..head(count)])?;
+        self.here[..state.len()].copy_from_slice(state);
+        self.brought = Brought::To;
+        Ok(())
+    }
+
+    /// Begins where MuJoCo has the ends, unless it has begun there already.
+    fn begin(&mut self) -> Result<(), Failure> {
+        let count = self.wires.len();
+        for (at, distance) in self.distances.iter_mut().enumerate() {
+            *distance = self.ends.lengths[at] + self.offsets[at];
+        }
+        let begun = &self.here[..2 * count];
+        let is_here = self.brought == Brought::Begun
+            && same(&self.distances, &begun[..count])
+            && same(&self.ends.velocities, &begun[count..])
+            && same(self.acts_or(&self.zeros), &self.here_acts);
+        if is_here {
+            return Ok(());
+        }
+        self.brought = Brought::Nowhere;
+        self.host.begin_at(&self.distances, &self.ends.velocities)?;
+        let zeros = core::mem::take(&mut self.zeros);
+        let taken = self.take_acts(&zeros);
+        self.zeros = zeros;
+        taken?;
+        self.here[..count].copy_from_slice(&self.distances);
+        self.here[count..2 * count].copy_from_slice(&self.ends.velocities);
+        self.brought = Brought::Begun;
+        Ok(())
+    }
+
+    /// The pressures that are to be had: those of `act`, and those given last where there is none.
+    fn acts_or<'a>(&'a self, last: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
+        self.wires.iter().zip(&self.ends.acts).zip(last).map(|((wire, act), last)| match wire.act {
+            Some(_) => *act,
+            None => *last,
+        })
+    }
+
+    /// Sets the pressures of `act` that are not those given last: somebody else has set them, as a keyframe does.
+    fn take_acts(&mut self, last: &[f64]) -> Result<(), Failure> {
+        for at in 0..self.wires.len() {
+            self.here_acts[at] = last[at];
+            if self.wires[at].act.is_some() && self.ends.acts[at] != last[at] {
+                let set = self.host.steps_mut().set_pressure(at, GaugePressure(self.ends.acts[at]));
+                set.map_err(|error| Failure::from(error).of("act"))?;
+                self.here_acts[at] = self.ends.acts[at];
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Whether numbers are equal bit for bit.
+fn same<'a>(one: impl IntoIterator<Item = impl Borrow<f64>>, other: impl IntoIterator<Item = &'a f64>) -> bool {
+    one.into_iter().zip(other).all(|(one, other)| one.borrow().to_bits() == other.to_bits())
+}

@@ -1,0 +1,174 @@
+//! Fields of `mjModel` and `mjData`, read and written where [`Layout`] says that they are.
+
+use crate::layout::{DataField as D, Layout, ModelField as M};
+use std::ffi::c_void;
+
+/// An `mjModel`.
+#[derive(Clone, Copy)]
+pub(crate) struct Model {
+    at: *const u8,
+    layout: &'static Layout,
+}
+
+/// An `mjData`.
+#[derive(Clone, Copy)]
+pub(crate) struct Data {
+    at: *mut u8,
+    layout: &'static Layout,
+}
+
+impl Model {
+    /// # Safety
+    /// `at` is an `mjModel` of the version of `layout`, and stays one as long as this is used.
+    pub(crate) unsafe fn new(at: *const c_void, layout: &'static Layout) -> Self {
+        Self { at: at.cast(), layout }
+    }
+
+    pub(crate) fn pointer(&self) -> *const c_void {
+        self.at.cast()
+    }
+
+    /// A number of entries, of the type that the version has.
+    fn count(&self, offset: usize) -> usize {
+        // SAFETY: the layout says where the number is and how large; it is aligned as C has laid it out.
+        let count = unsafe {
+            match self.layout.count_size {
+                4 => i64::from(self.at.add(offset).cast::<i32>().read()),
+                _ => self.at.add(offset).cast::<i64>().read(),
+            }
+        };
+        usize::try_from(count).unwrap_or(0)
+    }
+
+    pub(crate) fn actuators(&self) -> usize {
+        self.count(self.layout.actuators)
+    }
+
+    pub(crate) fn sensors(&self) -> usize {
+        self.count(self.layout.model(M::SensorCount))
+    }
+
+    pub(crate) fn timestep(&self) -> f64 {
+        // SAFETY: as in `count`; the options are part of the model.
+        unsafe { self.at.add(self.layout.model(M::Timestep)).cast::<f64>().read() }
+    }
+
+    /// The entry of an array whose pointer is at an offset.
+    ///
+    /// # Safety
+    /// The array has that many entries of this type.
+    unsafe fn entry<T: Copy>(&self, offset: usize, index: usize) -> T {
+        // SAFETY: the layout says where the pointer is; the rest is the caller's promise.
+        unsafe { self.at.add(offset).cast::<*const T>().read().add(index).read() }
+    }
+
+    /// An entry of an array of numbers that has one for each actuator, sensor or instance, as its name says.
+    fn index(&self, field: M, index: usize) -> i32 {
+        // SAFETY: callers name an actuator, sensor or instance of this model.
+        unsafe { self.entry(self.layout.model(field), index) }
+    }
+
+    /// The instance of an actuator.
+    pub(crate) fn actuator_instance(&self, actuator: usize) -> i32 {
+        self.index(M::ActuatorPlugin, actuator)
+    }
+
+    /// The instance of a sensor.
+    pub(crate) fn sensor_instance(&self, sensor: usize) -> i32 {
+        self.index(M::SensorPlugin, sensor)
+    }
+
+    /// Address of a sensor in `sensordata`.
+    pub(crate) fn sensor_address(&self, sensor: usize) -> usize {
+        usize::try_from(self.index(M::SensorAddress, sensor)).unwrap_or(0)
+    }
+
+    /// Address of an instance in `plugin_state`.
+    pub(crate) fn state_address(&self, instance: usize) -> usize {
+        usize::try_from(self.index(M::StateAddress, instance)).unwrap_or(0)
+    }
+
+    /// Address of an actuator's first control, and of its force.
+    pub(crate) fn addresses(&self, actuator: usize) -> [usize; 2] {
+        let Some(offsets) = self.layout.addresses else { return [actuator; 2] };
+        // SAFETY: both arrays have an entry for each actuator.
+        offsets.map(|offset| usize::try_from(unsafe { self.entry::<i32>(offset, actuator) }).unwrap_or(0))
+    }
+
+    /// Address of an actuator's first entry in `act`, and how many it has.
+    pub(crate) fn activation(&self, actuator: usize) -> (Option<usize>, i32) {
+        (usize::try_from(self.index(M::ActAddress, actuator)).ok(), self.index(M::ActCount, actuator))
+    }
+
+    /// The range that the model sets on a control.
+    pub(crate) fn control_range(&self, control: usize) -> Option<[f64; 2]> {
+        // SAFETY: both arrays have entries for each control; a flag is one byte in every version.
+        unsafe {
+            let is_limited = self.entry::<u8>(self.layout.model(M::ControlLimited), control) != 0;
+            let range = |of: usize| self.entry::<f64>(self.layout.model(M::ControlRange), 2 * control + of);
+            is_limited.then(|| [range(0), range(1)])
+        }
+    }
+}
+
+impl Data {
+    /// # Safety
+    /// `at` is an `mjData` of the version of `layout` for the model that its users name, and nobody else uses it meanwhile.
+    pub(crate) unsafe fn new(at: *mut c_void, layout: &'static Layout) -> Self {
+        Self { at: at.cast(), layout }
+    }
+
+    fn array<T>(&self, field: D) -> *mut T {
+        // SAFETY: the layout says where the pointer is.
+        unsafe { self.at.add(self.layout.data(field)).cast::<*mut T>().read() }
+    }
+
+    /// An entry of an array of numbers; the caller has its address from the model.
+    pub(crate) fn number(&self, field: D, address: usize) -> f64 {
+        // SAFETY: the model says that the entry is there.
+        unsafe { self.array::<f64>(field).add(address).read() }
+    }
+
+    pub(crate) fn set_number(&mut self, field: D, address: usize, value: f64) {
+        // SAFETY: as in `number`.
+        unsafe { self.array::<f64>(field).add(address).write(value) }
+    }
+
+    /// The velocity of a force output: its row of the moment, which MuJoCo keeps sparse, times the velocities of the joints
+    /// that there are now.
+    pub(crate) fn velocity_now(&self, output: usize) -> f64 {
+        let start = |field: D| -> usize {
+            // SAFETY: there is an entry for each output.
+            usize::try_from(unsafe { self.array::<i32>(field).add(output).read() }).unwrap_or(0)
+        };
+        let (first, count) = (start(D::MomentStart), start(D::MomentCount));
+        let (columns, moments, rates) =
+            (self.array::<i32>(D::MomentColumns), self.array::<f64>(D::Moment), self.array::<f64>(D::Velocity));
+        // SAFETY: MuJoCo fills the row with as many entries, whose columns are degrees of freedom.
+        (first..first + count)
+            .map(|at| unsafe {
+                moments.add(at).read() * rates.add(columns.add(at).read().unsigned_abs() as usize).read()
+            })
+            .sum()
+    }
+
+    /// The state of an instance.
+    ///
+    /// # Safety
+    /// The instance has that many numbers, and the slice is not used beside another of them.
+    pub(crate) unsafe fn state<'d>(&mut self, address: usize, count: usize) -> &'d mut [f64] {
+        // SAFETY: the caller's promise; MuJoCo's numbers are aligned.
+        unsafe { std::slice::from_raw_parts_mut(self.array::<f64>(D::State).add(address), count) }
+    }
+
+    /// What the plugin keeps for an instance.
+    pub(crate) fn kept(&self, instance: usize) -> *mut c_void {
+        // SAFETY: there is an entry for each instance.
+        unsafe { self.array::<usize>(D::Kept).add(instance).read() as *mut c_void }
+    }
+
+    pub(crate) fn keep(&mut self, instance: usize, what: *mut c_void) {
+        // SAFETY: as in `kept`.
+        unsafe { self.array::<usize>(D::Kept).add(instance).write(what as usize) }
+    }
+}

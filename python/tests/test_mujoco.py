@@ -1,0 +1,343 @@
+"""Muscles in MuJoCo itself: the plugin's trajectory is the core's, its state is MuJoCo's, and mistakes are told."""
+
+import copy
+import pathlib
+
+import numpy
+import pytest
+
+import mckibben
+import mckibben.mujoco
+
+mujoco = pytest.importorskip("mujoco")
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+MODELS = ROOT / "models"
+GRAVITY = 9.80665
+KEYS = {
+    "supply.gauge_pressure": "100 psi",
+    "valve.preset": "matrix-eight-channel",
+    "initial.gauge_pressure": "40 psi",
+    # Dry friction at rest is set-valued, and the owner of the load would have to hold it: without it the order is seen.
+    "actuator.friction.coulomb_width": "0 in",
+}
+WORLD = """
+<mujoco>
+  <option timestep="{step}" gravity="0 0 -{gravity}"/>
+  {muscle}
+  <worldbody>
+    <site name="anchor" pos="0 0 0.2"/>
+    <body pos="0 0 0.11">
+      <joint type="slide" axis="0 0 1"/>
+      <geom type="sphere" size="0.02" mass="2"/>
+      <site name="hook"/>
+    </body>
+  </worldbody>
+</mujoco>"""
+
+
+@pytest.fixture(autouse=True)
+def loaded(monkeypatch):
+    monkeypatch.chdir(ROOT)
+    mckibben.mujoco.load()
+
+
+def muscle(keys=KEYS, **options):
+    options.setdefault("sensors", ("gauge_pressure", "tension", "contraction", "mass_flow"))
+    return mckibben.mujoco.muscle_mjcf({"muscle": ["anchor", "hook"]}, keys=keys, **options)
+
+
+def hanging(step=1e-3, keys=KEYS, **options):
+    text = WORLD.format(step=step, gravity=GRAVITY, muscle=muscle(keys, **options))
+    model = mujoco.MjModel.from_xml_string(text)
+    return model, mujoco.MjData(model)
+
+
+def scenario(**values):
+    return mckibben.Scenario.from_dict(
+        {
+            "supply": {"gauge_pressure": "100 psi"},
+            "valve": {"preset": "matrix-eight-channel"},
+            "actuator": {"friction": {"coulomb_width": "0 in"}},
+            "command": {"kind": "fill"},
+            "load": {"kind": "hanging-mass", "mass": 2.0, "gravity": GRAVITY},
+            "initial": {"length": 0.09, "gauge_pressure": "40 psi"},
+            "run": {"duration": 0.05, "relative_tolerance": 1e-9},
+        }
+    ).with_values(values)
+
+
+def run(model, data, duration, control):
+    for _ in range(round(duration / model.opt.timestep)):
+        data.ctrl[:] = control
+        mujoco.mj_step(model, data)
+
+
+def sensor(data, name):
+    return float(data.sensor(name).data[0])
+
+
+def test_a_hanging_mass_comes_to_where_the_event_located_engine_has_it():
+    """To first order in the step, as MuJoCo's own integrator."""
+    trajectory = mckibben.simulate(scenario())
+    length, pressure = trajectory["length_m"][-1], trajectory["gauge_pressure_pa"][-1]
+    errors = []
+    for step in (5e-4, 2.5e-4, 1.25e-4):
+        model, data = hanging(step, command_mode="request")
+        run(model, data, 0.05, 1.0)
+        mujoco.mj_forward(model, data)
+        errors.append([0.2 - (0.11 + data.qpos[0]) - length, sensor(data, "muscle.gauge_pressure") - pressure])
+    errors = numpy.abs(errors)
+    orders = numpy.log2(errors[:-1] / errors[1:])
+    assert errors[-1][0] < 2e-5 and errors[-1][1] < 1e-3 * pressure, errors
+    assert numpy.abs(orders - 1.0).max() < 0.35, (orders, errors)
+
+
+def test_the_arm_comes_to_where_the_core_has_it():
+    """Six muscles on one network: MuJoCo's bodies and the plugin's air, against the core's chain."""
+    alone = mckibben.Scenario.from_file("examples/plant/arm.toml").with_values({"run.duration": 0.6})
+    trajectory = mckibben.simulate(alone)
+    model = mujoco.MjModel.from_xml_path(str(MODELS / "arm.xml"))
+    model.opt.timestep = 2e-4
+    data = mujoco.MjData(model)
+    data.qpos[1] = numpy.radians(20.0)
+    names = [model.actuator(at).name for at in range(6)]
+    fill, exhaust = names.index("deltoid"), names.index("latissimus")
+    while data.time < 0.6 - 1e-9:
+        data.ctrl[:] = 0.0
+        data.ctrl[fill] = float(0.1 <= data.time + 1e-9 < 0.3)
+        data.ctrl[exhaust] = -float(0.1 <= data.time + 1e-9 < 0.14)
+        mujoco.mj_step(model, data)
+    mujoco.mj_forward(model, data)
+    angles = [trajectory[f"{joint}.angle_rad"][-1] for joint in ("shoulder", "elbow", "wrist")]
+    assert abs(angles[0]) > 0.05, "it has moved"
+    assert numpy.abs(data.qpos - angles).max() < 2e-3, (data.qpos, angles)
+    assert sensor(data, "manifold.gauge_pressure") == pytest.approx(trajectory["manifold.gauge_pressure_pa"][-1], rel=1e-3)
+    assert sensor(data, "tank.gauge_pressure") == pytest.approx(trajectory["tank.gauge_pressure_pa"][-1], rel=1e-3)
+
+
+def test_the_force_is_the_tension_of_the_law_with_its_sign():
+    model, data = hanging()
+    mujoco.mj_forward(model, data)
+    statics = mckibben.Statics(scenario())
+    force = float(statics.force(length=0.09, gauge_pressure=40 * 6894.757293168361))
+    assert data.actuator_force[0] == pytest.approx(-force, rel=1e-9)
+    assert sensor(data, "muscle.tension") == pytest.approx(force, rel=1e-9)
+    assert sensor(data, "muscle.contraction") == pytest.approx((3.85 * 0.0254 - 0.09) / (3.85 * 0.0254), rel=1e-9)
+
+
+def test_the_length_convention_is_tendon_plus_offset():
+    """A muscle with 30 mm of fittings in a tendon of 120 mm is a muscle of 90 mm."""
+    text = WORLD.replace("0 0 0.2", "0 0 0.23").format(
+        step=1e-3, gravity=GRAVITY, muscle=muscle(length_offset="-30 mm")
+    )
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    plain_model, plain = hanging()
+    mujoco.mj_forward(plain_model, plain)
+    assert data.actuator_length[0] == pytest.approx(0.12, rel=1e-12)
+    assert data.actuator_force[0] == pytest.approx(plain.actuator_force[0], rel=1e-9)
+
+
+def test_duty_cycles_are_pulsed_inside_with_true_delays():
+    """The mean pressure of a muscle held at its length rises with the duty cycle; below the dead zone the valve never opens."""
+    pressures = []
+    for duty in (0.05, 0.3, 0.6, 0.9):
+        model, data = hanging(pulse_frequency="25 Hz", max_step="0.5 ms")
+        model.opt.gravity[:] = 0.0
+        model.dof_damping[:] = 1e6
+        run(model, data, 0.4, duty)
+        pressures.append(sensor(data, "muscle.gauge_pressure"))
+    assert abs(pressures[0]) < 2e3 and numpy.all(numpy.diff(pressures) > 2e4), pressures
+
+
+def test_states_are_saved_restored_and_copied():
+    model, data = hanging(pulse_frequency="25 Hz")
+    run(model, data, 0.1, 0.6)
+    spec = mujoco.mjtState.mjSTATE_INTEGRATION
+    state = numpy.zeros(mujoco.mj_stateSize(model, spec))
+    mujoco.mj_getState(model, data, state, spec)
+    copied = copy.copy(data)
+    other = mujoco.MjData(model)
+    mujoco.mj_setState(model, other, state, spec)
+    for of in (data, copied, other):
+        run(model, of, 0.1, 0.3)
+    assert numpy.array_equal(data.plugin_state, other.plugin_state)
+    assert numpy.array_equal(data.plugin_state, copied.plugin_state)
+    assert numpy.array_equal(data.qpos, other.qpos) and numpy.array_equal(data.qpos, copied.qpos)
+    mujoco.mj_resetData(model, data)
+    fresh = mujoco.MjData(model)
+    for of in (data, fresh):
+        run(model, of, 0.1, 0.6)
+    assert numpy.array_equal(data.qpos, fresh.qpos)
+
+
+def test_a_keyframe_sets_pressures():
+    model = mujoco.MjModel.from_xml_path(str(MODELS / "arm.xml"))
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("bent").id)
+    data.act[:] = 2e5
+    mujoco.mj_forward(model, data)
+    assert sensor(data, "biceps.gauge_pressure") == pytest.approx(2e5, rel=1e-9)
+    mujoco.mj_step(model, data)
+    assert data.act == pytest.approx(numpy.full(6, 2e5), rel=0.05)
+    # Under way too: what is set is the pressure from then on.
+    data.act[2] = 3e5
+    mujoco.mj_step(model, data)
+    mujoco.mj_forward(model, data)
+    assert data.act[2] == pytest.approx(3e5, rel=0.02)
+    assert sensor(data, "biceps.gauge_pressure") == pytest.approx(data.act[2], rel=1e-9)
+
+
+def test_what_finite_differences_of_mujoco_see():
+    """Pressures in `act`, positions and velocities; not the edges of pulses, nor the modes of friction."""
+    model, data = hanging(step=1e-4, pulse_frequency="25 Hz")
+    run(model, data, 0.0205, 0.6)
+    assert model.na == 1
+    state = numpy.zeros((3, 3))
+    control = numpy.zeros((3, 1))
+    mujoco.mjd_transitionFD(model, data, 1e-6, True, state, control, None, None)
+    # Velocity by pressure: a tension of per_pressure more each Pa pulls the mass upwards.
+    plant = mckibben.HostedPlant(scenario(), command_mode="request")
+    length = numpy.array([[0.2 - 0.11 - data.qpos[0]]])
+    tensions = []
+    for gauge in (data.act[0], data.act[0] + 100.0):
+        statics = mckibben.Statics(scenario())
+        tensions.append(float(statics.force(length=length[0, 0], gauge_pressure=gauge)))
+    per_pressure = (tensions[1] - tensions[0]) / 100.0
+    assert plant.count == 1
+    assert state[1, 2] == pytest.approx(1e-4 * per_pressure / 2.0, rel=1e-2)
+    assert state[2, 2] == pytest.approx(1.0, abs=0.05), "a pressure lasts"
+    # A duty cycle is taken up when the next period begins: within a step nothing depends on it.
+    assert numpy.abs(control).max() == 0.0
+
+
+def test_it_is_stable_at_steps_of_ten_milliseconds():
+    for step in (1e-3, 2e-3, 5e-3, 1e-2):
+        model, data = hanging(step, pulse_frequency="25 Hz")
+        heights = []
+        for count in range(round(4.0 / step)):
+            data.ctrl[:] = 0.5 if count * step < 2.0 else 0.3
+            mujoco.mj_step(model, data)
+            heights.append(float(data.qpos[0]))
+        heights = numpy.array(heights)
+        assert numpy.isfinite(heights).all() and numpy.abs(heights).max() < 0.05, (step, heights.min(), heights.max())
+        assert data.time == pytest.approx(4.0)
+
+
+def test_threaded_rollouts_are_those_of_one_thread():
+    from mujoco import rollout
+
+    model, data = hanging(pulse_frequency="25 Hz")
+    spec = mujoco.mjtState.mjSTATE_FULLPHYSICS
+    initial = numpy.zeros((8, mujoco.mj_stateSize(model, spec)))
+    mujoco.mj_getState(model, data, initial[0], spec)
+    initial[1:] = initial[0]
+    controls = numpy.random.default_rng(1).uniform(0.0, 1.0, (8, 200, 1))
+    single, _ = rollout.rollout(model, data, initial, controls)
+    several, _ = rollout.rollout(model, [mujoco.MjData(model) for _ in range(4)], initial, controls)
+    assert numpy.array_equal(single, several)
+    assert len({float(last) for last in single[:, -1, 1]}) == 8, "each has its own controls"
+
+
+def test_the_driver_is_the_plugin():
+    """Both are first-order in the step, by the same tensions; they differ by how the end of a step is foreseen."""
+    model, data = hanging(step=1e-4, command_mode="request")
+    run(model, data, 0.05, 1.0)
+    motor = """
+    <tendon><spatial name="muscle"><site site="anchor"/><site site="hook"/></spatial></tendon>
+    <actuator><motor name="muscle" tendon="muscle"/></actuator>"""
+    model = mujoco.MjModel.from_xml_string(WORLD.format(step=1e-4, gravity=GRAVITY, muscle=motor))
+    driver = mckibben.mujoco.Driver(model, scenario(), command_mode="request", worlds=3)
+    worlds = driver.start()
+    for _ in range(500):
+        driver.step(worlds, [[1.0], [1.0], [0.0]])
+    assert worlds[0].qpos[0] == worlds[1].qpos[0] != worlds[2].qpos[0]
+    assert worlds[0].qpos[0] == pytest.approx(data.qpos[0], abs=1e-7)
+    with pytest.raises(mckibben.InputError, match="no motor"):
+        mckibben.mujoco.Driver(model, mckibben.Scenario.from_file("examples/plant/arm.toml"))
+
+
+@pytest.mark.parametrize("name", ["hanging-mass", "elbow", "arm", "leg"])
+def test_models_run(name):
+    model = mujoco.MjModel.from_xml_path(str(MODELS / f"{name}.xml"))
+    data = mujoco.MjData(model)
+    generator = numpy.random.default_rng(3)
+    for count in range(500):
+        if count % 50 == 0:
+            data.ctrl[:] = numpy.round(generator.uniform(0.0, 1.0, model.nu), 1 if name in ("hanging-mass", "leg") else 0)
+        mujoco.mj_step(model, data)
+    assert numpy.isfinite(data.qpos).all() and data.time == pytest.approx(0.5)
+    assert numpy.abs(data.actuator_force).max() > 1.0
+    assert not any(warning.number for warning in data.warning)
+
+
+def test_the_elbow_bends_when_the_biceps_is_filled():
+    model = mujoco.MjModel.from_xml_path(str(MODELS / "elbow.xml"))
+    data = mujoco.MjData(model)
+    run(model, data, 0.5, [1.0, -1.0])
+    bent = float(data.joint("elbow").qpos[0])
+    run(model, data, 0.7, [-1.0, 1.0])
+    assert bent > numpy.radians(40.0) > numpy.radians(15.0) > float(data.joint("elbow").qpos[0]), bent
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"keys": KEYS | {"actuator.turns": "-2"}}, "actuator.turns"),
+        ({"keys": KEYS | {"actuator.thread_length": "4.3 kg"}}, "is a mass"),
+        ({"command_mode": "position"}, "command_mode"),
+        ({"length_offset": "3 kg"}, "unit of m"),
+        ({"sensors": ["warmth"]}, "name it after one of"),
+        ({"scenario": "nowhere.toml", "keys": {}}, "nowhere.toml"),
+        ({"scenario": "examples/plant/arm.toml", "keys": {}}, "name it deltoid"),
+    ],
+)
+def test_mistakes_name_what_to_do(options, words, capfd):
+    with pytest.raises((ValueError, mujoco.FatalError)) as caught:
+        hanging(**options)
+    assert words in str(caught.value) + "".join(capfd.readouterr()) + log(), str(caught.value)
+
+
+def log():
+    path = ROOT / "MUJOCO_LOG.TXT"
+    text = path.read_text() if path.exists() else ""
+    path.unlink(missing_ok=True)
+    return text
+
+
+def test_a_muscle_that_cannot_be_so_long_stops_with_one_warning(capfd):
+    text = WORLD.replace("0 0 0.2", "0 0 0.5").format(step=1e-3, gravity=GRAVITY, muscle=muscle())
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    run(model, data, 0.01, 0.0)
+    told = "".join(capfd.readouterr()) + log()
+    assert data.actuator_force[0] == 0.0 and numpy.isfinite(data.qpos).all()
+    assert told.count("mckibben.muscle") == 1, told
+
+
+def test_an_unknown_attribute_is_refused_by_mujoco():
+    with pytest.raises(ValueError, match="actuator.thred_length"):
+        hanging(keys=KEYS | {"actuator.thred_length": "4 in"})
+
+
+def test_backends_without_plugins_refuse():
+    class Backend:
+        @staticmethod
+        def put_model(model):
+            return model
+
+    mckibben.mujoco._refuse_muscles(Backend, "mujoco.mjx")
+    model, _ = hanging()
+    with pytest.raises(mckibben.InputError, match="takes no plugins"):
+        Backend.put_model(model)
+    plain = mujoco.MjModel.from_xml_string("<mujoco/>")
+    assert Backend.put_model(plain) is plain
+
+
+def test_what_the_plugin_does_not_take_says_so():
+    with pytest.raises(mckibben.InputError, match="two sites"):
+        mckibben.mujoco.muscle_mjcf({"muscle": ["anchor"]})
+    with pytest.raises(mckibben.InputError, match="two sites"):
+        mckibben.mujoco.muscle_mjcf({"muscle": "anchor"})
