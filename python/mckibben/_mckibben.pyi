@@ -14,7 +14,7 @@ from pandas import DataFrame
 from polars import DataFrame as DataFrame2
 from typing import Any, Final, SupportsFloat, SupportsIndex, final
 
-__all__ = ["__version__", "Actuator", "ActuatorState", "Actuators", "Differentiable", "Event", "LinearModel", "Response", "Scenario", "Sweep", "Trajectory", "VectorPlant", "_Statics", "_curves", "_identify", "_identify_file", "_parameters", "_presets", "_quantity", "linearize", "simulate"]
+__all__ = ["__version__", "Actuator", "ActuatorState", "Actuators", "Differentiable", "Event", "HostedPlant", "LinearModel", "Response", "Scenario", "Sweep", "Trajectory", "VectorPlant", "_Statics", "_curves", "_identify", "_identify_file", "_parameters", "_presets", "_quantity", "_register_mujoco", "linearize", "simulate"]
 
 __version__: Final[str]
 """
@@ -569,6 +569,181 @@ class Event:
     def time(self, /) -> float:
         """
         Time of the event in s.
+        """
+
+@final
+class HostedPlant:
+    """
+    Plants of a scenario whose ends a simulator of your own moves: distances and commands in, tensions and pressures out.
+
+    All actuators of the scenario, with the air network that they share, are one plant. The loads and mechanisms of the scenario
+    are not used: the simulator moves the ends. `count` plants, each with a state of its own, are stepped together on all cores.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        A scenario of any kind.
+    count : int, optional
+        Number of plants; 1 by default.
+    command_mode : {"duty", "request", "position", "set-point"}, optional
+        What a command is: a duty cycle from 0 to 1; 1 to fill, 0 to hold, -1 to exhaust; the position of a proportional spool
+        from -1 to 1; the set point of a pressure regulator, a gauge pressure in Pa. By default what each valve takes.
+    pulse_frequency : float, optional
+        Frequency in Hz of the pulses of a duty cycle, above zero; by default that of the scenario's PWM.
+    max_step : float, optional
+        Longest part of a step in s, above zero: the air takes several in a long step. By default a step is one part.
+
+    Raises
+    ------
+    InputError
+        The scenario has a mistake, a valve does not take such commands, or an option is out of range.
+
+    Notes
+    -----
+    Take the tensions at t, make your own step with them, then call `step` with the new distances.
+
+    Examples
+    --------
+    A mass of 2 kg on a muscle that is filled:
+
+        >>> import mckibben, numpy
+        >>> scenario = mckibben.Scenario.from_dict({
+        ...     "supply": {"gauge_pressure": "100 psi"},
+        ...     "valve": {"preset": "matrix-eight-channel"},
+        ...     "load": {"kind": "isometric"},
+        ...     "initial": {"length": "90 mm", "gauge_pressure": "40 psi"},
+        ...     "run": {"duration": "1 s"},
+        ... })
+        >>> plant = mckibben.HostedPlant(scenario, command_mode="request")
+        >>> distance, velocity, dt = numpy.array([[0.09]]), numpy.zeros((1, 1)), 1e-3
+        >>> plant.begin(distance, velocity)
+        >>> for _ in range(100):
+        ...     velocity += (9.81 - plant.compute(distance, velocity) / 2.0) * dt
+        ...     distance += velocity * dt
+        ...     plant.step(distance, numpy.ones((1, 1)), dt)
+        >>> bool(distance[0, 0] < 0.08), plant.commands
+        (True, ['actuator.request'])
+    """
+    def __new__(cls, /, scenario: Scenario, count: int = ..., *, command_mode: str | None = None, pulse_frequency: SupportsFloat | SupportsIndex | None = None, max_step: SupportsFloat | SupportsIndex | None = None) -> HostedPlant: ...
+    def __repr__(self, /) -> str: ...
+    @property
+    def actuators(self, /) -> list[str]:
+        """
+        Names of the actuators, in the order of the columns of `distances`.
+        """
+    def begin(self, /, distances: NDArray[float64], velocities: NDArray[float64]) -> None:
+        """
+        Begin at t = 0 with the ends at given distances, and all else as the scenario starts.
+
+        Parameters
+        ----------
+        distances : ndarray
+            Distances between the ends in m, above zero, of the shape (count, actuators), with the tendon if there is one.
+        velocities : ndarray
+            Their rates of change in m/s, of the same shape.
+
+        Raises
+        ------
+        InputError
+            An array has another shape, or an actuator cannot have such a distance.
+        """
+    @property
+    def columns(self, /) -> list[str]:
+        """
+        Names of what `observe` returns, with their units, such as "biceps.gauge_pressure_pa".
+        """
+    @property
+    def commands(self, /) -> list[str]:
+        """
+        Names of the commands, in the order of the columns of `commands`: actuator and mode.
+        """
+    def compute(self, /, distances: NDArray[float64], velocities: NDArray[float64]) -> NDArray[float64]:
+        """
+        Return the tensions with the ends at given distances and velocities.
+
+        Parameters
+        ----------
+        distances : ndarray
+            Distances between the ends in m, above zero, of the shape (count, actuators).
+        velocities : ndarray
+            Their rates of change in m/s, of the same shape.
+
+        Returns
+        -------
+        ndarray
+            Tensions in N, zero or more, of the same shape.
+
+        Raises
+        ------
+        InputError
+            An array has another shape, or an actuator cannot have such a distance.
+        """
+    @property
+    def count(self, /) -> int:
+        """
+        Number of plants.
+        """
+    @property
+    def distances(self, /) -> NDArray[float64]:
+        """
+        Distances between the ends in m where the plants are, of the shape (count, actuators).
+        """
+    def observe(self, /) -> NDArray[float64]:
+        """
+        Return the outputs where the plants are, of the shape (count, columns).
+
+        Returns
+        -------
+        ndarray
+            What `columns` names, in SI.
+        """
+    def restore(self, /, states: NDArray[float64]) -> None:
+        """
+        Return to states that plants of the same scenario have saved.
+
+        Parameters
+        ----------
+        states : ndarray
+            States from `save`.
+
+        Raises
+        ------
+        InputError
+            The numbers are no states of these plants.
+        """
+    def save(self, /) -> NDArray[float64]:
+        """
+        Return the states of all plants as numbers, of the shape (count, numbers of a state).
+
+        Returns
+        -------
+        ndarray
+            What `restore` takes; the order of the numbers may change from one version to the next.
+        """
+    def step(self, /, distances: NDArray[float64], commands: NDArray[float64], dt: SupportsFloat | SupportsIndex) -> None:
+        """
+        Advance all plants by one time step, in which the ends go in straight lines to new distances.
+
+        Parameters
+        ----------
+        distances : ndarray
+            Distances between the ends in m at the end of the step, above zero, of the shape (count, actuators).
+        commands : ndarray
+            Commands of the valves during the step, of the shape (count, commands).
+        dt : float
+            Duration of the step in s, above zero.
+
+        Raises
+        ------
+        InputError
+            An array has another shape, or a valve does not take such a command.
+        SimulationError
+            The step leads to a non-physical state. Other plants may have taken the step.
+        """
+    @property
+    def time(self, /) -> float:
+        """
+        Time in s since the start.
         """
 
 @final
@@ -1778,6 +1953,11 @@ def _presets() -> dict[str, Any]:
 def _quantity(text: str) -> float | None:
     """
     The value in SI of text with a unit; `None` where it is no quantity.
+    """
+
+def _register_mujoco() -> None:
+    """
+    Register the plugin of MuJoCo with the MuJoCo that is loaded.
     """
 
 def linearize(scenario: Scenario, *, gauge_pressure: float | str | None = None, length: float | str | None = None, load: float | str | None = None, duty: SupportsFloat | SupportsIndex | None = None, pwm: bool = False, temperature: float | str | None = None, angle: float | str | None = None, stiffness: float | str | None = None, amplitude: float | str | None = None, all_states: bool = False) -> LinearModel:

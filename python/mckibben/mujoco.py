@@ -81,6 +81,7 @@ def muscle_mjcf(
     pulse_frequency: str | None = None,
     max_step: str | None = None,
     length_offset: str | None = None,
+    max_length: float | None = None,
     width: float = 0.01,
 ) -> str:
     """Return MJCF of muscles between sites, which share one air network.
@@ -104,6 +105,9 @@ def muscle_mjcf(
     command_mode, pulse_frequency, max_step, length_offset : str, optional
         As the attributes of the plugin: what `ctrl` is, the frequency of pulses ("25 Hz"), the longest part of a step
         ("0.5 ms"), and what is added to the length of a tendon for the distance between the ends of its muscle ("-30 mm").
+    max_length : float, optional
+        Longest length of the tendons in m, kept by MuJoCo's own limit. Above some milliseconds of time step the taut braid
+        is too stiff for MuJoCo's integrators, and this keeps the muscle from becoming taut.
     width : float, optional
         Width in m with which tendons are drawn.
 
@@ -134,8 +138,9 @@ def muscle_mjcf(
     lines = ["<extension>", f"  <plugin plugin={quoteattr(PLUGIN)}>", f"    <instance name={quoteattr(instance)}>"]
     lines += [f"      <config key={quoteattr(key)} value={_attribute(value)}/>" for key, value in config.items()]
     lines += ["    </instance>", "  </plugin>", "</extension>", "<tendon>"]
+    limit = "" if max_length is None else f' limited="true" range="0 {max_length}"'
     for name, sites in muscles.items():
-        lines.append(f'  <spatial name={quoteattr(name)} width="{width}">')
+        lines.append(f'  <spatial name={quoteattr(name)} width="{width}"{limit}>')
         lines += [f"    <site site={quoteattr(site)}/>" for site in sites]
         lines.append("  </spatial>")
     lines += ["</tendon>", "<actuator>"]

@@ -40,6 +40,8 @@ WORLD = """
 def loaded(monkeypatch):
     monkeypatch.chdir(ROOT)
     mckibben.mujoco.load()
+    yield
+    log()
 
 
 def muscle(keys=KEYS, **options):
@@ -82,36 +84,39 @@ def test_a_hanging_mass_comes_to_where_the_event_located_engine_has_it():
     trajectory = mckibben.simulate(scenario())
     length, pressure = trajectory["length_m"][-1], trajectory["gauge_pressure_pa"][-1]
     errors = []
-    for step in (5e-4, 2.5e-4, 1.25e-4):
+    for step in (5e-5, 2.5e-5, 1.25e-5):
         model, data = hanging(step, command_mode="request")
         run(model, data, 0.05, 1.0)
         mujoco.mj_forward(model, data)
         errors.append([0.2 - (0.11 + data.qpos[0]) - length, sensor(data, "muscle.gauge_pressure") - pressure])
     errors = numpy.abs(errors)
-    orders = numpy.log2(errors[:-1] / errors[1:])
-    assert errors[-1][0] < 2e-5 and errors[-1][1] < 1e-3 * pressure, errors
-    assert numpy.abs(orders - 1.0).max() < 0.35, (orders, errors)
+    orders = numpy.log2(errors[:-1, 0] / errors[1:, 0])
+    assert errors[-1][0] < 2e-6 and errors[-1][1] < 1e-5 * pressure, errors
+    assert numpy.abs(orders - 1.0).max() < 0.3, (orders, errors)
 
 
 def test_the_arm_comes_to_where_the_core_has_it():
     """Six muscles on one network: MuJoCo's bodies and the plugin's air, against the core's chain."""
-    alone = mckibben.Scenario.from_file("examples/plant/arm.toml").with_values({"run.duration": 0.6})
-    trajectory = mckibben.simulate(alone)
-    model = mujoco.MjModel.from_xml_path(str(MODELS / "arm.xml"))
+    # Dry friction holds the core's arm at rest, where MuJoCo's creeps; and before the elbow meets its stop, which is MuJoCo's own.
+    frictionless = {"run.duration": 0.15, "actuator.friction.coulomb_width": 0.0}
+    trajectory = mckibben.simulate(mckibben.Scenario.from_file("examples/plant/arm.toml").with_values(frictionless))
+    text = (MODELS / "arm.xml").read_text()
+    key = '<config key="actuator.friction.coulomb_width" value="0 in"/>'
+    model = mujoco.MjModel.from_xml_string(text.replace('<config key="scenario"', key + '<config key="scenario"'))
     model.opt.timestep = 2e-4
     data = mujoco.MjData(model)
     data.qpos[1] = numpy.radians(20.0)
     names = [model.actuator(at).name for at in range(6)]
     fill, exhaust = names.index("deltoid"), names.index("latissimus")
-    while data.time < 0.6 - 1e-9:
+    while data.time < 0.15 - 1e-9:
         data.ctrl[:] = 0.0
         data.ctrl[fill] = float(0.1 <= data.time + 1e-9 < 0.3)
         data.ctrl[exhaust] = -float(0.1 <= data.time + 1e-9 < 0.14)
         mujoco.mj_step(model, data)
     mujoco.mj_forward(model, data)
     angles = [trajectory[f"{joint}.angle_rad"][-1] for joint in ("shoulder", "elbow", "wrist")]
-    assert abs(angles[0]) > 0.05, "it has moved"
-    assert numpy.abs(data.qpos - angles).max() < 2e-3, (data.qpos, angles)
+    assert angles[0] > 0.1 and angles[1] < 0.02, "it has moved"
+    assert numpy.abs(data.qpos - angles).max() < 3e-4, (data.qpos, angles)
     assert sensor(data, "manifold.gauge_pressure") == pytest.approx(trajectory["manifold.gauge_pressure_pa"][-1], rel=1e-3)
     assert sensor(data, "tank.gauge_pressure") == pytest.approx(trajectory["tank.gauge_pressure_pa"][-1], rel=1e-3)
 
@@ -208,22 +213,24 @@ def test_what_finite_differences_of_mujoco_see():
     per_pressure = (tensions[1] - tensions[0]) / 100.0
     assert plant.count == 1
     assert state[1, 2] == pytest.approx(1e-4 * per_pressure / 2.0, rel=1e-2)
-    assert state[2, 2] == pytest.approx(1.0, abs=0.05), "a pressure lasts"
+    assert 0.9 < state[2, 2] < 1.0, "a pressure lasts, but for what flows through the valve"
     # A duty cycle is taken up when the next period begins: within a step nothing depends on it.
     assert numpy.abs(control).max() == 0.0
 
 
-def test_it_is_stable_at_steps_of_ten_milliseconds():
-    for step in (1e-3, 2e-3, 5e-3, 1e-2):
-        model, data = hanging(step, pulse_frequency="25 Hz")
-        heights = []
-        for count in range(round(4.0 / step)):
-            data.ctrl[:] = 0.5 if count * step < 2.0 else 0.3
-            mujoco.mj_step(model, data)
-            heights.append(float(data.qpos[0]))
-        heights = numpy.array(heights)
-        assert numpy.isfinite(heights).all() and numpy.abs(heights).max() < 0.05, (step, heights.min(), heights.max())
-        assert data.time == pytest.approx(4.0)
+@pytest.mark.parametrize(("step", "limit"), [(1e-3, None), (2e-3, None), (5e-3, None), (1e-2, 0.097)])
+def test_it_is_stable_at_long_steps(step, limit):
+    """Up to 5 ms whatever happens; at 10 ms where MuJoCo keeps the tendon from pulling the braid taut."""
+    model, data = hanging(step, pulse_frequency="25 Hz", max_length=limit)
+    heights = []
+    for count in range(round(4.0 / step)):
+        data.ctrl[:] = 0.5 if count * step < 2.0 else 0.1
+        mujoco.mj_step(model, data)
+        heights.append(float(data.qpos[0]))
+    heights = numpy.array(heights)
+    assert numpy.isfinite(heights).all() and -0.02 < heights.min() and heights.max() < 0.1, (heights.min(), heights.max())
+    # With its air gone the mass hangs on the taut braid, or on MuJoCo's limit.
+    assert heights[-1] == pytest.approx(0.09 - (limit or 0.0979), abs=2e-3)
 
 
 def test_threaded_rollouts_are_those_of_one_thread():
@@ -252,7 +259,7 @@ def test_the_driver_is_the_plugin():
     driver = mckibben.mujoco.Driver(model, scenario(), command_mode="request", worlds=3)
     worlds = driver.start()
     for _ in range(500):
-        driver.step(worlds, [[1.0], [1.0], [0.0]])
+        driver.step(worlds, [[1.0], [1.0], [-1.0]])
     assert worlds[0].qpos[0] == worlds[1].qpos[0] != worlds[2].qpos[0]
     assert worlds[0].qpos[0] == pytest.approx(data.qpos[0], abs=1e-7)
     with pytest.raises(mckibben.InputError, match="no motor"):
@@ -263,13 +270,14 @@ def test_the_driver_is_the_plugin():
 def test_models_run(name):
     model = mujoco.MjModel.from_xml_path(str(MODELS / f"{name}.xml"))
     data = mujoco.MjData(model)
-    generator = numpy.random.default_rng(3)
+    generator, pulls = numpy.random.default_rng(3), 0.0
     for count in range(500):
         if count % 50 == 0:
             data.ctrl[:] = numpy.round(generator.uniform(0.0, 1.0, model.nu), 1 if name in ("hanging-mass", "leg") else 0)
         mujoco.mj_step(model, data)
+        pulls = max(pulls, float(numpy.abs(data.actuator_force).max()))
     assert numpy.isfinite(data.qpos).all() and data.time == pytest.approx(0.5)
-    assert numpy.abs(data.actuator_force).max() > 1.0
+    assert pulls > 1.0
     assert not any(warning.number for warning in data.warning)
 
 
@@ -285,8 +293,8 @@ def test_the_elbow_bends_when_the_biceps_is_filled():
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({"keys": KEYS | {"actuator.turns": "-2"}}, "actuator.turns"),
-        ({"keys": KEYS | {"actuator.thread_length": "4.3 kg"}}, "is a mass"),
+        ({"keys": KEYS | {"actuator.preset": "colbrunn-2001", "actuator.turns": "-2"}}, "actuator.turns"),
+        ({"keys": KEYS | {"actuator.preset": "colbrunn-2001", "actuator.thread_length": "4.3 kg"}}, "is a mass"),
         ({"command_mode": "position"}, "command_mode"),
         ({"length_offset": "3 kg"}, "unit of m"),
         ({"sensors": ["warmth"]}, "name it after one of"),
@@ -307,12 +315,12 @@ def log():
     return text
 
 
-def test_a_muscle_that_cannot_be_so_long_stops_with_one_warning(capfd):
+def test_a_muscle_that_cannot_be_so_long_stops_with_one_warning():
     text = WORLD.replace("0 0 0.2", "0 0 0.5").format(step=1e-3, gravity=GRAVITY, muscle=muscle())
     model = mujoco.MjModel.from_xml_string(text)
     data = mujoco.MjData(model)
     run(model, data, 0.01, 0.0)
-    told = "".join(capfd.readouterr()) + log()
+    told = log()
     assert data.actuator_force[0] == 0.0 and numpy.isfinite(data.qpos).all()
     assert told.count("mckibben.muscle") == 1, told
 

@@ -5,9 +5,12 @@ use crate::dist::empty;
 use crate::steps::{cargo, command, succeed};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 /// The stubs of what is compiled of the package: made from it, and kept beside it for who installs the package.
 const STUBS: &str = "python/mckibben/_mckibben.pyi";
+/// The oldest MuJoCo that is tested.
+const OLDEST_MUJOCO: &str = "3.2.7";
 /// As the tests are compiled: then everything but the package's own crate is there already.
 const AS_TESTS: [(&str, &str); 2] = [("CARGO_PROFILE_DEV_OPT_LEVEL", "2"), ("CARGO_INCREMENTAL", "0")];
 
@@ -74,6 +77,7 @@ pub(crate) fn package(root: &Path) -> Result<Counts, String> {
         // What was skipped has been counted.
         (counts.passed, counts.failed) = (counts.passed + again.passed, counts.failed + again.failed);
     }
+    counts.passed += oldest_mujoco(root, &python, &mut tests())?.passed;
     let wheels = root.join("target/wheels-tried");
     empty(&wheels)?;
     let mut build = command(root, &python);
@@ -83,6 +87,18 @@ pub(crate) fn package(root: &Path) -> Result<Counts, String> {
     counts.passed += 1;
     counts.notes.push(format!("OpenBLAS kernels: the default, {}", blas_kernels().join(", ")));
     Ok(counts)
+}
+
+/// Runs the tests in MuJoCo with the oldest version that the plugin knows; those before have run with the newest.
+fn oldest_mujoco(root: &Path, python: &Path, tests: &mut Command) -> Result<Counts, String> {
+    let folder = root.join("target/mujoco").join(OLDEST_MUJOCO);
+    if !folder.exists() {
+        let mut install = command(root, python);
+        install.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-deps", "--target"]);
+        succeed(install.arg(&folder).arg(format!("mujoco=={OLDEST_MUJOCO}")))?;
+    }
+    println!("\nwith MuJoCo {OLDEST_MUJOCO}");
+    pytest(tests.arg("python/tests/test_mujoco.py").env("PYTHONPATH", &folder))
 }
 
 /// Installs the wheel that lies in a folder into an environment of its own, on a path without Cargo, and tries it there.

@@ -80,6 +80,7 @@ fn state(plant: &Plant, quantity: PlantQuantity) -> Option<usize> {
         Q::Rate(mechanism, of) => Some(places.mechanisms[mechanism].rate(of)),
         Q::NodePressure(node) => places.nodes[node],
         Q::GaugePressure(_)
+        | Q::Contraction(_)
         | Q::NodeGaugePressure(_)
         | Q::Temperature(_)
         | Q::Volume(_)
