@@ -52,7 +52,7 @@ def main() -> None:
             camera.lookat[0] = data.qpos[0]
         with mujoco.Renderer(model, height, width) as renderer:
             renderer.update_scene(data, camera)
-            Image.fromarray(renderer.render()).quantize(64).save(MODELS / f"{name}.png", optimize=True)
+            Image.fromarray(renderer.render()).quantize(128).save(MODELS / f"{name}.png", optimize=True)
         print(f"{name}: coordinates {data.qpos.round(3)}")
 
 
