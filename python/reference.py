@@ -39,7 +39,7 @@ CHAPTERS: dict[str, str] = {
     "Sweeps": "sweep SweepResult Sweep",
     "Identification": "identify Study Run Identification Estimate Prediction",
     "In your own loop": "Actuator ActuatorState Response Actuators VectorPlant",
-    "Derivatives": "Differentiable",
+    "Derivatives": "Differentiable DifferentiableStep",
     "Environments": " ".join(f"learning.{name}" for name in mckibben.learning.__all__),
     "Errors": "Error InputError SimulationError OutputError",
 }

@@ -17,7 +17,7 @@ if typing.TYPE_CHECKING:
     import pandas
     import polars
 
-    from mckibben import Differentiable, Trajectory
+    from mckibben import Differentiable, DifferentiableStep, Trajectory
 
 
 def to_pandas(run: Trajectory) -> pandas.DataFrame:
@@ -106,16 +106,20 @@ def _over_batches(function: collections.abc.Callable[..., typing.Any]) -> collec
     return over
 
 
-def for_jax(run: Differentiable) -> collections.abc.Callable[..., typing.Any]:
-    """Return a run as a function of JAX with the derivatives of the simulator; the runs of a `vmap` use all cores."""
+def for_jax(
+    run: Differentiable | DifferentiableStep, shape: tuple[int, ...], width: int
+) -> collections.abc.Callable[..., typing.Any]:
+    """Return a run or a step as a function of JAX with the derivatives of the simulator; those of a `vmap` use all cores.
+
+    `shape` is that of its result, and `width` the number of its arguments.
+    """
     import jax
     import numpy
 
     if not jax.config.jax_enable_x64:
         raise InputError('JAX counts in 32 bits here: call jax.config.update("jax_enable_x64", True) first')
-    shape = (len(run.times), len(run.quantities))
     value = jax.ShapeDtypeStruct(shape, numpy.float64)
-    slopes = jax.ShapeDtypeStruct((*shape, len(run.parameters)), numpy.float64)
+    slopes = jax.ShapeDtypeStruct((*shape, width), numpy.float64)
     values_of, both_of = _over_batches(run), _over_batches(run.value_and_jacobian)
 
     def simulated(values: typing.Any) -> typing.Any:
@@ -130,10 +134,12 @@ def for_jax(run: Differentiable) -> collections.abc.Callable[..., typing.Any]:
     return typing.cast("collections.abc.Callable[..., typing.Any]", function)
 
 
-def for_torch(run: Differentiable) -> collections.abc.Callable[..., typing.Any]:
-    """Return a run as a function of a tensor of PyTorch with the derivatives of the simulator.
+def for_torch(
+    run: Differentiable | DifferentiableStep, shape: tuple[int, ...]
+) -> collections.abc.Callable[..., typing.Any]:
+    """Return a run or a step as a function of a tensor of PyTorch with the derivatives of the simulator.
 
-    The runs of a `vmap`, or of leading dimensions of the tensor, use all cores.
+    `shape` is that of its result. Those of a `vmap`, or of leading dimensions of the tensor, use all cores.
     """
     import torch
 
@@ -179,11 +185,14 @@ def for_torch(run: Differentiable) -> collections.abc.Callable[..., typing.Any]:
 
         @staticmethod
         def backward(context: typing.Any, along: typing.Any, _: typing.Any) -> typing.Any:
-            return torch.einsum("...to,...top->...p", along, Slopes.apply(*context.saved_tensors))
+            slopes = Slopes.apply(*context.saved_tensors)
+            flat = along.flatten(-len(shape)), slopes.flatten(-len(shape) - 1, -2)
+            return torch.einsum("...m,...mp->...p", *flat)
 
         @staticmethod
         def jvp(context: typing.Any, along: typing.Any) -> typing.Any:
-            return torch.einsum("...top,...p->...to", Slopes.apply(*context.saved_tensors), along), None
+            slopes = Slopes.apply(*context.saved_tensors)
+            return (slopes @ along.reshape(*along.shape[:-1], *[1] * (len(shape) - 1), -1, 1)).squeeze(-1), None
 
         @staticmethod
         def vmap(info: typing.Any, in_dims: typing.Any, values: typing.Any) -> typing.Any:

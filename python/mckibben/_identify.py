@@ -214,11 +214,12 @@ class Prediction:
 
     #: The name of the run; empty where the readings of all runs are taken together.
     run: str
-    #: What was measured, in words.
+    #: What was measured, in words: of pulse trains "opening delay" and "closing delay", each from an edge of the coil to the onset
+    #: of the pressure that followed.
     quantity: str
     #: The SI unit of the readings; empty for a pure number.
     unit: str
-    #: At what each reading was taken, by names such as `time_s` or `length_m`.
+    #: At what each reading was taken, by names such as `time_s`, `length_m`, `pressure_ratio` or `edge_s`.
     coordinates: dict[str, NDArray[numpy.float64]]
     #: The readings.
     measured: NDArray[numpy.float64]
@@ -239,7 +240,7 @@ class Identification(collections.abc.Mapping[str, Estimate]):
     estimates: list[Estimate]
     #: Correlations of the estimates, row by row in their order; `None` where they do not come from one fit.
     correlations: NDArray[numpy.float64] | None
-    #: The readings with the predictions of the fitted model; empty of steady flow and pulse trains.
+    #: The readings with the predictions of the fitted model; empty of a tank that is fitted window by window.
     predictions: list[Prediction]
     #: What was done, in a few sentences.
     notes: list[str]
@@ -329,7 +330,7 @@ class Identification(collections.abc.Mapping[str, Estimate]):
         matplotlib.figure.Figure
         """
         if not self.predictions:
-            raise InputError("a study of this kind has no predictions to draw; `figures` has the figures of its report")
+            raise InputError("the study has no predictions to draw; `figures` has the figures of its report")
         wanted = self.predictions[0].run if run is None else run
         drawn = [one for one in self.predictions if one.run == wanted]
         if not drawn:

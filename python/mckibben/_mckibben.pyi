@@ -12,9 +12,10 @@ from numpy.typing import ArrayLike, NDArray
 from os import PathLike
 from pandas import DataFrame
 from polars import DataFrame as DataFrame2
-from typing import Any, Final, SupportsFloat, SupportsIndex, final
+from typing import Any, Final, Literal, SupportsFloat, SupportsIndex, final
 
 __all__ = ["__version__", "Actuator", "ActuatorState", "Actuators", "Differentiable", "Event", "HostedPlant", "LinearModel", "Response", "Scenario", "Sweep", "Trajectory", "VectorPlant", "_Statics", "_curves", "_identify", "_identify_file", "_parameters", "_presets", "_quantity", "_register_mujoco", "linearize", "simulate"]
+__all__ = ["__version__", "Actuator", "ActuatorState", "Actuators", "Differentiable", "DifferentiableStep", "Event", "LinearModel", "Response", "Scenario", "Sweep", "Trajectory", "VectorPlant", "_Statics", "_curves", "_identify", "_identify_file", "_parameters", "_presets", "_quantity", "linearize", "simulate"]
 
 __version__: Final[str]
 """
@@ -74,7 +75,7 @@ class Actuator:
         (0.1, True)
     """
     def __getnewargs_ex__(self, /) -> tuple[tuple[Scenario, str | None], dict[str, Any]]: ...
-    def __new__(cls, /, scenario: Scenario, name: str | None = None, *, pulse_frequency: SupportsFloat | SupportsIndex | None = None) -> Actuator: ...
+    def __new__(cls, /, scenario: Scenario, name: Literal["agonist", "antagonist"] | None = None, *, pulse_frequency: SupportsFloat | SupportsIndex | None = None) -> Actuator: ...
     def __repr__(self, /) -> str: ...
     @property
     def initial_length(self, /) -> float:
@@ -138,7 +139,7 @@ class Actuator:
         -------
         ActuatorState
         """
-    def step(self, /, state: ActuatorState, length: SupportsFloat | SupportsIndex, velocity: SupportsFloat | SupportsIndex, command: float | str | None, dt: SupportsFloat | SupportsIndex, *, max_step: SupportsFloat | SupportsIndex | None = None) -> tuple[ActuatorState, float, Response]:
+    def step(self, /, state: ActuatorState, length: SupportsFloat | SupportsIndex, velocity: SupportsFloat | SupportsIndex, command: float | Literal["fill", "hold", "exhaust"] | None, dt: SupportsFloat | SupportsIndex, *, max_step: SupportsFloat | SupportsIndex | None = None) -> tuple[ActuatorState, float, Response]:
         """
         Advance a state by one time step, in which the ends move to a new distance at constant velocity.
 
@@ -242,7 +243,7 @@ class ActuatorState:
         Time in s since the start.
         """
     @property
-    def valve(self, /) -> str:
+    def valve(self, /) -> Literal["closed", "supply", "exhaust", "both"]:
         """
         Open ports of the valve: "supply", "exhaust", "both" or "closed".
         """
@@ -307,7 +308,7 @@ class Actuators:
         """
         Return the number of actuators.
         """
-    def __new__(cls, /, scenario: Scenario, count: int, name: str | None = None, *, parameters: Sequence[str] = ..., values: NDArray[float64] | None = None, pulse_frequency: SupportsFloat | SupportsIndex | None = None) -> Actuators: ...
+    def __new__(cls, /, scenario: Scenario, count: int, name: Literal["agonist", "antagonist"] | None = None, *, parameters: Sequence[str] = ..., values: NDArray[float64] | None = None, pulse_frequency: SupportsFloat | SupportsIndex | None = None) -> Actuators: ...
     def __repr__(self, /) -> str: ...
     def __setstate__(self, /, numbers: NDArray[float64]) -> None: ...
     @property
@@ -393,7 +394,10 @@ class Differentiable:
     scenario : Scenario
         One actuator or an antagonistic joint, without a controller.
     parameters : sequence of str
-        Paths of numbers of the scenario, such as "load.mass", "command.duty" or "actuator.effectiveness.value[2]".
+        Paths of numbers of the scenario, such as "load.mass", "command.duty" or "actuator.effectiveness.value[2]". The path of a
+        list stands for all its entries in their order: "command.gauge_pressure" for every set point of a regulator,
+        "command.position" for every position of a spool, "command.time" for the instants of a command, "pressure.gauge_pressure"
+        and "load.table_length" for the rows of a pressure and of a length over time.
     quantities : sequence of str
         "length" (m), "gauge_pressure" (Pa), "tension" (N); of a joint also "angle" (rad), "angular_velocity" (rad/s), "torque"
         (N*m), "antagonist_length", "antagonist_gauge_pressure" and "antagonist_tension".
@@ -481,7 +485,7 @@ class Differentiable:
     @property
     def parameters(self, /) -> list[str]:
         """
-        Paths of the parameters.
+        Paths of the parameters, those of a list one by one.
         """
     @property
     def quantities(self, /) -> list[str]:
@@ -525,6 +529,198 @@ class Differentiable:
             The values are of another number, not finite or out of range.
         SimulationError
             The run fails with these values.
+        """
+
+@final
+class DifferentiableStep:
+    """
+    One step of an actuator as a function of its state, the motion of its ends and its command, with the exact Jacobian.
+
+    An instance is called with an array of inputs, and returns an array of outputs. The inputs are the numbers of the state, then
+    "length" in m and "velocity" in m/s of the ends at the end of the step, then "command" where the actuator has a valve. The
+    outputs are the numbers of the state after the step, then "tension" in N. The Jacobian accounts for poppets and pulses that
+    move, and friction that turns, within the step.
+
+    Parameters
+    ----------
+    actuator : Actuator
+        Actuator whose step it is.
+    dt : float
+        Duration of the step in s, above zero.
+    max_step : float, optional
+        Longest part of the step in s, as of `Actuator.step`. By default the step is one part.
+
+    Raises
+    ------
+    InputError
+        `dt` or `max_step` is out of range.
+
+    Notes
+    -----
+    The names of the state's numbers are "state.time" (s), "state.absolute_pressure" (Pa), "state.air_mass" (kg), "state.length"
+    (m) and "state.velocity" (m/s); all others are "state[1]", "state[2]" and so on by their place: what friction remembers,
+    instants at which poppets move, pulses. Numbers that stand for something discrete, such as an open port, have derivatives of
+    zero. Jacobians of successive steps multiply to that of the whole motion. Where an event or an edge of a pulse lies exactly at the
+    end of a step, the derivatives are those of one side.
+
+    A command is a duty cycle from 0 to 1, of a pressure regulator a gauge pressure in Pa, of a proportional spool a position from
+    -1 to 1. A duty cycle takes effect when the next pulse begins.
+
+    Examples
+    --------
+    The pressure and the tension of a closed muscle rise with its length:
+
+        >>> import mckibben
+        >>> muscle = mckibben.Actuator(mckibben.Scenario.from_dict({
+        ...     "load": {"kind": "isometric"},
+        ...     "initial": {"length": "85 mm", "gauge_pressure": "40 psi"},
+        ...     "run": {"duration": "1 s"},
+        ... }))
+        >>> step = mckibben.DifferentiableStep(muscle, 1e-3)
+        >>> outputs, jacobian = step.value_and_jacobian(step.pack(muscle.start(), 0.0851, 0.1))
+        >>> pressure, length = step.outputs.index("state.absolute_pressure"), step.inputs.index("length")
+        >>> bool(jacobian[pressure, length] > 0.0), bool(jacobian[-1, length] > 0.0)
+        (True, True)
+    """
+    def __call__(self, /, values: ArrayLike) -> NDArray[float64]:
+        """
+        Return the outputs.
+
+        Parameters
+        ----------
+        values : array_like
+            Inputs in SI, of shape (len(inputs),), as `pack` returns them.
+
+        Returns
+        -------
+        numpy.ndarray
+            Outputs in SI, of shape (len(outputs),).
+        """
+    def __getnewargs_ex__(self, /) -> tuple[tuple[Actuator, float], dict[str, Any]]: ...
+    def __new__(cls, /, actuator: Actuator, dt: SupportsFloat | SupportsIndex, *, max_step: SupportsFloat | SupportsIndex | None = None) -> DifferentiableStep: ...
+    def __repr__(self, /) -> str: ...
+    @property
+    def actuator(self, /) -> Actuator:
+        """
+        Actuator whose step it is.
+        """
+    @property
+    def dt(self, /) -> float:
+        """
+        Duration of the step in s.
+        """
+    def for_jax(self, /) -> Callable[..., Any]:
+        """
+        Return this function for JAX, which differentiates it in forward and in reverse mode.
+
+        Returns
+        -------
+        callable
+            A `jax.custom_jvp` of the inputs in SI. The steps of a `vmap` use all cores.
+
+        Raises
+        ------
+        InputError
+            JAX computes in 32 bits; call `jax.config.update("jax_enable_x64", True)` first.
+        """
+    def for_torch(self, /) -> Callable[..., Any]:
+        """
+        Return this function for PyTorch, which differentiates it in forward and in reverse mode.
+
+        Returns
+        -------
+        callable
+            A function of a float64 tensor of the inputs in SI, with any leading dimensions. The steps of leading dimensions use
+            all cores.
+
+        Notes
+        -----
+        The function raises `InputError` for a tensor of another type, and where a second derivative is taken.
+        """
+    @property
+    def inputs(self, /) -> list[str]:
+        """
+        Names of the inputs, in their order.
+        """
+    @property
+    def max_step(self, /) -> float | None:
+        """
+        Longest part of the step in s; `None` where it is one part.
+        """
+    @property
+    def outputs(self, /) -> list[str]:
+        """
+        Names of the outputs, in their order.
+        """
+    def pack(self, /, state: ActuatorState, length: SupportsFloat | SupportsIndex, velocity: SupportsFloat | SupportsIndex, command: SupportsFloat | SupportsIndex = 0.0) -> NDArray[float64]:
+        """
+        Return the inputs of a step from a state.
+
+        Parameters
+        ----------
+        state : ActuatorState
+            State of the actuator at the beginning of the step.
+        length : float
+            Distance between the ends in m at the end of the step, above zero.
+        velocity : float
+            Velocity of the ends in m/s at the end of the step, above zero while lengthening.
+        command : float, optional
+            Command of the valve: a duty cycle, a gauge pressure in Pa or a position; 0 by default. Ignored where there is no
+            valve.
+
+        Returns
+        -------
+        numpy.ndarray
+            Inputs in SI, of shape (len(inputs),).
+
+        Raises
+        ------
+        InputError
+            The state belongs to another actuator.
+        """
+    def unpack(self, /, outputs: ArrayLike) -> tuple[ActuatorState, float]:
+        """
+        Return the state and the tension that outputs stand for.
+
+        Parameters
+        ----------
+        outputs : array_like
+            Outputs of a step, of shape (len(outputs),).
+
+        Returns
+        -------
+        state : ActuatorState
+            State after the step, from which `Actuator.step` continues too.
+        tension : float
+            Tension in N.
+
+        Raises
+        ------
+        InputError
+            The numbers are no outputs of this step.
+        """
+    def value_and_jacobian(self, /, values: ArrayLike) -> tuple[NDArray[float64], NDArray[float64]]:
+        """
+        Return the outputs and their Jacobian with respect to the inputs.
+
+        Parameters
+        ----------
+        values : array_like
+            Inputs in SI, of shape (len(inputs),), as `pack` returns them.
+
+        Returns
+        -------
+        value : numpy.ndarray
+            Outputs in SI, of shape (len(outputs),).
+        jacobian : numpy.ndarray
+            Derivatives in SI, of shape (len(outputs), len(inputs)).
+
+        Raises
+        ------
+        InputError
+            The values are of another number, out of range, or no state of the actuator; or the step has more than 20 000 parts.
+        SimulationError
+            The step leads to a non-physical state.
         """
 
 @final
@@ -1210,6 +1406,11 @@ class Sweep:
         """
         Names of the columns of the table, in their order.
         """
+    @property
+    def logarithmic(self, /) -> list[str]:
+        """
+        Names of the columns of varied keys whose values are spaced or distributed evenly in their logarithm.
+        """
     def missing(self, /, folder: str | PathLike[str]) -> tuple[list[int], int]:
         """
         Create the folder of the sweep, or open one that holds the same sweep, and return what is missing in it.
@@ -1601,7 +1802,7 @@ class Trajectory:
         polars.DataFrame
             A row for each sample.
         """
-    def to_svg(self, /, over: str = "time") -> str:
+    def to_svg(self, /, over: Literal["time", "length"] = ...) -> str:
         """
         Return the figure of `mckibben simulate --plot` as SVG.
 
@@ -1702,7 +1903,7 @@ class VectorPlant:
     """
     def __getnewargs_ex__(self, /) -> tuple[tuple[Scenario, int], dict[str, Any]]: ...
     def __len__(self, /) -> int: ...
-    def __new__(cls, /, scenario: Scenario, count: int, *, parameters: Sequence[str] = ..., action_mode: str = "duty", pulse_frequency: SupportsFloat | SupportsIndex | None = None) -> VectorPlant: ...
+    def __new__(cls, /, scenario: Scenario, count: int, *, parameters: Sequence[str] = ..., action_mode: Literal["duty", "request", "position", "set-point"] = ..., pulse_frequency: SupportsFloat | SupportsIndex | None = None) -> VectorPlant: ...
     def __repr__(self, /) -> str: ...
     @property
     def columns(self, /) -> list[str]:

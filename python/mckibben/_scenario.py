@@ -1,4 +1,4 @@
-"""Sections of a scenario as attributes, what differs between two, and a table for notebooks."""
+"""Sections of a scenario as attributes, the difference of two scenarios, and a table for notebooks."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if typing.TYPE_CHECKING:
 
 
 def _value(value: typing.Any) -> typing.Any:
-    """A value as an attribute has it: a quantity as a number in SI, a section as a `Section`."""
+    """Return the value of an attribute: a quantity as a number in SI, a section as a `Section`."""
     if isinstance(value, dict):
         return Section(value)
     if isinstance(value, list):
@@ -27,8 +27,8 @@ def _value(value: typing.Any) -> typing.Any:
 class Section(collections.abc.Mapping[str, typing.Any]):
     """A section of a scenario: `scenario.load.mass` is a number in SI, `scenario.load.kind` a word.
 
-    It is a mapping too, for names that are no identifiers: `scenario.actuators["knee-back"]`. It cannot be changed; a scenario
-    with other values is made by `Scenario.with_values`.
+    It is also a mapping, for names that are no identifiers: `scenario.actuators["knee-back"]`. It is immutable; use
+    `Scenario.with_values` to make a scenario with other values.
     """
 
     def __init__(self, values: dict[str, typing.Any]) -> None:
@@ -56,7 +56,7 @@ class Section(collections.abc.Mapping[str, typing.Any]):
 
 
 def _flat(values: dict[str, typing.Any], above: str = "") -> collections.abc.Iterator[tuple[str, typing.Any]]:
-    """Paths of keys with their values."""
+    """Yield the paths of keys with their values."""
     for name, value in values.items():
         if isinstance(value, dict):
             yield from _flat(value, f"{above}{name}.")
@@ -64,32 +64,31 @@ def _flat(values: dict[str, typing.Any], above: str = "") -> collections.abc.Ite
             yield above + name, value
 
 
-def attribute(scenario: Scenario, name: str) -> typing.Any:
-    """A section or value of a scenario by its name."""
-    values = {} if name.startswith("_") else scenario.to_dict()
-    if name not in values:
-        raise AttributeError(f"the scenario has no section `{name}`; it has {', '.join(values)}")
-    return _value(values[name])
+def attribute(sections: dict[str, typing.Any], name: str) -> typing.Any:
+    """Return a section or value of a scenario by its name."""
+    if name.startswith("_") or name not in sections:
+        raise AttributeError(f"the scenario has no section `{name}`; it has {', '.join(sections)}")
+    return _value(sections[name])
 
 
-def names(scenario: Scenario) -> list[str]:
-    """What a scenario has by a point: its methods, and its sections."""
-    return [*object.__dir__(scenario), *scenario.to_dict()]
+def names(scenario: Scenario, sections: dict[str, typing.Any]) -> list[str]:
+    """Return the names of the attributes of a scenario: its methods and its sections."""
+    return [*object.__dir__(scenario), *sections]
 
 
-def diff(scenario: Scenario, other: Scenario) -> dict[str, tuple[typing.Any, typing.Any]]:
-    """What differs between two scenarios: the values of both by the paths of keys, `None` where there is none."""
-    here, there = dict(_flat(scenario.to_dict())), dict(_flat(other.to_dict()))
-    paths = dict.fromkeys([*here, *there])
-    return {path: (here.get(path), there.get(path)) for path in paths if here.get(path) != there.get(path)}
+def diff(here: dict[str, typing.Any], there: dict[str, typing.Any]) -> dict[str, tuple[typing.Any, typing.Any]]:
+    """Return the values in which two scenarios differ by the paths of their keys; `None` where one has no such key."""
+    ours, theirs = dict(_flat(here)), dict(_flat(there))
+    paths = dict.fromkeys([*ours, *theirs])
+    return {path: (ours.get(path), theirs.get(path)) for path in paths if ours.get(path) != theirs.get(path)}
 
 
-def to_html(scenario: Scenario) -> str:
-    """A scenario as a table, a row for each key."""
+def to_html(title: str, sections: dict[str, typing.Any]) -> str:
+    """Return a scenario as a table of HTML with a row for each key."""
     rows = []
-    for name, section in scenario.to_dict().items():
+    for name, section in sections.items():
         keys = list(_flat(section)) if isinstance(section, dict) else [("", section)]
         for place, (path, value) in enumerate(keys):
             head = f'<th rowspan="{len(keys)}" style="vertical-align: top">{html.escape(name)}</th>' if place == 0 else ""
             rows.append(f"<tr>{head}<td>{html.escape(path)}</td><td>{html.escape(str(value))}</td></tr>")
-    return f"<table><caption>{html.escape(scenario.name)}</caption>{''.join(rows)}</table>"
+    return f"<table><caption>{html.escape(title)}</caption>{''.join(rows)}</table>"

@@ -43,6 +43,8 @@ class SweepResult:
         Number of runs that failed; the column `error` of each has the reason.
     units : dict of str to str
         Units of the columns of numbers by their names, in SI.
+    logarithmic : tuple of str
+        Names of the columns of varied keys whose values are spaced or distributed evenly in their logarithm.
 
     Examples
     --------
@@ -63,6 +65,7 @@ class SweepResult:
     rows: int
     failed: int
     units: dict[str, str]
+    logarithmic: tuple[str, ...] = ()
 
     @property
     def parts(self) -> list[pathlib.Path]:
@@ -103,6 +106,8 @@ class SweepResult:
     ) -> matplotlib.figure.Figure:
         """Draw columns of numbers over another, a point for each run and a panel for each column.
 
+        A column in `logarithmic` has a logarithmic axis.
+
         Parameters
         ----------
         columns : sequence of str, optional
@@ -135,6 +140,10 @@ class SweepResult:
         for axis, name in zip(axes, drawn):
             axis.plot(frame[across], frame[name], ".")
             axis.set_ylabel(label(name, self.units[name]))
+            if name in self.logarithmic:
+                axis.set_yscale("log")
+            if across in self.logarithmic:
+                axis.set_xscale("log")
         axes[-1].set_xlabel(label(across, self.units[across]))
         return figure
 
@@ -266,7 +275,7 @@ def sweep(
         _on_executor(executor, todo, missing, put)
     missing, failed = todo.missing(folder)
     assert not missing, missing
-    return SweepResult(folder, todo.rows, failed, todo.units)
+    return SweepResult(folder, todo.rows, failed, todo.units, tuple(todo.logarithmic))
 
 
 Put = collections.abc.Callable[[int, bytes], None]

@@ -1,4 +1,4 @@
-"""The tables of the package as data classes: the quantities of a scenario, and the named actuators and valves."""
+"""Tables of the package as data classes: the quantities of a scenario, and the named actuators and valves."""
 
 from __future__ import annotations
 
@@ -11,28 +11,28 @@ from mckibben._mckibben import _parameters, _presets
 class Parameter:
     """A quantity of a scenario."""
 
-    #: The path of its key. In the keys of a file of many actuators `*` stands for a name.
+    #: Path of its key. In the keys of a file of many actuators `*` stands for a name.
     key: str
-    #: What it is.
+    #: Its meaning in one sentence.
     meaning: str
-    #: The paper's symbol, or the usual one.
+    #: Symbol of the paper, or the usual one.
     symbol: str
     #: SI unit; empty for a pure number.
     unit: str
-    #: The range in words.
+    #: Range in words.
     range: str
-    #: The ends of the range, `None` where there is none, and whether they are in it.
+    #: Ends of the range, `None` where there is none, and whether they belong to it.
     minimum: float | None
     minimum_included: bool
     maximum: float | None
     maximum_included: bool
-    #: The default in that unit; `None` where it must be given or follows from other keys. A preset may stand in for it.
+    #: Default in that unit; `None` where it must be given or follows from other keys. A preset may replace it.
     default: float | None
-    #: Where definition and default come from.
+    #: Source of definition and default.
     source: str
-    #: What to do where a value is refused.
+    #: Remedy where a value is refused.
     remedy: str
-    #: An example as a scenario file has it.
+    #: Example as a scenario file has it.
     example: str
 
 
@@ -40,19 +40,19 @@ class Parameter:
 class PresetValue:
     """A value of a preset."""
 
-    #: The value in SI, or a word.
+    #: Value in SI, or a word.
     value: float | str
     #: SI unit; empty for a pure number or a word.
     unit: str = ""
-    #: The paper's symbol, or the usual one; empty of a word.
+    #: Symbol of the paper, or the usual one; empty for a word.
     symbol: str = ""
-    #: What it is; empty of a word.
+    #: Its meaning in one sentence; empty for a word.
     meaning: str = ""
-    #: The value as the source writes it; empty of a word.
+    #: Value as the source writes it; empty for a word.
     text: str = ""
-    #: Where it comes from; empty of a word.
+    #: Its source; empty for a word.
     source: str = ""
-    #: Whether no source states it.
+    #: Whether it is assumed, as no source states it.
     assumed: bool = False
 
 
@@ -60,25 +60,25 @@ class PresetValue:
 class Preset:
     """A named actuator or valve."""
 
-    #: Its name, which a scenario gives as `preset` of the section.
+    #: Name, which a scenario gives as `preset` of the section.
     name: str
-    #: The section: "actuator" or "valve".
+    #: Section: "actuator" or "valve".
     section: str
-    #: What it is.
+    #: Its meaning in one sentence.
     meaning: str
-    #: Its values by the paths of keys.
+    #: Values by the paths of keys.
     values: dict[str, PresetValue]
 
 
 def parameters() -> dict[str, Parameter]:
-    """Quantities of a scenario by the paths of their keys, in the order of the file: what `mckibben schema` says of them.
+    """Return the quantities of a scenario by the paths of their keys, in the order of the file.
 
     Returns
     -------
     dict of str to Parameter
         Those of an antagonist have `antagonist.` before them. In the keys of a file of many actuators `*` stands for a name:
-        `actuators.flexor.valve.efficiency` takes what `valve.efficiency` takes, and `supplies.tank.inlet.drop` what
-        `supplies.*.inlet.drop` takes.
+        `actuators.flexor.valve.efficiency` has the range of `valve.efficiency`, and `supplies.tank.inlet.drop` that of
+        `supplies.*.inlet.drop`.
 
     Examples
     --------
@@ -91,7 +91,7 @@ def parameters() -> dict[str, Parameter]:
 
 
 def presets() -> dict[str, Preset]:
-    """Named actuators and valves by their names: what `mckibben presets` shows.
+    """Return the named actuators and valves of `mckibben presets` by their names.
 
     Returns
     -------

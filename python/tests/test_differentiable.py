@@ -104,6 +104,49 @@ def test_a_joint_has_derivatives_by_both_actuators(examples):
     assert slopes.shape == (1, 1, 3) and slopes[0, 0, 0] * slopes[0, 0, 1] < 0, "they pull against each other"
 
 
+@pytest.mark.parametrize(
+    ("file", "values", "paths", "quantity"),
+    [
+        ("valves/pressure-regulator", {}, ["command.gauge_pressure", "command.time"], "length"),
+        (
+            "valves/proportional-spool",
+            {"command.position": [0.04, 0.1, 0.6, -0.1], "command.time": [0.1, 0.3, 0.6, 0.9]},
+            ["command.position", "command.time"],
+            "gauge_pressure",
+        ),
+        (
+            "valves/pressure-regulator",
+            {"load": {"kind": "prescribed-motion", "time": [0.0, 0.3, 0.8], "table_length": [0.09, 0.085, 0.088]}},
+            ["load.table_length", "command.gauge_pressure"],
+            "tension",
+        ),
+    ],
+)
+def test_a_sequence_of_controls_is_differentiated_by(file, values, paths, quantity, examples):
+    """Each entry of a table of commands or of a motion: against central differences."""
+    scenario = mckibben.Scenario.from_file(examples / f"{file}.toml")
+    if "load" in values:
+        sections = scenario.to_dict() | values
+        sections["initial"] = {"gauge_pressure": sections["initial"]["gauge_pressure"]}
+        scenario, values = mckibben.Scenario.from_dict(sections), {}
+    scenario = scenario.with_values(values | {"run.relative_tolerance": 1e-10, "run.duration": 1.0})
+    run = mckibben.Differentiable(scenario, paths, [quantity], [0.23, 0.55, 0.97])
+    counts = [len(scenario.to_dict()[path.split(".")[0]][path.split(".")[1]]) for path in paths]
+    assert run.parameters == [f"{path}[{place}]" for path, count in zip(paths, counts) for place in range(count)]
+    start = run.defaults
+    read, slopes = run.value_and_jacobian(start)
+    assert slopes.shape == (3, 1, sum(counts))
+    for place, value in enumerate(start):
+        step = 1e-5 * max(abs(value), 1e-3) * (numpy.arange(len(start)) == place)
+        if value == 0.0:
+            continue  # A time of zero has one side.
+        difference = (run(start + step) - run(start - step)) / (2 * step[place])
+        scale = abs(read).max() / abs(value)
+        numpy.testing.assert_allclose(slopes[..., place] / scale, difference / scale, atol=3e-4, err_msg=run.parameters[place])
+    taken = [place for place, path in enumerate(run.parameters) if path.startswith(paths[0])][:2]
+    assert (abs(slopes[-1, 0, taken]) > 0).all(), "entries before the last time have their part in it"
+
+
 def test_what_cannot_be_is_told(pulsed):
     scenario = pulsed.scenario
     for by, of, at, words in [

@@ -29,7 +29,7 @@ RETURNED = {
 #: What every user calls, and what has an example therefore.
 EXEMPLARY = {
     "simulate", "linearize", "identify", "parameters", "presets", "sweep", "Actuator", "ActuatorState", "Actuators",
-    "Differentiable", "Error", "Event", "InputError", "LinearModel", "OutputError", "Response", "Scenario",
+    "Differentiable", "DifferentiableStep", "Error", "Event", "InputError", "LinearModel", "OutputError", "Response", "Scenario",
     "SimulationError", "Statics", "Sweep", "SweepResult", "Trajectory", "VectorPlant",
 }
 #: In their order.

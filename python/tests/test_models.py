@@ -119,6 +119,48 @@ def test_identification_is_that_of_the_command_line(study, program, examples, tm
     assert found.notes and found.scenarios
 
 
+def test_steady_flow_is_predicted(examples):
+    """(22): the flow coefficient times that of an ideal orifice of the area, written out, at each reading."""
+    found = mckibben.identify(examples / "identify/steady-flow.toml")
+    (prediction,) = found.predictions
+    at, gas, ratio = prediction.coordinates, 286.99, 1.4
+    r = at["downstream_absolute_pressure_pa"] / at["upstream_absolute_pressure_pa"]
+    numpy.testing.assert_allclose(at["pressure_ratio"], r)
+    choked = (2.0 / (ratio + 1.0)) ** (ratio / (ratio - 1.0))
+    r = numpy.maximum(r, choked)
+    shape = numpy.sqrt(2.0 * ratio / (gas * (ratio - 1.0)) * (r ** (2.0 / ratio) - r ** ((ratio + 1.0) / ratio)))
+    ideal = 4e-6 * at["upstream_absolute_pressure_pa"] * shape / numpy.sqrt(at["temperature_k"])
+    coefficient = found["flow_coefficient"].value
+    numpy.testing.assert_allclose(prediction.predicted, coefficient * ideal, rtol=1e-4)
+    assert (prediction.quantity, prediction.unit) == ("mass flow", "kg/s")
+    # By least squares the residuals are at right angles to the flows.
+    weight = prediction.predicted / (prediction.measured**2 if "same part" in found.notes[0] else 1.0)
+    assert abs(weight @ prediction.residuals) < 1e-6 * (weight @ prediction.measured)
+    curve = mckibben.identify(examples / "identify/flow-curve.toml")
+    (fitted,) = curve.predictions
+    numpy.testing.assert_array_equal(fitted.measured, prediction.measured)
+    conductance, critical = curve["valve.sonic_conductance"].value, curve["valve.critical_ratio"].value
+    at_rest = fitted.coordinates["pressure_ratio"] <= critical
+    choked_flow = conductance * 1.185 * at["upstream_absolute_pressure_pa"] * numpy.sqrt(293.15 / at["temperature_k"])
+    numpy.testing.assert_allclose(fitted.predicted[at_rest], choked_flow[at_rest], rtol=1e-3)
+    assert abs(fitted.residuals).max() < abs(prediction.residuals).max() and len(curve.plot().axes) == 2
+
+
+def test_delays_are_predicted(examples):
+    """The delay of each onset, and the mean over all runs, which is the estimate."""
+    found = mckibben.identify(examples / "identify/pulse-train.toml")
+    assert len({prediction.run for prediction in found.predictions}) == 3
+    for quantity, name in [("opening delay", "valve.opening_delay"), ("closing delay", "valve.closing_delay")]:
+        mine = [prediction for prediction in found.predictions if prediction.quantity == quantity]
+        delays = numpy.concatenate([prediction.measured for prediction in mine])
+        assert delays.mean() == pytest.approx(found[name].value, rel=1e-9)
+        for prediction in mine:
+            assert prediction.unit == "s" and (prediction.predicted == found[name].value).all()
+            assert (numpy.diff(prediction.coordinates["edge_s"]) > 0).all()
+    frame = found.predictions_to_pandas()
+    assert {"run", "quantity", "edge_s", "residual"} <= set(frame) and len(found.plot().axes) == 4
+
+
 def test_parts_of_a_plant_are_identified(examples):
     """What was put into the data of the arm, and a scenario with the values found that runs with the names of the parts."""
     found = mckibben.identify(examples / "identify/arm.toml")

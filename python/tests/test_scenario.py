@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+import time
 
 import numpy
 import pytest
@@ -124,6 +125,24 @@ def test_sections_are_attributes_in_si(examples):
     leg = mckibben.Scenario.from_file(examples / "plant/leg.toml")
     assert set(leg.actuators) and all(name in dir(leg.actuators) for name in leg.actuators)
     assert "mass = '2.26796185 kg'" in repr(scenario.load)
+
+
+def test_attributes_are_cheap_and_cannot_change_the_scenario(examples):
+    """The sections are read once: many attributes take less time than a few dictionaries."""
+    scenario = mckibben.Scenario.from_file(examples / "paper/fig-12.toml")
+    mass = scenario.load.mass
+    scenario.to_dict()["load"]["mass"] = "1 kg"
+    assert scenario.load.mass == mass
+
+    def duration(work, count: int) -> float:
+        begin = time.perf_counter()
+        for _ in range(count):
+            work()
+        return time.perf_counter() - begin
+
+    few = min(duration(scenario.to_dict, 20) for _ in range(5))
+    many = min(duration(lambda: scenario.load.mass, 100) for _ in range(5))
+    assert many < few
 
 
 def test_what_differs_is_told_by_paths(examples):

@@ -263,6 +263,26 @@ def test_a_sweep_without_a_folder_is_a_data_frame(swing, tmp_path):
         mckibben.sweep(swing, vary={"load.weight": ["4 lb"]}, reductions=reductions)
 
 
+def test_what_is_spaced_logarithmically_is_drawn_so(swing, tmp_path):
+    """A range and a distribution by their logarithm have logarithmic axes; what is listed or spaced evenly does not."""
+    vary = {
+        "load.mass": {"from": "1 kg", "to": "4 kg", "count": 3, "spacing": "logarithmic"},
+        "initial.gauge_pressure": {"from": "50 psi", "to": "60 psi", "count": 2},
+    }
+    done = mckibben.sweep(swing, tmp_path / "runs", vary=vary, reductions=["length.final"])
+    assert done.logarithmic == ("load_mass_kg",)
+    assert done.to_pandas()["load_mass_kg"].unique() == pytest.approx([1.0, 2.0, 4.0])
+    (axis,) = done.plot(["length_final_m"], over="load_mass_kg").axes
+    assert (axis.get_xscale(), axis.get_yscale()) == ("log", "linear")
+    (axis,) = done.plot(["load_mass_kg"], over="initial_gauge_pressure_pa").axes
+    assert (axis.get_xscale(), axis.get_yscale()) == ("linear", "log")
+    drawn = swing.with_values({
+        "sweep.design": "sobol", "sweep.rows": 4, "sweep.reductions": ["length.final"],
+        "sweep.vary": {"load.mass": {"log-normal": {"median": "2 kg", "factor": 1.2}}},
+    })
+    assert mckibben.Sweep(drawn).logarithmic == ["load_mass_kg"]
+
+
 def test_a_figure_has_a_point_for_each_run(swept, tmp_path):
     done = mckibben.sweep(swept, tmp_path / "runs", jobs=2)
     frame = done.to_pandas()

@@ -1,12 +1,20 @@
-//! `--set KEY=VALUE`: a value of the scenario from the command line.
+//! Values of options: `--set KEY=VALUE`, a value of the scenario, and the horizontal axis of a figure.
 //!
-//! The value is TOML where it reads as TOML (`0.5`, `["0 s", "1 s"]`) and a string where it does not (`10 lb`, `exhaust`),
+//! The value of a key is TOML where it reads as TOML (`0.5`, `["0 s", "1 s"]`) and a string where it does not (`10 lb`, `exhaust`),
 //! so that nothing needs to be quoted twice.
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use mckibben_run::axis::HorizontalAxis;
 use mckibben_run::failure::Failure;
 use mckibben_scenario::Document;
 use std::fmt;
 use std::str::FromStr;
+
+/// Parser of the horizontal axis of a figure.
+pub(crate) fn axis<A: HorizontalAxis>() -> impl TypedValueParser<Value = A> {
+    let value = |axis: &A| PossibleValue::new(axis.name()).help(axis.meaning());
+    PossibleValuesParser::new(A::ALL.iter().map(value)).try_map(|name| name.parse::<A>())
+}
 
 /// A key of the scenario and its new value.
 #[derive(Clone, Debug, Eq, PartialEq)]

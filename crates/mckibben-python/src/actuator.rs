@@ -1,12 +1,12 @@
-//! The modular actuator for a loop of one's own: the classes `Actuator`, `ActuatorState` and `Response`.
+//! The modular actuator for a simulation loop that users write: the classes `Actuator`, `ActuatorState` and `Response`.
 
 use crate::arguments;
 use crate::pulses::Pulses;
 use crate::raised::{Raised, exception};
 use crate::scenario::Scenario;
 use crate::signals::Watch;
-use crate::typed::{NewArguments, Numbers, Sequence};
-use mckibben::plant::{Plant, PlantRun, PlantSteps};
+use crate::typed::{MemberWord, NewArguments, Numbers, PortsWord, RequestWord, Sequence};
+use mckibben::plant::{Plant, PlantRun, PlantStart, PlantSteps};
 use mckibben::simulation::{MOST_PARTS, Method};
 use mckibben::valve::{Request, RuntimeCommand};
 use mckibben::{Error, GaugePressure, parameter};
@@ -24,20 +24,22 @@ use std::sync::{Mutex, PoisonError};
 pub(crate) struct Model {
     /// Where it begins.
     pub(crate) steps: PlantSteps,
+    /// The start of its plant.
+    pub(crate) begin: PlantStart,
     /// How many numbers a state of the plant is.
-    size: usize,
+    pub(crate) size: usize,
     pub(crate) pulses: Pulses,
     /// What its states begin with: of which actuator they are.
     pub(crate) mark: f64,
 }
 
-/// Sections of a scenario that an actuator in a loop of one's own has nothing of.
+/// Sections of a scenario that an actuator in a user's loop does not use.
 const ELSEWHERE: &[&str] = &["command", "controller", "initial", "load", "run", "sweep"];
 
 /// Rates of change of a length in m/s beyond which nothing is believed.
 const SWIFTEST: f64 = 1e6;
 /// Parts of a step that go on without a look at Ctrl-C.
-const UNHEARD: f64 = 2e4;
+pub(crate) const UNHEARD: f64 = 2e4;
 /// What a state of an actuator has before the numbers of the plant: mark, count, time, length, pressure, air mass, open ports.
 const HEAD: usize = 7;
 /// The ports by the number that stands for them.
@@ -60,17 +62,22 @@ impl Model {
         let rig = &experiment.rig;
         let pulsed = rig.actuation().filter(|actuation| actuation.solenoid.has_seats());
         let pulses = Pulses::of(pulsed.map(|actuation| &actuation.command), pulse_frequency)?;
-        let mut steps = steps_of(&experiment).map_err(of_core)?;
+        let (mut steps, begin) = begun(&experiment).map_err(of_core)?;
         let size = steps.state_size();
         let text = alone
             .as_ref()
             .map_or_else(|| scenario.of_one().map(mckibben_scenario::Scenario::to_toml), |of| Ok(of.to_toml()))?;
         let mut table: toml::Table = text.parse().unwrap_or_default();
         table.retain(|section, _| ELSEWHERE.iter().all(|elsewhere| section != *elsewhere));
-        Ok(Self { steps, size, pulses, mark: mark(&format!("{table}{}", pulses.frequency)) })
+        Ok(Self { steps, begin, size, pulses, mark: mark(&format!("{table}{}", pulses.frequency)) })
     }
 
-    /// What is asked of the valve, by a request or a number in the kind of the valve.
+    /// The command that a number is, in the kind of the valve.
+    pub(crate) fn command(&self, name: &str, number: f64) -> Result<RuntimeCommand, Failure> {
+        self.demand(name, &Asked::Number(number))
+    }
+
+    /// The command that a request or a number is.
     pub(crate) fn demand(&self, name: &str, asked: &Asked) -> Result<RuntimeCommand, Failure> {
         let Some(valve) = self.steps.plant().network().valves.first() else {
             return Err(Failure::input(
@@ -95,8 +102,13 @@ impl Model {
 
     /// Goes to where numbers say, which begin with the mark of this actuator.
     pub(crate) fn restore(&self, steps: &mut PlantSteps, state: &ActuatorState) -> Result<(), Failure> {
+        Ok(steps.restore_from(self.own_numbers(state)?)?)
+    }
+
+    /// The numbers of the plant in a state of this actuator.
+    pub(crate) fn own_numbers<'s>(&self, state: &'s ActuatorState) -> Result<&'s [f64], Failure> {
         if state.numbers[0] == self.mark {
-            return Ok(steps.restore_from(&state.numbers[HEAD..])?);
+            return Ok(&state.numbers[HEAD..]);
         }
         Err(Failure::input(
             "`state` is of another actuator: its valve, its air or its law need not have such a state",
@@ -162,14 +174,20 @@ fn member(scenario: &Scenario, name: &str) -> Result<mckibben_scenario::Scenario
 
 /// The steps of the actuator of an experiment, whose ends a host moves.
 pub(crate) fn steps_of(experiment: &Experiment) -> Result<PlantSteps, Error> {
+    begun(experiment).map(|(steps, _)| steps)
+}
+
+/// Those with the start of their plant.
+fn begun(experiment: &Experiment) -> Result<(PlantSteps, PlantStart), Error> {
     let plant = Plant::of_rig(&experiment.rig).without_commands(&[0]);
     let start = Plant::start_of_rig(&experiment.rig, &experiment.start);
     let (plant, start) = plant.to_external(&start)?;
-    Ok(PlantRun::new(&plant, &start, TOLERANCE)?.steps(Method::Stable))
+    let steps = PlantRun::new(&plant, &start, TOLERANCE)?.steps(Method::Stable);
+    Ok((steps, start))
 }
 
-/// The relative tolerance that a start is told from rounding by.
-const TOLERANCE: f64 = 1e-9;
+/// Relative tolerance of the start against rounding.
+pub(crate) const TOLERANCE: f64 = 1e-9;
 
 /// The distance between the ends in m.
 pub(crate) fn distance(steps: &PlantSteps) -> f64 {
@@ -266,7 +284,7 @@ pub(crate) fn advance(
     Ok(())
 }
 
-/// What is asked of a valve in a step.
+/// Command of a valve in a step.
 pub(crate) enum Asked {
     /// A duty cycle of seats, the set point of a regulator (gauge pressure in Pa), or the position of a spool.
     Number(f64),
@@ -275,7 +293,7 @@ pub(crate) enum Asked {
 
 impl<'a, 'py> FromPyObject<'a, 'py> for Asked {
     type Error = PyErr;
-    const INPUT_TYPE: PyStaticExpr = type_hint_union!(name!("builtins", "float"), name!("builtins", "str"));
+    const INPUT_TYPE: PyStaticExpr = type_hint_union!(name!("builtins", "float"), RequestWord::HINT);
 
     fn extract(asked: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
         let Ok(word) = asked.cast::<PyString>() else {
@@ -346,7 +364,7 @@ pub(crate) struct Actuator {
     scenario: Py<Scenario>,
     name: Option<String>,
     pulse_frequency: Option<f64>,
-    model: Model,
+    pub(crate) model: Model,
     /// Where steps are taken.
     desk: Mutex<PlantSteps>,
 }
@@ -456,7 +474,8 @@ pub(crate) struct Response {
 impl Actuator {
     #[new]
     #[pyo3(signature = (scenario, name = None, *, pulse_frequency = None))]
-    fn new(scenario: Py<Scenario>, name: Option<String>, pulse_frequency: Option<f64>) -> PyResult<Self> {
+    fn new(scenario: Py<Scenario>, name: Option<MemberWord>, pulse_frequency: Option<f64>) -> PyResult<Self> {
+        let name = name.map(|name| name.0);
         let model = Model::of(scenario.get(), name.as_deref(), pulse_frequency).raised()?;
         let desk = Mutex::new(model.steps.clone());
         Ok(Self { scenario, name, pulse_frequency, model, desk })
@@ -695,8 +714,8 @@ impl ActuatorState {
 
     /// Open ports of the valve: "supply", "exhaust", "both" or "closed".
     #[getter]
-    fn valve(&self) -> &'static str {
-        PORTS.get(self.numbers[6] as usize).copied().unwrap_or_default()
+    fn valve(&self) -> PortsWord {
+        PORTS.get(self.numbers[6] as usize).copied().unwrap_or_default().into()
     }
 
     /// Return whether both states are bit-identical.

@@ -9,7 +9,7 @@ use crate::pool;
 use crate::raised::{Raised, exception};
 use crate::scenario::Scenario;
 use crate::signals::{self, Heard};
-use crate::typed::{Count, Given, Items, NewArguments, Numbers, Table};
+use crate::typed::{Count, Given, Items, MemberWord, NewArguments, Numbers, Table};
 use mckibben::parameter;
 use mckibben::plant::{PlantSnapshot, PlantSteps};
 use mckibben_identify::adjustable::Adjustable;
@@ -90,7 +90,7 @@ pub(crate) struct Actuators {
     rows: Mutex<Vec<PlantSteps>>,
 }
 
-/// Where the ends go in a step, and what is asked of the valves.
+/// Motion of the ends in a step, and commands of the valves.
 #[derive(Clone, Copy)]
 struct Motion<'a> {
     dt: f64,
@@ -257,7 +257,7 @@ fn check_velocities(velocity: &[f64]) -> Result<(), Failure> {
     velocity.iter().enumerate().try_for_each(|(row, velocity)| check_velocity(&format!("velocity[{row}]"), *velocity))
 }
 
-/// Refuses what a valve cannot be asked for, before any is.
+/// Refuses a command that a valve does not take, before any valve is set.
 fn check_commands(model: &Model, command: &[f64]) -> Result<(), Failure> {
     let of_row = |(row, command): (usize, &f64)| {
         let demand = model.demand(&format!("command[{row}]"), &Asked::Number(*command));
@@ -331,12 +331,12 @@ impl Actuators {
         py: Python<'_>,
         scenario: Py<Scenario>,
         count: Count,
-        name: Option<String>,
+        name: Option<MemberWord>,
         parameters: Items<String>,
         values: Option<Table<'_>>,
         pulse_frequency: Option<f64>,
     ) -> PyResult<Self> {
-        let (count, each, parameters) = (count.0, EACH, parameters.0);
+        let (count, each, name, parameters) = (count.0, EACH, name.map(|name| name.0), parameters.0);
         arguments::room(py, count, "actuators", each)?;
         let model = Model::of(scenario.get(), name.as_deref(), pulse_frequency).raised()?;
         let mut rows = Vec::new();

@@ -1,4 +1,4 @@
-//! A run as a function of numbers of its scenario, with exact derivatives: the class `Differentiable`.
+//! A run as a function of parameters of its scenario, with exact derivatives: the class `Differentiable`.
 
 use crate::arguments;
 use crate::python;
@@ -10,6 +10,7 @@ use mckibben::parameter;
 use mckibben_identify::adjustable::Adjustable;
 use mckibben_identify::trajectories::{Observed, Sampling, Subject, SubjectError};
 use mckibben_run::failure::Failure;
+use mckibben_scenario::Place;
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -24,7 +25,10 @@ use pyo3::types::PyDict;
 /// scenario : Scenario
 ///     One actuator or an antagonistic joint, without a controller.
 /// parameters : sequence of str
-///     Paths of numbers of the scenario, such as "load.mass", "command.duty" or "actuator.effectiveness.value[2]".
+///     Paths of numbers of the scenario, such as "load.mass", "command.duty" or "actuator.effectiveness.value[2]". The path of a
+///     list stands for all its entries in their order: "command.gauge_pressure" for every set point of a regulator,
+///     "command.position" for every position of a spool, "command.time" for the instants of a command, "pressure.gauge_pressure"
+///     and "load.table_length" for the rows of a pressure and of a length over time.
 /// quantities : sequence of str
 ///     "length" (m), "gauge_pressure" (Pa), "tension" (N); of a joint also "angle" (rad), "angular_velocity" (rad/s), "torque"
 ///     (N*m), "antagonist_length", "antagonist_gauge_pressure" and "antagonist_tension".
@@ -67,6 +71,9 @@ pub(crate) struct Differentiable {
     start: Vec<f64>,
 }
 
+/// Paths of parameters, of whose run, what is read of it, and the values of the parameters in the scenario.
+type Known = (Vec<String>, Subject, Sampling, Vec<f64>);
+
 fn observed_of(name: &str, of_joint: bool) -> Result<Observed, Failure> {
     let names = || Observed::ALL.into_iter().filter(|of| of_joint || !of.is_of_joint());
     names().find(|of| of.quantity().name() == name).ok_or_else(|| {
@@ -82,11 +89,11 @@ impl Differentiable {
         parameters: &[String],
         quantities: &[String],
         times: Vec<f64>,
-    ) -> Result<(Subject, Sampling, Vec<f64>), Failure> {
+    ) -> Result<Known, Failure> {
         let mut base = scenario.of_one()?.clone();
         if base.has_controller() {
-            let remedy = "leave `[controller]` out, and give the command that it should ask for";
-            return Err(Failure::input("what a controller decides has no derivatives here", remedy));
+            let remedy = "leave `[controller]` out, and give the command in place of it";
+            return Err(Failure::input("the commands of a controller have no derivatives here", remedy));
         }
         let observed = quantities.iter().map(|name| observed_of(name, base.has_joint())).collect::<Result<_, _>>()?;
         let end = base.run.duration;
@@ -94,8 +101,11 @@ impl Differentiable {
             let remedy = format!("give times from 0 s to run.duration = {end} s");
             return Err(Failure::input(format!("times[{place}] = {} s is no time of the run", times[place]), remedy));
         }
+        // A list stands for its entries.
+        let each = |path: &String| Place::entries(path, &mut base).unwrap_or_else(|| vec![path.clone()]);
+        let parameters: Vec<String> = parameters.iter().flat_map(each).collect();
         let (mut places, mut start) = (Vec::new(), Vec::new());
-        for path in parameters {
+        for path in &parameters {
             let place = scenario.document.find(path, parameters.iter().map(String::as_str), &mut base);
             let place = place.map_err(|error| Failure::input(error.to_string(), "mend `parameters`"))?;
             start.push(place.value(&mut base).unwrap_or(f64::NAN));
@@ -103,7 +113,7 @@ impl Differentiable {
         }
         let given = scenario.document.says_of_each(parameter::MIN_LENGTH.key);
         let sampling = Sampling { observed, times, tolerance: base.run.relative_tolerance };
-        Ok((Adjustable::new(base, places, given).into(), sampling, start))
+        Ok((parameters, Adjustable::new(base, places, given).into(), sampling, start))
     }
 
     fn checked(&self, values: &[f64]) -> Result<(), Failure> {
@@ -142,7 +152,8 @@ impl Differentiable {
         times: Sequence,
     ) -> PyResult<Self> {
         let (parameters, quantities) = (parameters.0, quantities.0);
-        let (subject, sampling, start) = Self::of(scenario.get(), &parameters, &quantities, times.0).raised()?;
+        let (parameters, subject, sampling, start) =
+            Self::of(scenario.get(), &parameters, &quantities, times.0).raised()?;
         Ok(Self { scenario, parameters, quantities, subject, sampling, start })
     }
 
@@ -152,7 +163,7 @@ impl Differentiable {
         self.scenario.clone_ref(py)
     }
 
-    /// Paths of the parameters.
+    /// Paths of the parameters, those of a list one by one.
     #[getter]
     fn parameters(&self) -> Vec<String> {
         self.parameters.clone()
@@ -244,7 +255,9 @@ impl Differentiable {
     /// InputError
     ///     JAX computes in 32 bits; call `jax.config.update("jax_enable_x64", True)` first.
     fn for_jax<'py>(this: &Bound<'py, Self>) -> PyResult<Function<'py>> {
-        python::call(this.py(), ("_beside", "for_jax"), (this,)).map(Function)
+        let of = this.get();
+        let (shape, width) = ((of.sampling.times.len(), of.quantities.len()), of.parameters.len());
+        python::call(this.py(), ("_beside", "for_jax"), (this, shape, width)).map(Function)
     }
 
     /// Return this function for PyTorch, which differentiates it in forward and in reverse mode.
@@ -260,7 +273,8 @@ impl Differentiable {
     /// -----
     /// The function raises `InputError` for a tensor of another type, and where a second derivative is taken.
     fn for_torch<'py>(this: &Bound<'py, Self>) -> PyResult<Function<'py>> {
-        python::call(this.py(), ("_beside", "for_torch"), (this,)).map(Function)
+        let shape = (this.get().sampling.times.len(), this.get().quantities.len());
+        python::call(this.py(), ("_beside", "for_torch"), (this, shape)).map(Function)
     }
 
     fn __repr__(&self) -> String {

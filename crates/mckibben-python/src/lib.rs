@@ -15,6 +15,7 @@
 //! | `statics` | force, stiffness and volume on arrays: what `Statics` of the package computes with |
 //! | `identification` | what `identify` of the package calls |
 //! | `differentiable` | runs as functions with exact derivatives: `Differentiable` |
+//! | `differentiable_step` | a step of the modular actuator with its exact Jacobian: `DifferentiableStep` |
 //! | `sweep` | a sweep by its parts: `Sweep` |
 //! | `pool` | the threads of this process, and of one that was forked |
 //! | `python` | functions of the package that are written in Python |
@@ -26,7 +27,7 @@
 //! | `raised` | failures as the exceptions of `mckibben.errors` |
 //!
 //! There is no physics here: everything is done by the core and by `mckibben-run`, so that what Python gives
-//! is what `mckibben simulate` writes, to the last bit. Whatever takes longer than a microsecond runs with the interpreter
+//! is bit-identical to what `mckibben simulate` writes. Whatever takes longer than a microsecond runs with the interpreter
 //! released. What is thin and Python's own (plots, data frames) is in `python/mckibben`. Checked by `python/tests`.
 
 mod actuator;
@@ -36,6 +37,7 @@ mod columns;
 mod curves;
 mod differentiable;
 mod hosted_plant;
+mod differentiable_step;
 mod identification;
 mod linear;
 mod parameters;
@@ -65,6 +67,8 @@ mod _mckibben {
     use crate::differentiable::Differentiable;
     #[pymodule_export]
     use crate::hosted_plant::{_register_mujoco, HostedPlant};
+    #[pymodule_export]
+    use crate::differentiable_step::DifferentiableStep;
     #[pymodule_export]
     use crate::identification::{_identify, _identify_file};
     #[pymodule_export]

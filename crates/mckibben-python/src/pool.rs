@@ -19,7 +19,7 @@ struct Pool {
     threads: ThreadPool,
 }
 
-/// What the last process that needed threads has made; never freed, because nobody knows who still works on it.
+/// What the last process that needed threads has made; never freed, because threads may still work on it.
 static POOL: AtomicPtr<Pool> = AtomicPtr::new(ptr::null_mut());
 
 /// Does work that is shared among threads on those of this process.

@@ -4,7 +4,7 @@ use crate::arguments;
 use mckibben::valve::{Command, Request, RuntimeCommand};
 use mckibben_run::failure::Failure;
 
-/// How often pulses come, and what is asked for in them and between.
+/// Frequency of pulses, and the requests during and between them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pulses {
     /// Frequency in Hz.

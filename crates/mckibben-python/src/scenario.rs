@@ -7,6 +7,8 @@ use crate::values;
 use mckibben_run::failure::Failure;
 use mckibben_scenario::Document;
 use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::PyDict;
 use std::path::PathBuf;
 
 /// What stands in messages where a file's name would, for values that Python set.
@@ -59,6 +61,8 @@ pub(crate) struct Scenario {
     pub(crate) document: Document,
     /// As it was understood; none of many actuators with names.
     understood: Option<mckibben_scenario::Scenario>,
+    /// The dictionary of `to_dict`, made at the first use of an attribute. It is read only.
+    sections: PyOnceLock<Py<PyDict>>,
 }
 
 impl Scenario {
@@ -74,7 +78,7 @@ impl Scenario {
                 None => drop(document.plant_experiment().raised()?),
             }
             let (name, text) = (document.source().name().to_owned(), document.source().text().to_owned());
-            return Ok(Self { name, text, in_si, set, document, understood: None });
+            return Ok(Self { name, text, in_si, set, document, understood: None, sections: PyOnceLock::new() });
         }
         // What a sweep varies need not be said beside it: then the first run stands for all.
         let first = |error| match document.sweep()? {
@@ -83,7 +87,7 @@ impl Scenario {
         };
         let understood = Some(document.scenario().or_else(first).raised()?);
         let (name, text) = (document.source().name().to_owned(), document.source().text().to_owned());
-        Ok(Self { name, text, in_si, set, document, understood })
+        Ok(Self { name, text, in_si, set, document, understood, sections: PyOnceLock::new() })
     }
 
     /// The scenario of one actuator or joint that it is.
@@ -102,6 +106,18 @@ impl Scenario {
     /// What was set after reading, as `KEY=VALUE`.
     pub(crate) fn settings(&self) -> Vec<String> {
         self.set.iter().map(|(key, value)| format!("{key}={value}")).collect()
+    }
+
+    /// A new dictionary of the sections.
+    fn dictionary<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        // What was written is read back.
+        let table: toml::Table = self.to_toml().parse().unwrap_or_default();
+        values::dict_of(py, &table)
+    }
+
+    /// The dictionary of the sections that all attributes share. Nobody changes it.
+    fn sections<'py>(&self, py: Python<'py>) -> PyResult<&Bound<'py, PyDict>> {
+        self.sections.get_or_try_init(py, || self.dictionary(py).map(Bound::unbind)).map(|sections| sections.bind(py))
     }
 
     /// The name without folder and ending.
@@ -235,9 +251,7 @@ impl Scenario {
     /// -------
     /// dict
     fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Sections<'py>> {
-        // What was written is read back.
-        let table: toml::Table = self.to_toml().parse().unwrap_or_default();
-        Ok(Sections(values::dict_of(py, &table)?.into_any()))
+        Ok(Sections(self.dictionary(py)?.into_any()))
     }
 
     /// Name of the file, or that given in its place.
@@ -279,17 +293,18 @@ impl Scenario {
     ///     ... })
     ///     >>> scenario.diff(scenario.with_values({"load.mass": 3.5}))
     ///     {'load.mass': ('2 kg', '3.5 kg')}
-    fn diff<'py>(this: &Bound<'py, Self>, other: &Bound<'py, Self>) -> PyResult<Sections<'py>> {
-        python::call(this.py(), ("_scenario", "diff"), (this, other)).map(Sections)
+    fn diff<'py>(&self, other: &Bound<'py, Self>) -> PyResult<Sections<'py>> {
+        let py = other.py();
+        python::call(py, ("_scenario", "diff"), (self.sections(py)?, other.get().sections(py)?)).map(Sections)
     }
 
     /// Return a section or a value by its name, such as `scenario.load.mass`: a quantity is a number in SI.
-    fn __getattr__<'py>(this: &Bound<'py, Self>, name: &str) -> PyResult<Object<'py>> {
-        python::call(this.py(), ("_scenario", "attribute"), (this, name)).map(Object)
+    fn __getattr__<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Object<'py>> {
+        python::call(py, ("_scenario", "attribute"), (self.sections(py)?, name)).map(Object)
     }
 
     fn __dir__<'py>(this: &Bound<'py, Self>) -> PyResult<Object<'py>> {
-        python::call(this.py(), ("_scenario", "names"), (this,)).map(Object)
+        python::call(this.py(), ("_scenario", "names"), (this, this.get().sections(this.py())?)).map(Object)
     }
 
     fn __repr__(&self) -> String {
@@ -300,8 +315,8 @@ impl Scenario {
         self.to_toml()
     }
 
-    fn _repr_html_<'py>(this: &Bound<'py, Self>) -> PyResult<Object<'py>> {
-        python::call(this.py(), ("_scenario", "to_html"), (this,)).map(Object)
+    fn _repr_html_<'py>(&self, py: Python<'py>) -> PyResult<Object<'py>> {
+        python::call(py, ("_scenario", "to_html"), (&self.name, self.sections(py)?)).map(Object)
     }
 
     fn __getnewargs__(&self) -> (&str, &str, Vec<(String, String)>, bool) {

@@ -1,8 +1,8 @@
 //! Ctrl-C while the core works: Python's signals are looked at now and then, and what one of them raises ends the work.
 //!
 //! Python runs its handlers on the main thread, between instructions of the interpreter; as long as a call does not return
-//! nobody hears Ctrl-C unless it is looked for. Work on the caller's own thread looks by a [`Watch`]; for work on the threads
-//! of the pool, [`heard`] looks from the caller's thread, which waits for them.
+//! Ctrl-C has no effect unless it is checked. Work on the caller's own thread checks by a [`Watch`]; for work on the threads of
+//! the pool, [`heard`] checks from the caller's thread, which waits for them.
 
 use crate::pool;
 use crate::raised::{Raised, exception};

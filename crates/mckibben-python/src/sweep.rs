@@ -19,7 +19,7 @@ use std::path::PathBuf;
 /// The step that was chosen for all rows: its length in s, the accuracy that it is for, the rows that it is enough for, of
 /// those that were tried, and the rows that no step is enough for.
 type Chosen = (f64, f64, Items<u64>, Items<u64>);
-/// The same as it is given out.
+/// These as they are returned to Python.
 type Given = (f64, f64, Vec<u64>, Vec<u64>);
 
 /// Runs of a scenario's section `[sweep]`, in parts that can be computed anywhere.
@@ -60,8 +60,8 @@ pub(crate) struct Sweep {
     choice: Option<Choice>,
 }
 
-/// Runs for each thread, a part at least, between which nobody asks whether Ctrl-C was pressed: so many that threads which wait
-/// for the last of them do not count.
+/// Runs for each thread, a part at least, between two checks of Ctrl-C: so many that threads which wait for the last of them do
+/// not count.
 const UNHEEDING: u64 = 256;
 
 /// As many between which `progress` is called, or a hundredth of the sweep.
@@ -144,6 +144,13 @@ impl Sweep {
         let numbers = self.prepared.columns().iter().filter(|column| column.kind == Kind::Number);
         numbers.into_iter().try_for_each(|column| units.set_item(&column.name, &column.unit))?;
         Ok(Names(units.into_any()))
+    }
+
+    /// Names of the columns of varied keys whose values are spaced or distributed evenly in their logarithm.
+    #[getter]
+    fn logarithmic(&self) -> Vec<String> {
+        let axes = self.prepared.sweep().axes().iter();
+        axes.filter(|axis| axis.is_logarithmic()).map(mckibben_scenario::Axis::column).collect()
     }
 
     /// Longest step in s of the fixed-step engine, chosen for all runs; `None` where each run has its own.

@@ -7,15 +7,15 @@ use crate::raised::Raised;
 use crate::scenario::Scenario;
 use crate::signals::Watch;
 use crate::typed::{
-    self, Axes, Columns, Facts, Figure, Items, Listed, Name, Names, Numbers, Pandas, Parts, Polars, Row, Sequence,
-    Summary, Words,
+    self, Axes, AxisWord, Columns, Facts, Figure, Items, Listed, Name, Names, Numbers, Pandas, Parts, Polars, Row,
+    Sequence, Summary, Words,
 };
 use mckibben_plot::Theme;
+use mckibben_run::axis::TrajectoryAxis;
 use mckibben_run::failure::Failure;
 use mckibben_run::output;
 use mckibben_run::record::{Format, Provenance};
 use mckibben_run::run::{Finished, Ready};
-use mckibben_run::trajectory_plot::Over;
 use pyo3::exceptions::{PyAttributeError, PyKeyError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -132,7 +132,7 @@ pub(crate) struct Trajectory {
     scenario: Py<Scenario>,
     columns: Vec<Column>,
     events: Vec<Event>,
-    /// The run itself; made again when it is asked for and not there, as after unpickling.
+    /// The run; computed again on use where it is missing, as after unpickling.
     kept: Mutex<Option<Arc<Finished>>>,
 }
 
@@ -612,22 +612,16 @@ impl Trajectory {
     /// ------
     /// InputError
     ///     `over` is another word.
-    #[pyo3(signature = (over = "time"))]
-    fn to_svg(&self, py: Python<'_>, over: &str) -> PyResult<String> {
-        let over = match over {
-            "time" => Over::Time,
-            "length" => Over::Length,
-            other => {
-                let title = format!("over = \"{other}\" is not what a run is drawn over");
-                return Err(Failure::input(title, "give \"time\" or \"length\"")).raised();
-            }
-        };
+    #[pyo3(signature = (over = AxisWord::from("time")))]
+    fn to_svg(&self, py: Python<'_>, over: AxisWord) -> PyResult<String> {
+        let title = || format!("over = \"{}\" is no horizontal axis of a run", over.0);
+        let over: TrajectoryAxis = over.0.parse().map_err(|remedy: String| Failure::input(title(), remedy)).raised()?;
         let (finished, title) = (self.finished(py)?, self.scenario.get().title());
         py.detach(|| finished.figure(over, &title).to_svg(Theme::Light)).raised()
     }
 
     fn _repr_svg_(&self, py: Python<'_>) -> PyResult<String> {
-        self.to_svg(py, "time")
+        self.to_svg(py, "time".into())
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {

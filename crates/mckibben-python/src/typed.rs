@@ -9,7 +9,7 @@ use numpy::{
 };
 use pyo3::conversion::FromPyObjectOwned;
 use pyo3::exceptions::PyTypeError;
-use pyo3::inspect::PyStaticExpr;
+use pyo3::inspect::{PyStaticConstant, PyStaticExpr};
 use pyo3::prelude::*;
 use pyo3::types::{PyInt, PyMapping, PyString};
 use pyo3::{type_hint_identifier as name, type_hint_subscript as of, type_hint_union};
@@ -87,6 +87,61 @@ typed! {
     Validity = name!("mckibben._results", "Validity");
     /// A figure of Matplotlib.
     Figure = name!("matplotlib.figure", "Figure");
+}
+
+/// Declares arguments that take one of a few words. The function that takes one refuses every other.
+macro_rules! words {
+    ($($(#[$about:meta])* $name:ident = $($word:literal)|+;)*) => { $(
+        $(#[$about])*
+        #[derive(Clone, Debug)]
+        pub(crate) struct $name(pub(crate) String);
+
+        impl $name {
+            pub(crate) const HINT: PyStaticExpr = of!(
+                name!("typing", "Literal"),
+                $(PyStaticExpr::Constant { value: PyStaticConstant::Str($word) }),+
+            );
+        }
+
+        impl From<&str> for $name {
+            fn from(word: &str) -> Self {
+                Self(word.to_owned())
+            }
+        }
+
+        impl<'a, 'py> FromPyObject<'a, 'py> for $name {
+            type Error = PyErr;
+            const INPUT_TYPE: PyStaticExpr = Self::HINT;
+
+            fn extract(word: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+                word.extract().map(Self)
+            }
+        }
+
+        impl<'py> IntoPyObject<'py> for $name {
+            type Target = PyString;
+            type Output = Bound<'py, PyString>;
+            type Error = Infallible;
+            const OUTPUT_TYPE: PyStaticExpr = Self::HINT;
+
+            fn into_pyobject(self, py: Python<'py>) -> Result<Self::Output, Self::Error> {
+                Ok(PyString::new(py, &self.0))
+            }
+        }
+    )* };
+}
+
+words! {
+    /// Meaning of an action.
+    ActionWord = "duty" | "request" | "position" | "set-point";
+    /// Horizontal axis of the figure of a run.
+    AxisWord = "time" | "length";
+    /// Actuator of an antagonistic joint.
+    MemberWord = "agonist" | "antagonist";
+    /// Open ports of a valve.
+    PortsWord = "closed" | "supply" | "exhaust" | "both";
+    /// Request of a valve with poppets.
+    RequestWord = "fill" | "hold" | "exhaust";
 }
 
 /// Entries of arrays that are read or written in place.

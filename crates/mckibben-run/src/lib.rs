@@ -16,7 +16,7 @@
 //! | [`events`] | the log of events |
 //! | [`record`] | a run as columns, in memory and in a file |
 //! | [`table`] | columns and cells, and the writer of them as CSV or Parquet |
-//! | [`trajectory_plot`] | a run as a figure |
+//! | `trajectory_plot`, [`axis`] | a run as a figure, and the horizontal axes that figures may have |
 //! | [`report`] | figures, tables and findings as a page |
 //! | [`output`] | files that are whole or not there |
 //! | [`progress`] | how far work is, for whoever listens |
@@ -29,6 +29,7 @@
 #![forbid(unsafe_code)]
 
 mod alone;
+pub mod axis;
 pub mod closed_loop;
 pub mod curves;
 pub mod engine;
@@ -52,4 +53,4 @@ pub mod sweep;
 pub mod table;
 mod temporary;
 pub mod text;
-pub mod trajectory_plot;
+mod trajectory_plot;

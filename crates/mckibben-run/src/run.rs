@@ -9,6 +9,7 @@
 //! Every command and every other host that runs whole scenarios does so here. Checked by the program's `tests/simulate.rs`.
 
 use crate::alone::Alone;
+use crate::axis::TrajectoryAxis;
 use crate::closed_loop::{Closed, Goals};
 use crate::engine::{self, Kept, Reached, Stepping, Subject};
 use crate::events::Log;
@@ -17,7 +18,7 @@ use crate::joint::{self, pair::Pair};
 use crate::observation::{Ended, Observation, Observes as _};
 use crate::plant::{self, PlantFigures, PlantOutcome};
 use crate::record::{self, Field, Filled, Format, Provenance, Target, filled};
-use crate::trajectory_plot::{self, Over};
+use crate::trajectory_plot;
 use mckibben::plant::{
     JointPlant, PlantLedgerKeeper, PlantReader, PlantSample, PlantView, RigPlant, ViewReader, ViewTrajectory,
 };
@@ -355,7 +356,7 @@ impl Finished {
     }
 
     /// The figure of the run; that of several actuators is always over time.
-    pub fn figure(&self, over: Over, title: &str) -> Figure {
+    pub fn figure(&self, over: TrajectoryAxis, title: &str) -> Figure {
         match self {
             Self::Actuator(of) => trajectory_plot::figure(of, over, title),
             Self::Joint(of) => joint::trajectory_plot::figure(of, title),

@@ -10,7 +10,6 @@ use crate::joint::{self, NAMES};
 use crate::observation::{self, AirUse, Ended, Range};
 use crate::plant::PlantFigures;
 use crate::run::{Figures, ViewFigures};
-use mckibben::control::Quantity;
 use mckibben::plant::{ActuatorLedger, Balance, MechanismLedger, PlantLedger};
 use mckibben::simulation::{EventKind, JointRig, Rig};
 use std::collections::BTreeMap;
@@ -118,7 +117,7 @@ impl Summary {
     fn goals<'g>(&mut self, goals: impl IntoIterator<Item = (String, &'g Goal)>) {
         for (prefix, goal) in goals {
             let (miss, row) = (goal.miss(), goal.quantity.rows().set_point);
-            let name = format!("{prefix}{}_error", controlled(goal.quantity));
+            let name = format!("{prefix}{}_error", goal.quantity.name());
             self.put(format!("{name}.rms"), row.unit, miss.rms);
             self.put(format!("{name}.peak"), row.unit, miss.largest);
         }
@@ -144,19 +143,6 @@ impl Summary {
 
     fn events(&mut self, counts: &BTreeMap<EventKind, u64>) {
         self.events = counts.iter().map(|(kind, count)| (kind.name(), *count)).collect();
-    }
-}
-
-/// What a controller regulates, as in the names of reductions.
-fn controlled(quantity: Quantity) -> &'static str {
-    match quantity {
-        Quantity::Pressure => "gauge_pressure",
-        Quantity::Length => "length",
-        Quantity::AirMass => "air_mass",
-        Quantity::Force => "force",
-        Quantity::Angle => "angle",
-        Quantity::Torque => "torque",
-        Quantity::Stiffness => "stiffness",
     }
 }
 

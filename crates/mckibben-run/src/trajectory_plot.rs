@@ -1,5 +1,6 @@
 //! The figure of a run: length, pressure and tension over time with the valve as bands behind them, or tension over length.
 
+use crate::axis::TrajectoryAxis;
 use crate::closed_loop::Goal;
 use crate::engine::Kept;
 use crate::events;
@@ -8,21 +9,11 @@ use mckibben::plant::{RigPlant, RigTrajectory};
 use mckibben::simulation::EventKind;
 use mckibben_plot::{Axis, Colour, Dash, Figure, Marks, Panel, Series, Span, Symbol};
 
-/// What a run is drawn over.
-#[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
-pub enum Over {
-    /// Length, pressure and tension over time.
-    #[default]
-    Time,
-    /// Tension over length: the loops of hysteresis.
-    Length,
-}
-
 /// The figure of a run, with the set points of a controller as broken lines.
-pub(crate) fn figure(run: &Kept<RigPlant>, over: Over, title: &str) -> Figure {
+pub(crate) fn figure(run: &Kept<RigPlant>, over: TrajectoryAxis, title: &str) -> Figure {
     match over {
-        Over::Time => courses(run, title),
-        Over::Length => loops(run, title),
+        TrajectoryAxis::Time => courses(run, title),
+        TrajectoryAxis::Length => loops(run, title),
     }
 }
 

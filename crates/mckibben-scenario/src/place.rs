@@ -30,7 +30,7 @@
 use crate::document::{Document, Node, Value};
 use crate::keys::{ANTAGONIST, KEYS, in_antagonist, is_of_antagonist};
 use crate::nearest::nearest;
-use crate::scenario::{Effectiveness, Force, Hysteresis, Load, MomentArm, Scenario};
+use crate::scenario::{Command, Effectiveness, Force, Hysteresis, Load, MomentArm, Motion, Scenario};
 use crate::sweep::field::{Field, exchange, field_of};
 use mckibben::parameter::{self as p, Parameter};
 use mckibben::{Dual, Error, Over};
@@ -103,6 +103,30 @@ static LISTS: &[(&Parameter, List)] = &[
         },
         _ => None,
     }),
+    (&p::COMMAND_TIME, |s| match &mut s.command {
+        Some(Command::Table { time, .. } | Command::SetPoints { time, .. } | Command::Positions { time, .. }) => {
+            Some(time)
+        }
+        _ => None,
+    }),
+    (&p::COMMAND_GAUGE_PRESSURE, |s| match &mut s.command {
+        Some(Command::SetPoints { gauge_pressure, .. }) => Some(gauge_pressure),
+        _ => None,
+    }),
+    (&p::COMMAND_POSITION, |s| match &mut s.command {
+        Some(Command::Positions { position, .. }) => Some(position),
+        _ => None,
+    }),
+    (&p::COURSE_TIME, |s| s.pressure.as_mut().map(|series| series.time.as_mut_slice())),
+    (&p::COURSE_GAUGE_PRESSURE, |s| s.pressure.as_mut().map(|series| series.gauge_pressure.as_mut_slice())),
+    (&p::MOTION_TIME, |s| match &mut s.load {
+        Load::PrescribedMotion(Motion::Table { time, .. }) => Some(time),
+        _ => None,
+    }),
+    (&p::MOTION_TABLE_LENGTH, |s| match &mut s.load {
+        Load::PrescribedMotion(Motion::Table { length, .. }) => Some(length),
+        _ => None,
+    }),
 ];
 
 /// Why a path is no number of a scenario.
@@ -156,6 +180,25 @@ impl Place {
             of_one if is_of_antagonist(of_one.parameter.key) => Ok(Self { of: [false, true], ..of_one }),
             _ => Err(fault("is no number of one actuator alone", format!("write `{of_first}`"))),
         }
+    }
+
+    /// Paths of the entries of a list of numbers at a path, in their order; `None` where the scenario has no such list. Of a joint
+    /// the agonist's, or the antagonist's under `antagonist`.
+    pub fn entries(path: &str, scenario: &mut Scenario) -> Option<Vec<String>> {
+        let key = in_antagonist(path).unwrap_or(path);
+        let (_, list) = LISTS.iter().find(|(row, _)| row.key == key)?;
+        let of_second = key != path;
+        if of_second && !scenario.has_joint() {
+            return None;
+        }
+        if of_second {
+            exchange(scenario);
+        }
+        let length = list(scenario).map(|list| list.len());
+        if of_second {
+            exchange(scenario);
+        }
+        Some((0..length?).map(|index| format!("{path}[{index}]")).collect())
     }
 
     /// The number of the first actuator at a path, which stands behind a prefix in messages.

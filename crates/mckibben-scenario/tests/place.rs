@@ -318,6 +318,7 @@ fn numbers_of_a_joint_are_differentiated_by_as_they_are_set() {
         "antagonist.actuator.bladder.force",
         "antagonist.valve.opening_delay",
         "antagonist.command.duty",
+        "command.time[1]",
         "antagonist.initial.gauge_pressure",
         "air.atmospheric_pressure",
     ] {
@@ -376,6 +377,36 @@ fn what_follows_from_a_number_has_its_share() {
     let mut seeds = Seeds::new([thread]).with_follower(&mckibben::parameter::MIN_LENGTH, 0, 0, rate);
     assert_eq!(seeds.over::<1>(&mckibben::parameter::MIN_LENGTH, 0.06).slope, [rate]);
     assert_eq!(seeds.over::<1>(&mckibben::parameter::TURNS, 2.0).slope, [0.0]);
+}
+
+#[test]
+fn a_list_has_its_entries() {
+    let valves = |name: &str| {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/valves").join(name);
+        Scenario::load(path).unwrap_or_else(|error| panic!("{error}"))
+    };
+    let mut regulator = valves("pressure-regulator.toml");
+    let points = Place::entries("command.gauge_pressure", &mut regulator).expect("set points");
+    let mut value = |path: &String| {
+        let place = Place::find(path, &mut regulator).expect("a set point");
+        (place.path(), place.value(&mut regulator).expect("a value"))
+    };
+    let values: Vec<_> = points.iter().map(&mut value).collect();
+    let expected = [4e5, 4.3e5, 1.5e5, 5e5].into_iter().enumerate();
+    assert_eq!(
+        values,
+        expected.map(|(at, value)| (format!("command.gauge_pressure[{at}]"), value)).collect::<Vec<_>>()
+    );
+    assert_eq!(Place::entries("command.time", &mut regulator).map(|entries| entries.len()), Some(4));
+    for path in ["command.position", "command.duty", "load.table_length", "antagonist.command.time"] {
+        assert_eq!(Place::entries(path, &mut regulator), None, "{path}");
+    }
+    let mut spool = valves("proportional-spool.toml");
+    assert_eq!(Place::entries("command.position", &mut spool).map(|entries| entries.len()), Some(6));
+    let mut joint = Scenario::from_str(JOINT, "joint.toml").unwrap_or_else(|error| panic!("{error}"));
+    let arms = Place::entries("antagonist.load.moment_arm", &mut joint).expect("moment arms");
+    assert_eq!(arms.last().map(String::as_str), Some("antagonist.load.moment_arm[2]"));
+    assert_eq!(Place::entries("load.moment_arm", &mut joint), None, "the agonist has a pulley");
 }
 
 #[test]

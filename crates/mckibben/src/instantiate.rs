@@ -71,6 +71,11 @@ entry_points! {
         steps.generic_advance_to(until);
     fn move_plant_steps(steps: &mut PlantSteps<Self>, until: Self, distances: &[Self]) -> Result<(), Error> =
         steps.generic_move_to(until, distances);
+    fn size_plant_steps(steps: &mut PlantSteps<Self>) -> usize = steps.generic_state_size();
+    fn save_plant_steps(steps: &mut PlantSteps<Self>, numbers: &mut [Self]) -> Result<(), Error> =
+        steps.generic_save_to(numbers);
+    fn restore_plant_steps(steps: &mut PlantSteps<Self>, numbers: &[Self]) -> Result<(), Error> =
+        steps.generic_restore_from(numbers);
     fn derive_plant_steps(steps: &mut PlantSteps<Self>, rates: &mut [Self]) -> Result<(), Error> =
         steps.generic_derivative(rates);
     fn compute_plant_steps(steps: &mut PlantSteps<Self>, actuator: usize) -> Result<Response<Self>, Error> =

@@ -1,40 +1,41 @@
 //! A state as numbers in a row, to be kept in a file or sent to another process, and back.
 //!
-//! One walk through the fields does both: a [`Row`] that keeps takes each number from its field, one that puts back sets the
-//! field to the next number. So that what is kept and what is put back cannot come apart, and a field that is new is missed
+//! One pass over the fields does both: a [`Row`] that keeps takes each number from its field, one that puts back sets the
+//! field to the next number. Over dual numbers the derivatives pass with the values. So that what is kept and what is put back cannot come apart, and a field that is new is missed
 //! by neither. How many there are never depends on the values. Checked by `tests/plant_saved.rs`.
 
 use crate::parameter;
+use crate::scalar::Real;
 use crate::valve::Request;
 use alloc::vec::Vec;
 
 /// Numbers in a row that are taken from fields, or fields are set to.
-pub(crate) trait Row {
+pub(crate) trait Row<R: Real> {
     /// Keeps the number, or puts another one in its place.
-    fn any(&mut self, number: &mut f64);
+    fn any(&mut self, number: &mut R);
 
     /// The numbers cannot hold what is to be kept, or what has been put back is no state.
     fn refuse(&mut self);
 
     /// A finite number.
-    fn number(&mut self, number: &mut f64) {
+    fn number(&mut self, number: &mut R) {
         self.any(number);
-        if !number.is_finite() {
+        if !number.value().is_finite() {
             self.refuse();
         }
     }
 
     /// Several of them.
-    fn numbers(&mut self, numbers: &mut [f64]) {
+    fn numbers(&mut self, numbers: &mut [R]) {
         numbers.iter_mut().for_each(|number| self.number(number));
     }
 
     /// A count, which is far below 2⁵³.
     fn count(&mut self, count: &mut u64) {
-        let mut number = *count as f64;
+        let mut number = R::constant(*count as f64);
         self.number(&mut number);
-        *count = number as u64;
-        if *count as f64 != number {
+        *count = number.value() as u64;
+        if *count as f64 != number.value() {
             self.refuse();
         }
     }
@@ -78,9 +79,9 @@ pub(crate) trait Row {
 
     /// A place that holds nothing.
     fn nothing(&mut self) {
-        let mut number = 0.0;
+        let mut number = R::zero();
         self.any(&mut number);
-        if number.to_bits() != 0 {
+        if number.value().to_bits() != 0 {
             self.refuse();
         }
     }
@@ -115,19 +116,19 @@ pub(crate) trait Row {
     }
 
     /// A duty cycle.
-    fn duty(&mut self, duty: &mut f64) {
+    fn duty(&mut self, duty: &mut R) {
         self.number(duty);
-        if !parameter::DUTY.range.contains(*duty) {
+        if !parameter::DUTY.range.contains(duty.value()) {
             self.refuse();
         }
     }
 
     /// An instant in s, or another number, at infinity where there is none.
-    fn instant(&mut self, instant: &mut Option<f64>) {
-        let mut number = instant.unwrap_or(f64::INFINITY);
+    fn instant(&mut self, instant: &mut Option<R>) {
+        let mut number = instant.unwrap_or(R::constant(f64::INFINITY));
         self.any(&mut number);
-        *instant = (number != f64::INFINITY).then_some(number);
-        if instant.is_some_and(|instant| !instant.is_finite()) {
+        *instant = (number.value() != f64::INFINITY).then_some(number);
+        if instant.is_some_and(|instant| !instant.value().is_finite()) {
             self.refuse();
         }
     }
@@ -137,8 +138,8 @@ pub(crate) trait Row {
 #[derive(Default)]
 pub(crate) struct Counted(pub(crate) usize);
 
-impl Row for Counted {
-    fn any(&mut self, _number: &mut f64) {
+impl<R: Real> Row<R> for Counted {
+    fn any(&mut self, _number: &mut R) {
         self.0 += 1;
     }
 
@@ -147,14 +148,14 @@ impl Row for Counted {
 }
 
 /// The numbers are kept.
-pub(crate) struct Kept<'a> {
-    numbers: core::slice::IterMut<'a, f64>,
+pub(crate) struct Kept<'a, R> {
+    numbers: core::slice::IterMut<'a, R>,
     refused: bool,
 }
 
-impl<'a> Kept<'a> {
+impl<'a, R> Kept<'a, R> {
     /// From the first place on.
-    pub(crate) fn into(numbers: &'a mut [f64]) -> Self {
+    pub(crate) fn into(numbers: &'a mut [R]) -> Self {
         Self { numbers: numbers.iter_mut(), refused: false }
     }
 
@@ -164,8 +165,8 @@ impl<'a> Kept<'a> {
     }
 }
 
-impl Row for Kept<'_> {
-    fn any(&mut self, number: &mut f64) {
+impl<R: Real> Row<R> for Kept<'_, R> {
+    fn any(&mut self, number: &mut R) {
         match self.numbers.next() {
             Some(place) => *place = *number,
             None => self.refused = true,
@@ -178,14 +179,14 @@ impl Row for Kept<'_> {
 }
 
 /// The numbers are put back.
-pub(crate) struct PutBack<'a> {
-    numbers: core::slice::Iter<'a, f64>,
+pub(crate) struct PutBack<'a, R> {
+    numbers: core::slice::Iter<'a, R>,
     refused: bool,
 }
 
-impl<'a> PutBack<'a> {
+impl<'a, R> PutBack<'a, R> {
     /// From the first on.
-    pub(crate) fn from(numbers: &'a [f64]) -> Self {
+    pub(crate) fn from(numbers: &'a [R]) -> Self {
         Self { numbers: numbers.iter(), refused: false }
     }
 
@@ -195,8 +196,8 @@ impl<'a> PutBack<'a> {
     }
 }
 
-impl Row for PutBack<'_> {
-    fn any(&mut self, number: &mut f64) {
+impl<R: Real> Row<R> for PutBack<'_, R> {
+    fn any(&mut self, number: &mut R) {
         match self.numbers.next() {
             Some(next) => *number = *next,
             None => self.refused = true,

@@ -9,18 +9,18 @@ Needs Gymnasium: `pip install "mckibben[learning]"`. Environments are registered
 | id | controlled quantity | valves |
 |---|---|---|
 | `mckibben/HangingMass-v0` | the length of a muscle that lifts a mass | 1 |
-| `mckibben/Joint-v0` | the angle of a joint that two muscles turn against each other | 2 |
+| `mckibben/Joint-v0` | the angle of an antagonistic joint | 2 |
 | `mckibben/Leg-v0` | hip and knee of a leg of six muscles, by default on a belt | 6 |
 | `mckibben/Arm-v0` | shoulder, elbow and wrist of an arm of six muscles on a manifold | 6 |
-| `mckibben/Scenario-v0` | what `targets` name, of any scenario file | those of the file |
+| `mckibben/Scenario-v0` | the columns in `targets`, of any scenario file | those of the file |
 
 >>> leg = gymnasium.make("mckibben/Scenario-v0", scenario="examples/plant/leg.toml", action_mode="set-point")
 
-`reach` makes a task of any plant, for `VectorEnvironment(reach(scenario, targets), num_envs=256)`; `task` one by its name.
+`reach` makes a task of any plant, for `VectorEnvironment(reach(scenario, targets), num_envs=256)`; `task` makes one by its name.
 
 A target is drawn for each episode and is part of the observation. The reward of a step is minus the distance from the target,
-as a share of the range that targets are drawn from. By default an action lasts for one pulse, or, where actions are not duty
-cycles, longer than the delays of the valve, so that each changes the state. Where an option is not given, the scenario holds.
+as a share of the range of targets. By default an action lasts for one pulse, or, where actions are not duty cycles, longer than
+the delays of the valve, so that each changes the state. Every other setting is that of the scenario.
 """
 
 from mckibben.learning._single import Environment

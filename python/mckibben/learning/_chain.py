@@ -99,7 +99,7 @@ class Chain:
         return cords
 
     def _place(self) -> None:
-        """Where the muscles begin: how far before their first joint, and how far from the segment."""
+        """Place the origins of the muscles: the distances before their first joint and from the segment."""
         self.back = {}
         for joint in range(len(self.columns)):
             here = [cord for cord in self.cords if cord.first == joint]
@@ -121,7 +121,7 @@ class Chain:
         self.half = max([*offs, 0.06 * sum(self.ends)]) * np.abs(across)
 
     def posture(self, values: Values) -> Posture:
-        """Inclinations from straight down in rad, and both ends in m, of all segments."""
+        """Return the inclinations from straight down in rad, and both ends in m, of all segments."""
         leans: list[float] = []
         bases: list[Array] = []
         tips: list[Array] = []
@@ -132,7 +132,7 @@ class Chain:
         return leans, bases, tips
 
     def draw(self, canvas: Canvas, values: Values, aims: Values, full: float, seconds: float) -> None:
-        """The chain where it is, and behind it where its joints are to be."""
+        """Draw the chain, and behind it the chain at the targets of its joints."""
         posture = self.posture(values)
         leans, bases, tips = posture
         if any(column in aims for column in self.columns):
@@ -186,20 +186,20 @@ class Cord:
         self.off = 0.0
 
     def arm(self, joint: int, angle: float) -> float:
-        """The moment arm in m about a joint at an angle in rad, positive where tension makes the angle grow."""
+        """Return the moment arm in m about a joint at an angle in rad, positive where tension increases the angle."""
         angles, arms = self.arms[joint]
         return float(np.interp(angle, angles, arms))
 
     def side(self, joint: int) -> float:
-        """1 where tension makes a joint's angle grow, -1 where it makes it fall."""
+        """Return 1 where tension increases the angle of a joint, -1 where it decreases it."""
         return float(np.sign(self.arms[joint][1][0]))
 
     def radius(self, joint: int, angle: float = 0.0) -> float:
-        """The moment arm about a joint without its sign."""
+        """Return the magnitude of the moment arm about a joint in m."""
         return abs(self.arm(joint, angle))
 
     def ends(self, posture: Posture) -> list[Array]:
-        """The points of segments, or of the ground, between which the muscle pulls."""
+        """Return the points of segments, or of the ground, between which the muscle pulls."""
         leans, bases, _ = posture
         ends = []
         for on, far, aside in self.points:
@@ -208,7 +208,7 @@ class Cord:
         return ends
 
     def length(self, values: Values, posture: Posture, columns: Sequence[str]) -> float:
-        """The length of the muscle: its column, the distance of its ends, or what the joints leave of that at zero angles."""
+        """Return the length of the muscle in m: its column, the distance of its ends, or that at zero angles less the travel."""
         if self.muscle.length:
             return values[self.muscle.length]
         if self.points:
@@ -222,7 +222,7 @@ class Cord:
         return self.rest - taken
 
     def draw(self, canvas: Canvas, chain: Chain, posture: Posture, values: Values, full: float) -> None:
-        """The cord, and the muscle at its beginning."""
+        """Draw the cord, and the muscle at its beginning."""
         path = self.ends(posture) if self.points else self._path(chain, posture, values)
         length = self.length(values, posture, chain.columns)
         span = path[1] - path[0]
@@ -233,7 +233,7 @@ class Cord:
         self.muscle.draw(canvas, path[0], end, values, full)
 
     def _path(self, chain: Chain, posture: Posture, values: Values) -> list[Array]:
-        """The cord's points: where the muscle begins, past the joints, and round the last one's rim to where it is fixed."""
+        """Return the points of the cord: from the origin of the muscle past the joints, then along the last rim to its end."""
         leans, bases, _ = posture
         path = []
         for joint in self.arms:
@@ -256,6 +256,6 @@ class Cord:
 
 
 def axes(lean: Any) -> tuple[Array, Array]:
-    """The directions along and across a segment of this inclination from straight down; across is where angles grow."""
+    """Return the directions along and across a segment of this inclination in rad; across is that of growing angles."""
     sine, cosine = np.sin(lean), np.cos(lean)
     return np.array([sine, cosine]), np.array([cosine, -sine])

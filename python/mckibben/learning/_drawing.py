@@ -1,4 +1,4 @@
-"""What pictures of plants are drawn with: a canvas on which lengths are in m, and muscles on it.
+"""Canvas on which lengths are in m, and muscles on it, for pictures of plants.
 
 The width of a braid follows from its length L, its thread length b and its turns n: √(b² - L²)/(n π). The widths of muscles,
 and the moment arms of joints, are drawn `ACROSS` times as large as they are.
@@ -29,7 +29,7 @@ SCALE = np.array([[222, 230, 238], [245, 200, 90], [222, 88, 40], [130, 16, 38]]
 
 
 def shade(share: float) -> tuple[int, int, int]:
-    """The colour of a pressure, as a share of the scale."""
+    """Return the colour of a pressure, which is a share of the scale."""
     places = np.linspace(0.0, 1.0, len(SCALE))
     red, green, blue = (int(np.interp(share, places, channel)) for channel in SCALE.T)
     return red, green, blue
@@ -37,45 +37,45 @@ def shade(share: float) -> tuple[int, int, int]:
 
 @functools.cache
 def font(height: int) -> Any:
-    """The font that Pillow has with it, of a height in pixels."""
+    """Return the font of Pillow with a height in pixels."""
     return ImageFont.load_default(height)
 
 
 class Canvas:
-    """An image on which lengths are in m; the second coordinate grows downwards."""
+    """Image on which lengths are in m; the second coordinate grows downwards."""
 
     def __init__(self, image: Image.Image, scale: float, origin: Array) -> None:
         self.draw, self.scale, self.origin = ImageDraw.Draw(image), scale, origin
 
     def pixels(self, points: Any) -> list[float]:
-        """Points in m as a list of pixels."""
+        """Return points in m as a list of pixels."""
         flat: list[float] = (np.asarray(points, dtype=float) * self.scale + self.origin).ravel().tolist()
         return flat
 
     def line(self, points: Any, colour: Any, width: float) -> None:
-        """A line as wide as so many pixels of a frame."""
+        """Draw a line with a width in pixels of a frame."""
         self.draw.line(self.pixels(points), fill=colour, width=max(1, round(width * FINE)), joint="curve")
 
     def polygon(self, points: Any, fill: Any, outline: Any = None, width: float = 1.0) -> None:
         self.draw.polygon(self.pixels(points), fill=fill, outline=outline, width=round(width * FINE))
 
     def disc(self, centre: Any, radius: float, fill: Any, outline: Any = INK, width: float = 1.2) -> None:
-        """A disc of a radius in m."""
+        """Draw a disc with a radius in m."""
         x, y = self.pixels(centre)
         r = radius * self.scale
         self.draw.ellipse((x - r, y - r, x + r, y + r), fill=fill, outline=outline, width=round(width * FINE))
 
     def dot(self, centre: Any, radius: float, fill: Any, outline: Any = INK, width: float = 1.2) -> None:
-        """A disc of a radius in pixels of a frame."""
+        """Draw a disc with a radius in pixels of a frame."""
         self.disc(centre, radius * FINE / self.scale, fill, outline, width)
 
     def text(self, centre: Any, text: str) -> None:
-        """A text about a point."""
+        """Draw a text centred at a point."""
         x, y = self.pixels(centre)
         self.draw.text((x, y), text, INK, font(12 * FINE), anchor="mm")
 
     def ground(self, one: Any, other: Any, up: float = -1.0) -> None:
-        """A fixed surface from one point to another, hatched on the upper or lower side."""
+        """Draw a fixed surface from one point to another, hatched on the upper or lower side."""
         one, other = np.asarray(one, dtype=float), np.asarray(other, dtype=float)
         step = 7.0 * FINE / self.scale
         count = max(2, int(np.linalg.norm(other - one) / step))
@@ -86,7 +86,7 @@ class Canvas:
 
 
 class Muscle:
-    """The braid of an actuator, and the columns of its pressure and, where there is one, of its length."""
+    """Braid of an actuator, with the columns of its pressure and, where there is one, of its length."""
 
     def __init__(self, plant: Plant, name: str, columns: Sequence[str], prefix: str = "", keys: str = "actuator") -> None:
         def number(key: str, other: float) -> float:
@@ -101,11 +101,11 @@ class Muscle:
         self.widest = self.width(self.shortest)
 
     def width(self, length: float) -> float:
-        """The diameter of the braid in m at a length in m, as wide as it is drawn."""
+        """Return the diameter in m of the drawn braid at a length in m."""
         return float(ACROSS * np.sqrt(max(self.thread**2 - length**2, 0.04 * self.thread**2)) / (self.turns * np.pi))
 
     def draw(self, canvas: Canvas, start: Array, end: Array, values: Values, scale: float) -> None:
-        """The muscle between two points, coloured by its pressure as a share of `scale` in Pa."""
+        """Draw the muscle between two points, coloured by its pressure as a share of `scale` in Pa."""
         span = end - start
         length = float(np.hypot(*span))
         if length <= 0.0:

@@ -1,4 +1,4 @@
-"""Random numbers of episodes: their generators, and the ranges that parameters of plants are drawn from."""
+"""Random numbers of episodes: their generators, and the ranges from which parameters of plants are drawn."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
@@ -24,14 +24,14 @@ class Source:
         self._generators = generators
 
     def draw(self, places: Places, draw: Callable[[np.random.Generator, int], NDArray[Any]]) -> NDArray[Any]:
-        """What a function of a generator and a count returns for these plants: a row for each."""
+        """Return the result of a function of a generator and a count for these plants, a row for each."""
         if len(self._generators) == 1:
             return draw(self._generators[0], len(places))
         return np.concatenate([draw(self._generators[place], 1) for place in places])
 
 
 def check(randomize: Mapping[str, Draw], plants: VectorPlant) -> None:
-    """Refuses ranges that are none, whose ends the plants cannot have, or that change nothing of them."""
+    """Refuse ranges that are not valid, whose ends the plants cannot have, or that have no effect on them."""
     given = plants.defaults.copy()
     for place, (path, draw) in enumerate(randomize.items()):
         if callable(draw):
@@ -49,7 +49,7 @@ def check(randomize: Mapping[str, Draw], plants: VectorPlant) -> None:
 
 
 def _ends(path: str, draw: Any) -> tuple[float, float]:
-    """The two ends of a range."""
+    """Return the two ends of a range."""
     if not (isinstance(draw, (tuple, list)) and len(draw) == 2 and all(is_number(end) for end in draw)):
         raise InputError(
             f"randomize: `{path}` = {draw!r} is no range; give two finite numbers in SI, the lower first, "
@@ -62,7 +62,7 @@ def _ends(path: str, draw: Any) -> tuple[float, float]:
 
 
 def _nudged(plants: VectorPlant, given: Numbers, place: int) -> bool:
-    """Whether another value of a parameter changes the plants, or whether no value near its own is possible."""
+    """Return whether another value of a parameter changes the plants, or no value near its default is possible."""
     for share in (NUDGE, -NUDGE):
         nudged = given.copy()
         nudged[place] += share * (abs(given[place]) or 1.0)
@@ -74,7 +74,7 @@ def _nudged(plants: VectorPlant, given: Numbers, place: int) -> bool:
 
 
 def drawn(randomize: Mapping[str, Draw], source: Source, places: Places) -> Numbers:
-    """Values of the parameters for these plants, a row for each."""
+    """Return values of the parameters for these plants, a row for each."""
 
     def draw_all(generator: np.random.Generator, count: int) -> Numbers:
         values = np.empty((count, len(randomize)))
@@ -89,7 +89,7 @@ def drawn(randomize: Mapping[str, Draw], source: Source, places: Places) -> Numb
 
 
 def _called(path: str, draw: Callable[[np.random.Generator, int], Any], generator: np.random.Generator, count: int) -> Numbers:
-    """What a function draws, checked."""
+    """Return the values that a function draws, checked."""
     returned = draw(generator, count)
     try:
         values = np.asarray(returned, dtype=np.float64)

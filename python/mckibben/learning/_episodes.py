@@ -1,4 +1,4 @@
-"""Episodes of many plants: the part that both forms of an environment share."""
+"""Episodes of many plants: the common part of both forms of an environment."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -18,7 +18,7 @@ Observations = NDArray[np.float32]
 
 
 class Episodes:
-    """Plants that are commanded, observed and rewarded, each in an episode."""
+    """Plants with commands, observations and rewards, each in an episode."""
 
     def __init__(self, task: Task, count: int, options: Options) -> None:
         self.task, self.count, self.options = task, count, options
@@ -60,7 +60,7 @@ class Episodes:
         self._clock = 0
 
     def action_space(self) -> gymnasium.Space[Any]:
-        """The actions of one plant."""
+        """Return the space of the actions of one plant."""
         valves = self.plants.valves
         if self._requests is not None:
             choices = len(self._requests)
@@ -68,7 +68,7 @@ class Episodes:
         return gymnasium.spaces.Box(self._lowest(), 1.0, (valves,), np.float32)
 
     def observation_space(self) -> gymnasium.Space[Any]:
-        """The observations of one plant; bounded where the plant is, and no noise comes on top."""
+        """Return the space of the observations of one plant; bounded where the plant is and has no noise."""
         seen = [
             (seen.least - seen.zero) / seen.unit if self.options.noise.get(seen.column, 0.0) == 0.0 else -np.inf
             for seen in self.task.seen
@@ -79,21 +79,21 @@ class Episodes:
         return gymnasium.spaces.Box(np.array(low, dtype=np.float32), np.array(high, dtype=np.float32))
 
     def _lowest(self) -> float:
-        """The lowest number of an action."""
+        """Return the lowest number of an action."""
         return -1.0 if self.options.action_mode == "position" else 0.0
 
     def _rest(self) -> float:
-        """The command of a valve before the first action."""
+        """Return the command of a valve before the first action."""
         return -1.0 if self._requests is not None else self._lowest()
 
     def start(self, source: Source, targets: Any = None) -> Observations:
-        """Begins an episode of every plant, and their clock: the observations."""
+        """Begin an episode of every plant and reset their clock. Returns the observations."""
         aims = self._targets(targets, self._all)
         self.plants.start(drawn(self.options.randomize, source, self._all))
         return self._begin(source, self._all, aims)
 
     def restart(self, source: Source, places: Places, targets: Any = None) -> Observations:
-        """Begins another episode of some plants while the others go on, or of all and their clock: their observations."""
+        """Begin another episode of some plants while the others go on, or of all with their clock. Returns their observations."""
         if len(places) == self.count:
             return self.start(source, targets)
         aims = self._targets(targets, places)
@@ -119,7 +119,7 @@ class Episodes:
         return self._observed(source, places, seen)
 
     def _targets(self, targets: Any, places: Places) -> dict[int, Numbers]:
-        """Targets that are given in SI by their columns, as shares of their ranges, by their places among the targets."""
+        """Return targets given in SI by their columns as shares of their ranges, by their indices among the targets."""
         if targets is None:
             return {}
         if not isinstance(targets, Mapping):
@@ -140,7 +140,7 @@ class Episodes:
         return shares
 
     def _sensed(self, places: Places | slice) -> Observations:
-        """What the task sees of some plants now, a row for each."""
+        """Return the sensed columns of some plants now, a row for each."""
         observed = self.observations[places]
         sensed = np.empty((len(observed), len(self._seen)), dtype=np.float32)
         for place, (column, zero, per_unit) in enumerate(self._seen):
@@ -148,7 +148,7 @@ class Episodes:
         return sensed
 
     def _observed(self, source: Source, places: Places, seen: Observations) -> Observations:
-        """Observations of some plants, a row for each, from what the task sees of them."""
+        """Return the observations of some plants, a row for each, from their sensed columns."""
         every = len(places) == self.count
         parts: list[NDArray[Any]] = [seen]
         if self._noise is not None:
@@ -160,12 +160,12 @@ class Episodes:
         return np.concatenate(parts, axis=1, dtype=np.float32, casting="same_kind")
 
     def _distances(self, places: Places | slice) -> Iterator[Numbers]:
-        """How far the columns are from their targets, as shares of their ranges."""
+        """Yield the distances of the columns from their targets, as shares of their ranges."""
         for place, (column, low, per_span) in enumerate(self._aimed):
             yield np.abs((self.observations[places, column] - low) * per_span - self.aims[places, place])
 
     def _judge(self, places: Places | slice) -> Numbers:
-        """Rewards of some plants for where they are, and whether they have succeeded."""
+        """Return the rewards of some plants in their present state, and whether they have succeeded."""
         succeeded = ~self.stopped[places]
         rewards = np.zeros(len(succeeded))
         for distance in self._distances(places):
@@ -177,8 +177,8 @@ class Episodes:
     def step(
         self, source: Source, actions: Any, again: NDArray[np.bool_] | None = None
     ) -> tuple[Observations, Numbers, NDArray[np.bool_], NDArray[np.bool_]]:
-        """Does the actions, one row for each plant, for a control period: observations, rewards, and which episodes are
-        terminated and truncated. Of those `again` only the observation is wanted that they begin with."""
+        """Apply the actions, one row for each plant, for a control period. Returns observations, rewards, and flags of the episodes
+        that are terminated and truncated. Plants in `again` begin an episode: they return their first observation."""
         commands = self._commands(actions)
         if self._late:
             place = self._clock % len(self._late)
@@ -211,11 +211,11 @@ class Episodes:
         return observed, rewards, terminated, truncated
 
     def _others(self) -> int:
-        """How many entries an observation has beyond what the task sees."""
+        """Return the number of entries of an observation in addition to the sensed columns."""
         return len(self._aimed) + (0 if self._phase is None else self._phase.size)
 
     def _penalties(self, elapsed: NDArray[np.int64]) -> Numbers:
-        """What plants lose that diverge in the last of so many steps."""
+        """Return the penalties of plants that diverge in the last of so many steps."""
         if self.options.terminal_penalty is not None:
             return np.full(len(elapsed), self.options.terminal_penalty)
         # What this step and all that were to follow could have cost.
@@ -223,7 +223,7 @@ class Episodes:
         return np.asarray(most * (self.periods - elapsed + 1), dtype=np.float64)
 
     def _commands(self, actions: Any) -> Numbers:
-        """Actions as the numbers that plants take. A number beyond the bounds counts as the bound."""
+        """Return actions as commands of the plants. A number beyond the bounds counts as the bound."""
         shape = (self.count,) if self._requests is not None and self.plants.valves == 1 else (self.count, self.plants.valves)
         given = np.asarray(actions)
         if given.shape != shape:
@@ -242,17 +242,17 @@ class Episodes:
         return commands * self.options.max_pressure if self.options.action_mode == "set-point" else commands
 
     def targets(self, place: int) -> dict[str, float]:
-        """The targets of a plant's episode in SI, by their columns."""
+        """Return the targets of the episode of a plant in SI, by their columns."""
         aims = zip(self.task.targets.items(), self.aims[place], strict=True)
         return {name: float(low + share * (high - low)) for (name, (low, high)), share in aims}
 
     def info(self) -> dict[str, NDArray[Any]]:
-        """The columns of the plants in SI without noise and delay, and how their episodes stand: an array over them each."""
+        """Return the columns of the plants in SI without noise and delay, with `is_success` and `diverged`, an array for each."""
         columns = {name: self.observations[:, place].copy() for place, name in enumerate(self.plants.columns)}
         return {**columns, "is_success": self.succeeded.copy(), "diverged": self.stopped.copy()}
 
 
 def first(given: NDArray[Any], wrong: NDArray[np.bool_]) -> str:
-    """The first wrong entry of an array, with its place."""
+    """Return the first wrong entry of an array with its index."""
     place = tuple(int(index) for index in np.argwhere(wrong)[0])
     return f"{given[place]} at {list(place)}" if len(given) > 1 else str(given[place])

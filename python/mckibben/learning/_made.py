@@ -1,4 +1,4 @@
-"""The arguments of both forms of an environment."""
+"""Arguments of both forms of an environment."""
 
 from collections.abc import Mapping
 from copy import copy
@@ -20,7 +20,7 @@ from mckibben.learning._tasks import task as named
 
 
 def made_of(task: str | Task, count: int, options: Mapping[str, Any]) -> tuple[Task, int, Options]:
-    """The task, the number of plants and the options, from what an environment is made with."""
+    """Return the task, the number of plants and the options from the arguments of an environment."""
     rest = dict(options)
     of_task = {name: value for name in ("scenario", "targets") if (value := rest.pop(name, None)) is not None}
     if isinstance(of_task.get("scenario"), (str, Path)):
@@ -41,7 +41,7 @@ def made_of(task: str | Task, count: int, options: Mapping[str, Any]) -> tuple[T
 class Frames:
     """Pictures of the plants of an environment, as `render` returns them.
 
-    Raises `InputError` for a render mode that there is not, and `gymnasium.error.DependencyNotInstalled` without Pillow.
+    Raises `InputError` for an unknown render mode, and `gymnasium.error.DependencyNotInstalled` without Pillow.
     """
 
     def __init__(self, render_mode: str | None, episodes: Episodes) -> None:
@@ -57,7 +57,7 @@ class Frames:
         self._renderer = Renderer(episodes.task.scenario, episodes.plants.columns, list(episodes.task.targets))
 
     def __call__(self, begun: bool) -> tuple[NDArray[np.uint8], ...] | None:
-        """A frame of each plant, of shape (height, width, 3); None with a warning where there is no render mode."""
+        """Return a frame of each plant, of shape (height, width, 3); None with a warning where there is no render mode."""
         if self._renderer is None:
             gymnasium.logger.warn('render() returns nothing: make the environment with render_mode="rgb_array"')
             return None
@@ -72,7 +72,7 @@ class Frames:
 
 
 def reset_options(options: Mapping[str, Any] | None, *known: str) -> dict[str, Any]:
-    """The options of `reset` by their names."""
+    """Return the options of `reset` by their names."""
     for name in options or {}:
         if name not in known:
             raise InputError(f"options: `{name}` is no option of reset; name one of {', '.join(known)}")
@@ -80,7 +80,7 @@ def reset_options(options: Mapping[str, Any] | None, *known: str) -> dict[str, A
 
 
 def with_steps(spec: EnvSpec | None, steps: int) -> EnvSpec | None:
-    """A specification with the number of steps of an episode."""
+    """Return a specification with the number of steps of an episode."""
     if spec is None:
         return None
     spec = copy(spec)

@@ -1,4 +1,4 @@
-"""The environments with names: a scenario of each, and the ranges in SI that its targets are drawn from.
+"""Environments with names: a scenario of each, and the ranges in SI of its targets.
 
 The muscles are the paper's. The numbers of leg and arm, the masses and the ranges of the targets are assumed.
 """
@@ -182,7 +182,7 @@ engine = "fixed-step"
 step = "0.5 ms"
 """
 
-# By its name, the scenario of a task and the ranges of its targets.
+# Scenarios and ranges of targets of the tasks, by their names.
 NAMED = {
     "HangingMass": (HANGING_MASS, {"length_m": (0.070, 0.090)}),
     "Joint": (JOINT, {"angle_rad": (radians(-30.0), radians(30.0))}),

@@ -1,4 +1,4 @@
-"""Options of an environment, checked when it is made."""
+"""Options of an environment, checked at its construction."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -14,7 +14,7 @@ from mckibben.errors import InputError
 ActionMode = Literal["duty", "request", "position", "set-point"]
 Draw = tuple[float, float] | Callable[[np.random.Generator, int], Any]
 
-# The shortest control period in s unless given, where actions are no duty cycles.
+# Least control period in s by default, where actions are no duty cycles.
 REQUEST_PERIOD = 5e-3
 
 
@@ -22,29 +22,29 @@ REQUEST_PERIOD = 5e-3
 class Options:
     """Options of an environment in addition to its task.
 
-    `action_mode` is what an action means to each valve: "duty" (a duty cycle, 0 to 1), "request" (the number of exhaust, hold or
-    fill among those that the valve can do), "position" of a proportional spool (-1 to 1) or "set-point" of a pressure
+    `action_mode` is the meaning of an action for each valve: "duty" (a duty cycle, 0 to 1), "request" (the number of exhaust, hold or
+    fill among those that the valve takes), "position" of a proportional spool (-1 to 1) or "set-point" of a pressure
     regulator (0 to 1 of `max_pressure` in Pa gauge). A number beyond these bounds counts as the bound; one that is not
-    finite, and a request that is not there, is an `InputError`.
+    finite, and a request that the valve does not take, is an `InputError`.
 
-    `control_period` is how long an action holds, in s. Unless given, every action acts at once: a duty cycle holds for one
-    period of its pulses, 1 / `pulse_frequency`; anything else for the shortest multiple of 5 ms that is longer than the delays
-    of the scenario's valves. A duty cycle is taken up when a pulse begins and holds for that pulse. Where the control period
+    `control_period` is the duration of an action in s. By default every action takes effect within it: a duty cycle holds for
+    one period of its pulses, 1 / `pulse_frequency`; anything else for the shortest multiple of 5 ms that is longer than the delays
+    of the scenario's valves. A duty cycle takes effect when a pulse begins, and holds for that pulse. Where the control period
     is no whole number of pulses, the observation therefore has the phase of the pulse and the duty cycle under way.
 
-    An episode lasts `duration` in s, which is a whole number of control periods, or `max_episode_steps` of them; unless given,
-    as many as come nearest to the scenario's run.duration.
+    An episode lasts `duration` in s, a whole number of control periods, or `max_episode_steps` of them; by default the number
+    nearest to the scenario's run.duration.
 
     The reward of a step is minus the sum of the distances from the targets, each as a share of the range that it is drawn
     from and counted as `distance_limit` at most. An episode ends early only if its plant diverges: the state is no longer
-    physical. Then `terminal_penalty` is subtracted too. Unless given, it is what the step and all that were to follow could
-    have cost at most, so that ending early never pays. `info["is_success"]` says whether all targets are within
+    physical. Then `terminal_penalty` is subtracted too. By default it is the largest cost that the step and all remaining steps
+    could have, so that to end early never pays. `info["is_success"]` says whether all targets are within
     `success_tolerance` of their ranges after a step, `info["diverged"]` whether the plant has diverged.
 
     `noise` are standard deviations of the observation in SI, by columns. Observations are `sensor_delay` in s old, and actions
-    are done `action_delay` in s late, whole numbers of control periods; the phase and the duty cycle under way are the
+    take effect `action_delay` in s late, whole numbers of control periods; the phase and the duty cycle under way are the
     controller's own, and have neither noise nor delay. `randomize` are paths of parameters of the plant that are drawn for
-    each episode: uniformly between two ends in SI, or by a function of a generator and how many values are wanted. All random
+    each episode: uniformly between two ends in SI, or by a function of a generator and the number of values. All random
     numbers come from the generator, or generators, that `reset(seed=...)` seeds.
     """
 
@@ -78,7 +78,7 @@ class Options:
                 raise InputError(f"noise: `{column}` = {deviation!r} is no standard deviation; give zero or more, in SI")
 
     def _check(self, name: str, *, above_zero: bool) -> None:
-        """Refuses an option that is no finite number of zero or more."""
+        """Refuse an option that is no finite number of zero or more."""
         number = getattr(self, name)
         if number is None and self.__dataclass_fields__[name].default is None:
             return
@@ -87,7 +87,7 @@ class Options:
             raise InputError(f"{name} = {number!r} is out of range; give a finite number {range_}")
 
     def period(self, plants: VectorPlant) -> float:
-        """How long an action of these plants holds, in s."""
+        """Return the duration in s of an action of these plants."""
         if self.control_period is not None:
             return self.control_period
         if plants.pulses is not None:
@@ -95,7 +95,7 @@ class Options:
         return REQUEST_PERIOD * (math.floor(plants.valve_delay / REQUEST_PERIOD * (1.0 + 1e-9)) + 1)
 
     def steps(self, plants: VectorPlant, period: float) -> int:
-        """How many steps an episode of these plants has."""
+        """Return the number of steps of an episode of these plants."""
         steps = self.max_episode_steps
         if self.duration is not None:
             given = max(1, periods("duration", self.duration, period))
@@ -108,7 +108,7 @@ class Options:
 
 
 def periods(name: str, time: float, period: float) -> int:
-    """How many control periods a time is, both in s."""
+    """Return the number of control periods of a time, both in s."""
     count = round(time / period)
     if abs(time - count * period) > 1e-9 * max(time, period):
         near = max(1, count) * period
@@ -120,5 +120,5 @@ def periods(name: str, time: float, period: float) -> int:
 
 
 def is_number(value: Any) -> bool:
-    """Whether this is a finite number."""
+    """Return whether this is a finite number."""
     return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)

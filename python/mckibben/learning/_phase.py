@@ -1,4 +1,4 @@
-"""The phase of pulses, for controllers that are faster than the pulses or out of step with them."""
+"""Phase of pulses, for controllers that are faster than the pulses or out of step with them."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -6,14 +6,14 @@ from numpy.typing import NDArray
 from mckibben._mckibben import VectorPlant
 from mckibben.learning._draws import Numbers, Places
 
-# Roundings, relative, by which a time may miss the begin of a pulse that it is.
+# Relative rounding within which a time is the begin of a pulse.
 ROUNDING = 16 * np.finfo(np.float64).eps
-# Share of a pulse by which a control period may miss a whole number of pulses.
+# Share of a pulse within which a control period is a whole number of pulses.
 WHOLE = 1e-9
 
 
 class Phase:
-    """The phase of each plant's pulses, and the duty cycles of the pulses that are under way.
+    """Phase of the pulses of each plant, and the duty cycles in effect.
 
     Period p begins at p / f and takes up the duty cycle that is commanded then. It is zero before the first pulse.
     """
@@ -25,7 +25,7 @@ class Phase:
 
     @classmethod
     def of(cls, plants: VectorPlant, period: float) -> "Phase | None":
-        """That of plants with a control period in s, or none where it would always be zero."""
+        """Return that of plants with a control period in s, or none where it would always be zero."""
         if plants.pulses is None:
             return None
         pulses = period * plants.pulses
@@ -33,28 +33,28 @@ class Phase:
 
     @property
     def size(self) -> int:
-        """How many entries it has in an observation."""
+        """Number of its entries in an observation."""
         return 2 + self._plants.valves
 
     def begin(self, places: Places) -> None:
-        """Some plants begin an episode: none of their pulses has begun."""
+        """Begin an episode of some plants: none of their pulses has begun."""
         self._under_way[places] = 0.0
         self._begun[places] = self._count()[places]
 
     def step(self, commands: Numbers) -> None:
-        """Plants have done a step with these duty cycles."""
+        """Record a step of plants with these duty cycles."""
         begun = self._count()
         latched = begun > self._begun
         self._under_way[latched] = commands[latched]
         self._begun = begun
 
     def observed(self, places: Places | slice) -> Numbers:
-        """Cosine and sine of the phase, and the duty cycle under way of each valve."""
+        """Return cosine and sine of the phase, and the duty cycle in effect of each valve."""
         angle = 2.0 * np.pi * np.modf(self._plants.time[places] * self._frequency)[0]
         return np.column_stack([np.cos(angle), np.sin(angle), self._under_way[places]])
 
     def _count(self) -> NDArray[np.float64]:
-        """How many pulses have begun before now; one that begins now has not."""
+        """Return the number of pulses that have begun before now, without one that begins now."""
         pulses = self._plants.time * self._frequency
         counted: Numbers = np.ceil(pulses * (1.0 - ROUNDING))
         return counted

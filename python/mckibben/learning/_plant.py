@@ -1,4 +1,4 @@
-"""Numbers of a scenario's plant in SI, whether its actuators have names or not."""
+"""Parameters of the plant of a scenario in SI, whether its actuators have names or not."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -6,10 +6,11 @@ from typing import Any
 from mckibben._mckibben import Scenario, VectorPlant
 from mckibben.errors import InputError
 from mckibben.learning._named import JOINT
+from mckibben.learning._options import ActionMode
 
-# Sections that stand beside the keys of `[actuator]` in `[actuators.NAME]`.
+# Sections that `[actuators.NAME]` has in addition to the keys of `[actuator]`.
 SECTIONS = ("valve", "hose", "command", "controller", "pressure", "tendon", "load", "initial", "coupling", "supply")
-ACTION_MODES = ("request", "duty", "position", "set-point")
+ACTION_MODES: tuple[ActionMode, ...] = ("request", "duty", "position", "set-point")
 
 
 class Plant:
@@ -40,8 +41,8 @@ class Plant:
         self._scenario = scenario.with_values({"run.step": "1 ms"})
         self._mode = self._taken()
 
-    def _taken(self) -> str:
-        """An action mode that the valves take."""
+    def _taken(self) -> ActionMode:
+        """Return an action mode that the valves take."""
         for mode in ACTION_MODES:
             try:
                 VectorPlant(self._scenario, 1, action_mode=mode)
@@ -52,7 +53,7 @@ class Plant:
         raise refused
 
     def number(self, *paths: str) -> float | None:
-        """The value in SI of the first of these keys that is a number of the plant, or None."""
+        """Return the value in SI of the first of these keys that is a parameter of the plant, or None."""
         for path in paths:
             try:
                 return float(VectorPlant(self._scenario, 1, parameters=[path], action_mode=self._mode).defaults[0])
@@ -61,27 +62,27 @@ class Plant:
         return None
 
     def numbers(self, path: str) -> list[float]:
-        """The values in SI of a key that is a number or a list of numbers; none where the plant does not have it."""
+        """Return the values in SI of a key that is a parameter or a list of parameters; none where the plant does not have it."""
         given = self.at(path)
         paths = [f"{path}[{place}]" for place in range(len(given))] if isinstance(given, list) else [path]
         return [value for value in map(self.number, paths) if value is not None]
 
     def angles(self, path: str) -> list[float]:
-        """The angles in rad of a table; none where there is none."""
-        # They cannot be set one by one: the scenario of a joint reads them, whatever their unit.
+        """Return the angles in rad of a table; none where there is none."""
+        # They are no parameters: the scenario of a joint reads them, whatever their unit.
         joint = Scenario(JOINT)
         read = (joint.with_values({"load.hanging_angle": angle}).to_dict() for angle in self.at(path) or [])
         return [float(sections["load"]["hanging_angle"].partition(" ")[0]) for sections in read]
 
     def at(self, path: str) -> Any:
-        """What the file has at this path as it was written, or None."""
+        """Return the value at this path as it was written, or None."""
         value: Any = self.tree
         for key in path.split("."):
             value = value.get(key) if isinstance(value, Mapping) else None
         return value
 
     def section(self, actuator: str, name: str) -> dict[str, Any]:
-        """A section of an actuator: what its own keys leave of what all have. The actuator without a name is ""."""
+        """Return a section of an actuator, completed by that of all actuators. The actuator without a name is ""."""
         of_all = self.at(name) or {}
         own = self.at(f"actuators.{actuator}") or {}
         if name == "actuator":
@@ -91,19 +92,19 @@ class Plant:
         return _merged(of_all, own)
 
     def mechanisms(self) -> dict[str, Mapping[str, Any]]:
-        """The sections of the mechanisms by their paths."""
+        """Return the sections of the mechanisms by their paths."""
         named = {f"mechanisms.{name}": section for name, section in self.tree.get("mechanisms", {}).items()}
         return named | ({"mechanism": self.tree["mechanism"]} if "mechanism" in self.tree else {})
 
     def supply_pressure(self, actuator: str = "") -> float | None:
-        """Gauge pressure in Pa of the supply of an actuator, or None where it has none."""
+        """Return the gauge pressure in Pa of the supply of an actuator, or None where it has none."""
         own = self.at(f"actuators.{actuator}.supply")
         if isinstance(own, Mapping):
             return self.number(f"actuators.{actuator}.supply.gauge_pressure")
         supplies: Mapping[str, Any] = self.tree.get("supplies", {})
         feeding = {section.get("from") for section in supplies.values()}
         name = own or next(iter([] if "supply" in self.tree else set(supplies) - feeding), "supply")
-        # A supply without a pressure of its own has that of the supply that feeds it.
+        # A supply without a pressure has that of the supply that feeds it.
         while name in supplies:
             pressure = self.number(f"supplies.{name}.gauge_pressure") if "gauge_pressure" in supplies[name] else None
             if pressure is not None:
@@ -113,7 +114,7 @@ class Plant:
 
 
 def _merged(of_all: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
-    """A section in which the keys of another take the place of its own, level by level."""
+    """Return a section in which the keys of another replace its own, level by level."""
     merged = dict(of_all)
     for key, value in own.items():
         both = isinstance(value, Mapping) and isinstance(merged.get(key), Mapping)

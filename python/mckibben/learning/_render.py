@@ -1,4 +1,4 @@
-"""Frames of plants: muscles that hang, joints and chains of joints, beside the numbers of their targets."""
+"""Frames of plants: hanging muscles, joints and chains of joints, with the values of their targets."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -14,15 +14,15 @@ from mckibben.learning._plant import Plant
 
 SIZE = (640, 480)  # pixels of a frame
 PANEL = 150  # pixels of it, at the left, for numbers and the scale of pressures
-SPACE = 16  # pixels around what is drawn
-# Rows of numbers: how many, where they begin, how far apart they are, and where their second column is.
+SPACE = 16  # pixels around the drawing
+# Rows of values: their number, the first place, the distance between them, and the place of the second column.
 ROWS, TOP, PITCH, RIGHT = 6, 46, 42, 86
-# How the end of a column's name says to write it: times a factor, with so many digits and a unit.
+# Format of a column by the end of its name: factor, digits and unit.
 UNITS = {"angle_rad": (180.0 / np.pi, 1, "°"), "_m": (1e3, 1, " mm"), "_pa": (1e-3, 0, " kPa")}
 
 
 class Hanging:
-    """Muscles that hang side by side: each carries its own load or is clamped, or all carry one mass."""
+    """Hanging muscles: each carries its own load or is clamped, or all carry one mass."""
 
     def __init__(self, plant: Plant, muscles: Mapping[str, Muscle], position: str | None = None, mass: float = 0.0) -> None:
         self.muscles, self.position = list(muscles.values()), position
@@ -42,7 +42,7 @@ class Hanging:
         self.high[1] += max(self.sides)
 
     def draw(self, canvas: Canvas, values: Values, aims: Values, full: float, seconds: float) -> None:
-        """The muscles where they are, and lines where their lower ends are to be."""
+        """Draw the muscles, and lines at the targets of their lower ends."""
         right = self.high[0]
         canvas.ground((0.0, 0.0), (right, 0.0))
         hook = 0.05 * max(muscle.longest for muscle in self.muscles)
@@ -63,7 +63,7 @@ class Hanging:
             self._block(canvas, 0.5 * right, values[self.position] + hook, 0.8 * right, self.sides[-1], self.mass)
 
     def _aim(self, canvas: Canvas, middle: float, length: float) -> None:
-        """A dashed line at a length, between two marks."""
+        """Draw a dashed line at a length, between two marks."""
         far, mark = 0.46 * self.pitch, 0.05 * self.pitch
         for one, other in np.linspace(-far, far, 22).reshape(11, 2):
             canvas.line([(middle + one, length), (middle + other, length)], TARGET, 2.0)
@@ -92,7 +92,7 @@ class Renderer:
         wide = sum(span[0] for span in spans) + gap * (len(spans) - 1)
         high = max(span[1] for span in spans)
         scale = float(min(room[0] / wide, room[1] / high))
-        # Drawn large on no more than what the plant takes, and then averaged.
+        # Drawn larger on the area of the plant alone, and then averaged.
         half = [int(0.5 * scale * length / FINE) + SPACE // 2 for length in (wide, high)]
         self.fine = Image.new("RGB", (2 * half[0] * FINE, 2 * half[1] * FINE))
         self.corner = ((SIZE[0] + PANEL) // 2 - half[0], SIZE[1] // 2 - half[1])
@@ -105,7 +105,7 @@ class Renderer:
         self.panel = self._panel()
 
     def frame(self, observed: NDArray[np.float64], aims: Values, seconds: float) -> NDArray[np.uint8]:
-        """The plant with these values of its columns and these targets, both in SI: an array of (height, width, 3)."""
+        """Return the frame of a plant from its columns and targets, both in SI: an array of shape (height, width, 3)."""
         values = dict(zip(self.columns, map(float, observed), strict=True))
         self.fine.paste(PAPER, (0, 0, *self.fine.size))
         for group, canvas in zip(self.groups, self.canvases, strict=True):
@@ -116,14 +116,14 @@ class Renderer:
         return np.array(image)
 
     def _panel(self) -> Image.Image:
-        """What every frame has: the names of the targets and the scale of pressures."""
+        """Return the fixed part of every frame: the names of the targets and the scale of pressures."""
         image = Image.new("RGB", SIZE, PAPER)
         draw, small = ImageDraw.Draw(image), font(12)
         draw.text((SPACE, TOP - 22), "now", INK, small, anchor="ls")
         draw.text((RIGHT, TOP - 22), "target", TARGET, small, anchor="ls")
         for row, column in enumerate(self.targets):
             part, _, name = column.rpartition(".")
-            # Without its unit; a long name is cut where the plant begins.
+            # Without its unit; a long name is cut at the edge of the plant.
             label = name.replace("_rad", "").replace("_pa", "").removesuffix("_m").replace("_", " ")
             draw.text((SPACE, TOP + row * PITCH), f"{part} {label}".strip()[:20], GREY, small, anchor="ls")
         bottom, top = SIZE[1] - 52, SIZE[1] - 172
@@ -147,7 +147,7 @@ class Renderer:
 
 
 def groups(plant: Plant, columns: list[str]) -> list[Any]:
-    """What is drawn side by side: the chains of joints, masses on several muscles, and the muscles with loads of their own."""
+    """Return the parts of a picture: chains of joints, masses on several muscles, and muscles with separate loads."""
     if not plant.actuators:
         if plant.at("load.kind") == "antagonistic-joint":
             return [Chain(plant, "load", columns)]

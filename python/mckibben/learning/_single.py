@@ -16,10 +16,10 @@ from mckibben.learning._tasks import Task
 
 
 class Environment(gymnasium.Env[Observations, Any], EzPickle):
-    """One plant of a scenario that is to reach a target in each episode; made by `gymnasium.make`.
+    """Environment of one plant with a target in each episode; `gymnasium.make` makes it.
 
-    Options are those of `VectorEnvironment`, of which this is one plant, without `autoreset_mode`. What comes out of a pickle
-    is made anew with the same options: reset it.
+    Options are those of `VectorEnvironment` without `autoreset_mode`. An environment from a pickle has its options, and must be
+    reset.
     """
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"]}
@@ -37,7 +37,7 @@ class Environment(gymnasium.Env[Observations, Any], EzPickle):
 
     @property
     def spec(self) -> EnvSpec | None:
-        """The specification that it was made from, with the number of steps of its episodes."""
+        """Specification of the environment, with the number of steps of its episodes."""
         return self._spec
 
     @spec.setter
@@ -51,12 +51,12 @@ class Environment(gymnasium.Env[Observations, Any], EzPickle):
 
     @property
     def columns(self) -> list[str]:
-        """Names of what `observations` has of the plant."""
+        """Names of the entries of `observations`."""
         return self._episodes.plants.columns
 
     @property
     def observations(self) -> NDArray[np.float64]:
-        """What the plant shows without noise and delay, in SI, by `columns`."""
+        """Columns of the plant in SI without noise and delay, in the order of `columns`."""
         observations: NDArray[np.float64] = self._episodes.observations[0]
         return observations
 

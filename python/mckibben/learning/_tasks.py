@@ -1,4 +1,4 @@
-"""Tasks: a plant, the targets that its columns are to reach, and what an observation has of it."""
+"""Tasks: a plant, targets of its columns, and the columns in an observation."""
 
 import math
 from collections.abc import Mapping
@@ -16,19 +16,19 @@ from mckibben.learning._plant import Plant
 Range = tuple[float, float]
 Ranges = Mapping[str, Range]
 
-# What may be controlled, with the name of its velocity.
+# Quantities that may be controlled, with the names of their velocities.
 VELOCITY = {
     "length_m": "velocity_m_s",
     "position_m": "velocity_m_s",
     "angle_rad": "angular_velocity_rad_s",
 }
-# Share of what a coordinate can reach that is left out at each end, unless targets are given.
+# Share of the range of a coordinate that is left out at each end, unless targets are given.
 MARGIN = 0.1
 
 
 @dataclass(frozen=True)
 class Seen:
-    """One entry of an observation: a column of the plant, from which `zero` is subtracted and which is divided by `unit`;
+    """Entry of an observation: a column of the plant less `zero`, over `unit`;
     `least` is the least value that the column can have. All are in SI."""
 
     column: str
@@ -39,7 +39,7 @@ class Seen:
 
 @dataclass(frozen=True)
 class Task:
-    """A plant whose columns are to reach targets.
+    """Plant with targets of its columns.
 
     `targets` are the columns that are to reach a target, each with the range in SI that targets are drawn from; `seen` is
     what an observation has of the plant, before the targets.
@@ -51,7 +51,7 @@ class Task:
 
 
 def reach(scenario: Scenario, targets: Ranges | None = None) -> Task:
-    """Make a task of any plant: some of its columns are to reach targets.
+    """Make a task of any plant with targets of some of its columns.
 
     An observation has the columns with targets, their velocities and all pressures.
 
@@ -112,7 +112,7 @@ def task(name: str, scenario: Scenario | None = None, targets: Ranges | None = N
 
 
 def chosen(scenario: Scenario, columns: list[str]) -> Ranges:
-    """The ranges of targets of a plant's coordinates, unless they are given."""
+    """Return the default ranges of targets of the coordinates of a plant."""
     plant, ranges = Plant(scenario), {}
     for column in columns:
         part, _, name = column.rpartition(".")
@@ -132,7 +132,7 @@ def chosen(scenario: Scenario, columns: list[str]) -> Ranges:
 
 
 def _between_stops(plant: Plant, joint: str) -> Range:
-    """The range in rad between the stops of a joint."""
+    """Return the range in rad between the stops of a joint."""
     paths = [f"{path}.joints.{joint}" for path, section in plant.mechanisms().items() if joint in section.get("joints", {})]
     path = paths[0] if joint else "load"
     low, high = plant.number(f"{path}.min_angle"), plant.number(f"{path}.max_angle")
@@ -146,7 +146,7 @@ def _between_stops(plant: Plant, joint: str) -> Range:
 
 
 def _carrying(plant: Plant, actuator: str) -> Range | None:
-    """The range in m of the lengths at which an actuator can carry its own load at rest, or None where it has none."""
+    """Return the range in m of the lengths at which an actuator can carry its own load at rest, or None without a load."""
     load = plant.section(actuator, "load")
     on_mechanism = plant.mechanisms() and not plant.at(f"actuators.{actuator}.load")
     if on_mechanism or load.get("kind") not in ("hanging-mass", "constant-force"):
@@ -172,7 +172,7 @@ def _carrying(plant: Plant, actuator: str) -> Range | None:
 
 
 def _moving(plant: Plant, mechanism: str) -> Range | None:
-    """The range in m of the lengths that all actuators on a mass can have, or None where the position is given."""
+    """Return the range in m of the lengths that all actuators on a mass can have, or None where the position is given."""
     sections = plant.mechanisms()
     if sections.get(mechanism, sections.get(f"mechanisms.{mechanism}", {})).get("kind") != "mass":
         return None
@@ -183,7 +183,7 @@ def _moving(plant: Plant, mechanism: str) -> Range | None:
 
 
 def _check(targets: Ranges, columns: list[str]) -> None:
-    """Refuses targets that are no ranges of columns."""
+    """Refuse targets that are no ranges of columns."""
     if not isinstance(targets, Mapping) or not targets:
         raise InputError(f"targets = {targets!r}: give ranges in SI by columns, one at least, of {', '.join(columns)}")
     remedy = "give two finite numbers in SI, the lower first"
@@ -199,23 +199,23 @@ def _check(targets: Ranges, columns: list[str]) -> None:
 
 
 def _position(column: str, ends: Range) -> Seen:
-    """What is controlled, from 0 to 1 over the range of its targets."""
+    """Return the entry of a controlled column: from 0 to 1 over the range of its targets."""
     low, high = ends
     return Seen(column, low, high - low)
 
 
 def velocity_of(column: str) -> str:
-    """The column of the velocity of what is controlled."""
+    """Return the column of the velocity of a controlled column."""
     part, dot, name = column.rpartition(".")
     return part + dot + VELOCITY.get(name, "")
 
 
 def _velocity(column: str, ends: Range) -> Seen:
-    """A velocity, in ranges of targets for each tenth of a second."""
+    """Return the entry of a velocity, in ranges of targets for each tenth of a second."""
     low, high = ends
     return Seen(column, 0.0, (high - low) / 0.1)
 
 
 def _pressure(column: str) -> Seen:
-    """A pressure above 101325 Pa, in units of 500 kPa."""
+    """Return the entry of a pressure: above 101325 Pa, in units of 500 kPa."""
     return Seen(column, 101325.0, 5e5, 0.0)

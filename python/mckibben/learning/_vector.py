@@ -21,22 +21,22 @@ from mckibben.learning._tasks import Task
 
 
 class VectorEnvironment(VectorEnv[Observations, Any, Any], EzPickle):
-    """Plants of a scenario, each of which is to reach a target in each episode; made by `gymnasium.make_vec`.
+    """Environment of many plants, each with a target in each episode; `gymnasium.make_vec` makes it.
 
-    All are stepped together on all cores, each through its own valve delays, friction and air. Options:
+    All are stepped together on all cores, each with its own valve delays, friction and air. Options:
 
-    - `scenario`: another plant than the task's own, as a `Scenario` or the path of a file;
-    - `targets`: ranges in SI from which targets are drawn, by the columns that are to reach them;
-    - `action_mode`, `pulse_frequency`, `max_pressure`: what an action is;
-    - `control_period`, `duration`, `max_episode_steps`: how long an action and an episode last;
-    - `distance_limit`, `terminal_penalty`, `success_tolerance`: rewards, and what counts as success;
-    - `noise`, `sensor_delay`, `action_delay`, `randomize`: what makes it hard;
+    - `scenario`: plant in place of that of the task, as a `Scenario` or the path of a file;
+    - `targets`: ranges in SI from which targets are drawn, by their columns;
+    - `action_mode`, `pulse_frequency`, `max_pressure`: meaning of an action;
+    - `control_period`, `duration`, `max_episode_steps`: durations of an action and of an episode;
+    - `distance_limit`, `terminal_penalty`, `success_tolerance`: rewards, and the condition of success;
+    - `noise`, `sensor_delay`, `action_delay`, `randomize`: disturbances and random parameters;
     - `render_mode`: "rgb_array" for pictures, as `render` returns them.
 
-    See `mckibben.learning.Options` for their meanings and defaults. An observation has what the task sees of the plant, the
-    phase of the pulses and the duty cycles under way where control is not in step with the pulses, and the targets, all of
-    the order of one. `info` has, for each plant, what it shows without noise and delay, `is_success` and `diverged`. What
-    comes out of a pickle is made anew with the same options: reset it.
+    See `mckibben.learning.Options` for their meanings and defaults. An observation has the sensed columns of the plant, the
+    phase of the pulses and the duty cycles in effect where control is not in step with the pulses, and the targets, all of
+    the order of one. `info` has, for each plant, its columns without noise and delay, `is_success` and `diverged`. An
+    environment from a pickle has its options, and must be reset.
     """
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"]}
@@ -64,7 +64,7 @@ class VectorEnvironment(VectorEnv[Observations, Any, Any], EzPickle):
         self.single_observation_space = self._episodes.observation_space()
         self.action_space = batch_space(self.single_action_space, num_envs)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
-        # One generator for each plant, where `reset` has had a seed for each.
+        # One generator for each plant, where `reset` was given a seed for each.
         self._own: list[np.random.Generator] = []
         self._last = np.zeros((0, 0), dtype=np.float32)
         self._everyone = np.ones(num_envs, dtype=bool)
@@ -72,7 +72,7 @@ class VectorEnvironment(VectorEnv[Observations, Any, Any], EzPickle):
 
     @property
     def spec(self) -> EnvSpec | None:
-        """The specification that it was made from, with the number of steps of its episodes."""
+        """Specification of the environment, with the number of steps of its episodes."""
         return self._spec
 
     @spec.setter
@@ -86,12 +86,12 @@ class VectorEnvironment(VectorEnv[Observations, Any, Any], EzPickle):
 
     @property
     def columns(self) -> list[str]:
-        """Names of what `observations` has of each plant."""
+        """Names of the columns of `observations`."""
         return self._episodes.plants.columns
 
     @property
     def observations(self) -> NDArray[np.float64]:
-        """What the plants show without noise and delay, in SI: a row for each, by `columns`."""
+        """Columns of the plants in SI without noise and delay: a row for each plant, in the order of `columns`."""
         return self._episodes.observations
 
     def reset(
@@ -136,7 +136,7 @@ class VectorEnvironment(VectorEnv[Observations, Any, Any], EzPickle):
         return self._last.copy(), self._info(having)
 
     def _masked(self, mask: Any) -> Places:
-        """The plants that a mask means."""
+        """Return the indices of the plants in a mask."""
         if mask is None:
             return np.arange(self.num_envs)
         mask = np.asarray(mask)
@@ -148,7 +148,7 @@ class VectorEnvironment(VectorEnv[Observations, Any, Any], EzPickle):
         return places
 
     def _seed(self, seed: int | Sequence[int | None] | None, places: Places) -> None:
-        """Seeds the generators of these plants."""
+        """Seed the generators of these plants."""
         if seed is None:
             return
         seeds: Any = range(int(seed), int(seed) + self.num_envs) if isinstance(seed, Integral) else seed
@@ -183,7 +183,7 @@ class VectorEnvironment(VectorEnv[Observations, Any, Any], EzPickle):
         if self.autoreset_mode is AutoresetMode.SAME_STEP and episodes.over.any():
             done = episodes.over.copy()
             places = np.flatnonzero(done)
-            # As Gymnasium has it, the observations of ended episodes are objects in an array, beside None.
+            # As in Gymnasium, the observations of ended episodes are objects in an array, with None for all others.
             last = np.full(self.num_envs, None, dtype=object)
             for place in places:
                 last[place] = observed[place].copy()
@@ -193,7 +193,7 @@ class VectorEnvironment(VectorEnv[Observations, Any, Any], EzPickle):
         return observed, rewards, terminated, truncated, {**self._info(self._everyone), **info}
 
     def render(self) -> tuple[NDArray[np.uint8], ...] | None:
-        """Pictures of the plants where they are, as those of the single form.
+        """Return pictures of the plants in their present state, as those of the single form.
 
         Returns
         -------
@@ -209,7 +209,7 @@ class VectorEnvironment(VectorEnv[Observations, Any, Any], EzPickle):
         return self._frames(len(self._last) > 0)
 
     def _info(self, having: NDArray[np.bool_]) -> dict[str, Any]:
-        """What there is to know of the plants that these flags mean, in Gymnasium's form: zeros elsewhere, and the flags."""
+        """Return `info` of the flagged plants in Gymnasium's form: zeros elsewhere, and the flags."""
         info = self._episodes.info()
         if having is not self._everyone:
             info = {name: np.where(having, values, np.zeros_like(values)) for name, values in info.items()}
@@ -217,7 +217,7 @@ class VectorEnvironment(VectorEnv[Observations, Any, Any], EzPickle):
 
 
 def mode(named: AutoresetMode | str) -> AutoresetMode:
-    """How episodes begin again, by its name as Gymnasium has it, "SameStep", or "same-step"."""
+    """Return the autoreset mode of a name as in Gymnasium, "SameStep", or "same-step"."""
     for known in AutoresetMode:
         if named in (known, known.value, known.name.lower().replace("_", "-")):
             return known

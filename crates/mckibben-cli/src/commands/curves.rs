@@ -7,9 +7,9 @@
 //! Checked by `tests/curves.rs`.
 
 use crate::files;
-use crate::settings::Setting;
+use crate::settings::{Setting, axis};
 use crate::terminal;
-use clap::ValueEnum;
+use mckibben_run::axis::CurveAxis;
 use mckibben_run::curves::{Curves, Pressures, USUAL};
 use mckibben_run::failure::Failure;
 use mckibben_run::output;
@@ -37,29 +37,11 @@ pub struct CurvesArguments {
     #[arg(short, long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
     /// What the figure is drawn over.
-    #[arg(long, value_enum, default_value_t = Over::Length)]
-    pub over: Over,
+    #[arg(long, value_parser = axis::<CurveAxis>(), default_value = "length")]
+    pub over: CurveAxis,
     /// Set a value of the scenario, such as `actuator.turns=2.2`; can be given again.
     #[arg(short, long, value_name = "KEY=VALUE")]
     pub set: Vec<Setting>,
-}
-
-/// The horizontal axis of the figure.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Over {
-    /// Length of the actuator.
-    Length,
-    /// Contraction, as a share of the longest length.
-    Contraction,
-}
-
-impl From<Over> for mckibben_run::curves::Over {
-    fn from(over: Over) -> Self {
-        match over {
-            Over::Length => Self::Length,
-            Over::Contraction => Self::Contraction,
-        }
-    }
 }
 
 /// Draws the curves.
@@ -78,7 +60,7 @@ pub fn run(arguments: &CurvesArguments) -> Result<(), Failure> {
         output::write(path, &data.to_csv(path)?)?;
     }
     if let Some((path, format)) = plot {
-        let bytes = curves.figure(arguments.over.into()).bytes(format).map_err(|error| Failure::output(path, error))?;
+        let bytes = curves.figure(arguments.over).bytes(format).map_err(|error| Failure::output(path, error))?;
         output::write(path, &bytes)?;
     }
     let (points, words) = curves.operating_points()?;

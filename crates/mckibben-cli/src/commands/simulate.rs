@@ -3,17 +3,17 @@
 //! Everything that can be refused is refused before anything is simulated, and every file is complete before any of
 //! them takes its name. A run of which no figure and no events are wanted is written as it is made and not kept.
 
-use crate::settings::Setting;
+use crate::settings::{Setting, axis};
 use crate::summary::{self, Summary};
 use crate::{events, files, terminal};
 use mckibben_plot::Format;
+use mckibben_run::axis::TrajectoryAxis;
 use mckibben_run::engine;
 use mckibben_run::failure::Failure;
 use mckibben_run::output::{self, Pending};
 use mckibben_run::progress::Progress;
 use mckibben_run::record::{self, Provenance, Target};
 use mckibben_run::run::{Figures, Finished, Ready};
-use mckibben_run::trajectory_plot;
 use mckibben_scenario::{Assumed, Document, Scenario};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -47,8 +47,8 @@ pub struct SimulateArguments {
     #[arg(short, long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
     /// What the figure is drawn over.
-    #[arg(long, value_enum, default_value_t, value_name = "QUANTITY", requires = "plot")]
-    pub over: Over,
+    #[arg(long, value_parser = axis::<TrajectoryAxis>(), default_value = "time", value_name = "QUANTITY", requires = "plot")]
+    pub over: TrajectoryAxis,
     /// Set a value of the scenario, such as `command.duty=0.3` or `load.mass=10 lb`; can be given again.
     #[arg(short, long, value_name = "KEY=VALUE")]
     pub set: Vec<Setting>,
@@ -63,25 +63,6 @@ pub struct SimulateArguments {
     pub quiet: bool,
 }
 
-/// What a run is drawn over.
-#[derive(Clone, Copy, Debug, Default, Eq, PartialEq, clap::ValueEnum)]
-pub enum Over {
-    /// Length, pressure and tension over time.
-    #[default]
-    Time,
-    /// Tension over length: the loops of hysteresis.
-    Length,
-}
-
-impl From<Over> for trajectory_plot::Over {
-    fn from(over: Over) -> Self {
-        match over {
-            Over::Time => Self::Time,
-            Over::Length => Self::Length,
-        }
-    }
-}
-
 /// Runs the scenario.
 ///
 /// # Errors
@@ -94,7 +75,7 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     }
     let scenario = if document.is_plant() { None } else { Some(document.scenario()?) };
     let ready = Ready::of(&document)?;
-    if ready.has_several() && arguments.over != Over::Time {
+    if ready.has_several() && arguments.over != TrajectoryAxis::Time {
         return Err(Failure::input(
             "--over: several actuators have several lengths, so they are drawn over time",
             "leave --over out, and take the columns of --output for another figure",
@@ -228,7 +209,7 @@ impl<'a> Files<'a> {
         if let Some(target) = self.plot {
             let title = arguments.file.file_stem().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
             let (path, format) = target;
-            let figure = finished.figure(arguments.over.into(), &title);
+            let figure = finished.figure(arguments.over, &title);
             pending.push(files::pending(path, &figure.bytes(format).map_err(|error| Failure::output(path, error))?)?);
         }
         if let Some(path) = self.events {

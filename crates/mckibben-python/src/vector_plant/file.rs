@@ -144,7 +144,7 @@ impl File {
         Ok(Begin { plant: begin.plant.without_commands(&self.valves), ..begin })
     }
 
-    /// An error of the core, shown in the file unless its values came from elsewhere.
+    /// An error of the core, with its place in the file unless its values came from elsewhere.
     pub(super) fn failed(&self, error: &mckibben::Error) -> Failure {
         match self.are_alike() {
             true => Failure::of_core(error, &self.scenario.get().document),

@@ -17,7 +17,7 @@ use crate::pool;
 use crate::pulses::Pulses;
 use crate::raised::{Raised, exception};
 use crate::scenario::Scenario;
-use crate::typed::{Count, Flags, Items, NewArguments, Numbers as Array, Rows, Sequence, Table};
+use crate::typed::{ActionWord, Count, Flags, Items, NewArguments, Numbers as Array, Rows, Sequence, Table};
 use action::ActionMode;
 use file::File;
 use fleet::{Fleet, Span};
@@ -213,16 +213,16 @@ fn shaped(name: &str, slice: Option<usize>, (rows, columns): (usize, usize)) -> 
 #[pymethods]
 impl VectorPlant {
     #[new]
-    #[pyo3(signature = (scenario, count, *, parameters = Items(Vec::new()), action_mode = "duty", pulse_frequency = None))]
+    #[pyo3(signature = (scenario, count, *, parameters = Items(Vec::new()), action_mode = ActionWord::from("duty"), pulse_frequency = None))]
     fn new(
         py: Python<'_>,
         scenario: Py<Scenario>,
         count: Count,
         parameters: Items<String>,
-        action_mode: &str,
+        action_mode: ActionWord,
         pulse_frequency: Option<f64>,
     ) -> PyResult<Self> {
-        let mut plants = Self::of(py, &scenario, &parameters.0, (action_mode, pulse_frequency), count.0).raised()?;
+        let mut plants = Self::of(py, &scenario, &parameters.0, (&action_mode.0, pulse_frequency), count.0).raised()?;
         arguments::room(py, count.0, "plants", plants.fleet.bytes())?;
         plants.begin(py, None)?;
         Ok(plants)

@@ -14,6 +14,7 @@
 
 mod pressures;
 
+use crate::axis::CurveAxis;
 use crate::failure::Failure;
 use crate::report::{Data, Table, number, typeset};
 use mckibben::force::Statics;
@@ -22,15 +23,6 @@ use mckibben::{AbsolutePressure, Actuator, GaugePressure};
 use mckibben_plot::{Axis, Colour, Dash, Figure, Legend, Panel, Series};
 use mckibben_scenario::{Document, Experiment, Force, Scenario};
 pub use pressures::{Pressure, Pressures};
-
-/// The horizontal axis of the figure.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Over {
-    /// Length of the actuator.
-    Length,
-    /// Contraction, as a share of the longest length.
-    Contraction,
-}
 
 /// The pressures when none are given: those of the paper's Fig. 3.
 pub const USUAL: &str = "35,45,55,65,75,85,95psi";
@@ -203,11 +195,11 @@ impl Curves {
     }
 
     /// Force, stiffness and volume inside.
-    pub fn figure(&self, over: Over) -> Figure {
+    pub fn figure(&self, over: CurveAxis) -> Figure {
         let lengths = self.lengths();
         let (axis, x): (Axis, Vec<f64>) = match over {
-            Over::Length => (Axis::new("length", "mm"), lengths.iter().map(|length| 1e3 * length).collect()),
-            Over::Contraction => (
+            CurveAxis::Length => (Axis::new("length", "mm"), lengths.iter().map(|length| 1e3 * length).collect()),
+            CurveAxis::Contraction => (
                 Axis::new("contraction", "%"),
                 lengths.iter().map(|length| 100.0 * self.contraction(*length)).collect(),
             ),

@@ -106,7 +106,8 @@ pub struct Outcome {
     pub estimates: Vec<Estimate>,
     /// Correlations of the estimates, row by row; empty where they do not come from one fit.
     pub correlations: Vec<Vec<f64>>,
-    /// The readings with the predictions of the fitted model; empty of steady flow and pulse trains.
+    /// The readings with the predictions of the fitted model; empty where nothing was found, and of a
+    /// tank that is fitted window by window.
     pub predictions: Vec<Prediction>,
     /// What a reader should know before believing them; warnings begin with [`WARNED`].
     pub warnings: Vec<String>,

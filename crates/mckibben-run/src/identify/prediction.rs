@@ -5,11 +5,12 @@
 pub struct Prediction {
     /// The name of the run; empty where the readings of all runs are taken together.
     pub run: String,
-    /// What was measured, in words.
+    /// What was measured, in words: of pulse trains the delays, each from an edge of the coil to the onset that followed.
     pub quantity: String,
     /// The SI unit of the readings; empty for a pure number.
     pub unit: &'static str,
-    /// At what each reading was taken, such as `time_s` or `length_m`: names with their units, and a number for each reading.
+    /// At what each reading was taken, such as `time_s`, `length_m` or `pressure_ratio`: names with their units, and a number for
+    /// each reading.
     pub coordinates: Vec<(&'static str, Vec<f64>)>,
     /// The readings.
     pub measured: Vec<f64>,

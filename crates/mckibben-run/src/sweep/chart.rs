@@ -6,13 +6,14 @@
 //! | two keys in a grid | a map of each reduction over both |
 //! | else | a matrix of scatter plots, reductions over keys, with Spearman's rank correlation ρ |
 //!
-//! Runs that failed are gaps, crossed cells, or not there.
+//! A key whose values are spaced evenly in their logarithm has a logarithmic axis. Runs that failed are gaps, crossed cells, or
+//! absent.
 
 use super::counts::SweepCounts;
 use crate::failure::Failure;
 use crate::quantities::count;
 use mckibben::control;
-use mckibben_plot::{Axis, Field, Figure, Format, Legend, Panel, PlotError, Series, SideBySide, Style, Theme};
+use mckibben_plot::{Axis, Field, Figure, Format, Legend, Panel, PlotError, Scale, Series, SideBySide, Style, Theme};
 use mckibben_scenario::sweep::{Quantity, Statistic};
 use mckibben_scenario::{AxisKind, AxisValue, PlantReduction, Record, Reduction, Sweep};
 use std::f64::consts::PI;
@@ -172,7 +173,13 @@ fn key(sweep: &Sweep, axis: usize, rows: &[u64]) -> Values {
         .collect();
     let label = of.path.replace(['.', '_'], " ");
     match &of.kind {
-        AxisKind::Quantity { unit, .. } => scaled(label, unit, at),
+        AxisKind::Quantity { unit, .. } => {
+            let mut values = scaled(label, unit, at);
+            if of.is_logarithmic() {
+                values.axis.scale = Scale::Logarithmic;
+            }
+            values
+        }
         AxisKind::Word => {
             let words = words.into_iter().enumerate().map(|(index, word)| (index as f64, word));
             Values { axis: Axis::new(label, "").words(words), at }
@@ -331,6 +338,28 @@ fn ranks(values: impl Iterator<Item = f64>) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn keys_that_are_spaced_by_their_logarithm_have_logarithmic_axes() {
+        let text = r#"
+            [load]
+            kind = "hanging-mass"
+            [initial]
+            gauge_pressure = "60 psi"
+            [run]
+            duration = "20 ms"
+            [sweep]
+            reductions = ["length.final"]
+            [sweep.vary]
+            "load.mass" = { from = "1 kg", to = "4 kg", count = 3, spacing = "logarithmic" }
+            "initial.temperature" = { from = "290 K", to = "300 K", count = 2 }
+        "#;
+        let sweep = mckibben_scenario::Document::parse(text, "sweep.toml").unwrap().sweep().unwrap().unwrap();
+        let masses = key(&sweep, 0, &[0, 2, 4]);
+        assert_eq!((masses.axis.scale, masses.at.len()), (Scale::Logarithmic, 3));
+        assert!((masses.at[1] - 2.0).abs() < 1e-12, "the middle of 1 kg and 4 kg by the logarithm");
+        assert_eq!(key(&sweep, 1, &[0, 1]).axis.scale, Scale::Linear);
+    }
 
     #[test]
     fn ranks_correlate_whatever_the_scale() {

@@ -4,6 +4,7 @@ use super::design::{Draw, Sampler};
 use super::distribution::Distribution;
 use super::field::Field;
 use super::spacing::Ends;
+use crate::choice::Spacing;
 use crate::quantity;
 use mckibben::parameter::Parameter;
 use std::fmt::Write;
@@ -105,6 +106,18 @@ impl Axis {
         match &self.kind {
             AxisKind::Quantity { column, .. } => column.clone(),
             AxisKind::Word => column_of(&self.path, ""),
+        }
+    }
+
+    /// Whether the values are spaced or distributed evenly in their logarithm, so that a figure has a logarithmic axis for them:
+    /// a range or a uniform distribution with logarithmic spacing, or a log-normal distribution. All values are positive then.
+    pub fn is_logarithmic(&self) -> bool {
+        match &self.values {
+            Values::Steps(ends, _) | Values::Continuous(Distribution::Uniform(ends)) => {
+                ends.spacing == Spacing::Logarithmic
+            }
+            Values::Continuous(Distribution::LogNormal { .. }) => true,
+            Values::Numbers(_) | Values::Words(_) | Values::Continuous(Distribution::Normal { .. }) => false,
         }
     }
 

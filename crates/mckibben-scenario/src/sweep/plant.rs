@@ -208,23 +208,10 @@ fn errors(of: &PlantExperiment) -> Vec<(String, usize, control::Quantity)> {
         quantities.extend(control.set_points().iter().map(|(quantity, _)| *quantity));
         quantities.dedup();
         for quantity in quantities {
-            errors.extend(name.map(|name| (format!("{name}.{}_error", word(quantity)), index, quantity)));
+            errors.extend(name.map(|name| (format!("{name}.{}_error", quantity.name()), index, quantity)));
         }
     }
     errors
-}
-
-/// The word of a quantity in the name of an error.
-fn word(quantity: control::Quantity) -> &'static str {
-    match quantity {
-        control::Quantity::Pressure => "gauge_pressure",
-        control::Quantity::Length => "length",
-        control::Quantity::AirMass => "air_mass",
-        control::Quantity::Force => "force",
-        control::Quantity::Angle => "angle",
-        control::Quantity::Torque => "torque",
-        control::Quantity::Stiffness => "stiffness",
-    }
 }
 
 /// What is recorded of each run where the file does not say.

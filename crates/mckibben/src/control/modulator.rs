@@ -83,12 +83,12 @@ impl<R: Real> Modulator<R> {
 }
 
 #[cfg(feature = "alloc")]
-impl Modulator {
+impl<R: Real> Modulator<R> {
     /// As numbers in a row.
-    pub(crate) fn each_number(&mut self, row: &mut impl Row) {
+    pub(crate) fn each_number(&mut self, row: &mut impl Row<R>) {
         let (mut kind, mut duty, mut pulse, mut rest) = match self.drive {
-            None => (0, 0.0, Request::Fill, Request::Fill),
-            Some(Drive::Steady(request)) => (1, 0.0, request, request),
+            None => (0, R::zero(), Request::Fill, Request::Fill),
+            Some(Drive::Steady(request)) => (1, R::zero(), request, request),
             Some(Drive::Pulses { duty, pulse, rest }) => (2, duty, pulse, rest),
         };
         row.choice(&mut kind, [0, 1, 2]);

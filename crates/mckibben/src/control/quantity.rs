@@ -143,6 +143,12 @@ impl Quantity {
         }
     }
 
+    /// Name in results, such as `gauge_pressure` or `force`: that of its key in `[controller]`.
+    pub fn name(self) -> &'static str {
+        let key = self.rows().set_point.key;
+        key.rsplit_once('.').map_or(key, |(_, name)| name)
+    }
+
     /// Whether more air makes more of it; for an angle, more air in the agonist.
     pub fn rises(self) -> bool {
         self != Self::Length

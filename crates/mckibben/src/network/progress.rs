@@ -82,14 +82,14 @@ impl<S: Real> Progress<S> {
     }
 }
 
-impl Progress<f64> {
+impl<S: Real> Progress<S> {
     /// Whether something of a command has been passed and is still in it.
     pub(crate) fn has_passed(&mut self) -> bool {
         *self.clock.passed() > 0 || *self.spool.passed() > 0
     }
 
     /// As numbers in a row.
-    pub(crate) fn each_number(&mut self, row: &mut impl Row) {
+    pub(crate) fn each_number(&mut self, row: &mut impl Row<S>) {
         self.clock.each_number(row);
         self.spool.each_number(row);
         row.count(&mut self.spool_passed);

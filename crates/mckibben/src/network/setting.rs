@@ -54,29 +54,29 @@ const MOST_LATE: usize = 64;
 /// What one that acts at once has.
 const MOST_AT_ONCE: usize = 4;
 
-impl Setting<f64> {
+impl<R: Real> Setting<R> {
     /// One of a valve that has nothing on its way.
-    fn blank(valve: &Actuation) -> Self {
+    fn blank(valve: &Actuation<R>) -> Self {
         let (solenoid, command) = (valve.solenoid, Command::nothing_of(&valve.solenoid));
         Self { actuation: Actuation { solenoid, command }, told: Told::nothing(), pulse_frequency: None }
     }
 
     /// As numbers in a row.
-    fn each_number(&mut self, time: f64, row: &mut impl Row) {
+    fn each_number(&mut self, time: R, row: &mut impl Row<R>) {
         let Self { actuation: Actuation { solenoid, command }, told, pulse_frequency } = self;
         told.each_number(solenoid, time, row);
         row.instant(pulse_frequency);
-        if pulse_frequency.is_some_and(|frequency| frequency <= 0.0) {
+        if pulse_frequency.is_some_and(|frequency| frequency.value() <= 0.0) {
             row.refuse();
         }
-        let capacity = if solenoid.latency() > 0.0 { MOST_LATE } else { MOST_AT_ONCE };
+        let capacity = if solenoid.latency().value() > 0.0 { MOST_LATE } else { MOST_AT_ONCE };
         match command {
             Command::Table { time, request } => {
                 let first = crate::valve::Request::Fill;
                 each_change((time, request, first), capacity, row, |row, request| row.request(request));
             }
             Command::SetPoints { time, gauge_pressure: number } | Command::Positions { time, position: number } => {
-                each_change((time, number, 0.0), capacity, row, |row, number| row.number(number));
+                each_change((time, number, R::zero()), capacity, row, |row, number| row.number(number));
             }
             // What has been set is a list.
             Command::Constant(_) | Command::Pwm { .. } => row.refuse(),
@@ -85,14 +85,14 @@ impl Setting<f64> {
 }
 
 /// The changes of a command as numbers in a row, each with its instant in s.
-fn each_change<V: Copy, W: Row>(
-    (time, values, first): (&mut Vec<f64>, &mut Vec<V>, V),
+fn each_change<R: Real, V: Copy, W: Row<R>>(
+    (time, values, first): (&mut Vec<R>, &mut Vec<V>, V),
     capacity: usize,
     row: &mut W,
     value: impl Fn(&mut W, &mut V),
 ) {
     if let Some(length) = row.length(time.len(), capacity) {
-        time.resize(length, 0.0);
+        time.resize(length, R::zero());
         values.resize(length, first);
     }
     for place in 0..capacity {
@@ -107,14 +107,14 @@ fn each_change<V: Copy, W: Row>(
             }
         }
     }
-    if time.windows(2).any(|pair| pair[1] <= pair[0]) {
+    if time.windows(2).any(|pair| pair[1].le(pair[0])) {
         row.refuse();
     }
 }
 
-impl Network {
+impl<R: Real> Network<R> {
     /// Drops of what valves have been set to all that has been passed up to `time` in s.
-    pub(crate) fn forget_passed(&self, time: f64, mode: &mut NetworkMode<f64>) {
+    pub(crate) fn forget_passed(&self, time: R, mode: &mut NetworkMode<R>) {
         for valve in 0..mode.valves.len() {
             let ValveMode { progress, setting, .. } = &mut mode.valves[valve];
             if let Some(setting) = setting {
@@ -125,7 +125,7 @@ impl Network {
     }
 
     /// The mode at a time in s as numbers in a row, but for the pieces of laws, which the pressures say.
-    pub(crate) fn each_number(&self, time: f64, mode: &mut NetworkMode<f64>, row: &mut impl Row) {
+    pub(crate) fn each_number(&self, time: R, mode: &mut NetworkMode<R>, row: &mut impl Row<R>) {
         let NetworkMode { branches, nodes, valves } = mode;
         for BranchMode { zone: _, regime: _, runs, sonic } in branches {
             row.truth(runs);

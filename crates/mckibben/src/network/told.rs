@@ -142,16 +142,16 @@ impl<R: Real> Told<R> {
     }
 }
 
-impl Told<f64> {
+impl<R: Real> Told<R> {
     /// As numbers in a row, of a valve that has come to `time` in s.
-    pub(crate) fn each_number(&mut self, solenoid: &Solenoid, time: f64, row: &mut impl Row) {
+    pub(crate) fn each_number(&mut self, solenoid: &Solenoid<R>, time: R, row: &mut impl Row<R>) {
         let Self { last, modulator, pulse_frequency, edge, unheard } = self;
         let (mut kind, mut number, mut duty, mut requests) = match *last {
-            None => (0, 0.0, 0.0, [Request::Fill; 2]),
-            Some(RuntimeCommand::Request(request)) => (1, 0.0, 0.0, [request; 2]),
+            None => (0, R::zero(), R::zero(), [Request::Fill; 2]),
+            Some(RuntimeCommand::Request(request)) => (1, R::zero(), R::zero(), [request; 2]),
             Some(RuntimeCommand::Pulses { frequency, duty, pulse, rest }) => (2, frequency, duty, [pulse, rest]),
-            Some(RuntimeCommand::SetPoint(gauge)) => (3, gauge.0, 0.0, [Request::Fill; 2]),
-            Some(RuntimeCommand::Position(position)) => (4, position, 0.0, [Request::Fill; 2]),
+            Some(RuntimeCommand::SetPoint(gauge)) => (3, gauge.0, R::zero(), [Request::Fill; 2]),
+            Some(RuntimeCommand::Position(position)) => (4, position, R::zero(), [Request::Fill; 2]),
         };
         row.choice(&mut kind, [0, 1, 2, 3, 4]);
         row.number(&mut number);
@@ -169,14 +169,14 @@ impl Told<f64> {
         }
         modulator.each_number(row);
         row.number(pulse_frequency);
-        if *pulse_frequency <= 0.0 {
+        if pulse_frequency.value() <= 0.0 {
             row.refuse();
         }
-        let mut instant = Some(*edge).filter(|edge| *edge != f64::INFINITY);
+        let mut instant = Some(*edge).filter(|edge| edge.value() != f64::INFINITY);
         row.instant(&mut instant);
-        *edge = instant.unwrap_or(f64::INFINITY);
+        *edge = instant.unwrap_or(R::constant(f64::INFINITY));
         // Pulses up to now have been laid out.
-        if *edge != modulator.next(*pulse_frequency).unwrap_or(f64::INFINITY) || !is_due(time, *edge) {
+        if edge.value() != modulator.next(*pulse_frequency).map_or(f64::INFINITY, R::value) || !is_due(time, *edge) {
             row.refuse();
         }
         row.truth(unheard);

@@ -11,6 +11,7 @@ use super::mode::{ActuatorMode, MechanismMode, PlantMode};
 use super::run::PlantSnapshot;
 use super::sliding::Facet;
 use crate::error::Error;
+use crate::instantiate::Instantiate;
 use crate::limit;
 use crate::mechanism::{Contact, Mechanism};
 use crate::numbered::{Counted, Kept, PutBack, Row};
@@ -25,7 +26,7 @@ const NO_STATE: Error = Error::Misuse {
     remedy: "give those that steps of an equal plant saved in this version, all of them in their order",
 };
 
-impl Plant {
+impl<R: Instantiate> Plant<R> {
     /// The most facets of what sticking actuators of a mechanism can hold: as many as there are ways to choose actuators for a
     /// facet, and one for each actuator that is by itself.
     fn most_facets(&self, mechanism: usize) -> usize {
@@ -44,16 +45,16 @@ impl Plant {
     }
 }
 
-impl System<f64> {
+impl<R: Instantiate> System<R> {
     /// How many numbers a state is.
-    pub(super) fn saved_size(&self, snapshot: &mut PlantSnapshot) -> usize {
+    pub(super) fn saved_size(&self, snapshot: &mut PlantSnapshot<R>) -> usize {
         let mut size = Counted::default();
         self.each_number(snapshot, &mut size);
         size.0
     }
 
     /// Saves a snapshot as numbers.
-    pub(super) fn save_to(&self, snapshot: &mut PlantSnapshot, numbers: &mut [f64], size: usize) -> Result<(), Error> {
+    pub(super) fn save_to(&self, snapshot: &mut PlantSnapshot<R>, numbers: &mut [R], size: usize) -> Result<(), Error> {
         let (time, _, mode) = snapshot.parts();
         if !mode.drivers.is_empty() {
             return Err(Error::NotImplemented(&limit::SAVE_DRIVERS));
@@ -74,9 +75,9 @@ impl System<f64> {
     /// Makes a snapshot of this plant what gave numbers; it is to be thrown away where that fails.
     pub(super) fn restore_from(
         &self,
-        snapshot: &mut PlantSnapshot,
-        numbers: &[f64],
-        at: &mut Evaluation<f64>,
+        snapshot: &mut PlantSnapshot<R>,
+        numbers: &[R],
+        at: &mut Evaluation<R>,
     ) -> Result<(), Error> {
         if !snapshot.mode().drivers.is_empty() {
             return Err(Error::NotImplemented(&limit::SAVE_DRIVERS));
@@ -84,7 +85,7 @@ impl System<f64> {
         let mut row = PutBack::from(numbers);
         self.each_number(snapshot, &mut row);
         let (time, state, mode) = snapshot.parts();
-        if !row.is_whole() || *time < 0.0 || self.check_step(*time, state).is_err() {
+        if !row.is_whole() || time.value() < 0.0 || self.check_step(*time, state).is_err() {
             return Err(NO_STATE);
         }
         self.enter_pieces(*time, state, mode, at);
@@ -92,7 +93,7 @@ impl System<f64> {
     }
 
     /// All that differs from one state of the plant to another.
-    fn each_number(&self, snapshot: &mut PlantSnapshot, row: &mut impl Row) {
+    fn each_number(&self, snapshot: &mut PlantSnapshot<R>, row: &mut impl Row<R>) {
         let (time, state, mode) = snapshot.parts();
         row.number(time);
         row.numbers(state);
@@ -121,7 +122,7 @@ impl System<f64> {
         self.plant.network.each_number(*time, network, row);
     }
 
-    fn each_number_of_mechanism(&self, m: usize, its: &mut MechanismMode, row: &mut impl Row) {
+    fn each_number_of_mechanism(&self, m: usize, its: &mut MechanismMode, row: &mut impl Row<R>) {
         let MechanismMode { frozen, stops, foot, basis, facets, corners_passed } = its;
         row.truth(frozen);
         for contact in stops.iter_mut().flatten().chain([foot]) {

@@ -75,9 +75,9 @@ impl<R: Real> Trace<R> {
     }
 }
 
-impl Trace<f64> {
+impl<R: Real> Trace<R> {
     /// As numbers in a row.
-    pub(crate) fn each_number(&mut self, row: &mut impl Row) {
+    pub(crate) fn each_number(&mut self, row: &mut impl Row<R>) {
         let Self { memory: Memory { at, elements }, branch, direction } = self;
         row.number(at);
         row.numbers(elements);

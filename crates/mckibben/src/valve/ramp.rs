@@ -109,9 +109,9 @@ impl<S: Scalar> Stroke<S> {
 }
 
 #[cfg(feature = "alloc")]
-impl Stroke {
+impl<S: Real> Stroke<S> {
     /// As numbers in a row.
-    pub(super) fn each_number(&mut self, row: &mut impl Row) {
+    pub(super) fn each_number(&mut self, row: &mut impl Row<S>) {
         let Self { start, end, from, to } = self;
         [start, end, from, to].into_iter().for_each(|number| row.number(number));
     }

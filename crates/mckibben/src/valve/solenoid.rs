@@ -441,9 +441,9 @@ impl<S: Real> SeatClock<S> {
 }
 
 #[cfg(feature = "alloc")]
-impl SeatClock {
+impl<S: Real> SeatClock<S> {
     /// As numbers in a row.
-    pub(crate) fn each_number(&mut self, row: &mut impl Row) {
+    pub(crate) fn each_number(&mut self, row: &mut impl Row<S>) {
         let Self { next_change, coil, seat, due, strokes, strokes_counted } = self;
         row.count(next_change);
         coil.iter_mut().chain(seat).for_each(|at| row.truth(at));

@@ -178,9 +178,9 @@ impl<S: Real> SpoolClock<S> {
 }
 
 #[cfg(feature = "alloc")]
-impl SpoolClock {
+impl<S: Real> SpoolClock<S> {
     /// As numbers in a row.
-    pub(crate) fn each_number(&mut self, row: &mut impl Row) {
+    pub(crate) fn each_number(&mut self, row: &mut impl Row<S>) {
         let Self { taken, motion, open, next } = self;
         row.count(taken);
         let SpoolMotion { time, position, velocity, command } = motion;

@@ -3,12 +3,12 @@
 use crate::commands::sweep;
 use mckibben::load::Load;
 use mckibben_plot::Theme;
-use mckibben_run::curves::{self, Curves, Pressures, USUAL};
+use mckibben_run::axis::{CurveAxis, TrajectoryAxis};
+use mckibben_run::curves::{Curves, Pressures, USUAL};
 use mckibben_run::failure::Failure;
 use mckibben_run::linearize::{LinearModel, Request};
 use mckibben_run::run::{Finished, Ready};
 use mckibben_run::sweep::prepared::Prepared;
-use mckibben_run::trajectory_plot::Over;
 use mckibben_scenario::{Document, Record};
 use std::path::Path;
 
@@ -47,7 +47,7 @@ pub(super) fn of(file: &Path, text: &str) -> Result<Picture, Failure> {
     match first_command(text) {
         Some("curves") => {
             let usual: Pressures = USUAL.parse().map_err(Failure::stopped)?;
-            let figure = Curves::of(&document, &usual)?.figure(curves::Over::Length);
+            let figure = Curves::of(&document, &usual)?.figure(CurveAxis::Length);
             return picture(figure.to_svg(Theme::Auto), "curves", "");
         }
         Some("linearize") => {
@@ -60,9 +60,9 @@ pub(super) fn of(file: &Path, text: &str) -> Result<Picture, Failure> {
     // A given motion is not worth a curve; what it costs in force is.
     let (over, options) = match &finished {
         Finished::Actuator(of) if of.control.is_none() && matches!(of.trajectory.rig().load(), Load::Prescribed(_)) => {
-            (Over::Length, " --over length")
+            (TrajectoryAxis::Length, " --over length")
         }
-        _ => (Over::Time, ""),
+        _ => (TrajectoryAxis::Time, ""),
     };
     let figure = finished.figure(over, "");
     Ok(Picture { note, ..picture(figure.to_svg(Theme::Auto), "simulate", options)? })

@@ -1,7 +1,7 @@
 //! Delays of a seat from the pressure under pulse trains.
 
 use super::super::outcome::{self, Outcome, WARNED, file};
-use super::super::{Material, pressure_over_time, values};
+use super::super::{Material, Prediction, pressure_over_time, values};
 use super::{Stems, at_its_end, failed, named, put, says_its_end, told, valve_of};
 use crate::failure::Failure;
 use crate::report::{Data, Plate, Section, Table};
@@ -76,7 +76,7 @@ pub(in super::super) fn pulse_train(material: &Material) -> Result<Outcome, Fail
         values: numbers,
         estimates: estimates.to_vec(),
         correlations: Vec::new(),
-        predictions: Vec::new(),
+        predictions: predictions(&runs, &delays),
         warnings,
         scenarios,
         failed,
@@ -208,6 +208,26 @@ fn duties(runs: &[Run<'_>]) -> Vec<DutyPoint> {
         Some(DutyPoint { frequency, commanded, effective: run.found.effective_duty.as_ref()?.value })
     };
     runs.iter().filter_map(point).collect()
+}
+
+/// The delay of each onset of a run, and that over all runs: openings and closings by themselves.
+fn predictions(runs: &[Run<'_>], delays: &[Estimate; 2]) -> Vec<Prediction> {
+    let of_run = |run: &Run<'_>| {
+        let seats = [("opening delay", true), ("closing delay", false)].into_iter().zip(delays);
+        let seats = seats.map(|((quantity, energised), delay)| {
+            let onsets: Vec<&Onset> = run.found.onsets.iter().filter(|onset| onset.energised == energised).collect();
+            Prediction {
+                run: run.name.to_owned(),
+                quantity: quantity.to_owned(),
+                unit: "s",
+                coordinates: vec![("edge_s", onsets.iter().map(|onset| onset.edge).collect())],
+                measured: onsets.iter().map(|onset| onset.time - onset.edge).collect(),
+                predicted: vec![delay.value; onsets.len()],
+            }
+        });
+        seats.filter(|prediction| !prediction.measured.is_empty()).collect::<Vec<_>>()
+    };
+    runs.iter().flat_map(of_run).collect()
 }
 
 fn table(runs: &[Run<'_>]) -> Table {

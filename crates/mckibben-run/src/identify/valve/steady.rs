@@ -1,7 +1,7 @@
 //! Steady flow through a valve: C and b of a flow curve, or the factor on the calculated flow.
 
 use super::super::outcome::{self, Outcome, WARNED, file};
-use super::super::{Material, column, values};
+use super::super::{Material, Prediction, column, values};
 use super::{absolute_pressures, actuator_of, conductance, law_of, named, passage_of, put, rows, told, valve_of};
 use super::{says_its_end, with_conductance, with_passage};
 use crate::failure::Failure;
@@ -90,7 +90,13 @@ pub(in super::super) fn flow_curve(material: &Material) -> Result<Outcome, Failu
             ..Section::default()
         },
     ];
-    Ok(outcome(material, "Flow curve", introduction, sections, (numbers, estimates), warnings, scenarios))
+    let law = fitted_law(&found, &air)?;
+    let calculated =
+        |point: &SteadyPoint| law.mass_flow(point.upstream.0.powi(2) / point.temperature, 1.0 - point.ratio());
+    let predicted: Vec<f64> = points.points.iter().map(calculated).collect();
+    let predictions = predictions(&points, &predicted);
+    let found = outcome(material, "Flow curve", introduction, sections, (numbers, estimates), warnings, scenarios);
+    Ok(Outcome { predictions, ..found })
 }
 
 /// The efficiency of the scenario's valve, or the flow coefficient of an area.
@@ -157,7 +163,42 @@ pub(in super::super) fn steady_flow(material: &Material) -> Result<Outcome, Fail
             ..Section::default()
         },
     ];
-    Ok(outcome(material, "Steady flow", introduction, sections, (numbers, estimates), warnings, scenarios))
+    let calculated = points.points.iter().zip(&found.ratios).map(|(point, ratio)| point.mass_flow / ratio);
+    let predicted: Vec<f64> = calculated.map(|flow| found.factor.value * flow).collect();
+    let predictions = predictions(&points, &predicted);
+    let found = outcome(material, "Steady flow", introduction, sections, (numbers, estimates), warnings, scenarios);
+    Ok(Outcome { predictions, ..found })
+}
+
+/// The mass flows of each run with those that the fitted law predicts, one for each point.
+fn predictions(points: &Points, predicted: &[f64]) -> Vec<Prediction> {
+    let places: Vec<usize> = (0..points.points.len()).collect();
+    let of_runs = places.chunk_by(|a, b| points.origins[*a].0 == points.origins[*b].0);
+    let of_run = |places: &[usize]| {
+        let column = |of: &dyn Fn(&SteadyPoint) -> f64| places.iter().map(|at| of(&points.points[*at])).collect();
+        Prediction {
+            run: points.origins[places[0]].0.clone(),
+            quantity: "mass flow".to_owned(),
+            unit: "kg/s",
+            coordinates: vec![
+                ("pressure_ratio", column(&SteadyPoint::ratio)),
+                ("upstream_absolute_pressure_pa", column(&|point| point.upstream.0)),
+                ("downstream_absolute_pressure_pa", column(&|point| point.downstream.0)),
+                ("temperature_k", column(&|point| point.temperature)),
+            ],
+            measured: column(&|point| point.mass_flow),
+            predicted: places.iter().map(|at| predicted[*at]).collect(),
+        }
+    };
+    of_runs.map(of_run).collect()
+}
+
+/// The flow law with the C and b of a flow curve; a b below zero is 0.
+fn fitted_law(found: &FlowCurve, air: &Air) -> Result<FlowLaw, Failure> {
+    let [sonic_conductance, critical_ratio] = [found.sonic_conductance.value, found.critical_ratio.value.max(0.0)];
+    let standard = FlowStandard::Iso6358 { sonic_conductance, critical_ratio };
+    FlowLaw::new(standard, 1.0, parameter::LAMINAR_RATIO.default.unwrap_or(0.999), air)
+        .map_err(|error| Failure::stopped(error.to_string()))
 }
 
 fn outcome(
@@ -304,9 +345,7 @@ pub(super) fn curve_plate(
     stem: &'static str,
 ) -> Result<Plate, Failure> {
     let [sonic_conductance, critical_ratio] = [found.sonic_conductance.value, found.critical_ratio.value.max(0.0)];
-    let standard = FlowStandard::Iso6358 { sonic_conductance, critical_ratio };
-    let law = FlowLaw::new(standard, 1.0, parameter::LAMINAR_RATIO.default.unwrap_or(0.999), air)
-        .map_err(|error| Failure::stopped(error.to_string()))?;
+    let law = fitted_law(found, air)?;
     // At the reference temperature; the same at any upstream pressure.
     let at = |ratio: f64, mass_flow: f64| SteadyPoint {
         upstream: AbsolutePressure(1e5),

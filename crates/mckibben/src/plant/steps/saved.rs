@@ -5,10 +5,15 @@
 
 use super::PlantSteps;
 use crate::error::Error;
+use crate::instantiate::Instantiate;
 
-impl PlantSteps {
+impl<R: Instantiate> PlantSteps<R> {
     /// How many numbers a state is that is saved as numbers: as many for every state of the plant.
     pub fn state_size(&mut self) -> usize {
+        R::size_plant_steps(self)
+    }
+
+    pub(crate) fn generic_state_size(&mut self) -> usize {
         let Self { system, reached, before, state_size, .. } = self;
         *state_size.get_or_insert_with(|| {
             before.clone_from(reached);
@@ -18,12 +23,17 @@ impl PlantSteps {
 
     /// Saves where the steps are as [`PlantSteps::state_size`] numbers: time, states, modes, what a hysteresis remembers, valves
     /// with what they have been set to. SI units, infinity for an instant that does not come; their order may change from one
-    /// version to the next.
+    /// version to the next. Over dual numbers each has its derivatives, so that a state that is restored from numbers with derivatives
+    /// and saved after a step gives the Jacobian of the step.
     ///
     /// # Errors
     /// [`Error::Misuse`] for more or fewer numbers; [`Error::NotImplemented`] where drivers command valves, and where more than
     /// 64 commands of one valve are on their way.
-    pub fn save_to(&mut self, numbers: &mut [f64]) -> Result<(), Error> {
+    pub fn save_to(&mut self, numbers: &mut [R]) -> Result<(), Error> {
+        R::save_plant_steps(self, numbers)
+    }
+
+    pub(crate) fn generic_save_to(&mut self, numbers: &mut [R]) -> Result<(), Error> {
         let size = self.state_size();
         self.system.save_to(&mut self.reached, numbers, size)
     }
@@ -33,7 +43,11 @@ impl PlantSteps {
     /// # Errors
     /// [`Error::Misuse`] for numbers that are no state of the plant; [`Error::NotImplemented`] where drivers command valves. The
     /// steps then stay where they are.
-    pub fn restore_from(&mut self, numbers: &[f64]) -> Result<(), Error> {
+    pub fn restore_from(&mut self, numbers: &[R]) -> Result<(), Error> {
+        R::restore_plant_steps(self, numbers)
+    }
+
+    pub(crate) fn generic_restore_from(&mut self, numbers: &[R]) -> Result<(), Error> {
         let Self { system, reached, before, work, .. } = self;
         before.clone_from(reached);
         system.restore_from(before, numbers, &mut work.at)?;
