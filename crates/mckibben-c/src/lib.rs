@@ -27,6 +27,7 @@
 
 // The contract of all pointers is stated once, above.
 #![allow(clippy::missing_safety_doc)]
+#![deny(clippy::undocumented_unsafe_blocks)]
 
 pub mod many;
 mod memory;

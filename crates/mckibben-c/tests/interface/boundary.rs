@@ -8,6 +8,7 @@ use mckibben_run::host::{HostOptions, HostPlant};
 use mckibben_scenario::Document;
 use std::mem::MaybeUninit;
 use std::ptr::{null, null_mut};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 fn output(plant: &Owned, name: &std::ffi::CStr) -> f64 {
     let (mut index, mut all) = (0, vec![0.0; unsafe { mckibben_output_count(plant.0) }]);
@@ -221,6 +222,36 @@ fn a_scenario_moves_its_own_load() {
     assert!(output(&plant, c"actuator.length") < 0.09);
 }
 
+/// A plant that one thread steps refuses the calls of another.
+#[test]
+fn a_plant_in_use_says_so() {
+    let plant = read(MUSCLE, &options(Motion::Scenario));
+    let (address, enough) = (plant.0 as usize, AtomicBool::new(false));
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            let (plant, mut until) = (address as *mut Plant, 0.5);
+            while !enough.load(Ordering::Relaxed) {
+                // It may meet the other's call as well.
+                match unsafe { mckibben_advance(plant, until, null(), 0) } {
+                    Status::Ok => until += 0.5,
+                    status => assert_eq!(status, Status::Busy, "{}", last_error()),
+                }
+            }
+        });
+        let mut time = 0.0;
+        let mut call = || unsafe { mckibben_time(plant.0, &raw mut time) };
+        let mut once = |_| {
+            // The other takes its turn.
+            std::thread::yield_now();
+            call()
+        };
+        let met = (0..10_000_000).map(&mut once).find(|status| *status != Status::Ok);
+        enough.store(true, Ordering::Relaxed);
+        assert_eq!(met, Some(Status::Busy));
+        assert!(last_error().contains("another thread"), "{}", last_error());
+    });
+}
+
 /// The texts of one thread are its own.
 #[test]
 fn the_last_error_belongs_to_a_thread() {
@@ -242,7 +273,7 @@ fn nothing_is_wrong_under_valgrind() {
         "--show-leak-kinds=definite",
         "--errors-for-leak-kinds=definite",
     ]);
-    // Suppressed by name: this test itself.
+    // All but this test itself.
     valgrind.arg(this).args(["boundary::", "many::", "simulation::", "--skip", "valgrind", "--test-threads=1"]);
     let done = valgrind.output().expect("Valgrind: on Debian, apt-get install valgrind");
     let text = [done.stdout, done.stderr].map(|text| String::from_utf8_lossy(&text).into_owned()).concat();

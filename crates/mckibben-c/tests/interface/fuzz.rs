@@ -22,20 +22,28 @@ const SCENARIOS: [&str; 3] = [MUSCLE, JOINT, TANK];
 
 const JOINT: &str = r#"
 [supply]
-gauge_pressure = "6 bar"
+gauge_pressure = "60 psi"
 [valve]
 preset = "matrix-eight-channel"
 kind = "fill-hold-exhaust"
 [command]
-kind = "hold"
-[joint]
-inertia = "5e-3 kg*m^2"
-damping = "0.05 N*m*s/rad"
-[coupling]
-kind = "pulley"
-radius = "20 mm"
+kind = "table"
+time = ["0 s", "20 ms"]
+state = ["fill", "hold"]
+[load]
+kind = "antagonistic-joint"
+pulley_radius = "15 mm"
+rest_length = "3.3 in"
+mass = "0.5 kg"
+distance = "100 mm"
+inertia = "1e-3 kg*m^2"
+damping = "0.02 N*m*s/rad"
+min_angle = "-40 deg"
+max_angle = "40 deg"
 [initial]
-gauge_pressure = "2 bar"
+gauge_pressure = "20 psi"
+[antagonist.command]
+kind = "hold"
 [run]
 duration = "50 ms"
 engine = "fixed-step"
@@ -198,11 +206,13 @@ fn read(random: &mut Random, seen: &mut Seen) -> Option<*mut Plant> {
     let (text, mut plant) = (random.scenario(), null_mut());
     let modes: [*const c_char; 7] =
         [null(), null(), null(), c"duty".as_ptr(), c"request".as_ptr(), c"\xff".as_ptr(), c"".as_ptr()];
+    // Steps and pulses that are short but not refused take up to a minute.
+    let rarely = |number: f64, [least, most]: [f64; 2]| if (least..most).contains(&number) { most } else { number };
     let options = Options {
         motion: if random.chance(10) { random.next() as i32 } else { random.below(2) as i32 },
         command_mode: random.of(&modes),
-        pulse_frequency: if random.chance(4) { random.number(25.0) } else { 0.0 },
-        max_step: if random.chance(4) { random.number(1e-3) } else { 0.0 },
+        pulse_frequency: if random.chance(4) { 1.0 / rarely(1.0 / random.number(25.0), [1e-12, 1e-4]) } else { 0.0 },
+        max_step: if random.chance(4) { rarely(random.number(1e-3), [1e-12, 1e-5]) } else { 0.0 },
     };
     let options = if random.chance(8) { null() } else { random.pointer((&raw const options).cast_mut()).cast_const() };
     let text = if random.chance(40) { null() } else { text.as_ptr() };
@@ -325,6 +335,20 @@ fn simulate(random: &mut Random, seen: &mut Seen) {
 fn chosen(name: &str, otherwise: u64) -> u64 {
     let read = |text: String| text.parse().unwrap_or_else(|_| panic!("{name} = {text:?} is no whole number"));
     std::env::var(name).map_or(otherwise, read)
+}
+
+/// What is mutated is a plant with either motion, and a run.
+#[test]
+fn the_scenarios_to_mutate_are_good() {
+    for text in SCENARIOS {
+        for motion in [Motion::Host, Motion::Scenario] {
+            super::common::read(text, &super::common::options(motion));
+        }
+        let (text, mut run) = (CString::new(text).expect("text"), null_mut());
+        let status = unsafe { mckibben_simulate_text(text.as_ptr(), null(), None, null_mut(), &raw mut run) };
+        assert_eq!(status, Status::Ok, "{}", last_error());
+        unsafe { mckibben_run_free(run) };
+    }
 }
 
 #[test]

@@ -1,4 +1,5 @@
-//! The interface, called from Rust as C calls it.
+//! The interface, called from Rust as C calls it. Each call is unsafe for its pointers: here they point to variables of the test
+//! that live as long as the call, or are such as the library refuses.
 
 mod boundary;
 mod common;

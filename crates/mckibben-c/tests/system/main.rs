@@ -4,3 +4,4 @@
 mod common;
 mod examples;
 mod install;
+mod page;
