@@ -1,14 +1,16 @@
-//! What a release carries: the program in an archive with its manual pages and completions, a wheel, its source, and checksums.
+//! What a release carries: the program in an archive with its manual pages, its completions and the C library, a wheel, its
+//! source, and checksums.
 //!
 //! | made | by | tried |
 //! |---|---|---|
-//! | `mckibben-VERSION-TARGET.tar.gz` | the profile `dist` | unpacked, and a scenario run by it |
+//! | `mckibben-VERSION-TARGET.tar.gz` | the profile `dist` | unpacked, and a scenario run by it; an example in C |
 //! | `mckibben-VERSION-cp310-abi3-….whl` | Maturin, by that profile | installed where there is no Cargo, and a scenario run by it |
 //! | `mckibben-VERSION.tar.gz` | Maturin | its metadata are read, so nothing reaches outside it |
 //! | `SHA256SUMS` | | |
 //!
 //! What would go to the registry of crates is packed and compiled from its packages.
 
+use crate::c;
 use crate::python;
 use crate::steps::{cargo, command, packages, root, succeed, words};
 use std::path::{Path, PathBuf};
@@ -91,6 +93,7 @@ fn archive(root: &Path, folder: &Path) -> Result<String, String> {
         };
         write(&into.join("man").join(page), &output(Command::new(&program).args(arguments))?)?;
     }
+    c::release(root, &into)?;
     let archive = folder.join(format!("{name}.tar.gz"));
     succeed(command(&staged, "tar").arg("-czf").arg(&archive).arg(&name))?;
     // Unpacked it runs.
@@ -161,14 +164,14 @@ pub(crate) fn empty(folder: &Path) -> Result<(), String> {
     create(folder)
 }
 
-fn create(folder: &Path) -> Result<(), String> {
+pub(crate) fn create(folder: &Path) -> Result<(), String> {
     std::fs::create_dir_all(folder).map_err(|error| format!("{} could not be made: {error}", folder.display()))
 }
 
-fn copy(from: &Path, to: &Path) -> Result<(), String> {
+pub(crate) fn copy(from: &Path, to: &Path) -> Result<(), String> {
     std::fs::copy(from, to).map(drop).map_err(|error| format!("{} could not be copied: {error}", from.display()))
 }
 
-fn write(path: &Path, text: &str) -> Result<(), String> {
+pub(crate) fn write(path: &Path, text: &str) -> Result<(), String> {
     std::fs::write(path, text).map_err(|error| format!("{} could not be written: {error}", path.display()))
 }

@@ -1,9 +1,10 @@
 //! `cargo xtask test`: the whole check, the same on a laptop and in CI.
 //!
 //! It sets up what it needs by itself: a Python environment in `.venv` with SciPy, from which the independent reference
-//! trajectories are computed, and with the package that is built and tested in it. Nothing is skipped because something is
-//! missing.
+//! trajectories are computed, and with the package that is built and tested in it; on Debian and Ubuntu, compilers and Valgrind for
+//! the C library. Nothing is skipped because something is missing.
 
+mod c;
 mod counts;
 mod dist;
 mod python;
@@ -21,8 +22,8 @@ test      runs every check, or only the named ones: format, lint, docs, no-std, 
           package, python.
 accuracy  measures the fixed-step engine against the event-located one and writes docs/accuracy.md and its figure.
 rows      steps COUNT random rows in batches, ten million unless given: each goes on or says why not (ten minutes).
-dist      makes what a release carries, in target/release-files, and tries it: the program in an archive, a wheel, its source,
-          checksums (ten minutes).
+dist      makes what a release carries, in target/release-files, and tries it: the program and the C library in an archive,
+          a wheel, its source, checksums (ten minutes).
 ";
 
 fn main() -> ExitCode {

@@ -1,5 +1,6 @@
 //! The steps of the check, in order, and the summary at the end.
 
+use crate::c;
 use crate::counts::{Counts, rust_tests};
 use crate::python;
 use std::ffi::{OsStr, OsString};
@@ -202,6 +203,7 @@ fn included_within(its: &Path, folder: &Path) -> Result<(), String> {
 
 /// Every test of the workspace, the examples in the documentation included.
 fn test(root: &Path) -> Result<Counts, String> {
+    c::tools(root)?;
     let mut command = cargo(root);
     command.args(["test", "--workspace", "--locked", "--no-fail-fast"]);
     command.env("MCKIBBEN_REFERENCE", python::reference_folder(root));

@@ -106,6 +106,34 @@ fn an_arm_on_one_tank_is_one_plant() {
     assert!(output(&mut arm, &format!("{name}.gauge_pressure")) > begin + 1e4);
 }
 
+/// An arm that its scenario moves goes back to a state from wherever it is, and on to the same bits.
+#[test]
+fn an_arm_goes_back_from_another_mode() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/plant/arm.toml");
+    let document = Document::load(path).expect("an example");
+    let options = HostOptions { motion: Motion::Scenario, command_mode: Some("request"), ..HostOptions::default() };
+    let mut arm = HostPlant::read(&document, &options).expect("an arm");
+    let mut numbers = vec![0.0; arm.state_size()];
+    let on = |arm: &mut HostPlant| {
+        arm.command(2, 1.0).expect("a request");
+        arm.advance(0.3, &[]).expect("steps");
+        arm.steps().state().to_vec()
+    };
+    arm.command(0, 1.0).expect("a request");
+    arm.advance(0.1, &[]).expect("steps");
+    arm.save(&mut numbers).expect("a state");
+    let there = on(&mut arm);
+    arm.restore(&numbers).expect("a state");
+    assert_eq!(on(&mut arm), there);
+    let begin = |arm: &mut HostPlant| {
+        arm.reset();
+        arm.advance(0.1, &[]).expect("steps");
+        arm.steps().state().to_vec()
+    };
+    let mut fresh = HostPlant::read(&document, &options).expect("an arm");
+    assert_eq!(begin(&mut arm), begin(&mut fresh));
+}
+
 /// A state goes to numbers and back, and the plant goes on to the same bits; an equal command changes nothing.
 #[test]
 fn what_is_restored_goes_on_bit_for_bit() {

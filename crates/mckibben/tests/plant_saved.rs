@@ -180,6 +180,34 @@ fn plants_that_move_by_themselves_go_on_to_the_same_bits() {
     }
 }
 
+/// From wherever the steps are, they go back to what they saved and on to the same bits, although another mode holds by then.
+#[test]
+fn steps_go_back_from_another_mode() {
+    let pair = Pair::of(Paper::pwm(25.0, 0.4).gauge(25.0 * PSI).friction(3.5, 1e-4));
+    let rig = pair.rig().expect("a joint");
+    let state = rig.start(&pair.initial()).expect("a start");
+    let (plant, start) = (Plant::of_joint(&rig).expect("a plant"), Plant::start_of_joint(&rig, &state));
+    let mut steps = begun(&plant, &start);
+    let mut reached = vec![(saved(&mut steps), steps.sample())];
+    for count in 1..=300 {
+        steps.advance_to(f64::from(count) * STEP).expect("a step");
+        reached.push((saved(&mut steps), steps.sample()));
+    }
+    for count in (1..=300).rev() {
+        steps.restore_from(&reached[count - 1].0).expect("a state");
+        steps.advance_to(count as f64 * STEP).expect("a step");
+        assert_eq!(steps.sample(), reached[count].1, "step {count}");
+        // Into yet another mode.
+        steps.restore_from(&reached[(count * 97) % 300].0).expect("a state");
+    }
+    for count in [300, 150] {
+        steps.restore_from(&reached[count].0).expect("a state");
+        steps.reset();
+        steps.advance_to(STEP).expect("a step");
+        assert_eq!(steps.sample(), reached[1].1, "from step {count}");
+    }
+}
+
 #[test]
 fn numbers_that_are_no_state_are_refused_and_change_nothing() {
     let plants = plants();

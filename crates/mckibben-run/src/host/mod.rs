@@ -58,7 +58,7 @@ pub use experiment::{experiment_of, open};
 use crate::failure::Failure;
 use mckibben::Response;
 use mckibben::plant::{PlantRun, PlantSampler, PlantStart, PlantSteps, TimeStepping, plant_step_for_accuracy};
-use mckibben::simulation::Method;
+use mckibben::simulation::{MOST_PARTS, Method};
 use mckibben_scenario::{Document, PlantColumn, PlantExperiment, PlantQuantity};
 
 /// The relative tolerance by which a start is discerned from rounding.
@@ -117,6 +117,8 @@ pub struct HostPlant {
     stepping: TimeStepping,
     steps: PlantSteps,
     sampler: PlantSampler,
+    /// Where the scenario's steps began, to return there if one fails.
+    before: Vec<f64>,
 }
 
 impl Clone for HostPlant {
@@ -129,6 +131,7 @@ impl Clone for HostPlant {
             quantities: quantities.clone(),
             commanded: commanded.clone(),
             sampler: PlantSampler::new(steps),
+            before: self.before.clone(),
             steps: steps.clone(),
             motion: *motion,
             longest: *longest,
@@ -194,8 +197,20 @@ impl HostPlant {
         let (commanded, sampler) = (vec![None; commands.len()], PlantSampler::new(&steps));
         let motion = options.motion;
         // What steps need is laid out before the first one.
-        steps.state_size();
-        Ok(Self { experiment, motion, commands, outputs, quantities, commanded, longest, stepping, steps, sampler })
+        let before = vec![0.0; steps.state_size()];
+        Ok(Self {
+            experiment,
+            motion,
+            commands,
+            outputs,
+            quantities,
+            commanded,
+            longest,
+            stepping,
+            steps,
+            sampler,
+            before,
+        })
     }
 
     /// The names of the actuators.
@@ -276,8 +291,8 @@ impl HostPlant {
     /// moves. Nothing where that time has been reached.
     ///
     /// # Errors
-    /// For a distance that an actuator cannot have, a time that is not later, and when the plant leaves the physics. Then the
-    /// plant is where it was.
+    /// For a distance that an actuator cannot have, a time that is not later, more than [`MOST_PARTS`] steps of the scenario, and
+    /// when the plant leaves the physics. Then the plant is where it was.
     pub fn advance(&mut self, until: f64, distances: &[f64]) -> Result<(), Failure> {
         match self.motion {
             Motion::Host => Ok(self.steps.move_to(until, distances)?),
@@ -294,7 +309,16 @@ impl HostPlant {
         if !until.is_finite() {
             return Err(Failure::input(format!("a step to {until:?} s has no end"), "give a finite time in s"));
         }
-        let before = self.steps.save();
+        if let TimeStepping::Fixed { step, .. } = self.stepping
+            && (until - self.steps.time()) / step > MOST_PARTS
+        {
+            return Err(Failure::input(
+                format!("a step to {until:?} s has more than ten million steps of {step:?} s"),
+                "give a time that is nearer, and go on from there",
+            ));
+        }
+        // A state with more commands on their way than a row of numbers has places for is kept as it is.
+        let kept = self.steps.save_to(&mut self.before).is_err().then(|| self.steps.save());
         while self.steps.time() < until {
             let mut end = self.stepping.step_end(self.steps.time(), until);
             // What is left up to the end is no step of its own.
@@ -302,7 +326,10 @@ impl HostPlant {
                 end = until;
             }
             if let Err(error) = self.steps.advance_to(end) {
-                self.steps.restore(&before)?;
+                match kept {
+                    Some(kept) => self.steps.restore(&kept)?,
+                    None => self.steps.restore_from(&self.before)?,
+                }
                 return Err(error.into());
             }
         }
@@ -331,6 +358,7 @@ impl HostPlant {
         let begun = PlantRun::new(&self.experiment.plant, &start, self.stepping)?;
         self.steps = begun.steps(method_of(self.stepping));
         self.steps.limit_step(self.longest)?;
+        self.steps.state_size();
         self.commanded.fill(None);
         Ok(())
     }

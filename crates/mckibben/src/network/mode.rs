@@ -36,7 +36,7 @@ pub struct NodeMode {
 }
 
 /// What a valve does.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct ValveMode<R> {
     /// Which of its ports are open.
     pub ports: Ports,
@@ -46,6 +46,22 @@ pub struct ValveMode<R> {
     pub openings: Openings<R>,
     /// What it has been set to during the run, in place of its own command.
     pub(crate) setting: Option<alloc::boxed::Box<Setting<R>>>,
+}
+
+impl<R: Clone> Clone for ValveMode<R> {
+    fn clone(&self) -> Self {
+        let Self { ports, progress, openings, setting } = self;
+        Self { ports: *ports, progress: progress.clone(), openings: openings.clone(), setting: setting.clone() }
+    }
+
+    /// Takes on another mode in the memory that is there.
+    fn clone_from(&mut self, source: &Self) {
+        let Self { ports, progress, openings, setting } = self;
+        *ports = source.ports;
+        progress.clone_from(&source.progress);
+        openings.clone_from(&source.openings);
+        setting.clone_from(&source.setting);
+    }
 }
 
 /// The discrete state of a network.

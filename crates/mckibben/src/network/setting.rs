@@ -17,13 +17,46 @@ use alloc::boxed::Box;
 use alloc::vec::Vec;
 
 /// What a valve has been set to during a run.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(crate) struct Setting<R> {
     /// The valve, with what of its command is still on its way.
     actuation: Actuation<R>,
     told: Told<R>,
     /// Of pulses that go on, in Hz.
     pulse_frequency: Option<R>,
+}
+
+impl<R: Clone> Clone for Setting<R> {
+    fn clone(&self) -> Self {
+        let Self { actuation, told, pulse_frequency } = self;
+        Self { actuation: actuation.clone(), told: told.clone(), pulse_frequency: pulse_frequency.clone() }
+    }
+
+    /// Takes on another setting in the memory that is there.
+    fn clone_from(&mut self, source: &Self) {
+        let Self { actuation: Actuation { solenoid, command }, told, pulse_frequency } = self;
+        solenoid.clone_from(&source.actuation.solenoid);
+        told.clone_from(&source.told);
+        pulse_frequency.clone_from(&source.pulse_frequency);
+        match (command, &source.actuation.command) {
+            (Command::Table { time, request }, Command::Table { time: of_source, request: requests }) => {
+                time.clone_from(of_source);
+                request.clone_from(requests);
+            }
+            (
+                Command::SetPoints { time, gauge_pressure: number },
+                Command::SetPoints { time: of_source, gauge_pressure: numbers },
+            )
+            | (
+                Command::Positions { time, position: number },
+                Command::Positions { time: of_source, position: numbers },
+            ) => {
+                time.clone_from(of_source);
+                number.clone_from(numbers);
+            }
+            (command, of_source) => *command = of_source.clone(),
+        }
+    }
 }
 
 impl<R: Real> Setting<R> {

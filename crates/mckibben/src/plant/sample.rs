@@ -162,6 +162,8 @@ pub(crate) struct Observer<R: Instantiate> {
     pub(crate) warmth: Vec<R>,
     /// Whether the run took fixed steps, whose modes do not say which pieces of laws hold.
     is_fixed: bool,
+    /// Memory for a mode with its pieces.
+    own: Option<PlantMode<R>>,
 }
 
 impl<R: Instantiate> Observer<R> {
@@ -169,13 +171,25 @@ impl<R: Instantiate> Observer<R> {
     pub(crate) fn new(plant: &Arc<Plant<R>>, stepping: TimeStepping) -> Self {
         let system = System::new(plant, stepping.tolerance());
         let is_fixed = matches!(stepping, TimeStepping::Fixed { .. });
-        Self { system, at: Evaluation::new(plant), warmth: vec![R::zero(); plant.actuators().len()], is_fixed }
+        Self {
+            system,
+            at: Evaluation::new(plant),
+            warmth: vec![R::zero(); plant.actuators().len()],
+            is_fixed,
+            own: None,
+        }
     }
 
     /// A mode of a run at fixed steps with the pieces of laws that hold in a state; none where the mode says them itself.
     pub(crate) fn mode_with_pieces(&mut self, time: R, state: &[R], mode: &PlantMode<R>) -> Option<PlantMode<R>> {
         self.is_fixed.then(|| {
-            let mut own = mode.clone();
+            let mut own = match self.own.take() {
+                Some(mut own) => {
+                    own.clone_from(mode);
+                    own
+                }
+                None => mode.clone(),
+            };
             self.system.enter_pieces(time, state, &mut own, &mut self.at);
             own
         })
@@ -318,6 +332,7 @@ impl<R: Instantiate> Observer<R> {
             let whole = [its.ports.supply, its.ports.exhaust].map(|open| R::constant(f64::from(u8::from(open))));
             *of_valve = ValveSample { ports: its.ports, openings: its.openings.at(time).unwrap_or(whole) };
         }
+        self.own = own;
     }
 }
 

@@ -211,6 +211,7 @@ impl<R: Instantiate> PlantSteps<R> {
 
     /// Returns to where the steps began.
     pub fn reset(&mut self) {
+        self.work.forget_guards();
         self.reached.clone_from(&self.start);
     }
 

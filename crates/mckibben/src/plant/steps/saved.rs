@@ -52,6 +52,8 @@ impl<R: Instantiate> PlantSteps<R> {
         before.clone_from(reached);
         system.restore_from(before, numbers, &mut work.at)?;
         core::mem::swap(before, reached);
+        // Those of the mode that has been left.
+        work.forget_guards();
         Ok(())
     }
 }
