@@ -157,13 +157,8 @@ impl HostPlant {
         let commands = inputs(&experiment, options)?;
         let valves: Vec<usize> = commands.iter().map(|input| input.valve).collect();
         let PlantExperiment { plant, start, run, names, .. } = experiment;
-        let mut experiment = PlantExperiment {
-            plant: plant.without_commands(&valves),
-            start,
-            run,
-            names,
-            controls: Vec::new(),
-        };
+        let mut experiment =
+            PlantExperiment { plant: plant.without_commands(&valves), start, run, names, controls: Vec::new() };
         let method = experiment.run.core_method();
         let stepping = match options.motion {
             Motion::Host => {
@@ -207,6 +202,14 @@ impl HostPlant {
     /// Who moves the ends.
     pub fn motion(&self) -> Motion {
         self.motion
+    }
+
+    /// The step in s by which the scenario's own motion is advanced; none where the host moves the ends.
+    pub fn step(&self) -> Option<f64> {
+        match self.stepping {
+            TimeStepping::Fixed { step, .. } => Some(step),
+            TimeStepping::Located { .. } => None,
+        }
     }
 
     /// The valves that are commanded.
@@ -265,6 +268,13 @@ impl HostPlant {
         set.map_err(|error| Failure::from(error).of(name))?;
         self.commanded[input] = Some(number);
         Ok(())
+    }
+
+    /// Whether a valve can be commanded a number.
+    pub fn accepts(&self, input: usize, number: f64) -> bool {
+        let Some(CommandInput { mode, valve, .. }) = self.commands.get(input) else { return false };
+        let solenoid = &self.steps.plant().network().valves[*valve].solenoid;
+        mode.command(number).is_ok_and(|command| solenoid.check_command(&command).is_ok())
     }
 
     /// The number that a valve was last commanded since the state was restored; none where it has not been.
@@ -344,12 +354,7 @@ impl HostPlant {
     ///
     /// # Errors
     /// As there.
-    pub fn compute_at(
-        &mut self,
-        distances: &[f64],
-        rates: &[f64],
-        responses: &mut [Response],
-    ) -> Result<(), Failure> {
+    pub fn compute_at(&mut self, distances: &[f64], rates: &[f64], responses: &mut [Response]) -> Result<(), Failure> {
         Ok(self.steps.compute_at(distances, rates, responses)?)
     }
 
@@ -415,7 +420,8 @@ fn inputs(experiment: &PlantExperiment, options: &HostOptions<'_>) -> Result<Vec
         let name = &experiment.names.actuators[actuator];
         if let Some(input) = inputs.iter_mut().find(|input| input.valve == valve) {
             input.actuators.push(actuator);
-            let names: Vec<&str> = input.actuators.iter().map(|its| experiment.names.actuators[*its].as_str()).collect();
+            let names: Vec<&str> =
+                input.actuators.iter().map(|its| experiment.names.actuators[*its].as_str()).collect();
             input.name = input.mode.title(&names.join("+"));
             continue;
         }
