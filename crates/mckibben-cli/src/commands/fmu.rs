@@ -137,11 +137,11 @@ impl FmuArguments {
     }
 }
 
-/// The library that a unit carries: in the folder of the program, or in `lib` beside that.
+/// The library that a unit carries: in the folder of the program, in `lib` beside that, or where Cargo has built it.
 fn library() -> Result<Library, Failure> {
     let program = std::env::current_exe().and_then(std::fs::canonicalize).unwrap_or_default();
     let folder = program.parent().unwrap_or(Path::new("."));
-    Library::find([folder, folder.join("../lib").as_path()])
+    Library::find([folder, folder.join("../lib").as_path(), folder.join("deps").as_path()])
 }
 
 fn frequency(text: &str) -> Result<f64, String> {

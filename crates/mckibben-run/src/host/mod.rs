@@ -154,6 +154,8 @@ impl HostPlant {
             }
             longest => longest.unwrap_or(f64::INFINITY),
         };
+        // A frequency that is none must not turn duty cycles into requests.
+        Pulses::of(None, options.pulse_frequency)?;
         let commands = inputs(&experiment, options)?;
         let valves: Vec<usize> = commands.iter().map(|input| input.valve).collect();
         let PlantExperiment { plant, start, run, names, .. } = experiment;
