@@ -5,6 +5,7 @@
 use crate::commands::check::CheckArguments;
 use crate::commands::completions::CompletionsArguments;
 use crate::commands::curves::CurvesArguments;
+use crate::commands::fmu::FmuArguments;
 use crate::commands::gallery::GalleryArguments;
 use crate::commands::identify::IdentifyArguments;
 use crate::commands::init::InitArguments;
@@ -64,6 +65,8 @@ pub enum Command {
     Linearize(LinearizeArguments),
     /// Find the numbers of a muscle from measured data, with their uncertainty
     Identify(IdentifyArguments),
+    /// Write a functional mock-up unit (FMI 2.0 or 3.0) that other simulators run
+    Fmu(FmuArguments),
     /// Reproduce the experiments of the paper
     Reproduce(ReproduceArguments),
     /// Draw every scenario file of a folder and show them on one page

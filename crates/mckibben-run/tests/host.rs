@@ -222,4 +222,7 @@ fn what_cannot_be_is_refused() {
     assert!(whole.advance(f64::NAN, &[]).is_err());
     let late = HostOptions { max_step: Some(0.0), ..HostOptions::default() };
     assert!(HostPlant::read(&document(MUSCLE), &late).is_err());
+    let never = HostOptions { pulse_frequency: Some(0.0), ..HostOptions::default() };
+    let held = MUSCLE.replace("kind = \"pwm\"\nfrequency = \"25 Hz\"\nduty = 0.5", "kind = \"fill\"");
+    assert!(HostPlant::read(&document(&held), &never).is_err());
 }

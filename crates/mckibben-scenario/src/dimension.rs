@@ -24,6 +24,11 @@ const LARGEST: i32 = 30;
 const BASES: [&str; 5] = ["m", "kg", "s", "K", "rad"];
 
 impl Dimension {
+    /// The exponents of m, kg, s, K and rad.
+    pub fn exponents(self) -> [i8; 5] {
+        self.0
+    }
+
     /// A pure number.
     pub const NONE: Self = Self::new(0, 0, 0, 0, 0);
     /// m

@@ -50,6 +50,7 @@ mod document;
 pub mod keys;
 mod model;
 mod nearest;
+mod numbers;
 mod place;
 mod plant;
 pub mod presets;
@@ -75,6 +76,7 @@ pub use diagnostic::{Diagnostic, Diagnostics, Style};
 pub use dimension::Dimension;
 pub use document::Document;
 pub use model::{Experiment, JointExperiment};
+pub use numbers::DocumentNumber;
 pub use place::{Place, PlaceError, Seeds};
 pub use plant::{
     ActuatorControl, AdjustedPlant, Coordinate, JointControl, MechanismNames, PlantColumn, PlantContent, PlantControl,

@@ -21,6 +21,7 @@ mod moment_arm;
 mod plant_control;
 mod plant_dead_time;
 mod plant_ends;
+mod plant_exchange;
 mod plant_given_tendon;
 mod plant_host;
 mod plant_host_pulses;

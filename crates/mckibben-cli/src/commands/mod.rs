@@ -3,6 +3,7 @@
 pub mod check;
 pub mod completions;
 pub mod curves;
+pub mod fmu;
 pub mod gallery;
 pub mod identify;
 pub mod init;
@@ -32,6 +33,7 @@ pub fn run(command: &Command) -> Result<(), Failure> {
         Command::Curves(arguments) => curves::run(arguments),
         Command::Identify(arguments) => identify::run(arguments),
         Command::Linearize(arguments) => linearize::run(arguments),
+        Command::Fmu(arguments) => fmu::run(arguments),
         Command::Gallery(arguments) => gallery::run(arguments),
         Command::Reproduce(arguments) => reproduce::run(arguments),
         Command::Completions(arguments) => completions::run(arguments),

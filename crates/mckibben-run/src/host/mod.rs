@@ -157,6 +157,8 @@ impl HostPlant {
             }
             longest => longest.unwrap_or(f64::INFINITY),
         };
+        // A frequency that is none must not turn duty cycles into requests.
+        Pulses::of(None, options.pulse_frequency)?;
         let commands = inputs(&experiment, options)?;
         let valves: Vec<usize> = commands.iter().map(|input| input.valve).collect();
         let PlantExperiment { plant, start, run, names, .. } = experiment;
@@ -223,6 +225,14 @@ impl HostPlant {
         self.motion
     }
 
+    /// The step in s by which the scenario's own motion is advanced; none where the host moves the ends.
+    pub fn step(&self) -> Option<f64> {
+        match self.stepping {
+            TimeStepping::Fixed { step, .. } => Some(step),
+            TimeStepping::Located { .. } => None,
+        }
+    }
+
     /// The valves that are commanded.
     pub fn commands(&self) -> &[CommandInput] {
         &self.commands
@@ -280,6 +290,13 @@ impl HostPlant {
         set.map_err(|error| Failure::from(error).of(name))?;
         self.commanded[input] = Some(number);
         Ok(())
+    }
+
+    /// Whether a valve can be commanded a number.
+    pub fn accepts(&self, input: usize, number: f64) -> bool {
+        let Some(CommandInput { mode, valve, .. }) = self.commands.get(input) else { return false };
+        let solenoid = &self.steps.plant().network().valves[*valve].solenoid;
+        mode.command(number).is_ok_and(|command| solenoid.check_command(&command).is_ok())
     }
 
     /// The number that a valve was last commanded since the state was restored; none where it has not been.

@@ -77,7 +77,8 @@ pub use run::{PlantRun, PlantSnapshot};
 pub use sample::{ActuatorSample, BranchSample, MechanismSample, NodeSample, PlantReader, PlantSample, ValveSample};
 pub use start::{InitialAir, PlantStart, StartNumber};
 pub use steps::{
-    PILOT, PlantReference, PlantSampler, PlantStepError, PlantSteps, SHORTEST, TimeStepping, plant_step_for_accuracy,
+    EventUpdate, PILOT, PlantExchange, PlantReference, PlantSampler, PlantStepError, PlantSteps, SHORTEST,
+    TimeStepping, plant_step_for_accuracy,
 };
 pub use stream::{PlantConsumer, PlantLedgerKeeper, PlantStep};
 pub use trajectory::{PlantEvent, PlantTrajectory, STEPS_WATCHED, simulate_plant};

@@ -13,12 +13,14 @@
 //! | more air than there is | shorter steps by backward Euler: [`method`] |
 //! | what is stiff | a linear system over what it is in: [`implicit`] |
 //! | ends that a host moves | [`host`] |
+//! | a host that integrates by itself | [`exchange`] |
 //!
 //! What error a step leaves is in `docs/accuracy.md`.
 //!
 //! Checked by `tests/plant_steps.rs`: against the event-located engine, by the order of the error in the step.
 
 mod accuracy;
+mod exchange;
 mod host;
 mod implicit;
 mod method;
@@ -28,6 +30,7 @@ mod response;
 mod saved;
 
 pub use accuracy::{PILOT, PlantReference, PlantStepError, SHORTEST, plant_step_for_accuracy};
+pub use exchange::{EventUpdate, PlantExchange};
 pub use host::MOST_PARTS;
 pub use method::Method;
 pub use method::Stages;

@@ -1,0 +1,153 @@
+//! `mckibben fmu`: a scenario as a functional mock-up unit for other simulators.
+//!
+//! Everything is done by [`mckibben_fmu`]. Checked by `tests/fmu.rs`.
+
+use crate::files;
+use crate::settings::Setting;
+use crate::terminal;
+use clap::ValueEnum;
+use mckibben_fmu::export::{Library, write_fmu};
+use mckibben_fmu::model::Model;
+use mckibben_fmu::options::{Interfaces, UnitOptions, Version};
+use mckibben_run::failure::Failure;
+use mckibben_run::host::{COMMAND_MODES, Motion};
+use mckibben_run::output;
+use mckibben_run::quantities::read;
+use mckibben_scenario::Document;
+use std::path::{Path, PathBuf};
+
+/// What `mckibben fmu` is asked.
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  mckibben fmu muscle.toml --output muscle.fmu
+  mckibben fmu muscle.toml --output muscle.fmu --fmi 2 --kind me
+  mckibben fmu arm.toml --output arm.fmu --motion scenario --command-mode request
+  mckibben fmu muscle.toml --output muscle.fmu --pulse-frequency '50 Hz'
+
+The unit:
+  With --motion host the host owns masses and joints: `NAME.distance` and `NAME.rate` are inputs, `NAME.tension` is an
+  output. With --motion scenario loads and mechanisms of the file move. Valves are commanded by `NAME.duty`,
+  `NAME.request`, `NAME.position` or `NAME.set_point`. Controllers of the file are left out.
+  The numbers that the file says are parameters, which a host may change before the run.
+
+Exit codes:
+  0  done
+  2  the input is wrong: arguments, a missing file, the scenario; nothing was written
+  4  the file could not be written; nothing was left behind")]
+pub struct FmuArguments {
+    /// The scenario file; `mckibben init` writes one to start from.
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+    /// The unit, which ends in .fmu.
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// The version of FMI.
+    #[arg(long, value_name = "VERSION", default_value = "3")]
+    pub fmi: FmiVersion,
+    /// Co-simulation, with the unit's own engine; model exchange, where the host integrates; or both.
+    #[arg(long, value_name = "KIND", default_value = "both")]
+    pub kind: UnitKind,
+    /// Who moves the ends of the actuators.
+    #[arg(long, value_name = "WHO", default_value = "host")]
+    pub motion: UnitMotion,
+    /// What the numbers are that valves are commanded by: duty, request, position or set-point; else each valve's own.
+    #[arg(long, value_name = "MODE", value_parser = COMMAND_MODES)]
+    pub command_mode: Option<String>,
+    /// Frequency of the pulses of a duty cycle, such as `25 Hz`; else that of the scenario's PWM.
+    #[arg(long, value_name = "QUANTITY", value_parser = frequency)]
+    pub pulse_frequency: Option<f64>,
+    /// The longest part of a step that is taken in one go, such as `0.1 ms`.
+    #[arg(long, value_name = "QUANTITY", value_parser = time)]
+    pub max_step: Option<f64>,
+    /// Set a value of the scenario, such as `actuator.turns=2.2`; can be given again.
+    #[arg(short, long, value_name = "KEY=VALUE")]
+    pub set: Vec<Setting>,
+}
+
+/// A version of FMI.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum FmiVersion {
+    /// FMI 3.0
+    #[value(name = "3", alias = "3.0")]
+    Three,
+    /// FMI 2.0
+    #[value(name = "2", alias = "2.0")]
+    Two,
+}
+
+/// What a unit offers.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum UnitKind {
+    /// co-simulation: the unit has its own engine
+    Cs,
+    /// model exchange: the host integrates
+    Me,
+    /// both
+    Both,
+}
+
+/// Who moves the ends.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum UnitMotion {
+    /// the host: distances and rates are inputs
+    Host,
+    /// the scenario: its loads and mechanisms
+    Scenario,
+}
+
+/// Writes the unit.
+///
+/// # Errors
+/// The input is wrong, the library is not there, or the file could not be written.
+pub fn run(arguments: &FmuArguments) -> Result<(), Failure> {
+    let path = &arguments.output;
+    files::ending(path, "--output", &["fmu"])?;
+    let read = [arguments.file.as_path()];
+    output::distinct(read, [path.as_path()], "give the unit another name")?;
+    output::probe(path)?;
+    let library = library()?;
+    let mut document = Document::load(&arguments.file)?;
+    arguments.set.iter().try_for_each(|setting| setting.apply(&mut document))?;
+    let model = Model::new(document, arguments.options())?;
+    let version = match arguments.fmi {
+        FmiVersion::Three => Version::Three,
+        FmiVersion::Two => Version::Two,
+    };
+    let interfaces = match arguments.kind {
+        UnitKind::Cs => Interfaces::CoSimulation,
+        UnitKind::Me => Interfaces::ModelExchange,
+        UnitKind::Both => Interfaces::Both,
+    };
+    write_fmu(path, &model, version, interfaces, &[library])?;
+    terminal::print(&terminal::wrote(path, ""))
+}
+
+impl FmuArguments {
+    fn options(&self) -> UnitOptions {
+        UnitOptions {
+            motion: match self.motion {
+                UnitMotion::Host => Motion::Host,
+                UnitMotion::Scenario => Motion::Scenario,
+            },
+            command_mode: self.command_mode.clone(),
+            pulse_frequency: self.pulse_frequency,
+            max_step: self.max_step,
+        }
+    }
+}
+
+/// The library that a unit carries: in the folder of the program, in `lib` beside that, or where Cargo has built it.
+fn library() -> Result<Library, Failure> {
+    let program = std::env::current_exe().and_then(std::fs::canonicalize).unwrap_or_default();
+    let folder = program.parent().unwrap_or(Path::new("."));
+    Library::find([folder, folder.join("../lib").as_path(), folder.join("deps").as_path()])
+}
+
+fn frequency(text: &str) -> Result<f64, String> {
+    read(text, "frequency", "Hz", "25 Hz")
+}
+
+fn time(text: &str) -> Result<f64, String> {
+    read(text, "time", "s", "0.1 ms")
+}

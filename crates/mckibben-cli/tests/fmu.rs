@@ -1,0 +1,41 @@
+//! `mckibben fmu`: a unit is written whole, and what cannot be one is refused.
+
+mod common;
+
+use common::{Folder, of_repository};
+
+fn run(folder: &Folder, arguments: &[&str]) -> (Option<i32>, String) {
+    let file = of_repository("examples/plant/arm.toml");
+    let output = folder.mckibben().arg("fmu").arg(file).args(arguments).output().expect("the program runs");
+    (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+}
+
+#[test]
+fn a_unit_is_written() {
+    let folder = Folder::new("fmu");
+    let (code, told) =
+        run(&folder, &["--output", "arm.fmu", "--fmi", "2", "--kind", "cs", "--command-mode", "request"]);
+    assert_eq!(code, Some(0), "{told}");
+    let bytes = std::fs::read(folder.path("arm.fmu")).expect("written");
+    let holds = |text: &str| bytes.windows(text.len()).any(|window| window == text.as_bytes());
+    assert!(holds("binaries/linux64/mckibben.so") || !cfg!(all(target_os = "linux", target_arch = "x86_64")));
+    assert!(holds("fmiVersion=\"2.0\"") && holds(".request\"") && !holds("<ModelExchange"));
+    assert_eq!(folder.names(), ["arm.fmu"]);
+}
+
+#[test]
+fn what_is_no_unit_is_refused() {
+    let folder = Folder::new("fmu-refused");
+    for (arguments, words) in [
+        (&["--output", "arm.zip"][..], ".fmu"),
+        (&["--output", "arm.fmu", "--command-mode", "position"], "command_mode"),
+        (&["--output", "arm.fmu", "--pulse-frequency", "0 Hz"], "pulse_frequency"),
+        (&["--output", "arm.fmu", "--set", "initial.gauge_pressure=-20 bar"], "gauge_pressure"),
+        (&["--output", "arm.fmu", "--fmi", "1"], "--fmi"),
+    ] {
+        let (code, told) = run(&folder, arguments);
+        assert_eq!(code, Some(2), "{arguments:?}: {told}");
+        assert!(told.contains(words), "{arguments:?}: {told}");
+    }
+    assert!(folder.names().is_empty());
+}

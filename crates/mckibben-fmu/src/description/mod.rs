@@ -1,0 +1,83 @@
+//! `modelDescription.xml`: what a host knows of a unit before it loads it.
+//!
+//! Checked by `tests/description.rs`, and by FMPy's validation in `python/tests/test_fmu.py`.
+
+mod fmi2;
+mod fmi3;
+mod units;
+
+use crate::model::Model;
+use crate::options::{Interfaces, Version};
+use std::fmt::Write as _;
+
+/// The description of a unit.
+pub fn model_description(model: &Model, name: &str, version: Version, interfaces: Interfaces) -> String {
+    match version {
+        Version::Two => fmi2::description(model, name, interfaces),
+        Version::Three => fmi3::description(model, name, interfaces),
+    }
+}
+
+/// XML under way.
+#[derive(Debug)]
+struct Xml {
+    text: String,
+    depth: usize,
+}
+
+impl Xml {
+    fn new() -> Self {
+        Self { text: "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n".to_owned(), depth: 0 }
+    }
+
+    /// An element without content.
+    fn element(&mut self, name: &str, attributes: &[(&str, &str)]) {
+        self.begin(name, attributes, "/>\n");
+    }
+
+    /// An element with what `fill` puts into it.
+    fn within(&mut self, name: &str, attributes: &[(&str, &str)], fill: impl FnOnce(&mut Self)) {
+        self.begin(name, attributes, ">\n");
+        self.depth += 1;
+        fill(self);
+        self.depth -= 1;
+        let _ = writeln!(self.text, "{:1$}</{name}>", "", 2 * self.depth);
+    }
+
+    fn begin(&mut self, name: &str, attributes: &[(&str, &str)], end: &str) {
+        let _ = write!(self.text, "{:1$}<{name}", "", 2 * self.depth);
+        for (key, value) in attributes {
+            let _ = write!(self.text, " {key}=\"{}\"", escaped(value));
+        }
+        self.text.push_str(end);
+    }
+}
+
+/// Text as it stands in an attribute.
+fn escaped(text: &str) -> String {
+    let mut escaped = String::new();
+    for character in text.chars() {
+        match character {
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '&' => escaped.push_str("&amp;"),
+            '"' => escaped.push_str("&quot;"),
+            // No XML has them, escaped or not.
+            control if control.is_control() => escaped.push(' '),
+            plain => escaped.push(plain),
+        }
+    }
+    escaped
+}
+
+/// Numbers as XML has them, with blanks between.
+fn numbers(values: &[f64]) -> String {
+    values.iter().map(|value| format!("{value:?}")).collect::<Vec<_>>().join(" ")
+}
+
+/// Names of the categories of log messages, and what they are.
+const CATEGORIES: [(&str, &str); 3] = [
+    ("logStatusError", "What was refused, and why."),
+    ("logStatusDiscard", "Steps and values from which the unit cannot go on."),
+    ("logEvents", "Instances that begin and end."),
+];

@@ -1,0 +1,69 @@
+//! Units of variables, as FMI defines them: exponents of base units, and units in which people read them.
+
+use super::Xml;
+use crate::variables::Variables;
+use mckibben_scenario::quantity::parse_unit;
+
+/// Names of a unit for display with the factor and the offset that give a value in it.
+type Displays = &'static [(&'static str, f64, f64)];
+
+/// The units for display of a unit, the usual one first.
+pub(super) fn displays(unit: &str) -> Displays {
+    match unit {
+        "Pa" => &[("bar", 1e-5, 0.0), ("kPa", 1e-3, 0.0), ("psi", 1.0 / 6_894.757_293_168_361, 0.0)],
+        "m" => &[("mm", 1e3, 0.0), ("in", 1.0 / 0.0254, 0.0)],
+        "m/s" => &[("mm/s", 1e3, 0.0)],
+        "m3" | "m^3" => &[("mL", 1e6, 0.0), ("L", 1e3, 0.0)],
+        "m2" | "m^2" => &[("mm2", 1e6, 0.0)],
+        "kg" => &[("g", 1e3, 0.0)],
+        "kg/s" => &[("g/s", 1e3, 0.0)],
+        "s" => &[("ms", 1e3, 0.0)],
+        "rad" => &[("deg", 180.0 / core::f64::consts::PI, 0.0)],
+        "rad/s" => &[("deg/s", 180.0 / core::f64::consts::PI, 0.0)],
+        "K" => &[("degC", 1.0, -273.15)],
+        _ => &[],
+    }
+}
+
+/// The exponents of m, kg, s, K and rad of a unit; none of one that is no product of them.
+fn exponents(unit: &str) -> Option<[i8; 5]> {
+    // Columns of a run say a power by its digit alone.
+    let written = match unit {
+        "m2" => "m^2",
+        "m3" => "m^3",
+        other => other,
+    };
+    let (dimension, size) = parse_unit(written).ok()?;
+    (size == 1.0).then(|| dimension.exponents())
+}
+
+/// Writes the units of all variables.
+pub(super) fn definitions(xml: &mut Xml, variables: &Variables) {
+    let mut units: Vec<&str> = variables.all.iter().map(|its| its.unit).filter(|unit| !unit.is_empty()).collect();
+    units.sort_unstable();
+    units.dedup();
+    xml.within("UnitDefinitions", &[], |xml| {
+        for unit in units {
+            xml.within("Unit", &[("name", unit)], |xml| {
+                if let Some(exponents) = exponents(unit) {
+                    let said: Vec<(&str, String)> = ["m", "kg", "s", "K", "rad"]
+                        .into_iter()
+                        .zip(exponents)
+                        .filter(|(_, exponent)| *exponent != 0)
+                        .map(|(base, exponent)| (base, exponent.to_string()))
+                        .collect();
+                    let said: Vec<(&str, &str)> = said.iter().map(|(base, number)| (*base, number.as_str())).collect();
+                    xml.element("BaseUnit", &said);
+                }
+                for (name, factor, offset) in displays(unit) {
+                    let (factor, shift) = (format!("{factor:?}"), format!("{offset:?}"));
+                    let mut attributes = vec![("name", *name), ("factor", factor.as_str())];
+                    if *offset != 0.0 {
+                        attributes.push(("offset", &shift));
+                    }
+                    xml.element("DisplayUnit", &attributes);
+                }
+            });
+        }
+    });
+}

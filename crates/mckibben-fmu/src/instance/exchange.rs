@@ -1,0 +1,209 @@
+//! Model exchange: the host integrates the continuous states and locates events; the plant owns its mode.
+//!
+//! Where the host moves the ends, distances and rates are inputs, and states of the plant that are none of the unit.
+
+use super::{Instance, Kind, Phase, Refusal};
+use mckibben::plant::{EventUpdate, PlantExchange};
+use mckibben_run::host::Motion;
+
+impl Instance {
+    /// How many continuous states there are.
+    pub fn state_count(&self) -> usize {
+        self.model.variables().states.len()
+    }
+
+    /// How many event indicators there are.
+    pub fn indicator_count(&self) -> usize {
+        self.model.variables().indicators
+    }
+
+    /// That there are as many numbers as continuous states.
+    fn check_states(&self, given: usize) -> Result<(), Refusal> {
+        let count = self.state_count();
+        if given == count {
+            return Ok(());
+        }
+        Err(Refusal::error(format!("{given} numbers are given for {count} continuous states")))
+    }
+
+    /// The plant in its mode.
+    fn exchange(&mut self) -> Result<(&mut PlantExchange, &mut mckibben_run::host::HostPlant), Refusal> {
+        self.check_exchange()?;
+        if self.exchange.is_none() {
+            self.exchange = Some(PlantExchange::new(self.plant.steps(), self.tolerance)?);
+        }
+        match &mut self.exchange {
+            Some(exchange) => Ok((exchange, &mut self.plant)),
+            None => Err(Refusal::error("the instance has not been initialised")),
+        }
+    }
+
+    /// Takes on a time in s of the host.
+    ///
+    /// # Errors
+    /// In another phase than Continuous or Event; for a time that is not finite.
+    pub fn set_time(&mut self, time: f64) -> Result<(), Refusal> {
+        self.check_exchange()?;
+        self.check_phase(&[Phase::Continuous, Phase::Event])?;
+        if !time.is_finite() {
+            return Err(Refusal::error(format!("the time {time:?} s is none")));
+        }
+        let own = time - self.offset;
+        let (exchange, plant) = self.exchange()?;
+        exchange.place(plant.steps_mut(), own, |_| {});
+        self.are_outputs_known = false;
+        Ok(())
+    }
+
+    /// Takes on continuous states.
+    ///
+    /// # Errors
+    /// In another phase than Continuous; for another count; discarded where a state is not finite.
+    pub fn set_states(&mut self, states: &[f64]) -> Result<(), Refusal> {
+        self.check_exchange()?;
+        self.check_phase(&[Phase::Continuous])?;
+        self.check_states(states.len())?;
+        if let Some(place) = states.iter().position(|state| !state.is_finite()) {
+            return Err(Refusal::discard(format!("continuous state {place} is {:?}", states[place])));
+        }
+        let places = core::mem::take(&mut self.scratch[0]);
+        let time = self.plant.steps().time();
+        let of_unit = self.model.variables().states.clone();
+        self.scratch[0] = places;
+        let (exchange, plant) = self.exchange()?;
+        exchange.place(plant.steps_mut(), time, |own| {
+            for (place, state) in of_unit.iter().zip(states) {
+                own[*place] = *state;
+            }
+        });
+        self.are_outputs_known = false;
+        Ok(())
+    }
+
+    /// Writes the continuous states.
+    ///
+    /// # Errors
+    /// In co-simulation; for another count.
+    pub fn states(&mut self, states: &mut [f64]) -> Result<(), Refusal> {
+        self.check_exchange()?;
+        self.check_states(states.len())?;
+        for (into, place) in states.iter_mut().zip(&self.model.variables().states) {
+            *into = self.plant.steps().state()[*place];
+        }
+        Ok(())
+    }
+
+    /// The rates of the continuous states in the mode that holds, per second.
+    ///
+    /// # Errors
+    /// In co-simulation; discarded where a rate is not finite.
+    pub fn rates(&mut self) -> Result<Vec<f64>, Refusal> {
+        let mut all = core::mem::take(&mut self.scratch[1]);
+        let computed = self.exchange().and_then(|(exchange, plant)| Ok(exchange.rates(plant.steps(), &mut all)?));
+        let rates: Vec<f64> = self.model.variables().states.iter().map(|place| all[*place]).collect();
+        self.scratch[1] = all;
+        computed?;
+        match rates.iter().position(|rate| !rate.is_finite()) {
+            Some(place) => Err(Refusal::discard(format!("the rate of continuous state {place} is {:?}", rates[place]))),
+            None => Ok(rates),
+        }
+    }
+
+    /// Writes the event indicators: guards of the mode that holds, positive while it lasts.
+    ///
+    /// # Errors
+    /// In co-simulation; for another count; discarded where one is not a number.
+    pub fn indicators(&mut self, values: &mut [f64]) -> Result<(), Refusal> {
+        let count = self.indicator_count();
+        if values.len() != count {
+            return Err(Refusal::error(format!("{} numbers are given for {count} event indicators", values.len())));
+        }
+        let (exchange, plant) = self.exchange()?;
+        exchange.guards(plant.steps(), values);
+        match values.iter().position(|value| value.is_nan()) {
+            Some(place) => Err(Refusal::discard(format!("event indicator {place} is not a number"))),
+            None => Ok(()),
+        }
+    }
+
+    /// Writes the usual sizes of the continuous states.
+    ///
+    /// # Errors
+    /// In co-simulation; for another count.
+    pub fn nominals(&mut self, nominals: &mut [f64]) -> Result<(), Refusal> {
+        self.check_states(nominals.len())?;
+        let mut all = core::mem::take(&mut self.scratch[1]);
+        let computed = self.exchange().and_then(|(exchange, plant)| Ok(exchange.scales(plant.steps(), &mut all)?));
+        for (into, place) in nominals.iter_mut().zip(&self.model.variables().states) {
+            *into = all[*place];
+        }
+        self.scratch[1] = all;
+        computed
+    }
+
+    /// Takes commands, crosses what has fired and passes what is due. In co-simulation only commands and the start of a run are
+    /// left to do. The next instant is in the host's time.
+    ///
+    /// # Errors
+    /// In another phase than Event; discarded where the plant cannot go on.
+    pub fn update(&mut self) -> Result<EventUpdate, Refusal> {
+        self.check_phase(&[Phase::Event])?;
+        self.send_commands()?;
+        self.are_outputs_known = false;
+        if let Kind::CoSimulation { .. } = self.kind {
+            self.plant.steps_mut().pass_due()?;
+            return Ok(EventUpdate { events: 0, has_moved: false, next: f64::INFINITY });
+        }
+        let offset = self.offset;
+        let is_jump = self.plant.motion() == Motion::Host && self.entered != self.inputs.rates;
+        if self.plant.motion() == Motion::Host {
+            self.place_motion();
+        }
+        let (exchange, plant) = self.exchange()?;
+        let mut update = exchange.update(plant.steps_mut())?;
+        if is_jump {
+            exchange.enter_motion(plant.steps_mut());
+            let more = exchange.update(plant.steps_mut())?;
+            update = EventUpdate {
+                events: update.events + more.events,
+                has_moved: update.has_moved || more.has_moved,
+                next: more.next,
+            };
+        }
+        self.entered.clone_from(&self.inputs.rates);
+        Ok(EventUpdate { next: offset + update.next, ..update })
+    }
+
+    /// Goes on with integration after an event.
+    ///
+    /// # Errors
+    /// In another phase than Event; in co-simulation.
+    pub fn enter_continuous(&mut self) -> Result<(), Refusal> {
+        self.check_exchange()?;
+        self.check_phase(&[Phase::Event])?;
+        self.phase = Phase::Continuous;
+        Ok(())
+    }
+
+    /// A step of the host's integrator is complete. Nothing has to be done; no event follows.
+    ///
+    /// # Errors
+    /// In another phase than Continuous.
+    pub fn completed_step(&mut self) -> Result<(), Refusal> {
+        self.check_exchange()?;
+        self.check_phase(&[Phase::Continuous])
+    }
+
+    /// Takes on the distances and rates that the host has set.
+    pub(super) fn place_motion(&mut self) {
+        let Some(exchange) = &self.exchange else { return };
+        let (time, here) = (self.plant.steps().time(), self.plant.steps().plant().indices().mechanisms[0]);
+        let inputs = &self.inputs;
+        exchange.place(self.plant.steps_mut(), time, |own| {
+            for (k, (distance, rate)) in inputs.distances.iter().zip(&inputs.rates).enumerate() {
+                (own[here.position(k)], own[here.rate(k)]) = (*distance, *rate);
+            }
+        });
+        self.are_outputs_known = false;
+    }
+}

@@ -1,0 +1,186 @@
+//! An instance as a value: saved, returned to, and as bytes for another process.
+//!
+//! ```text
+//! "mckibfmu"  version  token (38)  phase  counts (4)   then numbers in 8 bytes each, all little-endian
+//! ```
+
+use super::{Inputs, Instance, Kind, Phase, Refusal};
+
+/// How bytes of a state begin.
+const MAGIC: &[u8; 8] = b"mckibfmu";
+/// The version of their layout.
+const VERSION: u32 = 1;
+/// Bytes of a token.
+const TOKEN: usize = 38;
+/// Bytes before the numbers.
+const HEAD: usize = 8 + 4 + TOKEN + 4 + 4 * 4;
+
+const PHASES: [Phase; 6] =
+    [Phase::Instantiated, Phase::Initialization, Phase::Event, Phase::Step, Phase::Continuous, Phase::Terminated];
+
+/// A state of an instance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Saved {
+    token: String,
+    phase: Phase,
+    /// The state of the plant.
+    plant: Vec<f64>,
+    parameters: Vec<f64>,
+    inputs: Inputs,
+    /// Not a number where nothing has been sent.
+    sent: Vec<f64>,
+    entered: Vec<f64>,
+    is_stale: bool,
+    offset: f64,
+    tolerance: f64,
+}
+
+impl Instance {
+    /// Saves where the instance is.
+    ///
+    /// # Errors
+    /// Where the state cannot be saved: more than 64 commands of one valve are on their way.
+    pub fn save(&mut self) -> Result<Saved, Refusal> {
+        let mut plant = vec![0.0; self.plant.state_size()];
+        self.plant.save(&mut plant)?;
+        Ok(Saved {
+            token: self.model.token().to_owned(),
+            phase: self.phase,
+            plant,
+            parameters: self.parameters.clone(),
+            inputs: self.inputs.clone(),
+            sent: self.sent.iter().map(|number| number.unwrap_or(f64::NAN)).collect(),
+            entered: self.entered.clone(),
+            is_stale: self.is_stale,
+            offset: self.offset,
+            tolerance: self.tolerance,
+        })
+    }
+
+    /// Returns to a state that an instance of the same unit has saved.
+    ///
+    /// # Errors
+    /// For a state of another unit, and one that is none. The instance is then where it was.
+    pub fn restore(&mut self, saved: &Saved) -> Result<(), Refusal> {
+        if saved.token != self.model.token() {
+            return Err(Refusal::error("the state is of another unit"));
+        }
+        let fits = match saved.phase {
+            Phase::Step => self.kind != Kind::ModelExchange,
+            Phase::Continuous => self.kind == Kind::ModelExchange,
+            _ => true,
+        };
+        if !fits {
+            return Err(Refusal::error("the state is of an instance that was made for the other interface"));
+        }
+        let same = |ours: &[f64], theirs: &[f64]| {
+            ours.iter().map(|its| its.to_bits()).eq(theirs.iter().map(|its| its.to_bits()))
+        };
+        if same(&self.parameters, &saved.parameters) {
+            self.plant.restore(&saved.plant)?;
+        } else {
+            let mut plant = self.model.build(&saved.parameters)?;
+            plant.state_size();
+            plant.restore(&saved.plant)?;
+            self.plant = plant;
+        }
+        self.exchange = None;
+        self.phase = saved.phase;
+        self.parameters.clone_from(&saved.parameters);
+        self.inputs.clone_from(&saved.inputs);
+        self.sent = saved.sent.iter().map(|number| Some(*number).filter(|number| !number.is_nan())).collect();
+        self.entered.clone_from(&saved.entered);
+        (self.is_stale, self.offset, self.tolerance) = (saved.is_stale, saved.offset, saved.tolerance);
+        self.are_outputs_known = false;
+        Ok(())
+    }
+
+    /// A state from its bytes.
+    ///
+    /// # Errors
+    /// For bytes that are no state of this unit.
+    pub fn saved_from(&self, bytes: &[u8]) -> Result<Saved, Refusal> {
+        self.read_saved(bytes).ok_or_else(|| Refusal::error("the bytes are no state of this unit"))
+    }
+
+    fn read_saved(&self, bytes: &[u8]) -> Option<Saved> {
+        let (head, body) = bytes.split_at_checked(HEAD)?;
+        let mut head = head;
+        let mut take = |count: usize| {
+            let (taken, behind) = head.split_at_checked(count)?;
+            head = behind;
+            Some(taken)
+        };
+        let number = |bytes: &[u8]| bytes.try_into().map(u32::from_le_bytes).ok();
+        if take(8)? != MAGIC || number(take(4)?)? != VERSION || take(TOKEN)? != self.model.token().as_bytes() {
+            return None;
+        }
+        let phase = *PHASES.get(usize::try_from(number(take(4)?)?).ok()?)?;
+        let counts = [self.scratch_size(), self.parameters.len(), self.sent.len(), self.entered.len()];
+        for count in counts {
+            if usize::try_from(number(take(4)?)?).ok()? != count {
+                return None;
+            }
+        }
+        let numbers: Vec<f64> = body.as_chunks::<8>().0.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect();
+        let [plant, parameters, commands, motions] = counts;
+        if body.len() != 8 * (plant + parameters + 2 * commands + 3 * motions + 3) {
+            return None;
+        }
+        let mut rest = numbers.as_slice();
+        let mut list = |count: usize| {
+            let (taken, behind) = rest.split_at(count);
+            rest = behind;
+            taken.to_vec()
+        };
+        let saved = Saved {
+            token: self.model.token().to_owned(),
+            phase,
+            plant: list(plant),
+            parameters: list(parameters),
+            inputs: Inputs { commands: list(commands), distances: list(motions), rates: list(motions) },
+            sent: list(commands),
+            entered: list(motions),
+            is_stale: list(1)[0] != 0.0,
+            offset: list(1)[0],
+            tolerance: list(1)[0],
+        };
+        let is_finite = saved.offset.is_finite() && (1e-12..=1.0).contains(&saved.tolerance);
+        let is_input = |numbers: &[f64]| numbers.iter().all(|number| number.is_finite());
+        let Inputs { commands, distances, rates } = &saved.inputs;
+        let is_taken = commands.iter().enumerate().all(|(index, number)| self.plant.accepts(index, *number));
+        (is_finite && is_taken && is_input(distances) && is_input(rates) && is_input(&saved.entered)).then_some(saved)
+    }
+
+    /// How many numbers the state of the plant is.
+    fn scratch_size(&self) -> usize {
+        self.plant.clone().state_size()
+    }
+}
+
+impl Saved {
+    /// How many bytes it is.
+    pub fn size(&self) -> usize {
+        HEAD + 8 * self.numbers().count()
+    }
+
+    fn numbers(&self) -> impl Iterator<Item = f64> + '_ {
+        let Inputs { commands, distances, rates } = &self.inputs;
+        let lists = [&self.plant, &self.parameters, commands, distances, rates, &self.sent, &self.entered];
+        let last = [f64::from(u8::from(self.is_stale)), self.offset, self.tolerance];
+        lists.into_iter().flatten().copied().chain(last)
+    }
+
+    /// Its bytes.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut bytes = MAGIC.to_vec();
+        bytes.extend(VERSION.to_le_bytes());
+        bytes.extend(self.token.as_bytes());
+        let phase = PHASES.iter().position(|phase| *phase == self.phase).unwrap_or(0);
+        for number in [phase, self.plant.len(), self.parameters.len(), self.sent.len(), self.entered.len()] {
+            bytes.extend((number as u32).to_le_bytes());
+        }
+        self.numbers().for_each(|number| bytes.extend(number.to_le_bytes()));
+        bytes
+    }
+}

@@ -1,0 +1,97 @@
+//! Co-simulation: steps of any length by the plant's own engine.
+//!
+//! Where the host moves the ends, they go in a straight line to `distance + rate · step`. A host that gives the distances at
+//! the end of the step leaves the rates at zero; one that gives both as they are at its beginning is right to first order.
+
+use super::{Instance, Kind, Phase, Refusal};
+use mckibben_run::host::Motion;
+
+/// A time in s that differs by less, relative to the time, is the same.
+const SAME: f64 = 1e-9;
+
+/// Where a step has ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepEnd {
+    /// The time in s that was reached.
+    pub time: f64,
+    /// Whether the step ended before its end, at a valve that switches.
+    pub is_early: bool,
+}
+
+impl Instance {
+    /// Goes on from `time` by `step`, both in s. With event mode and early return it ends at the first instant at which a valve
+    /// moves, which has been passed then.
+    ///
+    /// # Errors
+    /// In another phase than Step; for a time at which the instance is not, and a step that is negative or not finite; a
+    /// discarded step where the plant cannot go on. The plant is then where it was.
+    pub fn do_step(&mut self, time: f64, step: f64) -> Result<StepEnd, Refusal> {
+        let Kind::CoSimulation { event_mode, early_return } = self.kind else {
+            return Err(Refusal::error("the instance was made for model exchange"));
+        };
+        self.check_phase(&[Phase::Step])?;
+        let here = self.time();
+        // What is not a number is refused as well.
+        let is_here = (time - here).abs() <= SAME * time.abs().max(1.0);
+        if !is_here {
+            return Err(Refusal::error(format!("a step begins at {time:?} s, but the instance is at {here:?} s")));
+        }
+        if !(step.is_finite() && step >= 0.0) {
+            return Err(Refusal::error(format!("a step of {step:?} s is none; give one above zero")));
+        }
+        self.send_commands()?;
+        let from = self.plant.steps().time();
+        let until = time + step - self.offset;
+        if until <= from {
+            return Ok(StepEnd { time: here, is_early: false });
+        }
+        let mut end = until;
+        if event_mode && early_return {
+            self.plant.steps_mut().lay_out(until)?;
+            let instant = self.plant.steps().next_instant(until);
+            if instant > from + SAME * step && instant < until - SAME * step {
+                end = instant;
+            }
+        }
+        let mut targets = core::mem::take(&mut self.scratch[0]);
+        targets.clear();
+        if self.plant.motion() == Motion::Host {
+            let part = (end - from) / (until - from);
+            for (index, (distance, rate)) in self.inputs.distances.iter().zip(&self.inputs.rates).enumerate() {
+                let (target, begin) = (distance + rate * step, self.plant.distance(index));
+                targets.push(if end == until { target } else { begin + (target - begin) * part });
+            }
+        }
+        let done = self.plant.advance(end, &targets);
+        self.scratch[0] = targets;
+        self.are_outputs_known = false;
+        done?;
+        Ok(StepEnd { time: if end == until { time + step } else { self.offset + end }, is_early: end != until })
+    }
+
+    /// Enters the phase of events, of co-simulation with event mode or of model exchange.
+    ///
+    /// # Errors
+    /// In another phase than Step or Continuous, and where the host has chosen to do without.
+    pub fn enter_event_mode(&mut self) -> Result<(), Refusal> {
+        if matches!(self.kind, Kind::CoSimulation { event_mode: false, .. }) {
+            return Err(Refusal::error("the instance was made without event mode"));
+        }
+        self.check_phase(&[Phase::Step, Phase::Continuous])?;
+        self.phase = Phase::Event;
+        Ok(())
+    }
+
+    /// Goes on with steps after an event.
+    ///
+    /// # Errors
+    /// In another phase than Event; in model exchange.
+    pub fn enter_step_mode(&mut self) -> Result<(), Refusal> {
+        self.check_phase(&[Phase::Event])?;
+        if self.kind == Kind::ModelExchange {
+            return Err(Refusal::error("the instance was made for model exchange"));
+        }
+        self.phase = Phase::Step;
+        Ok(())
+    }
+}

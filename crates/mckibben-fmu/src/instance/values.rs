@@ -1,0 +1,183 @@
+//! Values of variables by their references.
+
+use super::{Instance, Phase, Refusal};
+use crate::variables::{Array, Slot, Variable};
+use mckibben_run::host::Motion;
+
+/// That there are as many values as the variables have elements.
+fn check_count(needed: usize, given: usize) -> Result<(), Refusal> {
+    if needed == given {
+        return Ok(());
+    }
+    Err(Refusal::error(format!("{given} values are given for variables of {needed} elements")))
+}
+
+impl Instance {
+    /// The variable of a reference, and how many elements it has.
+    fn variable(&self, reference: u32) -> Result<(&Variable, usize), Refusal> {
+        let its = self.model.variables().find(reference);
+        let its = its.ok_or_else(|| Refusal::error(format!("no variable has the value reference {reference}")))?;
+        Ok((its, its.dimension.unwrap_or(1)))
+    }
+
+    /// How many values variables have together.
+    ///
+    /// # Errors
+    /// For a reference that no variable has.
+    pub fn count(&self, references: &[u32]) -> Result<usize, Refusal> {
+        references.iter().try_fold(0, |sum, reference| Ok(sum + self.variable(*reference)?.1))
+    }
+
+    /// Writes the values of variables, the elements of arrays one behind the other.
+    ///
+    /// # Errors
+    /// For a reference that no variable has, another count of values, and a start that the plant cannot have.
+    pub fn get(&mut self, references: &[u32], values: &mut [f64]) -> Result<(), Refusal> {
+        check_count(self.count(references)?, values.len())?;
+        if matches!(self.phase, Phase::Instantiated | Phase::Initialization) {
+            self.refresh_start()?;
+        }
+        let mut rest = values;
+        for reference in references {
+            let (its, count) = self.variable(*reference)?;
+            let slot = its.slot;
+            let (into, behind) = rest.split_at_mut(count);
+            self.read(slot, into)?;
+            rest = behind;
+        }
+        Ok(())
+    }
+
+    fn read(&mut self, slot: Slot, into: &mut [f64]) -> Result<(), Refusal> {
+        match slot {
+            Slot::Time => into[0] = self.time(),
+            Slot::Command(index) => into[0] = self.inputs.commands[index],
+            Slot::Distance(index) => into[0] = self.inputs.distances[index],
+            Slot::Rate(index) => into[0] = self.inputs.rates[index],
+            Slot::Parameter(index) => into[0] = self.parameters[index],
+            Slot::Output(index) => {
+                self.refresh_outputs()?;
+                into[0] = self.outputs[index];
+            }
+            Slot::State(index) => into[0] = self.plant.steps().state()[self.model.variables().states[index]],
+            Slot::Derivative(index) => {
+                let rates = self.rates()?;
+                into[0] = rates[index];
+            }
+            Slot::Indicator(index) => {
+                let mut values = vec![0.0; self.model.variables().indicators];
+                self.indicators(&mut values)?;
+                into[0] = values[index];
+            }
+            Slot::Array(Array::Commands) => into.copy_from_slice(&self.inputs.commands),
+            Slot::Array(Array::Distances) => into.copy_from_slice(&self.inputs.distances),
+            Slot::Array(Array::Rates) => into.copy_from_slice(&self.inputs.rates),
+            Slot::Array(array) => {
+                self.refresh_outputs()?;
+                let of = match array {
+                    Array::Tensions => 0,
+                    Array::Pressures => 1,
+                    _ => 2,
+                };
+                for (into, output) in into.iter_mut().zip(&self.model.variables().of_arrays[of]) {
+                    *into = self.outputs[*output];
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Computes the outputs where the plant is, unless they are known.
+    fn refresh_outputs(&mut self) -> Result<(), Refusal> {
+        if !self.are_outputs_known {
+            self.plant.read_outputs(&mut self.outputs)?;
+            self.are_outputs_known = true;
+        }
+        Ok(())
+    }
+
+    /// Sets the values of variables, the elements of arrays one behind the other. Of two values of one input the later counts.
+    ///
+    /// # Errors
+    /// For a reference that no variable has or that is no input and no parameter, another count of values, a value that the
+    /// variable does not take, and a parameter once initialisation has ended. Then nothing has changed.
+    pub fn set(&mut self, references: &[u32], values: &[f64]) -> Result<(), Refusal> {
+        check_count(self.count(references)?, values.len())?;
+        self.check_phase(&[Phase::Instantiated, Phase::Initialization, Phase::Event, Phase::Step, Phase::Continuous])?;
+        let mut rest = values;
+        for reference in references {
+            let (its, count) = self.variable(*reference)?;
+            let (given, behind) = rest.split_at(count);
+            self.check_values(its, given)?;
+            rest = behind;
+        }
+        let mut rest = values;
+        for reference in references {
+            let (its, count) = self.variable(*reference)?;
+            let slot = its.slot;
+            let (given, behind) = rest.split_at(count);
+            self.write(slot, given);
+            rest = behind;
+        }
+        if self.phase == Phase::Continuous && self.plant.motion() == Motion::Host {
+            self.place_motion();
+        }
+        Ok(())
+    }
+
+    /// That a variable may be set now, to these values.
+    fn check_values(&self, its: &Variable, given: &[f64]) -> Result<(), Refusal> {
+        let is_before = matches!(self.phase, Phase::Instantiated | Phase::Initialization);
+        let name = &its.name;
+        match its.slot {
+            Slot::Parameter(index) => {
+                if !is_before {
+                    return Err(Refusal::error(format!("`{name}` is fixed: set it before initialisation has ended")));
+                }
+                self.model.variables().parameters[index].parameter.check(given[0])?;
+            }
+            Slot::Command(index) => self.check_command(index, name, given[0])?,
+            Slot::Array(Array::Commands) => {
+                given.iter().enumerate().try_for_each(|(index, number)| self.check_command(index, name, *number))?;
+            }
+            Slot::Distance(_) | Slot::Array(Array::Distances) => {
+                if let Some(wrong) = given.iter().find(|number| !(number.is_finite() && **number > 0.0)) {
+                    return Err(Refusal::error(format!("`{name}` = {wrong:?} m is no distance; give one above zero")));
+                }
+            }
+            Slot::Rate(_) | Slot::Array(Array::Rates) => {
+                if let Some(wrong) = given.iter().find(|number| !number.is_finite()) {
+                    return Err(Refusal::error(format!("`{name}` = {wrong:?} m/s is no rate; give a finite one")));
+                }
+            }
+            _ => return Err(Refusal::error(format!("`{name}` is computed; set inputs and parameters"))),
+        }
+        Ok(())
+    }
+
+    fn check_command(&self, index: usize, name: &str, number: f64) -> Result<(), Refusal> {
+        if self.plant.accepts(index, number) {
+            return Ok(());
+        }
+        let (low, high, unit) = self.plant.commands()[index].mode.range();
+        Err(Refusal::error(format!(
+            "`{name}` = {number:?} {unit} is nothing that the valve takes, from {low} to {high}"
+        )))
+    }
+
+    fn write(&mut self, slot: Slot, given: &[f64]) {
+        let is_before = matches!(self.phase, Phase::Instantiated | Phase::Initialization);
+        match slot {
+            Slot::Parameter(index) => self.parameters[index] = given[0],
+            Slot::Command(index) => self.inputs.commands[index] = given[0],
+            Slot::Distance(index) => self.inputs.distances[index] = given[0],
+            Slot::Rate(index) => self.inputs.rates[index] = given[0],
+            Slot::Array(Array::Commands) => self.inputs.commands.copy_from_slice(given),
+            Slot::Array(Array::Distances) => self.inputs.distances.copy_from_slice(given),
+            Slot::Array(Array::Rates) => self.inputs.rates.copy_from_slice(given),
+            _ => {}
+        }
+        // Commands take effect when the run begins or goes on.
+        self.is_stale |= is_before && !matches!(slot, Slot::Command(_) | Slot::Array(Array::Commands));
+    }
+}

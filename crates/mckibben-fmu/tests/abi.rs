@@ -1,0 +1,356 @@
+//! Units as C calls them: the trajectory of the core, states that are saved, and wrong use that is refused.
+
+mod common;
+
+use common::*;
+use mckibben_fmu::options::UnitOptions;
+use mckibben_run::host::{HostPlant, Motion};
+use mckibben_scenario::Document;
+use std::ffi::CStr;
+
+fn scenario() -> UnitOptions {
+    UnitOptions { motion: Motion::Scenario, ..UnitOptions::default() }
+}
+
+/// The outputs of a plant.
+fn outputs(plant: &mut HostPlant) -> Vec<f64> {
+    let mut all = vec![0.0; plant.outputs().len()];
+    plant.read_outputs(&mut all).expect("as many");
+    all
+}
+
+/// Steps of co-simulation are those of the host's plant, to the bit, where the host moves the ends.
+#[test]
+fn a_host_that_moves_has_the_trajectory_of_the_core() {
+    let (unit, messages) = (Unit::new(MUSCLE, &UnitOptions::default()), Messages::default());
+    let handle = unit.co_simulation(&messages, false);
+    let (duty, distance) = (unit.reference("actuator.duty"), unit.reference("actuator.distance"));
+    assert_eq!(set(handle, duty, 0.8), OK);
+    initialise(handle);
+    let mut plant = unit.model.plant().clone();
+    plant.command(0, 0.8).expect("a duty cycle");
+    let columns: Vec<u32> = plant.outputs().iter().map(|column| unit.reference(&column.name)).collect();
+    for k in 0..200_u32 {
+        let (time, length) = (f64::from(k) * 1e-3, 0.09 - 1e-5 * f64::from(k % 40));
+        assert_eq!(set(handle, distance, length), OK);
+        assert_eq!(step(handle, time, 1e-3), (OK, time + 1e-3, false));
+        plant.advance(time + 1e-3, &[length]).expect("a step");
+    }
+    let found: Vec<f64> = columns.iter().map(|column| get(handle, *column)).collect();
+    assert_eq!(found, outputs(&mut plant));
+    assert_eq!(get(handle, unit.reference("tensions")), get(handle, unit.reference("actuator.tension")));
+    // SAFETY: an instance.
+    unsafe {
+        assert_eq!(fmi3Terminate(handle), OK);
+        fmi3FreeInstance(handle);
+    }
+}
+
+/// A scenario that moves has the trajectory of the core by FMI 3.0 and by FMI 2.0, from any start time.
+#[test]
+fn a_scenario_that_moves_has_the_trajectory_of_the_core() {
+    let (unit, messages) = (Unit::new(MUSCLE, &scenario()), Messages::default());
+    let (duty, length) = (unit.reference("actuator.duty"), unit.reference("actuator.length"));
+    let mut plant = unit.model.plant().clone();
+    plant.command(0, 0.8).expect("a duty cycle");
+    let handle = unit.co_simulation(&messages, false);
+    assert_eq!(set(handle, duty, 0.8), OK);
+    initialise(handle);
+    let callbacks =
+        Callbacks { logger: None, allocate: 0, free: 0, step_finished: 0, environment: std::ptr::null_mut() };
+    let resources = std::ffi::CString::new(format!("file://{}", unit.folder.display())).expect("a text");
+    // SAFETY: texts and functions that live, references and values.
+    let second =
+        unsafe { fmi2Instantiate(c"muscle".as_ptr(), 1, unit.token.as_ptr(), resources.as_ptr(), &callbacks, 0, 0) };
+    assert!(!second.is_null());
+    // SAFETY: as above.
+    unsafe {
+        assert_eq!(fmi2SetupExperiment(second, 1, 1e-6, 10.0, 0, 0.0), OK);
+        assert_eq!(fmi2EnterInitializationMode(second), OK);
+        assert_eq!(fmi2SetReal(second, &duty, 1, &0.8), OK);
+        assert_eq!(fmi2ExitInitializationMode(second), OK);
+    }
+    let mut now = 0.0;
+    for k in 0..150_u32 {
+        let h = [1e-3, 0.3e-3, 2e-3][k as usize % 3];
+        plant.advance(now + h, &[]).expect("a step");
+        assert_eq!(step(handle, now, h).0, OK);
+        // SAFETY: as above.
+        assert_eq!(unsafe { fmi2DoStep(second, 10.0 + now, h, 1) }, OK);
+        now += h;
+    }
+    let place = plant.outputs().iter().position(|column| column.name == "actuator.length").expect("a length");
+    assert_eq!(get(handle, length), outputs(&mut plant)[place]);
+    let mut value = 0.0;
+    // SAFETY: as above.
+    unsafe {
+        assert_eq!(fmi2GetReal(second, &length, 1, &mut value), OK);
+        assert_eq!(fmi2Terminate(second), OK);
+        fmi2FreeInstance(second);
+        fmi3FreeInstance(handle);
+    }
+    assert!((value - outputs(&mut plant)[place]).abs() < 1e-9, "by FMI 2.0, at times that are rounded otherwise");
+}
+
+/// A state that was saved, also as bytes, goes on to the same bits in another instance.
+#[test]
+fn a_saved_state_goes_on_bit_for_bit() {
+    let (unit, messages) = (Unit::new(MUSCLE, &UnitOptions::default()), Messages::default());
+    let [first, second] = [(); 2].map(|()| unit.co_simulation(&messages, false));
+    let (duty, tension) = (unit.reference("actuator.duty"), unit.reference("actuator.tension"));
+    initialise(first);
+    assert_eq!(set(first, duty, 0.7), OK);
+    let go = |handle, from: u32, to: u32| {
+        (from..to).for_each(|k| assert_eq!(step(handle, f64::from(k) * 1e-3, 1e-3).0, OK));
+    };
+    go(first, 0, 60);
+    let (mut state, mut other, mut size) = (NULL, NULL, 0);
+    // SAFETY: room for handles, sizes and bytes.
+    unsafe {
+        assert_eq!(fmi3GetFMUState(first, &mut state), OK);
+        assert_eq!(fmi3SerializedFMUStateSize(first, state, &mut size), OK);
+        let mut bytes = vec![0_u8; size];
+        assert_eq!(fmi3SerializeFMUState(first, state, bytes.as_mut_ptr(), size), OK);
+        assert_eq!(fmi3SerializeFMUState(first, state, bytes.as_mut_ptr(), size - 1), ERROR);
+        go(first, 60, 150);
+        assert_eq!(fmi3DeserializeFMUState(second, bytes.as_ptr(), size, &mut other), OK);
+        assert_eq!(fmi3SetFMUState(second, other), OK);
+        go(second, 60, 150);
+        let there = get(first, tension);
+        assert_eq!(get(second, tension), there);
+        assert_eq!(fmi3SetFMUState(first, state), OK);
+        go(first, 60, 150);
+        assert_eq!(get(first, tension), there);
+        bytes[20] ^= 1;
+        assert_eq!(fmi3DeserializeFMUState(second, bytes.as_ptr(), size, &mut other), ERROR);
+        assert_eq!(fmi3DeserializeFMUState(second, bytes.as_ptr(), size / 2, &mut other), ERROR);
+        assert_eq!(fmi3FreeFMUState(first, &mut state), OK);
+        assert!(state.is_null());
+        assert_eq!(fmi3SetFMUState(first, state), ERROR);
+        for handle in [first, second] {
+            fmi3FreeInstance(handle);
+        }
+    }
+}
+
+/// A parameter that is set before the run is that of the scenario; after initialisation it is refused.
+#[test]
+fn parameters_are_those_of_the_scenario() {
+    let (unit, messages) = (Unit::new(MUSCLE, &UnitOptions::default()), Messages::default());
+    let handle = unit.co_simulation(&messages, false);
+    let pressure = unit.reference("initial.gauge_pressure");
+    let gauge = unit.reference("actuator.gauge_pressure");
+    assert_eq!(set(handle, pressure, 3e5), OK);
+    let mass = unit.reference("load.mass");
+    assert_eq!(set(handle, mass, -1.0), ERROR);
+    assert!(messages.take().contains("load.mass"), "named");
+    initialise(handle);
+    assert!((get(handle, gauge) - 3e5).abs() < 1e-6);
+    assert_eq!(set(handle, pressure, 2e5), ERROR);
+    assert!(messages.take().contains("is fixed"));
+    // SAFETY: an instance.
+    unsafe {
+        assert_eq!(fmi3Reset(handle), OK);
+        assert_eq!(set(handle, pressure, -9e9), OK, "in range alone");
+        assert_eq!(fmi3EnterInitializationMode(handle, false, 0.0, 0.0, false, 0.0), ERROR);
+        assert!(messages.take().contains("initial.gauge_pressure"), "named");
+        assert_eq!(fmi3Reset(handle), OK);
+        initialise(handle);
+        assert!((get(handle, gauge) - 40.0 * 6_894.757_293_168_361).abs() < 1e-6);
+        fmi3FreeInstance(handle);
+    }
+}
+
+/// With event mode a step ends where a valve moves, at the instants of the pulses.
+#[test]
+fn steps_return_early_at_the_valve() {
+    let (unit, messages) = (Unit::new(MUSCLE, &UnitOptions::default()), Messages::default());
+    let handle = unit.co_simulation(&messages, true);
+    assert_eq!(set(handle, unit.reference("actuator.duty"), 0.5), OK);
+    initialise(handle);
+    update(handle);
+    // SAFETY: an instance.
+    assert_eq!(unsafe { fmi3EnterStepMode(handle) }, OK);
+    let (mut time, mut edges) = (0.0, Vec::new());
+    while time < 0.1 {
+        let (status, reached, early) = step(handle, time, 0.1 - time);
+        assert_eq!(status, OK, "{}", messages.take());
+        time = reached;
+        if early {
+            edges.push(reached);
+            // SAFETY: an instance.
+            unsafe {
+                assert_eq!(fmi3EnterEventMode(handle), OK);
+                update(handle);
+                assert_eq!(fmi3EnterStepMode(handle), OK);
+            }
+        }
+    }
+    assert!((4..=8).contains(&edges.len()), "{edges:?}");
+    // SAFETY: an instance.
+    unsafe { fmi3FreeInstance(handle) };
+}
+
+/// Wrong use is an error with a message, and changes nothing.
+#[test]
+fn wrong_use_is_refused() {
+    let (unit, messages) = (Unit::new(MUSCLE, &UnitOptions::default()), Messages::default());
+    let handle = unit.co_simulation(&messages, false);
+    let (duty, tension) = (unit.reference("actuator.duty"), unit.reference("actuator.tension"));
+    let mut value = 0.0;
+    // SAFETY: what is given is there, or null, or no handle.
+    unsafe {
+        assert_eq!(CStr::from_ptr(fmi3GetVersion()), c"3.0");
+        for stranger in [NULL, std::ptr::without_provenance_mut(8), std::ptr::without_provenance_mut(usize::MAX)] {
+            assert_eq!(fmi3Terminate(stranger), ERROR);
+            fmi3FreeInstance(stranger);
+        }
+        assert_eq!(step(handle, 0.0, 1e-3).0, ERROR);
+        assert!(messages.take().contains("called in the phase Instantiated; call it in the phase Step"));
+        assert_eq!(fmi3ExitInitializationMode(handle), ERROR);
+        initialise(handle);
+        assert_eq!(fmi3EnterInitializationMode(handle, false, 0.0, 0.0, false, 0.0), ERROR);
+        assert_eq!(fmi3EnterEventMode(handle), ERROR);
+        for (references, count, values, places) in [
+            (std::ptr::null(), 1, &raw mut value, 1),
+            (&raw const tension, 1, std::ptr::null_mut(), 1),
+            (&raw const tension, 1, &raw mut value, 0),
+            (&raw const tension, 1 << 40, &raw mut value, 1),
+            (&raw const tension, 1, &raw mut value, usize::MAX),
+        ] {
+            assert_eq!(fmi3GetFloat64(handle, references, count, values, places), ERROR);
+            assert!(!messages.take().is_empty());
+        }
+        assert_eq!(fmi3GetFloat64(handle, &u32::MAX, 1, &mut value, 1), ERROR);
+        assert_eq!(fmi3GetInt32(handle, std::ptr::null(), 0, std::ptr::null_mut(), 0), OK);
+        assert_eq!(fmi3GetInt32(handle, &tension, 1, std::ptr::null_mut(), 1), ERROR);
+        messages.take();
+        for wrong in [1.5, -0.1, f64::NAN, f64::INFINITY] {
+            assert_eq!(set(handle, duty, wrong), ERROR);
+            assert!(messages.take().contains("actuator.duty"));
+        }
+        assert_eq!(set(handle, tension, 1.0), ERROR);
+        for (time, size) in [(1.0, 1e-3), (0.0, -1e-3), (0.0, f64::NAN), (f64::NAN, 1e-3), (0.0, f64::INFINITY)] {
+            assert_eq!(step(handle, time, size).0, ERROR, "{time} {size}");
+        }
+        assert_eq!(fmi3SetTime(handle, 0.0), ERROR);
+        assert!(messages.take().contains("made for co-simulation"));
+        let before = get(handle, tension);
+        assert_eq!(set(handle, unit.reference("actuator.distance"), 0.5), OK);
+        assert_ne!(step(handle, 0.0, 1e-3).0, OK, "longer than the thread");
+        assert_eq!(get(handle, tension), before);
+        assert_eq!(set(handle, unit.reference("actuator.distance"), 0.09), OK);
+        assert_eq!(step(handle, 0.0, 1e-3).0, OK, "{}", messages.take());
+        fmi3FreeInstance(handle);
+        assert_eq!(fmi3Terminate(handle), ERROR, "freed");
+        fmi3FreeInstance(handle);
+        let refused = fmi3InstantiateModelExchange(
+            c"muscle".as_ptr(),
+            c"{another}".as_ptr(),
+            unit.resources.as_ptr(),
+            false,
+            false,
+            messages.pointer(),
+            Some(log),
+        );
+        assert!(refused.is_null() && messages.take().contains("of two units"));
+    }
+}
+
+/// Directional derivatives are those of differences.
+#[test]
+fn directional_derivatives_are_exact() {
+    let (unit, messages) = (Unit::new(MUSCLE, &scenario()), Messages::default());
+    let handle = unit.model_exchange(&messages);
+    assert_eq!(set(handle, unit.reference("actuator.duty"), 0.8), OK);
+    initialise(handle);
+    update(handle);
+    let mut count = 0;
+    // SAFETY: room for what is written.
+    unsafe {
+        assert_eq!(fmi3EnterContinuousTimeMode(handle), OK);
+        assert_eq!(fmi3GetNumberOfContinuousStates(handle, &mut count), OK);
+    }
+    let (mut states, mut nominals) = (vec![0.0; count], vec![0.0; count]);
+    // SAFETY: as above.
+    unsafe {
+        assert_eq!(fmi3GetContinuousStates(handle, states.as_mut_ptr(), count), OK);
+        assert_eq!(fmi3GetNominalsOfContinuousStates(handle, nominals.as_mut_ptr(), count), OK);
+    }
+    let of = |block: u32| (0..count as u32).map(|index| block * 65536 + index).collect::<Vec<u32>>();
+    let (knowns, mut unknowns) = (of(6), of(7));
+    for name in ["actuator.tension", "actuator.gauge_pressure", "actuator.temperature", "actuator.length"] {
+        unknowns.push(unit.reference(name));
+    }
+    let values = |states: &[f64]| {
+        let mut values = vec![0.0; unknowns.len()];
+        // SAFETY: as above.
+        unsafe {
+            assert_eq!(fmi3SetContinuousStates(handle, states.as_ptr(), count), OK);
+            let status = fmi3GetFloat64(handle, unknowns.as_ptr(), unknowns.len(), values.as_mut_ptr(), unknowns.len());
+            assert_eq!(status, OK);
+        }
+        values
+    };
+    for k in 0..count {
+        let mut seed = vec![0.0; count];
+        seed[k] = 1.0;
+        let mut exact = vec![0.0; unknowns.len()];
+        values(&states);
+        // SAFETY: as above.
+        let status = unsafe {
+            fmi3GetDirectionalDerivative(
+                handle,
+                unknowns.as_ptr(),
+                unknowns.len(),
+                knowns.as_ptr(),
+                count,
+                seed.as_ptr(),
+                count,
+                exact.as_mut_ptr(),
+                unknowns.len(),
+            )
+        };
+        assert_eq!(status, OK, "{}", messages.take());
+        let h = 1e-6 * nominals[k];
+        let at = |sign: f64| {
+            let mut there = states.clone();
+            there[k] += sign * h;
+            values(&there)
+        };
+        let (up, down) = (at(1.0), at(-1.0));
+        for (place, exact) in exact.iter().enumerate() {
+            let rise = (up[place] - down[place]) / (2.0 * h);
+            let size = up[place].abs().max(down[place].abs()) / nominals[k];
+            assert!((rise - exact).abs() <= 1e-4 * exact.abs() + 1e-8 * size, "{place} by {k}: {rise} for {exact}");
+        }
+    }
+    // SAFETY: an instance.
+    unsafe { fmi3FreeInstance(handle) };
+}
+
+/// Many muscles on one network are one instance; so are instances of two units in one process.
+#[test]
+fn an_arm_is_one_instance() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/plant/arm.toml");
+    let text = Document::load(path).expect("an example").to_toml();
+    let options = UnitOptions { command_mode: Some("request".to_owned()), ..UnitOptions::default() };
+    let (unit, messages) = (Unit::new(&text, &options), Messages::default());
+    let handle = unit.co_simulation(&messages, false);
+    initialise(handle);
+    let name = unit.model.plant().actuators()[0].clone();
+    let gauge = unit.reference(&format!("{name}.gauge_pressure"));
+    let begin = get(handle, gauge);
+    let count = unit.model.plant().commands().len();
+    let (reference, mut all) = (unit.reference("commands"), vec![0.0; count]);
+    all[0] = 1.0;
+    // SAFETY: one reference and as many values as the array has.
+    unsafe {
+        assert_eq!(fmi3SetFloat64(handle, &reference, 1, all.as_ptr(), count), OK);
+        assert_eq!(fmi3SetFloat64(handle, &reference, 1, all.as_ptr(), count - 1), ERROR);
+    }
+    assert_eq!(step(handle, 0.0, 0.2).0, OK, "{}", messages.take());
+    assert!(get(handle, gauge) > begin + 1e4);
+    // SAFETY: an instance.
+    unsafe { fmi3FreeInstance(handle) };
+}

@@ -1,0 +1,372 @@
+//! A plant whose host integrates: rates and guards of the mode that holds, events at the instants that the host locates.
+//!
+//! ```text
+//! place        time and states that the host has come to; the mode stays
+//! rates        ẏ in that mode, smoothly continued beyond its end
+//! guards       positive while the mode lasts; the host locates where one comes down through zero
+//! update       what follows there: guards that have fired, then what is due, until nothing changes; the next instant
+//! scales       the usual sizes of the states, for tolerances
+//! rates_along, guards_along, sample_along    exact derivatives in a direction of the states
+//! ```
+//!
+//! The mode and its rules are those of the event-located engine: see [`crate::engine::Hybrid`]. A host differs in one thing:
+//! it comes to an event from either side of the root, by its own tolerance. So a guard has fired where it is below zero, or
+//! where its rate brings it there within [`NEAR`]. Once a mode has begun in the same instant its guards may start at zero or
+//! a rounding below; then only those that descend have fired (rule 4 of the contract of events).
+//!
+//! Source: FMI 3.0.2, section 3, for what a host asks. Checked by `tests/plant_exchange.rs`.
+
+use super::super::evaluation::{Evaluation, System};
+use super::super::guard::PlantGuard;
+use super::super::mode::PlantMode;
+use super::super::sample::PlantSample;
+use super::PlantSteps;
+use crate::dual::Dual;
+use crate::engine::GuardForm;
+use crate::engine::Halt;
+use crate::error::Error;
+use crate::parameter;
+use crate::scalar::Scalar as _;
+use crate::simulation::LengthRegime;
+use alloc::vec;
+use alloc::vec::Vec;
+
+/// The time in s within which the rate of a guard brings it to zero, for it to have fired; and by which pulses are laid out
+/// ahead of the time that has been reached.
+const NEAR: f64 = 1e-10;
+/// The time in s by which an update may miss an instant.
+const LATE: f64 = 1.0;
+/// Events in one instant that are taken for chatter.
+const MOST_EVENTS: u32 = 100;
+
+type Along = Dual<f64, 1>;
+
+/// What an update has come to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EventUpdate {
+    /// Events that were crossed and instants that were passed.
+    pub events: u32,
+    /// Whether a state has another value than before.
+    pub has_moved: bool,
+    /// The next instant in s at which something is due; infinite when there is none.
+    pub next: f64,
+}
+
+/// Evaluates a plant in the mode of its [`PlantSteps`], for a host that integrates.
+#[derive(Clone, Debug)]
+pub struct PlantExchange {
+    system: System<f64>,
+    at: Evaluation<f64>,
+    along: Evaluation<Along>,
+    guards: Vec<(PlantGuard, GuardForm)>,
+    seeded: Vec<Along>,
+    seeded_rates: Vec<Along>,
+    rates: Vec<f64>,
+    before: Vec<f64>,
+    /// The mode with the pieces that hold beyond its end.
+    beyond: Option<PlantMode>,
+    next: f64,
+    /// The time of the last update.
+    updated: f64,
+}
+
+impl PlantExchange {
+    /// Evaluates the plant of these steps, for a host that integrates with a relative tolerance: borders between modes are as
+    /// wide as its noise.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a tolerance outside its range.
+    pub fn new(steps: &PlantSteps, relative_tolerance: f64) -> Result<Self, Error> {
+        parameter::RELATIVE_TOLERANCE.check(relative_tolerance)?;
+        let plant = &steps.system.plant;
+        let (states, zero) = (plant.indices().states, Along::constant(0.0));
+        let system = System::new(plant, relative_tolerance);
+        let next = next_of(&system, steps);
+        Ok(Self {
+            system,
+            at: Evaluation::new(plant),
+            along: Evaluation::new(plant),
+            guards: Vec::new(),
+            seeded: vec![zero; states],
+            seeded_rates: vec![zero; states],
+            rates: vec![0.0; states],
+            before: vec![0.0; states],
+            beyond: None,
+            next,
+            updated: steps.time(),
+        })
+    }
+
+    /// The most guards that a mode is expected to have. Where one has more, the last value is the least of the rest.
+    pub fn guard_count(&self) -> usize {
+        let plant = &self.system.plant;
+        let coordinates: usize = plant.indices().mechanisms.iter().map(|here| here.coordinates).sum();
+        let network = plant.network();
+        12 * plant.actuators().len() + 6 * coordinates + 2 * (network.branches.len() + network.nodes.len())
+    }
+
+    /// Takes on a time in s and the states that `write` sets, in the mode that holds.
+    pub fn place(&self, steps: &mut PlantSteps, time: f64, write: impl FnOnce(&mut [f64])) {
+        let (own, state, _) = steps.reached.parts();
+        *own = time;
+        write(state);
+        steps.work.forget_guards();
+    }
+
+    /// Writes the rates of all states per second in the mode that holds, one for each state. A host tries states far beyond the
+    /// end of a mode, where a law may have no continuation; there each law takes the piece of its own state.
+    ///
+    /// # Errors
+    /// [`Error::Table`] for more or fewer rates.
+    pub fn rates(&mut self, steps: &PlantSteps, rates: &mut [f64]) -> Result<(), Error> {
+        check_count("rates", rates.len(), self.rates.len())?;
+        let (time, state) = (steps.time(), steps.state());
+        self.system.rates(time, state, steps.mode(), &mut self.at, rates);
+        if rates.iter().any(|rate| !rate.is_finite()) {
+            let mode = match &mut self.beyond {
+                Some(mode) => {
+                    mode.clone_from(steps.mode());
+                    mode
+                }
+                None => self.beyond.insert(steps.mode().clone()),
+            };
+            self.system.enter_pieces(time, state, mode, &mut self.at);
+            self.system.rates(time, state, mode, &mut self.at, rates);
+        }
+        Ok(())
+    }
+
+    /// Writes the guards of the mode that holds. Values beyond its guards are one; where there are more guards than values the
+    /// last value is the least of the rest.
+    pub fn guards(&mut self, steps: &PlantSteps, values: &mut [f64]) {
+        values.fill(1.0);
+        let Some(last) = values.len().checked_sub(1) else { return };
+        self.system.guards(steps.mode(), &mut self.guards);
+        for place in 0..self.guards.len() {
+            let value = self.value(steps, self.guards[place]);
+            if place <= last {
+                values[place] = value;
+            } else {
+                values[last] = values[last].min(value);
+            }
+        }
+    }
+
+    /// The value of a guard where the steps are.
+    fn value(&mut self, steps: &PlantSteps, (guard, form): (PlantGuard, GuardForm)) -> f64 {
+        match form {
+            GuardForm::Above { index, bound } => steps.state()[index] - bound,
+            GuardForm::Below { index, bound } => bound - steps.state()[index],
+            GuardForm::Function => self.system.guard(guard, steps.time(), steps.state(), steps.mode(), &mut self.at),
+        }
+    }
+
+    /// The derivative of a guard in the direction of the seeded states, and of time by `per_time`.
+    fn value_along(&mut self, steps: &PlantSteps, (guard, form): (PlantGuard, GuardForm), per_time: f64) -> f64 {
+        match form {
+            GuardForm::Above { index, .. } => self.seeded[index].slope[0],
+            GuardForm::Below { index, .. } => -self.seeded[index].slope[0],
+            GuardForm::Function => {
+                let time = Along { value: steps.time(), slope: [per_time] };
+                self.system.guard(guard, time, &self.seeded, steps.mode(), &mut self.along).slope[0]
+            }
+        }
+    }
+
+    /// Seeds the states with a direction.
+    fn seed(&mut self, steps: &PlantSteps, seed: impl Fn(usize) -> f64) {
+        for (place, (into, value)) in self.seeded.iter_mut().zip(steps.state()).enumerate() {
+            *into = Along { value: *value, slope: [seed(place)] };
+        }
+    }
+
+    /// The first guard that has fired, in the order of the mode; of a mode that has begun in this instant, that descends.
+    fn fired(&mut self, steps: &PlantSteps, is_new: bool) -> Option<PlantGuard> {
+        self.system.guards(steps.mode(), &mut self.guards);
+        let mut is_seeded = false;
+        for place in 0..self.guards.len() {
+            let guard = self.guards[place];
+            let value = self.value(steps, guard);
+            // Far from zero nothing has to be known of its rate.
+            if value < 0.0 && !is_new {
+                return Some(guard.0);
+            }
+            if !is_seeded {
+                self.system.rates(steps.time(), steps.state(), steps.mode(), &mut self.at, &mut self.rates);
+                let rates = core::mem::take(&mut self.rates);
+                self.seed(steps, |place| rates[place]);
+                self.rates = rates;
+                is_seeded = true;
+            }
+            let rate = self.value_along(steps, guard, 1.0);
+            let stays_at_zero = !is_new && value == 0.0 && rate == 0.0;
+            if (rate < 0.0 && value + rate * NEAR < 0.0) || stays_at_zero {
+                return Some(guard.0);
+            }
+        }
+        None
+    }
+
+    /// Crosses the guards that have fired and passes what is due, until nothing changes. A time that lies less than a
+    /// nanosecond before the next instant is taken for that instant.
+    ///
+    /// # Errors
+    /// [`Error::Stopped`] when the plant cannot go on, or when events follow each other without end; [`Error::Misuse`] for a
+    /// time more than a second before the last update, or after the next instant.
+    pub fn update(&mut self, steps: &mut PlantSteps) -> Result<EventUpdate, Error> {
+        let (time, state, _) = steps.reached.parts();
+        if (*time - self.next).abs() < 10.0 * NEAR * (1.0 + time.abs()) {
+            *time = self.next;
+        }
+        let time = *time;
+        // What is not a number is refused as well.
+        if !(self.updated - LATE..=self.next + LATE).contains(&time) {
+            return Err(Error::Misuse {
+                what: "an event is updated at a time before the last one, or long after something was due",
+                remedy: "stop at the next instant that the last update has given; to go back, restore what was saved",
+            });
+        }
+        self.before.copy_from_slice(state);
+        let (mut events, mut is_new) = (0, false);
+        loop {
+            let kind = if let Some(guard) = self.fired(steps, is_new) {
+                let (_, state, mode) = steps.reached.parts();
+                self.system.project(time, state, mode, &mut self.at);
+                self.system.cross(guard, time, state, mode, &mut self.at)?
+            } else {
+                steps.reached.pulse(&self.system.plant, time + NEAR)?;
+                let (_, state, mode) = steps.reached.parts();
+                if self.system.next_instant(mode, time).is_none() {
+                    break;
+                }
+                self.system.pass_instant(time, state, mode, &mut self.at)?
+            };
+            is_new = true;
+            events += 1;
+            if events > MOST_EVENTS {
+                return Err(self.system.halts(time, steps.state(), Halt::Events, Some(kind)));
+            }
+        }
+        steps.work.forget_guards();
+        (self.next, self.updated) = (next_of(&self.system, steps), time);
+        Ok(EventUpdate { events, has_moved: self.before != steps.state(), next: self.next })
+    }
+
+    /// Enters the modes that follow from rates and distances of the external mechanisms that have jumped.
+    pub fn enter_motion(&mut self, steps: &mut PlantSteps) {
+        let (time, state, mode) = steps.reached.parts();
+        for m in 0..self.system.plant.mechanisms().len() {
+            if matches!(self.system.plant.mechanisms()[m], crate::mechanism::Mechanism::External { .. }) {
+                self.system.enter_given_motion(m, *time, state, mode, &mut self.at);
+            }
+        }
+        steps.work.forget_guards();
+    }
+
+    /// Writes the usual sizes of the states in the mode that holds, one for each state.
+    ///
+    /// # Errors
+    /// [`Error::Table`] for more or fewer sizes.
+    pub fn scales(&self, steps: &PlantSteps, scales: &mut [f64]) -> Result<(), Error> {
+        check_count("scales", scales.len(), self.rates.len())?;
+        self.system.scales(steps.state(), steps.mode(), scales);
+        Ok(())
+    }
+
+    /// Writes the derivatives of all rates in the direction `seed` of the states, in the mode that holds: exact.
+    ///
+    /// # Errors
+    /// [`Error::Table`] for more or fewer numbers than states.
+    pub fn rates_along(&mut self, steps: &PlantSteps, seed: &[f64], rates: &mut [f64]) -> Result<(), Error> {
+        check_count("seed", seed.len(), self.rates.len())?;
+        check_count("rates", rates.len(), self.rates.len())?;
+        self.seed(steps, |place| seed[place]);
+        let time = Along::constant(steps.time());
+        self.system.rates(time, &self.seeded, steps.mode(), &mut self.along, &mut self.seeded_rates);
+        for (into, rate) in rates.iter_mut().zip(&self.seeded_rates) {
+            *into = rate.slope[0];
+        }
+        Ok(())
+    }
+
+    /// Writes the derivatives of the guards in the direction `seed` of the states, zero beyond the guards of the mode; of those
+    /// that do not fit none.
+    ///
+    /// # Errors
+    /// [`Error::Table`] for more or fewer numbers than states.
+    pub fn guards_along(&mut self, steps: &PlantSteps, seed: &[f64], values: &mut [f64]) -> Result<(), Error> {
+        check_count("seed", seed.len(), self.rates.len())?;
+        self.seed(steps, |place| seed[place]);
+        self.system.guards(steps.mode(), &mut self.guards);
+        values.fill(0.0);
+        for place in 0..self.guards.len().min(values.len()) {
+            values[place] = self.value_along(steps, self.guards[place], 0.0);
+        }
+        Ok(())
+    }
+
+    /// Writes the derivatives of a sample in the direction `seed` of the states: of actuators, coordinates and pressures of
+    /// nodes; the rest of the sample stays. The tension of an actuator that sticks without a tendon follows from the
+    /// others, and its derivative is zero here.
+    ///
+    /// # Errors
+    /// [`Error::Table`] for more or fewer numbers than states.
+    pub fn sample_along(&mut self, steps: &PlantSteps, seed: &[f64], sample: &mut PlantSample) -> Result<(), Error> {
+        check_count("seed", seed.len(), self.rates.len())?;
+        self.seed(steps, |place| seed[place]);
+        let (time, mode) = (Along::constant(steps.time()), steps.mode());
+        self.system.evaluate(time, &self.seeded, mode, &mut self.along);
+        let (plant, at) = (&*self.system.plant, &self.along);
+        for (i, its) in sample.actuators.iter_mut().enumerate() {
+            let (unit, chamber, air) = (&at.units[i], &at.chambers[i], plant.actuators()[i].actuator.air());
+            let rests = mode.actuators[i].mode.extent == LengthRegime::Slack;
+            let moved = |number: Along| if rests { 0.0 } else { number.slope[0] };
+            (its.distance, its.rate) = (unit.distance.slope[0], unit.rate.slope[0]);
+            (its.length, its.velocity) = (moved(unit.length), moved(unit.velocity));
+            its.pressure.0 = chamber.pressure.slope[0];
+            (its.air_mass, its.volume) = (chamber.mass.slope[0], chamber.volume.slope[0]);
+            its.temperature = air.temperature(chamber).slope[0];
+            its.tension = if unit.tension.value > 0.0 { unit.tension.slope[0] } else { 0.0 };
+            its.mass_flow = unit.flow.net().slope[0];
+        }
+        for (m, its) in sample.mechanisms.iter_mut().enumerate() {
+            let (position, rate) = plant.indices().mechanisms[m].of(&self.seeded);
+            for k in 0..position.len() {
+                (its.position[k], its.rate[k]) = (position[k].slope[0], rate[k].slope[0]);
+            }
+            its.actuator_force.fill(0.0);
+            for &i in &plant.indices().members[m] {
+                let tension = at.units[i].tension.larger(Along::constant(0.0));
+                for (force, entry) in its.actuator_force.iter_mut().zip(self.system.gradient(i, &at.gradient)) {
+                    *force -= (*entry * tension).slope[0];
+                }
+            }
+        }
+        for (its, node) in sample.nodes.iter_mut().zip(&at.network.nodes) {
+            its.pressure.0 = node.pressure.slope[0];
+        }
+        Ok(())
+    }
+}
+
+/// The next instant in s at which something is due; infinite when there is none.
+fn next_of(system: &System<f64>, steps: &PlantSteps) -> f64 {
+    let mode = steps.mode();
+    let instant = system.next_instant(mode, f64::INFINITY).unwrap_or(f64::INFINITY);
+    let edge = mode.network.pulse_edge();
+    // Something that was set and is not yet laid out is due at once.
+    instant.min(if edge == f64::NEG_INFINITY { steps.time() } else { edge })
+}
+
+/// That there is one number for each state.
+fn check_count(name: &'static str, given: usize, states: usize) -> Result<(), Error> {
+    if given == states {
+        return Ok(());
+    }
+    Err(Error::Table {
+        name,
+        problem: "there is not one number for each state",
+        entry: given.min(states) + 1,
+        remedy: "give as many numbers as `Plant::indices` has states",
+    })
+}

@@ -1,0 +1,150 @@
+"""Functional mock-up units in FMPy: no problem in the validation, and the trajectories of the core by both interfaces and versions."""
+
+from __future__ import annotations
+
+import math
+import pathlib
+
+import numpy
+import pytest
+
+import mckibben
+
+fmpy = pytest.importorskip("fmpy")
+
+from fmpy.validation import validate_fmu  # noqa: E402
+
+MUSCLE = """\
+[supply]
+gauge_pressure = "100 psi"
+[valve]
+preset = "matrix-eight-channel"
+[command]
+kind = "pwm"
+frequency = "25 Hz"
+duty = 0.8
+[load]
+kind = "hanging-mass"
+mass = "5 lb"
+[initial]
+length = "90 mm"
+gauge_pressure = "40 psi"
+[run]
+duration = "0.5 s"
+"""
+
+
+@pytest.fixture(scope="module")
+def unit(program, tmp_path_factory):
+    """Writes a unit; the path of the file."""
+    folder = tmp_path_factory.mktemp("fmu")
+    (folder / "muscle.toml").write_text(MUSCLE)
+
+    def write(name: str, *arguments: str, file: str | pathlib.Path = "muscle.toml") -> str:
+        program(folder, "fmu", str(file), "--output", name, *arguments)
+        return str(folder / name)
+
+    return write
+
+
+def simulate(path: str, kind: str, **options) -> numpy.ndarray:
+    messages: list[str] = []
+    run = fmpy.simulate_fmu(
+        path,
+        fmi_type=kind,
+        stop_time=options.pop("stop_time", 0.5),
+        output_interval=1e-3,
+        record_events=False,
+        logger=lambda *message: messages.append(str(message)),
+        **options,
+    )
+    assert not messages
+    return run
+
+
+@pytest.fixture(scope="module")
+def reference() -> mckibben.Trajectory:
+    scenario = mckibben.Scenario.parse(MUSCLE).with_values({"run.relative_tolerance": 1e-10})
+    return mckibben.simulate(scenario)
+
+
+@pytest.mark.parametrize("version", ["2", "3"])
+@pytest.mark.parametrize("kind", ["cs", "me", "both"])
+@pytest.mark.parametrize("motion", ["host", "scenario"])
+def test_the_validation_finds_no_problem(unit, version, kind, motion):
+    path = unit(f"{motion}-{version}-{kind}.fmu", "--fmi", version, "--kind", kind, "--motion", motion)
+    assert validate_fmu(path) == []
+
+
+def test_an_arm_on_one_tank_has_no_problem(unit, examples):
+    path = unit("arm.fmu", "--motion", "scenario", "--set", "run.step=0.5 ms", file=examples / "plant/arm.toml")
+    assert validate_fmu(path) == []
+    start = {"commands": [1.0, 0.0, 0.0, 0.0, 0.0, 0.0]}
+    runs = [
+        simulate(path, kind, stop_time=0.2, start_values=start, output=["shoulder.angle"], relative_tolerance=1e-6)
+        for kind in ("CoSimulation", "ModelExchange")
+    ]
+    assert numpy.abs(runs[0]["shoulder.angle"] - runs[1]["shoulder.angle"]).max() < 2e-3
+
+
+@pytest.mark.parametrize("version", ["2", "3"])
+def test_model_exchange_keeps_to_the_event_located_engine(unit, reference, version):
+    path = unit(f"me-{version}.fmu", "--fmi", version, "--kind", "me", "--motion", "scenario")
+    for tolerance, bound in [(1e-6, 1e-5), (1e-8, 2e-7)]:
+        run = simulate(
+            path,
+            "ModelExchange",
+            start_values={"actuator.duty": 0.8},
+            output=["actuator.length"],
+            relative_tolerance=tolerance,
+        )
+        length = numpy.interp(reference.time, run["time"], run["actuator.length"])
+        assert numpy.abs(length - reference.length).max() < bound
+
+
+@pytest.mark.parametrize("version", ["2", "3"])
+def test_co_simulation_is_the_fixed_step_engine(unit, version):
+    step = ["--set", "run.engine=fixed-step", "--set", "run.step=0.5 ms"]
+    path = unit(f"cs-{version}.fmu", "--fmi", version, "--motion", "scenario", *step)
+    scenario = mckibben.Scenario.parse(MUSCLE).with_values({"run.engine": "fixed-step", "run.step": "0.5 ms"})
+    expected = mckibben.simulate(scenario)
+    run = simulate(path, "CoSimulation", start_values={"actuator.duty": 0.8}, output=["actuator.length"])
+    assert numpy.abs(run["actuator.length"] - expected.length).max() < 1e-9
+
+
+def test_the_host_moves_the_ends(unit):
+    path = unit("host.fmu")
+    times = numpy.arange(0.0, 0.2005, 1e-3)
+    signals = numpy.array(
+        [(time, 0.088 + 1e-3 * math.cos(40 * time)) for time in times + 1e-3],
+        dtype=[("time", float), ("actuator.distance", float)],
+    )
+    signals["time"] = times
+    run = simulate(
+        path,
+        "CoSimulation",
+        stop_time=0.2,
+        input=signals,
+        start_values={"actuator.duty": 0.6},
+        output=["actuator.length", "actuator.tension"],
+    )
+    assert numpy.abs(run["actuator.length"][1:] - signals["actuator.distance"][: len(run) - 1]).max() < 1e-12
+    assert (run["actuator.tension"] > 0.0).any()
+
+
+def test_event_mode_and_parameters(unit):
+    path = unit("events.fmu", "--motion", "scenario", "--set", "run.step=0.1 ms")
+    runs = [
+        simulate(
+            path,
+            "CoSimulation",
+            stop_time=0.1,
+            start_values={"actuator.duty": 0.5, "load.mass": mass},
+            output=["actuator.length"],
+            use_event_mode=events,
+            early_return_allowed=events,
+        )
+        for mass, events in [(2.0, False), (2.0, True), (3.0, False)]
+    ]
+    end = [run["actuator.length"][-1] for run in runs]
+    assert abs(end[0] - end[1]) < 1e-5 < abs(end[0] - end[2])
