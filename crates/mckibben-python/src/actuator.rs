@@ -1,7 +1,6 @@
 //! The modular actuator for a simulation loop that users write: the classes `Actuator`, `ActuatorState` and `Response`.
 
 use crate::arguments;
-use crate::pulses::Pulses;
 use crate::raised::{Raised, exception};
 use crate::scenario::Scenario;
 use crate::signals::Watch;
@@ -11,6 +10,7 @@ use mckibben::simulation::{MOST_PARTS, Method};
 use mckibben::valve::{Request, RuntimeCommand};
 use mckibben::{Error, GaugePressure, parameter};
 use mckibben_run::failure::Failure;
+use mckibben_run::host::Pulses;
 use mckibben_scenario::{Experiment, InitialLength, Load};
 use numpy::PyArray1;
 use pyo3::IntoPyObjectExt;

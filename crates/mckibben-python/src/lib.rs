@@ -8,7 +8,6 @@
 //! | `hosted_plant` | plants whose ends a simulator moves: `HostedPlant`; the plugin for MuJoCo |
 //! | `actuators` | many of them on arrays: `Actuators` |
 //! | `vector_plant` | many plants that are commanded together and reset one by one: `VectorPlant` |
-//! | `pulses` | how a valve is pulsed by a duty cycle |
 //! | `curves` | `curves`, `presets` |
 //! | `parameters` | the quantities of a scenario file |
 //! | `linear` | `linearize`, the class `LinearModel` |
@@ -36,13 +35,12 @@ mod arguments;
 mod columns;
 mod curves;
 mod differentiable;
-mod hosted_plant;
 mod differentiable_step;
+mod hosted_plant;
 mod identification;
 mod linear;
 mod parameters;
 mod pool;
-mod pulses;
 mod python;
 mod raised;
 mod scenario;
@@ -66,9 +64,9 @@ mod _mckibben {
     #[pymodule_export]
     use crate::differentiable::Differentiable;
     #[pymodule_export]
-    use crate::hosted_plant::{_register_mujoco, HostedPlant};
-    #[pymodule_export]
     use crate::differentiable_step::DifferentiableStep;
+    #[pymodule_export]
+    use crate::hosted_plant::{_register_mujoco, HostedPlant};
     #[pymodule_export]
     use crate::identification::{_identify, _identify_file};
     #[pymodule_export]

@@ -4,11 +4,12 @@ use super::columns::{self, Column};
 use crate::scenario::Scenario;
 use mckibben::parameter;
 use mckibben::plant::{Plant, PlantStart, plant_step_for_accuracy};
-use mckibben::simulation::{self, Method};
+use mckibben::simulation::Method;
 use mckibben::valve::{Command, Solenoid};
 use mckibben_identify::adjustable::Adjustable;
 use mckibben_run::failure::Failure;
-use mckibben_scenario::{Document, Engine, PlaceError, PlantExperiment, PlantPlace, Run};
+use mckibben_run::host::open;
+use mckibben_scenario::{Document, PlaceError, PlantExperiment, PlantPlace, Run};
 use pyo3::prelude::*;
 
 /// A plant whose valves are commanded at run time, and its start.
@@ -88,7 +89,7 @@ impl File {
         }
         let chosen = || {
             let (of, times) = ((&begin.plant, &begin.start), (run.duration, run.sample_interval));
-            plant_step_for_accuracy(of, &Vec::new, times, method(&run), run.accuracy).map(|chosen| chosen.step)
+            plant_step_for_accuracy(of, &Vec::new, times, run.core_method(), run.accuracy).map(|chosen| chosen.step)
         };
         let step = run.step.map_or_else(chosen, Ok).map_err(failed)?;
         let commands = valves.iter().map(|valve| begin.plant.network().valves[*valve].command.clone()).collect();
@@ -98,7 +99,7 @@ impl File {
 
     /// The formula of a step.
     pub(super) fn method(&self) -> Method {
-        method(&self.run)
+        self.run.core_method()
     }
 
     /// What the file has for each number, in SI.
@@ -153,14 +154,6 @@ impl File {
     }
 }
 
-/// A scenario whose valves are commanded at run time.
-fn open(scenario: &mckibben_scenario::Scenario) -> mckibben_scenario::Scenario {
-    let mut open = scenario.open_loop();
-    // What runs of fixed steps leave out is no limit here: the plant's steps take every part.
-    open.run.engine = Engine::EventLocated;
-    open
-}
-
 /// The valves of the actuators of a plant, each once.
 fn valves_of(experiment: &PlantExperiment) -> Vec<usize> {
     let mut valves = Vec::new();
@@ -170,13 +163,6 @@ fn valves_of(experiment: &PlantExperiment) -> Vec<usize> {
         }
     }
     valves
-}
-
-fn method(run: &Run) -> Method {
-    match run.method {
-        mckibben_scenario::Method::Stable => simulation::Method::Stable,
-        mckibben_scenario::Method::Rk4 => simulation::Method::Rk4,
-    }
 }
 
 /// The plant of a file of one actuator or of a joint.

@@ -1,12 +1,12 @@
 //! VectorPlant of a file that are stepped together: their commands, their clock, and which begin again.
 
-use super::action::ActionMode;
 use super::columns;
 use super::file::{Begin, File};
 use mckibben::parameter;
 use mckibben::plant::{PlantRun, PlantSteps, TimeStepping};
 use mckibben_batch::PlantBatch;
 use mckibben_run::failure::Failure;
+use mckibben_run::host::CommandMode;
 use rayon::prelude::*;
 
 /// Numbers that the stages of a step keep for each state of a plant, and bytes of what the parts of a plant are.
@@ -55,7 +55,7 @@ impl Pace {
 /// VectorPlant of one file that go through time together. An error stands with the number of its plant.
 pub(super) struct Fleet {
     file: File,
-    action_mode: ActionMode,
+    action_mode: CommandMode,
     /// The file's plant at t = 0, which plants that are alike share.
     first: PlantRun,
     pace: Pace,
@@ -67,7 +67,7 @@ pub(super) struct Fleet {
 
 impl Fleet {
     /// None yet, of this file.
-    pub(super) fn new(file: File, action_mode: ActionMode) -> Result<Self, Failure> {
+    pub(super) fn new(file: File, action_mode: CommandMode) -> Result<Self, Failure> {
         let first = run(&file, file.begin()).map_err(|error| file.failed(&error))?;
         let batch = PlantBatch::new(Vec::new()).map_err(|error| file.failed(&error))?;
         let state = first.state().to_vec();
@@ -135,14 +135,14 @@ impl Fleet {
         let valves = self.valves().max(1);
         // Duty cycles within their range differ in nothing that a valve would mind.
         let actions = match self.action_mode {
-            ActionMode::Duty(_) if actions.iter().all(|duty| parameter::DUTY.range.contains(*duty)) => {
+            CommandMode::Duty(_) if actions.iter().all(|duty| parameter::DUTY.range.contains(*duty)) => {
                 &actions[..actions.len().min(valves)]
             }
             _ => actions,
         };
         for (row, actions) in actions.chunks(valves).enumerate() {
             for (number, solenoid) in actions.iter().zip(self.file.solenoids()) {
-                let demand = self.action_mode.demand(*number).and_then(|demand| solenoid.check_command(&demand));
+                let demand = self.action_mode.command(*number).and_then(|demand| solenoid.check_command(&demand));
                 demand.map_err(|error| (row, error.into()))?;
             }
         }
@@ -156,7 +156,7 @@ impl Fleet {
         for (row, actions) in actions.chunks(file.valves.len().max(1)).enumerate() {
             for (valve, number) in file.valves.iter().zip(actions) {
                 // What cannot be set has stopped.
-                let _ = action_mode.demand(*number).and_then(|demand| batch.set(row, *valve, demand));
+                let _ = action_mode.command(*number).and_then(|demand| batch.set(row, *valve, demand));
             }
         }
         *pace = pace.on(span);

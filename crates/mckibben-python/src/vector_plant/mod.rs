@@ -2,29 +2,26 @@
 //!
 //! | module | what it holds |
 //! |---|---|
-//! | `action_mode` | actions of valves, as numbers |
 //! | `file` | the plant of a scenario file, with other values of numbers by their paths |
 //! | `columns` | what is observed of each |
 //! | `fleet` | the plants, stepped together in a batch |
 
-mod action;
 mod columns;
 mod file;
 mod fleet;
 
 use crate::arguments;
 use crate::pool;
-use crate::pulses::Pulses;
 use crate::raised::{Raised, exception};
 use crate::scenario::Scenario;
 use crate::typed::{ActionWord, Count, Flags, Items, NewArguments, Numbers as Array, Rows, Sequence, Table};
-use action::ActionMode;
 use file::File;
 use fleet::{Fleet, Span};
 use mckibben::network::NodeKind;
 use mckibben::simulation::MOST_PARTS;
 use mckibben::valve::{Command, Solenoid};
 use mckibben_run::failure::Failure;
+use mckibben_run::host::{CommandMode, Pulses};
 use numpy::PyArray1;
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
@@ -118,11 +115,11 @@ impl VectorPlant {
             let remedy = "give the scenario [supply] and [valve]";
             return Err(Failure::input("the plant has no valve that could be commanded", remedy));
         }
-        file.solenoids().try_for_each(|valve| ActionMode::check(mode, valve))?;
+        file.solenoids().try_for_each(|valve| CommandMode::check("action_mode", mode, valve))?;
         let pulsed = file.commands.iter().find(|command| matches!(command, Command::Pwm { .. }));
         let pulses = || Pulses::of(pulsed.or(file.commands.first()), pulse_frequency);
-        let action_mode = ActionMode::named(mode, pulses)?;
-        let requests = ActionMode::requests_of(file.solenoids().collect::<Vec<_>>().into_iter());
+        let action_mode = CommandMode::named("action_mode", mode, pulses)?;
+        let requests = CommandMode::requests_of(file.solenoids().collect::<Vec<_>>().into_iter());
         let of_valve = |valve: &Solenoid| valve.dead_time() + valve.delays().into_iter().fold(0.0, f64::max);
         let hoses = file.begin().plant.network().nodes.iter().filter_map(|node| match &node.kind {
             NodeKind::Hose(hose) => Some(hose.transport_delay()),
