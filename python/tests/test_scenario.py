@@ -128,7 +128,7 @@ def test_sections_are_attributes_in_si(examples):
 
 
 def test_attributes_are_cheap_and_cannot_change_the_scenario(examples):
-    """The sections are read once: many attributes take less time than a few dictionaries."""
+    """The sections are read once: attributes take less time than half as many dictionaries."""
     scenario = mckibben.Scenario.from_file(examples / "paper/fig-12.toml")
     mass = scenario.load.mass
     scenario.to_dict()["load"]["mass"] = "1 kg"
@@ -140,7 +140,7 @@ def test_attributes_are_cheap_and_cannot_change_the_scenario(examples):
             work()
         return time.perf_counter() - begin
 
-    few = min(duration(scenario.to_dict, 20) for _ in range(5))
+    few = min(duration(scenario.to_dict, 50) for _ in range(5))
     many = min(duration(lambda: scenario.load.mass, 100) for _ in range(5))
     assert many < few
 
