@@ -197,7 +197,9 @@ impl DifferentiableStep {
             steps.move_to(until, &[motion[0]])?;
             let (state, tension) = outputs.split_at_mut(states);
             steps.save_to(state)?;
-            tension[0] = steps.compute_at(0, &[motion[1]])?.tension;
+            let mut response = [steps.compute(0)?];
+            steps.compute_at(&[motion[0]], &[motion[1]], &mut response)?;
+            tension[0] = response[0].tension;
             for (output, row) in outputs.iter().zip(jacobian.chunks_exact_mut(width)) {
                 // An instant that does not come is infinite, and has no derivative.
                 let slopes = output.slope.iter().map(|slope| if slope.is_finite() { *slope } else { 0.0 });
