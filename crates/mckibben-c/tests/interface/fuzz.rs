@@ -351,6 +351,36 @@ fn the_scenarios_to_mutate_are_good() {
     }
 }
 
+/// Any number of a state of what sticks, changed, is refused or goes on; a list of more actuators that hold a joint than it has
+/// coordinates was once taken, and broke the next step.
+#[test]
+fn a_state_with_any_number_changed_is_refused_or_goes_on() {
+    for text in [JOINT, TANK] {
+        let plant = super::common::read(text, &super::common::options(Motion::Scenario));
+        let mut state = vec![0.0; unsafe { mckibben_state_size(plant.0) }];
+        let (size, mut time) = (state.len(), 0.0);
+        for until in [1e-3, 0.02, 0.5] {
+            unsafe {
+                assert_eq!(mckibben_advance(plant.0, until, null(), 0), Status::Ok, "{}", last_error());
+                assert_eq!(mckibben_save(plant.0, state.as_mut_ptr(), size), Status::Ok);
+            }
+            for place in 0..size {
+                for changed in [0.0, 1.0, 2.0, 3.0, -1.0] {
+                    let mut numbers = state.clone();
+                    numbers[place] = changed;
+                    let restored = unsafe { mckibben_restore(plant.0, numbers.as_ptr(), size) };
+                    unsafe { mckibben_time(plant.0, &raw mut time) };
+                    let advanced = unsafe { mckibben_advance(plant.0, time + 2e-3, null(), 0) };
+                    for status in [restored, advanced] {
+                        assert!(!matches!(status, Status::Defect | Status::Busy), "number {place}: {}", last_error());
+                    }
+                }
+            }
+            assert_eq!(unsafe { mckibben_restore(plant.0, state.as_ptr(), size) }, Status::Ok);
+        }
+    }
+}
+
 #[test]
 fn any_calls_with_any_values_return() {
     let limit = Duration::from_secs(chosen("MCKIBBEN_FUZZ_SECONDS", 2));

@@ -136,6 +136,11 @@ impl<R: Instantiate> System<R> {
         let members = &self.plant.places.members[m];
         let (count, all) = (members.len(), self.wires.len());
         row.indices(basis, count, all);
+        // No more directions are independent than there are coordinates.
+        let most_held = self.plant.places.mechanisms[m].coordinates;
+        if basis.len() > most_held {
+            row.refuse();
+        }
         let most = self.plant.most_facets(m);
         if let Some(length) = row.length(facets.len(), most) {
             facets.resize_with(length, || Facet { span: Vec::new(), along: Vec::new(), block: Vec::new() });
@@ -144,7 +149,7 @@ impl<R: Instantiate> System<R> {
         for place in 0..most {
             let Facet { span, along, block } = facets.get_mut(place).unwrap_or(&mut none);
             [&mut *span, along, block].into_iter().for_each(|list| row.indices(list, count, all));
-            if !span.is_empty() && along.len() + 1 != span.len() {
+            if span.len() > most_held || (!span.is_empty() && along.len() + 1 != span.len()) {
                 row.refuse();
             }
         }
