@@ -4,6 +4,11 @@
 //! | made | by | tried |
 //! |---|---|---|
 //! | `mckibben-VERSION-TARGET.tar.gz` | the profile `dist` | unpacked, and a scenario run by it; an example in C |
+//! What a release carries: the program in an archive with its library, manual pages and completions, a wheel, its source, and checksums.
+//!
+//! | made | by | tried |
+//! |---|---|---|
+//! | `mckibben-VERSION-TARGET.tar.gz` | the profile `dist`, with the library of functional mock-up units | unpacked, a scenario run and a unit written by it |
 //! | `mckibben-VERSION-cp310-abi3-….whl` | Maturin, by that profile | installed where there is no Cargo, and a scenario run by it |
 //! | `mckibben-VERSION.tar.gz` | Maturin | its metadata are read, so nothing reaches outside it |
 //! | `SHA256SUMS` | | |
@@ -71,6 +76,9 @@ fn archive(root: &Path, folder: &Path) -> Result<String, String> {
         "mckibben-cli",
         "--bin",
         "mckibben",
+        "--package",
+        "mckibben-fmu",
+        "--lib",
     ]))?;
     let name = format!("mckibben-{}-{}", env!("CARGO_PKG_VERSION"), target(root)?);
     let (staged, file) = (root.join("target/release-staged"), format!("mckibben{}", std::env::consts::EXE_SUFFIX));
@@ -81,6 +89,8 @@ fn archive(root: &Path, folder: &Path) -> Result<String, String> {
         create(&into.join(part))?;
     }
     copy(&built, &into.join(&file))?;
+    let library = library();
+    copy(&built.with_file_name(&library), &into.join(&library))?;
     BESIDE.iter().try_for_each(|file| copy(&root.join(file), &into.join(file)))?;
     let program = into.join(&file);
     for (shell, file) in SHELLS {
@@ -100,8 +110,16 @@ fn archive(root: &Path, folder: &Path) -> Result<String, String> {
     empty(&staged)?;
     succeed(command(&staged, "tar").arg("-xzf").arg(&archive))?;
     let scenario = root.join("examples/paper/fig-12.toml");
-    succeed(command(root, staged.join(&name).join(&file)).arg("simulate").arg(scenario))?;
+    let program = staged.join(&name).join(&file);
+    succeed(command(root, &program).arg("simulate").arg(&scenario))?;
+    succeed(command(root, &program).arg("fmu").arg(&scenario).arg("--output").arg(staged.join("muscle.fmu")))?;
     Ok(format!("{name}.tar.gz"))
+}
+
+/// The file of the library that a functional mock-up unit carries, which lies beside the program.
+fn library() -> String {
+    let (begins, ends) = (std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
+    format!("{begins}mckibben_fmu{ends}")
 }
 
 /// The commands of the program, with an empty name for the program itself.
