@@ -191,6 +191,7 @@ fn a_plant_begins_at_distances_of_the_host() {
     assert!((output(&mut of, "actuator.gauge_pressure") - 40.0 * PSI).abs() < 1e-6);
     assert!(of.begin_at(&[0.5], &[0.0]).is_err(), "longer than the thread");
     assert!(of.begin_at(&[], &[]).is_err());
+    assert!(of.begin_at(&[0.0], &[0.0]).is_err());
     assert_eq!(of.distance(0), 0.085);
 }
 

@@ -365,6 +365,7 @@ impl HostPlant {
                 "set `initial` in the scenario, or read it with the motion of the host",
             ));
         }
+        distances.iter().try_for_each(|its| mckibben::parameter::INITIAL_LENGTH.check(*its).map(drop))?;
         let start = PlantStart {
             positions: vec![distances.to_vec()],
             rates: vec![rates.to_vec()],
