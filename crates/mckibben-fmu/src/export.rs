@@ -103,7 +103,7 @@ pub fn unit(
 /// Writes a unit, whole or not at all.
 ///
 /// # Errors
-/// As [`unit`], and when the file cannot be written.
+/// As [`unit()`], and when the file cannot be written.
 pub fn write_fmu(
     path: &Path,
     model: &Model,

@@ -191,6 +191,45 @@ fn steps_return_early_at_the_valve() {
     unsafe { fmi3FreeInstance(handle) };
 }
 
+/// A duty cycle that is set at an early return is that of the next period, however long the step was to be.
+#[test]
+fn a_command_at_an_early_return_counts_from_the_next_period() {
+    let fine = UnitOptions { max_step: Some(5e-5), ..UnitOptions::default() };
+    let (unit, messages) = (Unit::new(MUSCLE, &fine), Messages::default());
+    let duty = unit.reference("actuator.duty");
+    let pressure = |longest: f64| {
+        let handle = unit.co_simulation(&messages, true);
+        assert_eq!(set(handle, duty, 0.5), OK);
+        initialise(handle);
+        update(handle);
+        // SAFETY: an instance.
+        assert_eq!(unsafe { fmi3EnterStepMode(handle) }, OK);
+        let (mut time, mut is_set) = (0.0, false);
+        while time < 0.2 {
+            let (status, reached, early) = step(handle, time, longest.min(0.2 - time));
+            assert_eq!(status, OK, "{}", messages.take());
+            time = reached;
+            if early {
+                // SAFETY: an instance.
+                assert_eq!(unsafe { fmi3EnterEventMode(handle) }, OK);
+                if time > 0.03 && !is_set {
+                    assert_eq!(set(handle, duty, 0.9), OK);
+                    is_set = true;
+                }
+                update(handle);
+                // SAFETY: an instance.
+                assert_eq!(unsafe { fmi3EnterStepMode(handle) }, OK);
+            }
+        }
+        let found = get(handle, unit.reference("actuator.gauge_pressure"));
+        // SAFETY: an instance.
+        unsafe { fmi3FreeInstance(handle) };
+        found
+    };
+    let (long, short) = (pressure(0.2), pressure(3.7e-3));
+    assert!((long - short).abs() < 200.0, "{long} Pa by long steps, {short} Pa by short ones");
+}
+
 /// Wrong use is an error with a message, and changes nothing.
 #[test]
 fn wrong_use_is_refused() {

@@ -129,10 +129,9 @@ unsafe extern "C" fn fmi2Instantiate(
         Ok((read_model(resources.as_deref().and_then(folder), guid.as_deref())?, kind))
     }));
     match made.unwrap_or_else(|_| Err(Refusal::error("the library failed: report it with the unit"))) {
-        Ok((model, kind)) => catch_unwind(AssertUnwindSafe(|| Instance::new(model, kind, log)))
-            .ok()
-            .and_then(Result::ok)
-            .map_or(std::ptr::null_mut(), hold),
+        Ok((model, kind)) => {
+            catch_unwind(AssertUnwindSafe(|| Instance::new(model, kind, log))).ok().map_or(std::ptr::null_mut(), hold)
+        }
         Err(refusal) => {
             log.refused(Status::Error, &format!("{name}: {}", refusal.message));
             std::ptr::null_mut()
@@ -423,7 +422,9 @@ lists! {
 
 #[unsafe(no_mangle)]
 extern "C" fn fmi2DoStep(handle: Handle, time: f64, step: f64, _no_set_state: c_int) -> c_int {
-    call(handle, "fmi2DoStep", |instance| instance.do_step(time, step).map(drop))
+    // A discarded step asks a host of FMI 2.0 to try a shorter one; many do not, and would try the same step without end.
+    let refused = |refusal: Refusal| Refusal::error(refusal.message);
+    call(handle, "fmi2DoStep", |instance| instance.do_step(time, step).map(drop).map_err(refused))
 }
 
 #[unsafe(no_mangle)]

@@ -37,10 +37,9 @@ fn instantiate(
     let model = catch_unwind(AssertUnwindSafe(|| read_model(resources.map(PathBuf::from), token.as_deref())));
     let model = model.unwrap_or_else(|_| Err(Refusal::error("the library failed: report it with the unit")));
     match model {
-        Ok(model) => catch_unwind(AssertUnwindSafe(|| Instance::new(model, kind, log)))
-            .ok()
-            .and_then(Result::ok)
-            .map_or(std::ptr::null_mut(), hold),
+        Ok(model) => {
+            catch_unwind(AssertUnwindSafe(|| Instance::new(model, kind, log))).ok().map_or(std::ptr::null_mut(), hold)
+        }
         Err(refusal) => {
             let message = format!("{}: {}", name.as_deref().unwrap_or("instance"), refusal.message);
             log.refused(Status::Error, &message);

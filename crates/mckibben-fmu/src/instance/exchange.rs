@@ -66,16 +66,15 @@ impl Instance {
         if let Some(place) = states.iter().position(|state| !state.is_finite()) {
             return Err(Refusal::discard(format!("continuous state {place} is {:?}", states[place])));
         }
-        let places = core::mem::take(&mut self.scratch[0]);
-        let time = self.plant.steps().time();
-        let of_unit = self.model.variables().states.clone();
-        self.scratch[0] = places;
-        let (exchange, plant) = self.exchange()?;
-        exchange.place(plant.steps_mut(), time, |own| {
-            for (place, state) in of_unit.iter().zip(states) {
-                own[*place] = *state;
-            }
-        });
+        self.exchange()?;
+        let (time, of_unit) = (self.plant.steps().time(), &self.model.variables().states);
+        if let Some(exchange) = &self.exchange {
+            exchange.place(self.plant.steps_mut(), time, |own| {
+                for (place, state) in of_unit.iter().zip(states) {
+                    own[*place] = *state;
+                }
+            });
+        }
         self.are_outputs_known = false;
         Ok(())
     }

@@ -142,11 +142,8 @@ pub struct Instance {
 }
 
 impl Instance {
-    /// A new instance.
-    ///
-    /// # Errors
-    /// None so far; the model has been read.
-    pub fn new(model: Model, kind: Kind, log: Logger) -> Result<Self, Refusal> {
+    /// A new instance of a model.
+    pub fn new(model: Model, kind: Kind, log: Logger) -> Self {
         let plant = model.plant().clone();
         let parameters = model.parameters();
         let inputs = Inputs::of_start(&model);
@@ -171,7 +168,7 @@ impl Instance {
         };
         instance.log.event(|| "the instance begins".to_owned());
         instance.plant.state_size();
-        Ok(instance)
+        instance
     }
 
     /// Where it is in its life.
@@ -316,7 +313,7 @@ impl Instance {
     /// Returns to where the instance was made: parameters and inputs have their start values.
     ///
     /// # Errors
-    /// None.
+    /// Never; the result is that of the other verbs.
     pub fn reset(&mut self) -> Result<(), Refusal> {
         self.plant = self.model.plant().clone();
         self.parameters = self.model.parameters();

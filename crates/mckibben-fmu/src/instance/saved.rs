@@ -5,6 +5,7 @@
 //! ```
 
 use super::{Inputs, Instance, Kind, Phase, Refusal};
+use mckibben_run::host::HostPlant;
 
 /// How bytes of a state begin.
 const MAGIC: &[u8; 8] = b"mckibfmu";
@@ -22,6 +23,7 @@ const PHASES: [Phase; 6] =
 #[derive(Clone, Debug, PartialEq)]
 pub struct Saved {
     token: String,
+    kind: Kind,
     phase: Phase,
     /// The state of the plant.
     plant: Vec<f64>,
@@ -45,6 +47,7 @@ impl Instance {
         self.plant.save(&mut plant)?;
         Ok(Saved {
             token: self.model.token().to_owned(),
+            kind: self.kind,
             phase: self.phase,
             plant,
             parameters: self.parameters.clone(),
@@ -65,23 +68,25 @@ impl Instance {
         if saved.token != self.model.token() {
             return Err(Refusal::error("the state is of another unit"));
         }
-        let fits = match saved.phase {
-            Phase::Step => self.kind != Kind::ModelExchange,
-            Phase::Continuous => self.kind == Kind::ModelExchange,
-            _ => true,
-        };
-        if !fits {
+        if (saved.kind == Kind::ModelExchange) != (self.kind == Kind::ModelExchange) {
             return Err(Refusal::error("the state is of an instance that was made for the other interface"));
         }
         let same = |ours: &[f64], theirs: &[f64]| {
             ours.iter().map(|its| its.to_bits()).eq(theirs.iter().map(|its| its.to_bits()))
         };
         if same(&self.parameters, &saved.parameters) {
+            let mut before = vec![0.0; self.plant.state_size()];
+            self.plant.save(&mut before)?;
             self.plant.restore(&saved.plant)?;
+            if let Err(refusal) = check_pulses(&self.plant) {
+                self.plant.restore(&before)?;
+                return Err(refusal);
+            }
         } else {
             let mut plant = self.model.build(&saved.parameters)?;
             plant.state_size();
             plant.restore(&saved.plant)?;
+            check_pulses(&plant)?;
             self.plant = plant;
         }
         self.exchange = None;
@@ -115,7 +120,8 @@ impl Instance {
         if take(8)? != MAGIC || number(take(4)?)? != VERSION || take(TOKEN)? != self.model.token().as_bytes() {
             return None;
         }
-        let phase = *PHASES.get(usize::try_from(number(take(4)?)?).ok()?)?;
+        let number_of_phase = usize::try_from(number(take(4)?)?).ok()?;
+        let phase = *PHASES.get(number_of_phase.checked_sub(self.first_phase())?)?;
         let counts = [self.scratch_size(), self.parameters.len(), self.sent.len(), self.entered.len()];
         for count in counts {
             if usize::try_from(number(take(4)?)?).ok()? != count {
@@ -135,6 +141,7 @@ impl Instance {
         };
         let saved = Saved {
             token: self.model.token().to_owned(),
+            kind: self.kind,
             phase,
             plant: list(plant),
             parameters: list(parameters),
@@ -152,10 +159,24 @@ impl Instance {
         (is_finite && is_taken && is_input(distances) && is_input(rates) && is_input(&saved.entered)).then_some(saved)
     }
 
+    /// The number of the first phase in bytes: those of model exchange stand behind those of co-simulation.
+    fn first_phase(&self) -> usize {
+        if self.kind == Kind::ModelExchange { PHASES.len() } else { 0 }
+    }
+
     /// How many numbers the state of the plant is.
     fn scratch_size(&self) -> usize {
         self.plant.clone().state_size()
     }
+}
+
+/// That no pulse of a state is long overdue: bytes that were changed may say so, and laying them out would take for ever.
+fn check_pulses(plant: &HostPlant) -> Result<(), Refusal> {
+    let (edge, time) = (plant.steps().pulse_edge(), plant.steps().time());
+    if edge.is_finite() && edge < time - 1.0 {
+        return Err(Refusal::error("the bytes are no state of this unit"));
+    }
+    Ok(())
 }
 
 impl Saved {
@@ -177,6 +198,7 @@ impl Saved {
         bytes.extend(VERSION.to_le_bytes());
         bytes.extend(self.token.as_bytes());
         let phase = PHASES.iter().position(|phase| *phase == self.phase).unwrap_or(0);
+        let phase = phase + if self.kind == Kind::ModelExchange { PHASES.len() } else { 0 };
         for number in [phase, self.plant.len(), self.parameters.len(), self.sent.len(), self.entered.len()] {
             bytes.extend((number as u32).to_le_bytes());
         }

@@ -9,6 +9,11 @@ use mckibben_run::host::Motion;
 /// A time in s that differs by less, relative to the time, is the same.
 const SAME: f64 = 1e-9;
 
+/// By how much pulses are laid out beyond an edge, relative to a time of one second or more.
+const AHEAD: f64 = 1e-12;
+/// Edges of pulses that move nothing, as those of a duty cycle of zero, after which a step is taken whole.
+const MOST_EDGES: u32 = 1_000;
+
 /// Where a step has ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepEnd {
@@ -47,8 +52,7 @@ impl Instance {
         }
         let mut end = until;
         if event_mode && early_return {
-            self.plant.steps_mut().lay_out(until)?;
-            let instant = self.plant.steps().next_instant(until);
+            let instant = self.next_instant(until)?;
             if instant > from + SAME * step && instant < until - SAME * step {
                 end = instant;
             }
@@ -67,6 +71,21 @@ impl Instance {
         self.are_outputs_known = false;
         done?;
         Ok(StepEnd { time: if end == until { time + step } else { self.offset + end }, is_early: end != until })
+    }
+
+    /// The next instant in s up to `until` at which something moves; infinite where there is none. Pulses are laid out as far as that
+    /// instant alone, so that a duty cycle that is set there is that of the next period.
+    fn next_instant(&mut self, until: f64) -> Result<f64, Refusal> {
+        let steps = self.plant.steps_mut();
+        for _ in 0..MOST_EDGES {
+            let (instant, edge) = (steps.next_instant(until), steps.pulse_edge());
+            if instant <= edge || edge >= until {
+                return Ok(instant);
+            }
+            let from = edge.max(steps.time());
+            steps.lay_out((from + AHEAD * from.max(1.0)).min(until))?;
+        }
+        Ok(f64::INFINITY)
     }
 
     /// Enters the phase of events, of co-simulation with event mode or of model exchange.

@@ -234,7 +234,7 @@ impl PlantExchange {
                 self.system.project(time, state, mode, &mut self.at);
                 self.system.cross(guard, time, state, mode, &mut self.at)?
             } else {
-                steps.reached.pulse(&self.system.plant, time + NEAR)?;
+                steps.reached.pulse(&self.system.plant, time + NEAR * (1.0 + time.abs()))?;
                 let (_, state, mode) = steps.reached.parts();
                 if self.system.next_instant(mode, time).is_none() {
                     break;
