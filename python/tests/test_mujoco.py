@@ -2,6 +2,8 @@
 
 import copy
 import pathlib
+import subprocess
+import sys
 
 import numpy
 import pytest
@@ -328,6 +330,18 @@ def test_a_muscle_that_cannot_be_so_long_stops_with_one_warning():
 def test_an_unknown_attribute_is_refused_by_mujoco():
     with pytest.raises(ValueError, match="actuator.thred_length"):
         hanging(keys=KEYS | {"actuator.thred_length": "4 in"})
+
+
+def test_mujoco_itself_loads_the_plugin():
+    """By the entry point, since 4.0.0; an older version takes a call."""
+    load = "" if mujoco.mj_version() >= 4_000_000 else "import mckibben.mujoco; mckibben.mujoco.load()\n"
+    code = f"import mujoco\n{load}print(mujoco.MjModel.from_xml_path('models/elbow.xml').nplugin)"
+    done = subprocess.run([sys.executable, "-W", "error", "-c", code], capture_output=True, text=True, cwd=ROOT)
+    assert done.stdout.strip() == "1", done.stderr
+
+
+def test_the_version_is_one_of_those_that_are_known():
+    assert mujoco.mj_versionString() in {"3.2.7", "4.0.0"}, "what is tested is what the documentation says"
 
 
 def test_backends_without_plugins_refuse():
