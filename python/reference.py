@@ -21,6 +21,7 @@ import mckibben
 import mckibben._results
 import mckibben._scenario
 import mckibben.learning
+import mckibben.mujoco
 
 PAGE = pathlib.Path(__file__).parents[1] / "docs" / "api.md"
 UPDATE = "run `python python/reference.py` with the package as it is now, and commit docs/api.md"
@@ -38,7 +39,8 @@ CHAPTERS: dict[str, str] = {
     "_results.Validity _results.Controllability _results.Pulses",
     "Sweeps": "sweep SweepResult Sweep",
     "Identification": "identify Study Run Identification Estimate Prediction",
-    "In your own loop": "Actuator ActuatorState Response Actuators VectorPlant",
+    "In your own loop": "Actuator ActuatorState Response Actuators HostedPlant VectorPlant",
+    "MuJoCo": " ".join(f"mujoco.{name}" for name in mckibben.mujoco.__all__ if name != "PLUGIN"),
     "Derivatives": "Differentiable DifferentiableStep",
     "Environments": " ".join(f"learning.{name}" for name in mckibben.learning.__all__),
     "Errors": "Error InputError SimulationError OutputError",

@@ -14,8 +14,7 @@ from pandas import DataFrame
 from polars import DataFrame as DataFrame2
 from typing import Any, Final, Literal, SupportsFloat, SupportsIndex, final
 
-__all__ = ["__version__", "Actuator", "ActuatorState", "Actuators", "Differentiable", "Event", "HostedPlant", "LinearModel", "Response", "Scenario", "Sweep", "Trajectory", "VectorPlant", "_Statics", "_curves", "_identify", "_identify_file", "_parameters", "_presets", "_quantity", "_register_mujoco", "linearize", "simulate"]
-__all__ = ["__version__", "Actuator", "ActuatorState", "Actuators", "Differentiable", "DifferentiableStep", "Event", "LinearModel", "Response", "Scenario", "Sweep", "Trajectory", "VectorPlant", "_Statics", "_curves", "_identify", "_identify_file", "_parameters", "_presets", "_quantity", "linearize", "simulate"]
+__all__ = ["__version__", "Actuator", "ActuatorState", "Actuators", "Differentiable", "DifferentiableStep", "Event", "HostedPlant", "LinearModel", "Response", "Scenario", "Sweep", "Trajectory", "VectorPlant", "_Statics", "_curves", "_identify", "_identify_file", "_parameters", "_presets", "_quantity", "_register_mujoco", "linearize", "simulate"]
 
 __version__: Final[str]
 """
@@ -806,6 +805,7 @@ class HostedPlant:
         >>> scenario = mckibben.Scenario.from_dict({
         ...     "supply": {"gauge_pressure": "100 psi"},
         ...     "valve": {"preset": "matrix-eight-channel"},
+        ...     "command": {"kind": "fill"},
         ...     "load": {"kind": "isometric"},
         ...     "initial": {"length": "90 mm", "gauge_pressure": "40 psi"},
         ...     "run": {"duration": "1 s"},
@@ -895,7 +895,7 @@ class HostedPlant:
         """
     def restore(self, /, states: NDArray[float64]) -> None:
         """
-        Return to states that plants of the same scenario have saved.
+        Bring all plants back to states that plants of the same scenario have saved.
 
         Parameters
         ----------

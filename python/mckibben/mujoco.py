@@ -27,6 +27,7 @@
 True
 """
 
+import importlib
 import importlib.abc
 import importlib.util
 import sys
@@ -197,6 +198,7 @@ class Driver:
     >>> scenario = mckibben.Scenario.from_dict({
     ...     "supply": {"gauge_pressure": "100 psi"},
     ...     "valve": {"preset": "matrix-eight-channel"},
+    ...     "command": {"kind": "fill"},
     ...     "load": {"kind": "isometric"},
     ...     "initial": {"length": "90 mm"},
     ...     "run": {"duration": "1 s"},
@@ -204,7 +206,7 @@ class Driver:
     >>> driver = mckibben.mujoco.Driver(model, scenario, command_mode="request")
     >>> data = driver.start()
     >>> for _ in range(200):
-    ...     driver.step(data, [1.0])
+    ...     tensions = driver.step(data, [1.0])
     >>> bool(data.qpos[0] > 0.01)
     True
     """
@@ -293,10 +295,9 @@ class Driver:
 def _mujoco() -> types.ModuleType:
     """MuJoCo, if it is installed."""
     try:
-        import mujoco
+        return importlib.import_module("mujoco")
     except ImportError as error:
         raise InputError("MuJoCo is not installed: pip install 'mckibben[mujoco]'") from error
-    return mujoco
 
 
 def _actuators(model: Any) -> int:

@@ -54,6 +54,7 @@ pub(crate) fn _register_mujoco() -> PyResult<()> {
 ///     >>> scenario = mckibben.Scenario.from_dict({
 ///     ...     "supply": {"gauge_pressure": "100 psi"},
 ///     ...     "valve": {"preset": "matrix-eight-channel"},
+///     ...     "command": {"kind": "fill"},
 ///     ...     "load": {"kind": "isometric"},
 ///     ...     "initial": {"length": "90 mm", "gauge_pressure": "40 psi"},
 ///     ...     "run": {"duration": "1 s"},
@@ -307,7 +308,7 @@ impl HostedPlant {
         matrix(py, all, self.plants.len(), width)
     }
 
-    /// Return to states that plants of the same scenario have saved.
+    /// Bring all plants back to states that plants of the same scenario have saved.
     ///
     /// Parameters
     /// ----------
