@@ -1,4 +1,4 @@
-"""Braided pneumatic actuators in MuJoCo: the plugin, models of muscles, and a loop beside `mj_step`.
+"""Braided pneumatic actuators in MuJoCo: the plugin, models of muscles, and a loop around `mj_step`.
 
 >>> import mckibben.mujoco, mujoco
 >>> mckibben.mujoco.load()
@@ -156,7 +156,7 @@ def muscle_mjcf(
 
 
 class Driver:
-    """Muscles of a scenario beside `mj_step`, in a model with a motor for each muscle.
+    """Steps the muscles of a scenario and MuJoCo together, in a model with a motor for each muscle.
 
     For those who keep the loop in Python, for versions of MuJoCo that the plugin does not know, and for many worlds of one
     model. A step is in the order that is stable: tensions at t, MuJoCo's step, then the air and the valves to the new lengths.

@@ -1,9 +1,11 @@
-"""Muscles in MuJoCo itself: the plugin's trajectory is the core's, its state is MuJoCo's, and mistakes are told."""
+"""Muscles in MuJoCo itself: the plugin's trajectory is the core's, its state is MuJoCo's, and mistakes name their remedy."""
 
 import copy
+import os
 import pathlib
 import subprocess
 import sys
+import time
 
 import numpy
 import pytest
@@ -363,3 +365,45 @@ def test_what_the_plugin_does_not_take_says_so():
         mckibben.mujoco.muscle_mjcf({"muscle": ["anchor"]})
     with pytest.raises(mckibben.InputError, match="two sites"):
         mckibben.mujoco.muscle_mjcf({"muscle": "anchor"})
+
+
+def test_nothing_that_is_written_into_the_data_breaks_it():
+    """Random numbers in controls, activations, states, positions and the time step: no crash, no force that is not a number.
+
+    For longer: MCKIBBEN_FUZZ_SECONDS=600 pytest python/tests/test_mujoco.py -k breaks
+    """
+    generator = numpy.random.default_rng(11)
+    odd = [0.0, -0.0, 1.0, -1.0, numpy.nan, numpy.inf, -numpy.inf, 1e300, -1e300, 5e-324, 2e5, 64.0]
+    ends = time.monotonic() + float(os.environ.get("MCKIBBEN_FUZZ_SECONDS", "2"))
+    models = [mujoco.MjModel.from_xml_path(str(MODELS / f"{name}.xml")) for name in ("hanging-mass", "elbow", "arm")]
+    rounds = 0
+    while time.monotonic() < ends:
+        model = models[rounds % len(models)]
+        data = mujoco.MjData(model)
+        model.opt.timestep = float(generator.choice([1e-3, 1e-2, 1e-6, 0.1]))
+        for _ in range(20):
+            target = [data.ctrl, data.act, data.plugin_state, data.qpos, data.qvel][generator.integers(5)]
+            if target.size and generator.random() < 0.5:
+                target[generator.integers(target.size)] = generator.choice(odd)
+            try:
+                mujoco.mj_step(model, data)
+            except mujoco.FatalError:
+                break
+            assert numpy.isfinite(data.actuator_force).all()
+        rounds += 1
+    for model in models:
+        model.opt.timestep = 1e-3
+    assert rounds > 3
+
+
+def test_nothing_that_is_written_into_attributes_breaks_it():
+    generator = numpy.random.default_rng(12)
+    values = ["", " ", "nan", "inf psi", "-1e308 m", "[[[", '"', "100 psi", "\u03c8", "1e400", "true", "0", "x" * 5000]
+    names = ["supply.gauge_pressure", "valve.preset", "length_offset", "max_step", "pulse_frequency", "command_mode"]
+    names += ["scenario_text", "scenario", "actuator.preset", "valve.opening_delay", "initial.length", "air.process"]
+    for _ in range(150):
+        keys = {str(generator.choice(names)): str(generator.choice(values)) for _ in range(3)}
+        try:
+            hanging(keys=keys, sensors=[])
+        except (ValueError, mujoco.FatalError) as refused:
+            assert str(refused)

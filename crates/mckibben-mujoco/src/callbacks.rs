@@ -147,7 +147,7 @@ unsafe extern "C" fn nstate(model: *const c_void, number: c_int) -> c_int {
     guarded(0, number, |library, _| {
         // SAFETY: MuJoCo calls this with its model and an instance of it.
         let read = unsafe { config_of(library, &Model::new(model, library.layout), number) };
-        // What is wrong is told when the data are made.
+        // What is wrong is reported when the data are made.
         read.map_or(0, |mut config| c_int::try_from(instance::state_size(&mut config)).unwrap_or(0))
     })
 }

@@ -9,7 +9,7 @@
 //! [n+1 ..]   the state of the plant
 //! ```
 //!
-//! It begins where MuJoCo has the ends at the first step. What is kept beside the numbers is only what they say, read already.
+//! It begins where MuJoCo has the ends at the first step. What is kept in addition to the numbers is only what they say, read already.
 //!
 //! A step is in MuJoCo's order: forces at t, MuJoCo's own step, then all ends go to where they are at t + h. MuJoCo knows that
 //! length only at the next step, so it is taken as `L(t) + h J(t) v(t + h)`, right to second order in h; the next step begins
@@ -358,7 +358,7 @@ impl Instance {
         })
     }
 
-    /// Sets the pressures of `act` that are not those given last: somebody else has set them, as a keyframe does.
+    /// Sets the pressures of `act` that are not those given last: they were set from outside, as by a keyframe.
     fn take_acts(&mut self, last: &[f64]) -> Result<(), Failure> {
         for at in 0..self.wires.len() {
             self.here_acts[at] = last[at];

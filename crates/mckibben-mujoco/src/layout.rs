@@ -78,7 +78,7 @@ pub(crate) fn unknown(version: i32) -> String {
     let [first, last] = [ALL.first(), ALL.last()].map(|layout| layout.map_or(0, |layout| layout.version));
     format!(
         "MuJoCo {} is not among the {} versions from {} to {} that this plugin knows; install one of those, such as \
-         `pip install mujoco=={}`, or step the plant beside MuJoCo with mckibben.mujoco.Driver",
+         `pip install mujoco=={}`, or step the plant alongside MuJoCo with mckibben.mujoco.Driver",
         words(version),
         ALL.len(),
         words(first),

@@ -53,7 +53,7 @@ pub fn register() -> Result<(), String> {
 /// Always.
 #[cfg(not(target_os = "linux"))]
 pub fn register() -> Result<(), String> {
-    Err("the plugin for MuJoCo is for Linux so far; step the plant beside MuJoCo with mckibben.mujoco.Driver"
+    Err("the plugin for MuJoCo is for Linux so far; step the plant alongside MuJoCo with mckibben.mujoco.Driver"
         .to_owned())
 }
 

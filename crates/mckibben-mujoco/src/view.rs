@@ -155,7 +155,7 @@ impl Data {
     /// The state of an instance.
     ///
     /// # Safety
-    /// The instance has that many numbers, and the slice is not used beside another of them.
+    /// The instance has that many numbers, and no other slice of them is in use.
     pub(crate) unsafe fn state<'d>(&mut self, address: usize, count: usize) -> &'d mut [f64] {
         // SAFETY: the caller's promise; MuJoCo's numbers are aligned.
         unsafe { std::slice::from_raw_parts_mut(self.array::<f64>(D::State).add(address), count) }
