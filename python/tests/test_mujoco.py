@@ -342,6 +342,29 @@ def test_mujoco_itself_loads_the_plugin():
     assert done.stdout.strip() == "1", done.stderr
 
 
+@pytest.mark.parametrize("with_package", [False, True])
+def test_the_library_registers_itself_where_mujoco_loads_it(with_package):
+    """Without the package, as in C; and with it, where the plugin is there already."""
+    library = os.environ.get("MCKIBBEN_MUJOCO", str(ROOT / "target/debug/libmckibben_mujoco.so"))
+    paths = [str(pathlib.Path(mujoco.__file__).parents[1]), str(pathlib.Path(numpy.__file__).parents[1])]
+    code = f"""
+import importlib.metadata, sys
+sys.path[:0] = {paths!r}
+if not {with_package}:
+    importlib.metadata.entry_points = lambda **_: []
+import mujoco
+assert ("mckibben" in sys.modules) == ({with_package} and mujoco.mj_version() >= 4_000_000)
+mujoco.mj_loadPluginLibrary({library!r})
+model = mujoco.MjModel.from_xml_path("models/elbow.xml")
+data = mujoco.MjData(model)
+data.ctrl[0] = 1.0
+mujoco.mj_step(model, data, 300)
+print(data.qpos[0] > 0.2)
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT)
+    assert done.stdout.strip() == "True", done.stderr
+
+
 def test_the_version_is_one_of_those_that_are_known():
     assert mujoco.mj_versionString() in {"3.2.7", "4.0.0"}, "what is tested is what the documentation says"
 

@@ -64,10 +64,17 @@ pub(crate) fn package(root: &Path) -> Result<Counts, String> {
         "mckibben-python",
     ]);
     succeed(program.args(["--features", "mckibben-python/as-tests"]).envs(AS_TESTS))?;
+    // The plugin as a library of its own, which registers itself; with the package, so that all else is compiled already.
+    let mut plugin = cargo(root);
+    plugin.args(["build", "--locked", "--package", "mckibben-mujoco", "--package", "mckibben-python", "--features"]);
+    succeed(plugin.arg("mckibben-mujoco/register-on-load,mckibben-python/as-tests").envs(AS_TESTS))?;
+    let name = format!("{}mckibben_mujoco{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
+    let plugin = target_folder(root).join("debug").join(name);
     let program = target_folder(root).join("debug/mckibben").with_extension(std::env::consts::EXE_EXTENSION);
     let tests = || {
         let mut tests = command(root, &python);
         tests.args(["-m", "pytest", "--quiet", "--durations=5"]).env("MCKIBBEN_PROGRAM", &program);
+        tests.env("MCKIBBEN_MUJOCO", &plugin);
         tests
     };
     let mut counts = pytest(&mut tests())?;

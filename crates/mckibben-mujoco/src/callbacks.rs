@@ -68,6 +68,9 @@ pub(crate) fn register() -> Result<(), String> {
     DONE.get_or_init(|| {
         let attributes = attributes();
         let name = CString::new(PLUGIN).unwrap_or_default();
+        if library.has_plugin(&name) {
+            return Ok(());
+        }
         let plugin = Plugin {
             name: name.as_ptr(),
             attribute_count: c_int::try_from(attributes.pointers.len()).unwrap_or(0),

@@ -9,6 +9,7 @@ use std::sync::OnceLock;
 pub(crate) struct Library {
     pub(crate) layout: &'static Layout,
     pub(crate) register_plugin: unsafe extern "C" fn(*const c_void) -> c_int,
+    plugin: unsafe extern "C" fn(*const c_char, *mut c_int) -> *const c_void,
     plugin_config: unsafe extern "C" fn(*const c_void, c_int, *const c_char) -> *const c_char,
     name: unsafe extern "C" fn(*const c_void, c_int, c_int) -> *const c_char,
     warning: unsafe extern "C" fn(*const c_char, ...),
@@ -46,6 +47,10 @@ impl Library {
                 register_plugin: std::mem::transmute::<*mut c_void, unsafe extern "C" fn(*const c_void) -> c_int>(
                     symbol(c"mjp_registerPlugin")?,
                 ),
+                plugin: std::mem::transmute::<
+                    *mut c_void,
+                    unsafe extern "C" fn(*const c_char, *mut c_int) -> *const c_void,
+                >(symbol(c"mjp_getPlugin")?),
                 plugin_config: std::mem::transmute::<
                     *mut c_void,
                     unsafe extern "C" fn(*const c_void, c_int, *const c_char) -> *const c_char,
@@ -60,6 +65,13 @@ impl Library {
             }
         };
         Ok(LIBRARY.get_or_init(|| library))
+    }
+
+    /// Whether MuJoCo has a plugin of a name already, as where another copy of this library has been loaded.
+    pub(crate) fn has_plugin(&self, name: &CStr) -> bool {
+        let mut slot = -1;
+        // SAFETY: the name ends with a zero, and MuJoCo writes one number.
+        unsafe { !(self.plugin)(name.as_ptr(), &raw mut slot).is_null() }
     }
 
     /// The value of an attribute of an instance; none where the model does not give it.
