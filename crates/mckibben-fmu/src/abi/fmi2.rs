@@ -158,16 +158,6 @@ extern "C" fn fmi2SetupExperiment(
     })
 }
 
-/// Functions of an instance alone.
-macro_rules! verbs {
-    ($($function:ident => $verb:ident),* $(,)?) => {$(
-        #[unsafe(no_mangle)]
-        extern "C" fn $function(handle: Handle) -> c_int {
-            call(handle, stringify!($function), Instance::$verb)
-        }
-    )*};
-}
-
 verbs! {
     fmi2EnterInitializationMode => enter_initialization,
     fmi2ExitInitializationMode => exit_initialization,
@@ -247,74 +237,13 @@ extern "C" fn fmi2GetRealOutputDerivatives(
     none_of(handle, "fmi2GetRealOutputDerivatives", "derivatives of outputs", count)
 }
 
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi2GetFMUstate(handle: Handle, state: *mut Handle) -> c_int {
-    call(handle, "fmi2GetFMUstate", |instance| {
-        // SAFETY: as FMI promises: room for a handle.
-        let into = unsafe { list_mut(state, 1) }?;
-        let saved = instance.save()?;
-        // A state that was given is overwritten.
-        free_saved(into[0]);
-        into[0] = hand_out(saved);
-        Ok(())
-    })
-}
-
-#[unsafe(no_mangle)]
-extern "C" fn fmi2SetFMUstate(handle: Handle, state: Handle) -> c_int {
-    call(handle, "fmi2SetFMUstate", |instance| instance.restore(&*saved(state)?))
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi2FreeFMUstate(handle: Handle, state: *mut Handle) -> c_int {
-    call(handle, "fmi2FreeFMUstate", |_| {
-        if !state.is_null() {
-            // SAFETY: as FMI promises: a handle.
-            let of = unsafe { list_mut(state, 1) }?;
-            free_saved(of[0]);
-            of[0] = std::ptr::null_mut();
-        }
-        Ok(())
-    })
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi2SerializedFMUstateSize(handle: Handle, state: Handle, size: *mut usize) -> c_int {
-    call(handle, "fmi2SerializedFMUstateSize", |_| {
-        // SAFETY: as FMI promises: room for a size.
-        unsafe { list_mut(size, 1) }?[0] = saved(state)?.size();
-        Ok(())
-    })
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi2SerializeFMUstate(handle: Handle, state: Handle, bytes: *mut u8, size: usize) -> c_int {
-    call(handle, "fmi2SerializeFMUstate", |_| {
-        let saved = saved(state)?.to_bytes();
-        if size < saved.len() {
-            return Err(Refusal::error(format!("{size} bytes are given for a state of {}", saved.len())));
-        }
-        // SAFETY: as FMI promises: room for `size` bytes.
-        unsafe { list_mut(bytes, saved.len()) }?.copy_from_slice(&saved);
-        Ok(())
-    })
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi2DeSerializeFMUstate(
-    handle: Handle,
-    bytes: *const u8,
-    size: usize,
-    state: *mut Handle,
-) -> c_int {
-    call(handle, "fmi2DeSerializeFMUstate", |instance| {
-        // SAFETY: as FMI promises: `size` bytes, and room for a handle.
-        let (bytes, into) = unsafe { (list(bytes, size)?, list_mut(state, 1)?) };
-        let saved = instance.saved_from(bytes)?;
-        free_saved(into[0]);
-        into[0] = hand_out(saved);
-        Ok(())
-    })
+state_functions! {
+    get: fmi2GetFMUstate,
+    set: fmi2SetFMUstate,
+    free: fmi2FreeFMUstate,
+    size: fmi2SerializedFMUstateSize,
+    serialize: fmi2SerializeFMUstate,
+    deserialize: fmi2DeSerializeFMUstate,
 }
 
 #[unsafe(no_mangle)]
@@ -389,32 +318,8 @@ unsafe extern "C" fn fmi2CompletedIntegratorStep(
     })
 }
 
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi2GetDerivatives(handle: Handle, rates: *mut f64, count: usize) -> c_int {
-    call(handle, "fmi2GetDerivatives", |instance| {
-        // SAFETY: as FMI promises: room for `count` rates.
-        let into = unsafe { list_mut(rates, count) }?;
-        let rates = instance.rates()?;
-        if into.len() != rates.len() {
-            return Err(Refusal::error(format!("there are {} continuous states, not {count}", rates.len())));
-        }
-        into.copy_from_slice(&rates);
-        Ok(())
-    })
-}
-
-/// Functions that write a list.
-macro_rules! lists {
-    ($($function:ident => $verb:ident),* $(,)?) => {$(
-        #[unsafe(no_mangle)]
-        unsafe extern "C" fn $function(handle: Handle, values: *mut f64, count: usize) -> c_int {
-            // SAFETY: as FMI promises: room for `count` values.
-            call(handle, stringify!($function), |instance| instance.$verb(unsafe { list_mut(values, count) }?))
-        }
-    )*};
-}
-
 lists! {
+    fmi2GetDerivatives => write_rates,
     fmi2GetEventIndicators => indicators,
     fmi2GetContinuousStates => states,
     fmi2GetNominalsOfContinuousStates => nominals,

@@ -144,16 +144,6 @@ extern "C" fn fmi3EnterInitializationMode(
     })
 }
 
-/// Functions of an instance alone.
-macro_rules! verbs {
-    ($($function:ident => $verb:ident),* $(,)?) => {$(
-        #[unsafe(no_mangle)]
-        extern "C" fn $function(handle: Handle) -> c_int {
-            call(handle, stringify!($function), Instance::$verb)
-        }
-    )*};
-}
-
 verbs! {
     fmi3ExitInitializationMode => exit_initialization,
     fmi3EnterEventMode => enter_event_mode,
@@ -264,74 +254,13 @@ absent! {
     "list of dependencies": fmi3GetVariableDependencies(of: u32, a: *mut usize, b: *mut u32, c: *mut usize, kinds: *mut c_int, n: usize), 1;
 }
 
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi3GetFMUState(handle: Handle, state: *mut Handle) -> c_int {
-    call(handle, "fmi3GetFMUState", |instance| {
-        // SAFETY: as FMI promises: room for a handle.
-        let into = unsafe { list_mut(state, 1) }?;
-        let saved = instance.save()?;
-        // A state that was given is overwritten.
-        free_saved(into[0]);
-        into[0] = hand_out(saved);
-        Ok(())
-    })
-}
-
-#[unsafe(no_mangle)]
-extern "C" fn fmi3SetFMUState(handle: Handle, state: Handle) -> c_int {
-    call(handle, "fmi3SetFMUState", |instance| instance.restore(&*saved(state)?))
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi3FreeFMUState(handle: Handle, state: *mut Handle) -> c_int {
-    call(handle, "fmi3FreeFMUState", |_| {
-        if !state.is_null() {
-            // SAFETY: as FMI promises: a handle.
-            let of = unsafe { list_mut(state, 1) }?;
-            free_saved(of[0]);
-            of[0] = std::ptr::null_mut();
-        }
-        Ok(())
-    })
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi3SerializedFMUStateSize(handle: Handle, state: Handle, size: *mut usize) -> c_int {
-    call(handle, "fmi3SerializedFMUStateSize", |_| {
-        // SAFETY: as FMI promises: room for a size.
-        unsafe { list_mut(size, 1) }?[0] = saved(state)?.size();
-        Ok(())
-    })
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi3SerializeFMUState(handle: Handle, state: Handle, bytes: *mut u8, size: usize) -> c_int {
-    call(handle, "fmi3SerializeFMUState", |_| {
-        let saved = saved(state)?.to_bytes();
-        if size < saved.len() {
-            return Err(Refusal::error(format!("{size} bytes are given for a state of {}", saved.len())));
-        }
-        // SAFETY: as FMI promises: room for `size` bytes.
-        unsafe { list_mut(bytes, saved.len()) }?.copy_from_slice(&saved);
-        Ok(())
-    })
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi3DeserializeFMUState(
-    handle: Handle,
-    bytes: *const u8,
-    size: usize,
-    state: *mut Handle,
-) -> c_int {
-    call(handle, "fmi3DeserializeFMUState", |instance| {
-        // SAFETY: as FMI promises: `size` bytes, and room for a handle.
-        let (bytes, into) = unsafe { (list(bytes, size)?, list_mut(state, 1)?) };
-        let saved = instance.saved_from(bytes)?;
-        free_saved(into[0]);
-        into[0] = hand_out(saved);
-        Ok(())
-    })
+state_functions! {
+    get: fmi3GetFMUState,
+    set: fmi3SetFMUState,
+    free: fmi3FreeFMUState,
+    size: fmi3SerializedFMUStateSize,
+    serialize: fmi3SerializeFMUState,
+    deserialize: fmi3DeserializeFMUState,
 }
 
 #[unsafe(no_mangle)]
@@ -419,32 +348,8 @@ unsafe extern "C" fn fmi3SetContinuousStates(handle: Handle, states: *const f64,
     call(handle, "fmi3SetContinuousStates", |instance| instance.set_states(unsafe { list(states, count) }?))
 }
 
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi3GetContinuousStateDerivatives(handle: Handle, rates: *mut f64, count: usize) -> c_int {
-    call(handle, "fmi3GetContinuousStateDerivatives", |instance| {
-        // SAFETY: as FMI promises: room for `count` rates.
-        let into = unsafe { list_mut(rates, count) }?;
-        let rates = instance.rates()?;
-        if into.len() != rates.len() {
-            return Err(Refusal::error(format!("there are {} continuous states, not {count}", rates.len())));
-        }
-        into.copy_from_slice(&rates);
-        Ok(())
-    })
-}
-
-/// Functions that write a list.
-macro_rules! lists {
-    ($($function:ident => $verb:ident),* $(,)?) => {$(
-        #[unsafe(no_mangle)]
-        unsafe extern "C" fn $function(handle: Handle, values: *mut f64, count: usize) -> c_int {
-            // SAFETY: as FMI promises: room for `count` values.
-            call(handle, stringify!($function), |instance| instance.$verb(unsafe { list_mut(values, count) }?))
-        }
-    )*};
-}
-
 lists! {
+    fmi3GetContinuousStateDerivatives => write_rates,
     fmi3GetEventIndicators => indicators,
     fmi3GetContinuousStates => states,
     fmi3GetNominalsOfContinuousStates => nominals,

@@ -5,6 +5,8 @@
 //! then refuses everything but to be reset or freed. What a host must keep to is only this: a pointer that is not null points
 //! to as many elements as the call says, and texts end in a null byte.
 
+#[macro_use]
+mod shared;
 mod fmi2;
 mod fmi3;
 

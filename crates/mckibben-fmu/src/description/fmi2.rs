@@ -1,6 +1,6 @@
 //! The description by FMI 2.0: scalars, referred to by their place in the list. Source: FMI 2.0.4, section 2.2.
 
-use super::{CATEGORIES, Xml, numbers, units};
+use super::{Xml, begin, numbers, units};
 use crate::MODEL_IDENTIFIER;
 use crate::model::Model;
 use crate::options::Interfaces;
@@ -40,15 +40,7 @@ pub(super) fn description(model: &Model, name: &str, interfaces: Interfaces) -> 
             let own = [("canHandleVariableCommunicationStepSize", "true")];
             xml.element("CoSimulation", &[&common[..], &own].concat());
         }
-        units::definitions(xml, model.variables());
-        xml.within("LogCategories", &[], |xml| {
-            for (name, sentence) in CATEGORIES {
-                xml.element("Category", &[("name", name), ("description", sentence)]);
-            }
-        });
-        let run = &model.plant().experiment().run;
-        let (stop, step) = (format!("{:?}", run.duration), format!("{:?}", run.sample_interval));
-        xml.element("DefaultExperiment", &[("startTime", "0.0"), ("stopTime", &stop), ("stepSize", &step)]);
+        begin(xml, model);
         let shown = shown(model, interfaces);
         xml.within("ModelVariables", &[], |xml| shown.iter().for_each(|its| variable(xml, its, &shown)));
         xml.within("ModelStructure", &[], |xml| structure(xml, &shown));

@@ -1,6 +1,6 @@
 //! The description by FMI 3.0. Source: FMI 3.0.2, section 2.4.
 
-use super::{CATEGORIES, Xml, numbers, units};
+use super::{Xml, begin, numbers, units};
 use crate::MODEL_IDENTIFIER;
 use crate::model::Model;
 use crate::options::Interfaces;
@@ -39,15 +39,7 @@ pub(super) fn description(model: &Model, name: &str, interfaces: Interfaces) -> 
             ];
             xml.element("CoSimulation", &[&common[..3], &own].concat());
         }
-        units::definitions(xml, model.variables());
-        xml.within("LogCategories", &[], |xml| {
-            for (name, sentence) in CATEGORIES {
-                xml.element("Category", &[("name", name), ("description", sentence)]);
-            }
-        });
-        let run = &model.plant().experiment().run;
-        let (stop, step) = (format!("{:?}", run.duration), format!("{:?}", run.sample_interval));
-        xml.element("DefaultExperiment", &[("startTime", "0.0"), ("stopTime", &stop), ("stepSize", &step)]);
+        begin(xml, model);
         let shown: Vec<&Variable> =
             model.variables().all.iter().filter(|its| interfaces.has_model_exchange() || !is_inner(its)).collect();
         xml.within("ModelVariables", &[], |xml| shown.iter().for_each(|its| variable(xml, its)));

@@ -18,6 +18,19 @@ pub fn model_description(model: &Model, name: &str, version: Version, interfaces
     }
 }
 
+/// What is alike in both versions and stands before the variables: units, categories of messages, the run of the scenario.
+fn begin(xml: &mut Xml, model: &Model) {
+    units::definitions(xml, model.variables());
+    xml.within("LogCategories", &[], |xml| {
+        for (name, sentence) in CATEGORIES {
+            xml.element("Category", &[("name", name), ("description", sentence)]);
+        }
+    });
+    let run = &model.plant().experiment().run;
+    let (stop, step) = (format!("{:?}", run.duration), format!("{:?}", run.sample_interval));
+    xml.element("DefaultExperiment", &[("startTime", "0.0"), ("stopTime", &stop), ("stepSize", &step)]);
+}
+
 /// XML under way.
 #[derive(Debug)]
 struct Xml {

@@ -108,6 +108,19 @@ impl Instance {
         }
     }
 
+    /// Writes the rates of the continuous states.
+    ///
+    /// # Errors
+    /// As [`Instance::rates`]; for another count.
+    pub fn write_rates(&mut self, into: &mut [f64]) -> Result<(), Refusal> {
+        let rates = self.rates()?;
+        if into.len() != rates.len() {
+            return Err(Refusal::error(format!("there are {} continuous states, not {}", rates.len(), into.len())));
+        }
+        into.copy_from_slice(&rates);
+        Ok(())
+    }
+
     /// Writes the event indicators: guards of the mode that holds, positive while it lasts.
     ///
     /// # Errors
