@@ -1,6 +1,7 @@
 //! The plant of a scenario whose ends a robot's simulator moves: the class `HostedPlant`, and the plugin for MuJoCo.
 
 use crate::arguments;
+use crate::pace::{Pace, Span};
 use crate::raised::{Raised, exception};
 use crate::scenario::Scenario;
 use crate::typed::{Count, Matrix, Table};
@@ -72,8 +73,7 @@ pub(crate) fn _register_mujoco() -> PyResult<()> {
 pub(crate) struct HostedPlant {
     plants: Vec<HostPlant>,
     responses: Vec<Response>,
-    /// The step that was taken last, to its end in s, so that times are not summed.
-    pace: (f64, f64, u64),
+    pace: Pace,
 }
 
 /// Memory that a plant takes at least, in bytes.
@@ -142,7 +142,7 @@ impl HostedPlant {
         arguments::room(py, count.0, "plants", EACH)?;
         let width = plant.actuators().len();
         let responses = (0..width).map(|at| plant.steps_mut().compute(at)).collect::<Result<_, _>>().raised()?;
-        Ok(Self { plants: vec![plant; count.0], responses, pace: (0.0, 0.0, 0) })
+        Ok(Self { plants: vec![plant; count.0], responses, pace: Pace::default() })
     }
 
     /// Names of the actuators, in the order of the columns of `distances`.
@@ -201,7 +201,7 @@ impl HostedPlant {
         let width = self.width();
         let distances = self.rows("distances", &distances, width)?;
         let velocities = self.rows("velocities", &velocities, width)?;
-        self.pace = (0.0, 0.0, 0);
+        self.pace = Pace::default();
         self.each(py, |at, plant| {
             let its = at * width..(at + 1) * width;
             plant.begin_at(&distances[its.clone()], &velocities[its])
@@ -268,14 +268,16 @@ impl HostedPlant {
         let (width, inputs) = (self.width(), self.plants[0].commands().len());
         let distances = self.rows("distances", &distances, width)?;
         let commands = self.rows("commands", &commands, inputs)?;
-        let (origin, last, count) = self.pace;
-        self.pace = if last == dt { (origin, dt, count + 1) } else { (origin + last * count as f64, dt, 1) };
-        let until = self.pace.0 + dt * self.pace.2 as f64;
+        let pace = self.pace.on(Span { duration: dt, steps: 1 });
+        let until = pace.now();
         self.each(py, |at, plant| {
             let its = &commands[at * inputs..(at + 1) * inputs];
             its.iter().enumerate().try_for_each(|(input, number)| plant.command(input, *number))?;
             plant.advance(until, &distances[at * width..(at + 1) * width])
-        })
+        })?;
+        // A step that was refused took no time.
+        self.pace = pace;
+        Ok(())
     }
 
     /// Return the outputs where the plants are, of the shape (count, columns).
@@ -329,7 +331,7 @@ impl HostedPlant {
             return Err(wrong()).raised();
         }
         self.each(py, |at, plant| plant.restore(&numbers[at * width..(at + 1) * width]))?;
-        self.pace = (self.time(), 0.0, 0);
+        self.pace = Pace::at(self.time());
         Ok(())
     }
 

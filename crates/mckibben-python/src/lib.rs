@@ -8,6 +8,7 @@
 //! | `hosted_plant` | plants whose ends a simulator moves: `HostedPlant`; the plugin for MuJoCo |
 //! | `actuators` | many of them on arrays: `Actuators` |
 //! | `vector_plant` | many plants that are commanded together and reset one by one: `VectorPlant` |
+//! | `pace` | the clock of plants that go on by equal spans |
 //! | `curves` | `curves`, `presets` |
 //! | `parameters` | the quantities of a scenario file |
 //! | `linear` | `linearize`, the class `LinearModel` |
@@ -39,6 +40,7 @@ mod differentiable_step;
 mod hosted_plant;
 mod identification;
 mod linear;
+mod pace;
 mod parameters;
 mod pool;
 mod python;

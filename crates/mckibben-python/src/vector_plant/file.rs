@@ -8,7 +8,7 @@ use mckibben::simulation::Method;
 use mckibben::valve::{Command, Solenoid};
 use mckibben_identify::adjustable::Adjustable;
 use mckibben_run::failure::Failure;
-use mckibben_run::host::open;
+use mckibben_run::host::{experiment_of_one, open};
 use mckibben_scenario::{Document, PlaceError, PlantExperiment, PlantPlace, Run};
 use pyo3::prelude::*;
 
@@ -167,13 +167,7 @@ fn valves_of(experiment: &PlantExperiment) -> Vec<usize> {
 
 /// The plant of a file of one actuator or of a joint.
 fn short(scenario: &mckibben_scenario::Scenario) -> Result<Begin, mckibben::Error> {
-    if let Some(experiment) = scenario.joint_experiment()? {
-        let plant = Plant::of_joint(&experiment.rig)?;
-        return Ok(Begin { plant, start: Plant::start_of_joint(&experiment.rig, &experiment.start) });
-    }
-    let experiment = scenario.experiment()?;
-    let start = Plant::start_of_rig(&experiment.rig, &experiment.start);
-    Ok(Begin { plant: Plant::of_rig(&experiment.rig), start })
+    experiment_of_one(scenario).map(|PlantExperiment { plant, start, .. }| Begin { plant, start })
 }
 
 /// The plant of a file in which actuators have names.

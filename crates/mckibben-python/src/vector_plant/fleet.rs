@@ -2,6 +2,7 @@
 
 use super::columns;
 use super::file::{Begin, File};
+use crate::pace::{Pace, Span};
 use mckibben::parameter;
 use mckibben::plant::{PlantRun, PlantSteps, TimeStepping};
 use mckibben_batch::PlantBatch;
@@ -11,46 +12,6 @@ use rayon::prelude::*;
 
 /// Numbers that the stages of a step keep for each state of a plant, and bytes of what the parts of a plant are.
 const PER_STATE: usize = 64;
-
-/// How far plants go on, and in how many equal steps.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Span {
-    /// Duration in s.
-    pub(super) duration: f64,
-    pub(super) steps: u64,
-}
-
-/// A clock that is not summed: after as many equal spans it is at as many times a span.
-#[derive(Clone, Copy, Debug, Default)]
-struct Pace {
-    origin: f64,
-    duration: f64,
-    count: u64,
-}
-
-impl Pace {
-    /// The clock after another span.
-    #[must_use]
-    fn on(&self, Span { duration, .. }: Span) -> Self {
-        match duration == self.duration {
-            true => Self { count: self.count + 1, ..*self },
-            false => Self { origin: self.now(), duration, count: 1 },
-        }
-    }
-
-    /// The end in s of a step within the last span, as those of a run from the origin by steps of that length.
-    fn within(&self, Span { duration, steps }: Span, step: u64) -> f64 {
-        match step < steps {
-            true => self.origin + ((self.count - 1) * steps + step) as f64 * (duration / steps as f64),
-            false => self.now(),
-        }
-    }
-
-    /// The time in s.
-    fn now(&self) -> f64 {
-        self.origin + self.count as f64 * self.duration
-    }
-}
 
 /// VectorPlant of one file that go through time together. An error stands with the number of its plant.
 pub(super) struct Fleet {

@@ -11,12 +11,13 @@ mod file;
 mod fleet;
 
 use crate::arguments;
+use crate::pace::Span;
 use crate::pool;
 use crate::raised::{Raised, exception};
 use crate::scenario::Scenario;
 use crate::typed::{ActionWord, Count, Flags, Items, NewArguments, Numbers as Array, Rows, Sequence, Table};
 use file::File;
-use fleet::{Fleet, Span};
+use fleet::Fleet;
 use mckibben::network::NodeKind;
 use mckibben::simulation::MOST_PARTS;
 use mckibben::valve::{Command, Solenoid};

@@ -1,12 +1,12 @@
 //! A scenario of any kind as one plant with names.
 
 use crate::failure::Failure;
+use mckibben::Error;
 use mckibben::network::NodeKind;
 use mckibben::plant::Plant;
 use mckibben_scenario::{Document, Engine, MechanismNames, PlantExperiment, PlantNames, Scenario};
 
-/// The plant that a scenario of any kind describes. A scenario of one actuator calls it `actuator`; of a joint, `agonist` and
-/// `antagonist` on the mechanism `load` with its joint `joint`. Controllers of a joint or of one actuator are left out.
+/// The plant that a scenario of any kind describes; of one actuator or of a joint as [`experiment_of_one`] has it.
 ///
 /// # Errors
 /// Every mistake in the scenario, shown in it.
@@ -14,16 +14,23 @@ pub fn experiment_of(document: &Document) -> Result<PlantExperiment, Failure> {
     if let Some(experiment) = document.plant_experiment()? {
         return Ok(experiment);
     }
-    let scenario = open(&document.scenario()?);
-    let failed = |error: mckibben::Error| Failure::of_core(&error, document);
+    experiment_of_one(&open(&document.scenario()?)).map_err(|error| Failure::of_core(&error, document))
+}
+
+/// The plant of a scenario of one actuator, which is called `actuator`, or of a joint: `agonist` and `antagonist` on the mechanism
+/// `load` with its joint `joint`. Controllers are left out.
+///
+/// # Errors
+/// What the core finds contradictory.
+pub fn experiment_of_one(scenario: &Scenario) -> Result<PlantExperiment, Error> {
     let (plant, start, run, actuators, mechanisms);
-    if let Some(joint) = scenario.joint_experiment().map_err(failed)? {
-        plant = Plant::of_joint(&joint.rig).map_err(failed)?;
+    if let Some(joint) = scenario.joint_experiment()? {
+        plant = Plant::of_joint(&joint.rig)?;
         (start, run) = (Plant::start_of_joint(&joint.rig, &joint.start), joint.run);
         actuators = vec!["agonist".to_owned(), "antagonist".to_owned()];
         mechanisms = vec![MechanismNames { name: Some("load".to_owned()), joints: vec!["joint".to_owned()] }];
     } else {
-        let alone = scenario.experiment().map_err(failed)?;
+        let alone = scenario.experiment()?;
         plant = Plant::of_rig(&alone.rig);
         (start, run) = (Plant::start_of_rig(&alone.rig, &alone.start), alone.run);
         actuators = vec!["actuator".to_owned()];

@@ -53,7 +53,7 @@ pub mod command;
 mod experiment;
 
 pub use command::{COMMAND_MODES, CommandMode, Pulses};
-pub use experiment::{experiment_of, open};
+pub use experiment::{experiment_of, experiment_of_one, open};
 
 use crate::failure::Failure;
 use mckibben::Response;
