@@ -1,7 +1,6 @@
 //! Values of options: `--set KEY=VALUE`, a value of the scenario, and the horizontal axis of a figure.
 //!
-//! The value of a key is TOML where it reads as TOML (`0.5`, `["0 s", "1 s"]`) and a string where it does not (`10 lb`, `exhaust`),
-//! so that nothing needs to be quoted twice.
+//! The value of a key needs no second pair of quotes: [`Document::set_plain_from`].
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use mckibben_run::axis::HorizontalAxis;
@@ -51,33 +50,12 @@ impl Setting {
     /// # Errors
     /// When the key is no path; what the value is worth is found out when the scenario is read.
     pub fn apply(&self, document: &mut Document) -> Result<(), Failure> {
-        // A line end could begin a second key, which TOML would read and nobody would see.
-        if !self.value.contains('\n') {
-            let mut changed = document.clone();
-            if changed.set_text_from(NAME, &self.key, &self.value).is_ok() {
-                *document = changed;
-                return Ok(());
-            }
-        }
-        Ok(document.set_text_from(NAME, &self.key, &quoted(&self.value))?)
+        Ok(document.set_plain_from(NAME, &self.key, &self.value)?)
     }
 }
 
 /// What messages about such a value show in place of a file.
 const NAME: &str = "--set";
-
-/// The text as a TOML string.
-fn quoted(text: &str) -> String {
-    let mut quoted = String::from("\"");
-    for character in text.chars() {
-        match character {
-            '"' | '\\' => quoted.extend(['\\', character]),
-            control if control.is_control() => quoted.push_str(&format!("\\u{:04X}", control as u32)),
-            plain => quoted.push(plain),
-        }
-    }
-    quoted + "\""
-}
 
 #[cfg(test)]
 mod tests {

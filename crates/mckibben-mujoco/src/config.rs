@@ -81,7 +81,7 @@ fn document<'m>(given: &impl Fn(&str) -> Option<&'m str>) -> Result<Document, Fa
     };
     for path in attributes().filter(|name| !OWN.contains(name)) {
         if let Some(value) = given(path) {
-            document.set_text_from("the model", path, &as_toml(value))?;
+            document.set_plain_from("the model", path, value)?;
         }
     }
     Ok(document)
@@ -113,12 +113,6 @@ fn at_rest(document: &Document, made: impl Fn(Document) -> Result<HostPlant, Fai
     let first = with(AT_REST[0]);
     // What is wrong with anything else is wrong with every command.
     first.or_else(|failure| AT_REST[1..].iter().find_map(|command| with(command).ok()).ok_or(failure))
-}
-
-/// A value as TOML: what is none, such as `4.3 in`, is a text.
-fn as_toml(value: &str) -> String {
-    let is_value = format!("value = {value}").parse::<toml::Table>().is_ok_and(|table| table.len() == 1);
-    if is_value { value.to_owned() } else { toml::Value::from(value).to_string() }
 }
 
 /// A number in SI from a text with a unit.

@@ -141,6 +141,23 @@ impl Document {
         self.graft_from(Source::new(name, format!("{path} = {value}")), path)
     }
 
+    /// As [`Document::set_text_from`], from what people write without a second pair of quotes: TOML where it reads as one value
+    /// (`0.5`, `["0 s", "1 s"]`), and a string where it does not (`10 lb`, `exhaust`).
+    ///
+    /// # Errors
+    /// When the path is no path, as for [`Document::set`].
+    pub fn set_plain_from(&mut self, name: &str, path: &str, value: &str) -> Result<(), Diagnostics> {
+        // A line end could begin a second key, which TOML would read and nobody would see.
+        if !value.contains('\n') {
+            let mut changed = self.clone();
+            if changed.set_text_from(name, path, value).is_ok() {
+                *self = changed;
+                return Ok(());
+            }
+        }
+        self.set_text_from(name, path, &text_on_one_line(value))
+    }
+
     /// As [`Document::set_text_from`], from a program: a number where a quantity is due is in SI.
     ///
     /// # Errors
@@ -388,4 +405,17 @@ fn graft(into: &mut Table, from: Table, names: &[&str]) -> Result<(), Diagnostic
                 .into())
         }
     }
+}
+
+/// A text as a TOML string that stands on one line, whatever it holds.
+fn text_on_one_line(text: &str) -> String {
+    let mut quoted = String::from("\"");
+    for character in text.chars() {
+        match character {
+            '"' | '\\' => quoted.extend(['\\', character]),
+            control if control.is_control() => quoted.push_str(&format!("\\u{:04X}", control as u32)),
+            plain => quoted.push(plain),
+        }
+    }
+    quoted + "\""
 }
