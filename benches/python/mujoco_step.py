@@ -23,8 +23,8 @@ ROUNDS = 15
 STEPS = 500
 
 
-def limb(name: str, at: str, muscles: list[str]) -> str:
-    """A limb of five joints with links, and two pairs of muscles about two of them and one more."""
+def limb(name: str, at: str) -> str:
+    """A limb of five joints and two links."""
     axes = ["1 0 0", "0 1 0", "0 0 1", "0 1 0", "0 1 0"]
     body = ""
     for number, axis in reversed(list(enumerate(axes))):
@@ -39,7 +39,7 @@ def limb(name: str, at: str, muscles: list[str]) -> str:
 
 def model(actuator: str, extra: str = "") -> mujoco.MjModel:
     limbs = {"left-arm": "0 0.2 0.3", "right-arm": "0 -0.2 0.3", "left-leg": "0 0.1 -0.2", "right-leg": "0 -0.1 -0.2"}
-    bodies = "".join(limb(name, at, []) for name, at in limbs.items())
+    bodies = "".join(limb(name, at) for name, at in limbs.items())
     tendons, actuators = "", ""
     for limb_number, name in enumerate(limbs):
         for number in range(5):
@@ -121,7 +121,8 @@ def main() -> None:
             assert numpy.isfinite(data.qpos).all()
             if name.startswith("ours"):
                 assert (data.actuator_force < 0.0).sum() > MUSCLES // 2 and not any(w.number for w in data.warning)
-    print(f"MuJoCo {mujoco.__version__}, {models['MuJoCo' + chr(39) + 's own muscles'].nv} degrees of freedom, {MUSCLES} muscles; load {os.getloadavg()[0]:.1f}")
+    freedom = models["motors that do nothing"].nv
+    print(f"MuJoCo {mujoco.__version__}, {freedom} degrees of freedom, {MUSCLES} muscles; load {os.getloadavg()[0]:.1f}")
     medians = {name: statistics.median(each) for name, each in times.items()}
     base = medians["motors that do nothing"]
     for name, median in medians.items():

@@ -7,13 +7,12 @@ import subprocess
 import sys
 import time
 
+import mujoco
 import numpy
 import pytest
 
 import mckibben
 import mckibben.mujoco
-
-mujoco = pytest.importorskip("mujoco")
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 MODELS = ROOT / "models"
