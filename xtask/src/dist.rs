@@ -1,14 +1,10 @@
-//! What a release carries: the program in an archive with its manual pages, its completions and the C library, a wheel, its
-//! source, and checksums.
+//! What a release carries: the program in an archive with libraries, manual pages and completions, a wheel, its source, and
+//! checksums.
 //!
 //! | made | by | tried |
 //! |---|---|---|
-//! | `mckibben-VERSION-TARGET.tar.gz` | the profile `dist` | unpacked, and a scenario run by it; an example in C |
-//! What a release carries: the program in an archive with its library, manual pages and completions, a wheel, its source, and checksums.
-//!
-//! | made | by | tried |
-//! |---|---|---|
-//! | `mckibben-VERSION-TARGET.tar.gz` | the profile `dist`, with the library of functional mock-up units | unpacked, a scenario run and a unit written by it |
+//! | `mckibben-VERSION-TARGET.tar.gz` | the profile `dist` | unpacked; a scenario run and a unit of FMI written by it |
+//! | its `lib/` and `include/` | that profile | an example in C, and MuJoCo that loads the plugin |
 //! | `mckibben-VERSION-cp310-abi3-….whl` | Maturin, by that profile | installed where there is no Cargo, and a scenario run by it |
 //! | `mckibben-VERSION.tar.gz` | Maturin | its metadata are read, so nothing reaches outside it |
 //! | `SHA256SUMS` | | |
@@ -49,8 +45,8 @@ pub(crate) fn run() -> ExitCode {
 fn all(root: &Path) -> Result<PathBuf, String> {
     let folder = root.join("target/release-files");
     empty(&folder)?;
-    let name = archive(root, &folder)?;
     let python = python::environment(root, "python/tests/requirements.txt")?;
+    let name = archive(root, &folder, &python)?;
     let mut wheel = command(root, &python);
     wheel.args(["-m", "maturin", "build", "--locked", "--profile", "dist", "--out"]);
     succeed(wheel.arg(&folder))?;
@@ -60,13 +56,14 @@ fn all(root: &Path) -> Result<PathBuf, String> {
     python::installs(root, &folder)?;
     println!("{name} runs, and so does the wheel without Cargo");
     checksums(&python, &folder)?;
+    forget_packages()?;
     // Each crate, compiled from what its package holds and from nothing else.
     succeed(&mut packages(root))?;
     Ok(folder)
 }
 
 /// The program with what belongs to it; the archive's name.
-fn archive(root: &Path, folder: &Path) -> Result<String, String> {
+fn archive(root: &Path, folder: &Path, python: &Path) -> Result<String, String> {
     succeed(cargo(root).args([
         "build",
         "--locked",
@@ -89,7 +86,7 @@ fn archive(root: &Path, folder: &Path) -> Result<String, String> {
         create(&into.join(part))?;
     }
     copy(&built, &into.join(&file))?;
-    let library = library();
+    let library = library("fmu");
     copy(&built.with_file_name(&library), &into.join(&library))?;
     BESIDE.iter().try_for_each(|file| copy(&root.join(file), &into.join(file)))?;
     let program = into.join(&file);
@@ -104,6 +101,7 @@ fn archive(root: &Path, folder: &Path) -> Result<String, String> {
         write(&into.join("man").join(page), &output(Command::new(&program).args(arguments))?)?;
     }
     c::release(root, &into)?;
+    plugin(root, &into, python)?;
     let archive = folder.join(format!("{name}.tar.gz"));
     succeed(command(&staged, "tar").arg("-czf").arg(&archive).arg(&name))?;
     // Unpacked it runs.
@@ -116,10 +114,41 @@ fn archive(root: &Path, folder: &Path) -> Result<String, String> {
     Ok(format!("{name}.tar.gz"))
 }
 
-/// The file of the library that a functional mock-up unit carries, which lies beside the program.
-fn library() -> String {
+/// The file of the shared library of a crate.
+fn library(of: &str) -> String {
     let (begins, ends) = (std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
-    format!("{begins}mckibben_fmu{ends}")
+    format!("{begins}mckibben_{of}{ends}")
+}
+
+/// Builds the plugin of MuJoCo for programs in C and C++, and lets MuJoCo load it.
+fn plugin(root: &Path, into: &Path, python: &Path) -> Result<(), String> {
+    let mut build = cargo(root);
+    build.args(["rustc", "--locked", "--profile", "dist", "--package", "mckibben-mujoco", "--lib"]);
+    succeed(build.args(["--features", "register-on-load", "--crate-type", "cdylib"]))?;
+    let file = library("mujoco");
+    let plugin = into.join("lib").join(&file);
+    copy(&python::target_folder(root).join("dist").join(&file), &plugin)?;
+    let load = "import mujoco, sys; mujoco.mj_loadPluginLibrary(sys.argv[1]); mujoco.MjModel.from_xml_string(\
+                '<mujoco><extension><plugin plugin=\"mckibben.muscle\"/></extension></mujoco>')";
+    succeed(command(root, python).args(["-c", load]).arg(&plugin))
+}
+
+/// Removes what Cargo unpacked of these packages before: it would pass for what is packed now, whose version is no other.
+fn forget_packages() -> Result<(), String> {
+    let home = std::env::var_os("CARGO_HOME").map(PathBuf::from).or_else(|| Some(std::env::home_dir()?.join(".cargo")));
+    let unpacked = home.ok_or("there is no home folder")?.join("registry/src");
+    let entries = |folder: &Path| {
+        let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+        entries.map(|entry| (entry.path(), entry.file_name().to_string_lossy().into_owned())).collect::<Vec<_>>()
+    };
+    // A registry without a host is a folder, as the one in which Cargo puts what it packs.
+    for (registry, _) in entries(&unpacked).into_iter().filter(|(_, name)| name.starts_with('-')) {
+        for (package, _) in entries(&registry).into_iter().filter(|(_, name)| name.starts_with("mckibben")) {
+            std::fs::remove_dir_all(&package)
+                .map_err(|error| format!("{} could not be removed: {error}", package.display()))?;
+        }
+    }
+    Ok(())
 }
 
 /// The commands of the program, with an empty name for the program itself.
