@@ -1,4 +1,4 @@
-//! The programs of the system that the tests of the C library need, and the place of the library in a release.
+//! The programs of the system that the tests in C need, and the place of the library in a release.
 //!
 //! | in an archive | what |
 //! |---|---|
@@ -31,7 +31,7 @@ const LIBRARIES: [&str; 6] = [
     "mckibben_c.lib",
 ];
 
-/// Installs what is missing for the tests of the C library where apt can do it without asking: as root, or by `sudo` without a
+/// Installs what is missing for the tests in C where apt can do it without asking: as root, or by `sudo` without a
 /// password. Elsewhere the tests say what to install.
 pub(crate) fn tools(root: &Path) -> Result<(), String> {
     let folders: Vec<_> =

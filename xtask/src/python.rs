@@ -1,5 +1,6 @@
 //! The Python side: an environment of its own, the reference trajectories made in it, and the package with its tests.
 
+use crate::c;
 use crate::counts::{Counts, pytest};
 use crate::dist::empty;
 use crate::steps::{cargo, command, succeed};
@@ -41,6 +42,7 @@ pub(crate) fn reference(root: &Path) -> Result<(), String> {
 /// Builds the package and runs its tests. Those marked `blas` run with each of OpenBLAS's kernels that the processor has:
 /// what they claim must not depend on how a matrix product is rounded.
 pub(crate) fn package(root: &Path) -> Result<Counts, String> {
+    c::tools(root)?;
     let python = environment(root, "python/tests/requirements.txt")?;
     let stubs = || std::fs::read_to_string(root.join(STUBS)).unwrap_or_default();
     let kept = stubs();
@@ -49,7 +51,7 @@ pub(crate) fn package(root: &Path) -> Result<Counts, String> {
     build.envs(AS_TESTS);
     succeed(build.env("VIRTUAL_ENV", root.join(".venv")))?;
     if stubs() != kept {
-        return Err(format!("{STUBS} was not what the package is now: it has been made anew, and is to be committed"));
+        return Err(format!("{STUBS} was not what the package is now: it has been rewritten, and is to be committed"));
     }
     // What its runs are compared with.
     let mut program = cargo(root);
