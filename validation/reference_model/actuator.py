@@ -96,6 +96,26 @@ class LuGre:
 
 
 @dataclass(frozen=True)
+class Viscoelastic:
+    """F_b = Σ (kᵢ + wᵢ k_sec⁺)(L − zᵢ); dzᵢ/dt = (L − zᵢ)/τᵢ. The relaxed lengths zᵢ are states."""
+
+    relaxation_time: tuple = ()  # τ, s
+    stiffness: tuple = ()  # k, N/m
+    stiffness_ratio: tuple = ()  # w
+
+    @property
+    def count(self):
+        return len(self.relaxation_time)
+
+    def rates(self, length, relaxed):
+        return [(length - z) / tau for tau, z in zip(self.relaxation_time, relaxed, strict=True)]
+
+    def force(self, secant, length, relaxed):
+        springs = zip(self.stiffness, self.stiffness_ratio, relaxed, strict=True)
+        return sum((k + w * secant) * (length - z) for k, w, z in springs)
+
+
+@dataclass(frozen=True)
 class Muscle:
     """What makes the tension. `pressure_tolerance` is that of its branches, Pa."""
 
@@ -105,6 +125,12 @@ class Muscle:
     dry: Dry
     hysteresis: object
     limit: Limit
+    structural: float = 0.0  # τ_c, s
+    viscoelastic: Viscoelastic = Viscoelastic()
+
+    def damping(self, secant):
+        """c + τ_c k_sec⁺, N·s/m."""
+        return self.viscous + self.structural * secant
 
     def static(self, branches, key, length, gauge, tolerance):
         """(F_s, k_sec⁺, P_g⁺): (3), (9), (13)."""

@@ -86,6 +86,8 @@ class Actuator:
         self.i_mass = state.entry(1e-6, mass)
         count = self.muscle.hysteresis.count if self.muscle.hysteresis else 0
         self.i_elements = [state.entry(1e-5, 0.0) for _ in range(count)]
+        relaxed = max(length, self.muscle.braid.min_length)
+        self.i_relaxed = [state.entry(1e-2, relaxed) for _ in range(self.muscle.viscoelastic.count)]
         self.i_length = state.entry(1e-2, length) if self.tendon else None
         self.i_hose, self.i_flow = [], []
         if self.hose:
@@ -193,7 +195,7 @@ class Plant:
         return rates, seen, total
 
     def muscle(self, k, t, y, mode, distance, speed, rates):
-        """Force and length of one actuator; fills in the rates of its elements and its own length."""
+        """Force and length of one actuator; fills in the rates of its elements, branches and own length."""
         actuator, branches = self.actuators[k], mode.branches
         muscle = actuator.muscle
         braid = muscle.braid
@@ -204,11 +206,19 @@ class Plant:
         seen = {"distance": distance, "speed": speed, "pressure": pressure, "slack": False}
         seen["pressure_rate"] = pressure_rate
         length, velocity = distance, speed
+
+        def relax(length):
+            relaxed = [y[i] for i in actuator.i_relaxed]
+            for index, rate in zip(actuator.i_relaxed, muscle.viscoelastic.rates(length, relaxed), strict=True):
+                rates[index] = rate
+            return relaxed
+
         if actuator.tendon:
             length = y[actuator.i_length]
         elif not mode.held_short[k]:
             on_cord = branches.positive(("slack", k), distance - braid.min_length, LENGTH_TOLERANCE)
             if not on_cord:
+                relax(braid.min_length)
                 seen.update(slack=True, length=braid.min_length, velocity=0.0, tension=0.0)
                 seen["box"] = (0.0, 0.0)
                 return seen
@@ -216,6 +226,8 @@ class Plant:
         at_rest = sliding == 0 and not actuator.tendon
         gauge_pressure = pressure - actuator.air.atmosphere
         static, secant, pressed = muscle.static(branches, k, length, gauge_pressure, self.tolerance)
+        static += muscle.viscoelastic.force(secant, length, relax(length))
+        damping = muscle.damping(secant)
         dry = muscle.dry.width * secant + muscle.dry.force + muscle.dry.per_pressure * pressed
         z = [y[i] for i in actuator.i_elements]
 
@@ -230,7 +242,6 @@ class Plant:
             tight = branches.positive(("tendon", k), distance - rest - length, LENGTH_TOLERANCE)
             tension = stiffness * (distance - rest - length) if tight else 0.0
             static += memory(0.0)[0]  # none of the laws allowed here has a force that follows the velocity
-            damping = muscle.viscous
             if branches.positive(("taut", k), length - braid.max_length, LENGTH_TOLERANCE):
                 static += muscle.limit.stiffness * (length - braid.max_length)
                 damping += muscle.limit.damping
@@ -248,7 +259,7 @@ class Plant:
             seen["net"] = tension - static
         else:
             force, z_rates = memory(0.0 if at_rest else velocity)
-            rest = static + force + muscle.viscous * velocity
+            rest = static + force + damping * velocity
             rest += muscle.limit_force(branches, k, length, velocity, at_rest or isinstance(self.mechanism, Held) and velocity == 0)
             if at_rest:
                 bound = dry * muscle.dry.static_ratio
@@ -267,7 +278,7 @@ class Plant:
                 tension = total if branches.positive(("pulls", k), total, FORCE_TOLERANCE) else 0.0
                 bound = dry * muscle.dry.static_ratio
                 short = distance <= braid.min_length + LENGTH_TOLERANCE
-                still = rest - muscle.viscous * velocity
+                still = rest - damping * velocity
                 seen["box"] = (0.0 if short else max(0.0, still - bound), max(0.0, still + bound))
         for index, rate in zip(actuator.i_elements, z_rates, strict=True):
             rates[index] = rate

@@ -11,7 +11,7 @@ import tomllib
 import numpy as np
 
 from . import control
-from .actuator import BoucWen, Dry, LuGre, MaxwellSlip, Muscle
+from .actuator import BoucWen, Dry, LuGre, MaxwellSlip, Muscle, Viscoelastic
 from .lines import Hose, LineRegulator, Reservoir
 from .mechanism import ArmTable, Held, Joint, Mass, Pulley
 from .physics import Air, Braid, Effectiveness, Iec60534Flow, Iso6358Flow, Limit, NozzleFlow
@@ -95,6 +95,19 @@ def read_hysteresis(table):
     return result
 
 
+def read_viscoelastic(table):
+    times = table.list("relaxation_time", "s")
+    none = [0.0] * len(times)
+    if "stiffness" not in table and "stiffness_ratio" not in table:
+        raise ValueError(f"[{table.name}] lacks stiffness and stiffness_ratio")
+    stiffness = table.list("stiffness", "N/m") if "stiffness" in table else none
+    ratio = table.get("stiffness_ratio", none)
+    if not len(times) == len(stiffness) == len(ratio):
+        raise ValueError(f"[{table.name}] has lists of different lengths")
+    table.finish()
+    return Viscoelastic(tuple(times), tuple(stiffness), tuple(ratio))
+
+
 def read_actuator(table):
     """(muscle, leak)."""
     braid = Braid(
@@ -107,6 +120,7 @@ def read_actuator(table):
     effectiveness = read_effectiveness(table.table("effectiveness"))
     rub = table.table("friction")
     viscous = rub.si("viscous", "N*s/m")
+    structural = rub.si("structural_damping", "s", 0.0)
     dry = Dry(
         rub.si("coulomb_width", "m"),
         rub.si("coulomb_force", "N", 0.0),
@@ -115,13 +129,14 @@ def read_actuator(table):
         rub.si("stribeck_velocity", "m/s", 0.01),
     )
     hysteresis = read_hysteresis(rub.table("hysteresis")) if "hysteresis" in rub else None
+    viscoelastic = read_viscoelastic(rub.table("viscoelastic")) if "viscoelastic" in rub else Viscoelastic()
     rub.finish()
     end = table.table("limit")
     limit = Limit(end.si("stiffness", "N/m"), end.si("damping", "N*s/m"))
     end.finish()
     leak = table.si("leakage", "m^3/(s*Pa)", 0.0)
     table.finish()
-    return Muscle(braid, effectiveness, viscous, dry, hysteresis, limit), leak
+    return Muscle(braid, effectiveness, viscous, dry, hysteresis, limit, structural, viscoelastic), leak
 
 
 def read_air(table):

@@ -169,10 +169,10 @@ impl<W: Wide> Work for Hold<'_, W> {
             if !moves {
                 system.enter_ends_of(i, time, end, held, at);
             }
-            let (wire, unit, bent) = (&system.wires[i], at.units[i], system.bristles(i, end));
+            let (wire, unit, deflections) = (&system.wires[i], at.units[i], system.deflections(i, end));
             let pressure = end[wire.places.pressure];
             let pull = tendon_tension(tendon, held.is_loose(i), unit.distance, unit.length);
-            let force = held.signed_force(wire, [unit.length, zero, pressure], bent);
+            let force = held.signed_force(wire, [unit.length, zero, pressure], deflections);
             within = within & its.excess.holds(force - pull);
             within = within & its.stretch.holds(unit.distance - unit.length - tendon.rest_length());
             if its.is_held {
@@ -183,11 +183,11 @@ impl<W: Wide> Work for Hold<'_, W> {
             }
             if its.moves {
                 let of_unit = (&at.units[i], &at.chambers[i]);
-                let velocity = system.end_velocity(i, tendon, held, of_unit, bent);
+                let velocity = system.end_velocity(i, tendon, held, of_unit, deflections);
                 let taut_force = wire.member.actuator.limits().taut_force(unit.length, velocity);
                 within = within & its.velocity.holds(velocity) & its.taut_force.holds(taut_force);
                 if its.may_jump {
-                    let hold = system.hold_of_end(i, tendon, held, of_unit, bent, FASTEST);
+                    let hold = system.hold_of_end(i, tendon, held, of_unit, deflections, FASTEST);
                     within = within & (its.jumps.le(zero) | zero.le(hold));
                 }
             }

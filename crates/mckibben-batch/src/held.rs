@@ -6,7 +6,7 @@
 use crate::flows::HeldFlows;
 use crate::wide::{Number, Wide};
 use mckibben::air::Chamber;
-use mckibben::friction::LuGre;
+use mckibben::friction::{Deflections, LuGre};
 use mckibben::internals::{
     Branch, Evaluation, Formulas, Presses, SlidingState, System, ThreadContact, Unit, Wire, end_is_damped,
 };
@@ -258,15 +258,23 @@ impl<W: Wide> Held<W> {
         self.actuators[actuator].on_stop
     }
 
-    /// Force of the hysteresis over the secant stiffness in m, at a length and a velocity, if there is such a law.
+    /// How an actuator slides at a length and a velocity.
     #[inline(always)]
-    pub(crate) fn width<T: Over<W>>(&self, wire: &Wire<W>, [length, velocity]: [T; 2], bent: Option<T>) -> Option<T> {
+    pub(crate) fn sliding_state<T: Over<W>>(
+        &self,
+        wire: &Wire<W>,
+        [length, velocity]: [T; 2],
+        deflections: Deflections<T>,
+        (direction, touch): (T, ThreadContact),
+    ) -> SlidingState<T> {
         let held = &self.actuators[wire.index];
-        match (bent, wire.member.actuator.friction().lugre()) {
+        let width = match (deflections.bristles, wire.member.actuator.friction().lugre()) {
             (Some(bent), Some(law)) => Some(law.width_at(bent, velocity, T::of(held.direction))),
             _ if self.has_branches[wire.index] => Some(held.branch.width_in_lanes(length)),
             _ => None,
-        }
+        };
+        let sliding = SlidingState { direction, width, force: None, touch };
+        sliding.with_branches(wire.member.actuator.friction().viscoelastic(), length, deflections.branches)
     }
 }
 
@@ -316,8 +324,8 @@ impl<W: Wide> Formulas<W> for Held<W> {
     }
 
     #[inline(always)]
-    fn tension<T: Over<W>>(&self, wire: &Wire<W>, ends: [T; 3], bent: Option<T>) -> T {
-        T::select(self.actuators[wire.index].idle, T::zero(), self.signed_force(wire, ends, bent))
+    fn tension<T: Over<W>>(&self, wire: &Wire<W>, ends: [T; 3], deflections: Deflections<T>) -> T {
+        T::select(self.actuators[wire.index].idle, T::zero(), self.signed_force(wire, ends, deflections))
     }
 
     #[inline(always)]
@@ -371,13 +379,13 @@ impl<W: Wide> Formulas<W> for Held<W> {
     }
 
     #[inline(always)]
-    fn signed_force<T: Over<W>>(&self, wire: &Wire<W>, ends: [T; 3], bent: Option<T>) -> T {
+    fn signed_force<T: Over<W>>(&self, wire: &Wire<W>, ends: [T; 3], deflections: Deflections<T>) -> T {
         let (held, actuator) = (&self.actuators[wire.index], &wire.member.actuator);
         let factors = actuator.factors(ends[0], ends[2]);
-        let width = self.width(wire, [ends[0], ends[1]], bent);
-        let rubbing = SlidingState { direction: T::of(held.direction), width, touch: ThreadContact::Pressed };
+        let of_sliding = (T::of(held.direction), ThreadContact::Pressed);
+        let rubbing = self.sliding_state(wire, [ends[0], ends[1]], deflections, of_sliding);
         let force = actuator.signed_force(ends, rubbing, held.taut, factors);
-        if actuator.friction().has_direction() {
+        if actuator.friction().follows_normal_load() {
             let apart = ends[2].lt(T::of(actuator.air().atmosphere().0));
             if apart.any() {
                 let rubbing = SlidingState { touch: ThreadContact::Apart, ..rubbing };
@@ -417,7 +425,7 @@ impl<W: Wide> Formulas<W> for Held<W> {
         _: &System<W>,
         _: usize,
         _: (&Unit<T>, &Chamber<T>),
-        _: Option<T>,
+        _: Deflections<T>,
     ) -> Option<T> {
         None
     }

@@ -20,7 +20,7 @@ use crate::facets::Facets;
 use crate::held::Held;
 use crate::wide::Wide;
 use mckibben::internals::{
-    Evaluation, Formulas, GuardForm, NetworkGuard, SlidingState, System, ThreadContact, Trace, tendon_tension,
+    Evaluation, Formulas, GuardForm, NetworkGuard, System, ThreadContact, Trace, tendon_tension,
 };
 use mckibben::line::Poppet;
 use mckibben::mechanism::Mechanism;
@@ -360,7 +360,7 @@ impl<W: Wide> Watch<W> {
             if watched.forces {
                 let ends = [unit.length, unit.velocity, end[wire.places.pressure]];
                 let taut_force = wire.member.actuator.limits().taut_force(unit.length, unit.velocity);
-                let force = held.signed_force(wire, ends, system.bristles(i, end));
+                let force = held.signed_force(wire, ends, system.deflections(i, end));
                 within = within & ranges.force.holds(force) & ranges.taut_force.holds(taut_force);
             }
         }
@@ -432,8 +432,8 @@ fn contacts_hold<W: Wide>(system: &System<W>, m: usize, contacts: &[ContactRange
 #[inline(always)]
 pub(crate) fn holdable<W: Wide>(system: &System<W>, i: usize, end: &[W], held: &Held<W>, at: &Evaluation<W>) -> (W, W) {
     let (wire, unit, zero) = (&system.wires[i], &at.units[i], W::zero());
-    let width = held.width(wire, [unit.length, zero], system.bristles(i, end));
-    let rubbing = SlidingState { direction: zero, width, touch: ThreadContact::ByPressure };
+    let of_sliding = (zero, ThreadContact::ByPressure);
+    let rubbing = held.sliding_state(wire, [unit.length, zero], system.deflections(i, end), of_sliding);
     let pressure = end[wire.places.pressure];
     wire.member.actuator.holdable(unit.length, pressure, held.is_on_stop(i), rubbing)
 }
@@ -464,10 +464,10 @@ fn hold_margin<W: Wide>(system: &System<W>, m: usize, end: &[W], held: &Held<W>,
             continue;
         }
         let pressure = end[wire.places.pressure];
-        let bent = system.bristles(i, end);
+        let deflections = system.deflections(i, end);
         let sticks = held.is_stuck(i) & !held.is_slack(i);
         let (low, high) = holdable(system, i, end, held, at);
-        let pulls = held.tension(wire, [unit.length, zero, pressure], bent).larger(zero);
+        let pulls = held.tension(wire, [unit.length, zero, pressure], deflections).larger(zero);
         load = load - arm * pulls;
         let (by_low, by_high) = (arm * low, arm * high);
         least = least + W::select(sticks, by_low.smaller(by_high), zero);

@@ -56,7 +56,7 @@ fn references() -> Vec<Reference> {
     let mut paths: Vec<PathBuf> = entries.map(|entry| entry.expect("readable").path()).collect();
     paths.retain(|path| path.extension().is_some_and(|ending| ending == "toml"));
     paths.sort();
-    assert!(paths.len() >= 57, "only {} scenarios", paths.len());
+    assert!(paths.len() >= 59, "only {} scenarios", paths.len());
     let reference = |scenario: PathBuf| {
         let name = scenario.file_stem().expect("a name").to_string_lossy().into_owned();
         let run = Run::read(&Path::new(&folder).join(format!("{name}.csv")));

@@ -335,6 +335,9 @@ fn state_names(plant: &HostPlant) -> Vec<(String, &'static str, &'static str)> {
                 names[place] = (format!("{name}.{what}"), "m", "m/s");
             }
         }
+        for (branch, place) in here.branches().enumerate() {
+            names[place] = (format!("{name}.relaxed_length_{}", branch + 1), "m", "m/s");
+        }
     }
     for (node, place) in nodes.iter().enumerate() {
         if let Some(place) = place {

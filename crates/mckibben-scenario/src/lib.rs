@@ -86,7 +86,7 @@ pub use scenario::{
     Actuator, Aim, Air, Antagonist, Bladder, Command, Compressor, Controller, Effectiveness, FlowPath, Force, Friction,
     Hose, Hysteresis, Initial, InitialAngle, InitialLength, Joint, Limit, Load, MomentArm, Motion, PressureRegulator,
     PressureSeries, Process, ProportionalRegulator, Regulator, Reservoir, Run, Scenario, SeriesTendon, Spool, Supply,
-    Taper, Tendon, TonduLopezCoefficients, Valve,
+    Taper, Tendon, TonduLopezCoefficients, Valve, Viscoelastic,
 };
 pub use schema::schema;
 pub use starter::starter;

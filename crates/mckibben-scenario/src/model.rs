@@ -5,7 +5,7 @@ use crate::diagnostic::Diagnostics;
 use crate::document::Document;
 use crate::scenario::{
     self, Antagonist, Command, Effectiveness, FlowPath, Force, Friction, Hysteresis, InitialAngle, InitialLength,
-    Joint, Load, MomentArm, Motion, Process, ProportionalRegulator, Run, Scenario, Supply, Tendon, Valve,
+    Joint, Load, MomentArm, Motion, Process, ProportionalRegulator, Run, Scenario, Supply, Tendon, Valve, Viscoelastic,
 };
 use mckibben::command::Driver;
 use mckibben::force::{self, Characteristic, Effective, LengthLimits, Statics};
@@ -204,7 +204,12 @@ fn core_friction(of: &Friction) -> Result<friction::Friction, Error> {
     let coulomb = friction::Coulomb::new(of.coulomb_width)?
         .with_force(of.coulomb_force, of.coulomb_force_per_pressure)?
         .with_stribeck(of.static_ratio, of.stribeck_velocity)?;
-    let friction = friction::Friction::with_coulomb(of.viscous, coulomb)?;
+    let mut friction =
+        friction::Friction::with_coulomb(of.viscous, coulomb)?.with_structural_damping(of.structural_damping)?;
+    if let Some(Viscoelastic { relaxation_time, stiffness, stiffness_ratio }) = &of.viscoelastic {
+        let branches = friction::Viscoelastic::new(stiffness, stiffness_ratio, relaxation_time)?;
+        friction = friction.with_viscoelastic(branches);
+    }
     match &of.hysteresis {
         Some(Hysteresis::MaxwellSlip { reach, stiffness_ratio }) => {
             let elements = friction::MaxwellSlip::new(reach, stiffness_ratio)?;

@@ -96,6 +96,9 @@ static LISTS: &[(&Parameter, List)] = &[
         Some(Hysteresis::MaxwellSlip { stiffness_ratio, .. }) => Some(stiffness_ratio),
         _ => None,
     }),
+    (&p::BRANCH_STIFFNESS, |s| Some(&mut s.actuator.friction.viscoelastic.as_mut()?.stiffness)),
+    (&p::BRANCH_STIFFNESS_RATIO, |s| Some(&mut s.actuator.friction.viscoelastic.as_mut()?.stiffness_ratio)),
+    (&p::BRANCH_RELAXATION_TIME, |s| Some(&mut s.actuator.friction.viscoelastic.as_mut()?.relaxation_time)),
     (&p::MOMENT_ARM, |s| match &mut s.load {
         Load::AntagonisticJoint(joint) => match &mut joint.tendon.arm {
             MomentArm::Table { arm, .. } => Some(arm),

@@ -181,6 +181,8 @@ pub enum Effectiveness {
 pub struct Friction {
     /// Viscous damping coefficient c in N·s/m.
     pub viscous: f64,
+    /// Viscous damping in addition, over the secant stiffness, in s.
+    pub structural_damping: f64,
     /// Coulomb friction Q as a length in m.
     pub coulomb_width: f64,
     /// Dry friction F_0 in N that is the same at any length and pressure.
@@ -193,6 +195,19 @@ pub struct Friction {
     pub stribeck_velocity: f64,
     /// Hysteresis that remembers the turns of the length.
     pub hysteresis: Option<Hysteresis>,
+    /// Branches that relax.
+    pub viscoelastic: Option<Viscoelastic>,
+}
+
+/// Viscoelastic branches, one entry for each. An empty list stands for zeros.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Viscoelastic {
+    /// Times in s in which they relax, increasing.
+    pub relaxation_time: Vec<f64>,
+    /// Stiffness of each in N/m that does not follow the pressure.
+    pub stiffness: Vec<f64>,
+    /// Stiffness of each over the actuator's secant stiffness.
+    pub stiffness_ratio: Vec<f64>,
 }
 
 /// Hysteresis that remembers the turns of the length.

@@ -11,7 +11,7 @@ use crate::quantity;
 use crate::read::passage;
 use crate::scenario::{
     Actuator, Aim, Command, Controller, Effectiveness, FlowPath, Force, Friction, Hysteresis, InitialAngle,
-    InitialLength, Load, MomentArm, Motion, Process, Regulator, Scenario, Supply, Tendon,
+    InitialLength, Load, MomentArm, Motion, Process, Regulator, Scenario, Supply, Tendon, Viscoelastic,
 };
 use mckibben::control::{Quantity, SetPoint};
 use mckibben::parameter::{self as p, Parameter};
@@ -122,6 +122,7 @@ fn actuator(w: &mut Writer, scenario: &Scenario) {
 
 fn friction(w: &mut Writer, friction: &Friction) {
     w.number(&p::VISCOUS, friction.viscous);
+    w.number(&p::STRUCTURAL_DAMPING, friction.structural_damping);
     w.number(&p::COULOMB_WIDTH, friction.coulomb_width);
     w.number(&p::COULOMB_FORCE, friction.coulomb_force);
     w.number(&p::COULOMB_FORCE_PER_PRESSURE, friction.coulomb_force_per_pressure);
@@ -148,6 +149,14 @@ fn friction(w: &mut Writer, friction: &Friction) {
             w.number(&p::BRISTLE_DAMPING_TIME, *damping_time);
         }
         None => {}
+    }
+    if let Some(Viscoelastic { relaxation_time, stiffness, stiffness_ratio }) = &friction.viscoelastic {
+        w.list(&p::BRANCH_RELAXATION_TIME, relaxation_time);
+        for (row, list) in [(&p::BRANCH_STIFFNESS, stiffness), (&p::BRANCH_STIFFNESS_RATIO, stiffness_ratio)] {
+            if !list.is_empty() {
+                w.list(row, list);
+            }
+        }
     }
 }
 

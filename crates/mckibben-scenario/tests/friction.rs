@@ -1,6 +1,6 @@
 //! Friction in a scenario file.
 
-use mckibben::friction::{BoucWen, Coulomb, Friction, Hysteresis, LuGre, MaxwellSlip};
+use mckibben::friction::{BoucWen, Coulomb, Friction, Hysteresis, LuGre, MaxwellSlip, Viscoelastic};
 use mckibben_scenario::Document;
 
 const LOAD: &str = "[load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n[run]\nduration = \"1 s\"\n";
@@ -59,9 +59,33 @@ fn bristles_reach_the_core_and_have_keys_of_their_own() {
     assert!(problem(&format!("{section}bristle_reach = \"0.01 mm\"\nbeta = \"1 mm^-1\"")).contains("beta"));
 }
 
+const BRANCHES: &str = "[actuator.friction]\nstructural_damping = \"2 ms\"\n[actuator.friction.viscoelastic]\n\
+    relaxation_time = [\"0.1 s\", \"1 s\"]\nstiffness_ratio = [0.1, 0.2]\n";
+
+#[test]
+fn branches_reach_the_core() {
+    let experiment = document(BRANCHES).experiment().expect("a scenario");
+    let friction = experiment.rig.actuator().friction();
+    assert_eq!(friction.structural_damping(), Some(2e-3));
+    let law = Viscoelastic::new(&[], &[0.1, 0.2], &[0.1, 1.0]).expect("branches");
+    assert_eq!(friction.viscoelastic(), Some(&law));
+    let section = "[actuator.friction.viscoelastic]\n";
+    assert!(problem(&format!("{section}relaxation_time = [\"1 s\"]")).contains("stiffness_ratio"));
+    assert!(problem(&format!("{section}stiffness_ratio = [0.1]")).contains("relaxation_time"));
+    let uneven = problem(&format!("{section}relaxation_time = [\"1 s\"]\nstiffness = [\"1 N/m\", \"2 N/m\"]"));
+    assert!(uneven.contains("equally long"), "{uneven}");
+    let falling =
+        "relaxation_time = [\"1 s\", \"0.1 s\"]\nstiffness = [\"1 N/m\", \"2 N/m\"]\nstiffness_ratio = [0, 0]";
+    let falling = problem(&format!("{section}{falling}"));
+    assert_eq!(falling.matches("must increase").count(), 1, "{falling}");
+    assert!(
+        problem(&format!("{section}relaxation_time = [\"0 s\"]\nstiffness_ratio = [0.1]")).contains("relaxation_time")
+    );
+}
+
 #[test]
 fn what_is_written_reads_back_the_same() {
-    for text in [ELEMENTS, ROUNDED, BRISTLES] {
+    for text in [ELEMENTS, ROUNDED, BRISTLES, BRANCHES] {
         let scenario = document(text).scenario().expect("a scenario");
         let again = Document::parse(&scenario.to_toml(), "again.toml").expect("TOML").scenario().expect("a scenario");
         assert_eq!(again, scenario);

@@ -11,7 +11,7 @@ use mckibben::force::{
     Bladder, BladderForm, Bolen, Characteristic, Coefficients, Effective, Effectiveness, EndFactor, Law, LengthLimits,
     MartensBoblan, TonduLopez,
 };
-use mckibben::friction::{BoucWen, Coulomb, Friction, Hysteresis, LuGre, MaxwellSlip};
+use mckibben::friction::{BoucWen, Coulomb, Friction, Hysteresis, LuGre, MaxwellSlip, Viscoelastic};
 use mckibben::line::{Compressor, Hose, HoseKind, Leakage, Line, Regulator, Reservoir, SupplyLine};
 use mckibben::load::{Joint, Limb, Load, MomentArm, Motion, SeriesTendon, Stops, Tendon};
 use mckibben::simulation::{Actuation, Initial, InitialAngle, InitialLength, JointInitial, Rig};
@@ -293,6 +293,13 @@ fn friction_that_remembers() {
     let text = "law = \"lugre\"\nwidth = \"1.2e-4 m\"\nbristle_reach = \"5e-5 m\"\nstatic_ratio = 1.5\n\
                 stribeck_velocity = \"0.01 m/s\"\ndamping_time = \"5e-3 s\"";
     assert_eq!(with(text), expected(Hysteresis::LuGre(bristles)));
+    let branches = Viscoelastic::new(&[50.0, 0.0], &[0.1, 0.2], &[0.1, 1.0]).expect("branches");
+    let section = "[actuator.friction.viscoelastic]\nrelaxation_time = [\"0.1 s\", \"1 s\"]\n\
+                   stiffness = [\"50 N/m\", \"0 N/m\"]\nstiffness_ratio = [0.1, 0.2]\n";
+    assert_eq!(
+        rig(&[BODY, section, HANGING]).actuator(),
+        &body(characteristic(Law::IdealBraid), friction().with_viscoelastic(branches))
+    );
 }
 
 #[test]

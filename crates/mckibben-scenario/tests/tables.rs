@@ -173,6 +173,9 @@ fn surroundings_of(path: &str) -> &'static str {
         _ if path.starts_with("actuator.friction.hysteresis") => {
             "[actuator.friction.hysteresis]\nreach = [\"0.1 mm\", \"1 mm\"]\nstiffness_ratio = [0.5, 0.1]"
         }
+        _ if path.starts_with("actuator.friction.viscoelastic") => {
+            "[actuator.friction.viscoelastic]\nrelaxation_time = [\"1 s\"]\nstiffness_ratio = [0.1]"
+        }
         "actuator.force.pressure_coefficients" | "actuator.force.passive_coefficients" => {
             "[actuator.force]\nlaw = \"polynomial\"\npressure_coefficients = [1, 2]\npassive_coefficients = [1, 2]\n\
              pressure_unit = \"MPa\"\nforce_unit = \"N\""

@@ -192,7 +192,7 @@ impl<S: Scalar> Actuator<S> {
     }
 
     /// The least and the largest tension in N that can be held at rest, at an actuator length and absolute pressure:
-    /// `F_s + F_limit + F_h ± Q k_sec` with the hysteresis `F_h`, and any from zero up where it rests on the shortest length.
+    /// `F_s + F_limit + F_h ± Q k_sec` with the hysteresis and viscoelastic branches `F_h`, and any from zero up where it rests on the shortest length.
     #[inline(always)]
     pub fn holdable<T: Over<S>>(
         &self,
@@ -204,8 +204,8 @@ impl<S: Scalar> Actuator<S> {
         let rubbing = rubbing.into();
         let pressing = self.normal_load(length, pressure, rubbing.touch);
         let mut middle = self.static_force(length, pressure) + self.limits.force(length, T::zero());
-        if let Some(width) = rubbing.width {
-            middle = middle + pressing.secant_stiffness() * width;
+        if let Some(held) = rubbing.held_force(pressing) {
+            middle = middle + held;
         }
         let coulomb = self.friction.coulomb();
         let bound = coulomb.holding(coulomb.kinetic(pressing));
@@ -225,12 +225,12 @@ impl<S: Scalar> Actuator<S> {
     ) -> T {
         let limit = T::select(taut, self.limits.taut_force(length, velocity), T::zero());
         let mut force = effectiveness * law_force + limit + self.friction.viscous_force(velocity);
-        if self.friction.has_direction() {
+        if self.friction.follows_normal_load() {
             let gauge = self.gauge(pressure);
             let secant = self.law.law.secant_stiffness(length, T::of(self.limits.min_length()), gauge);
             let rubbing = rubbing.into();
             let pressing = NormalLoad::new(effectiveness * secant, gauge.0, rubbing.touch);
-            force = force + self.friction.dry_force(rubbing, velocity, pressing);
+            force = force + self.friction.pressed_force(rubbing, velocity, pressing);
         }
         force
     }
@@ -318,7 +318,8 @@ impl<S: Scalar> Actuator<S> {
     /// `distance` (m) moving apart at `velocity` (m/s) with the passages of `ports` open.
     ///
     /// At rest the Coulomb force is set-valued; this returns its middle, zero. The memory of a hysteresis is taken on by
-    /// [`Actuator::remember`] once the ends have moved.
+    /// [`Actuator::remember`] once the ends have moved. Viscoelastic branches, which are states of a
+    /// [plant](crate::plant), are relaxed here and add nothing.
     pub fn respond(&self, state: &ActuatorState<S>, distance: S, velocity: S, ports: Ports) -> Response<S> {
         let [length, rate, pressure] = [distance, velocity, state.pressure.0];
         let [end, speed]: [Dual<S, 3>; 2] = [Dual::variable(length, 0), Dual::variable(rate, 1)];

@@ -241,6 +241,9 @@ parameters! {
     VISCOUS = "actuator.friction.viscous", "c", "N*s/m", Range::NON_NEGATIVE, Some(0.0),
         "Viscous damping coefficient.",
         "paper, (12); its average is 0.02 lbf*s/in", "give zero or more";
+    STRUCTURAL_DAMPING = "actuator.friction.structural_damping", "tau_c", "s", Range::NON_NEGATIVE, Some(0.0),
+        "Viscous damping in addition, over the secant stiffness.",
+        "choice of the experiment; the paper has none", "give zero or more, such as 2 ms";
     COULOMB_WIDTH = "actuator.friction.coulomb_width", "Q", "m", Range::NON_NEGATIVE, Some(0.0),
         "Coulomb friction between bladder and braid as a length, mu N/k.",
         "paper, (12) and (24); its average is 0.0044 in", "give zero or more";
@@ -283,6 +286,15 @@ parameters! {
     BRISTLE_DAMPING_TIME = "actuator.friction.hysteresis.damping_time", "tau", "s", Range::NON_NEGATIVE, Some(0.0),
         "Damping of the bristles over their stiffness, at rest.",
         "Canudas de Wit, Olsson, Astrom & Lischinsky (1995), as sigma_1/sigma_0", "give zero or more, such as 5 ms";
+    BRANCH_STIFFNESS = "actuator.friction.viscoelastic.stiffness", "k_i", "N/m", Range::NON_NEGATIVE, None,
+        "Stiffnesses of the viscoelastic branches that do not follow the pressure.",
+        "generalised Maxwell model", "give zero or more, such as 100 N/m";
+    BRANCH_STIFFNESS_RATIO = "actuator.friction.viscoelastic.stiffness_ratio", "w_i", "", Range::NON_NEGATIVE, None,
+        "Stiffnesses of the viscoelastic branches over the actuator's secant stiffness.",
+        "generalised Maxwell model, scaled by (13)", "give zero or more, such as 0.2";
+    BRANCH_RELAXATION_TIME = "actuator.friction.viscoelastic.relaxation_time", "tau_i", "s", Range::POSITIVE, None,
+        "Times in which the viscoelastic branches relax.",
+        "generalised Maxwell model", "give times above zero, such as 1 s";
     LIMIT_STIFFNESS = "actuator.limit.stiffness", "K_braid", "N/m", Range::POSITIVE, Some(1.75e5),
         "Stiffness of the taut braid.",
         "paper, (11); the value is assumed", "give a stiffness much larger than the actuator's own";

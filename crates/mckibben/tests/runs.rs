@@ -41,3 +41,4 @@ mod stops;
 mod tendon_control;
 mod tendon_located;
 mod tendon_rig;
+mod viscoelastic;

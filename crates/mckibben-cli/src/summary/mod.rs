@@ -282,10 +282,13 @@ fn energy(page: &Page, ledger: &PlantLedger) {
         ("stored", audit.braid_storage, "in the taut braid"),
         ("stored", audit.tendon_storage, "in the tendon in series"),
         ("in elements", audit.hysteresis_storage, "stored by the elements of the hysteresis"),
+        ("in branches", audit.branch_storage, "stored by viscoelastic branches"),
         ("bladder", audit.bladder_storage, "stored in the bladder"),
         ("viscous", audit.viscous, "dissipated by viscous friction"),
         ("Coulomb", audit.coulomb, "dissipated by Coulomb friction"),
         ("slip", audit.slip, "dissipated by the elements of the hysteresis that slip"),
+        ("relaxation", audit.branches, "dissipated by viscoelastic branches"),
+        ("exchanged", audit.branch_exchange, "taken from viscoelastic branches by changes of the pressure"),
         ("braid damping", audit.braid, "dissipated by the taut braid"),
         ("slack", audit.slack, "correction of friction while a tendon cannot push"),
         (

@@ -125,10 +125,12 @@ impl Summary<'_> {
             ("given motion", mechanisms(|of| of.driven), "work on motions that are given"),
             ("joints", mechanisms(|of| of.damping + of.stops), "dissipated by damping and stops"),
             ("belt", mechanisms(|of| of.belt - of.belt_work), "dissipated under the foot, less the work of the belt"),
-            ("stored", total.elastic, "in braids, bladders, tendons and hysteresis"),
+            ("stored", total.elastic, "in braids, bladders, tendons, hysteresis and branches"),
             ("viscous", actuators(|of| of.viscous), "dissipated by viscous friction"),
             ("Coulomb", actuators(|of| of.coulomb), "dissipated by Coulomb friction"),
             ("slip", actuators(|of| of.slip), "dissipated by hysteresis that slips"),
+            ("relaxation", actuators(|of| of.branches), "dissipated by viscoelastic branches"),
+            ("exchanged", actuators(|of| of.branch_exchange), "taken from branches by changes of the pressure"),
             ("braid damping", actuators(|of| of.braid), "dissipated by taut braids"),
             ("slack", actuators(|of| of.slack), "correction of friction while a tension cannot push"),
             (

@@ -494,6 +494,20 @@ const GROUPS: &[Group] = &[
             ("actuator.friction.hysteresis.damping_time", "1 ms"),
         ],
     ),
+    (MOVED, &[], &[("actuator.friction.structural_damping", "2 ms")]),
+    (
+        MOVED,
+        &[
+            ("actuator.friction.viscoelastic.relaxation_time", "[\"20 ms\", \"1 s\"]"),
+            ("actuator.friction.viscoelastic.stiffness", "[\"100 N/m\", \"0 N/m\"]"),
+            ("actuator.friction.viscoelastic.stiffness_ratio", "[0, 0.2]"),
+        ],
+        &[
+            ("actuator.friction.viscoelastic.relaxation_time", "[\"30 ms\", \"1 s\"]"),
+            ("actuator.friction.viscoelastic.stiffness", "[\"100 N/m\", \"50 N/m\"]"),
+            ("actuator.friction.viscoelastic.stiffness_ratio", "[0, 0.3]"),
+        ],
+    ),
     // Air.
     (MUSCLE, &[("air.process", "polytropic"), ("air.polytropic_index", "1.2")], &[("air.polytropic_index", "1.3")]),
     (

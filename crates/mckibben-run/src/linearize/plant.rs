@@ -262,6 +262,9 @@ impl Names<'_> {
             PlantState::AirMass { actuator } => format!("{}.air_mass", self.actuator(actuator)),
             PlantState::Length { actuator } => format!("{}.length", self.actuator(actuator)),
             PlantState::Bristles { actuator } => format!("{}.bristles", self.actuator(actuator)),
+            PlantState::Branch { actuator, branch } => {
+                format!("{}.relaxed_length_{}", self.actuator(actuator), branch + 1)
+            }
             PlantState::NodePressure { node } => self.node(node),
             PlantState::BranchFlow { branch } => {
                 let of = crate::plant::name_of(self.0, mckibben::plant::Part::Branch(branch));

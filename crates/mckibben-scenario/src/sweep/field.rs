@@ -72,6 +72,7 @@ static FIELDS: &[(&Parameter, Field)] = &[
         _ => None,
     }),
     (&p::VISCOUS, |s| Some(&mut s.actuator.friction.viscous)),
+    (&p::STRUCTURAL_DAMPING, |s| Some(&mut s.actuator.friction.structural_damping)),
     (&p::COULOMB_WIDTH, |s| Some(&mut s.actuator.friction.coulomb_width)),
     (&p::COULOMB_FORCE, |s| Some(&mut s.actuator.friction.coulomb_force)),
     (&p::COULOMB_FORCE_PER_PRESSURE, |s| Some(&mut s.actuator.friction.coulomb_force_per_pressure)),

@@ -199,6 +199,10 @@ impl<'a> Bookkeeper<'a> {
         let actuator = &plant.actuators()[i].actuator;
         of.work -= weight * unit.tension * unit.rate;
         sizes[0] += chamber.pressure * chamber.volume + (unit.tension * unit.distance).abs();
+        let branches = observer.system.branch_powers(i, state, mode, (unit, chamber));
+        of.branches += weight * branches.dissipated;
+        of.branch_exchange += weight * branches.exchanged;
+        of.branch_storage -= weight * (branches.dissipated + branches.exchanged);
         if of_actuator.mode.extent == LengthRegime::Slack {
             return;
         }
@@ -210,16 +214,18 @@ impl<'a> Bookkeeper<'a> {
         of.gas_work += weight * gas_power;
         of.effectiveness_loss += weight * (gas_power + static_force * velocity);
         let direction = of_actuator.mode.sliding.direction();
-        let widths = match (observer.system.bristles(i, state), observer.system.wires[i].member.lugre()) {
+        let deflections = observer.system.deflections(i, state);
+        let widths = match (deflections.bristles, observer.system.wires[i].member.lugre()) {
             (Some(bent), Some(law)) => {
                 [law.width_at(bent, velocity, direction), law.dissipating(bent, velocity, direction)]
             }
             _ => Trace::widths(&of_actuator.trace, limits.actuator_length(length)),
         };
         let pressing = actuator.normal_load(length, pressure, of_actuator.mode.touch());
-        let viscous: f64 = friction.viscous_force(velocity);
         let coulomb: f64 = friction.coulomb().sliding(direction, velocity, friction.coulomb().kinetic(pressing));
         let secant = pressing.secant_stiffness();
+        let viscous = friction.viscous_at::<f64>(secant) * velocity;
+        let branch_force = observer.system.branch_force(i, state, mode, [length, pressure]);
         let (hysteresis, slipping) = (secant * widths[0], direction * secant * widths[1]);
         let taut = of_actuator.mode.extent == LengthRegime::Taut;
         let limit: f64 = if taut { limits.taut_force(length, velocity) } else { 0.0 };
@@ -227,9 +233,10 @@ impl<'a> Bookkeeper<'a> {
         of.viscous += weight * viscous * velocity;
         of.coulomb += weight * coulomb * velocity;
         of.slip += weight * slipping * velocity;
+        of.branch_storage += weight * branch_force * velocity;
         of.hysteresis_storage += weight * (hysteresis - slipping) * velocity;
         of.braid += weight * (limit - limits.stiffness() * stretch) * velocity;
-        let sum = static_force + viscous + coulomb + hysteresis + limit;
+        let sum = static_force + viscous + coulomb + hysteresis + branch_force + limit;
         of.slack += weight * (unit.tension - sum) * velocity;
     }
 

@@ -86,6 +86,19 @@ impl<R: Real> System<R> {
             if let Some(law) = friction.lugre() {
                 fall += law.steepest_fall(actuator.secant_stiffness(unit.length, pressure).value());
             }
+            if let (Some(time), true) = (friction.structural_damping(), friction.viscous().value() == 0.0) {
+                return Err(Error::Inconsistent {
+                    parameter: &parameter::STRUCTURAL_DAMPING,
+                    value: time.value(),
+                    requirement: Requirement {
+                        relation: "on a tendon without viscous friction must be",
+                        other: "absent, since it vanishes with the pressure:",
+                        value: 0.0,
+                        unit: "s",
+                    },
+                    remedy: "give actuator.friction.viscous, such as 1 N*s/m",
+                });
+            }
             if friction.viscous().value() < fall {
                 return Err(Error::Inconsistent {
                     parameter: &parameter::VISCOUS,
@@ -205,7 +218,7 @@ impl<R: Real> System<R> {
         // Air below the atmosphere's pressure would push: then nothing holds the end against the slightest pull.
         self.enter_distances(time, state, mode, at);
         let ends = [at.units[i].distance, at.units[i].length, state[self.plant.places.actuators[i].pressure]];
-        let missed = self.excess(i, tendon, mode, ends, self.bristles(i, state)).value();
+        let missed = self.excess(i, tendon, mode, ends, self.deflections(i, state)).value();
         if missed.abs() > JUMP * self.wires[i].member.force_band || !self.is_held(i, time, state, mode, at) {
             return Err(self.jumps(i, time, state, mode, at));
         }
@@ -227,7 +240,8 @@ impl<R: Real> System<R> {
         }
         self.enter_distances(time, state, mode, at);
         let velocity = self.velocity_of_end(i, time, state, mode, at).value();
-        if member.damping(&mode.actuators[i].mode) * velocity.abs() <= JUMP * member.force_band {
+        let ends = [at.units[i].length, state[self.plant.places.actuators[i].pressure]];
+        if member.damping(ends, &mode.actuators[i].mode) * velocity.abs() <= JUMP * member.force_band {
             return Ok(());
         }
         Err(Error::Stopped {

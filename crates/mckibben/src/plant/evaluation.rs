@@ -28,6 +28,7 @@ use super::held_motion::Holding;
 use super::mode::ActuatorMode;
 use super::wire::{Assembly, Span, Wire};
 use crate::air::{Chamber, Flow};
+use crate::friction::Deflections;
 use crate::line::split;
 use crate::load::MomentArm;
 use crate::mechanism::chain::Chain;
@@ -234,10 +235,20 @@ impl<R: Scalar> System<R> {
         &gradient[from..from + plant.places.mechanisms[plant.actuators[i].mechanism].coordinates]
     }
 
-    /// The deflection of an actuator's bristles.
+    /// What the states say of an actuator's friction.
     #[inline(always)]
-    pub fn bristles<T: Copy>(&self, i: usize, state: &[T]) -> Option<T> {
-        self.plant.places.actuators[i].bristles.map(|place| state[place])
+    pub fn deflections<T: Over<R>>(&self, i: usize, state: &[T]) -> Deflections<T> {
+        let wire = &self.wires[i];
+        // No closures: they would be compiled separately, without the instructions of a batch.
+        let bristles = match wire.places.bristles {
+            Some(place) => Some(state[place]),
+            None => None,
+        };
+        let branches = match wire.member.actuator.friction().viscoelastic() {
+            Some(law) => Some(law.sums(&state[wire.places.branches()])),
+            None => None,
+        };
+        Deflections { bristles, branches }
     }
 
     /// Computes everything at a time in s and a state.
@@ -408,11 +419,10 @@ impl<R: Scalar> System<R> {
             let (unit, chamber) = (&mut units[i], &mut chambers[i]);
             self.fill(wire, time, mode, network, unit);
             if wire.places.length.is_some() {
-                self.enter_end(i, mode, self.bristles(i, state), (unit, chamber));
+                self.enter_end(i, mode, self.deflections(i, state), (unit, chamber));
             } else {
                 let ends = [unit.length, unit.velocity, chamber.pressure];
-                let bristles = wire.places.bristles.map(|place| state[place]);
-                unit.tension = mode.tension(wire, ends, bristles);
+                unit.tension = mode.tension(wire, ends, self.deflections(i, state));
             }
             if wire.is_given {
                 self.enter_given(i, unit, chamber);
@@ -551,6 +561,12 @@ impl<R: Scalar> System<R> {
             }
             if let Some(place) = places.bristles {
                 rates[place] = mode.bristle_rate(wire, state[place], unit.velocity);
+            }
+            if let Some(law) = wire.member.actuator.friction().viscoelastic() {
+                let length = wire.resting_length(mode.is_slack(wire.index), unit.length);
+                for (branch, place) in places.branches().enumerate() {
+                    rates[place] = law.rate(branch, state[place], length);
+                }
             }
         }
         for assembly in &self.assemblies {

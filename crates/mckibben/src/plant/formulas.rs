@@ -8,6 +8,7 @@ use super::evaluation::{Evaluation, System, Unit};
 use super::mode::PlantMode;
 use super::wire::Wire;
 use crate::air::Chamber;
+use crate::friction::Deflections;
 use crate::load::{MomentArm, Motion};
 use crate::mechanism::Mechanism;
 use crate::mechanism::chain::Contacts;
@@ -52,13 +53,13 @@ pub trait Formulas<S: Scalar> {
     fn given_rate<T: Over<S>>(&self, system: &System<S>, actuator: usize, time: T) -> T;
 
     /// Tension in N of an actuator without a tendon, at its length, velocity and pressure; zero where it sticks.
-    fn tension<T: Over<S>>(&self, wire: &Wire<S>, ends: [T; 3], bristles: Option<T>) -> T;
+    fn tension<T: Over<S>>(&self, wire: &Wire<S>, ends: [T; 3], deflections: Deflections<T>) -> T;
 
     /// Rate of the bristles of an actuator in m/s.
     fn bristle_rate<T: Over<S>>(&self, wire: &Wire<S>, deflection: T, velocity: T) -> T;
 
     /// The sum of the forces of an actuator in N at its length, velocity and pressure, as long as it slides.
-    fn signed_force<T: Over<S>>(&self, wire: &Wire<S>, ends: [T; 3], bristles: Option<T>) -> T;
+    fn signed_force<T: Over<S>>(&self, wire: &Wire<S>, ends: [T; 3], deflections: Deflections<T>) -> T;
 
     /// The way that an actuator slides: −1, 0 or +1.
     fn direction(&self, actuator: usize) -> S;
@@ -75,7 +76,7 @@ pub trait Formulas<S: Scalar> {
         system: &System<S>,
         actuator: usize,
         at: (&Unit<T>, &Chamber<T>),
-        bristles: Option<T>,
+        deflections: Deflections<T>,
     ) -> Option<T>;
 
     /// How many independent distances of a chain that moves on do not change, since their actuators stick.
@@ -147,11 +148,11 @@ impl<R: Real> Formulas<R> for PlantMode<R> {
     }
 
     #[inline(always)]
-    fn tension<T: Over<R>>(&self, wire: &Wire<R>, ends: [T; 3], bristles: Option<T>) -> T {
+    fn tension<T: Over<R>>(&self, wire: &Wire<R>, ends: [T; 3], deflections: Deflections<T>) -> T {
         let its = &self.actuators[wire.index];
         match its.mode.sliding {
             Sliding::Stuck => T::zero(),
-            _ => wire.member.tension(ends, &its.mode, (&its.trace, bristles)),
+            _ => wire.member.tension(ends, &its.mode, (&its.trace, deflections)),
         }
     }
 
@@ -161,9 +162,9 @@ impl<R: Real> Formulas<R> for PlantMode<R> {
     }
 
     #[inline(always)]
-    fn signed_force<T: Over<R>>(&self, wire: &Wire<R>, ends: [T; 3], bristles: Option<T>) -> T {
+    fn signed_force<T: Over<R>>(&self, wire: &Wire<R>, ends: [T; 3], deflections: Deflections<T>) -> T {
         let its = &self.actuators[wire.index];
-        wire.member.signed_force(ends, &its.mode, (&its.trace, bristles))
+        wire.member.signed_force(ends, &its.mode, (&its.trace, deflections))
     }
 
     #[inline(always)]
@@ -187,9 +188,9 @@ impl<R: Real> Formulas<R> for PlantMode<R> {
         system: &System<R>,
         i: usize,
         at: (&Unit<T>, &Chamber<T>),
-        bristles: Option<T>,
+        deflections: Deflections<T>,
     ) -> Option<T> {
-        system.searched_velocity(i, self, at, bristles)
+        system.searched_velocity(i, self, at, deflections)
     }
 
     #[inline(always)]

@@ -304,7 +304,7 @@ impl<R: Real> System<R> {
                 self.enter_air(time, state, mode, at);
                 let Some(tendon) = &self.plant.actuators[i].tendon else { return T::one() };
                 let of_unit = (&at.units[i], &at.chambers[i]);
-                self.hold_of_end(i, tendon, mode, of_unit, self.bristles(i, state), FASTEST)
+                self.hold_of_end(i, tendon, mode, of_unit, self.deflections(i, state), FASTEST)
             }
             PlantGuard::Network(NetworkGuard::Sonic { branch, forwards }) => {
                 let network = &self.plant.network;
@@ -366,7 +366,7 @@ impl<R: Real> System<R> {
             return T::constant(self.rest_band(i)) + direction * unit.rate;
         }
         let ends = [unit.length, unit.velocity, state[self.plant.places.actuators[i].pressure]];
-        self.wires[i].member.guard(guard, ends, &of_actuator.mode, (&of_actuator.trace, self.bristles(i, state)))
+        self.wires[i].member.guard(guard, ends, &of_actuator.mode, (&of_actuator.trace, self.deflections(i, state)))
     }
 
     #[allow(clippy::too_many_arguments)]
@@ -385,7 +385,7 @@ impl<R: Real> System<R> {
         let direction = T::constant(of_actuator.mode.sliding.direction());
         let unit = at.units[i];
         let pressure = state[self.plant.places.actuators[i].pressure];
-        let bristles = self.bristles(i, state);
+        let deflections = self.deflections(i, state);
         let stretch = || unit.distance - unit.length - T::of(tendon.rest_length());
         let slack = T::constant(self.stretch_band(i, tendon));
         let pull = || tendon::tension(tendon, of_actuator.loose, unit.distance, unit.length);
@@ -393,7 +393,7 @@ impl<R: Real> System<R> {
         match guard {
             Guard::Rest if mode.is_damped(self, i) => {
                 let ends = [unit.distance, unit.length, pressure];
-                band - direction * self.excess(i, tendon, mode, ends, bristles)
+                band - direction * self.excess(i, tendon, mode, ends, deflections)
             }
             Guard::Rest => {
                 let velocity = self.velocity_of_end(i, time, state, mode, at);
@@ -428,7 +428,7 @@ impl<R: Real> System<R> {
         match &self.plant.actuators[i].tendon {
             Some(tendon) => {
                 let of_unit = (&at.units[i], &at.chambers[i]);
-                self.end_velocity(i, tendon, mode, of_unit, self.bristles(i, state))
+                self.end_velocity(i, tendon, mode, of_unit, self.deflections(i, state))
             }
             None => at.units[i].velocity,
         }

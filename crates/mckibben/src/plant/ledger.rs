@@ -79,6 +79,12 @@ pub struct ActuatorLedger {
     pub slip: f64,
     /// Work on those that do not slip; it comes back but for what a change of the pressure has made of it.
     pub hysteresis_storage: f64,
+    /// Dissipated by viscoelastic branches.
+    pub branches: f64,
+    /// Energy that viscoelastic branches gained.
+    pub branch_storage: f64,
+    /// What changes of the pressure took from it, which the gas does not feel; negative where they added to it.
+    pub branch_exchange: f64,
     /// Dissipated by the taut braid, its rebound included.
     pub braid: f64,
     /// What the friction terms count too little, or too much when negative, while the tension is kept from pushing.
@@ -104,26 +110,27 @@ pub struct ActuatorLedger {
 }
 
 impl ActuatorLedger {
-    /// Energy in J stored in bladder, braid, tendon and hysteresis.
+    /// Energy in J stored in bladder, braid, tendon, hysteresis and viscoelastic branches.
     pub fn stored(&self) -> f64 {
-        self.bladder_storage + self.braid_storage + self.tendon_storage + self.hysteresis_storage
+        self.bladder_storage + self.braid_storage + self.tendon_storage + self.hysteresis_storage + self.branch_storage
     }
 
     /// Energy in J dissipated by friction and taut braid.
     pub fn dissipated(&self) -> f64 {
-        self.viscous + self.coulomb + self.slip + self.braid + self.slack
+        self.viscous + self.coulomb + self.slip + self.branches + self.braid + self.slack
     }
 
     /// What of the work of its gas is not accounted for, in J.
     pub fn work_residual(&self) -> f64 {
-        self.gas_work - self.effectiveness_loss - self.stored() - self.dissipated() - self.work
+        self.gas_work - self.effectiveness_loss - self.stored() - self.branch_exchange - self.dissipated() - self.work
     }
 
-    fn work_terms(&self) -> [f64; 8] {
+    /// What it takes of the work of its gas before the mechanism has its part.
+    fn taken(&self) -> [f64; 8] {
         let stored = [self.bladder_storage, self.braid_storage, self.tendon_storage, self.hysteresis_storage];
         let [bladder, braid, tendon, hysteresis] = stored;
-        let (lost, taken) = (self.dissipated(), self.effectiveness_loss);
-        [self.gas_work, taken, bladder, braid, tendon, hysteresis, lost, self.work]
+        let branches = [self.branch_storage, self.branch_exchange];
+        [self.effectiveness_loss, bladder, braid, tendon, hysteresis, branches[0], branches[1], self.dissipated()]
     }
 }
 
@@ -317,7 +324,7 @@ impl PlantLedger {
     pub fn work(&self) -> Balance {
         let gas = self.actuators.iter().map(|of| of.gas_work);
         let belts = self.mechanisms.iter().map(|of| of.belt_work);
-        let within = self.actuators.iter().flat_map(|of| of.work_terms().into_iter().skip(1).take(6));
+        let within = self.actuators.iter().flat_map(|of| of.taken());
         let taken = self.mechanisms.iter().flat_map(|of| {
             let [kinetic, potential, damping, stops, belt, _, driven] = of.terms();
             [kinetic, potential, damping, stops, belt, driven]

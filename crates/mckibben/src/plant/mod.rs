@@ -7,7 +7,7 @@
 //! | part | states |
 //! |---|---|
 //! | mechanism | coordinates `q` and their rates `q̇` |
-//! | actuator | absolute pressure P (19) and mass m of its air; the length L on an elastic tendon; bristles of LuGre's law |
+//! | actuator | absolute pressure P (19) and mass m of its air; the length L on an elastic tendon; bristles of LuGre's law; relaxed lengths of viscoelastic branches |
 //! | network | pressures of hoses, reservoirs, outlets and ports; flows in distributed hoses |
 //!
 //! States lie in one slice, in the order of this table; [`Plant::indices`] says where each is. Parameters are values, states
@@ -49,6 +49,7 @@ mod stream;
 pub(crate) mod tendon;
 mod trajectory;
 mod view;
+mod viscoelastic;
 pub(crate) mod wire;
 
 pub use crossing::{Part, PlantEventKind};
@@ -88,6 +89,7 @@ use crate::actuator::Actuator;
 use crate::air::Process;
 use crate::convert::{AnewOfEach, Convert};
 use crate::error::Error;
+use crate::friction::Viscoelastic;
 use crate::load::SeriesTendon;
 use crate::mechanism::{Coupling, Mechanism};
 use crate::network::{BranchKind, Network, NodeKind};
@@ -162,6 +164,8 @@ pub struct ActuatorIndices {
     pub length: Option<usize>,
     /// The deflection of bristles.
     pub bristles: Option<usize>,
+    /// The relaxed lengths of viscoelastic branches: the first, and how many.
+    pub(crate) branches: [usize; 2],
     /// Its entries in the gradients of all actuators.
     pub(crate) gradient: usize,
     /// Its entries in the pieces of all moment arms.
@@ -173,6 +177,13 @@ impl ActuatorIndices {
     #[inline(always)]
     pub fn mass(&self) -> usize {
         self.pressure + 1
+    }
+
+    /// The places of the relaxed lengths of its viscoelastic branches.
+    #[inline(always)]
+    pub fn branches(&self) -> core::ops::Range<usize> {
+        let [first, count] = self.branches;
+        first..first + count
     }
 }
 
@@ -375,12 +386,14 @@ impl StateIndices {
             let pressure = places.take(2);
             let length = tendon.is_some().then(|| places.take(1));
             let bristles = actuator.friction().lugre().is_some().then(|| places.take(1));
+            let count = actuator.friction().viscoelastic().map_or(0, Viscoelastic::count);
+            let branches = [places.take(count), count];
             let (gradient, arms) = (places.gradients, places.arms);
             places.gradients += places.mechanisms[*mechanism].coordinates;
             places.arms += coupling.arm_count();
             places.members[*mechanism].push(index);
             places.keeps_heat.push(matches!(actuator.air().process(), Process::EnergyBalance { .. }));
-            places.actuators.push(ActuatorIndices { pressure, length, bristles, gradient, arms });
+            places.actuators.push(ActuatorIndices { pressure, length, bristles, branches, gradient, arms });
         }
         places.chambers = actuators.iter().map(|_| None).collect();
         for (index, node) in network.nodes.iter().enumerate() {

@@ -104,6 +104,9 @@ impl Words<'_> {
             PlantState::AirMass { actuator } => self.of(actuator, "air_mass", "m", "kg"),
             PlantState::Length { actuator } => self.of(actuator, "length", "L", "m"),
             PlantState::Bristles { actuator } => self.of(actuator, "bristles", "z", "m"),
+            PlantState::Branch { actuator, branch } => {
+                self.of(actuator, &format!("relaxed_length_{}", branch + 1), "z", "m")
+            }
             PlantState::NodePressure { node } => Signal::new(self.node(node), of.unit(self.plant)),
             PlantState::BranchFlow { branch } => {
                 let from = self.plant.network().branches[branch].from;
@@ -165,9 +168,9 @@ impl Words<'_> {
     fn state_rank(&self, of: &PlantState) -> usize {
         match of {
             PlantState::Position { .. } | PlantState::Velocity { .. } => 0,
-            PlantState::Length { .. } | PlantState::Bristles { .. } if !self.turns() => 1,
+            PlantState::Length { .. } | PlantState::Bristles { .. } | PlantState::Branch { .. } if !self.turns() => 1,
             PlantState::Pressure { .. } | PlantState::AirMass { .. } => 2,
-            PlantState::Length { .. } | PlantState::Bristles { .. } => 3,
+            PlantState::Length { .. } | PlantState::Bristles { .. } | PlantState::Branch { .. } => 3,
             _ => 4,
         }
     }

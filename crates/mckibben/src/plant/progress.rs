@@ -101,6 +101,10 @@ impl<R: Real> System<R> {
                 let remedy = "lower the stiffness of the bristles, or their damping_time";
                 return (("bristles of an actuator's friction turn at once", remedy), "deflection", "m");
             }
+            if here.branches().contains(&place) {
+                let remedy = "raise actuator.friction.viscoelastic.relaxation_time";
+                return (("a viscoelastic branch of an actuator relaxes at once", remedy), "relaxed length", "m");
+            }
             if here.pressure == place || here.mass() == place {
                 let remedy = "raise actuator.external_volume or lower the flow area of its valve";
                 let quantity = if here.pressure == place { ("absolute pressure", "Pa") } else { ("mass of air", "kg") };

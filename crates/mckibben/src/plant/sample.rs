@@ -50,6 +50,8 @@ pub struct ActuatorSample<R = f64> {
     pub heat_flow: R,
     /// Deflection in m of the bristles of LuGre's law; none without it.
     pub bristles: Option<R>,
+    /// Force in N of the viscoelastic branches, which is a part of the tension; zero without any.
+    pub branch_force: R,
 }
 
 /// A mechanism at an instant: one entry for each coordinate, in m or rad.
@@ -133,6 +135,7 @@ impl<R: Instantiate> PlantSample<R> {
             mass_flow: zero,
             heat_flow: zero,
             bristles: None,
+            branch_force: zero,
         };
         let mechanisms = plant.mechanisms().iter().map(|mechanism| {
             let zeros = vec![zero; mechanism.coordinates()];
@@ -278,7 +281,8 @@ impl<R: Instantiate> Observer<R> {
                 tension: unit.tension.larger(R::zero()),
                 mass_flow: unit.flow.net(),
                 heat_flow: self.heat(i),
-                bristles: self.system.bristles(i, state),
+                bristles: places.actuators[i].bristles.map(|place| state[place]),
+                branch_force: self.system.branch_force(i, state, mode, [length, chamber.pressure]),
             };
         }
         for (m, of_mechanism) in sample.mechanisms.iter_mut().enumerate() {

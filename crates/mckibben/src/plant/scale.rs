@@ -123,6 +123,9 @@ impl<R: Real> System<R> {
             if let (Some(place), Some(law)) = (here.bristles, member.lugre()) {
                 scales[place] += law.reach().value();
             }
+            for place in here.branches() {
+                scales[place] = member.longest;
+            }
         }
         let atmosphere = plant.network.atmosphere.value();
         for place in plant.places.nodes.iter().flatten() {
@@ -199,22 +202,23 @@ impl<R: Real> System<R> {
             return 0.0;
         }
         let (member, its) = (&self.wires[i].member, &mode.actuators[i]);
-        let plain = member.damping(&its.mode);
+        let unit = &at.units[i];
+        let plain = member.damping([unit.length, state[self.plant.places.actuators[i].pressure]], &its.mode);
         let moves = its.mode.extent != LengthRegime::Slack && its.mode.sliding != Sliding::Stuck && !its.mode.clamped;
-        match self.bristles(i, state) {
-            Some(bent) if moves => {
-                let unit = &at.units[i];
+        let deflections = self.deflections(i, state);
+        match deflections.bristles {
+            Some(_) if moves => {
                 let seeded = |number| Dual::<R, 1> { value: number, slope: [R::zero()] };
                 let pressure = seeded(state[self.plant.places.actuators[i].pressure]);
                 let ends = [seeded(unit.length), Dual::variable(unit.velocity, 0), pressure];
-                let force = member.signed_force(ends, &its.mode, (&its.trace, Some(seeded(bent))));
+                let force = member.signed_force(ends, &its.mode, (&its.trace, deflections.constant()));
                 plain.max(force.slope[0].value())
             }
             _ => plain,
         }
     }
 
-    /// How fast the bristles and the length of an actuator settle.
+    /// How fast the bristles, the branches and the length of an actuator settle.
     fn actuator_settling(&self, i: usize, state: &[R], mode: &PlantMode<R>, at: &Evaluation<R>) -> f64 {
         let (mounted, here, its) = (&self.plant.actuators[i], &self.plant.places.actuators[i], &mode.actuators[i]);
         let mut fastest = self.heat_settling(i, at).value();
@@ -226,6 +230,10 @@ impl<R: Real> System<R> {
             let rate = law.rate(Dual::variable(state[place], 0), constant(at.units[i].velocity), direction);
             fastest = fastest.max(-rate.slope[0].value());
         }
+        if let Some(law) = mounted.actuator.friction().viscoelastic() {
+            let settling = (0..law.count()).map(|branch| 1.0 / law.relaxation_time(branch).value());
+            fastest = settling.fold(fastest, f64::max);
+        }
         if let (Some(tendon), Some(_)) = (&mounted.tendon, here.length)
             && its.mode.sliding != Sliding::Stuck
             && mode.is_damped(self, i)
@@ -234,9 +242,9 @@ impl<R: Real> System<R> {
             let unit = &at.units[i];
             let pressure = state[here.pressure];
             let pull = |length: Dual<R, 1>, velocity: Dual<R, 1>| {
-                let bent = self.bristles(i, state).map(constant);
+                let deflections = self.deflections(i, state).constant();
                 let ends = [length, velocity, constant(pressure)];
-                self.wires[i].member.signed_force(ends, &its.mode, (&its.trace, bent)).slope[0].value()
+                self.wires[i].member.signed_force(ends, &its.mode, (&its.trace, deflections)).slope[0].value()
             };
             let stiffness = if its.loose { 0.0 } else { tendon.stiffness().value() };
             let per_length = pull(Dual::variable(unit.length, 0), constant(unit.velocity)) + stiffness;

@@ -61,7 +61,7 @@ impl<R: Real> System<R> {
             return (T::zero(), T::zero());
         }
         let member = &self.wires[i].member;
-        let remembered = (&of_actuator.trace, self.bristles(i, state));
+        let remembered = (&of_actuator.trace, self.deflections(i, state));
         let rubbing = member.rubbing([length, T::zero()], &of_actuator.mode, remembered);
         let pressure = state[self.plant.places.actuators[i].pressure];
         member.actuator.holdable(length, pressure, of_actuator.on_stop, rubbing)
@@ -297,10 +297,10 @@ impl<R: Real> System<R> {
             }
             let unit = &at.units[i];
             let ends = [unit.length, unit.velocity, state[self.plant.places.actuators[i].pressure]];
-            let bristles = self.bristles(i, state);
+            let deflections = self.deflections(i, state);
             let of_actuator = &mut mode.actuators[i];
             let mut changed = of_actuator.mode;
-            self.wires[i].member.enter_clamp(ends, &mut changed, (&of_actuator.trace, bristles));
+            self.wires[i].member.enter_clamp(ends, &mut changed, (&of_actuator.trace, deflections));
             of_actuator.mode = changed;
         }
     }
@@ -378,7 +378,7 @@ impl<R: Real> System<R> {
             return T::zero();
         }
         let ends = [length, T::zero(), state[self.plant.places.actuators[i].pressure]];
-        let remembered = (&of_actuator.trace, self.bristles(i, state));
+        let remembered = (&of_actuator.trace, self.deflections(i, state));
         // No mode says whether what rests would push.
         self.wires[i].member.tension(ends, &of_actuator.mode, remembered).larger(T::zero())
     }

@@ -100,7 +100,7 @@ impl<S: Scalar> PlantStart<S> {
 
 impl<R: Instantiate> Plant<R> {
     /// The states at t = 0. Air in hoses starts at the pressure of the chamber that they lead to, bristles as the friction of
-    /// the start says.
+    /// the start says, viscoelastic branches relaxed.
     ///
     /// # Errors
     /// [`Error::Table`] unless there are as many coordinates, rates and airs as the plant has; [`Error::OutOfRange`] for a
@@ -202,6 +202,9 @@ impl<R: Instantiate> Plant<R> {
             if let (Some(place), Some(memory)) = (own.bristles, memory) {
                 state[place] = memory.elements[0];
             }
+        }
+        for ((own, mounted), length) in self.places.actuators.iter().zip(&self.actuators).zip(&lengths) {
+            state[own.branches()].fill(mounted.actuator.limits().actuator_length(*length));
         }
         Ok((state, memories))
     }

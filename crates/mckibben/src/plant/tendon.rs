@@ -17,7 +17,7 @@
 //! Nothing has a mass between actuator and tendon, so that the actuator's length is a state whose rate follows from the
 //! balance of both tensions. Without viscous friction the balance holds the length itself: its rate is that by which the
 //! balance stays, and every state that is kept is brought back to it by a Newton step, with the air sealed or at the pressure that
-//! is given. Bristles of LuGre's law count with their rate.
+//! is given. Bristles of LuGre's law and viscoelastic branches count with their rates.
 //!
 //! Source: balance of forces at an end without mass. Checked by `tests/plant_reference.rs` against an independent program and by
 //! `tests/plant_linear.rs`.
@@ -29,6 +29,7 @@ use super::mode::PlantMode;
 use crate::actuator::Actuator;
 use crate::air::{Chamber, Flow};
 use crate::dual::Dual;
+use crate::friction::Deflections;
 use crate::load::SeriesTendon;
 use crate::scalar::{Differentiable, Mask, Over, Real, Scalar, Work};
 
@@ -64,7 +65,7 @@ struct End<'a, R: Scalar, F> {
 struct ExcessAt<'a, R: Scalar, T, F> {
     end: &'a End<'a, R, F>,
     at: (&'a Unit<T>, &'a Chamber<T>),
-    bristles: Option<T>,
+    deflections: Deflections<T>,
     velocity: T,
 }
 
@@ -75,7 +76,7 @@ struct EnterEnd<'a, R: Scalar, T, F> {
     system: &'a System<R>,
     i: usize,
     mode: &'a F,
-    bristles: Option<T>,
+    deflections: Deflections<T>,
     at: (&'a mut Unit<T>, &'a mut Chamber<T>),
 }
 
@@ -84,10 +85,10 @@ impl<R: Scalar, T: Differentiable<R>, F: Formulas<R>> Work for EnterEnd<'_, R, T
 
     #[inline(always)]
     fn done(self) {
-        let Self { system, i, mode, bristles, at: (unit, chamber) } = self;
+        let Self { system, i, mode, deflections, at: (unit, chamber) } = self;
         let mounted = &system.plant.actuators[i];
         let Some(tendon) = &mounted.tendon else { return };
-        unit.velocity = system.end_velocity(i, tendon, mode, (unit, chamber), bristles);
+        unit.velocity = system.end_velocity(i, tendon, mode, (unit, chamber), deflections);
         unit.tension = tension(tendon, mode.is_loose(i), unit.distance, unit.length);
         let slack = R::Mask::splat(false);
         *chamber = mounted.actuator.chamber(unit.length, unit.velocity, chamber.pressure, chamber.mass, slack);
@@ -101,10 +102,10 @@ impl<R: Scalar> System<R> {
         &self,
         i: usize,
         mode: &impl Formulas<R>,
-        bristles: Option<T>,
+        deflections: Deflections<T>,
         at: (&mut Unit<T>, &mut Chamber<T>),
     ) {
-        T::apart(EnterEnd { system: self, i, mode, bristles, at });
+        T::apart(EnterEnd { system: self, i, mode, deflections, at });
     }
 
     /// The rate L̇ in m/s of the length of an actuator on a tendon.
@@ -115,16 +116,16 @@ impl<R: Scalar> System<R> {
         tendon: &SeriesTendon<R>,
         mode: &impl Formulas<R>,
         at: (&Unit<T>, &Chamber<T>),
-        bristles: Option<T>,
+        deflections: Deflections<T>,
     ) -> T {
         let end = End { system: self, i, tendon, mode };
         let (stuck, damped) = (mode.is_stuck(i), mode.is_damped(self, i));
         let mut velocity = T::zero();
         if (!stuck & damped).any() {
-            velocity = end.damped_velocity(at, bristles);
+            velocity = end.damped_velocity(at, deflections);
         }
         if (!stuck & !damped).any() {
-            velocity = T::select(damped, velocity, end.kept_velocity(at, bristles));
+            velocity = T::select(damped, velocity, end.kept_velocity(at, deflections));
         }
         T::select(stuck, T::zero(), velocity)
     }
@@ -137,9 +138,9 @@ impl<R: Scalar> System<R> {
         tendon: &SeriesTendon<R>,
         mode: &impl Formulas<R>,
         [distance, length, pressure]: [T; 3],
-        bristles: Option<T>,
+        deflections: Deflections<T>,
     ) -> T {
-        mode.signed_force(&self.wires[i], [length, T::zero(), pressure], bristles)
+        mode.signed_force(&self.wires[i], [length, T::zero(), pressure], deflections)
             - tension(tendon, mode.is_loose(i), distance, length)
     }
 
@@ -164,12 +165,12 @@ impl<R: Scalar> System<R> {
         tendon: &SeriesTendon<R>,
         mode: &impl Formulas<R>,
         at: (&Unit<T>, &Chamber<T>),
-        bristles: Option<T>,
+        deflections: Deflections<T>,
         fastest: f64,
     ) -> T {
         let end = End { system: self, i, tendon, mode };
-        let at_rest = end.growth(at, bristles, T::zero());
-        (end.growth(at, bristles, T::one()) - at_rest) * T::constant(fastest) - at_rest.magnitude()
+        let at_rest = end.growth(at, deflections, T::zero());
+        (end.growth(at, deflections, T::one()) - at_rest) * T::constant(fastest) - at_rest.magnitude()
     }
 
     /// Brings the length of an actuator on a tendon to where both tensions are equal, with the air sealed, where nothing but
@@ -190,11 +191,8 @@ impl<R: Scalar> System<R> {
         let distance = Dual::<R, 1> { value: unit.distance, slope: [R::zero()] };
         let length = Dual::variable(state[place], 0);
         let pressure = Dual { value: state[here.pressure], slope: [per_length] };
-        let bristles = match self.bristles(i, state) {
-            Some(bent) => Some(Dual { value: bent, slope: [R::zero()] }),
-            None => None,
-        };
-        let excess = self.excess(i, tendon, mode, [distance, length, pressure], bristles);
+        let deflections = self.deflections(i, state).constant();
+        let excess = self.excess(i, tendon, mode, [distance, length, pressure], deflections);
         let step = excess.value / excess.slope[0];
         // What is not a number is no step.
         let is_one = kept & step.magnitude().lt(R::constant(f64::INFINITY));
@@ -206,46 +204,51 @@ impl<R: Scalar> System<R> {
 impl<R: Scalar, F: Formulas<R>> End<'_, R, F> {
     /// The actuator's force less the tendon's in N at a velocity in m/s, and how it grows with that.
     #[inline(always)]
-    fn excess_at<T: Differentiable<R>>(&self, at: (&Unit<T>, &Chamber<T>), bristles: Option<T>, velocity: T) -> [T; 2] {
-        T::apart(ExcessAt { end: self, at, bristles, velocity })
+    fn excess_at<T: Differentiable<R>>(
+        &self,
+        at: (&Unit<T>, &Chamber<T>),
+        deflections: Deflections<T>,
+        velocity: T,
+    ) -> [T; 2] {
+        T::apart(ExcessAt { end: self, at, deflections, velocity })
     }
 
     /// The rate in N/s at which the actuator's force outgrows the tendon's, as the end slides at a velocity.
     #[inline(always)]
-    fn growth<T: Differentiable<R>>(&self, at: (&Unit<T>, &Chamber<T>), bristles: Option<T>, velocity: T) -> T {
-        T::apart(Growth(ExcessAt { end: self, at, bristles, velocity }))
+    fn growth<T: Differentiable<R>>(&self, at: (&Unit<T>, &Chamber<T>), deflections: Deflections<T>, velocity: T) -> T {
+        T::apart(Growth(ExcessAt { end: self, at, deflections, velocity }))
     }
 
     /// The rate at which both tensions are equal.
     #[inline(always)]
-    fn damped_velocity<T: Differentiable<R>>(&self, at: (&Unit<T>, &Chamber<T>), bristles: Option<T>) -> T {
-        if let Some(velocity) = self.mode.searched_velocity(self.system, self.i, at, bristles) {
+    fn damped_velocity<T: Differentiable<R>>(&self, at: (&Unit<T>, &Chamber<T>), deflections: Deflections<T>) -> T {
+        if let Some(velocity) = self.mode.searched_velocity(self.system, self.i, at, deflections) {
             return velocity;
         }
-        self.damped_from_rest(at, bristles)
+        self.damped_from_rest(at, deflections)
     }
 
     /// That rate where the force is a straight line over it.
     #[inline(always)]
-    fn damped_from_rest<T: Differentiable<R>>(&self, at: (&Unit<T>, &Chamber<T>), bristles: Option<T>) -> T {
-        let [value, slope] = self.excess_at(at, bristles, T::zero());
+    fn damped_from_rest<T: Differentiable<R>>(&self, at: (&Unit<T>, &Chamber<T>), deflections: Deflections<T>) -> T {
+        let [value, slope] = self.excess_at(at, deflections, T::zero());
         -value / slope
     }
 
     /// The rate at which both tensions stay equal.
     #[inline(always)]
-    fn kept_velocity<T: Differentiable<R>>(&self, at: (&Unit<T>, &Chamber<T>), bristles: Option<T>) -> T {
-        if let Some(velocity) = self.mode.searched_velocity(self.system, self.i, at, bristles) {
+    fn kept_velocity<T: Differentiable<R>>(&self, at: (&Unit<T>, &Chamber<T>), deflections: Deflections<T>) -> T {
+        if let Some(velocity) = self.mode.searched_velocity(self.system, self.i, at, deflections) {
             return velocity;
         }
-        self.kept_from_rest(at, bristles)[0]
+        self.kept_from_rest(at, deflections)[0]
     }
 
     /// That rate where the growth is a straight line over it, and its slope.
     #[inline(always)]
-    fn kept_from_rest<T: Differentiable<R>>(&self, at: (&Unit<T>, &Chamber<T>), bristles: Option<T>) -> [T; 2] {
-        let at_rest = self.growth(at, bristles, T::zero());
-        let slope = self.growth(at, bristles, T::one()) - at_rest;
+    fn kept_from_rest<T: Differentiable<R>>(&self, at: (&Unit<T>, &Chamber<T>), deflections: Deflections<T>) -> [T; 2] {
+        let at_rest = self.growth(at, deflections, T::zero());
+        let slope = self.growth(at, deflections, T::one()) - at_rest;
         [-at_rest / slope, slope]
     }
 }
@@ -255,18 +258,11 @@ impl<R: Scalar, T: Differentiable<R>, F: Formulas<R>> Work for ExcessAt<'_, R, T
 
     #[inline(always)]
     fn done(self) -> [T; 2] {
-        let Self { end, at: (unit, chamber), bristles, velocity } = self;
+        let Self { end, at: (unit, chamber), deflections, velocity } = self;
         let tension = tension(end.tendon, end.mode.is_loose(end.i), unit.distance, unit.length);
-        #[allow(
-            clippy::manual_map,
-            reason = "a closure would be compiled by itself, without the instructions of a batch"
-        )]
-        let bent = match bristles {
-            Some(bent) => Some(bent.along(T::zero())),
-            None => None,
-        };
+        let deflections = deflections.along(T::zero(), [T::zero(); 2]);
         let ends = [unit.length.along(T::zero()), velocity.along(T::one()), chamber.pressure.along(T::zero())];
-        let [force, slope] = T::split(end.mode.signed_force(&end.system.wires[end.i], ends, bent));
+        let [force, slope] = T::split(end.mode.signed_force(&end.system.wires[end.i], ends, deflections));
         [force - tension, slope]
     }
 }
@@ -276,26 +272,36 @@ impl<R: Scalar, T: Differentiable<R>, F: Formulas<R>> Work for Growth<'_, R, T, 
 
     #[inline(always)]
     fn done(self) -> T {
-        let ExcessAt { end, at, bristles, velocity } = self.0;
+        let ExcessAt { end, at, deflections, velocity } = self.0;
         let ((unit, chamber), wire) = (at, &end.system.wires[end.i]);
         let direction = T::of(end.mode.direction(end.i));
         let stiffness = T::select(end.mode.is_loose(end.i), T::zero(), T::of(end.tendon.stiffness()));
         let length = unit.length.along(velocity);
         let pressure = chamber.pressure.along(end.system.air_rate(end.i, at, velocity));
-        let bent = match (wire.member.actuator.friction().lugre(), bristles) {
-            (Some(law), Some(bent)) => Some(bent.along(law.rate(bent, velocity, direction))),
-            _ => None,
+        let friction = wire.member.actuator.friction();
+        let bristle_rate = match (friction.lugre(), deflections.bristles) {
+            (Some(law), Some(bent)) => law.rate(bent, velocity, direction),
+            _ => T::zero(),
         };
+        let sum_rates = match (friction.viscoelastic(), deflections.branches) {
+            (Some(law), Some(sums)) => law.sum_rates(unit.length, &sums),
+            _ => [T::zero(); 2],
+        };
+        let deflections = deflections.along(bristle_rate, sum_rates);
         let ends = [length, T::zero().along(T::zero()), pressure];
-        let force = end.mode.signed_force(wire, ends, bent);
+        let force = end.mode.signed_force(wire, ends, deflections);
         T::split(force)[1] - stiffness * (unit.rate - velocity)
     }
 }
 
 impl<R: Real> End<'_, R, PlantMode<R>> {
     /// The rate at which both tensions are equal, where dry friction falls with velocity.
-    fn damped_where_friction_falls<T: Differentiable<R>>(&self, at: (&Unit<T>, &Chamber<T>), bristles: Option<T>) -> T {
-        let excess = |velocity: T| self.excess_at(at, bristles, velocity);
+    fn damped_where_friction_falls<T: Differentiable<R>>(
+        &self,
+        at: (&Unit<T>, &Chamber<T>),
+        deflections: Deflections<T>,
+    ) -> T {
+        let excess = |velocity: T| self.excess_at(at, deflections, velocity);
         // Above its solution the force rises to a straight line; zero lies below, as the end slides.
         let direction = self.mode.actuators[self.i].mode.sliding.direction();
         let fast = T::constant(direction * FAST);
@@ -303,7 +309,7 @@ impl<R: Real> End<'_, R, PlantMode<R>> {
         let mut most = fast - value / slope;
         let sign = T::constant(direction);
         if (sign * most).le(T::zero()) || T::zero().le(sign * excess(T::zero())[0]) {
-            return self.damped_from_rest(at, bristles);
+            return self.damped_from_rest(at, deflections);
         }
         let (mut least, mut velocity) = (T::zero(), most);
         let mut left = None;
@@ -329,10 +335,14 @@ impl<R: Real> End<'_, R, PlantMode<R>> {
     }
 
     /// The rate at which both tensions stay equal, where the bristles' force falls with velocity.
-    fn kept_where_friction_falls<T: Differentiable<R>>(&self, at: (&Unit<T>, &Chamber<T>), bristles: Option<T>) -> T {
-        let [mut velocity, slope] = self.kept_from_rest(at, bristles);
+    fn kept_where_friction_falls<T: Differentiable<R>>(
+        &self,
+        at: (&Unit<T>, &Chamber<T>),
+        deflections: Deflections<T>,
+    ) -> T {
+        let [mut velocity, slope] = self.kept_from_rest(at, deflections);
         for _ in 0..MOST_SEARCHED {
-            let step = self.growth(at, bristles, velocity) / slope;
+            let step = self.growth(at, deflections, velocity) / slope;
             velocity = velocity - step;
             if step.magnitude().le(T::constant(SEARCHED * SEARCHED)) {
                 break;
@@ -349,16 +359,16 @@ impl<R: Real> System<R> {
         i: usize,
         mode: &PlantMode<R>,
         at: (&Unit<T>, &Chamber<T>),
-        bristles: Option<T>,
+        deflections: Deflections<T>,
     ) -> Option<T> {
         let Plant { actuators, .. } = &*self.plant;
         let (friction, tendon) = (actuators[i].actuator.friction(), actuators[i].tendon.as_ref()?);
         let end = End { system: self, i, tendon, mode };
         let bristles_fall = friction.lugre().is_some_and(|law| law.falls());
         if mode.is_damped(self, i) {
-            (friction.coulomb().falls() || bristles_fall).then(|| end.damped_where_friction_falls(at, bristles))
+            (friction.coulomb().falls() || bristles_fall).then(|| end.damped_where_friction_falls(at, deflections))
         } else {
-            (bristles_fall && bristles.is_some()).then(|| end.kept_where_friction_falls(at, bristles))
+            (bristles_fall && deflections.bristles.is_some()).then(|| end.kept_where_friction_falls(at, deflections))
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{ActuatorIndices, MechanismIndices, Plant};
 use crate::mechanism::{Coupling, Mechanism};
-use crate::scalar::Scalar;
+use crate::scalar::{Over, Scalar};
 use crate::simulation::member::Member;
 use alloc::vec::Vec;
 
@@ -73,6 +73,12 @@ impl<R: Scalar> Wire<R> {
     pub(crate) fn air<T: Copy>(&self, state: &[T]) -> [T; 2] {
         let from = self.places.pressure;
         [state[from], state[from + 1]]
+    }
+
+    /// The length in m of its braid at a distance in m: a slack one rests at its shortest.
+    #[inline(always)]
+    pub(crate) fn resting_length<T: Over<R>>(&self, slack: R::Mask, distance: T) -> T {
+        T::select(slack, T::of(self.member.actuator.limits().min_length()), distance)
     }
 
     /// Place of its length among the states, where it is one.

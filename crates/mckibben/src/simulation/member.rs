@@ -16,7 +16,7 @@ use crate::actuator::Actuator;
 use crate::air::Process;
 use crate::engine::event::band;
 use crate::force::Statics;
-use crate::friction::{Branch, Hysteresis, LuGre, Memory, SlidingState};
+use crate::friction::{Branch, Deflections, Hysteresis, LuGre, Memory, SlidingState};
 use crate::numbered::Row;
 use crate::scalar::{Over, Real, Scalar};
 
@@ -168,20 +168,21 @@ impl<R: Real> Member<R> {
         self.actuator.friction().lugre()
     }
 
-    /// How the threads rub at an actuator length and velocity, with bristles bent so far in m if there are such.
+    /// How the threads rub at an actuator length and velocity, by what the states and the hysteresis say.
     #[inline(always)]
     pub(crate) fn rubbing<T: Over<R>>(
         &self,
         [length, velocity]: [T; 2],
         mode: &Mode,
-        (trace, bent): (&Option<Trace<R>>, Option<T>),
+        (trace, deflections): (&Option<Trace<R>>, Deflections<T>),
     ) -> SlidingState<T> {
         let direction = T::constant(mode.sliding.direction());
-        let width = match (bent, self.lugre()) {
+        let width = match (deflections.bristles, self.lugre()) {
             (Some(bent), Some(law)) => Some(law.width_at(bent, velocity, direction)),
             _ => trace.as_ref().map(|trace| trace.width(length)),
         };
-        SlidingState { direction, width, touch: mode.touch() }
+        let rubbing = SlidingState { direction, width, force: None, touch: mode.touch() };
+        rubbing.with_branches(self.actuator.friction().viscoelastic(), length, deflections.branches)
     }
 
     /// The sum of (12) at a length, velocity and pressure, before it is kept from pushing, by what the hysteresis remembers.
@@ -190,7 +191,7 @@ impl<R: Real> Member<R> {
         &self,
         ends: [T; 3],
         mode: &Mode,
-        remembered: (&Option<Trace<R>>, Option<T>),
+        remembered: (&Option<Trace<R>>, Deflections<T>),
     ) -> T {
         self.signed_force_rubbing(ends, mode, self.rubbing([ends[0], ends[1]], mode, remembered))
     }
@@ -211,7 +212,7 @@ impl<R: Real> Member<R> {
         &self,
         ends: [T; 3],
         mode: &Mode,
-        remembered: (&Option<Trace<R>>, Option<T>),
+        remembered: (&Option<Trace<R>>, Deflections<T>),
     ) -> T {
         if mode.extent == LengthRegime::Slack || mode.clamped {
             return T::zero();
@@ -219,13 +220,15 @@ impl<R: Real> Member<R> {
         self.signed_force(ends, mode, remembered)
     }
 
-    /// Rate of the force in N with the velocity, from friction and the taut braid, while the ends move.
-    pub(crate) fn damping(&self, mode: &Mode) -> f64 {
+    /// Rate of the force in N with the velocity, from viscous friction and the taut braid, at a length and a pressure while the
+    /// ends move.
+    pub(crate) fn damping(&self, [length, pressure]: [R; 2], mode: &Mode) -> f64 {
         if mode.extent == LengthRegime::Slack || mode.clamped || mode.sliding == Sliding::Stuck {
             return 0.0;
         }
         let taut = if mode.extent == LengthRegime::Taut { self.actuator.limits().damping().value() } else { 0.0 };
-        self.actuator.friction().viscous().value() + taut
+        let pressing = self.actuator.normal_load(length, pressure, mode.touch());
+        self.actuator.friction().viscous_at(pressing.secant_stiffness()).value() + taut
     }
 
     /// The extent at a length and velocity that lie so far (negative: less) from the shortest and the longest length; on a
@@ -249,7 +252,7 @@ impl<R: Real> Member<R> {
     }
 
     /// Decides anew whether the force is kept from pushing.
-    pub(crate) fn enter_clamp(&self, ends: [R; 3], mode: &mut Mode, remembered: (&Option<Trace<R>>, Option<R>)) {
+    pub(crate) fn enter_clamp(&self, ends: [R; 3], mode: &mut Mode, remembered: (&Option<Trace<R>>, Deflections<R>)) {
         let moves = mode.extent != LengthRegime::Slack && mode.sliding != Sliding::Stuck;
         mode.clamped = moves && self.signed_force(ends, mode, remembered).value() < 0.0;
     }
@@ -274,7 +277,7 @@ impl<R: Real> Member<R> {
         guard: Guard,
         ends: [T; 3],
         mode: &Mode,
-        remembered: (&Option<Trace<R>>, Option<T>),
+        remembered: (&Option<Trace<R>>, Deflections<T>),
     ) -> T {
         let limits = self.actuator.limits();
         let [length, velocity, pressure] = ends;

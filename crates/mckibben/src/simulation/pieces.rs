@@ -31,7 +31,7 @@ impl<R: Real> Member<R> {
         let of_map = |up| self.passed(self.absolute(law.law.pressure_bounds(mode.force_piece.pressure)), up);
         let press = |up| {
             let atmosphere = Some(self.actuator.air().atmosphere().0);
-            let ends = self.actuator.friction().has_direction() && mode.pressed != up;
+            let ends = self.actuator.friction().follows_normal_load() && mode.pressed != up;
             ends.then(|| self.passed((atmosphere, atmosphere), up)).flatten()
         };
         let (bound, lasts_above) = match guard {
@@ -73,7 +73,8 @@ impl<R: Real> Member<R> {
 
     /// Whether the gas presses the threads together at an absolute pressure, as far as that matters.
     pub(crate) fn pressed(&self, pressure: R) -> bool {
-        !self.actuator.friction().has_direction() || pressure.value() >= self.actuator.air().atmosphere().0.value()
+        !self.actuator.friction().follows_normal_load()
+            || pressure.value() >= self.actuator.air().atmosphere().0.value()
     }
 }
 

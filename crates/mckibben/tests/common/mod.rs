@@ -13,7 +13,7 @@ pub(crate) mod tendon;
 
 use mckibben::air::{Air, Process};
 use mckibben::force::{Characteristic, Effective, Effectiveness, IdealBraid, LengthLimits};
-use mckibben::friction::{Coulomb, Friction, Hysteresis};
+use mckibben::friction::{Coulomb, Friction, Hysteresis, Viscoelastic};
 use mckibben::load::Load;
 use mckibben::parameter::Parameter;
 use mckibben::plant::RigTrajectory;
@@ -54,6 +54,9 @@ pub(crate) struct Paper {
     pub(crate) coulomb_width: f64,
     pub(crate) coulomb: Option<Coulomb>,
     pub(crate) hysteresis: Option<Hysteresis>,
+    /// Structural damping in s.
+    pub(crate) structural: f64,
+    pub(crate) viscoelastic: Option<Viscoelastic>,
     pub(crate) external_volume: f64,
     pub(crate) gas_constant: f64,
     pub(crate) heat_capacity_ratio: f64,
@@ -91,6 +94,8 @@ impl Paper {
             coulomb_width: 0.0044 * INCH,
             coulomb: None,
             hysteresis: None,
+            structural: 0.0,
+            viscoelastic: None,
             external_volume: 3e-6,
             gas_constant: 286.99,
             heat_capacity_ratio: 1.4,
@@ -190,7 +195,9 @@ impl Paper {
         let law = Effective { law, effectiveness: self.effectiveness };
         let coulomb = self.coulomb.unwrap_or_else(|| Coulomb::new(self.coulomb_width).expect("dry friction"));
         let friction = Friction::with_coulomb(self.viscous, coulomb).expect("a friction");
+        let friction = friction.with_structural_damping(self.structural).expect("a damping");
         let friction = self.hysteresis.map_or(friction, |law| friction.with_hysteresis(law));
+        let friction = self.viscoelastic.map_or(friction, |law| friction.with_viscoelastic(law));
         let actuator = Actuator::new(law, limits, friction, self.external_volume, self.air()).expect("an actuator");
         if self.command.is_some() { actuator.with_valve(self.valve()) } else { actuator }
     }

@@ -4,7 +4,7 @@
 use crate::common::{ATMOSPHERE, GRAVITY, Paper};
 use mckibben::Actuator;
 use mckibben::air::Process;
-use mckibben::friction::{BoucWen, Coulomb, Hysteresis, LuGre, MaxwellSlip, Memory};
+use mckibben::friction::{BoucWen, Coulomb, Hysteresis, LuGre, MaxwellSlip, Memory, Viscoelastic};
 use mckibben::load::{Load, Motion};
 use mckibben::simulation::InitialLength;
 use mckibben::valve::{Command, ExhaustTemperature, FlowStandard, Request, ValveKind};
@@ -124,6 +124,18 @@ fn elements() -> impl Strategy<Value = Option<Hysteresis>> {
     prop_oneof![9 => Just(None), 3 => some, 1 => rounded, 1 => bristles]
 }
 
+/// Structural damping and viscoelastic branches, now and then.
+fn creeping() -> impl Strategy<Value = (f64, Option<Viscoelastic>)> {
+    let branch =
+        (prop_oneof![Just(0.0), decades(1.0, 1e4)], prop_oneof![Just(0.0), decades(1e-3, 3.0)], decades(1e-4, 10.0));
+    let branches = prop::collection::vec(branch, 1..=6).prop_map(|branches| {
+        let of = |part: fn(&(f64, f64, f64)) -> f64| branches.iter().map(part).collect::<Vec<f64>>();
+        let law = Viscoelastic::new(&of(|its| its.0), &of(|its| its.1), &of(|its| its.2));
+        Some(law.expect("branches"))
+    });
+    (prop_oneof![5 => Just(0.0), 1 => decades(1e-5, 1e-2)], prop_oneof![5 => Just(None), 1 => branches])
+}
+
 /// Load and start.
 fn load(paper: Paper) -> impl Strategy<Value = Paper> {
     let kind = prop_oneof![
@@ -138,9 +150,17 @@ fn load(paper: Paper) -> impl Strategy<Value = Paper> {
     let start = prop_oneof![1 => Just(None), 2 => (0.3..1.02_f64).prop_map(Some)];
     let gauge = prop_oneof![3 => 0.0..7e5_f64, 1 => -0.9 * ATMOSPHERE..0.0, 1 => Just(0.0)];
     let friction = (prop_oneof![Just(0.0), decades(0.01, 30.0)], prop_oneof![Just(0.0), decades(1e-7, 3e-3)]);
-    let laws = (falling(), elements());
+    let laws = (falling(), elements(), creeping());
     (kind, start, gauge, -1.0..1.0_f64, friction, process(), laws).prop_map(
-        move |(load, start, gauge, velocity, (viscous, width), process, (coulomb, hysteresis))| {
+        move |(
+            load,
+            start,
+            gauge,
+            velocity,
+            (viscous, width),
+            process,
+            (coulomb, hysteresis, (structural, branches)),
+        )| {
             paper.clone().with(|rig| {
                 rig.length = match (&load, start) {
                     (Load::HangingMass { .. } | Load::ConstantForce { .. }, None) => InitialLength::Equilibrium,
@@ -156,6 +176,7 @@ fn load(paper: Paper) -> impl Strategy<Value = Paper> {
                 (rig.load, rig.gauge, rig.velocity, rig.process) = (load, gauge, velocity, process);
                 (rig.viscous, rig.coulomb_width) = (viscous, width);
                 (rig.coulomb, rig.hysteresis) = (coulomb, hysteresis);
+                (rig.structural, rig.viscoelastic) = (structural, branches);
             })
         },
     )

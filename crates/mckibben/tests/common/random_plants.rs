@@ -306,6 +306,9 @@ pub(crate) fn plant(drawn: &Drawn) -> (Result<Plant, Error>, PlantStart, f64) {
             tendon = Some(SeriesTendon::new(at.decades(1e3, 1e6), (0.3 * span - stretch).max(0.0)).expect("a tendon"));
             let viscous = at.decades(0.3, 30.0);
             paper.viscous = if at.chance(0.3) { 0.0 } else { paper.viscous.max(viscous) };
+            if paper.viscous == 0.0 {
+                paper.structural = 0.0;
+            }
             length = at.chance(0.7).then_some(0.7 * span);
         }
         let line = Line {

@@ -39,7 +39,9 @@ impl PlantLinearization {
             PlantState::Position { mechanism, .. } | PlantState::Velocity { mechanism, .. } => coordinate(mechanism),
             PlantState::Pressure { actuator } => state[places.actuators[actuator].pressure],
             PlantState::AirMass { actuator } => state[places.actuators[actuator].mass()],
-            PlantState::Length { actuator } | PlantState::Bristles { actuator } => lengths[actuator],
+            PlantState::Length { actuator }
+            | PlantState::Bristles { actuator }
+            | PlantState::Branch { actuator, .. } => lengths[actuator],
             PlantState::NodePressure { node: its } => node(its),
             PlantState::BranchFlow { branch } => {
                 let branch = &plant.network().branches[branch];

@@ -42,6 +42,8 @@ fn states(frame: &Frame) -> Vec<(PlantState, usize)> {
         }
         states.extend(here.length.map(|slot| (PlantState::Length { actuator }, slot)));
         states.extend(here.bristles.map(|slot| (PlantState::Bristles { actuator }, slot)));
+        let branches = here.branches().enumerate();
+        states.extend(branches.map(|(branch, slot)| (PlantState::Branch { actuator, branch }, slot)));
     }
     for node in 0..network.nodes.len() {
         states.extend(places.nodes[node].map(|slot| (PlantState::NodePressure { node }, slot)));

@@ -72,7 +72,7 @@ pub(super) struct Frame {
     pub(super) feeds: Vec<(Fed, usize)>,
     /// Valves that are spools, and the state that is the position of each.
     pub(super) spools: Vec<(usize, usize)>,
-    /// Whether actuators on tendons are kept from moving: while their balance is still looked for.
+    /// Whether actuators on tendons are kept from moving and viscoelastic branches relaxed: while their balance is looked for.
     pub(super) holds_ends: bool,
 }
 
@@ -152,7 +152,7 @@ impl Frame {
             seeds.iter().filter(|(its, _)| *its == quantity).map(|(_, slope)| slope).sum()
         };
         let number = |quantity: Quantity, value: f64| Number { value, slope: [of(quantity)] };
-        let state: Vec<Number> =
+        let mut state: Vec<Number> =
             self.state.iter().enumerate().map(|(slot, value)| number(Quantity::Slot(slot), *value)).collect();
         let mut plant = self.plant.clone();
         for (valve, drive) in self.drives.iter().enumerate() {
@@ -175,6 +175,9 @@ impl Frame {
         let system = System::new(&plant, TOLERANCE);
         let mut at = Evaluation::new(&plant);
         let count = plant.places.states;
+        if self.holds_ends {
+            relax_branches(&system, &mut state[..count], &mut at);
+        }
         let mode = enter_mode(&system, &state[..count], openings, self.holds_ends, &mut at);
         let zero = Number::constant(0.0);
         let mut rates = vec![zero; state.len()];
@@ -194,9 +197,9 @@ impl Frame {
             forces.extend_from_slice(&at.force[..plant.places.mechanisms[m].coordinates]);
         }
         let excess = plant.actuators.iter().enumerate().map(|(i, Mounted { tendon, .. })| {
-            let (unit, bristles) = (&at.units[i], system.bristles(i, &state));
+            let (unit, deflections) = (&at.units[i], system.deflections(i, &state));
             let ends = [unit.distance, unit.length, state[plant.places.actuators[i].pressure]];
-            tendon.as_ref().map(|tendon| system.excess(i, tendon, &mode, ends, bristles))
+            tendon.as_ref().map(|tendon| system.excess(i, tendon, &mode, ends, deflections))
         });
         let excess = excess.collect();
         Instant { at, mode, rates, forces, excess }
@@ -257,6 +260,19 @@ impl Frame {
     }
 }
 
+/// Relaxes the viscoelastic branches of all actuators at the lengths that they have in a state.
+fn relax_branches(system: &System<Number>, state: &mut [Number], at: &mut Evaluation<Number>) {
+    if system.plant.places.actuators.iter().all(|here| here.branches().is_empty()) {
+        return;
+    }
+    let mode = system.first_mode(state);
+    system.enter_distances(Number::constant(0.0), state, &mode, at);
+    for (i, here) in system.plant.places.actuators.iter().enumerate() {
+        let limits = system.plant.actuators[i].actuator.limits();
+        state[here.branches()].fill(limits.actuator_length(at.units[i].length));
+    }
+}
+
 /// The mode that holds at rest in a state: no dry friction, hysteresis relaxed, every flow path in the piece of its law.
 fn enter_mode(
     system: &System<Number>,
@@ -299,9 +315,9 @@ fn enter_mode(
         member.follow(&mut its.trace, relaxed, Sliding::Lengthening, false);
         if tendon.is_none() {
             let ends = [unit.length, unit.velocity, pressure];
-            let bristles = system.bristles(i, state);
+            let deflections = system.deflections(i, state);
             let trace = its.trace;
-            member.enter_clamp(ends, &mut its.mode, (&trace, bristles));
+            member.enter_clamp(ends, &mut its.mode, (&trace, deflections));
         }
     }
     let network = &plant.network;

@@ -44,6 +44,13 @@ pub enum PlantState {
         /// The actuator.
         actuator: usize,
     },
+    /// Relaxed length in m of a viscoelastic branch.
+    Branch {
+        /// The actuator.
+        actuator: usize,
+        /// Its branch.
+        branch: usize,
+    },
     /// Absolute pressure in Pa of a hose's volume or cell, a reservoir, a regulator's outlet or a regulated port.
     NodePressure {
         /// The node.
@@ -193,7 +200,7 @@ impl PlantState {
             Self::Velocity { mechanism, .. } => rate_unit(plant, mechanism),
             Self::Pressure { .. } | Self::NodePressure { .. } => "Pa",
             Self::AirMass { .. } => "kg",
-            Self::Length { .. } | Self::Bristles { .. } => "m",
+            Self::Length { .. } | Self::Bristles { .. } | Self::Branch { .. } => "m",
             Self::BranchFlow { .. } => "kg/s",
             Self::SpoolPosition { .. } => "",
             Self::SpoolVelocity { .. } => "1/s",

@@ -1,12 +1,13 @@
 //! The linear system of a stable step: `(I − rA) k = f`, with `r = γh`.
 //!
 //! A holds what is stiff: how tensions answer to lengths and velocities, joints to their damping and contacts, the ends of
-//! actuators on tendons and bristles to both, and the pressures of the network to each other. Air and mechanisms do not answer
+//! actuators on tendons, bristles and viscoelastic branches to both, and the pressures of the network to each other. Air and mechanisms do not answer
 //! to each other within a stage, nor does weight to angles; the method is of order 2 whatever matrix stands in for the Jacobian.
 //!
 //! ```text
 //! end on a tendon    k_L = (f_L + r (u_x k_x + u_v k_ẋ))/(1 − r u_L)                  u = L̇(x, ẋ, L)
 //! bristles           k_z = (f_z + r z_v k_ẋ)/(1 − r z_z)
+//! branches           k_z = (f_z + (r/τ) k_L)/(1 + r/τ)
 //! tension            φ = K k_x + D k_ẋ + o                                         both put in
 //! mechanism          k_q = f_q + r k_v
 //!                    [M + r C + r² S + Σ Jᵀ (r D + r² K) J] k_v = M f_v − r S f_q − r Σ Jᵀ (K J f_q + o)
@@ -26,6 +27,7 @@ use super::super::formulas::Formulas;
 use super::super::{MechanismIndices, Plant};
 use crate::air::{Flow, Process};
 use crate::dual::Dual;
+use crate::friction::{Deflections, Viscoelastic};
 use crate::mechanism::Mechanism;
 use crate::network::NodeKind;
 use crate::network::flow::Surroundings;
@@ -47,6 +49,9 @@ struct TensionResponse<R> {
     by_rate: R,
     /// `1/(1 − r z_z)` of bristles beside an end on a tendon.
     beside: R,
+    /// How the tension answers to the sums over viscoelastic branches; zero of an end on a tendon, whose balance has them as they
+    /// are.
+    by_sums: [R; 2],
 }
 
 /// The system of a plant.
@@ -175,10 +180,16 @@ impl<R: Scalar> Implicit<R> {
         for &i in &system.plant.places.members[m] {
             let gradient = system.gradient(i, &at.gradient);
             let response = &self.tensions[i];
-            let own = match system.own_place(i) {
+            let mut own = match system.own_place(i) {
                 Some(place) => response.by_own * right[place],
                 None => R::zero(),
             };
+            if let Some(law) = system.wires[i].member.actuator.friction().viscoelastic() {
+                for (branch, place) in system.wires[i].places.branches().enumerate() {
+                    let [share, _] = relaxation(law, branch, r);
+                    own = own + response.by_branch(law, branch) * share * right[place];
+                }
+            }
             let force = response.stiffness.multiply_add(dense::dot(gradient, positions), own);
             for (sum, entry) in self.work.iter_mut().zip(gradient) {
                 *sum = *sum - r * *entry * force;
@@ -189,6 +200,29 @@ impl<R: Scalar> Implicit<R> {
             let (position, rate) = (here.position(k), here.rate(k));
             slopes[rate] = R::select(moves, self.work[k], right[rate]);
             slopes[position] = R::select(moves, r.multiply_add(self.work[k], right[position]), right[position]);
+        }
+    }
+
+    /// The viscoelastic branches of an actuator, once its length has been solved for.
+    #[inline(always)]
+    fn solve_branches(
+        &mut self,
+        system: &System<R>,
+        (i, here): (usize, MechanismIndices),
+        (mode, at): (&impl Formulas<R>, &Evaluation<R>),
+        right: &[R],
+        slopes: &mut [R],
+    ) {
+        let wire = &system.wires[i];
+        let Some(law) = wire.member.actuator.friction().viscoelastic() else { return };
+        let grows = match wire.places.length {
+            Some(place) => slopes[place],
+            None => dense::dot(system.gradient(i, &at.gradient), here.of(slopes).0),
+        };
+        let grows = R::select(mode.is_slack(i), R::zero(), grows);
+        for (branch, place) in wire.places.branches().enumerate() {
+            let [share, by_length] = relaxation(law, branch, self.gamma_h);
+            slopes[place] = right[place] * share + by_length * grows;
         }
     }
 
@@ -271,6 +305,7 @@ impl<R: Scalar, F: Formulas<R>> Work for Solve<'_, R, F> {
             }
             for &i in &system.plant.places.members[m] {
                 implicit.solve_own(system, (i, here), at, right, slopes);
+                implicit.solve_branches(system, (i, here), (mode, at), right, slopes);
             }
         }
         implicit.network.solve(implicit.gamma_h, right, slopes);
@@ -305,8 +340,44 @@ impl<R: Scalar> TensionResponse<R> {
     /// A tension that does not answer.
     fn none() -> Self {
         let (zero, one) = (R::zero(), R::one());
-        Self { stiffness: zero, damping: zero, by_own: zero, share: one, by_distance: zero, by_rate: zero, beside: one }
+        Self {
+            stiffness: zero,
+            damping: zero,
+            by_own: zero,
+            share: one,
+            by_distance: zero,
+            by_rate: zero,
+            beside: one,
+            by_sums: [zero; 2],
+        }
     }
+}
+
+impl<R: Scalar> TensionResponse<R> {
+    /// How the tension answers in N/m to the relaxed length of a branch.
+    #[inline(always)]
+    fn by_branch(&self, law: &Viscoelastic<R>, branch: usize) -> R {
+        self.by_sums[0] * law.stiffness(branch) + self.by_sums[1] * law.stiffness_ratio(branch)
+    }
+
+    /// This with the viscoelastic branches put in, which relax within the stage.
+    #[inline(always)]
+    fn with_branches(self, law: &Viscoelastic<R>, gamma_h: R) -> Self {
+        let mut stiffness = self.stiffness;
+        for branch in 0..law.count() {
+            let [_, by_length] = relaxation(law, branch, gamma_h);
+            stiffness = stiffness + self.by_branch(law, branch) * by_length;
+        }
+        Self { stiffness, ..self }
+    }
+}
+
+/// `1/(1 + r/τ)` and `(r/τ)/(1 + r/τ)` of a branch.
+#[inline(always)]
+fn relaxation<R: Scalar>(law: &Viscoelastic<R>, branch: usize, gamma_h: R) -> [R; 2] {
+    let ratio = gamma_h / law.relaxation_time(branch);
+    let share = R::one() / (R::one() + ratio);
+    [share, ratio * share]
 }
 
 impl<R: Scalar> System<R> {
@@ -337,20 +408,46 @@ impl<R: Scalar> System<R> {
         mode: &impl Formulas<R>,
         at: &Evaluation<R>,
     ) -> TensionResponse<R> {
-        let (wire, unit) = (&self.wires[i], &at.units[i]);
+        let wire = &self.wires[i];
         if wire.places.length.is_some() {
             return self.end_response(i, gamma_h, state, mode, at);
         }
+        let response = self.sliding_response(i, gamma_h, state, mode, at);
+        let Some(law) = wire.member.actuator.friction().viscoelastic() else { return response };
+        let mut deflections: Deflections<Dual<R, 2>> = self.deflections(i, state).constant();
+        if let Some(sums) = &mut deflections.branches {
+            let [stiffness, ratio] = sums.relaxed;
+            sums.relaxed = [Dual::variable(stiffness.value, 0), Dual::variable(ratio.value, 1)];
+        }
+        let (unit, pressure) = (&at.units[i], at.chambers[i].pressure);
+        let ends = [unit.length, unit.velocity, pressure].map(Dual::of);
+        let by_sums = mode.tension(wire, ends, deflections).slope;
+        TensionResponse { by_sums, ..response }.with_branches(law, gamma_h)
+    }
+
+    /// How the tension of an actuator without a tendon answers, its viscoelastic branches as they are.
+    #[inline(always)]
+    fn sliding_response(
+        &self,
+        i: usize,
+        gamma_h: R,
+        state: &[R],
+        mode: &impl Formulas<R>,
+        at: &Evaluation<R>,
+    ) -> TensionResponse<R> {
+        let (wire, unit) = (&self.wires[i], &at.units[i]);
         let (zero, one) = (R::zero(), R::one());
-        let Some(bent) = self.bristles(i, state) else {
+        let deflections = self.deflections(i, state);
+        let Some(bent) = deflections.bristles else {
             let pressure = Dual::of(at.chambers[i].pressure);
             let ends: [Dual<R, 2>; 3] = [Dual::variable(unit.length, 0), Dual::variable(unit.velocity, 1), pressure];
-            let [stiffness, damping] = mode.tension(wire, ends, None).slope;
+            let [stiffness, damping] = mode.tension(wire, ends, deflections.constant()).slope;
             return TensionResponse { stiffness, damping: damping.larger(zero), ..TensionResponse::none() };
         };
         let (velocity, bent) = (Dual::<R, 3>::variable(unit.velocity, 1), Dual::variable(bent, 2));
         let ends = [Dual::variable(unit.length, 0), velocity, Dual::of(at.chambers[i].pressure)];
-        let [stiffness, damping, by_bristles] = mode.tension(wire, ends, Some(bent)).slope;
+        let [stiffness, damping, by_bristles] =
+            mode.tension(wire, ends, Deflections { bristles: Some(bent), ..deflections.constant() }).slope;
         let [_, by_velocity, by_itself] = mode.bristle_rate(wire, bent, velocity).slope;
         let share = one / (one - gamma_h * by_itself).larger(one);
         let by_rate = gamma_h * by_velocity;
@@ -451,19 +548,12 @@ impl<R: Scalar, F: Formulas<R>> Work for EndResponse<'_, R, F> {
         let slack = R::Mask::splat(false);
         let (pressure, mass) = (Dual::of(pressure), Dual::of(mass));
         let chamber = wire.member.actuator.chamber(moving.length, moving.velocity, pressure, mass, slack);
-        let bristles = system.bristles(i, state);
-        #[allow(
-            clippy::manual_map,
-            reason = "a closure would be compiled by itself, without the instructions of a batch"
-        )]
-        let bent = match bristles {
-            Some(bent) => Some(Dual::of(bent)),
-            None => None,
-        };
-        let [by_distance, by_rate, by_length] = system.end_velocity(i, tendon, mode, (&moving, &chamber), bent).slope;
+        let deflections = system.deflections(i, state);
+        let [by_distance, by_rate, by_length] =
+            system.end_velocity(i, tendon, mode, (&moving, &chamber), deflections.constant()).slope;
         let share = one / (one - gamma_h * by_length).larger(one);
         let (by_distance, by_rate) = (gamma_h * by_distance, gamma_h * by_rate);
-        let beside = match bristles {
+        let beside = match deflections.bristles {
             Some(bent) => {
                 let rate = mode.bristle_rate(wire, Dual::<R, 1>::variable(bent, 0), Dual::of(unit.velocity));
                 one / (one - gamma_h * rate.slope[0]).larger(one)
@@ -479,6 +569,7 @@ impl<R: Scalar, F: Formulas<R>> Work for EndResponse<'_, R, F> {
             by_distance: R::select(stuck, zero, by_distance),
             by_rate: R::select(stuck, zero, by_rate),
             beside: R::select(stuck, one, beside),
+            by_sums: [zero; 2],
         }
     }
 }

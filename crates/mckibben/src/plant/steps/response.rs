@@ -17,7 +17,6 @@ use crate::error::Error;
 use crate::instantiate::Instantiate;
 use crate::mechanism::Mechanism;
 use crate::parameter;
-use crate::scalar::Over;
 use crate::simulation::Sliding;
 
 impl<R: Instantiate> PlantSteps<R> {
@@ -118,8 +117,8 @@ impl<R: Instantiate> PlantSteps<R> {
                     Dual::variable(unit.velocity, 1),
                     Dual::variable(chamber.pressure, 2),
                 ];
-                let bristles = system.bristles(actuator, state).map(<Dual<R, 3> as Over<R>>::of);
-                system.wires[actuator].member.tension(ends, &sliding, (&its.trace, bristles)).slope
+                let deflections = system.deflections(actuator, state).constant();
+                system.wires[actuator].member.tension(ends, &sliding, (&its.trace, deflections)).slope
             }
         };
         let air = mounted.actuator.air();

@@ -1,0 +1,180 @@
+//! Viscoelastic branches: springs in series with dashpots in addition to the static force, so that the muscle creeps and relaxes.
+//!
+//! ```text
+//! F_b = Σ (kᵢ + wᵢ k_sec⁺) (L − zᵢ)          dzᵢ/dt = (L − zᵢ)/τᵢ
+//! ```
+//!
+//! | symbol | name in code | unit |
+//! |---|---|---|
+//! | kᵢ | `stiffness` of a branch | N/m |
+//! | wᵢ | `stiffness_ratio`, its stiffness over the secant stiffness (13) | 1 |
+//! | τᵢ | `relaxation_time` | s |
+//! | zᵢ | length at which the spring of a branch is relaxed: a state | m |
+//! | k_sec⁺ | secant stiffness (13), not below zero | N/m |
+//!
+//! A generalised Maxwell model (standard linear solid for one branch). At rest zᵢ = L and the branches add nothing, so that the
+//! static law is the one of long times; a quick change of length meets the stiffness of all springs in addition. A branch
+//! stores `½ k (L − z)²` and dissipates `k (L − z)²/τ`, never less than nothing. Where its stiffness follows the pressure, the
+//! spring is loaded or unloaded by that, by `½ k̇ (L − z)²`, which the gas does not feel: the energy audit shows how much.
+//!
+//! Sources: Wiechert, Ann. Phys. 286 (1893); Findley, Lai & Onaran, "Creep and Relaxation of Nonlinear Viscoelastic Materials"
+//! (1976), chapter 5. The scale by (13) is this project's. Checked by `tests/viscoelastic.rs`.
+
+use crate::convert::Convert;
+use crate::error::Error;
+use crate::parameter;
+use crate::scalar::{Over, Scalar};
+
+/// The largest number of viscoelastic branches.
+pub const MAX_BRANCHES: usize = 6;
+
+/// Springs in series with dashpots.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Viscoelastic<S = f64> {
+    count: usize,
+    stiffness: [S; MAX_BRANCHES],
+    stiffness_ratio: [S; MAX_BRANCHES],
+    relaxation_time: [S; MAX_BRANCHES],
+    total: BranchSums<S>,
+}
+
+/// Sums over the branches of an actuator, each branch with its stiffness.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BranchSums<T> {
+    /// `Σ kᵢ zᵢ` in N and `Σ wᵢ zᵢ` in m.
+    pub relaxed: [T; 2],
+    /// The sums with each branch over its relaxation time, `Σ kᵢ zᵢ/τᵢ` in N/s and `Σ wᵢ zᵢ/τᵢ` in m/s.
+    pub relaxing: [T; 2],
+}
+
+impl Viscoelastic {
+    /// Branches by `stiffness` (N/m) and `stiffness_ratio`, both zero or more and added up, and `relaxation_time` (s), above
+    /// zero. An empty list of stiffnesses or of ratios stands for zeros.
+    ///
+    /// # Errors
+    /// [`Error::Table`] when the lists differ in length, are empty or hold more than [`MAX_BRANCHES`]; [`Error::OutOfRange`] for
+    /// a number outside its range.
+    pub fn new(stiffness: &[f64], stiffness_ratio: &[f64], relaxation_time: &[f64]) -> Result<Self, Error> {
+        let rows = [&parameter::BRANCH_STIFFNESS, &parameter::BRANCH_STIFFNESS_RATIO];
+        let time_row = &parameter::BRANCH_RELAXATION_TIME;
+        let fault = |name, problem, entry| {
+            let remedy =
+                "give 1 to 6 branches, each with its relaxation time and with its stiffness or its stiffness ratio";
+            Err(Error::Table { name, problem, entry, remedy })
+        };
+        let count = relaxation_time.len();
+        if count == 0 {
+            return fault(time_row.key, "it has no entry", 1);
+        }
+        if count > MAX_BRANCHES {
+            return fault(time_row.key, "it has too many entries", MAX_BRANCHES + 1);
+        }
+        if stiffness.is_empty() && stiffness_ratio.is_empty() {
+            return fault(rows[1].key, "it has no entry, and there are no stiffnesses", 1);
+        }
+        let mut parts = [[0.0; MAX_BRANCHES]; 2];
+        for ((row, given), numbers) in rows.iter().zip([stiffness, stiffness_ratio]).zip(&mut parts) {
+            if !given.is_empty() && given.len() != count {
+                return fault(row.key, "its length is not that of `relaxation_time`", given.len().min(count) + 1);
+            }
+            for (number, given) in numbers.iter_mut().zip(given) {
+                *number = row.check(*given)?;
+            }
+        }
+        let mut times = [1.0; MAX_BRANCHES];
+        for (time, given) in times.iter_mut().zip(relaxation_time) {
+            *time = time_row.check(*given)?;
+        }
+        let [stiffness, stiffness_ratio] = parts;
+        Ok(Self::of(count, stiffness, stiffness_ratio, times))
+    }
+}
+
+impl<S: Scalar> Viscoelastic<S> {
+    fn of(
+        count: usize,
+        stiffness: [S; MAX_BRANCHES],
+        stiffness_ratio: [S; MAX_BRANCHES],
+        relaxation_time: [S; MAX_BRANCHES],
+    ) -> Self {
+        let zeros = [S::zero(); 2];
+        let total = BranchSums { relaxed: zeros, relaxing: zeros };
+        let mut law = Self { count, stiffness, stiffness_ratio, relaxation_time, total };
+        law.total = law.sums(&[S::one(); MAX_BRANCHES][..count]);
+        law
+    }
+
+    pub(super) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Viscoelastic<T> {
+        let (mut stiffness, mut ratio) = ([T::zero(); MAX_BRANCHES], [T::zero(); MAX_BRANCHES]);
+        let mut time = [T::one(); MAX_BRANCHES];
+        for i in 0..self.count {
+            stiffness[i] = convert.parameter(&parameter::BRANCH_STIFFNESS, self.stiffness[i]);
+            ratio[i] = convert.parameter(&parameter::BRANCH_STIFFNESS_RATIO, self.stiffness_ratio[i]);
+            time[i] = convert.parameter(&parameter::BRANCH_RELAXATION_TIME, self.relaxation_time[i]);
+        }
+        Viscoelastic::of(self.count, stiffness, ratio, time)
+    }
+
+    /// How many branches there are.
+    #[inline(always)]
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Stiffness kᵢ of a branch in N/m, in addition to that by its ratio.
+    pub fn stiffness(&self, branch: usize) -> S {
+        self.stiffness[branch]
+    }
+
+    /// Stiffness of a branch over the secant stiffness, wᵢ.
+    pub fn stiffness_ratio(&self, branch: usize) -> S {
+        self.stiffness_ratio[branch]
+    }
+
+    /// Relaxation time τᵢ of a branch in s.
+    #[inline(always)]
+    pub fn relaxation_time(&self, branch: usize) -> S {
+        self.relaxation_time[branch]
+    }
+
+    /// Stiffness of a branch in N/m at a secant stiffness in N/m.
+    #[inline(always)]
+    pub(crate) fn stiffness_at<T: Over<S>>(&self, branch: usize, secant_stiffness: T) -> T {
+        T::of(self.stiffness[branch]) + T::of(self.stiffness_ratio[branch]) * secant_stiffness
+    }
+
+    /// Sums over the branches with their relaxed lengths in m.
+    #[inline(always)]
+    pub fn sums<T: Over<S>>(&self, relaxed_lengths: &[T]) -> BranchSums<T> {
+        let mut sums = BranchSums { relaxed: [T::zero(); 2], relaxing: [T::zero(); 2] };
+        for (i, length) in relaxed_lengths.iter().enumerate() {
+            let rate = *length / T::of(self.relaxation_time[i]);
+            for (part, of) in [self.stiffness[i], self.stiffness_ratio[i]].into_iter().enumerate() {
+                sums.relaxed[part] = sums.relaxed[part] + T::of(of) * *length;
+                sums.relaxing[part] = sums.relaxing[part] + T::of(of) * rate;
+            }
+        }
+        sums
+    }
+
+    /// Force of the branches at an actuator length in m: `Σ kᵢ (L − zᵢ)` in N, and `Σ wᵢ (L − zᵢ)` in m, the force over the
+    /// secant stiffness.
+    #[inline(always)]
+    pub(crate) fn forces<T: Over<S>>(&self, length: T, sums: &BranchSums<T>) -> [T; 2] {
+        let [stiffness, ratio] = self.total.relaxed;
+        [T::of(stiffness) * length - sums.relaxed[0], T::of(ratio) * length - sums.relaxed[1]]
+    }
+
+    /// How fast the first two sums change at an actuator length in m.
+    #[inline(always)]
+    pub(crate) fn sum_rates<T: Over<S>>(&self, length: T, sums: &BranchSums<T>) -> [T; 2] {
+        let [stiffness, ratio] = self.total.relaxing;
+        [T::of(stiffness) * length - sums.relaxing[0], T::of(ratio) * length - sums.relaxing[1]]
+    }
+
+    /// Rate in m/s of the relaxed length of a branch at an actuator length in m.
+    #[inline(always)]
+    pub fn rate<T: Over<S>>(&self, branch: usize, relaxed_length: T, length: T) -> T {
+        (length - relaxed_length) / T::of(self.relaxation_time[branch])
+    }
+}
