@@ -65,7 +65,7 @@ impl<T: Scalar> Deflections<T> {
     pub const NONE: Self = Self { bristles: None, branches: None };
 
     /// These as numbers without a derivative of a wider scalar.
-    // No closures: they would be compiled separately, without the instructions of a batch.
+    #[allow(clippy::manual_map, reason = "a closure would be compiled separately, without the instructions of a batch")]
     #[inline(always)]
     pub fn constant<U: Over<T>>(&self) -> Deflections<U> {
         Deflections {
@@ -83,6 +83,7 @@ impl<T: Scalar> Deflections<T> {
     }
 
     /// These as they change while the bristles bend at a rate in m/s and the first two sums of the branches change at theirs.
+    #[allow(clippy::manual_map, reason = "a closure would be compiled separately, without the instructions of a batch")]
     #[inline(always)]
     pub fn along<S: Scalar>(&self, bristle_rate: T, sum_rates: [T; 2]) -> Deflections<T::Dual>
     where

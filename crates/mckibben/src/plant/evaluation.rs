@@ -236,10 +236,10 @@ impl<R: Scalar> System<R> {
     }
 
     /// What the states say of an actuator's friction.
+    #[allow(clippy::manual_map, reason = "a closure would be compiled separately, without the instructions of a batch")]
     #[inline(always)]
     pub fn deflections<T: Over<R>>(&self, i: usize, state: &[T]) -> Deflections<T> {
         let wire = &self.wires[i];
-        // No closures: they would be compiled separately, without the instructions of a batch.
         let bristles = match wire.places.bristles {
             Some(place) => Some(state[place]),
             None => None,
