@@ -16,7 +16,7 @@ mod problem;
 use mckibben::simulation::simulate;
 use mckibben_identify::adjustable::Adjustable;
 use mckibben_identify::least_squares::{Search, Unknown};
-use mckibben_identify::trajectories::{Horizon, Observed, Recorded, Task, TimeSeries};
+use mckibben_identify::trajectories::{Horizon, Observed, Recorded, Sensor, Task, TimeSeries};
 use mckibben_scenario::{Place, Scenario};
 use problem::Problem;
 use std::io::Write;
@@ -154,7 +154,7 @@ fn recorded(scenario: &Scenario, number: usize) -> Result<Recorded, String> {
         let offset = 10_000 * number + 5000 * usize::from(observed == Observed::Length);
         let values =
             times.iter().enumerate().map(|(place, time)| read(*time) + deviation * noise(offset + place)).collect();
-        TimeSeries { observed, times: times.clone(), values, deviation: Some(deviation) }
+        TimeSeries { observed, times: times.clone(), values, deviation: Some(deviation), sensor: Sensor::default() }
     };
     let atmosphere = scenario.air.atmospheric_pressure;
     let courses = vec![

@@ -4,6 +4,8 @@
 mod common;
 #[path = "identify/plant.rs"]
 mod plant;
+#[path = "identify/sensors.rs"]
+mod sensors;
 
 use common::{Folder, of_repository};
 use mckibben_scenario::Scenario;

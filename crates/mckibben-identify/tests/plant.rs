@@ -8,7 +8,7 @@ use mckibben_identify::adjustable::Adjustable;
 use mckibben_identify::least_squares::{Search, Unknown};
 use mckibben_identify::study::Quantity;
 use mckibben_identify::trajectories::{
-    AdjustablePlant, Described, Horizon, Identified, Observed, Recorded, Sampling, Subject, Task, TimeSeries,
+    AdjustablePlant, Described, Horizon, Identified, Observed, Recorded, Sampling, Sensor, Subject, Task, TimeSeries,
 };
 use mckibben_scenario::{Document, Place, PlantPlace, Scenario};
 use noise::Noise;
@@ -73,7 +73,13 @@ fn recorded(document: &Document, paths: &[&str], columns: &[(&str, f64)], seed: 
         let quantity = of.columns().into_iter().find(|of| of.name == *name).and_then(|of| of.quantity()).expect("one");
         let values: Vec<f64> = times.iter().map(|time| quantity.of(&of.plant, &run.sample(*time))).collect();
         let values = noise.added_to(&values, *deviation);
-        TimeSeries { observed: column(document, name), times: times.clone(), values, deviation: None }
+        TimeSeries {
+            observed: column(document, name),
+            times: times.clone(),
+            values,
+            deviation: None,
+            sensor: Sensor::default(),
+        }
     };
     Recorded {
         name: format!("seed {seed}"),

@@ -7,7 +7,7 @@ use mckibben::simulation::{JointSample, simulate};
 use mckibben_identify::adjustable::Adjustable;
 use mckibben_identify::least_squares::{Loss, Search, Unknown};
 use mckibben_identify::trajectories::{
-    Horizon, Identified, Observed, Recorded, Subject, Task, TimeSeries, TrajectoryError,
+    Horizon, Identified, Observed, Recorded, Sensor, Subject, Task, TimeSeries, TrajectoryError,
 };
 use mckibben_scenario::{Effectiveness, Load, Place, PressureSeries, Scenario};
 use noise::{Noise, holds};
@@ -37,7 +37,13 @@ fn recorded(truth: &Scenario, sought: &[&str], deviations: [f64; 2], duration: f
     let lengths: Vec<f64> = times.iter().map(|time| run.at(*time).length).collect();
     let gauge = |time: f64| run.at(time).pressure.0 - truth.air.atmospheric_pressure;
     let pressures: Vec<f64> = times.iter().map(|time| gauge(*time)).collect();
-    let course = |observed, values: Vec<f64>| TimeSeries { observed, times: times.clone(), values, deviation: None };
+    let course = |observed, values: Vec<f64>| TimeSeries {
+        observed,
+        times: times.clone(),
+        values,
+        deviation: None,
+        sensor: Sensor::default(),
+    };
     let courses = vec![
         course(Observed::Length, noise.added_to(&lengths, length)),
         course(Observed::GaugePressure, noise.added_to(&pressures, pressure)),
@@ -356,7 +362,13 @@ fn recorded_joint(truth: &Scenario, sought: &[&str], seed: u64) -> Recorded {
             (_, sample) => gauge(&sample, 1),
         };
         let values: Vec<f64> = times.iter().map(of).collect();
-        TimeSeries { observed, times: times.clone(), values: noise.added_to(&values, deviation), deviation: None }
+        TimeSeries {
+            observed,
+            times: times.clone(),
+            values: noise.added_to(&values, deviation),
+            deviation: None,
+            sensor: Sensor::default(),
+        }
     });
     let mut base = truth.clone();
     let places: Vec<Place> = sought.iter().map(|path| Place::find(path, &mut base).expect("a number")).collect();

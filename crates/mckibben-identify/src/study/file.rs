@@ -1,6 +1,7 @@
 //! The study file, by `serde`; quantities are text with a unit, as in scenario files.
 
 use super::clean::{self, Rules};
+use super::sensors::{RawSensor, SensorEntry};
 use super::table::{self, Table};
 use super::valve::{FlowEntry, PulsesEntry, RawFlow, RawPulses, RawTank, Sections, TankEntry};
 use super::{Quantity, Recording, StudyError, words_of};
@@ -112,6 +113,8 @@ pub struct ColumnEntry {
     pub zero: f64,
     /// The rules of its own.
     pub rules: Rules,
+    /// What is known of its sensor.
+    pub sensor: SensorEntry,
 }
 
 /// One run.
@@ -125,6 +128,8 @@ pub struct RunEntry {
     pub held: Vec<(Quantity, f64)>,
     /// Keys of the scenario that are other here, as TOML.
     pub set: Vec<(String, String)>,
+    /// The session that it belongs to, in which numbers may be its own.
+    pub session: Option<String>,
 }
 
 /// A number that is looked for.
@@ -142,6 +147,8 @@ pub struct FitEntry {
     pub prior: Option<[String; 2]>,
     /// Whether each run has a value of its own.
     pub per_run: bool,
+    /// Whether each session has a value of its own.
+    pub per_session: bool,
 }
 
 #[derive(Deserialize)]
@@ -184,6 +191,10 @@ struct RawColumn {
     zero: Option<Vec<RawZero>>,
     #[serde(default)]
     drop_outliers: bool,
+    drift: Option<Spanned<String>>,
+    shift: Option<Spanned<String>>,
+    lag: Option<Spanned<String>>,
+    hold: Option<Spanned<String>>,
 }
 
 /// A span of time in which a quantity is known.
@@ -206,6 +217,7 @@ struct RawRun {
     held: BTreeMap<String, Spanned<String>>,
     #[serde(default)]
     set: BTreeMap<String, toml::Value>,
+    session: Option<String>,
 }
 
 #[derive(Deserialize)]
@@ -217,6 +229,8 @@ struct RawSought {
     prior: Option<RawPrior>,
     #[serde(default)]
     per_run: bool,
+    #[serde(default)]
+    per_session: bool,
 }
 
 #[derive(Deserialize)]
@@ -327,11 +341,25 @@ impl Study {
             to: raw.to.map(Text::text),
             prior: raw.prior.map(|prior| [prior.mean.text(), prior.deviation.text()]),
             per_run: raw.per_run,
+            per_session: raw.per_session,
         });
         let sought: Vec<FitEntry> = sought.collect();
-        if let Some(entry) = sought.iter().find(|entry| entry.per_run && head.kind != Kind::Trajectories) {
-            let what = format!("`per_run` of `{}` in [fit] is of a study of the kind \"trajectories\"", entry.path);
+        let is_own = |entry: &&FitEntry| entry.per_run || entry.per_session;
+        if let Some(entry) = sought.iter().find(|entry| is_own(entry) && head.kind != Kind::Trajectories) {
+            let what = format!(
+                "`per_run` or `per_session` of `{}` in [fit] is of a study of the kind \"trajectories\"",
+                entry.path
+            );
             return Err(within.fault(None, what, "leave it out"));
+        }
+        if let Some(entry) = sought.iter().find(|entry| entry.per_run && entry.per_session) {
+            let what = format!("`{}` in [fit] is each run’s and each session’s own at once", entry.path);
+            return Err(within.fault(None, what, "leave out `per_run` or `per_session`"));
+        }
+        let strange = |column: &&ColumnEntry| column.sensor != SensorEntry::default();
+        if let Some(column) = columns.iter().find(strange).filter(|_| head.kind != Kind::Trajectories) {
+            let what = format!("a sensor of the {} is described, which only trajectories know", column.words());
+            return Err(within.fault(None, what, "leave `shift`, `lag`, `drift` and `hold` out"));
         }
         if head.input == Input::GaugePressure && head.kind != Kind::Trajectories {
             let what = "`input` is of a study of the kind \"trajectories\"";
@@ -432,13 +460,18 @@ pub(super) struct Within<'a> {
 }
 
 impl Within<'_> {
+    /// The number of a text without a unit, where such numbers are in SI.
+    pub(super) fn in_si(&self, text: &str) -> Option<f64> {
+        in_si(self.numbers_are_si, text)
+    }
+
     pub(super) fn fault(&self, at: Option<usize>, what: impl Into<String>, remedy: impl Into<String>) -> StudyError {
         let line = at.map(|at| self.text[..at.min(self.text.len())].matches('\n').count() + 1);
         StudyError::new(self.path, line, what, remedy)
     }
 
     /// A quantity of a dimension, in SI.
-    fn si(&self, text: &Spanned<String>, of: Quantity) -> Result<f64, StudyError> {
+    pub(super) fn si(&self, text: &Spanned<String>, of: Quantity) -> Result<f64, StudyError> {
         let at = Some(text.span().start);
         if let Some(number) = in_si(self.numbers_are_si, text.as_ref()) {
             return Ok(number);
@@ -571,7 +604,9 @@ impl Within<'_> {
                 "leave it out",
             ));
         }
-        Ok(ColumnEntry { quantity, part, name: raw.name, scale, zero, rules })
+        let sensor = RawSensor { drift: raw.drift, shift: raw.shift, lag: raw.lag, hold: raw.hold };
+        let sensor = sensor.read(self, quantity)?;
+        Ok(ColumnEntry { quantity, part, name: raw.name, scale, zero, rules, sensor })
     }
 
     fn run(&self, raw: Spanned<RawRun>) -> Result<RunEntry, StudyError> {
@@ -588,6 +623,7 @@ impl Within<'_> {
             held.push((quantity, self.si(&value, quantity)?));
         }
         let set = raw.set.into_iter().map(|(key, value)| (key, value.to_string()));
-        Ok(RunEntry { name: raw.name.or(stem).unwrap_or_default(), held, set: set.collect(), files })
+        let name = raw.name.or(stem).unwrap_or_default();
+        Ok(RunEntry { name, held, set: set.collect(), files, session: raw.session })
     }
 }

@@ -37,11 +37,13 @@
 
 pub mod clean;
 mod file;
+mod sensors;
 mod table;
 mod valve;
 
 pub use clean::{Note, Severity};
 pub use file::{ColumnEntry, FitEntry, Input, Kind, RunEntry, Study};
+pub use sensors::SensorEntry;
 pub use table::Table;
 pub use valve::{Direction, FlowEntry, PulsesEntry, TankEntry, TankTarget};
 

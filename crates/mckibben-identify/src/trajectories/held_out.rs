@@ -40,7 +40,7 @@ impl Task {
         };
         let without = |place: usize| {
             let others = [&self.runs[..place], &self.runs[place + 1..]].concat();
-            let of_others = |unknown: &usize| others.iter().any(|run| run.unknowns.contains(unknown));
+            let of_others = |unknown: &usize| others.iter().any(|run| run.all_unknowns().contains(unknown));
             let (common, own): (Vec<usize>, Vec<usize>) = (0..values.len()).partition(of_others);
             let mut foretold = values.clone();
             told(&others, &common, &mut foretold)?;

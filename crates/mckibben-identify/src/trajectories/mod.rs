@@ -29,6 +29,7 @@ mod observed;
 mod rest;
 mod sampling;
 mod search;
+mod sensor;
 mod shooting;
 mod simulated;
 mod subject;
@@ -38,6 +39,7 @@ pub use observed::{Observed, ObservedColumn};
 pub use rest::{Drift, Unexplained};
 pub use sampling::Sampling;
 pub use search::{Horizon, Identified, Task, TrajectoryError};
+pub use sensor::{AMOUNTS, Amount, Sensor};
 pub use simulated::{Simulated, SimulatedReader, Watch};
 pub use subject::{AdjustablePlant, Described, Subject, SubjectError};
 
@@ -58,6 +60,8 @@ pub struct TimeSeries {
     pub values: Vec<f64>,
     /// Standard deviation of a reading, where it is known.
     pub deviation: Option<f64>,
+    /// What the sensor makes of it.
+    pub sensor: Sensor,
 }
 
 /// One run of the rig.
@@ -86,17 +90,49 @@ pub(crate) struct Runs<'a> {
 }
 
 impl Recorded {
-    /// The time of the last reading up to a horizon in s.
-    fn duration(&self, until: f64) -> f64 {
-        let times = self.courses.iter().flat_map(|course| &course.times).filter(|time| **time <= until);
-        times.fold(0.0, |last, time| time.max(last))
+    /// How long the run must be in s for all readings up to a horizon, with values of all unknowns.
+    fn duration(&self, until: f64, values: &[f64]) -> f64 {
+        let of_course = |course: &TimeSeries| {
+            let sensor = course.sensor.at(values);
+            let times = course.times.iter().filter(|time| **time <= until);
+            times.fold(0.0, |last: f64, time| sensor.until(*time).max(last))
+        };
+        self.courses.iter().map(of_course).fold(0.0, f64::max)
+    }
+
+    /// The unknowns that are looked for in the run: those of its subject, then those of its sensors.
+    pub(crate) fn all_unknowns(&self) -> Vec<usize> {
+        let mut all = self.unknowns.clone();
+        let sensors: std::collections::BTreeSet<usize> =
+            self.courses.iter().flat_map(|course| course.sensor.unknowns()).collect();
+        all.extend(sensors);
+        all
+    }
+
+    /// Readings of a course at times that do not fall, with values of all unknowns.
+    fn read(&self, course: &TimeSeries, simulated: &Simulated, times: &[f64], values: &[f64]) -> Vec<f64> {
+        let mut readings = Vec::with_capacity(times.len());
+        let sensor = course.sensor.at(values);
+        sensor.read(simulated, &course.observed, times.iter().copied(), |reading| readings.push(reading.value));
+        readings
     }
 
     /// The run at values of all unknowns, with only some of these looked for, which are then all.
-    fn only(&self, unknowns: &[usize], values: &[f64]) -> Result<Self, Error> {
-        let place = |(number, unknown): (usize, &usize)| Some((number, unknowns.iter().position(|of| of == unknown)?));
+    fn only(&self, unknowns_of: &[usize], values: &[f64]) -> Result<Self, Error> {
+        let place =
+            |(number, unknown): (usize, &usize)| Some((number, unknowns_of.iter().position(|of| of == unknown)?));
         let (numbers, unknowns): (Vec<usize>, Vec<usize>) = self.unknowns.iter().enumerate().filter_map(place).unzip();
-        Ok(Self { subject: self.subject.only(&numbers, &self.own(values))?, unknowns, ..self.clone() })
+        let mut courses = self.courses.clone();
+        for amount in courses.iter_mut().flat_map(|course| course.sensor.amounts_mut()) {
+            if let Amount::Sought(unknown) = amount {
+                *amount = match unknowns_of.iter().position(|of| of == unknown) {
+                    Some(place) => Amount::Sought(place),
+                    None => Amount::Known(values[*unknown]),
+                };
+            }
+        }
+        let subject = self.subject.only(&numbers, &self.own(values))?;
+        Ok(Self { name: self.name.clone(), subject, unknowns, courses })
     }
 
     /// The run with values of all unknowns.
@@ -106,7 +142,7 @@ impl Recorded {
 
     /// The run as it is simulated with values of all unknowns, up to its last reading.
     fn simulated(&self, values: &[f64], tolerance: f64) -> Result<Simulated, TrajectoryError> {
-        let duration = self.duration(f64::INFINITY).max(1e-9);
+        let duration = self.duration(f64::INFINITY, values).max(1e-9);
         let run = |built: Built| Ok(built.ready()?.simulate(duration, tolerance, &|_| Ok(()))?);
         self.built(values).and_then(run).map_err(|error| self.failed(error))
     }
@@ -146,57 +182,96 @@ impl Runs<'_> {
         self.scales.iter().find(|(of, _)| of == observed).map_or(1.0, |(_, scale)| *scale)
     }
 
-    /// Residuals of one run and their derivatives by its own numbers; what has no value is not a number.
-    fn of_run(&self, run: &Recorded, values: &[f64]) -> (Vec<f64>, Vec<f64>) {
-        let (count, width) = (self.readings(run).count(), run.unknowns.len());
+    /// Residuals of one run and their derivatives by its own unknowns, in the order of [`Recorded::all_unknowns`]; what has no
+    /// value is not a number.
+    fn of_run(&self, run: &Recorded, own: &[usize], values: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let (count, width) = (self.readings(run).count(), own.len());
         let (mut residuals, mut slopes) = (vec![f64::NAN; count], vec![0.0; count * width]);
-        let Ok(built) = run.built(values) else { return (residuals, slopes) };
-        for first in run.subject.passes() {
-            let mut row = 0;
-            let full = built.seeded(&run.subject, first).and_then(|ready| {
-                Ok(self.course(run, &ready, |residual| {
-                    residuals[row] = residual.value;
-                    run.subject.spread(first, &residual.slope, &mut slopes[row * width..][..width]);
-                    row += 1;
-                })?)
-            });
-            if full.is_err() {
-                return (vec![f64::NAN; count], slopes);
+        let by_sensor = |row: &mut [f64], of_sensor: &[(usize, f64)]| {
+            for (unknown, slope) in of_sensor {
+                if let Some(place) = own.iter().position(|of| of == unknown) {
+                    row[place] = *slope;
+                }
             }
+        };
+        let mut fill = || -> Result<(), SubjectError> {
+            let built = run.built(values)?;
+            if run.subject.width() == 0 {
+                return Ok(self.course(run, &built.ready()?, values, |row, residual, of_sensor| {
+                    residuals[row] = residual;
+                    by_sensor(&mut slopes[row * width..][..width], of_sensor);
+                })?);
+            }
+            for first in run.subject.passes() {
+                self.course(run, &built.seeded(&run.subject, first)?, values, |row, residual, of_sensor| {
+                    let slopes = &mut slopes[row * width..][..width];
+                    residuals[row] = residual.value;
+                    run.subject.spread(first, &residual.slope, &mut slopes[..run.unknowns.len()]);
+                    by_sensor(slopes, of_sensor);
+                })?;
+            }
+            Ok(())
+        };
+        match fill() {
+            Ok(()) => (residuals, slopes),
+            Err(_) => (vec![f64::NAN; count], slopes),
         }
-        (residuals, slopes)
     }
 
     /// Residuals of one run alone.
     fn tried(&self, run: &Recorded, values: &[f64]) -> Vec<f64> {
         let mut residuals = Vec::new();
-        let course = |built: Built| Ok(self.course(run, &built.ready()?, |residual| residuals.push(residual))?);
+        let course =
+            |built: Built| Ok(self.course(run, &built.ready()?, values, |_, residual, _| residuals.push(residual))?);
         match run.built(values).and_then(course) {
             Ok(()) => residuals,
             Err(_) => vec![f64::NAN; self.readings(run).count()],
         }
     }
 
-    /// Runs a plant and visits each reading with its residual, over any scalar.
-    fn course<R: Instantiate>(&self, run: &Recorded, ready: &Ready<R>, visit: impl FnMut(R)) -> Result<(), Error> {
-        let duration = run.duration(self.until).max(1e-9);
+    /// Runs a plant and visits each reading with its residual, over any scalar: see [`Runs::compare`].
+    fn course<R: Instantiate>(
+        &self,
+        run: &Recorded,
+        ready: &Ready<R>,
+        values: &[f64],
+        visit: impl FnMut(usize, R, &[(usize, f64)]),
+    ) -> Result<(), Error> {
+        let duration = run.duration(self.until, values).max(1e-9);
         let watch = |time: f64| match self.monitor.is_stopped() {
             true => Err(Error::Interrupted { time }),
             false => Ok(()),
         };
-        self.compare(run, &ready.simulate(R::constant(duration), self.tolerance, &watch)?, visit);
+        self.compare(run, &ready.simulate(R::constant(duration), self.tolerance, &watch)?, values, visit);
         Ok(())
     }
 
-    /// Visits each reading with its residual.
-    fn compare<R: Instantiate>(&self, run: &Recorded, simulated: &Simulated<R>, mut visit: impl FnMut(R)) {
-        let mut reading = SimulatedReader::new(simulated);
+    /// Visits each reading, by its index in the run, with its residual and the derivatives of that by the unknowns of its sensor.
+    fn compare<R: Instantiate>(
+        &self,
+        run: &Recorded,
+        simulated: &Simulated<R>,
+        values: &[f64],
+        mut visit: impl FnMut(usize, R, &[(usize, f64)]),
+    ) {
+        let mut row = 0;
         for course in &run.courses {
-            let scale = R::constant(self.scale(&course.observed));
-            for (time, value) in self.within(course) {
-                let simulated = reading.read(&course.observed, R::constant(time));
-                visit((simulated - R::constant(value)) / scale);
-            }
+            let scale = self.scale(&course.observed);
+            let readings: Vec<(f64, f64)> = self.within(course).collect();
+            let mut measured = readings.iter().map(|(_, value)| *value);
+            let times = readings.iter().map(|(time, _)| *time);
+            course.sensor.at(values).read(simulated, &course.observed, times, |reading| {
+                let measured = R::constant(measured.next().unwrap_or(f64::NAN));
+                let sought = course.sensor.amounts().into_iter().zip(reading.by_amounts);
+                let by_sensor: Vec<(usize, f64)> = sought
+                    .filter_map(|(amount, slope)| match amount {
+                        Amount::Sought(unknown) => Some((unknown, slope / scale)),
+                        Amount::Known(_) => None,
+                    })
+                    .collect();
+                visit(row, (reading.value - measured) / R::constant(scale), &by_sensor);
+                row += 1;
+            });
         }
     }
 
@@ -247,14 +322,19 @@ impl Model for Runs<'_> {
     }
 
     fn evaluate(&self, values: &[f64]) -> Evaluation {
-        let parts: Vec<(Vec<f64>, Vec<f64>)> = self.runs.par_iter().map(|run| self.of_run(run, values)).collect();
+        let of_run = |run: &Recorded| {
+            let own = run.all_unknowns();
+            let (residuals, slopes) = self.of_run(run, &own, values);
+            (own, residuals, slopes)
+        };
+        let parts: Vec<(Vec<usize>, Vec<f64>, Vec<f64>)> = self.runs.par_iter().map(of_run).collect();
         let (mut residuals, mut slopes) = (Vec::new(), Vec::new());
-        for (run, (own_residuals, own_slopes)) in self.runs.iter().zip(parts) {
-            let width = run.unknowns.len();
+        for (own, own_residuals, own_slopes) in parts {
+            let width = own.len();
             for row in 0..own_residuals.len() {
                 let begin = slopes.len();
                 slopes.resize(begin + values.len(), 0.0);
-                for (unknown, slope) in run.unknowns.iter().zip(&own_slopes[row * width..][..width]) {
+                for (unknown, slope) in own.iter().zip(&own_slopes[row * width..][..width]) {
                     slopes[begin + unknown] = *slope;
                 }
             }

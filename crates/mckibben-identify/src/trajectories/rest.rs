@@ -58,10 +58,11 @@ impl Task {
     /// The courses whose residuals drift from the first reading to the last.
     pub fn drifts(&self, found: &Identified) -> Vec<Drift> {
         let runs = Runs::whole(&self.runs, Vec::new(), self.tolerance, &self.search.monitor);
+        let values = found.found.fit.values();
         let mut drifts = Vec::new();
         for (run, simulated) in self.runs.iter().zip(&found.simulated) {
             let mut residuals = Vec::new();
-            runs.compare(run, simulated, |residual| residuals.push(residual));
+            runs.compare(run, simulated, &values, |_, residual, _| residuals.push(residual));
             let mut rest = residuals.as_slice();
             for course in &run.courses {
                 let (own, behind) = rest.split_at(course.times.len());

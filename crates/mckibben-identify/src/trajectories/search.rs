@@ -107,6 +107,12 @@ pub enum TrajectoryError {
         /// The number.
         path: String,
     },
+    /// Numbers of sensors in segments.
+    #[error(
+        "numbers of sensors are not looked for in segments; fit the runs whole, or give the numbers in [columns] and leave them out \
+         of [fit]"
+    )]
+    SensorsInSegments,
     /// Segments that are none.
     #[error(
         "segments of {every} s do not divide a run of {duration} s; give a duration above zero, shorter than the run, in which a run has at most {MOST_SEGMENTS}"
@@ -204,6 +210,11 @@ impl Task {
         }
     }
 
+    /// What the fitted model says that the sensor of a course reads at times that do not fall, in the run of an index.
+    pub fn readings(&self, found: &Identified, run: usize, course: &TimeSeries, times: &[f64]) -> Vec<f64> {
+        self.runs[run].read(course, &found.simulated[run], times, &found.found.fit.values())
+    }
+
     pub(super) fn courses<'s>(&'s self, observed: &'s Observed) -> impl Iterator<Item = &'s TimeSeries> {
         self.runs.iter().flat_map(|run| &run.courses).filter(move |course| course.observed == *observed)
     }
@@ -251,7 +262,11 @@ impl Task {
             }
         }
         if let Horizon::Segments(every) = self.horizon {
-            let duration = self.runs.iter().fold(0.0_f64, |longest, run| longest.max(run.duration(f64::INFINITY)));
+            if self.runs.iter().any(|run| run.all_unknowns() != run.unknowns) {
+                return Err(TrajectoryError::SensorsInSegments);
+            }
+            let duration =
+                self.runs.iter().fold(0.0_f64, |longest, run| longest.max(run.duration(f64::INFINITY, &first)));
             if !(every > duration / MOST_SEGMENTS && every < duration) {
                 return Err(TrajectoryError::Segments { every, duration });
             }

@@ -67,7 +67,7 @@ impl Chain {
     fn begin(run: &Recorded, values: &[f64], every: f64, tolerance: f64, first: usize) -> Result<Self, SubjectError> {
         let ready = run.built(values)?.ready()?;
         let (rig, start) = ready.rig()?;
-        let duration = run.duration(f64::INFINITY);
+        let duration = run.duration(f64::INFINITY, values);
         let joints: Vec<f64> = (1..).map(|place| every * f64::from(place)).take_while(|t| *t < duration).collect();
         let mut begun = Vec::new();
         let trajectory = simulate_in_segments(rig, start, (duration, tolerance), &joints, |place, reached| {
@@ -127,7 +127,7 @@ impl Segments<'_> {
         seed: impl Fn(usize, [f64; STATES]) -> [R; STATES],
         mut visit: impl FnMut(R),
     ) -> Result<Simulated<R>, Error> {
-        let duration = R::constant(run.duration(f64::INFINITY));
+        let duration = R::constant(run.duration(f64::INFINITY, values));
         let mut lacking = Vec::new();
         let trajectory =
             simulate_in_segments(rig, start, (duration, self.runs.tolerance), &chain.joints, |joint, reached| {
@@ -138,7 +138,7 @@ impl Segments<'_> {
                 State::from_array(here)
             })?;
         let simulated = Simulated { trajectory: trajectory.into_plant() };
-        self.runs.compare(run, &simulated, &mut visit);
+        self.runs.compare(run, &simulated, values, |_, residual, _| visit(residual));
         lacking.into_iter().for_each(visit);
         Ok(simulated)
     }

@@ -22,6 +22,7 @@ mod outcome;
 mod plant;
 mod prediction;
 mod rings;
+mod sensors;
 mod sought;
 mod trajectories;
 mod values;

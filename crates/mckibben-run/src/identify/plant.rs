@@ -1,6 +1,7 @@
 //! The runs of trajectories of a plant: its file with what a run says of its own, and columns behind the names of parts.
 
 use super::Material;
+use super::sensors::{self, OfSensor};
 use super::sought::{self, OfRun};
 use super::trajectories::held_at_its_end;
 use crate::failure::Failure;
@@ -28,10 +29,10 @@ pub(super) fn runs(material: &Material, warnings: &mut Vec<String>) -> Result<(V
         Ok((place, row, value))
     })?;
     let mut runs = Vec::new();
-    for ((recording, (document, experiment)), OfRun { places, unknowns }) in
+    for ((recording, (document, experiment)), OfRun { places, unknowns, sensors }) in
         material.recordings.iter().zip(plants).zip(numbers)
     {
-        let courses = courses(recording, &experiment)?;
+        let courses = courses(material, (recording, &sensors), &experiment)?;
         let subject = Subject::Plant(AdjustablePlant { document, places });
         runs.push(Recorded { name: recording.name.clone(), subject, unknowns, courses });
     }
@@ -46,7 +47,11 @@ fn read(document: &Document) -> Result<PlantExperiment, Failure> {
 }
 
 /// The courses of a run; a pressure that is given is no course.
-fn courses(recording: &Recording, of: &PlantExperiment) -> Result<Vec<TimeSeries>, Failure> {
+fn courses(
+    material: &Material,
+    (recording, sensors): (&Recording, &[(OfSensor, usize)]),
+    of: &PlantExperiment,
+) -> Result<Vec<TimeSeries>, Failure> {
     let of_no_part = |column: &&Column| column.part.is_none() && column.quantity != Quantity::Time;
     if let Some(column) = recording.sheets.iter().flat_map(|sheet| &sheet.columns).find(of_no_part) {
         let title = format!("the run `{}` has a column of no part of the plant: {}", recording.name, column.words());
@@ -65,7 +70,8 @@ fn courses(recording: &Recording, of: &PlantExperiment) -> Result<Vec<TimeSeries
         let is_given = matches!(quantity, PlantQuantity::Pressure(i) if of.plant.actuators()[i].pressure.is_some());
         if !is_given {
             let (times, values) = over_time(recording, sheet, column)?;
-            courses.push((place, TimeSeries { observed, times, values, deviation: column.deviation }));
+            let sensor = sensors::sensor(material, (column.quantity, column.part.as_deref()), 0.0, sensors);
+            courses.push((place, TimeSeries { observed, times, values, deviation: column.deviation, sensor }));
         }
     }
     // In the order of a run's table: by the parts, as the file has them.

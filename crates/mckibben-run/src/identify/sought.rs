@@ -1,6 +1,7 @@
 //! The numbers that a study looks for: their places, bounds, priors and starts.
 
 use super::Material;
+use super::sensors::{self, OfSensor};
 use crate::failure::Failure;
 use mckibben::parameter::Parameter;
 use mckibben_identify::least_squares::Unknown;
@@ -19,40 +20,78 @@ pub(super) fn all(material: &Material) -> Result<(Vec<Place>, Vec<Unknown>), Fai
     Ok(found)
 }
 
-/// The numbers of one run: their places in its scenario, and which unknown each of them is.
+/// The numbers of one run: their places in its scenario, and which unknown each of them is; those of its sensors likewise.
 pub(super) struct OfRun<P> {
     pub(super) places: Vec<P>,
     pub(super) unknowns: Vec<usize>,
+    pub(super) sensors: Vec<(OfSensor, usize)>,
 }
 
 /// A number in a scenario: its place, its row in the table of parameters, and the value that it has there.
 pub(super) type InScenario<P> = (P, &'static Parameter, f64);
 
 /// All of them in the scenarios of runs; `find` finds that of an entry in the scenario of a run by its index. A number that is
-/// each run's own is an unknown for each, named behind its path; a common one starts at the first run's value.
+/// each run's or each session's own is an unknown for each, named behind its path; a common one starts at the first run's value.
 pub(super) fn of_runs<P>(
     material: &Material,
     mut find: impl FnMut(usize, &FitEntry) -> Result<InScenario<P>, Failure>,
 ) -> Result<(Vec<Unknown>, Vec<OfRun<P>>), Failure> {
     let mut unknowns: Vec<Unknown> = Vec::new();
-    let mut numbers: Vec<OfRun<P>> =
-        material.recordings.iter().map(|_| OfRun { places: Vec::new(), unknowns: Vec::new() }).collect();
+    let nothing = || OfRun { places: Vec::new(), unknowns: Vec::new(), sensors: Vec::new() };
+    let mut numbers: Vec<OfRun<P>> = material.recordings.iter().map(|_| nothing()).collect();
     for entry in entries(material)? {
-        let first = unknowns.len();
+        let of_sensor = sensors::named(material, entry)?;
+        // The owners that the number has had so far, each with its unknown.
+        let mut owners: Vec<(&str, usize)> = Vec::new();
         for (run, of) in numbers.iter_mut().enumerate() {
-            let (place, row, value) = find(run, entry)?;
-            if entry.per_run {
-                let own = unknown(&material.study, entry, row, value)?;
-                let name = format!("{} [{}]", entry.path, material.recordings[run].name);
+            let owner = owner(material, entry, run)?;
+            let known = owners.iter().find(|(other, _)| *other == owner).map(|(_, unknown)| *unknown);
+            let begin = |own: Unknown, unknowns: &mut Vec<Unknown>| {
+                let name = if owner.is_empty() { own.name.clone() } else { format!("{} [{owner}]", entry.path) };
                 unknowns.push(Unknown { name, ..own });
-            } else if unknowns.len() == first {
-                unknowns.push(unknown(&material.study, entry, row, value)?);
+                unknowns.len() - 1
+            };
+            let unknown = match of_sensor {
+                Some(of_sensor) => {
+                    let unknown = match known {
+                        Some(unknown) => unknown,
+                        None => begin(sensors::unknown(material, entry, of_sensor)?, &mut unknowns),
+                    };
+                    of.sensors.push((of_sensor, unknown));
+                    unknown
+                }
+                None => {
+                    let (place, row, value) = find(run, entry)?;
+                    let unknown = match known {
+                        Some(unknown) => unknown,
+                        None => begin(self::unknown(&material.study, entry, row, value)?, &mut unknowns),
+                    };
+                    of.unknowns.push(unknown);
+                    of.places.push(place);
+                    unknown
+                }
+            };
+            if known.is_none() {
+                owners.push((owner, unknown));
             }
-            of.unknowns.push(unknowns.len() - 1);
-            of.places.push(place);
         }
     }
     Ok((unknowns, numbers))
+}
+
+/// Whose a number is in a run: the run's, its session's, or, with an empty name, that of all.
+fn owner<'m>(material: &'m Material, entry: &FitEntry, run: usize) -> Result<&'m str, Failure> {
+    let name = &material.recordings[run].name;
+    match (entry.per_run, entry.per_session) {
+        (true, _) => Ok(name),
+        (_, false) => Ok(""),
+        (_, true) => material.study.runs[run].session.as_deref().ok_or_else(|| {
+            Failure::input(
+                format!("`{}` in [fit] is each session’s own, but the run `{name}` has no session", entry.path),
+                "add `session = \"…\"` to every [[run]]",
+            )
+        }),
+    }
 }
 
 /// A number of the scenario of a run.
@@ -92,6 +131,16 @@ pub(super) fn misplaced(error: &PlaceError, run: Option<&str>) -> Failure {
 
 /// Bounds are those of the study within those of the parameter.
 fn unknown(study: &Study, entry: &FitEntry, row: &Parameter, first: f64) -> Result<Unknown, Failure> {
+    read(study, entry, (row.unit, [row.range.low, row.range.high]), first)
+}
+
+/// An unknown in a unit, its bounds those of the study, and the range where the study gives none.
+pub(super) fn read(
+    study: &Study,
+    entry: &FitEntry,
+    (unit, range): (&'static str, [f64; 2]),
+    first: f64,
+) -> Result<Unknown, Failure> {
     let read = |text: &Option<String>| -> Result<Option<f64>, Failure> {
         let Some(text) = text else { return Ok(None) };
         if let Some(number) = study.in_si(text) {
@@ -100,20 +149,20 @@ fn unknown(study: &Study, entry: &FitEntry, row: &Parameter, first: f64) -> Resu
         let wrong = |why: String| {
             Failure::input(
                 format!("\"{text}\" of `{}` in [fit]: {why}", entry.path),
-                format!("give it as in \"1 {}\"", row.unit),
+                format!("give it as in \"1 {}\"", unit),
             )
         };
         let read = grammar::parse(text).map_err(|error| wrong(error.message.clone()))?;
-        let (dimension, _) = grammar::parse_unit(row.unit).unwrap_or_default();
+        let (dimension, _) = grammar::parse_unit(unit).unwrap_or_default();
         if read.dimension != dimension {
-            Err(wrong(format!("a value in {} is due", row.unit)))
+            Err(wrong(format!("a value in {} is due", unit)))
         } else {
             Ok(Some(read.value))
         }
     };
-    let (least, largest) = (read(&entry.from)?.unwrap_or(row.range.low), read(&entry.to)?.unwrap_or(row.range.high));
+    let (least, largest) = (read(&entry.from)?.unwrap_or(range[0]), read(&entry.to)?.unwrap_or(range[1]));
     if least.partial_cmp(&largest).is_none_or(|order| order.is_gt()) {
-        let title = format!("`{}` in [fit] lies from {least} {unit} to {largest} {unit}", entry.path, unit = row.unit);
+        let title = format!("`{}` in [fit] lies from {least} {unit} to {largest} {unit}", entry.path);
         return Err(Failure::input(title, "give `from` below `to`, both within the range of the key"));
     }
     let start = read(&entry.start)?.unwrap_or_else(|| first.clamp(least, largest));
@@ -127,7 +176,7 @@ fn unknown(study: &Study, entry: &FitEntry, row: &Parameter, first: f64) -> Resu
             "give one above zero",
         ));
     }
-    let unit = if entry.path.ends_with(']') { "" } else { row.unit };
+    let unit = if entry.path.ends_with(']') { "" } else { unit };
     let unknown = Unknown::new(entry.path.clone(), unit, start).between(least, largest);
     Ok(Unknown { prior: prior.map(|(mean, deviation)| [mean, deviation]), ..unknown })
 }

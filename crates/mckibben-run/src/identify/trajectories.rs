@@ -2,6 +2,7 @@
 
 use super::outcome::{self, Outcome, Stems, WARNED};
 use super::prediction::Prediction;
+use super::sensors::{self, OfSensor};
 use super::sought::{self, OfRun};
 use super::{Material, plant, pressure_of, values};
 use crate::failure::Failure;
@@ -13,8 +14,7 @@ use mckibben_identify::adjustable::Adjustable;
 use mckibben_identify::least_squares::Unknown;
 use mckibben_identify::study::{Input, Quantity, Recording};
 use mckibben_identify::trajectories::{
-    Described, Drift, HeldOutRun, Identified, Observed, Recorded, Simulated, Task, TimeSeries, TrajectoryError,
-    Unexplained,
+    Described, Drift, HeldOutRun, Identified, Observed, Recorded, Task, TimeSeries, TrajectoryError, Unexplained,
 };
 use mckibben_plot::{Axis, Colour, Figure, Legend, Panel, Series};
 use mckibben_scenario::{Load, PressureSeries, Scenario};
@@ -106,11 +106,11 @@ fn runs(material: &Material, warnings: &mut Vec<String>) -> Result<(Vec<Recorded
         sought::in_run(material, entry, (&documents[run], &mut scenarios[run]))
     })?;
     let mut runs = Vec::new();
-    for (((name, scenario), OfRun { places, unknowns }), (recording, document)) in
+    for (((name, scenario), OfRun { places, unknowns, sensors }), (recording, document)) in
         scenarios.into_iter().zip(numbers).zip(material.recordings.iter().zip(documents))
     {
         let given = document.says_of_each(parameter::MIN_LENGTH.key);
-        let mut courses = courses(recording, scenario.air.atmospheric_pressure);
+        let mut courses = courses(material, (recording, &sensors), scenario.air.atmospheric_pressure);
         let others = scenario.of_antagonist();
         let driven = [scenario.pressure.is_some(), others.is_some_and(|of| of.pressure.is_some())];
         for (driven, pressure) in driven.into_iter().zip([Observed::GaugePressure, Observed::AntagonistGaugePressure]) {
@@ -191,11 +191,17 @@ const FOLLOWING: [Quantity; 7] = [
     Quantity::AntagonistTension,
 ];
 
-fn courses(recording: &Recording, atmosphere: f64) -> Vec<TimeSeries> {
+fn courses(
+    material: &Material,
+    (recording, sensors): (&Recording, &[(OfSensor, usize)]),
+    atmosphere: f64,
+) -> Vec<TimeSeries> {
     let of = |quantity: Quantity, observed: Observed, shift: f64| {
         let (times, values) = recording.channel(quantity)?;
         let deviation = recording.column(quantity).and_then(|column| column.deviation);
-        Some(TimeSeries { observed, times, values: values.into_iter().map(|value| value - shift).collect(), deviation })
+        let sensor = sensors::sensor(material, (quantity, None), shift, sensors);
+        let values = values.into_iter().map(|value| value - shift).collect();
+        Some(TimeSeries { observed, times, values, deviation, sensor })
     };
     [
         of(Quantity::Length, Observed::Length, 0.0),
@@ -281,14 +287,14 @@ fn left(found: &Identified, held_out: &[HeldOutRun]) -> Table {
 
 fn sections(task: &Task, found: &Identified, tables: [&Table; 2], scenarios: &[(String, String)]) -> Vec<Section> {
     let tables = tables.into_iter().cloned().chain([values::correlations(&found.found.fit)]).collect();
-    let plates = task.runs.iter().zip(&found.simulated).zip(STEMS);
+    let plates = (0..task.runs.len()).zip(STEMS);
     vec![
         outcome::numbers(tables, scenarios),
         Section {
             id: "runs",
             label: "Runs",
             title: "Measured and simulated",
-            plates: plates.map(|((run, simulated), stem)| plate(run, simulated, stem)).collect(),
+            plates: plates.map(|(run, stem)| plate(task, found, run, stem)).collect(),
             ..Section::default()
         },
     ]
@@ -296,22 +302,21 @@ fn sections(task: &Task, found: &Identified, tables: [&Table; 2], scenarios: &[(
 
 /// Every reading of every run.
 fn predictions(task: &Task, found: &Identified) -> Vec<Prediction> {
-    let of_course = |run: &Recorded, simulated: &Simulated, course: &TimeSeries| Prediction {
-        run: run.name.clone(),
+    let of_course = |run: usize, course: &TimeSeries| Prediction {
+        run: task.runs[run].name.clone(),
         quantity: course.observed.words(),
         unit: course.observed.unit(),
         coordinates: vec![("time_s", course.times.clone())],
         measured: course.values.clone(),
-        predicted: course.times.iter().map(|time| simulated.read(&course.observed, *time)).collect(),
+        predicted: task.readings(found, run, course, &course.times),
     };
-    let of_run = |(run, simulated): (&Recorded, &Simulated)| {
-        run.courses.iter().map(|course| of_course(run, simulated, course)).collect::<Vec<_>>()
-    };
-    task.runs.iter().zip(&found.simulated).flat_map(of_run).collect()
+    let of_run = |run: usize| task.runs[run].courses.iter().map(move |course| of_course(run, course));
+    (0..task.runs.len()).flat_map(of_run).collect()
 }
 
-fn plate(run: &Recorded, simulated: &Simulated, stem: &'static str) -> Plate {
-    let last = simulated.duration();
+fn plate(task: &Task, found: &Identified, index: usize, stem: &'static str) -> Plate {
+    let run = &task.runs[index];
+    let last = found.simulated[index].duration();
     let mut data = Data::new(&["quantity", "time_s", "measured", "simulated"]);
     let mut panels = Vec::new();
     // Many quantities take lower panels, so that a figure stays on one page.
@@ -319,13 +324,9 @@ fn plate(run: &Recorded, simulated: &Simulated, stem: &'static str) -> Plate {
     for (place, course) in run.courses.iter().enumerate() {
         let kind = course.observed.index().unwrap_or(Observed::ALL.len() + place);
         let times: Vec<f64> = (0..=600).map(|part| last * f64::from(part) / 600.0).collect();
-        let curve = times.iter().map(|time| simulated.read(&course.observed, *time)).collect();
-        let off: Vec<f64> = course
-            .times
-            .iter()
-            .zip(&course.values)
-            .map(|(time, value)| simulated.read(&course.observed, *time) - value)
-            .collect();
+        let curve = task.readings(found, index, course, &times);
+        let predicted = task.readings(found, index, course, &course.times);
+        let off: Vec<f64> = predicted.iter().zip(&course.values).map(|(predicted, value)| predicted - value).collect();
         let (words, unit) = (course.observed.words(), course.observed.unit());
         let panel =
             Panel::new(Axis::new(words, unit)).legend(if panels.is_empty() { Legend::Above } else { Legend::Hidden });

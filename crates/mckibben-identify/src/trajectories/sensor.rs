@@ -1,0 +1,277 @@
+//! What a sensor makes of a quantity, between the rig and the table.
+//!
+//! ```text
+//! T ẏ = x − y                     lag of first order, settled at the start of the run
+//! r(t) = s (y(t_h − δ) + b) − b + o + d t          t_h = t, or the last instant at which the sensor took a sample
+//! ```
+//!
+//! | symbol | meaning | unit |
+//! |---|---|---|
+//! | x, r | quantity of the simulated run, and what is read of it | of the quantity |
+//! | o, d, s | `offset`, `drift`, `scale` | of the quantity, that per second, 1 |
+//! | δ, T | `shift` (positive where readings come late), `lag` | s |
+//! | b | `base`: what zero of the quantity is on the sensor, as for a gauge pressure read by an absolute sensor | of the quantity |
+//!
+//! Each is known or looked for with the parameters of the scenario. Shift and lag take the quantity before the reading: outside of
+//! the run it has its value at the start.
+//!
+//! Checked by `tests/sensors.rs`.
+
+use super::{Observed, Simulated, SimulatedReader};
+use mckibben::Instantiate;
+
+/// A number of a sensor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Amount {
+    /// It is known.
+    Known(f64),
+    /// It is looked for: the index of the unknown.
+    Sought(usize),
+}
+
+/// What a sensor makes of a quantity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sensor {
+    /// Added to every reading.
+    pub offset: Amount,
+    /// What the offset grows by in a second.
+    pub drift: Amount,
+    /// Readings over the quantity.
+    pub scale: Amount,
+    /// By how much readings come late, in s.
+    pub shift: Amount,
+    /// Time constant in s of a lag of first order.
+    pub lag: Amount,
+    /// Interval in s at which the sensor takes samples, from the start of the run on, and holds them; none where it follows.
+    pub hold: Option<f64>,
+    /// What zero of the quantity is on the sensor.
+    pub base: f64,
+}
+
+impl Default for Sensor {
+    /// One that shows what there is.
+    fn default() -> Self {
+        let zero = Amount::Known(0.0);
+        Self { offset: zero, drift: zero, scale: Amount::Known(1.0), shift: zero, lag: zero, hold: None, base: 0.0 }
+    }
+}
+
+/// Numbers of a sensor that can be looked for.
+pub const AMOUNTS: [&str; 5] = ["offset", "drift", "scale", "shift", "lag"];
+
+impl Sensor {
+    /// The numbers, in the order of [`AMOUNTS`].
+    pub fn amounts(&self) -> [Amount; 5] {
+        [self.offset, self.drift, self.scale, self.shift, self.lag]
+    }
+
+    /// The numbers to be changed, in the order of [`AMOUNTS`].
+    pub fn amounts_mut(&mut self) -> [&mut Amount; 5] {
+        [&mut self.offset, &mut self.drift, &mut self.scale, &mut self.shift, &mut self.lag]
+    }
+
+    /// The unknowns that are looked for in it.
+    pub(super) fn unknowns(&self) -> impl Iterator<Item = usize> + use<> {
+        self.amounts().into_iter().filter_map(|amount| match amount {
+            Amount::Sought(unknown) => Some(unknown),
+            Amount::Known(_) => None,
+        })
+    }
+
+    /// With values of all unknowns.
+    pub(super) fn at(&self, values: &[f64]) -> KnownSensor {
+        let amounts = self.amounts();
+        let of = |amount: &Amount| match amount {
+            Amount::Known(number) => *number,
+            Amount::Sought(unknown) => values[*unknown],
+        };
+        let [offset, drift, scale, shift, lag] = [0, 1, 2, 3, 4].map(|amount| of(&amounts[amount]));
+        let sought = amounts.map(|amount| matches!(amount, Amount::Sought(_)));
+        KnownSensor { offset, drift, scale, shift, lag: lag.max(0.0), hold: self.hold, base: self.base, sought }
+    }
+}
+
+/// A sensor whose numbers have values.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct KnownSensor {
+    offset: f64,
+    drift: f64,
+    scale: f64,
+    shift: f64,
+    lag: f64,
+    hold: Option<f64>,
+    base: f64,
+    sought: [bool; 5],
+}
+
+/// A reading with its derivatives by the numbers of the sensor, in the order of [`AMOUNTS`].
+pub(super) struct Reading<R> {
+    pub(super) value: R,
+    pub(super) by_amounts: [f64; 5],
+}
+
+/// Half of the span in s over which a course is differenced in time.
+const HALF_SPAN: f64 = 1e-5;
+/// Part of a lag by which it is differenced.
+const LAG_PART: f64 = 1e-4;
+/// Lags after which a filter has forgotten where it was, and parts of a lag that are a step of it.
+const FORGOTTEN: f64 = 40.0;
+const STEP: f64 = 0.5;
+
+impl KnownSensor {
+    /// How long a run must be in s for a reading at a time.
+    pub(super) fn until(&self, time: f64) -> f64 {
+        time - self.shift
+    }
+
+    /// When in s the quantity had the value that is read at a time.
+    fn source(&self, time: f64) -> f64 {
+        let taken = match self.hold {
+            // A sample that is due at the reading is taken.
+            Some(interval) => interval * (time / interval * (1.0 + f64::EPSILON) + 1e-9).floor(),
+            None => time,
+        };
+        taken - self.shift
+    }
+
+    /// Readings of a quantity at times that do not fall, each with its derivatives by the numbers of the sensor.
+    pub(super) fn read<R: Instantiate>(
+        &self,
+        simulated: &Simulated<R>,
+        observed: &Observed,
+        times: impl Iterator<Item = f64>,
+        mut visit: impl FnMut(Reading<R>),
+    ) {
+        let mut course =
+            Course { reader: SimulatedReader::new(simulated), observed, last: simulated.duration().value() };
+        let mut filters = (self.lag > 0.0).then(|| {
+            let part = if self.sought[4] { LAG_PART } else { 0.0 };
+            [1.0, 1.0 + part, 1.0 - part].map(|part| Filter::new(part * self.lag, &mut course))
+        });
+        let zero = R::constant(0.0);
+        let (base, scale) = (R::constant(self.base), R::constant(self.scale));
+        for time in times {
+            let source = self.source(time);
+            let (quantity, mut rate, mut by_lag) = match &mut filters {
+                None => (course.at(source), 0.0, 0.0),
+                Some([filter, more, less]) => {
+                    filter.advance(source, &mut course);
+                    let mut by_lag = 0.0;
+                    if self.sought[4] {
+                        more.advance(source, &mut course);
+                        less.advance(source, &mut course);
+                        by_lag = (more.value.value() - less.value.value()) / (2.0 * LAG_PART * self.lag);
+                    }
+                    let rate = (course.at(source).value() - filter.value.value()) / self.lag;
+                    (filter.value, rate, by_lag)
+                }
+            };
+            if filters.is_none() && (self.sought[3] || self.sought[4]) {
+                rate = course.rate(source);
+                by_lag = -rate;
+            }
+            let on_sensor = quantity + base;
+            let value = scale * on_sensor - base + R::constant(self.offset + self.drift * time) + zero;
+            let by_amounts = [1.0, time, on_sensor.value(), -self.scale * rate, self.scale * by_lag];
+            visit(Reading { value, by_amounts });
+        }
+    }
+}
+
+/// A quantity of a run over time, with its value at the start before that.
+struct Course<'r, R: Instantiate> {
+    reader: SimulatedReader<'r, R>,
+    observed: &'r Observed,
+    last: f64,
+}
+
+impl<R: Instantiate> Course<'_, R> {
+    fn at(&mut self, time: f64) -> R {
+        self.reader.read(self.observed, R::constant(time.clamp(0.0, self.last)))
+    }
+
+    /// Its rate in its unit per second.
+    fn rate(&mut self, time: f64) -> f64 {
+        let [before, after] = [time - HALF_SPAN, time + HALF_SPAN].map(|time| time.clamp(0.0, self.last));
+        if after <= before {
+            return 0.0;
+        }
+        (self.at(after).value() - self.at(before).value()) / (after - before)
+    }
+}
+
+/// A lag of first order, taken on from reading to reading: between nodes the quantity is a parabola, of which the lag is exact.
+struct Filter<R> {
+    lag: f64,
+    time: f64,
+    value: R,
+}
+
+impl<R: Instantiate> Filter<R> {
+    fn new(lag: f64, course: &mut Course<'_, R>) -> Self {
+        Self { lag, time: 0.0, value: course.at(0.0) }
+    }
+
+    fn advance(&mut self, until: f64, course: &mut Course<'_, R>) {
+        if until <= self.time {
+            return;
+        }
+        let forgotten = until - FORGOTTEN * self.lag;
+        if forgotten > self.time {
+            (self.time, self.value) = (forgotten, course.at(forgotten));
+        }
+        let steps = ((until - self.time) / (STEP * self.lag)).ceil().max(1.0);
+        let (from, step) = (self.time, (until - self.time) / steps);
+        let [decay, first, second] = moments(step / self.lag);
+        let mut begin = course.at(from);
+        for count in 1..=steps as u64 {
+            let at = from + step * (count as f64 - 0.5);
+            let (middle, end) = (course.at(at), course.at(from + step * count as f64));
+            let [four, three, two] = [4.0, 3.0, 2.0].map(R::constant);
+            let slope = four * middle - three * begin - end;
+            let bend = two * (begin + end) - four * middle;
+            let forgets = R::constant(decay);
+            self.value =
+                self.value + forgets * (begin - self.value) + R::constant(first) * slope + R::constant(second) * bend;
+            begin = end;
+        }
+        self.time = until;
+    }
+}
+
+/// `z ∫ e^{−z(1−u)} uⁿ du` over u from 0 to 1, of n = 0, 1 and 2.
+fn moments(z: f64) -> [f64; 3] {
+    if z > 0.5 {
+        let zeroth = -(-z).exp_m1();
+        let first = 1.0 - zeroth / z;
+        return [zeroth, first, 1.0 - 2.0 * first / z];
+    }
+    // Σ (−1)^k z^{k+1} n!/(n + k + 1)!
+    [0.0, 1.0, 2.0].map(|n| {
+        let mut term = z / (n + 1.0);
+        let mut sum = term;
+        for k in 1..=14 {
+            term *= -z / (n + f64::from(k) + 1.0);
+            sum += term;
+        }
+        sum
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::moments;
+
+    #[test]
+    fn moments_are_those_of_a_quadrature() {
+        for z in [1e-9, 1e-3, 0.3, 0.499_999, 0.500_001, 2.0, 30.0_f64] {
+            let count = 200_000;
+            for (n, moment) in moments(z).into_iter().enumerate() {
+                let point = |k: i32| (f64::from(k) + 0.5) / f64::from(count);
+                let sum: f64 = (0..count).map(|k| z * (-z * (1.0 - point(k))).exp() * point(k).powi(n as i32)).sum();
+                let expected = sum / f64::from(count);
+                assert!((moment - expected).abs() < 1e-8 * expected, "{z} {n}: {moment} {expected}");
+            }
+        }
+    }
+}

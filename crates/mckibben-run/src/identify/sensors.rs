@@ -1,0 +1,126 @@
+//! Sensors of a study: what its columns say is known of them, and which of their numbers are looked for.
+
+use super::Material;
+use super::sought::read;
+use crate::failure::Failure;
+use mckibben_identify::least_squares::Unknown;
+use mckibben_identify::study::{ColumnEntry, FitEntry, Quantity};
+use mckibben_identify::trajectories::{AMOUNTS, Amount, Sensor};
+
+/// How the path of a number of a sensor begins in [fit].
+const COLUMNS: &str = "columns.";
+/// Part of the longest run that a shift or a lag is at most, unless the study says more.
+const LATEST: f64 = 0.25;
+/// Readings over the quantity, unless the study says more.
+const SCALES: [f64; 2] = [0.1, 10.0];
+
+/// A number of a sensor that is looked for.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct OfSensor {
+    /// The column, by its place in the study.
+    pub(super) column: usize,
+    /// Which of [`AMOUNTS`].
+    pub(super) amount: usize,
+}
+
+/// The number of a sensor that a path of [fit] names, if it names one.
+pub(super) fn named(material: &Material, entry: &FitEntry) -> Result<Option<OfSensor>, Failure> {
+    let Some(path) = entry.path.strip_prefix(COLUMNS) else { return Ok(None) };
+    let columns = &material.study.columns;
+    let found = path.rsplit_once('.').and_then(|(column, amount)| {
+        let amount = AMOUNTS.iter().position(|known| *known == amount)?;
+        Some((columns.iter().position(|entry| key(entry) == column), amount))
+    });
+    match found {
+        Some((Some(column), amount)) => Ok(Some(OfSensor { column, amount })),
+        Some((None, _)) => {
+            let known: Vec<String> = columns.iter().filter(|entry| entry.quantity != Quantity::Time).map(key).collect();
+            Err(Failure::input(
+                format!("`{}` in [fit] names no column of the study", entry.path),
+                format!("name one of {}", known.join(", ")),
+            ))
+        }
+        None => Err(Failure::input(
+            format!("`{}` in [fit] names no number of a sensor", entry.path),
+            format!("end it with one of {}", AMOUNTS.join(", ")),
+        )),
+    }
+}
+
+/// A column as [columns] names it.
+fn key(entry: &ColumnEntry) -> String {
+    match &entry.part {
+        Some(part) => format!("{part}.{}", entry.quantity.name()),
+        None => entry.quantity.name().to_owned(),
+    }
+}
+
+/// The unknown of such a number, between bounds that follow from the readings where the study gives none.
+pub(super) fn unknown(material: &Material, entry: &FitEntry, of: OfSensor) -> Result<Unknown, Failure> {
+    let column = &material.study.columns[of.column];
+    let quantity = column.quantity;
+    let sheets = material.recordings.iter().flat_map(|recording| &recording.sheets);
+    let values = |wanted: &dyn Fn(&ColumnEntry) -> bool| {
+        let columns = sheets.clone().flat_map(|sheet| &sheet.columns);
+        let of_column = columns.filter(|its| {
+            material
+                .study
+                .columns
+                .iter()
+                .any(|entry| wanted(entry) && entry.quantity == its.quantity && entry.part == its.part)
+        });
+        let finite = of_column.flat_map(|its| its.values.iter().copied()).filter(|value| value.is_finite());
+        finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], value| [least.min(value), most.max(value)])
+    };
+    let [least, most] = values(&|entry| entry == column);
+    let [_, last] = values(&|entry| entry.quantity == Quantity::Time);
+    let span = if most > least { most - least } else { 1.0 };
+    let last = if last > 0.0 { last } else { 1.0 };
+    let (unit, range) = match of.amount {
+        0 => (quantity.unit(), [-span, span]),
+        1 => (quantity.rate_unit(), [-span / last, span / last]),
+        2 => ("", SCALES),
+        3 => ("s", [-LATEST * last, LATEST * last]),
+        _ => ("s", [0.0, LATEST * last]),
+    };
+    let first = match known(column, of.amount) {
+        // A lag begins where readings show it.
+        0.0 if of.amount == 4 => 1e-3 * last,
+        number => number,
+    };
+    let mut unknown = read(&material.study, entry, (unit, [f64::NEG_INFINITY, f64::INFINITY]), first)?;
+    for (bound, own) in unknown.bounds.iter_mut().zip(range) {
+        if bound.is_infinite() {
+            *bound = own;
+        }
+    }
+    unknown.start = unknown.start.clamp(unknown.bounds[0], unknown.bounds[1]);
+    Ok(unknown)
+}
+
+/// What a study says of a number of a sensor.
+fn known(column: &ColumnEntry, amount: usize) -> f64 {
+    let sensor = &column.sensor;
+    [0.0, sensor.drift, 1.0, sensor.shift, sensor.lag][amount]
+}
+
+/// The sensor of a column whose zero of the quantity is at `base` on the sensor, with the numbers that are looked for.
+pub(super) fn sensor(
+    material: &Material,
+    (quantity, part): (Quantity, Option<&str>),
+    base: f64,
+    sought: &[(OfSensor, usize)],
+) -> Sensor {
+    let mut sensor = Sensor { base, ..Sensor::default() };
+    let columns = &material.study.columns;
+    let is_it = |entry: &ColumnEntry| entry.quantity == quantity && entry.part.as_deref() == part;
+    let Some(place) = columns.iter().position(is_it) else { return sensor };
+    sensor.hold = columns[place].sensor.hold;
+    for (amount, into) in sensor.amounts_mut().into_iter().enumerate() {
+        *into = Amount::Known(known(&columns[place], amount));
+        if let Some((_, unknown)) = sought.iter().find(|(of, _)| of.column == place && of.amount == amount) {
+            *into = Amount::Sought(*unknown);
+        }
+    }
+    sensor
+}
