@@ -346,10 +346,8 @@ impl Study {
         let sought: Vec<FitEntry> = sought.collect();
         let is_own = |entry: &&FitEntry| entry.per_run || entry.per_session;
         if let Some(entry) = sought.iter().find(|entry| is_own(entry) && head.kind != Kind::Trajectories) {
-            let what = format!(
-                "`per_run` or `per_session` of `{}` in [fit] is of a study of the kind \"trajectories\"",
-                entry.path
-            );
+            let owner = if entry.per_run { "per_run" } else { "per_session" };
+            let what = format!("`{owner}` of `{}` in [fit] is of a study of the kind \"trajectories\"", entry.path);
             return Err(within.fault(None, what, "leave it out"));
         }
         if let Some(entry) = sought.iter().find(|entry| entry.per_run && entry.per_session) {
