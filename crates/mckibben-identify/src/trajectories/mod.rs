@@ -31,6 +31,7 @@ mod sampling;
 mod search;
 mod shooting;
 mod simulated;
+mod step_info;
 mod subject;
 
 pub use held_out::HeldOutRun;
@@ -39,6 +40,7 @@ pub use rest::{Drift, Unexplained};
 pub use sampling::Sampling;
 pub use search::{Horizon, Identified, Task, TrajectoryError};
 pub use simulated::{Simulated, SimulatedReader, Watch};
+pub use step_info::StepInfo;
 pub use subject::{AdjustablePlant, Described, Subject, SubjectError};
 
 use crate::least_squares::{Evaluation, Model, Monitor};

@@ -80,7 +80,8 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
         let title = format!("no law could be fitted: give more points, at more lengths and pressures{why}");
         return Err(Failure::stopped(title));
     };
-    warnings.extend(values::warnings(&best.fit.fit));
+    warnings.extend(values::warnings(&best.fit.fit, &best.candidate.unknowns));
+    warnings.extend(material.stopped());
     warnings.extend(astray_readings(&map, best, &place));
     let text = format!("# By `mckibben identify`: {}.\n\n{}", best.candidate.name, best.fit.scenario.to_toml());
     let told = values::table(format!("{}: fitted numbers", best.candidate.name), &best.fit.fit);

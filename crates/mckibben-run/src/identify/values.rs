@@ -3,7 +3,7 @@
 use super::outcome::WARNED;
 use crate::quantities::digits;
 use crate::report::Table;
-use mckibben_identify::least_squares::{Estimate, Fit};
+use mckibben_identify::least_squares::{Direction, Ending, Estimate, Fit, Unknown};
 use mckibben_scenario::keys::in_antagonist;
 
 /// A value rounded to what its deviation lets it tell: two digits of the deviation, six where there is none.
@@ -42,7 +42,11 @@ fn silence(estimate: &Estimate) -> &'static str {
 
 /// The values of a fit as a table.
 pub(super) fn table(caption: String, fit: &Fit) -> Table {
-    of(caption, &fit.estimates)
+    let mut table = of(caption, &fit.estimates);
+    if fit.ending != Ending::Minimum {
+        table.rows.iter_mut().filter_map(|row| row.last_mut()).for_each(|cell| "none: no minimum".clone_into(cell));
+    }
+    table
 }
 
 /// Values as a table.
@@ -80,9 +84,14 @@ fn part_of(path: &str) -> Option<&str> {
     }
 }
 
+/// The correlations of a fit, row by row; empty where it is not at a minimum.
+pub(super) fn matrix(fit: &Fit) -> Vec<Vec<f64>> {
+    if fit.ending == Ending::Minimum { fit.correlations.clone() } else { Vec::new() }
+}
+
 /// The correlations of a fit as a table; empty for a single number.
 pub(super) fn correlations(fit: &Fit) -> Table {
-    if fit.estimates.len() < 2 {
+    if fit.estimates.len() < 2 || fit.ending != Ending::Minimum {
         return Table::default();
     }
     let short = |name: &str| {
@@ -114,32 +123,119 @@ pub(super) fn correlations(fit: &Fit) -> Table {
     }
 }
 
-/// What a reader must know of a fit before believing its numbers.
-pub(super) fn warnings(fit: &Fit) -> Vec<String> {
-    let mut warnings: Vec<String> = Vec::new();
-    for direction in &fit.untold {
-        let share = |(name, share): &(String, f64)| format!("`{name}` ({share:+.2})");
-        let shares: Vec<String> = direction.shares.iter().map(share).collect();
-        warnings.push(format!(
+/// That a search has ended from outside before it was done.
+pub(super) fn early(ending: Ending) -> String {
+    let why = match ending {
+        Ending::Time => "the time of the search was over (`time_limit` in [search])",
+        _ => "the search was interrupted",
+    };
+    format!("{why}: these are the best values so far, not all that was to be searched.")
+}
+
+/// Why a fit has no intervals, where it is not at a minimum.
+fn ended(ending: Ending) -> Option<String> {
+    const BEST: &str = "These are the best values that were found; they have no intervals.";
+    Some(match ending {
+        Ending::Minimum => return None,
+        Ending::Kink => format!(
+            "the search ended at a kink: the sum of squares is not level there, as where a load meets a stop, sticks or goes slack, and no \
+             step, with or without derivatives, lowers it. {BEST}"
+        ),
+        Ending::Numbers => format!(
+            "the search ended where derivatives are too large, too small or not finite for a step, and steps without them lead no \
+             further. {BEST}"
+        ),
+        Ending::Steps { most } => {
+            format!(
+                "the search took all its {most} steps (`most_steps` in [search]) before it was at a minimum. {BEST}"
+            )
+        }
+        Ending::Time | Ending::Interrupted => format!("{} They have no intervals.", early(ending)),
+    })
+}
+
+/// The last name of a path, without the run behind it.
+fn last_name(name: &str) -> &str {
+    let path = name.split_once(" [").map_or(name, |(path, _)| path);
+    path.rsplit_once('.').map_or(path, |(_, last)| last)
+}
+
+/// Whether a parameter is a mass or an inertia, which a body has above zero.
+fn is_of_a_body(name: &str) -> bool {
+    ["mass", "inertia"].contains(&last_name(name))
+}
+
+/// That an estimate rests on a bound, and what this is the signature of.
+fn resting(estimate: &Estimate, unknown: Option<&Unknown>) -> String {
+    let Estimate { name, value, unit, .. } = estimate;
+    let at = format!("{} {unit}", digits(*value));
+    let at = at.trim_end();
+    let on_least = unknown.is_none_or(|of| (value - of.bounds[0]).abs() <= (of.bounds[1] - value).abs());
+    let on_least = on_least && unknown.is_some();
+    let last = last_name(name);
+    let why = match last {
+        "critical_ratio" if on_least => {
+            "a flow that falls with every rise of the downstream pressure is that of a line, not of a valve. Describe the line from the \
+             valve to the actuator by [hose] with its length and diameter, and fit the valve again"
+        }
+        _ if on_least && is_of_a_body(name) => {
+            "no body has so little. Look for a unit that was mistaken, a force or a length with a wrong offset, or a part of the load that \
+             the scenario lacks; weigh it, and hold it at that"
+        }
+        _ if on_least && (last.ends_with("_delay") || last == "dead_time") => {
+            "the readings answer at once, or before the command: look at the clocks of both, or hold the delay"
+        }
+        _ => match (unknown.is_some(), on_least) {
+            (false, _) => "the data would take it further: widen its bounds if it may go there, or hold it",
+            (true, true) => "the data would take it lower: lower `from` in [fit] if it may go there, or hold it",
+            (true, false) => "the data would take it higher: raise `to` in [fit] if it may go there, or hold it",
+        },
+    };
+    let bound = match (unknown.is_some(), on_least) {
+        (false, _) => "its bound",
+        (true, true) => "its least value",
+        (true, false) => "its largest value",
+    };
+    format!("`{name}` rests on {bound}, {at}: {why}. It has no interval, and those of the others hold with it there.")
+}
+
+/// That the data do not identify a combination of parameters.
+fn not_identifiable(direction: &Direction) -> String {
+    let share = |(name, share): &(String, f64)| format!("`{name}` ({share:+.2})");
+    match direction.shares.as_slice() {
+        [(name, _)] if name.contains("_delay") || name.contains("dead_time") => format!(
+            "`{name}` changes no reading there: a valve whose delay is longer than its pulses never moves. Start below the shortest pulse, \
+             or give runs with longer pulses."
+        ),
+        [(name, _)] => format!("`{name}` changes no reading there. Hold it at a value that you know."),
+        shares => format!(
             "the data do not tell {}: all but this combination of them, each over its size, is told. Hold one of them at a value that \
              you know.",
-            shares.join(" and ")
-        ));
+            shares.iter().map(share).collect::<Vec<_>>().join(" and ")
+        ),
     }
-    for estimate in fit.estimates.iter().filter(|estimate| estimate.on_bound) {
-        warnings.push(format!(
-            "`{}` rests on its bound, {}; it has no interval, and those of the others hold with it there.",
-            estimate.name,
-            digits(estimate.value)
-        ));
+}
+
+/// What a reader must know of a fit before believing its numbers. `unknowns` are those of the fit, where they are the study's.
+pub(super) fn warnings(fit: &Fit, unknowns: &[Unknown]) -> Vec<String> {
+    let mut warnings: Vec<String> = ended(fit.ending).into_iter().collect();
+    warnings.extend(fit.untold.iter().map(not_identifiable));
+    for (place, estimate) in fit.estimates.iter().enumerate().filter(|(_, estimate)| estimate.on_bound) {
+        warnings.push(resting(estimate, unknowns.get(place)));
     }
     let wide = |estimate: &&Estimate| estimate.confidence_interval.is_some_and(|[low, high]| low < 0.0 && high > 0.0);
     // An entry of a list, such as a coefficient, may well be zero.
     let entry = |estimate: &&Estimate| estimate.name.contains('[') && !estimate.name.contains(" [");
     for estimate in fit.estimates.iter().filter(wide).filter(|estimate| !entry(estimate)) {
-        warnings.push(format!("the interval of `{}` contains zero: the data hardly tell it.", estimate.name));
+        warnings.push(match is_of_a_body(&estimate.name) {
+            true => format!(
+                "the interval of `{}` contains zero, which no body has: the data hardly tell it. Weigh it, and hold it at that.",
+                estimate.name
+            ),
+            false => format!("the interval of `{}` contains zero: the data hardly tell it.", estimate.name),
+        });
     }
-    if fit.condition > 1e6 && fit.untold.is_empty() {
+    if fit.ending == Ending::Minimum && fit.condition > 1e6 && fit.untold.is_empty() {
         warnings
             .push(format!("the condition number is {:.1e}: the numbers are told, but only together.", fit.condition));
     }
