@@ -498,13 +498,12 @@ def identify(
     result = Identification(
         estimates=[Estimate(*parts) for parts in found["estimates"]],
         other_minima=[
-            OtherMinimum(dict(zip((parts[0] for parts in found["estimates"]), values)), *parts)
-            for values, *parts in found["other_minima"]
+            OtherMinimum(dict(zip((one[0] for one in found["estimates"]), values)), *others)
+            for values, *others in found["other_minima"]
         ],
         step_responses=[
-            StepResponse(*names, *(None if of is None else StepInfo(*of) for of in responses))
+            StepResponse(*names, StepInfo(*measured), *(None if of is None else StepInfo(*of) for of in (predicted, held_out)))
             for *names, measured, predicted, held_out in found["step_responses"]
-            for responses in [(measured, predicted, held_out)]
         ],
         interrupted=found["interrupted"],
         correlations=found["correlations"],

@@ -231,3 +231,30 @@ fn step_like_runs_have_what_an_owner_looks_at() {
         }
     }
 }
+
+/// A valve behind a long thin line, whose scenario has no line: the critical ratio goes to zero, and the report offers the hose. With the
+/// hose the ratio that was put in comes back out.
+#[test]
+fn a_critical_ratio_on_zero_offers_the_hose() {
+    let folder = Folder::new("ends-hose");
+    let rig = "[actuator]\npreset = \"colbrunn-2001\"\n[supply]\ngauge_pressure = \"6 bar\"\n[valve]\nkind = \"three-way\"\n\
+               sonic_conductance = \"0.6 L/(s*bar)\"\ncritical_ratio = 0.3\nopening_delay = \"2 ms\"\nclosing_delay = \"2 ms\"\n[command]\n\
+               kind = \"pwm\"\nfrequency = \"1 Hz\"\nduty = 0.5\n[load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n[initial]\n\
+               gauge_pressure = \"1 bar\"\n[run]\nduration = \"0.5 s\"\nsample_interval = \"1 ms\"\n";
+    let study = STUDY.replace("columns.length", "columns.gauge_pressure").replace("length_m", "gauge_pressure_pa");
+    let study = study.replace("unit = \"m\"", "unit = \"Pa\"");
+    let fit = "[fit.\"valve.critical_ratio\"]\n[fit.\"valve.sonic_conductance\"]\nfrom = \"0.01 L/(s*bar)\"\nto = \"2 L/(s*bar)\"\n";
+    let hose = "[hose]\nkind = \"lumped\"\nlength = \"0.3 m\"\ndiameter = \"0.5 mm\"\n";
+    recorded(&folder, &format!("{rig}{hose}"));
+    folder.file("rig.toml", rig);
+    let told = words(&identify(&folder, &format!("{study}{fit}")));
+    assert!(told.contains("valve.critical_ratio rests on its least value, 0:"), "{told}");
+    assert!(told.contains("is that of a line, not of a valve") && told.contains("by [hose]"), "{told}");
+    let wide = hose.replace("0.5 mm", "2.5 mm");
+    recorded(&folder, &format!("{rig}{wide}"));
+    folder.file("rig.toml", &format!("{rig}{wide}").replace("critical_ratio = 0.3", "critical_ratio = 0.5"));
+    let output = identify(&folder, &format!("{study}{fit}"));
+    assert!(output.status.success(), "{}", words(&output));
+    let found: f64 = cell(&read(&folder, "out/values.csv"), "valve.critical_ratio", "value").parse().expect("a number");
+    assert!((found - 0.3).abs() < 1e-3, "{}", words(&output));
+}

@@ -43,7 +43,7 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     warnings.extend(minima.words());
     let scenarios = vec![("scenario.toml".to_owned(), outcome::file(&found.scenario))];
     let numbers = values::table("Numbers with their 95 % intervals".to_owned(), &found.found.fit);
-    let sections = sections(&task, &found, &numbers, &scenarios)?;
+    let sections = sections(&task, &found, [&numbers, &minima.table], &scenarios)?;
     let predictions = predictions(&task, &found)?;
     let readings = found.found.fit.residuals.len();
     let introduction = format!(
@@ -113,10 +113,12 @@ fn predictions(task: &LoopTask, found: &LoopFit) -> Result<Vec<Prediction>, Fail
 fn sections(
     task: &LoopTask,
     found: &LoopFit,
-    numbers: &Table,
+    tables: [&Table; 2],
     scenarios: &[(String, String)],
 ) -> Result<Vec<Section>, Failure> {
     let driven = found.scenario.driven().map_err(|error| Failure::stopped(error.to_string()))?;
+    let tables = tables.into_iter().cloned().chain([values::correlations(&found.found.fit)]);
+    let tables = tables.filter(|table| !table.head.is_empty()).collect();
     let plates = task.loops.iter().zip(STEMS).map(|(of, stem)| {
         let pairs = tensions(of, &driven.actuator);
         let lengths: Vec<f64> = pairs.iter().map(|(sample, _)| sample.length).collect();
@@ -144,7 +146,7 @@ fn sections(
         }
     });
     Ok(vec![
-        outcome::numbers(vec![numbers.clone(), values::correlations(&found.found.fit)], scenarios),
+        outcome::numbers(tables, scenarios),
         Section {
             id: "loops",
             label: "Loops",

@@ -168,35 +168,38 @@ fn is_of_a_body(name: &str) -> bool {
 /// That an estimate rests on a bound, and what this is the signature of.
 fn resting(estimate: &Estimate, unknown: Option<&Unknown>) -> String {
     let Estimate { name, value, unit, .. } = estimate;
-    let at = format!("{} {unit}", digits(*value));
-    let at = at.trim_end();
-    let on_least = unknown.is_none_or(|of| (value - of.bounds[0]).abs() <= (of.bounds[1] - value).abs());
-    let on_least = on_least && unknown.is_some();
     let last = last_name(name);
-    let why = match last {
-        "critical_ratio" if on_least => {
-            "a flow that falls with every rise of the downstream pressure is that of a line, not of a valve. Describe the line from the \
-             valve to the actuator by [hose] with its length and diameter, and fit the valve again"
+    let (bound, at, why) = match unknown.map(|of| of.bounds) {
+        None => {
+            ("its bound", *value, "the data would take it further: widen its bounds if it may go there, or hold it")
         }
-        _ if on_least && is_of_a_body(name) => {
-            "no body has so little. Look for a unit that was mistaken, a force or a length with a wrong offset, or a part of the load that \
-             the scenario lacks; weigh it, and hold it at that"
+        Some([least, largest]) if (value - least).abs() <= (largest - value).abs() => {
+            let why = match last {
+                "critical_ratio" if least <= 0.0 => {
+                    "a flow that falls with every rise of the downstream pressure is that of a line, not of a valve. Describe the line \
+                     from the valve to the actuator by [hose] with its length and diameter, and fit the valve again"
+                }
+                _ if least <= 0.0 && is_of_a_body(name) => {
+                    "no body has so little. Look for a unit that was mistaken, a force or a length with a wrong offset, or a part of the \
+                     load that the scenario lacks; weigh it, and hold it at that"
+                }
+                _ if least <= 0.0 && (last.ends_with("_delay") || last == "dead_time") => {
+                    "the readings answer at once, or before the command: look at the clocks of both, or hold the delay"
+                }
+                _ => "the data would take it lower: lower `from` in [fit] if it may go there, or hold it",
+            };
+            ("its least value", least, why)
         }
-        _ if on_least && (last.ends_with("_delay") || last == "dead_time") => {
-            "the readings answer at once, or before the command: look at the clocks of both, or hold the delay"
+        Some([_, largest]) => {
+            let why = "the data would take it higher: raise `to` in [fit] if it may go there, or hold it";
+            ("its largest value", largest, why)
         }
-        _ => match (unknown.is_some(), on_least) {
-            (false, _) => "the data would take it further: widen its bounds if it may go there, or hold it",
-            (true, true) => "the data would take it lower: lower `from` in [fit] if it may go there, or hold it",
-            (true, false) => "the data would take it higher: raise `to` in [fit] if it may go there, or hold it",
-        },
     };
-    let bound = match (unknown.is_some(), on_least) {
-        (false, _) => "its bound",
-        (true, true) => "its least value",
-        (true, false) => "its largest value",
-    };
-    format!("`{name}` rests on {bound}, {at}: {why}. It has no interval, and those of the others hold with it there.")
+    let at = format!("{} {unit}", digits(at));
+    format!(
+        "`{name}` rests on {bound}, {}: {why}. It has no interval, and those of the others hold with it there.",
+        at.trim_end()
+    )
 }
 
 /// That the data do not identify a combination of parameters.
@@ -244,7 +247,53 @@ pub(super) fn warnings(fit: &Fit, unknowns: &[Unknown]) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::{part_of, rounded};
+    use super::{Direction, Estimate, Unknown, not_identifiable, part_of, resting, rounded};
+
+    /// What is said of an estimate on one of the bounds of its unknown.
+    fn said(name: &str, bounds: [f64; 2], value: f64) -> String {
+        let estimate = Estimate {
+            name: name.to_owned(),
+            unit: "",
+            value,
+            standard_error: None,
+            confidence_interval: None,
+            on_bound: true,
+        };
+        resting(&estimate, Some(&Unknown { bounds, ..Unknown::new(name, "", value) }))
+    }
+
+    #[test]
+    fn a_bound_says_what_it_is_the_signature_of() {
+        let infinite = f64::INFINITY;
+        for (name, bounds, value, words) in [
+            ("valve.critical_ratio", [0.0, 1.0], 1e-20, "least value, 0: a flow that falls"),
+            ("valve.critical_ratio", [0.0, 1.0], 1e-20, "by [hose] with its length and diameter"),
+            ("valve.critical_ratio", [0.2, 1.0], 0.2, "lower `from` in [fit]"),
+            ("load.mass [run 2]", [0.0, infinite], 1e-9, "no body has so little"),
+            ("mechanism.joints.knee.inertia", [0.0, infinite], 0.0, "weigh it, and hold it at that"),
+            ("load.mass", [3.0, infinite], 3.0, "least value, 3.000: the data would take it lower"),
+            ("load.mass", [1.0, 3.0], 3.0, "largest value, 3.000: the data would take it higher: raise `to`"),
+            ("valve.opening_delay", [0.0, infinite], 0.0, "look at the clocks of both"),
+            ("actuator.friction.viscous", [0.0, 50.0], 0.0, "lower `from` in [fit]"),
+        ] {
+            let said = said(name, bounds, value);
+            assert!(said.contains(words), "`{words}` is not in {said}");
+        }
+    }
+
+    #[test]
+    fn a_delay_behind_which_pulses_vanish_is_named() {
+        let direction = |names: &[&str]| Direction {
+            told: 0.0,
+            shares: names.iter().map(|name| ((*name).to_owned(), 0.7)).collect(),
+        };
+        let alone = not_identifiable(&direction(&["valve.opening_delay"]));
+        assert!(alone.contains("longer than its pulses never moves") && alone.contains("shortest pulse"), "{alone}");
+        let other = not_identifiable(&direction(&["hose.length"]));
+        assert!(other.contains("`hose.length` changes no reading there"), "{other}");
+        let both = not_identifiable(&direction(&["load.mass", "actuator.turns"]));
+        assert!(both.contains("`load.mass` (+0.70) and `actuator.turns` (+0.70)"), "{both}");
+    }
 
     #[test]
     fn a_path_leads_into_a_part() {
