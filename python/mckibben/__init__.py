@@ -36,7 +36,17 @@ from mckibben._mckibben import (
     linearize,
     simulate,
 )
-from mckibben._identify import Estimate, Identification, Prediction, Run, Study, identify
+from mckibben._identify import (
+    Estimate,
+    Identification,
+    OtherMinimum,
+    Prediction,
+    Run,
+    StepInfo,
+    StepResponse,
+    Study,
+    identify,
+)
 from mckibben._statics import Curves, Statics, curves
 from mckibben._sweep import SweepResult, sweep
 from mckibben._tables import Parameter, Preset, PresetValue, parameters, presets
@@ -56,6 +66,7 @@ __all__ = [
     "Identification",
     "InputError",
     "LinearModel",
+    "OtherMinimum",
     "OutputError",
     "Parameter",
     "Prediction",
@@ -66,6 +77,8 @@ __all__ = [
     "Scenario",
     "SimulationError",
     "Statics",
+    "StepInfo",
+    "StepResponse",
     "Study",
     "Sweep",
     "SweepResult",

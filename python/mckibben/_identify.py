@@ -6,6 +6,7 @@ import collections.abc
 import dataclasses
 import functools
 import numbers
+import operator
 import os
 import typing
 import warnings
@@ -90,13 +91,18 @@ class Study:
     input : str, optional
         "gauge-pressure" drives trajectories by the measured pressure in place of the valve.
     more_starts : int, optional
-        Searches from this many more starts, spread over the bounds.
+        Searches from this many more starts, spread over the bounds. Trajectories are searched from the best 2 of 16 unless given;
+        0 for the start of the scenario alone.
     robust : float, optional
         Residuals beyond so many standard deviations count less (Huber).
     horizon : sequence of float, optional
         Beginnings of trajectories that are fitted first, in s.
     segments : float, optional
         Length in s of segments that are fitted and must join.
+    most_steps : int, optional
+        Steps after which a search ends with the best values so far; 500 unless given.
+    time_limit : float, optional
+        Time in s after which the search ends with the best values so far.
     flow, tank, pulses : mapping, optional
         The sections of a study of a valve.
     """
@@ -107,10 +113,12 @@ class Study:
     columns: collections.abc.Mapping[str, typing.Any]
     fit: collections.abc.Mapping[str, typing.Any] = dataclasses.field(default_factory=dict)
     input: typing.Literal["scenario", "gauge-pressure"] = "scenario"
-    more_starts: int = 0
+    more_starts: int | None = None
     robust: float | None = None
     horizon: collections.abc.Sequence[Quantity] | None = None
     segments: Quantity | None = None
+    most_steps: int | None = None
+    time_limit: Quantity | None = None
     flow: collections.abc.Mapping[str, typing.Any] | None = None
     tank: collections.abc.Mapping[str, typing.Any] | None = None
     pulses: collections.abc.Mapping[str, typing.Any] | None = None
@@ -164,13 +172,18 @@ class Study:
                 files.append(file)
             held = {quantity: _text(value) for quantity, value in run.held.items()}
             runs.append({"name": name, "files": files, "held": held, "set": dict(run.set)})
-        search = {"more_starts": self.more_starts}
+        search: dict[str, typing.Any] = {}
+        for name in ("more_starts", "most_steps"):
+            count = getattr(self, name)
+            if count is not None:
+                search[name] = _count(name, count)
         if self.robust is not None:
-            search["robust"] = float(self.robust)  # type: ignore[assignment]
+            search["robust"] = float(self.robust)
         if self.horizon is not None:
-            search["horizon"] = [_text(end) for end in self.horizon]  # type: ignore[assignment]
-        if self.segments is not None:
-            search["segments"] = _text(self.segments)
+            search["horizon"] = [_text(end) for end in self.horizon]
+        for name in ("segments", "time_limit"):
+            if getattr(self, name) is not None:
+                search[name] = _text(getattr(self, name))
         head = {"kind": self.kind, "scenario": self.scenario.name, "input": self.input}
         sections = {"study": head, "columns": columns, "run": runs, "fit": self._fit(), "search": search}
         for section in ("flow", "tank", "pulses"):
@@ -178,6 +191,16 @@ class Study:
             if values is not None:
                 sections[section] = {key: value if key in _PLAIN else _text(value) for key, value in values.items()}
         return sections, tables
+
+
+def _count(name: str, value: typing.Any) -> int:
+    try:
+        count = operator.index(value)
+    except TypeError:
+        raise InputError(f"{name} is {value!r}; give a whole number") from None
+    if count < 0:
+        raise InputError(f"{name} is {count}; give a whole number that is not below zero")
+    return count
 
 
 def _numbers(name: object, values: typing.Any, run: str) -> NDArray[numpy.float64]:
@@ -200,12 +223,62 @@ class Estimate:
     unit: str
     #: The value that fits best.
     value: float
-    #: Its standard error; `None` where the data do not identify it or it rests on a bound.
+    #: Its standard error; `None` where the data do not identify it, it rests on a bound, or the search did not end at a minimum.
     standard_error: float | None
     #: Its 95 % confidence interval, likewise.
     confidence_interval: tuple[float, float] | None
     #: Whether it rests on one of its bounds.
     on_bound: bool
+
+
+@dataclasses.dataclass(frozen=True)
+class OtherMinimum:
+    """Another end of a search from several starts."""
+
+    #: The values of the parameters there, by their names.
+    values: dict[str, float]
+    #: Root mean square of the weighted residuals there, over that of the estimates.
+    error_ratio: float
+    #: How many searches ended there.
+    searches: int
+    #: Whether it is a minimum; else a kink, or the search was not done.
+    is_minimum: bool
+
+
+@dataclasses.dataclass(frozen=True)
+class StepInfo:
+    """Properties of a time series that goes from one level to another and comes to rest."""
+
+    #: From the first level to the last, in the unit of the series.
+    stroke: float
+    #: How far the first extreme lies beyond the last level, in parts of the stroke; 0 where none does.
+    overshoot: float
+    #: When that extreme is, in s; `None` where there is none.
+    first_peak: float | None
+    #: The frequency of the oscillation about the last level, in Hz; `None` where there is none.
+    frequency: float | None
+    #: When the series last leaves the band of 5 % of the stroke about its last level, in s.
+    settling: float
+    #: The root mean square error of a prediction, in parts of the measured stroke; `None` for readings.
+    error: float | None
+
+
+@dataclasses.dataclass(frozen=True)
+class StepResponse:
+    """The response of one quantity in one step-like run, measured and predicted."""
+
+    #: The name of the run.
+    run: str
+    #: What was measured, in words.
+    quantity: str
+    #: Its SI unit.
+    unit: str
+    #: That of the readings.
+    measured: StepInfo
+    #: That of the fitted model.
+    predicted: StepInfo | None
+    #: That of the model fitted to all other runs; `None` where there are none.
+    held_out: StepInfo | None
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -238,7 +311,13 @@ class Identification(collections.abc.Mapping[str, Estimate]):
 
     #: The estimates in their order; of ring-downs those of the waveform, or of all velocity reversals where there is none.
     estimates: list[Estimate]
-    #: Correlations of the estimates, row by row in their order; `None` where they do not come from one fit.
+    #: Where other searches from several starts ended, the nearest to the measurements first.
+    other_minima: list[OtherMinimum]
+    #: Overshoot, first peak, frequency and settling of step-like runs of trajectories, measured and predicted.
+    step_responses: list[StepResponse]
+    #: Whether the search was interrupted or its time was over, so that the values are the best so far.
+    interrupted: bool
+    #: Correlations of the estimates, row by row in their order; `None` where they do not come from one fit, or it is not at a minimum.
     correlations: NDArray[numpy.float64] | None
     #: The readings with the predictions of the fitted model; empty of a tank that is fitted window by window.
     predictions: list[Prediction]
@@ -368,12 +447,14 @@ def identify(
     output : str or path, optional
         A folder for the report, the scenarios and the values.
     progress : callable, optional
-        Called now and then with the number of evaluations of the model so far, and `None`. What it raises ends the search.
+        Called now and then with the number of evaluations of the model so far, and `None`. What it raises ends the search and is
+        raised; `KeyboardInterrupt` ends it as Ctrl-C does.
 
     Returns
     -------
     Identification
-        The estimates. Where some runs of several fail, its `warnings` say which and why.
+        The estimates. Where some runs of several fail, its `warnings` say which and why. Ctrl-C ends a search with the best values
+        so far: `interrupted` is true then, and `warnings` say so. `KeyboardInterrupt` is raised only before there are values.
 
     Raises
     ------
@@ -416,6 +497,15 @@ def identify(
         found = _identify_file(study, output, progress)
     result = Identification(
         estimates=[Estimate(*parts) for parts in found["estimates"]],
+        other_minima=[
+            OtherMinimum(dict(zip((one[0] for one in found["estimates"]), values)), *others)
+            for values, *others in found["other_minima"]
+        ],
+        step_responses=[
+            StepResponse(*names, StepInfo(*measured), *(None if of is None else StepInfo(*of) for of in (predicted, held_out)))
+            for *names, measured, predicted, held_out in found["step_responses"]
+        ],
+        interrupted=found["interrupted"],
         correlations=found["correlations"],
         predictions=[Prediction(**parts) for parts in found["predictions"]],
         notes=found["notes"],

@@ -120,9 +120,65 @@ def test_a_search_is_followed_and_ended(rig, lengths):
     assert len(calls) == 1 and calls[0] >= 0
 
 
+def test_ctrl_c_returns_the_best_values_so_far(rig, lengths, tmp_path):
+    def interrupt(evaluations: int, total: None) -> None:
+        # As Python does on Ctrl-C, once a value has been found.
+        if evaluations > 20:
+            raise KeyboardInterrupt
+
+    slow = study(rig, {"t": TIMES, "L": lengths}, more_starts=20_000)
+    with pytest.warns(UserWarning, match="the search was interrupted"):
+        best = mckibben.identify(slow, tmp_path / "out", progress=interrupt)
+    assert best.interrupted and list(best) == list(TRUTH)
+    assert (tmp_path / "out" / "values.csv").exists() and (tmp_path / "out" / "scenario.toml").exists()
+    # The first search from the scenario's values takes about as many evaluations: the values are at least better than its start.
+    run = mckibben.simulate(best.scenarios["scenario.toml"]).at_times(TIMES)["length_m"]
+    start = mckibben.simulate(rig).at_times(TIMES)["length_m"]
+    assert numpy.abs(run - lengths).max() < numpy.abs(start - lengths).max()
+
+
+def test_limits_return_the_best_values_so_far(rig, lengths, found):
+    with pytest.warns(UserWarning, match="took all its 1 steps"):
+        stepped = mckibben.identify(study(rig, {"t": TIMES, "L": lengths}, most_steps=1, more_starts=0))
+    assert not stepped.interrupted and stepped.correlations is None and stepped.covariance is None
+    assert all(one.standard_error is None and one.confidence_interval is None for one in stepped.estimates)
+    with pytest.warns(UserWarning, match="time of the search was over"):
+        timed = mckibben.identify(study(rig, {"t": TIMES, "L": lengths}, more_starts=100_000, time_limit=1.0))
+    assert timed.interrupted
+    assert timed["load.mass"].value == pytest.approx(found["load.mass"].value, rel=1e-3)
+
+
+def test_other_minima_have_their_values(rig, lengths):
+    wide = study(rig, {"t": TIMES, "L": lengths}, fit={"load.mass": (0.3, 60.0)}, more_starts=12)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        result = mckibben.identify(wide)
+    assert result.other_minima, "every search led to the same minimum"
+    for other in result.other_minima:
+        assert set(other.values) == {"load.mass"} and other.error_ratio > 1.0 and other.searches >= 1
+    ratios = [other.error_ratio for other in result.other_minima]
+    assert ratios == sorted(ratios)
+
+
+def test_a_swing_that_comes_to_rest_has_a_step_response(rig):
+    times = numpy.linspace(0.0, 2.0, 1001)
+    settling = rig.with_values({"run.duration": 2.0, "actuator.friction.viscous": 20.0})
+    data = {"t": times, "L": mckibben.simulate(settling).at_times(times)["length_m"]}
+    (step,) = mckibben.identify(study(settling, data, fit={"actuator.friction.viscous": (1.0, 50.0)})).step_responses
+    assert (step.run, step.quantity, step.unit) == ("swing", "length", "m") and step.held_out is None
+    assert step.measured.overshoot > 0.0 and step.measured.error is None
+    assert step.predicted.overshoot == pytest.approx(step.measured.overshoot, rel=1e-3)
+    assert step.predicted.frequency == pytest.approx(step.measured.frequency, rel=1e-3)
+    assert step.predicted.error < 1e-4
+
+
 @pytest.mark.parametrize(
     ("options", "words"),
     [
+        ({"most_steps": 0}, "takes 1 step or more"),
+        ({"most_steps": 2.5}, "most_steps is 2.5; give a whole number"),
+        ({"more_starts": -1}, "more_starts is -1"),
+        ({"time_limit": 0.0}, "time_limit.*not above zero"),
         ({"columns": {"time": "t", "length": "x"}}, "no table of the run `swing` has a column `x`"),
         ({"columns": {"time": "t", "length": ("L", "bar")}}, "`bar` is no unit of length"),
         ({"columns": {"time": "t", "length": 3}}, "give the name of a column"),

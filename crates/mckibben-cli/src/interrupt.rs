@@ -7,9 +7,47 @@
 //! | SIGTERM | 143 |
 //!
 //! A signal that the process was started with as ignored, as by
-//! `nohup`, stays ignored. A second signal ends the process at once. Checked by `tests/output.rs`.
+//! `nohup`, stays ignored. A second signal ends the process at once. Work that has a result at any time, such as a search, ends
+//! with what it has at the first signal ([`ending`]): its files are written, and the exit code is that of the signal. Checked by
+//! `tests/output.rs` and `tests/identify_ends.rs`.
 
-use std::sync::OnceLock;
+use std::sync::atomic::{AtomicI32, Ordering};
+use std::sync::{Mutex, OnceLock, PoisonError};
+
+/// What ends the work under way with what it has.
+type End = Box<dyn FnOnce() + Send>;
+
+static ENDING: Mutex<Option<End>> = Mutex::new(None);
+/// The signal that has ended work so; zero for none.
+static ENDED_BY: AtomicI32 = AtomicI32::new(0);
+
+/// Takes part in [`ending`]; dropped where the work is done.
+#[derive(Debug)]
+pub(crate) struct Ending(());
+
+impl Drop for Ending {
+    fn drop(&mut self) {
+        set(None);
+    }
+}
+
+/// Ends work with what it has, by `end`, at the first signal before the value returned is dropped.
+pub(crate) fn ending(end: impl FnOnce() + Send + 'static) -> Ending {
+    set(Some(Box::new(end)));
+    Ending(())
+}
+
+/// The exit code of the signal that has ended work with what it had, if one has.
+pub(crate) fn code() -> Option<u8> {
+    match ENDED_BY.load(Ordering::Relaxed) {
+        0 => None,
+        signal => u8::try_from(128 + signal).ok(),
+    }
+}
+
+fn set(end: Option<End>) {
+    *ENDING.lock().unwrap_or_else(PoisonError::into_inner) = end;
+}
 
 /// Listens from now on.
 #[cfg(unix)]
@@ -24,8 +62,15 @@ pub fn listen() {
             if ending {
                 std::process::exit(128 + signal);
             }
-            ending = true;
             let name = heard.iter().find(|(of, _)| *of == signal).map_or("a signal", |(_, name)| *name);
+            let end_with_result = ENDING.lock().unwrap_or_else(PoisonError::into_inner).take();
+            if let Some(end_with_result) = end_with_result {
+                ENDED_BY.store(signal, Ordering::Relaxed);
+                crate::terminal::print_error(&format!("{name}: the search ends with the best values so far\n"));
+                end_with_result();
+                continue;
+            }
+            ending = true;
             // Not on this thread: a file system that does not answer must not keep a second signal from being heard.
             std::thread::spawn(move || end(signal, name));
         }

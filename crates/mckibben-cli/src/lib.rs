@@ -36,14 +36,14 @@ pub fn run() -> ExitCode {
     let arguments = arguments::Arguments::parse();
     interrupt::listen();
     match work::with_listener(Arc::new(progress::Bars), || commands::run(&arguments.command)) {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) => interrupt::code().map_or(ExitCode::SUCCESS, ExitCode::from),
         Err(failure) => {
             let failure = match interrupt::stays(output::finished()) {
                 None => failure,
                 Some(stays) => failure.staying(|| stays),
             };
             terminal::print_error(&format!("{}\n", failure.render(Style::Coloured)));
-            ExitCode::from(failure.code())
+            ExitCode::from(interrupt::code().unwrap_or(failure.code()))
         }
     }
 }

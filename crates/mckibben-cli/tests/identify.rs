@@ -45,6 +45,7 @@ fn measured_muscles_are_fitted_by_every_law() {
         let in_sample = cell(&comparison, "ideal-braid + saturating bladder", "rms %");
         let expected = if name == "dmsp-20-300" { 0.80 } else { 2.0 };
         assert!((in_sample - expected).abs() < 0.05, "{comparison}");
+        the_sentence_and_the_table_agree(&told, &comparison);
         for file in
             ["index.html", "values.csv", "scenario.toml", "laws.svg", "fit.png", "residuals.csv", "held-out.svg"]
         {
@@ -56,6 +57,31 @@ fn measured_muscles_are_fitted_by_every_law() {
         // The scenario that was found runs.
         let run = folder.mckibben().args(["simulate", "out/scenario.toml"]).output().expect("the program runs");
         assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    }
+}
+
+/// The law that the sentence says to err least is the first of the table, and no law whose parameters are identified errs less there.
+fn the_sentence_and_the_table_agree(told: &str, comparison: &str) {
+    let mut table = csv::Reader::from_reader(comparison.as_bytes());
+    let head = table.headers().expect("a head").clone();
+    // Its root mean square stands behind the worst error.
+    let error = head.iter().position(|head| head == "held-out lengths: worst %").expect("a column") + 1;
+    let condition = head.iter().position(|head| head == "condition").expect("a column");
+    let rows: Vec<csv::StringRecord> = table.records().map(|row| row.expect("a row")).collect();
+    let identified = rows.iter().filter(|row| !row[condition].contains("not told"));
+    let errors: Vec<f64> = identified.map(|row| row[error].parse().unwrap_or(f64::INFINITY)).collect();
+    assert!(errors.len() > 5 && errors.is_sorted(), "{errors:?}\n{comparison}");
+    let words = told.split_whitespace().collect::<Vec<_>>().join(" ");
+    let sentence = format!("{} errs least: {} % with {} parameters", &rows[0][0], &rows[0][error], &rows[0][1]);
+    assert!(words.contains(&sentence), "`{sentence}` is not in\n{told}");
+    // Another law is taken only where it is within a tenth, and has fewer parameters.
+    if let Some((_, taken)) = words.split_once("parameters, and ").filter(|(_, rest)| rest.contains(" is taken:")) {
+        let name =
+            taken.split(" is taken:").next().and_then(|before| before.split("own sample. ").last()).expect("a name");
+        let row = rows.iter().find(|row| &row[0] == name).unwrap_or_else(|| panic!("{name} is not in\n{comparison}"));
+        let numbers = |row: &csv::StringRecord| row[1].parse::<u32>().expect("a count");
+        let its: f64 = row[error].parse().expect("a number");
+        assert!(its <= 1.1 * errors[0] + 0.01 && numbers(row) < numbers(&rows[0]), "{name}\n{comparison}");
     }
 }
 

@@ -166,7 +166,8 @@ impl LoopTask {
     /// # Errors
     /// [`LoopError`], which says what to do.
     pub fn identify(&self) -> Result<LoopFit, LoopError> {
-        let search = Search { known_scales: self.deviation.is_some(), ..self.search.clone() };
+        // Sticking and sliding make kinks.
+        let search = Search { known_scales: self.deviation.is_some(), any_end: true, ..self.search.clone() };
         let start: Vec<f64> = self.unknowns.iter().map(|unknown| unknown.start).collect();
         self.adjustable.at(&start)?.driven()?;
         let found = least_squares::fit_from(self, &self.unknowns, &self.starts, &search)?;

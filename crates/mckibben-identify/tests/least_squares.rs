@@ -264,7 +264,7 @@ fn what_ends_a_search_is_said_in_words() {
     let few = Search { most_steps: 1, ..Search::default() };
     let error = fit(&rosenbrock(), &[Unknown::new("x", "", -1.2), Unknown::new("y", "", 1.0)], &few);
     assert_eq!(error, Err(FitError::NoMinimum { why: Ending::Steps { most: 1 } }));
-    let endings = [Ending::NotStationary, Ending::Steps { most: 7 }, Ending::Stalled, Ending::Numbers];
+    let endings = [Ending::Kink, Ending::Steps { most: 7 }, Ending::Numbers];
     for words in endings.map(|why| FitError::NoMinimum { why }.to_string()) {
         assert!(words.starts_with("the search found no minimum: ") && words.contains("; start nearer"), "{words}");
         assert!(!words.contains(['{', '"']) && !words.contains("TRF"), "{words}");

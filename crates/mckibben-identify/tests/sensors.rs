@@ -180,7 +180,8 @@ fn a_run_may_have_an_offset_of_its_own_and_noise_is_held_by_the_intervals() {
     }
     // What the model says that the sensor reads is within the noise of what it read.
     let course = &task.runs[0].courses[0];
-    let predicted = task.readings(&found, 0, course, &course.times);
+    let fitted = (&found.simulated[0], &found.found.fit.values()[..]);
+    let predicted = task.runs[0].readings(course, fitted, &course.times);
     let squares: f64 = predicted.iter().zip(&course.values).map(|(one, other)| (one - other).powi(2)).sum();
     assert!((squares / predicted.len() as f64).sqrt() < 4e-5);
 }

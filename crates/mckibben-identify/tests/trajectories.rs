@@ -5,9 +5,9 @@ mod noise;
 use mckibben::plant::JointPlant;
 use mckibben::simulation::{JointSample, simulate};
 use mckibben_identify::adjustable::Adjustable;
-use mckibben_identify::least_squares::{Loss, Search, Unknown};
+use mckibben_identify::least_squares::{Ending, Loss, Search, Unknown};
 use mckibben_identify::trajectories::{
-    Horizon, Identified, Observed, Recorded, Sensor, Subject, Task, TimeSeries, TrajectoryError,
+    Horizon, Identified, Observed, Recorded, Sampling, Sensor, Subject, Task, TimeSeries, TrajectoryError,
 };
 use mckibben_scenario::{Effectiveness, Load, Place, PressureSeries, Scenario};
 use noise::{Noise, holds};
@@ -184,7 +184,51 @@ fn what_cannot_be_fitted_says_why() {
     let mut silent = task(vec![recorded(&scenario(100.0), &sought, [0.0; 2], 0.4)], &sought, 1.0);
     silent.unknowns[0] = Unknown::new(sought[0], "m", 0.0);
     let error = silent.identify().expect_err("silent").to_string();
-    assert!(error.contains("`actuator.wall_thickness` does nothing"), "{error}");
+    assert!(error.contains("`actuator.wall_thickness` changes no reading where it starts, at 0:"), "{error}");
+    // Pulses of 37 ms vanish behind a delay of 60 ms.
+    let sought = ["valve.opening_delay"];
+    let mut vanished = task(vec![recorded(&scenario(100.0), &sought, [0.0; 2], 0.4)], &sought, 1.0);
+    vanished.unknowns[0] = Unknown::new(sought[0], "s", 0.06);
+    let error = vanished.identify().expect_err("no pulse").to_string();
+    assert!(error.contains("longer than its pulses never moves; start below the shortest pulse"), "{error}");
+}
+
+/// Whenever a search is ended from another thread, it returns the best values so far, with what is drawn of them.
+#[test]
+fn an_interrupted_search_has_values_no_worse_than_its_start() {
+    let run = recorded(&scenario(100.0), &SOUGHT, [5e-5, 2e3], 0.4);
+    let horizons = [Horizon::Whole, Horizon::Growing(vec![0.1, 0.2]), Horizon::Segments(0.1)];
+    for (horizon, evaluations) in horizons.into_iter().flat_map(|of| [3, 12].map(|count| (of.clone(), count))) {
+        let mut sought = task(vec![run.clone()], &SOUGHT, 1.3);
+        sought.horizon = horizon.clone();
+        sought.starts = vec![vec![1.0; SOUGHT.len()]; 1000];
+        let monitor = sought.search.monitor.clone();
+        let found = std::thread::scope(|scope| {
+            scope.spawn(|| {
+                while monitor.evaluations() < evaluations {
+                    std::thread::yield_now();
+                }
+                monitor.stop();
+            });
+            identified(&sought)
+        });
+        assert_eq!(found.stopped, Some(Ending::Interrupted));
+        assert_eq!(found.simulated.len(), 1);
+        assert!(sought.held_out(&found).is_empty());
+        let start: Vec<f64> = sought.unknowns.iter().map(|unknown| unknown.start).collect();
+        let of = |values: &[f64]| -> f64 {
+            let built = run.subject.clone();
+            let sampling =
+                Sampling { observed: vec![Observed::Length], times: run.courses[0].times.clone(), tolerance: 1e-9 };
+            let lengths = sampling.values(&built, values, &|_| Ok(())).expect("a run");
+            lengths.iter().zip(&run.courses[0].values).map(|(a, b)| (a - b).powi(2)).sum()
+        };
+        // In segments the joints give way first: there the values are only those that had been reached.
+        let values = found.found.fit.values();
+        let is_whole = horizon == Horizon::Whole;
+        assert!(!is_whole || of(&values) <= 1.01 * of(&start), "{horizon:?}: {values:?}");
+        assert!(values.iter().all(|value| value.is_finite() && *value > 0.0));
+    }
 }
 
 /// A load that goes slack and bounces at every pulse: a change of its mass by 10⁻⁴ is another course after a second.
@@ -203,12 +247,13 @@ const BOUNCING: [&str; 4] = ["actuator.friction.viscous", "valve.flow_area", "lo
 #[test]
 fn segments_find_what_a_whole_run_hides() {
     let mut sought = task(vec![bouncing()], &BOUNCING, 1.1);
-    // The whole run: a valley far from the truth, or none; and then it says so.
-    if let Ok(whole) = sought.identify() {
-        assert!(whole.left[0].1 > 1e-3, "{:?}", whole.left);
-        let unexplained = sought.unexplained(&whole);
-        assert!(unexplained.iter().any(|rest| rest.observed == Observed::Length), "{unexplained:?}");
-    }
+    // The whole run: a valley far from the truth, which may have a kink for a bottom; both are said.
+    let whole = identified(&sought);
+    assert!(whole.left[0].1 > 1e-3, "{:?}", whole.left);
+    let unexplained = sought.unexplained(&whole);
+    assert!(unexplained.iter().any(|rest| rest.observed == Observed::Length), "{unexplained:?}");
+    let has_intervals = whole.found.fit.estimates.iter().any(|of| of.confidence_interval.is_some());
+    assert_eq!(has_intervals, whole.found.fit.ending == Ending::Minimum, "{:?}", whole.found.fit);
     sought.horizon = Horizon::Segments(0.1);
     let found = sought.identify().unwrap_or_else(|error| panic!("{error}"));
     for (estimate, unknown) in found.found.fit.estimates.iter().zip(&sought.unknowns) {

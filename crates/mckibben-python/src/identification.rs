@@ -2,16 +2,18 @@
 
 use crate::raised::Raised;
 use crate::scenario::Scenario;
-use crate::signals::followed;
+use crate::signals::followed_to_its_end;
 use crate::typed::{Items, Name, Object, Sections, Sequence, Values};
 use crate::values;
 use mckibben_identify::least_squares::{Estimate, Monitor};
 use mckibben_identify::study::Table;
+use mckibben_identify::trajectories::StepInfo;
 use mckibben_plot::Theme;
 use mckibben_run::failure::Failure;
-use mckibben_run::identify::{Outcome, Prediction, Request, WARNED, identified};
+use mckibben_run::identify::{OtherMinimum, Outcome, Prediction, Request, StepResponse, WARNED, identified};
 use mckibben_run::report::Plate;
 use numpy::{PyArray1, PyArray2};
+use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::{Path, PathBuf};
@@ -62,8 +64,16 @@ fn found<'py>(
         None => Ok(()),
     };
     let work = || fitted(request()?.followed_by(monitor.clone()), folder);
-    let outcome = followed(py, report, || monitor.stop(), work)?;
-    described(py, &outcome.raised()?)
+    match followed_to_its_end(py, report, || monitor.stop(), work)? {
+        // Ctrl-C ends the search with what it has found; where that is nothing, and whatever else was raised, is raised.
+        (Some(error), Ok(outcome))
+            if error.is_instance_of::<PyKeyboardInterrupt>(py) && !outcome.estimates.is_empty() =>
+        {
+            described(py, &outcome)
+        }
+        (Some(error), _) => Err(error),
+        (None, outcome) => described(py, &outcome.raised()?),
+    }
 }
 
 /// What was found of some runs is worth having; the warnings say what failed of the others.
@@ -89,6 +99,17 @@ fn described<'py>(py: Python<'py>, outcome: &Outcome) -> PyResult<Sections<'py>>
         false => Some(PyArray2::from_vec2(py, &outcome.correlations)?),
     };
     all.set_item("correlations", correlations)?;
+    let minimum = |of: &OtherMinimum| (of.values.clone(), of.error_ratio, of.searches, of.is_minimum);
+    all.set_item("other_minima", outcome.other_minima.iter().map(minimum).collect::<Vec<_>>())?;
+    let response =
+        |of: &StepInfo, error: Option<f64>| (of.stroke, of.overshoot, of.first_peak, of.frequency, of.settling, error);
+    let step = |of: &StepResponse| {
+        let [predicted, held_out] =
+            [0, 1].map(|place| of.predicted[place].as_ref().map(|(of, error)| response(of, Some(*error))));
+        (of.run.clone(), of.quantity.clone(), of.unit, response(&of.measured, None), predicted, held_out)
+    };
+    all.set_item("step_responses", outcome.step_responses.iter().map(step).collect::<Vec<_>>())?;
+    all.set_item("interrupted", outcome.interrupted)?;
     let predictions = outcome.predictions.iter().map(|of| predicted(py, of));
     all.set_item("predictions", predictions.collect::<PyResult<Vec<_>>>()?)?;
     all.set_item("notes", &outcome.introduction)?;

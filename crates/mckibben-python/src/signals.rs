@@ -81,6 +81,20 @@ pub(crate) fn followed<T: Send>(
     stop: impl Fn() + Sync,
     work: impl FnOnce() -> T + Send,
 ) -> PyResult<T> {
+    match followed_to_its_end(py, report, stop, work)? {
+        (Some(error), _) => Err(error),
+        (None, value) => Ok(value),
+    }
+}
+
+/// Does work as [`followed`] does, and returns what a signal or `report` has raised with the outcome of the work that `stop` has
+/// ended: work that has a result at any time.
+pub(crate) fn followed_to_its_end<T: Send>(
+    py: Python<'_>,
+    report: impl Fn(Python<'_>) -> PyResult<()> + Sync,
+    stop: impl Fn() + Sync,
+    work: impl FnOnce() -> T + Send,
+) -> PyResult<(Option<PyErr>, T)> {
     let (mut raised, mut outcome) = (None, None);
     py.detach(|| {
         let (done, wait) = mpsc::channel();
@@ -111,8 +125,8 @@ pub(crate) fn followed<T: Send>(
     })
     .raised()?;
     match (raised, outcome) {
-        (Some(error), _) => Err(error),
-        (None, Some(value)) => Ok(value),
+        (raised, Some(value)) => Ok((raised, value)),
+        (Some(error), None) => Err(error),
         (None, None) => Err(exception(&Failure::stopped("the work ended without an outcome"))),
     }
 }

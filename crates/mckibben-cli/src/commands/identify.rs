@@ -1,10 +1,11 @@
 //! `mckibben identify`: from measured data to a scenario file that runs, with how sure its numbers are.
 //!
-//! Everything is done by [`mckibben_run::identify`]. Checked by `tests/identify.rs` and `tests/identify_valve.rs`.
+//! Everything is done by [`mckibben_run::identify`]. Ctrl-C ends a search with the best values so far, which are written. Checked by
+//! `tests/identify.rs`, `tests/identify_valve.rs` and `tests/identify_ends.rs`.
 
-use crate::terminal;
+use crate::{interrupt, terminal};
 use mckibben_run::failure::Failure;
-use mckibben_run::identify::{Outcome, Request, WARNED, identified};
+use mckibben_run::identify::{Monitor, Outcome, Request, WARNED, identified};
 use std::path::PathBuf;
 
 /// What `mckibben identify` is asked.
@@ -46,6 +47,11 @@ A study file:
   to = \"50 N*s/m\"
   per_run = true                          # each run has a value of its own
 
+  [search]                                # of trajectories, hysteresis and force maps
+  more_starts = 8                         # searches from so many more starts; of trajectories unless given from 2 of 16
+  most_steps = 500                        # after which a search ends with the best values so far
+  time_limit = \"600 s\"                    # likewise; Ctrl-C does so at once
+
 Of a valve:
   kind = \"flow-curve\" finds C and b of ISO 6358, \"steady-flow\" the efficiency, from the columns upstream_absolute_pressure,
   downstream_absolute_pressure (or _gauge_pressure), temperature, and mass_flow or volume_flow (\"L/min ANR\")
@@ -70,7 +76,8 @@ Exit codes:
   0  done
   2  the input is wrong: arguments, the study, its data or scenario; nothing was written
   3  no fit was found, or not of every run; the report has what there is, and says what failed
-  4  a file could not be written; files that were finished before stay")]
+  4  a file could not be written; files that were finished before stay
+  130  the search was interrupted (Ctrl-C); the best values so far are written")]
 pub struct IdentifyArguments {
     /// The study file: what was measured, and what is to be found.
     #[arg(value_name = "STUDY")]
@@ -85,7 +92,11 @@ pub struct IdentifyArguments {
 /// # Errors
 /// The input is wrong, something failed, or a file could not be written.
 pub fn run(arguments: &IdentifyArguments) -> Result<(), Failure> {
-    let outcome = identified(Request::load(&arguments.study)?, Some(&arguments.output))?;
+    let monitor = Monitor::default();
+    let request = Request::load(&arguments.study)?.followed_by(monitor.clone());
+    let ending = request.ends_at_any_time().then(|| interrupt::ending(move || monitor.stop()));
+    let outcome = identified(request, Some(&arguments.output))?;
+    drop(ending);
     let page = outcome.write(&arguments.output)?;
     terminal::print(&format!("{}\n{}", told(&outcome), terminal::wrote(&page, "")))?;
     outcome.verdict(Some(&page))
@@ -98,7 +109,7 @@ fn told(outcome: &Outcome) -> String {
     for paragraph in &outcome.introduction {
         text.push_str(&format!("{}\n", terminal::wrap(&paragraph.replace('`', ""), "")));
     }
-    for table in [&outcome.table, &outcome.values] {
+    for table in [&outcome.table, &outcome.responses, &outcome.values] {
         if !table.head.is_empty() {
             let caption = terminal::wrap(&table.caption, "");
             text.push_str(&format!("\n{caption}\n\n{}", table.to_text_within(wide)).replace('`', ""));

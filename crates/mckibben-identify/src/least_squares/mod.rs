@@ -9,17 +9,33 @@
 //! more residual. The steps are a trust-region reflective method's (the crate `basin`), in unknowns divided by their own
 //! size, from several starts if asked; what is made of the minimum is [`Fit`]'s.
 //!
+//! A sum of squares may have kinks, as at a stop, at sticking or at slack, where derivatives lead no further. With
+//! [`Search::any_end`] steps without derivatives go on from there, and the best values are returned wherever a search ends:
+//! [`Ending`] says where, and only a minimum has intervals.
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | this | models, unknowns, losses, fits from one start |
+//! | `monitor` | progress, interruption and the time limit |
+//! | `starts` | fits from several starts, and the other minima |
+//! | `solver` | steps by derivatives, and where they end |
+//! | `poll` | steps without derivatives |
+//! | `statistics` | standard errors, intervals, and what is not identifiable |
+//!
 //! Checked by `tests/least_squares.rs`: certified values and deviations of the NIST's reference data sets, and how often an
-//! interval holds the truth.
+//! interval holds the truth; `tests/ends.rs`: kinks, limits, interruptions and several minima, against closed forms.
 
+mod monitor;
+mod poll;
 mod solver;
+mod starts;
 mod statistics;
 
+pub use monitor::Monitor;
+pub use starts::{Found, Minimum, fit_from};
 pub use statistics::{Direction, Estimate, Fit};
 
 use crate::median;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use thiserror::Error;
 
 /// How often the deviation of the residuals is taken anew where it is not known: it settles at once where outliers are few.
@@ -130,46 +146,25 @@ impl Loss {
         }
     }
 
-    /// The same of residuals whose deviation is this.
+    /// Half the sum ρ over residuals; infinite where one is not finite.
+    pub(crate) fn cost(self, residuals: &[f64]) -> f64 {
+        let of = |residual: &f64| match self {
+            Self::Squares => residual * residual,
+            Self::Huber(scale) if residual.abs() > scale => scale * (2.0 * residual.abs() - scale),
+            Self::Huber(_) => residual * residual,
+            Self::Cauchy(scale) => scale * scale * (residual / scale).powi(2).ln_1p(),
+        };
+        let cost = 0.5 * residuals.iter().map(of).sum::<f64>();
+        if cost.is_finite() { cost } else { f64::INFINITY }
+    }
+
+    /// The loss of residuals whose deviation is this.
     fn of_deviation(self, deviation: f64) -> Self {
         match self {
             Self::Squares => Self::Squares,
             Self::Huber(scale) => Self::Huber(scale * deviation),
             Self::Cauchy(scale) => Self::Cauchy(scale * deviation),
         }
-    }
-}
-
-/// Follows searches from another thread, and ends them. Clones share one state.
-#[derive(Clone, Debug, Default)]
-pub struct Monitor(Arc<State>);
-
-#[derive(Debug, Default)]
-struct State {
-    stopped: AtomicBool,
-    evaluations: AtomicU64,
-}
-
-impl Monitor {
-    /// Ends every search that has this monitor, at its next evaluation of the model.
-    pub fn stop(&self) {
-        self.0.stopped.store(true, Ordering::Relaxed);
-    }
-
-    /// Whether searches are to end.
-    pub fn is_stopped(&self) -> bool {
-        self.0.stopped.load(Ordering::Relaxed)
-    }
-
-    /// How often models have been evaluated so far.
-    pub fn evaluations(&self) -> u64 {
-        self.0.evaluations.load(Ordering::Relaxed)
-    }
-
-    /// Counts an evaluation; `false` where the search is to end.
-    fn goes_on(&self) -> bool {
-        self.0.evaluations.fetch_add(1, Ordering::Relaxed);
-        !self.is_stopped()
     }
 }
 
@@ -181,15 +176,27 @@ pub struct Search {
     /// Whether the scales of the residuals are their standard deviations. If not, the scatter about the model says how
     /// large they are.
     pub known_scales: bool,
-    /// Steps after which a search gives up.
+    /// Steps after which a search ends.
     pub most_steps: u64,
-    /// Follows the search, and may end it: [`FitError::Interrupted`].
+    /// Of more starts than the first, how many are searched from: those of least cost. All of them, unless given.
+    pub refined: Option<usize>,
+    /// Whether a search has a result wherever it ends: the best values, without intervals unless it ends at a minimum. Where steps
+    /// by derivatives end at a kink, steps without derivatives go on. Without it such an end is [`FitError::NoMinimum`].
+    pub any_end: bool,
+    /// Follows the search, and may end it: [`Ending::Interrupted`] and [`Ending::Time`].
     pub monitor: Monitor,
 }
 
 impl Default for Search {
     fn default() -> Self {
-        Self { loss: Loss::Squares, known_scales: false, most_steps: 500, monitor: Monitor::default() }
+        Self {
+            loss: Loss::Squares,
+            known_scales: false,
+            most_steps: 500,
+            refined: None,
+            any_end: false,
+            monitor: Monitor::default(),
+        }
     }
 }
 
@@ -217,8 +224,8 @@ pub enum FitError {
     /// The model has no value at the start.
     #[error("the model has no finite value at the start; start elsewhere")]
     NoStart,
-    /// The search was ended by [`Monitor::stop`].
-    #[error("the search was interrupted")]
+    /// The search was ended by its [`Monitor`] before it had values.
+    #[error("the search was interrupted, or its time was over, before it had a result")]
     Interrupted,
     /// The search did not end at a minimum.
     #[error("the search found no minimum: {why}; start nearer to it, give bounds, or fix what the data cannot tell")]
@@ -228,26 +235,39 @@ pub enum FitError {
     },
 }
 
-/// What ended a search that found no minimum.
+/// What ended a search.
 #[derive(Clone, Copy, Debug, Eq, Error, PartialEq)]
 pub enum Ending {
-    /// It came to rest where it is not level.
+    /// The sum of squares is level.
+    #[error("it is at a minimum")]
+    Minimum,
+    /// The sum of squares is not level, and no step makes it smaller.
     #[error(
-        "it came to rest where the sum of squares is not level, as at an edge of the model or where its derivatives are rounded"
+        "it came to rest where the sum of squares is not level, as at a kink or an edge of the model or where its derivatives are rounded"
     )]
-    NotStationary,
+    Kink,
     /// It took all its steps.
     #[error("it was not there after {most} steps")]
     Steps {
         /// How many it may take.
         most: u64,
     },
-    /// No step led further down.
-    #[error("no step made the sum of squares smaller, which is not level there")]
-    Stalled,
     /// The numbers at hand do not give a step.
     #[error("the residuals or their derivatives are too large, too small or not finite for a step")]
     Numbers,
+    /// The time of the search was over.
+    #[error("its time was over")]
+    Time,
+    /// It was interrupted.
+    #[error("it was interrupted")]
+    Interrupted,
+}
+
+impl Ending {
+    /// Whether the search could have gone on: its steps or its time were over, or it was interrupted.
+    pub fn is_early(self) -> bool {
+        matches!(self, Self::Steps { .. } | Self::Time | Self::Interrupted)
+    }
 }
 
 /// Finds the values that fit best from one start.
@@ -255,6 +275,27 @@ pub enum Ending {
 /// # Errors
 /// [`FitError`], when there is nothing to find or it is not found.
 pub fn fit(model: &impl Model, unknowns: &[Unknown], search: &Search) -> Result<Fit, FitError> {
+    check(model, unknowns)?;
+    if search.known_scales || search.loss == Loss::Squares {
+        return solver::fit(model, unknowns, search);
+    }
+    let squares = Search { loss: Loss::Squares, ..search.clone() };
+    let mut found = solver::fit(model, unknowns, &squares)?;
+    for _ in 0..PASSES {
+        let deviation = median::deviation(found.residuals.iter().copied());
+        // Half of the measurements are met exactly: nothing tells how far off an outlier would be.
+        if deviation == 0.0 || search.monitor.is_stopped() {
+            break;
+        }
+        let from = starting_at(unknowns, &found.values());
+        let search = Search { loss: search.loss.of_deviation(deviation), ..search.clone() };
+        found = solver::fit(model, &from, &search)?;
+    }
+    Ok(found)
+}
+
+/// That there is something to find, from starts within their bounds.
+fn check(model: &impl Model, unknowns: &[Unknown]) -> Result<(), FitError> {
     let measurements = model.residuals() + unknowns.iter().filter(|unknown| unknown.prior.is_some()).count();
     if measurements <= unknowns.len() {
         return Err(FitError::TooFew { measurements, unknowns: unknowns.len() });
@@ -264,66 +305,12 @@ pub fn fit(model: &impl Model, unknowns: &[Unknown], search: &Search) -> Result<
             return Err(FitError::OutsideBounds { name: name.clone(), start: *start, bounds: *bounds });
         }
     }
-    if search.known_scales || search.loss == Loss::Squares {
-        let minimum = solver::minimum(model, unknowns, search)?;
-        return Ok(Fit::new(model, unknowns, search, minimum));
-    }
-    let squares = Search { loss: Loss::Squares, ..search.clone() };
-    let mut found = Fit::new(model, unknowns, &squares, solver::minimum(model, unknowns, &squares)?);
-    for _ in 0..PASSES {
-        let deviation = median::deviation(found.residuals.iter().copied());
-        // Half of the measurements are met exactly: nothing tells how far off an outlier would be.
-        if deviation == 0.0 {
-            break;
-        }
-        let from = starting_at(unknowns, &found.values());
-        let search = Search { loss: search.loss.of_deviation(deviation), ..search.clone() };
-        found = Fit::new(model, unknowns, &search, solver::minimum(model, &from, &search)?);
-    }
-    Ok(found)
+    Ok(())
 }
 
-/// The values where a search from one start ends, be it a minimum or not: a stage on the way to one.
+/// The values where steps by derivatives end from one start, be it a minimum or not: a stage on the way to one.
 pub(crate) fn descended(model: &impl Model, unknowns: &[Unknown], search: &Search) -> Result<Vec<f64>, FitError> {
-    solver::descended(model, unknowns, search).map(|(values, _)| values)
-}
-
-/// The best of several fits.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Found {
-    /// The fit of the least cost.
-    pub fit: Fit,
-    /// From how many starts it was looked for.
-    pub tried: usize,
-    /// How many of them led to this cost, to a part of 10⁻⁶.
-    pub agreeing: usize,
-}
-
-/// Finds the values that fit best from the start of the unknowns and from more starts, each the values of all unknowns. A start
-/// outside the bounds is taken to the nearest bound.
-///
-/// # Errors
-/// [`FitError`] of the first start, when none of them leads to a minimum.
-pub fn fit_from(
-    model: &impl Model,
-    unknowns: &[Unknown],
-    starts: &[Vec<f64>],
-    search: &Search,
-) -> Result<Found, FitError> {
-    let of = |start: &[f64]| {
-        let within = |(unknown, start): (&Unknown, &f64)| start.clamp(unknown.bounds[0], unknown.bounds[1]);
-        let start: Vec<f64> = unknowns.iter().zip(start).map(within).collect();
-        fit(model, &starting_at(unknowns, &start), search)
-    };
-    let first = fit(model, unknowns, search);
-    let fits: Vec<Result<Fit, FitError>> = std::iter::once(first).chain(starts.iter().map(|start| of(start))).collect();
-    let least = fits.iter().flatten().fold(f64::INFINITY, |least, fit| least.min(fit.cost));
-    let agreeing = fits.iter().flatten().filter(|fit| fit.cost <= least * (1.0 + 1e-6)).count();
-    let tried = fits.len();
-    let mut fits = fits.into_iter();
-    let first = fits.next().unwrap_or(Err(FitError::NoStart));
-    let best = fits.flatten().chain(first.clone().ok()).min_by(|a, b| a.cost.total_cmp(&b.cost));
-    best.map_or(first, Ok).map(|fit| Found { fit, tried, agreeing })
+    solver::descended(model, unknowns, search)
 }
 
 /// The residuals of a model with those of the priors behind them, without derivatives.

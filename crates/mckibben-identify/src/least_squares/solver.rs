@@ -1,10 +1,13 @@
-//! The minimum, by the crate `basin`: its problem is ours with every unknown divided by its size.
+//! The minimum, by the crate `basin`: its problem is ours with every unknown divided by its size. Where steps by derivatives end
+//! elsewhere, steps without them go on in turn with these, until neither finds a smaller sum.
 
-use super::{Ending, Evaluation, FitError, Loss, Model, Monitor, Search, Unknown};
+use super::{Ending, Evaluation, Fit, FitError, Loss, Model, Search, Unknown, poll};
 use basin::{
     BoxBounds, CauchyLoss, ConstraintDescription, ConstraintSet, Constraints, DenseMatrix, Executor, HuberLoss,
     Jacobian, Residual, RobustLeastSquares, Termination, TrustRegionReflective,
 };
+use nalgebra::{DMatrix, DVector};
+use std::cell::RefCell;
 use std::convert::Infallible;
 
 /// Change of an unknown, over its size, below which a search has come to its end.
@@ -13,54 +16,174 @@ const RESOLVED: f64 = 1e-13;
 const STATIONARY: f64 = 1e-5;
 /// The step that is left to an unknown, over its size, below which the place is one all the same.
 const STEP_RESOLVED: f64 = 1e-7;
+/// The step that is left to all unknowns, in standard errors, below which a place about which polls find nothing is a minimum.
+const OFFSET: f64 = 1e-3;
+/// Steps with derivatives after which polls take over, unless the cost has fallen by such a part in them.
+const STRETCH: u64 = 40;
+const PROGRESS: f64 = 0.01;
+/// How often polls are followed by steps with derivatives.
+const ROUNDS: usize = 10;
+/// The part of the cost by which a poll must lower it to be followed.
+const WORTH: f64 = 1e-6;
 
-/// The values at the minimum, and the model there.
-pub(super) fn minimum(
-    model: &impl Model,
-    unknowns: &[Unknown],
-    search: &Search,
-) -> Result<(Vec<f64>, Evaluation), FitError> {
-    let (values, why) = descended(model, unknowns, search)?;
-    let there = super::with_priors(model, unknowns, &values);
-    match Scaled::new(model, unknowns, &search.monitor).is_stationary(&values, &there, search.loss) {
-        true => Ok((values, there)),
-        false => Err(FitError::NoMinimum { why }),
+/// Where a search has ended.
+struct End {
+    values: Vec<f64>,
+    /// Derivatives only at a minimum.
+    there: Evaluation,
+    ending: Ending,
+}
+
+/// The least cost that a search has seen.
+#[derive(Default)]
+struct Seen(RefCell<Option<Best>>);
+
+#[derive(Clone)]
+struct Best {
+    cost: f64,
+    /// Over the sizes.
+    at: Vec<f64>,
+    residuals: Vec<f64>,
+}
+
+impl Seen {
+    /// The cost of residuals at a place, which is kept where it is the least.
+    fn cost(&self, at: &[f64], residuals: &[f64], loss: Loss) -> f64 {
+        let cost = loss.cost(residuals);
+        let mut best = self.0.borrow_mut();
+        if cost.is_finite() && best.as_ref().is_none_or(|best| cost < best.cost) {
+            *best = Some(Best { cost, at: at.to_vec(), residuals: residuals.to_vec() });
+        }
+        cost
+    }
+
+    fn best(&self) -> Result<Best, FitError> {
+        self.0.borrow().clone().ok_or(FitError::NoStart)
     }
 }
 
-/// The values where the search ends, be it a minimum or not, and what ended it.
-pub(super) fn descended(
-    model: &impl Model,
-    unknowns: &[Unknown],
-    search: &Search,
-) -> Result<(Vec<f64>, Ending), FitError> {
-    let scaled = || Scaled::new(model, unknowns, &search.monitor);
-    let problem = scaled();
-    let start: Vec<f64> = unknowns.iter().zip(&problem.sizes).map(|(unknown, size)| unknown.start / size).collect();
-    if !problem.residuals_at(&start).iter().all(|residual| residual.is_finite()) {
+/// The fit from one start.
+pub(super) fn fit(model: &impl Model, unknowns: &[Unknown], search: &Search) -> Result<Fit, FitError> {
+    Ok(of(
+        model,
+        unknowns,
+        search,
+        ended(model, unknowns, search, if search.any_end { Steps::Both } else { Steps::ByDerivatives })?,
+    ))
+}
+
+/// The fit from one start, by steps with derivatives alone, wherever they end.
+pub(super) fn ended_by_derivatives(model: &impl Model, unknowns: &[Unknown], search: &Search) -> Result<Fit, FitError> {
+    super::check(model, unknowns)?;
+    let loss = if search.known_scales { search.loss } else { Loss::Squares };
+    let search = Search { loss, ..search.clone() };
+    Ok(of(model, unknowns, &search, ended(model, unknowns, &search, Steps::UntilTheyStall)?))
+}
+
+/// The values where steps by derivatives end, be it a minimum or not.
+pub(super) fn descended(model: &impl Model, unknowns: &[Unknown], search: &Search) -> Result<Vec<f64>, FitError> {
+    Ok(ended(model, unknowns, &Search { any_end: true, ..search.clone() }, Steps::ByDerivatives)?.values)
+}
+
+fn of(model: &impl Model, unknowns: &[Unknown], search: &Search, End { values, there, ending }: End) -> Fit {
+    match ending {
+        Ending::Minimum => Fit::new(model, unknowns, search, (values, there)),
+        _ => Fit::without_intervals(unknowns, &values, &there.residuals, model.residuals(), ending),
+    }
+}
+
+/// The steps of a search.
+#[derive(Clone, Copy, Eq, PartialEq)]
+enum Steps {
+    /// By derivatives, as many as it may take.
+    ByDerivatives,
+    /// By derivatives, until they lower the cost no more.
+    UntilTheyStall,
+    /// Likewise, with steps without derivatives in turn.
+    Both,
+}
+
+/// Where a search ends.
+fn ended(model: &impl Model, unknowns: &[Unknown], search: &Search, steps: Steps) -> Result<End, FitError> {
+    let seen = Seen::default();
+    let problem = Scaled::new(model, unknowns, search, &seen);
+    let mut from: Vec<f64> = unknowns.iter().zip(&problem.sizes).map(|(unknown, size)| unknown.start / size).collect();
+    if !problem.residuals_at(&from).iter().all(|residual| residual.is_finite()) {
         return Err(if search.monitor.is_stopped() { FitError::Interrupted } else { FitError::NoStart });
     }
-    let method = TrustRegionReflective::new()
-        .with_absolute_scaled_gradient_tolerance(0.0)
-        .with_relative_cost_change_tolerance(model.rounding())
-        .with_relative_step_tolerance(RESOLVED);
-    macro_rules! run {
-        ($problem:expr) => {
-            match Executor::from_start($problem, method, start).max_iter(search.most_steps).run() {
-                Ok(result) => (result.param().clone(), ending(&result.report.termination, search)),
-                Err(_) if search.monitor.is_stopped() => return Err(FitError::Interrupted),
-                Err(_) => return Err(FitError::NoMinimum { why: Ending::Numbers }),
-            }
-        };
-    }
-    let (end, why) = match search.loss {
-        Loss::Squares => run!(scaled()),
-        Loss::Huber(scale) => run!(RobustLeastSquares::new(scaled(), HuberLoss).with_scale(scale)),
-        Loss::Cauchy(scale) => run!(RobustLeastSquares::new(scaled(), CauchyLoss).with_scale(scale)),
+    let bare = |best: Best, ending: Ending| End {
+        values: problem.values(&best.at),
+        there: Evaluation { residuals: best.residuals, slopes: Vec::new() },
+        ending,
     };
-    match search.monitor.is_stopped() {
-        true => Err(FitError::Interrupted),
-        false => Ok((problem.values(&end), why)),
+    let mut round = 0;
+    let mut last: Option<Vec<f64>> = None;
+    let mut left = search.most_steps;
+    let ending = loop {
+        let begun = seen.best()?.cost;
+        let most = if steps == Steps::ByDerivatives { left } else { left.min(STRETCH) };
+        let (end, ending, taken) = problem.descended(from, most);
+        left = left.saturating_sub(taken.max(1));
+        if let Some(ending) = search.monitor.ending() {
+            break ending;
+        }
+        let values = problem.values(&end);
+        let there = super::with_priors(model, unknowns, &values);
+        if problem.is_stationary(&values, &there) {
+            return Ok(End { values, there, ending: Ending::Minimum });
+        }
+        // That evaluation may have been cut short.
+        if let Some(ending) = search.monitor.ending() {
+            break ending;
+        }
+        let ending = match ending {
+            Ending::Steps { .. } if left > 0 => {
+                if seen.best()?.cost < begun * (1.0 - PROGRESS) {
+                    from = end;
+                    continue;
+                }
+                // To and fro across a kink.
+                Ending::Kink
+            }
+            ending => ending,
+        };
+        if steps != Steps::Both || ending.is_early() || round == ROUNDS {
+            break ending;
+        }
+        let before = seen.best()?;
+        let there = problem.evaluate(&before.at);
+        let cost = |at: &[f64]| search.loss.cost(&problem.residuals_at(&problem.within(at)));
+        poll::around(&before.at, &there, search.most_steps, cost);
+        let polled = seen.best()?;
+        if polled.cost < before.cost {
+            poll::onwards(&before.at, (&polled.at, polled.cost), cost);
+        }
+        if let Some(ending) = search.monitor.ending() {
+            break ending;
+        }
+        let after = seen.best()?;
+        // From one kink to the next the moves lie along it.
+        if let Some(last) = last.replace(after.at.clone())
+            && after.cost < before.cost
+        {
+            poll::onwards(&last, (&after.at, after.cost), cost);
+        }
+        let after = seen.best()?;
+        if after.cost >= before.cost * (1.0 - WORTH) {
+            let values = problem.values(&after.at);
+            let there = super::with_priors(model, unknowns, &values);
+            if problem.offset(&values, &there).is_some_and(|offset| offset < OFFSET) {
+                return Ok(End { values, there, ending: Ending::Minimum });
+            }
+            break if ending == Ending::Numbers { ending } else { Ending::Kink };
+        }
+        from = after.at;
+        round += 1;
+    };
+    match search.any_end {
+        true => Ok(bare(seen.best()?, ending)),
+        false if matches!(ending, Ending::Interrupted | Ending::Time) => Err(FitError::Interrupted),
+        false => Err(FitError::NoMinimum { why: ending }),
     }
 }
 
@@ -68,40 +191,76 @@ pub(super) fn descended(
 fn ending(by: &Termination, search: &Search) -> Ending {
     match by {
         Termination::Limit(_) => Ending::Steps { most: search.most_steps },
-        Termination::Stalled(_) => Ending::Stalled,
         Termination::Failed(_) => Ending::Numbers,
-        _ => Ending::NotStationary,
+        _ => Ending::Kink,
     }
 }
 
 /// A model with its priors, in unknowns divided by their sizes.
-#[derive(Debug)]
 struct Scaled<'a, M> {
     model: &'a M,
     unknowns: &'a [Unknown],
-    monitor: &'a Monitor,
+    search: &'a Search,
+    seen: &'a Seen,
     sizes: Vec<f64>,
     least: Vec<f64>,
     largest: Vec<f64>,
 }
 
+impl<M> Clone for Scaled<'_, M> {
+    fn clone(&self) -> Self {
+        Self { sizes: self.sizes.clone(), least: self.least.clone(), largest: self.largest.clone(), ..*self }
+    }
+}
+
 impl<'a, M: Model> Scaled<'a, M> {
-    fn new(model: &'a M, unknowns: &'a [Unknown], monitor: &'a Monitor) -> Self {
+    fn new(model: &'a M, unknowns: &'a [Unknown], search: &'a Search, seen: &'a Seen) -> Self {
         let sizes: Vec<f64> = unknowns.iter().map(Unknown::size).collect();
         let bound =
             |side: usize| unknowns.iter().zip(&sizes).map(|(unknown, size)| unknown.bounds[side] / size).collect();
-        Self { model, unknowns, monitor, least: bound(0), largest: bound(1), sizes }
+        Self { model, unknowns, search, seen, least: bound(0), largest: bound(1), sizes }
+    }
+
+    /// Where so many steps by derivatives end, and how many were taken.
+    fn descended(&self, start: Vec<f64>, most: u64) -> (Vec<f64>, Ending, u64) {
+        let method = TrustRegionReflective::new()
+            .with_absolute_scaled_gradient_tolerance(0.0)
+            .with_relative_cost_change_tolerance(self.model.rounding())
+            .with_relative_step_tolerance(RESOLVED);
+        macro_rules! run {
+            ($problem:expr) => {
+                match Executor::from_start($problem, method, start.clone()).max_iter(most).run() {
+                    Ok(result) => {
+                        (result.param().clone(), ending(&result.report.termination, self.search), result.iter())
+                    }
+                    Err(_) => (start, Ending::Numbers, 1),
+                }
+            };
+        }
+        match self.search.loss {
+            Loss::Squares => run!(self.clone()),
+            Loss::Huber(scale) => run!(RobustLeastSquares::new(self.clone(), HuberLoss).with_scale(scale)),
+            Loss::Cauchy(scale) => run!(RobustLeastSquares::new(self.clone(), CauchyLoss).with_scale(scale)),
+        }
     }
 
     fn values(&self, at: &[f64]) -> Vec<f64> {
         at.iter().zip(&self.sizes).map(|(part, size)| part * size).collect()
     }
 
+    /// The nearest place within the bounds.
+    fn within(&self, at: &[f64]) -> Vec<f64> {
+        let bounds = self.least.iter().zip(&self.largest);
+        at.iter().zip(bounds).map(|(at, (least, largest))| at.max(*least).min(*largest)).collect()
+    }
+
     fn residuals_at(&self, at: &[f64]) -> Vec<f64> {
-        if !self.monitor.goes_on() {
+        if !self.search.monitor.goes_on() {
             return self.nowhere();
         }
-        super::tried(self.model, self.unknowns, &self.values(at))
+        let residuals = super::tried(self.model, self.unknowns, &self.values(at));
+        self.seen.cost(at, &residuals, self.search.loss);
+        residuals
     }
 
     /// Residuals of a place where the model has no value. They end a search.
@@ -111,7 +270,7 @@ impl<'a, M: Model> Scaled<'a, M> {
     }
 
     fn evaluate(&self, at: &[f64]) -> Evaluation {
-        if !self.monitor.goes_on() {
+        if !self.search.monitor.goes_on() {
             let residuals = self.nowhere();
             return Evaluation { slopes: vec![f64::NAN; residuals.len() * at.len()], residuals };
         }
@@ -122,8 +281,41 @@ impl<'a, M: Model> Scaled<'a, M> {
         evaluation
     }
 
+    /// The step that is left to the unknowns within their bounds, in standard errors: the relative offset of Bates & Watts
+    /// (1981, Technometrics 23, 179–183). `None` where the numbers do not give it.
+    fn offset(&self, values: &[f64], there: &Evaluation) -> Option<f64> {
+        let Evaluation { residuals, slopes } = there;
+        if !residuals.iter().chain(slopes).all(|number| number.is_finite()) {
+            return None;
+        }
+        let roots = residuals.iter().map(|residual| self.search.loss.weight(*residual).sqrt());
+        let weighted = DVector::from_iterator(residuals.len(), residuals.iter().zip(roots).map(|(r, w)| r * w));
+        let rows = DMatrix::from_row_slice(residuals.len(), values.len(), slopes);
+        let is_free = |unknown: &usize| {
+            let along = rows.column(*unknown).dot(&weighted);
+            let [on_least, on_largest] = self.unknowns[*unknown].rests(values[*unknown]);
+            !((on_least && along > 0.0) || (on_largest && along < 0.0))
+        };
+        let free: Vec<usize> = (0..values.len()).filter(is_free).collect();
+        if free.is_empty() {
+            return Some(0.0);
+        }
+        if residuals.len() <= free.len() {
+            return None;
+        }
+        let mut own = rows.select_columns(&free);
+        for (mut row, residual) in own.row_iter_mut().zip(residuals) {
+            row *= self.search.loss.weight(*residual).sqrt();
+        }
+        let within = own.qr().q().tr_mul(&weighted).norm_squared();
+        let beyond = (weighted.norm_squared() - within).max(0.0) / (residuals.len() - free.len()) as f64;
+        let offset = (within / free.len() as f64 / beyond).sqrt();
+        offset.is_finite().then_some(offset)
+    }
+
     /// Whether no free unknown would make the sum smaller: residuals and derivatives are at right angles.
-    fn is_stationary(&self, values: &[f64], there: &Evaluation, loss: Loss) -> bool {
+    fn is_stationary(&self, values: &[f64], there: &Evaluation) -> bool {
+        let loss = self.search.loss;
         let Evaluation { residuals, slopes } = there;
         if !residuals.iter().chain(slopes).all(|number| number.is_finite()) {
             return false;

@@ -12,7 +12,7 @@
 //! nothing. An unknown with a share in such a combination has no interval; one that rests on a bound has none either
 //! and takes no part.
 
-use super::{Evaluation, Model, Search, Unknown};
+use super::{Ending, Evaluation, Model, Search, Unknown};
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -66,6 +66,8 @@ pub struct Fit {
     pub condition: f64,
     /// What the data do not tell.
     pub untold: Vec<Direction>,
+    /// Where the search has ended; only a minimum has intervals.
+    pub ending: Ending,
 }
 
 impl Fit {
@@ -139,6 +141,40 @@ impl Fit {
             correlations,
             condition: told.condition(),
             untold: told.untold(&names),
+            ending: Ending::Minimum,
+        }
+    }
+
+    /// The best values of a search that has ended elsewhere than at a minimum, with the residuals there, those of priors behind the
+    /// model's own.
+    pub(crate) fn without_intervals(
+        unknowns: &[Unknown],
+        values: &[f64],
+        residuals: &[f64],
+        own: usize,
+        ending: Ending,
+    ) -> Self {
+        let estimate = |(unknown, value): (&Unknown, &f64)| Estimate {
+            name: unknown.name.clone(),
+            unit: unknown.unit,
+            value: *value,
+            standard_error: None,
+            confidence_interval: None,
+            on_bound: unknown.rests(*value).contains(&true),
+        };
+        let degrees_of_freedom = residuals.len().saturating_sub(unknowns.len());
+        let squares = residuals.iter().map(|residual| residual * residual).sum::<f64>();
+        let row = |of: usize| (0..unknowns.len()).map(|with| f64::from(u8::from(of == with))).collect();
+        Self {
+            estimates: unknowns.iter().zip(values).map(estimate).collect(),
+            residuals: residuals[..own.min(residuals.len())].to_vec(),
+            cost: 0.5 * squares,
+            degrees_of_freedom,
+            scatter: (squares / degrees_of_freedom.max(1) as f64).sqrt(),
+            correlations: (0..unknowns.len()).map(row).collect(),
+            condition: f64::INFINITY,
+            untold: Vec::new(),
+            ending,
         }
     }
 }

@@ -12,6 +12,9 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
 
+/// More starts than a study may have.
+const MOST_STARTS: usize = 1_000_000;
+
 /// What is to be found.
 #[derive(Clone, Copy, Debug, Deserialize, Eq, PartialEq)]
 #[serde(rename_all = "kebab-case")]
@@ -35,6 +38,11 @@ pub enum Kind {
 }
 
 impl Kind {
+    /// Whether it is found by a search that may take long, and has a result whenever it is ended.
+    pub fn has_search(self) -> bool {
+        matches!(self, Self::ForceMap | Self::Hysteresis | Self::Trajectories)
+    }
+
     /// As it is written in a study.
     pub fn name(self) -> &'static str {
         match self {
@@ -78,8 +86,12 @@ pub struct Study {
     pub runs: Vec<RunEntry>,
     /// The numbers that are looked for, in rising order of their paths; those of a force map follow from its laws.
     pub sought: Vec<FitEntry>,
-    /// More starts than the first.
-    pub more_starts: usize,
+    /// More starts than the first, each of which is searched from; where it is not said, that is the kind's to choose.
+    pub more_starts: Option<usize>,
+    /// Steps after which a search ends.
+    pub most_steps: Option<u64>,
+    /// Time in s after which the search ends.
+    pub time_limit: Option<f64>,
     /// By how many deviations a residual counts in full; beyond it counts less (Huber).
     pub robust: Option<f64>,
     /// How much of the trajectories is fitted, and in which parts.
@@ -260,8 +272,9 @@ impl Text {
 #[derive(Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct RawSearch {
-    #[serde(default)]
-    more_starts: usize,
+    more_starts: Option<usize>,
+    most_steps: Option<Spanned<u64>>,
+    time_limit: Option<Spanned<String>>,
     robust: Option<f64>,
     horizon: Option<Vec<Spanned<String>>>,
     segments: Option<Spanned<String>>,
@@ -371,6 +384,32 @@ impl Study {
                 "give a number of deviations such as 2.5",
             ));
         }
+        if let Some(count) = file.search.more_starts.filter(|count| *count > MOST_STARTS) {
+            let what = format!("`search.more_starts` is {count}, above {MOST_STARTS}");
+            return Err(within.fault(None, what, "give fewer starts, such as 16"));
+        }
+        if let Some(most) = file.search.most_steps.as_ref().filter(|most| *most.as_ref() == 0) {
+            let what = "`search.most_steps` is 0, but a search takes 1 step or more";
+            return Err(within.fault(
+                Some(most.span().start),
+                what,
+                "give a number of steps such as 500, or leave it out",
+            ));
+        }
+        if !head.kind.has_search() && (file.search.most_steps.is_some() || file.search.time_limit.is_some()) {
+            let what = format!(
+                "`most_steps` and `time_limit` in [search] are not of a study of the kind \"{}\"",
+                head.kind.name()
+            );
+            return Err(within.fault(None, what, "leave them out: its fits take seconds"));
+        }
+        let time_limit = within.maybe(file.search.time_limit.as_ref(), Quantity::Time)?;
+        if let (Some(text), Some(limit)) = (&file.search.time_limit, time_limit)
+            && !(limit > 0.0 && limit.is_finite())
+        {
+            let what = format!("`search.time_limit` is \"{}\", which is not above zero", text.as_ref());
+            return Err(within.fault(Some(text.span().start), what, "give a time such as \"600 s\", or leave it out"));
+        }
         let ends = |texts: &Vec<Spanned<String>>| {
             texts.iter().map(|text| within.si(text, Quantity::Time)).collect::<Result<Vec<f64>, _>>()
         };
@@ -394,6 +433,8 @@ impl Study {
             runs,
             sought,
             more_starts: file.search.more_starts,
+            most_steps: file.search.most_steps.map(Spanned::into_inner),
+            time_limit,
             robust,
             horizon,
             units_are_right: head.units_are_right,

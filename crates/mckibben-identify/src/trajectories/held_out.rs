@@ -1,30 +1,34 @@
 //! How far off the model is in a run that it has not seen: each run in turn is left out of the fit. A number that only this run
 //! has cannot come from the others: it is found from the run itself, with all others held.
 
-use super::{Identified, Observed, Recorded, Runs, Task};
+use super::{Identified, Observed, Recorded, Runs, Simulated, Task};
 use crate::least_squares::{self, Search, Unknown};
 
 /// The errors of one run, in it and out of it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct HeldOutRun {
     /// The run that was left out.
     pub name: String,
+    /// The run as the others predict it.
+    pub simulated: Simulated,
+    /// Values of all unknowns by which they predict it.
+    pub values: Vec<f64>,
     /// Root mean square of what is left of each quantity, in its SI unit: with the run in the fit, and without.
     pub errors: Vec<(Observed, [f64; 2])>,
 }
 
 impl Task {
     /// The errors of each run when the others alone tell the numbers, from the values that all of them told. Empty for a
-    /// single run, and for runs in segments, which cannot be foretold; a run without which the numbers are not found is left
-    /// out.
+    /// single run, for runs in segments, which cannot be predicted, and once the monitor has ended the search; a run without which
+    /// the numbers are not found is left out.
     pub fn held_out(&self, found: &Identified) -> Vec<HeldOutRun> {
-        if self.runs.len() < 2 || found.segments.is_some() {
+        if self.runs.len() < 2 || found.segments.is_some() || self.search.monitor.is_stopped() {
             return Vec::new();
         }
         let scales = || found.scales.clone();
         let values = found.found.fit.values();
         let from = least_squares::starting_at(&self.unknowns, &values);
-        let few = Search { most_steps: 50, ..self.search.clone() };
+        let few = Search { most_steps: self.search.most_steps.min(50), any_end: true, ..self.search.clone() };
         // The unknowns that count, as these runs tell them from these values.
         let told = |runs: &[Recorded], of: &[usize], values: &mut [f64]| {
             let runs: Vec<Recorded> = runs.iter().map(|run| run.only(of, values)).collect::<Result<_, _>>().ok()?;
@@ -35,8 +39,8 @@ impl Task {
             for (unknown, value) in of.iter().zip(fit.values()) {
                 values[*unknown] = value;
             }
-            // What they do not tell cannot be foretold.
-            fit.untold.is_empty().then_some(())
+            // What they do not identify cannot be predicted, nor can what was not searched to the end.
+            (fit.untold.is_empty() && !fit.ending.is_early()).then_some(())
         };
         let without = |place: usize| {
             let others = [&self.runs[..place], &self.runs[place + 1..]].concat();
@@ -55,7 +59,13 @@ impl Task {
                 let scale = alone.scale(&of);
                 (of, [inside * scale, outside * scale])
             });
-            Some(HeldOutRun { name: self.runs[place].name.clone(), errors: errors.collect() })
+            let simulated = self.runs[place].simulated(&foretold, self.tolerance).ok()?;
+            Some(HeldOutRun {
+                name: self.runs[place].name.clone(),
+                errors: errors.collect(),
+                simulated,
+                values: foretold,
+            })
         };
         (0..self.runs.len()).filter_map(without).collect()
     }

@@ -32,6 +32,7 @@ mod search;
 mod sensor;
 mod shooting;
 mod simulated;
+mod step_info;
 mod subject;
 
 pub use held_out::HeldOutRun;
@@ -41,6 +42,7 @@ pub use sampling::Sampling;
 pub use search::{Horizon, Identified, Task, TrajectoryError};
 pub use sensor::{AMOUNTS, Amount, Sensor};
 pub use simulated::{Simulated, SimulatedReader, Watch};
+pub use step_info::StepInfo;
 pub use subject::{AdjustablePlant, Described, Subject, SubjectError};
 
 use crate::least_squares::{Evaluation, Model, Monitor};
@@ -109,8 +111,8 @@ impl Recorded {
         all
     }
 
-    /// Readings of a course at times that do not fall, with values of all unknowns.
-    fn read(&self, course: &TimeSeries, simulated: &Simulated, times: &[f64], values: &[f64]) -> Vec<f64> {
+    /// What a simulated run with values of all unknowns says that the sensor of a course reads at times that do not fall.
+    pub fn readings(&self, course: &TimeSeries, (simulated, values): (&Simulated, &[f64]), times: &[f64]) -> Vec<f64> {
         let mut readings = Vec::with_capacity(times.len());
         let sensor = course.sensor.at(values);
         sensor.read(simulated, &course.observed, times.iter().copied(), |reading| readings.push(reading.value));

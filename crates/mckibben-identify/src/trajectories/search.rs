@@ -1,7 +1,8 @@
 //! The search: scales of the quantities, starts, and a horizon that grows.
 
-use super::{Described, Observed, Recorded, Runs, Simulated, SubjectError, TimeSeries, observed_in, shooting};
-use crate::least_squares::{self, Evaluation, Fit, FitError, Found, Model, Search, Unknown};
+use super::shooting::{self, Shot};
+use super::{Described, Observed, Recorded, Runs, Simulated, SubjectError, TimeSeries, observed_in};
+use crate::least_squares::{self, Ending, Evaluation, Fit, FitError, Found, Model, Monitor, Search, Unknown};
 use crate::series;
 use thiserror::Error as ThisError;
 
@@ -52,6 +53,8 @@ pub struct Identified {
     pub simulated: Vec<Simulated>,
     /// Duration in s of the segments of which the runs are made, where they could not be fitted whole.
     pub segments: Option<f64>,
+    /// What ended the search from outside before it was done, if something did: an interruption, or the limit of time.
+    pub stopped: Option<Ending>,
 }
 
 /// Why nothing was found.
@@ -100,12 +103,12 @@ pub enum TrajectoryError {
         error: SubjectError,
     },
     /// A number that the model does not have at its start.
-    #[error(
-        "`{path}` does nothing where it starts: the part that it belongs to is absent at zero, or acts in none of the runs; start elsewhere, or hold it"
-    )]
+    #[error("`{path}` changes no reading where it starts, at {start}: {}", silence(path))]
     Silent {
         /// The number.
         path: String,
+        /// Its start, in its SI unit.
+        start: f64,
     },
     /// Numbers of sensors in segments.
     #[error(
@@ -128,8 +131,31 @@ pub enum TrajectoryError {
     Fit(#[from] FitError),
 }
 
+/// Why a parameter may change no reading, and what to do about it.
+fn silence(path: &str) -> &'static str {
+    match path.contains("_delay") || path.contains("dead_time") {
+        true => {
+            "a valve whose delay is longer than its pulses never moves; start below the shortest pulse, or give runs with longer pulses"
+        }
+        false => {
+            "the part that it belongs to is absent at zero, or acts in none of the runs; start elsewhere, or hold it"
+        }
+    }
+}
+
+impl Runs<'_> {
+    /// The starts of the unknowns as the values that a search had reached when it was ended from outside.
+    fn unfinished(&self, unknowns: &[Unknown], ending: Ending) -> Fit {
+        let values: Vec<f64> = unknowns.iter().map(|unknown| unknown.start).collect();
+        let calm = Runs { scales: self.scales.clone(), monitor: Monitor::default(), ..*self };
+        let residuals = calm.residuals_at(&values);
+        Fit::without_intervals(unknowns, &values, &residuals, residuals.len(), ending)
+    }
+}
+
 impl Task {
-    /// Looks for the values.
+    /// Searches for the values that fit best. Where the search does not end at a minimum, or is ended by its monitor, the result
+    /// has the best values without intervals, and says so: [`Fit::ending`], [`Identified::stopped`].
     ///
     /// # Errors
     /// [`TrajectoryError`], which says what to do.
@@ -142,21 +168,33 @@ impl Task {
             .collect();
         let scales = spans.iter().map(|(of, (scale, _))| (of.clone(), *scale)).collect();
         let all_known = spans.iter().all(|(_, (_, known))| *known);
-        let search = Search { known_scales: all_known, ..self.search.clone() };
+        let search = Search { known_scales: all_known, any_end: true, ..self.search.clone() };
         let mut runs = Runs::whole(&self.runs, scales, self.tolerance, &self.search.monitor);
         let mut unknowns = self.unknowns.clone();
-        let mut starts = self.starts.clone();
+        let mut starts = self.starts.as_slice();
+        let mut first: Option<Found> = None;
         if let Horizon::Growing(ends) = &self.horizon {
             for end in ends {
                 runs.until = *end;
-                let found = least_squares::fit_from(&runs, &unknowns, &starts, &search)?;
+                let found = match least_squares::fit_from(&runs, &unknowns, starts, &search) {
+                    Err(FitError::Interrupted) if first.is_some() => break,
+                    found => found?,
+                };
                 unknowns = least_squares::starting_at(&unknowns, &found.fit.values());
-                starts.clear();
+                starts = &[];
+                // What the starts led to is said of the beginning, from which the later stages go on.
+                first.get_or_insert(found);
             }
             runs.until = f64::INFINITY;
         }
-        let mut found = self.searched(&runs, &unknowns, &starts, &search)?;
-        if !all_known {
+        let mut found = match (search.monitor.ending(), &first) {
+            (Some(ending), Some(_)) => (Found::only(runs.unfinished(&unknowns, ending)), None),
+            _ => self.searched(&runs, &unknowns, starts, &search)?,
+        };
+        if let Some(first) = first {
+            found.0 = Found { fit: found.0.fit, ..first };
+        }
+        if !all_known && !search.monitor.is_stopped() {
             // Weigh each quantity by what is left of it, and go on from there.
             let scatter = runs.scatter(&found.0.fit.residuals);
             let rough = runs.scales.clone();
@@ -166,7 +204,8 @@ impl Task {
                 *scale *= left.max(1e-9);
             }
             unknowns = least_squares::starting_at(&unknowns, &found.0.fit.values());
-            match self.searched(&runs, &unknowns, &[], &search) {
+            let polish = Search { any_end: found.0.fit.ending != Ending::Minimum, ..search.clone() };
+            match self.searched(&runs, &unknowns, &[], &polish) {
                 Ok((polished, joined)) => found = (Found { fit: polished.fit, ..found.0 }, joined),
                 // Readings without noise leave nothing to weigh by.
                 Err(_) => runs.scales = rough,
@@ -185,7 +224,8 @@ impl Task {
         let scatter = runs.scatter(&found.fit.residuals);
         let left = scatter.into_iter().map(|(of, left)| (of.clone(), left * runs.scale(&of))).collect();
         let scales = runs.scales;
-        Ok(Identified { found, scenarios, left, scales, simulated, segments })
+        let stopped = self.search.monitor.ending();
+        Ok(Identified { found, scenarios, left, scales, simulated, segments, stopped })
     }
 
     /// The best values from these starts, with the runs in segments where they cannot be fitted whole.
@@ -199,20 +239,21 @@ impl Task {
         let Horizon::Segments(every) = self.horizon else {
             return Ok((least_squares::fit_from(runs, unknowns, starts, search)?, None));
         };
-        let (joined, simulated) = shooting::fit(runs, unknowns, every, search)?;
+        let (joined, simulated) = match shooting::fit(runs, unknowns, every, search)? {
+            Shot::Joined(fit, simulated) => (fit, simulated),
+            Shot::Stopped(values, ending) => {
+                let reached = least_squares::starting_at(unknowns, &values);
+                return Ok((Found::only(runs.unfinished(&reached, ending)), None));
+            }
+        };
         let from = least_squares::starting_at(unknowns, &joined.values());
         // From there a run that can be fitted whole is, in a few steps.
-        let few = Search { most_steps: 20, ..search.clone() };
+        let few = Search { most_steps: search.most_steps.min(20), any_end: false, ..search.clone() };
         let squares = |fit: &Fit| fit.residuals.iter().map(|residual| residual * residual).sum::<f64>();
         match least_squares::fit(runs, &from, &few) {
-            Ok(fit) if squares(&fit) <= 1.01 * squares(&joined) => Ok((Found { fit, tried: 1, agreeing: 1 }, None)),
-            _ => Ok((Found { fit: joined, tried: 1, agreeing: 1 }, Some(simulated))),
+            Ok(fit) if squares(&fit) <= 1.01 * squares(&joined) => Ok((Found::only(fit), None)),
+            _ => Ok((Found::only(joined), Some(simulated))),
         }
-    }
-
-    /// What the fitted model says that the sensor of a course reads at times that do not fall, in the run of an index.
-    pub fn readings(&self, found: &Identified, run: usize, course: &TimeSeries, times: &[f64]) -> Vec<f64> {
-        self.runs[run].read(course, &found.simulated[run], times, &found.found.fit.values())
     }
 
     pub(super) fn courses<'s>(&'s self, observed: &'s Observed) -> impl Iterator<Item = &'s TimeSeries> {
@@ -277,11 +318,15 @@ impl Task {
         }
         let Evaluation { residuals, slopes } = runs.evaluate(&first);
         if !residuals.iter().all(|residual| residual.is_finite()) {
-            return Err(FitError::NoStart.into());
+            let is_stopped = self.search.monitor.is_stopped();
+            return Err(if is_stopped { FitError::Interrupted } else { FitError::NoStart }.into());
         }
         let silent = |unknown: &usize| slopes.iter().skip(*unknown).step_by(first.len()).all(|slope| *slope == 0.0);
         match (0..first.len()).find(silent) {
-            Some(unknown) => Err(TrajectoryError::Silent { path: self.unknowns[unknown].name.clone() }),
+            Some(unknown) => {
+                let Unknown { name, start, .. } = &self.unknowns[unknown];
+                Err(TrajectoryError::Silent { path: name.clone(), start: *start })
+            }
             None => Ok(()),
         }
     }

@@ -18,7 +18,7 @@
 
 use super::{Observed, Recorded, Runs, Simulated, SubjectError, TrajectoryError};
 use crate::adjustable::Seeded;
-use crate::least_squares::{self, Evaluation, Fit, Model, Search, Unknown};
+use crate::least_squares::{self, Ending, Evaluation, Fit, Model, Search, Unknown};
 use crate::series::Polynomial;
 use mckibben::Instantiate;
 use mckibben::simulation::{Rig, State, simulate_in_segments};
@@ -281,13 +281,16 @@ impl Model for Segments<'_> {
     }
 }
 
-/// The numbers from segments of so many seconds, and each run in its segments.
-pub(super) fn fit(
-    runs: &Runs<'_>,
-    unknowns: &[Unknown],
-    every: f64,
-    search: &Search,
-) -> Result<(Fit, Vec<Simulated>), TrajectoryError> {
+/// What came of segments.
+pub(super) enum Shot {
+    /// The parameters, and each run in its segments.
+    Joined(Fit, Vec<Simulated>),
+    /// The values that had been reached when the search was ended from outside.
+    Stopped(Vec<f64>, Ending),
+}
+
+/// The parameters from segments of so many seconds.
+pub(super) fn fit(runs: &Runs<'_>, unknowns: &[Unknown], every: f64, search: &Search) -> Result<Shot, TrajectoryError> {
     let mut values: Vec<f64> = unknowns.iter().map(|unknown| unknown.start).collect();
     let mut chains = Vec::new();
     let mut first = unknowns.len();
@@ -301,9 +304,16 @@ pub(super) fn fit(
         segments.slack = slack;
         let from = least_squares::starting_at(unknowns, &values).into_iter();
         let all: Vec<Unknown> = from.chain(segments.chains.iter().flat_map(Chain::unknowns)).collect();
-        let found = least_squares::descended(&segments, &all, &Search { most_steps: steps, ..search.clone() })?;
+        let most_steps = search.most_steps.min(steps);
+        let found = least_squares::descended(&segments, &all, &Search { most_steps, ..search.clone() });
+        if let Some(ending) = search.monitor.ending() {
+            let reached = found.map(|found| found[..segments.numbers].to_vec()).unwrap_or(values);
+            return Ok(Shot::Stopped(reached, ending));
+        }
+        let found = found?;
         segments.chains.iter_mut().for_each(|chain| chain.move_to(&found));
         values = found[..segments.numbers].to_vec();
     }
-    segments.found(unknowns, values, search)
+    let (fit, simulated) = segments.found(unknowns, values, search)?;
+    Ok(Shot::Joined(fit, simulated))
 }

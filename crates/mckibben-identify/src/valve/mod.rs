@@ -82,7 +82,8 @@ pub enum ValveError {
     /// A critical ratio that no passage has.
     #[error(
         "the critical ratio comes out as {value}, outside 0 to 1; check the units, and that both pressures are absolute: a gauge \
-         pressure lacks the atmosphere's"
+         pressure lacks the atmosphere's{}",
+        line_of(*value)
     )]
     CriticalRatio {
         /// What came out.
@@ -113,4 +114,15 @@ pub enum ValveError {
     /// Nothing fits.
     #[error(transparent)]
     Fit(#[from] FitError),
+}
+
+/// What a critical ratio below zero is the signature of.
+fn line_of(value: f64) -> &'static str {
+    match value < 0.0 {
+        true => {
+            ". Below 0 a flow falls with every rise of the downstream pressure, as through a line: measure the pressures at the valve \
+             itself, or describe the line by [hose]"
+        }
+        false => "",
+    }
 }

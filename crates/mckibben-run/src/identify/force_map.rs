@@ -40,6 +40,20 @@ impl Judged {
         self.candidate.unknowns.len()
     }
 
+    /// Whether the data identify all of its parameters.
+    fn is_told(&self) -> bool {
+        self.fit.fit.untold.is_empty()
+    }
+
+    /// The error by which laws are compared, of which there is but one: the root mean square where the groups were left out one by
+    /// one, infinite where the others do not determine the law; in its sample where nothing can be left out.
+    fn error(&self, by: Option<Grouping>) -> f64 {
+        match by {
+            Some(by) => self.held(by).map_or(f64::INFINITY, |errors| errors.root_mean_square),
+            None => self.fit.errors.root_mean_square,
+        }
+    }
+
     fn held(&self, by: Grouping) -> Option<Errors> {
         self.held_out(by)?.errors()
     }
@@ -71,20 +85,22 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     units(material, &map, &base, &mut warnings)?;
     possible(&map, &base, &place)?;
     let deviation = deviation(&material.recordings);
-    let (judged, unfitted) = judged(material, &map, &base, deviation)?;
+    let (mut judged, unfitted) = judged(material, &map, &base, deviation)?;
     warnings.extend(unfitted);
     let by = criterion(&judged);
+    judged.sort_by(|a, b| b.is_told().cmp(&a.is_told()).then(a.error(by).total_cmp(&b.error(by))));
     let Some(best) = best(&judged, by) else {
         let why = warnings.iter().filter(|warning| warning.contains("was not fitted")).take(NAMED).cloned();
         let why: String = why.map(|why| format!("; {why}")).collect();
         let title = format!("no law could be fitted: give more points, at more lengths and pressures{why}");
         return Err(Failure::stopped(title));
     };
-    warnings.extend(values::warnings(&best.fit.fit));
+    warnings.extend(values::warnings(&best.fit.fit, &best.candidate.unknowns));
+    warnings.extend(material.stopped());
     warnings.extend(astray_readings(&map, best, &place));
     let text = format!("# By `mckibben identify`: {}.\n\n{}", best.candidate.name, best.fit.scenario.to_toml());
     let told = values::table(format!("{}: fitted numbers", best.candidate.name), &best.fit.fit);
-    let table = comparison(&judged);
+    let table = comparison(&judged, by);
     let sections = sections(material, &map, &base, &judged, best, &table, &text);
     Ok(Outcome {
         title: format!("Laws of static force for {}", material.name()),
@@ -246,15 +262,18 @@ fn criterion(judged: &[Judged]) -> Option<Grouping> {
         .map(|(by, _)| by)
 }
 
-/// The law with the least error where it has not looked; of those within a tenth of it, the one with the fewest numbers.
+/// Laws whose error is so many times the least are as good as the one that has it.
+const AS_GOOD: f64 = 1.1;
+
+/// The law that errs least, of those whose parameters the data identify.
+fn least(judged: &[Judged], by: Option<Grouping>) -> Option<&Judged> {
+    judged.iter().filter(|of| of.is_told()).min_by(|a, b| a.error(by).total_cmp(&b.error(by)))
+}
+
+/// The law that is taken: of those that err little more than the least, the one with the fewest parameters.
 fn best(judged: &[Judged], by: Option<Grouping>) -> Option<&Judged> {
-    let error = |of: &Judged| match by {
-        Some(by) => of.held(by).map_or(f64::INFINITY, |errors| errors.root_mean_square),
-        None => of.fit.errors.root_mean_square,
-    };
-    let told = || judged.iter().filter(|of| of.fit.fit.untold.is_empty());
-    let least = told().map(error).fold(f64::INFINITY, f64::min);
-    told().filter(|of| error(of) <= 1.1 * least).min_by_key(|of| of.numbers())
+    let most = AS_GOOD * least(judged, by)?.error(by);
+    judged.iter().filter(|of| of.is_told() && of.error(by) <= most).min_by_key(|of| of.numbers())
 }
 
 /// The law with the least error in its own sample.
@@ -279,21 +298,33 @@ fn introduction(
             None => "The scatter about each law says how sure its numbers are.".to_owned(),
         }
     )];
+    let Some(least) = least(judged, by) else { return words };
+    let rule = "Laws are compared by their root mean square errors";
+    let taken = |error: f64| match least.candidate.name == best.candidate.name {
+        true => String::new(),
+        false => format!(
+            " `{}` is taken: of the laws within a tenth of that it has the fewest parameters, {}, and errs by {:.2} %.",
+            best.candidate.name,
+            best.numbers(),
+            100.0 * error
+        ),
+    };
+    let (name, error, numbers) = (&least.candidate.name, 100.0 * least.error(by), least.numbers());
     let Some(by) = by else {
         words.push(format!(
-            "Least error: {}. There are too few lengths, pressures and runs to leave one out.",
-            best.candidate.name
+            "{rule} in their own sample: there are too few lengths, pressures and runs to leave one out. `{name}` errs least: {error:.2} % \
+             with {numbers} parameters.{}",
+            taken(best.error(None))
         ));
         return words;
     };
-    if let (Some(nearest), Some(out)) = (nearest(judged), best.held(by)) {
+    if let Some(nearest) = nearest(judged) {
         words.push(format!(
-            "Where it has not looked, {} left out one by one, `{}` errs least: {} with {} numbers, and {} in its own sample.",
+            "{rule} where they have not looked, {} left out one by one. `{name}` errs least: {error:.2} % with {numbers} parameters, and {} in \
+             its own sample.{}",
             by.name(),
-            best.candidate.name,
-            percent(out),
-            best.numbers(),
-            percent(best.fit.errors)
+            percent(least.fit.errors),
+            taken(best.error(Some(by)))
         ));
         if nearest.candidate.name != best.candidate.name {
             let beyond = match nearest.held(by) {
@@ -320,7 +351,7 @@ fn percents(errors: Option<Errors>) -> [String; 2] {
     }
 }
 
-fn comparison(judged: &[Judged]) -> Table {
+fn comparison(judged: &[Judged], by: Option<Grouping>) -> Table {
     let groupings: Vec<Grouping> = Grouping::ALL
         .into_iter()
         .filter(|by| judged.iter().any(|of| of.held_out.iter().any(|held| held.by == *by)))
@@ -350,10 +381,15 @@ fn comparison(judged: &[Judged]) -> Table {
         });
         row
     };
+    let order = match by {
+        Some(by) => format!("the root mean square of held-out {}", by.name()),
+        None => "the root mean square in sample".to_owned(),
+    };
     let caption = "Errors in percent of the largest tension. Held out: each length, pressure or run in turn is left out of the fit, and the \
                    error is taken there; – where the others do not determine the law. Between: the same without the first and the last of \
                    them, which lie beyond the others. Condition: of the numbers, each over its size."
         .to_owned();
+    let caption = format!("{caption} In the order of {order}; laws whose numbers the data do not tell come last.");
     Table { caption, head, rows: judged.iter().map(row).collect() }
 }
 
@@ -389,7 +425,7 @@ fn sections(
         Section {
             id: "fit",
             label: "Fit",
-            title: "The law that errs least where it has not looked",
+            title: "The law that is taken",
             paragraphs: vec![format!("`{}`, as the scenario file below has it.", best.candidate.name)],
             plates: fitted(map, best).into_iter().chain([residuals(map, &pair)]).collect(),
             tables: vec![

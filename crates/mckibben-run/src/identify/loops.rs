@@ -2,12 +2,13 @@
 
 use super::outcome::{self, Outcome, Stems};
 use super::prediction::Prediction;
-use super::{Material, column, gauge_pressures, sought, values};
+use super::{Material, column, gauge_pressures, minima, sought, values};
 use crate::failure::Failure;
 use crate::quantities::quantity;
 use crate::report::{Data, Plate, Section, Table};
 use mckibben::parameter;
 use mckibben_identify::adjustable::Adjustable;
+use mckibben_identify::least_squares::Ending;
 use mckibben_identify::loops::{Loop, LoopError, LoopFit, LoopTask, Sample, tensions};
 use mckibben_identify::study::{Quantity, Recording};
 use mckibben_plot::{Axis, Colour, Figure, Legend, Panel, Series};
@@ -25,7 +26,7 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     let given = material.document.says_of_each(parameter::MIN_LENGTH.key);
     let task = LoopTask {
         adjustable: Adjustable::new(scenario, places, given),
-        starts: sought::more_starts(&unknowns, material.study.more_starts),
+        starts: sought::more_starts(&material.study, &unknowns, material.study.more_starts.unwrap_or(0)),
         unknowns,
         loops,
         deviation,
@@ -36,10 +37,13 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
         _ => Failure::input(error.to_string(), "see docs/identify.md"),
     })?;
     let mut warnings = material.notes();
-    warnings.extend(values::warnings(&found.found.fit));
+    warnings.extend(values::warnings(&found.found.fit, &task.unknowns));
+    warnings.extend(material.stopped().filter(|_| found.found.fit.ending == Ending::Minimum));
+    let minima = minima::of(&found.found, &task.unknowns);
+    warnings.extend(minima.words());
     let scenarios = vec![("scenario.toml".to_owned(), outcome::file(&found.scenario))];
     let numbers = values::table("Numbers with their 95 % intervals".to_owned(), &found.found.fit);
-    let sections = sections(&task, &found, &numbers, &scenarios)?;
+    let sections = sections(&task, &found, [&numbers, &minima.table], &scenarios)?;
     let predictions = predictions(&task, &found)?;
     let readings = found.found.fit.residuals.len();
     let introduction = format!(
@@ -55,8 +59,10 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
         table: Table::default(),
         values: numbers,
         predictions,
-        correlations: found.found.fit.correlations,
+        correlations: values::matrix(&found.found.fit),
         estimates: found.found.fit.estimates,
+        minima: minima.table,
+        other_minima: minima.others,
         warnings,
         scenarios,
         ..Outcome::default()
@@ -107,10 +113,12 @@ fn predictions(task: &LoopTask, found: &LoopFit) -> Result<Vec<Prediction>, Fail
 fn sections(
     task: &LoopTask,
     found: &LoopFit,
-    numbers: &Table,
+    tables: [&Table; 2],
     scenarios: &[(String, String)],
 ) -> Result<Vec<Section>, Failure> {
     let driven = found.scenario.driven().map_err(|error| Failure::stopped(error.to_string()))?;
+    let tables = tables.into_iter().cloned().chain([values::correlations(&found.found.fit)]);
+    let tables = tables.filter(|table| !table.head.is_empty()).collect();
     let plates = task.loops.iter().zip(STEMS).map(|(of, stem)| {
         let pairs = tensions(of, &driven.actuator);
         let lengths: Vec<f64> = pairs.iter().map(|(sample, _)| sample.length).collect();
@@ -138,7 +146,7 @@ fn sections(
         }
     });
     Ok(vec![
-        outcome::numbers(vec![numbers.clone(), values::correlations(&found.found.fit)], scenarios),
+        outcome::numbers(tables, scenarios),
         Section {
             id: "loops",
             label: "Loops",

@@ -10,6 +10,8 @@
 //! | `valve` | a valve from steady flow, a tank, or the pressure under a pulse train |
 //! | `sought` | the numbers that a study looks for |
 //! | `values` | numbers with their intervals, as tables |
+//! | `responses` | overshoot, first peak, frequency and settling of step-like runs |
+//! | `minima` | the other minima that searches from several starts led to |
 //! | `prediction` | measurements beside what the fitted model predicts |
 //! | `outcome` | what every kind of study comes to, and the files that are written of it |
 //!
@@ -18,9 +20,11 @@
 
 mod force_map;
 mod loops;
+mod minima;
 mod outcome;
 mod plant;
 mod prediction;
+mod responses;
 mod rings;
 mod sensors;
 mod sought;
@@ -29,12 +33,16 @@ mod values;
 mod valve;
 
 use crate::failure::{Failure, Reason};
-use mckibben_identify::least_squares::{Loss, Monitor, Search};
+pub use mckibben_identify::least_squares::Monitor;
+use mckibben_identify::least_squares::{Loss, Search};
 use mckibben_identify::study::{Column, Kind, Quantity, Recording, Severity, Study, StudyError, Table};
 use mckibben_scenario::Document;
+pub use minima::OtherMinimum;
 pub use outcome::{Outcome, WARNED};
 pub use prediction::Prediction;
+pub use responses::StepResponse;
 use std::path::Path;
+use std::time::Duration;
 
 /// What a study is made of, read.
 struct Material {
@@ -74,6 +82,11 @@ impl Request {
         Ok(Self { study, document, monitor: Monitor::default() })
     }
 
+    /// Whether its search has a result whenever its monitor ends it.
+    pub fn ends_at_any_time(&self) -> bool {
+        self.study.kind.has_search()
+    }
+
     /// Ends the search from another thread.
     pub fn followed_by(self, monitor: Monitor) -> Self {
         Self { monitor, ..self }
@@ -81,7 +94,7 @@ impl Request {
 }
 
 /// Fits what a study asks for. Where that fails, the outcome has what there is, and [`Outcome::verdict`] says so; `folder` is
-/// where it is to be written, if it is.
+/// where it is to be written, if it is. Where the monitor of the request ends the search, the outcome has the best values so far.
 ///
 /// # Errors
 /// The input is wrong; also where the folder is one in which a file that is read would be written over.
@@ -93,6 +106,9 @@ pub fn identified(request: Request, folder: Option<&Path>) -> Result<Outcome, Fa
         _ => document.scenario().map(|_| ())?,
     }
     let recordings = study.recordings().map_err(mistake)?;
+    if let Some(limit) = study.time_limit.and_then(|limit| Duration::try_from_secs_f64(limit).ok()) {
+        monitor.stop_after(limit);
+    }
     let material = Material { study, document, recordings, monitor };
     let found = match material.study.kind {
         Kind::ForceMap => force_map::outcome(&material),
@@ -106,6 +122,10 @@ pub fn identified(request: Request, folder: Option<&Path>) -> Result<Outcome, Fa
     };
     match found {
         Err(failure) if failure.reason() == Reason::Stopped => Ok(Outcome::nothing(&material, failure)),
+        Ok(found) => {
+            let interrupted = material.study.kind.has_search() && material.monitor.is_stopped();
+            Ok(Outcome { interrupted, ..found })
+        }
         found => found,
     }
 }
@@ -135,9 +155,15 @@ impl Material {
     fn search(&self) -> Search {
         Search {
             loss: self.study.robust.map_or(Loss::Squares, Loss::Huber),
+            most_steps: self.study.most_steps.unwrap_or(Search::default().most_steps),
             monitor: self.monitor.clone(),
             ..Search::default()
         }
+    }
+
+    /// That an interruption or the limit of time has ended the search before it was done, if so.
+    fn stopped(&self) -> Option<String> {
+        Some(format!("{}{}", outcome::WARNED, values::early(self.monitor.ending()?)))
     }
 
     /// What was found in the data, the graver first.

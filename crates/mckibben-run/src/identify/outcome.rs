@@ -1,6 +1,8 @@
 //! What a study comes to: words for the terminal, a page, a scenario file, and the numbers.
 
+use super::minima::OtherMinimum;
 use super::prediction::Prediction;
+use super::responses::StepResponse;
 use super::{Material, force_map, loops, rings, trajectories, valve};
 use crate::failure::Failure;
 use crate::output;
@@ -17,7 +19,7 @@ pub(super) type Stems = [&'static str; 6];
 /// The measurements of a study in which nothing was found.
 const MEASURED: Stems = ["measured-1", "measured-2", "measured-3", "measured-4", "measured-5", "measured-6"];
 const SCENARIO: &str = "scenario.toml";
-const TABLES: [&str; 2] = ["comparison.csv", "values.csv"];
+const TABLES: [&str; 4] = ["comparison.csv", "values.csv", "minima.csv", "responses.csv"];
 
 /// The name of a run's scenario, where runs have their own.
 pub(super) fn scenario_of(run: &str) -> String {
@@ -104,6 +106,16 @@ pub struct Outcome {
     pub values: Table,
     /// The values with their standard errors, as numbers.
     pub estimates: Vec<Estimate>,
+    /// Whether the search was interrupted, or its time was over, before it was done.
+    pub interrupted: bool,
+    /// The ends of searches from several starts, where there are more than one: first that of the values.
+    pub(super) minima: Table,
+    /// The other ends as numbers, the nearest to the measurements first.
+    pub other_minima: Vec<OtherMinimum>,
+    /// Overshoot, first peak, frequency and settling of step-like runs, measured beside predicted.
+    pub responses: Table,
+    /// Likewise as numbers.
+    pub step_responses: Vec<StepResponse>,
     /// Correlations of the estimates, row by row; empty where they do not come from one fit.
     pub correlations: Vec<Vec<f64>>,
     /// The readings with the predictions of the fitted model; empty where nothing was found, and of a
@@ -204,7 +216,7 @@ impl Outcome {
         for (name, text) in &self.scenarios {
             output::write(&folder.join(name), text.as_bytes())?;
         }
-        for (table, name) in [&self.table, &self.values].into_iter().zip(TABLES) {
+        for (table, name) in [&self.table, &self.values, &self.minima, &self.responses].into_iter().zip(TABLES) {
             if !table.head.is_empty() {
                 let path = folder.join(name);
                 output::write(&path, &table.to_csv(&path)?)?;

@@ -75,11 +75,11 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
         table,
         values: Table::default(),
         estimates,
-        correlations: Vec::new(),
         predictions,
         warnings,
         scenarios,
         failed,
+        ..Outcome::default()
     })
 }
 

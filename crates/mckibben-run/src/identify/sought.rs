@@ -181,19 +181,38 @@ pub(super) fn read(
     Ok(Unknown { prior: prior.map(|(mean, deviation)| [mean, deviation]), ..unknown })
 }
 
-/// Starts spread evenly over what is bounded on both sides, one sequence for each unknown.
-pub(super) fn more_starts(unknowns: &[Unknown], count: usize) -> Vec<Vec<f64>> {
+/// So many starts, spread evenly in the ranges of [`spread`]: a sequence of its own for each unknown.
+pub(super) fn more_starts(study: &Study, unknowns: &[Unknown], count: usize) -> Vec<Vec<f64>> {
     let primes: [f64; 8] = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0];
     let start = |row: usize| {
         let of = |(place, unknown): (usize, &Unknown)| {
             let part = ((row + 1) as f64 * primes[place % primes.len()].sqrt()).fract();
-            let [least, largest] = unknown.bounds;
-            match (least.is_finite(), largest.is_finite()) {
-                (true, true) => least + (largest - least) * part,
-                _ => unknown.start * (0.3_f64).powf(1.0 - 2.0 * part),
-            }
+            spread(study, unknown, part).clamp(unknown.bounds[0], unknown.bounds[1])
         };
         unknowns.iter().enumerate().map(of).collect()
     };
     (0..count).map(start).collect()
+}
+
+/// The value at a part of an unknown's range of starts: two deviations about the mean of its prior; else its bounds where the study
+/// says how large it may be, or where they lie within ten times its start, in equal ratios where they are positive and a
+/// hundred times apart; else from 0.3 of its start to its start over 0.3.
+fn spread(study: &Study, unknown: &Unknown, part: f64) -> f64 {
+    let [least, largest] = unknown.bounds;
+    let entry = study.sought.iter().find(|entry| match unknown.name.strip_prefix(entry.path.as_str()) {
+        Some(run) => run.is_empty() || run.starts_with(" ["),
+        None => false,
+    });
+    let says = entry.is_some_and(|entry| entry.to.is_some());
+    let near = [least, largest].iter().all(|bound| bound.abs() <= 10.0 * unknown.start.abs());
+    match unknown.prior {
+        Some([mean, deviation]) => mean + 2.0 * deviation * (2.0 * part - 1.0),
+        None if least.is_finite() && largest.is_finite() && (says || near) => {
+            match least > 0.0 && largest / least >= 100.0 {
+                true => least * (largest / least).powf(part),
+                false => least + (largest - least) * part,
+            }
+        }
+        None => unknown.start * (0.3_f64).powf(1.0 - 2.0 * part),
+    }
 }

@@ -4,20 +4,26 @@ use super::outcome::{self, Outcome, Stems, WARNED};
 use super::prediction::Prediction;
 use super::sensors::{self, OfSensor};
 use super::sought::{self, OfRun};
-use super::{Material, plant, pressure_of, values};
+use super::{Material, minima, plant, pressure_of, responses, values};
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::quantities::quantity;
 use crate::report::{Data, Plate, Section, Table};
 use mckibben::parameter;
 use mckibben_identify::adjustable::Adjustable;
-use mckibben_identify::least_squares::Unknown;
+use mckibben_identify::least_squares::{Ending, Search, Unknown};
 use mckibben_identify::study::{Input, Quantity, Recording};
 use mckibben_identify::trajectories::{
-    Described, Drift, HeldOutRun, Identified, Observed, Recorded, Task, TimeSeries, TrajectoryError, Unexplained,
+    Described, Drift, HeldOutRun, Horizon, Identified, Observed, Recorded, Task, TimeSeries, TrajectoryError,
+    Unexplained,
 };
 use mckibben_plot::{Axis, Colour, Figure, Legend, Panel, Series};
 use mckibben_scenario::{Load, PressureSeries, Scenario};
+
+/// More starts than the first, unless the study says how many: so many are evaluated once, and the search goes from so many of
+/// them, those of least cost.
+const SCREENED: usize = 16;
+const REFINED: usize = 2;
 
 /// The figures of the runs; the table speaks of all.
 pub(super) const STEMS: Stems = ["run-1", "run-2", "run-3", "run-4", "run-5", "run-6"];
@@ -31,12 +37,13 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
         _ => Failure::input(error.to_string(), "see docs/identify.md"),
     })?;
     let held_out = task.held_out(&found);
+    let step_responses = responses::of(&task, &found, &held_out);
+    let responses = responses::table(&step_responses);
     drop(progress);
-    warnings.extend(values::warnings(&found.found.fit));
-    if found.found.tried > 1 {
-        let (tried, agreeing) = (found.found.tried, found.found.agreeing);
-        warnings.push(format!("{agreeing} of {tried} starts led to this minimum."));
-    }
+    warnings.extend(values::warnings(&found.found.fit, &task.unknowns));
+    warnings.extend(material.stopped().filter(|_| !found.found.fit.ending.is_early()));
+    let minima = minima::of(&found.found, &task.unknowns);
+    warnings.extend(minima.words());
     if let Some(every) = found.segments {
         warnings.push(format!(
             "{WARNED}the runs are too sensitive to be fitted whole: a small change of a number is another course in the end. They were \
@@ -46,13 +53,14 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
         ));
     }
     warnings.extend(task.drifts(&found).iter().map(drifting));
-    warnings.extend(task.unexplained(&found).iter().map(unexplained));
+    let has_intervals = found.found.fit.ending == Ending::Minimum;
+    warnings.extend(task.unexplained(&found).iter().map(|rest| unexplained(rest, has_intervals)));
     let scenarios = outcome::files(
         task.runs.iter().map(|run| run.name.as_str()).zip(found.scenarios.iter().map(Described::to_toml)),
     );
     let numbers = values::table("Numbers with their 95 % intervals".to_owned(), &found.found.fit);
     let table = left(&found, &held_out);
-    let sections = sections(&task, &found, [&numbers, &table], &scenarios);
+    let sections = sections(&task, &found, [&numbers, &table, &responses, &minima.table], &scenarios);
     Ok(Outcome {
         title: format!("{} from courses in time", material.name()),
         introduction: introduction(&task, &found),
@@ -60,8 +68,12 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
         table,
         values: numbers,
         predictions: predictions(&task, &found),
-        correlations: found.found.fit.correlations,
+        correlations: values::matrix(&found.found.fit),
         estimates: found.found.fit.estimates,
+        minima: minima.table,
+        other_minima: minima.others,
+        responses,
+        step_responses,
         warnings,
         scenarios,
         ..Outcome::default()
@@ -73,15 +85,15 @@ fn task(material: &Material, warnings: &mut Vec<String>) -> Result<Task, Failure
         true => plant::runs(material, warnings)?,
         false => runs(material, warnings)?,
     };
-    let starts = sought::more_starts(&unknowns, material.study.more_starts);
-    Ok(Task {
-        runs,
-        unknowns,
-        starts,
-        horizon: material.study.horizon.clone(),
-        search: material.search(),
-        tolerance: 1e-8,
-    })
+    let horizon = material.study.horizon.clone();
+    let (count, refined) = match (material.study.more_starts, &horizon) {
+        (Some(count), _) => (count, None),
+        // In segments a search goes from one start.
+        (None, Horizon::Segments(_)) => (0, None),
+        (None, _) => (SCREENED, Some(REFINED)),
+    };
+    let starts = sought::more_starts(&material.study, &unknowns, count);
+    Ok(Task { runs, unknowns, starts, horizon, search: Search { refined, ..material.search() }, tolerance: 1e-8 })
 }
 
 /// The runs of one actuator or a joint, and the numbers that are looked for in them.
@@ -225,10 +237,12 @@ fn introduction(task: &Task, found: &Identified) -> Vec<String> {
     let readings: usize = task.runs.iter().flat_map(|run| &run.courses).map(|course| course.values.len()).sum();
     let numbers = counted(task.unknowns.len(), "parameter");
     let runs = counted(task.runs.len(), "run");
+    let condition = match found.found.fit.ending {
+        Ending::Minimum => format!(" Condition number {:.1e}.", found.found.fit.condition),
+        _ => String::new(),
+    };
     vec![format!(
-        "{numbers} from {readings} readings of {runs}, by trajectories with every event located and their exact derivatives. \
-         Condition number {:.1e}.",
-        found.found.fit.condition
+        "{numbers} from {readings} readings of {runs}, by trajectories with every event located and their exact derivatives.{condition}"
     )]
 }
 
@@ -248,12 +262,13 @@ fn drifting(drift: &Drift) -> String {
     )
 }
 
-fn unexplained(rest: &Unexplained) -> String {
+fn unexplained(rest: &Unexplained, has_intervals: bool) -> String {
+    let doubt = if has_intervals { " The intervals are too short." } else { "" };
     let (words, unit) = (rest.observed.words(), rest.observed.unit());
     format!(
         "{WARNED}what the model leaves of the {words}, {}, is more than its readings scatter from one to the next, {}: the scenario \
          lacks something, or the search has ended beside the best values (`more_starts`, `horizon` or `segments` in [search] help \
-         there). The intervals are too short.",
+         there).{doubt}",
         quantity(rest.left, unit),
         quantity(rest.noise, unit)
     )
@@ -285,8 +300,9 @@ fn left(found: &Identified, held_out: &[HeldOutRun]) -> Table {
     Table { caption, head: head.into_iter().map(String::from).collect(), rows: rows.collect() }
 }
 
-fn sections(task: &Task, found: &Identified, tables: [&Table; 2], scenarios: &[(String, String)]) -> Vec<Section> {
-    let tables = tables.into_iter().cloned().chain([values::correlations(&found.found.fit)]).collect();
+fn sections(task: &Task, found: &Identified, tables: [&Table; 4], scenarios: &[(String, String)]) -> Vec<Section> {
+    let tables = tables.into_iter().cloned().chain([values::correlations(&found.found.fit)]);
+    let tables = tables.filter(|table| !table.head.is_empty()).collect();
     let plates = (0..task.runs.len()).zip(STEMS);
     vec![
         outcome::numbers(tables, scenarios),
@@ -302,21 +318,24 @@ fn sections(task: &Task, found: &Identified, tables: [&Table; 2], scenarios: &[(
 
 /// Every reading of every run.
 fn predictions(task: &Task, found: &Identified) -> Vec<Prediction> {
+    let values = found.found.fit.values();
     let of_course = |run: usize, course: &TimeSeries| Prediction {
         run: task.runs[run].name.clone(),
         quantity: course.observed.words(),
         unit: course.observed.unit(),
         coordinates: vec![("time_s", course.times.clone())],
         measured: course.values.clone(),
-        predicted: task.readings(found, run, course, &course.times),
+        predicted: task.runs[run].readings(course, (&found.simulated[run], &values), &course.times),
     };
-    let of_run = |run: usize| task.runs[run].courses.iter().map(move |course| of_course(run, course));
+    let of_run = |run: usize| task.runs[run].courses.iter().map(|course| of_course(run, course)).collect::<Vec<_>>();
     (0..task.runs.len()).flat_map(of_run).collect()
 }
 
 fn plate(task: &Task, found: &Identified, index: usize, stem: &'static str) -> Plate {
     let run = &task.runs[index];
-    let last = found.simulated[index].duration();
+    let values = found.found.fit.values();
+    let fitted = (&found.simulated[index], &values[..]);
+    let last = fitted.0.duration();
     let mut data = Data::new(&["quantity", "time_s", "measured", "simulated"]);
     let mut panels = Vec::new();
     // Many quantities take lower panels, so that a figure stays on one page.
@@ -324,8 +343,8 @@ fn plate(task: &Task, found: &Identified, index: usize, stem: &'static str) -> P
     for (place, course) in run.courses.iter().enumerate() {
         let kind = course.observed.index().unwrap_or(Observed::ALL.len() + place);
         let times: Vec<f64> = (0..=600).map(|part| last * f64::from(part) / 600.0).collect();
-        let curve = task.readings(found, index, course, &times);
-        let predicted = task.readings(found, index, course, &course.times);
+        let curve = run.readings(course, fitted, &times);
+        let predicted = run.readings(course, fitted, &course.times);
         let off: Vec<f64> = predicted.iter().zip(&course.values).map(|(predicted, value)| predicted - value).collect();
         let (words, unit) = (course.observed.words(), course.observed.unit());
         let panel =

@@ -3,7 +3,7 @@
 use super::outcome::WARNED;
 use crate::quantities::digits;
 use crate::report::Table;
-use mckibben_identify::least_squares::{Estimate, Fit};
+use mckibben_identify::least_squares::{Direction, Ending, Estimate, Fit, Unknown};
 use mckibben_scenario::keys::in_antagonist;
 
 /// A value rounded to what its deviation lets it tell: two digits of the deviation, six where there is none.
@@ -42,7 +42,11 @@ fn silence(estimate: &Estimate) -> &'static str {
 
 /// The values of a fit as a table.
 pub(super) fn table(caption: String, fit: &Fit) -> Table {
-    of(caption, &fit.estimates)
+    let mut table = of(caption, &fit.estimates);
+    if fit.ending != Ending::Minimum {
+        table.rows.iter_mut().filter_map(|row| row.last_mut()).for_each(|cell| "none: no minimum".clone_into(cell));
+    }
+    table
 }
 
 /// Values as a table.
@@ -80,9 +84,14 @@ fn part_of(path: &str) -> Option<&str> {
     }
 }
 
+/// The correlations of a fit, row by row; empty where it is not at a minimum.
+pub(super) fn matrix(fit: &Fit) -> Vec<Vec<f64>> {
+    if fit.ending == Ending::Minimum { fit.correlations.clone() } else { Vec::new() }
+}
+
 /// The correlations of a fit as a table; empty for a single number.
 pub(super) fn correlations(fit: &Fit) -> Table {
-    if fit.estimates.len() < 2 {
+    if fit.estimates.len() < 2 || fit.ending != Ending::Minimum {
         return Table::default();
     }
     let short = |name: &str| {
@@ -114,32 +123,122 @@ pub(super) fn correlations(fit: &Fit) -> Table {
     }
 }
 
-/// What a reader must know of a fit before believing its numbers.
-pub(super) fn warnings(fit: &Fit) -> Vec<String> {
-    let mut warnings: Vec<String> = Vec::new();
-    for direction in &fit.untold {
-        let share = |(name, share): &(String, f64)| format!("`{name}` ({share:+.2})");
-        let shares: Vec<String> = direction.shares.iter().map(share).collect();
-        warnings.push(format!(
+/// That a search has ended from outside before it was done.
+pub(super) fn early(ending: Ending) -> String {
+    let why = match ending {
+        Ending::Time => "the time of the search was over (`time_limit` in [search])",
+        _ => "the search was interrupted",
+    };
+    format!("{why}: these are the best values so far, not all that was to be searched.")
+}
+
+/// Why a fit has no intervals, where it is not at a minimum.
+fn ended(ending: Ending) -> Option<String> {
+    const BEST: &str = "These are the best values that were found; they have no intervals.";
+    Some(match ending {
+        Ending::Minimum => return None,
+        Ending::Kink => format!(
+            "the search ended at a kink: the sum of squares is not level there, as where a load meets a stop, sticks or goes slack, and no \
+             step, with or without derivatives, lowers it. {BEST}"
+        ),
+        Ending::Numbers => format!(
+            "the search ended where derivatives are too large, too small or not finite for a step, and steps without them lead no \
+             further. {BEST}"
+        ),
+        Ending::Steps { most } => {
+            format!(
+                "the search took all its {most} steps (`most_steps` in [search]) before it was at a minimum. {BEST}"
+            )
+        }
+        Ending::Time | Ending::Interrupted => format!("{} They have no intervals.", early(ending)),
+    })
+}
+
+/// The last name of a path, without the run behind it.
+fn last_name(name: &str) -> &str {
+    let path = name.split_once(" [").map_or(name, |(path, _)| path);
+    path.rsplit_once('.').map_or(path, |(_, last)| last)
+}
+
+/// Whether a parameter is a mass or an inertia, which a body has above zero.
+fn is_of_a_body(name: &str) -> bool {
+    ["mass", "inertia"].contains(&last_name(name))
+}
+
+/// That an estimate rests on a bound, and what this is the signature of.
+fn resting(estimate: &Estimate, unknown: Option<&Unknown>) -> String {
+    let Estimate { name, value, unit, .. } = estimate;
+    let last = last_name(name);
+    let (bound, at, why) = match unknown.map(|of| of.bounds) {
+        None => {
+            ("its bound", *value, "the data would take it further: widen its bounds if it may go there, or hold it")
+        }
+        Some([least, largest]) if (value - least).abs() <= (largest - value).abs() => {
+            let why = match last {
+                "critical_ratio" if least <= 0.0 => {
+                    "a flow that falls with every rise of the downstream pressure is that of a line, not of a valve. Describe the line \
+                     from the valve to the actuator by [hose] with its length and diameter, and fit the valve again"
+                }
+                _ if least <= 0.0 && is_of_a_body(name) => {
+                    "no body has so little. Look for a unit that was mistaken, a force or a length with a wrong offset, or a part of the \
+                     load that the scenario lacks; weigh it, and hold it at that"
+                }
+                _ if least <= 0.0 && (last.ends_with("_delay") || last == "dead_time") => {
+                    "the readings answer at once, or before the command: look at the clocks of both, or hold the delay"
+                }
+                _ => "the data would take it lower: lower `from` in [fit] if it may go there, or hold it",
+            };
+            ("its least value", least, why)
+        }
+        Some([_, largest]) => {
+            let why = "the data would take it higher: raise `to` in [fit] if it may go there, or hold it";
+            ("its largest value", largest, why)
+        }
+    };
+    let at = format!("{} {unit}", digits(at));
+    format!(
+        "`{name}` rests on {bound}, {}: {why}. It has no interval, and those of the others hold with it there.",
+        at.trim_end()
+    )
+}
+
+/// That the data do not identify a combination of parameters.
+fn not_identifiable(direction: &Direction) -> String {
+    let share = |(name, share): &(String, f64)| format!("`{name}` ({share:+.2})");
+    match direction.shares.as_slice() {
+        [(name, _)] if name.contains("_delay") || name.contains("dead_time") => format!(
+            "`{name}` changes no reading there: a valve whose delay is longer than its pulses never moves. Start below the shortest pulse, \
+             or give runs with longer pulses."
+        ),
+        [(name, _)] => format!("`{name}` changes no reading there. Hold it at a value that you know."),
+        shares => format!(
             "the data do not tell {}: all but this combination of them, each over its size, is told. Hold one of them at a value that \
              you know.",
-            shares.join(" and ")
-        ));
+            shares.iter().map(share).collect::<Vec<_>>().join(" and ")
+        ),
     }
-    for estimate in fit.estimates.iter().filter(|estimate| estimate.on_bound) {
-        warnings.push(format!(
-            "`{}` rests on its bound, {}; it has no interval, and those of the others hold with it there.",
-            estimate.name,
-            digits(estimate.value)
-        ));
+}
+
+/// What a reader must know of a fit before believing its numbers. `unknowns` are those of the fit, where they are the study's.
+pub(super) fn warnings(fit: &Fit, unknowns: &[Unknown]) -> Vec<String> {
+    let mut warnings: Vec<String> = ended(fit.ending).into_iter().collect();
+    warnings.extend(fit.untold.iter().map(not_identifiable));
+    for (place, estimate) in fit.estimates.iter().enumerate().filter(|(_, estimate)| estimate.on_bound) {
+        warnings.push(resting(estimate, unknowns.get(place)));
     }
     let wide = |estimate: &&Estimate| estimate.confidence_interval.is_some_and(|[low, high]| low < 0.0 && high > 0.0);
     // An entry of a list, such as a coefficient, may well be zero.
     let entry = |estimate: &&Estimate| estimate.name.contains('[') && !estimate.name.contains(" [");
     for estimate in fit.estimates.iter().filter(wide).filter(|estimate| !entry(estimate)) {
-        warnings.push(format!("the interval of `{}` contains zero: the data hardly tell it.", estimate.name));
+        warnings.push(match is_of_a_body(&estimate.name) {
+            true => format!(
+                "the interval of `{}` contains zero, which no body has: the data hardly tell it. Weigh it, and hold it at that.",
+                estimate.name
+            ),
+            false => format!("the interval of `{}` contains zero: the data hardly tell it.", estimate.name),
+        });
     }
-    if fit.condition > 1e6 && fit.untold.is_empty() {
+    if fit.ending == Ending::Minimum && fit.condition > 1e6 && fit.untold.is_empty() {
         warnings
             .push(format!("the condition number is {:.1e}: the numbers are told, but only together.", fit.condition));
     }
@@ -148,7 +247,53 @@ pub(super) fn warnings(fit: &Fit) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::{part_of, rounded};
+    use super::{Direction, Estimate, Unknown, not_identifiable, part_of, resting, rounded};
+
+    /// What is said of an estimate on one of the bounds of its unknown.
+    fn said(name: &str, bounds: [f64; 2], value: f64) -> String {
+        let estimate = Estimate {
+            name: name.to_owned(),
+            unit: "",
+            value,
+            standard_error: None,
+            confidence_interval: None,
+            on_bound: true,
+        };
+        resting(&estimate, Some(&Unknown { bounds, ..Unknown::new(name, "", value) }))
+    }
+
+    #[test]
+    fn a_bound_says_what_it_is_the_signature_of() {
+        let infinite = f64::INFINITY;
+        for (name, bounds, value, words) in [
+            ("valve.critical_ratio", [0.0, 1.0], 1e-20, "least value, 0: a flow that falls"),
+            ("valve.critical_ratio", [0.0, 1.0], 1e-20, "by [hose] with its length and diameter"),
+            ("valve.critical_ratio", [0.2, 1.0], 0.2, "lower `from` in [fit]"),
+            ("load.mass [run 2]", [0.0, infinite], 1e-9, "no body has so little"),
+            ("mechanism.joints.knee.inertia", [0.0, infinite], 0.0, "weigh it, and hold it at that"),
+            ("load.mass", [3.0, infinite], 3.0, "least value, 3.000: the data would take it lower"),
+            ("load.mass", [1.0, 3.0], 3.0, "largest value, 3.000: the data would take it higher: raise `to`"),
+            ("valve.opening_delay", [0.0, infinite], 0.0, "look at the clocks of both"),
+            ("actuator.friction.viscous", [0.0, 50.0], 0.0, "lower `from` in [fit]"),
+        ] {
+            let said = said(name, bounds, value);
+            assert!(said.contains(words), "`{words}` is not in {said}");
+        }
+    }
+
+    #[test]
+    fn a_delay_behind_which_pulses_vanish_is_named() {
+        let direction = |names: &[&str]| Direction {
+            told: 0.0,
+            shares: names.iter().map(|name| ((*name).to_owned(), 0.7)).collect(),
+        };
+        let alone = not_identifiable(&direction(&["valve.opening_delay"]));
+        assert!(alone.contains("longer than its pulses never moves") && alone.contains("shortest pulse"), "{alone}");
+        let other = not_identifiable(&direction(&["hose.length"]));
+        assert!(other.contains("`hose.length` changes no reading there"), "{other}");
+        let both = not_identifiable(&direction(&["load.mass", "actuator.turns"]));
+        assert!(both.contains("`load.mass` (+0.70) and `actuator.turns` (+0.70)"), "{both}");
+    }
 
     #[test]
     fn a_path_leads_into_a_part() {

@@ -75,11 +75,11 @@ pub(in super::super) fn pulse_train(material: &Material) -> Result<Outcome, Fail
         table,
         values: numbers,
         estimates: estimates.to_vec(),
-        correlations: Vec::new(),
         predictions: predictions(&runs, &delays),
         warnings,
         scenarios,
         failed,
+        ..Outcome::default()
     })
 }
 

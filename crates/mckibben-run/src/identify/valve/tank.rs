@@ -79,11 +79,11 @@ pub(in super::super) fn tank(material: &Material) -> Result<Outcome, Failure> {
         table: left,
         values: numbers,
         estimates: found.numbers,
-        correlations: Vec::new(),
         predictions: found.predictions,
         warnings,
         scenarios,
         failed,
+        ..Outcome::default()
     })
 }
 
@@ -271,7 +271,7 @@ fn by_trajectory(runs: &[Experiment<'_>], warnings: &mut Vec<String>) -> Result<
             scatter / noise
         ));
     }
-    warnings.extend(values::warnings(&found.fit));
+    warnings.extend(values::warnings(&found.fit, &[]));
     let (mut scenarios, mut numbers, mut words) = match (&found.sonic_conductance, &found.critical_ratio, &found.volume)
     {
         (Some(c), Some(b), _) => {
