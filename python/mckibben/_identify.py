@@ -29,7 +29,7 @@ Quantity = float | str
 Progress = collections.abc.Callable[[int, None], object]
 
 #: Keys of a column that are quantities; a number among them is in SI.
-_OF_COLUMN = ("slack", "saturates", "deviation", "offset")
+_OF_COLUMN = ("slack", "saturates", "deviation", "offset", "drift", "shift", "lag", "hold")
 #: Keys of `flow`, `tank` and `pulses` that are plain numbers.
 _PLAIN = ("windows", "threshold")
 
@@ -55,12 +55,15 @@ class Run:
         Keys of the scenario that differ in this run, such as `{"load.mass": 3.6}`. A number is in SI.
     held : mapping, optional
         Quantities that were held and have no column, such as `{"length": 0.25}`.
+    session : str, optional
+        Session that the run belongs to. Parameters with `per_session` in `fit` have one value for each.
     """
 
     data: typing.Any
     name: str | None = None
     set: collections.abc.Mapping[str, typing.Any] = dataclasses.field(default_factory=dict)
     held: collections.abc.Mapping[str, Quantity] = dataclasses.field(default_factory=dict)
+    session: str | None = None
 
     def tables(self) -> list[typing.Any]:
         """The tables, one or more."""
@@ -171,7 +174,8 @@ class Study:
                 tables.append((file, [(str(key), _numbers(key, table[key], name)) for key in getattr(table, "columns", table) if key in wanted]))
                 files.append(file)
             held = {quantity: _text(value) for quantity, value in run.held.items()}
-            runs.append({"name": name, "files": files, "held": held, "set": dict(run.set)})
+            session = {} if run.session is None else {"session": run.session}
+            runs.append({"name": name, "files": files, "held": held, "set": dict(run.set), **session})
         search: dict[str, typing.Any] = {}
         for name in ("more_starts", "most_steps"):
             count = getattr(self, name)
@@ -191,6 +195,10 @@ class Study:
             if values is not None:
                 sections[section] = {key: value if key in _PLAIN else _text(value) for key, value in values.items()}
         return sections, tables
+
+
+def _step_info(parts: tuple[typing.Any, ...] | None) -> StepInfo | None:
+    return None if parts is None else StepInfo(*parts)
 
 
 def _count(name: str, value: typing.Any) -> int:
@@ -502,8 +510,8 @@ def identify(
             for values, *others in found["other_minima"]
         ],
         step_responses=[
-            StepResponse(*names, StepInfo(*measured), *(None if of is None else StepInfo(*of) for of in (predicted, held_out)))
-            for *names, measured, predicted, held_out in found["step_responses"]
+            StepResponse(run, quantity, unit, StepInfo(*measured), _step_info(predicted), _step_info(held_out))
+            for run, quantity, unit, measured, predicted, held_out in found["step_responses"]
         ],
         interrupted=found["interrupted"],
         correlations=found["correlations"],

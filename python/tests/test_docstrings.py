@@ -23,8 +23,9 @@ NAMES = sorted(set(mckibben.__all__) - {"__version__"})
 CLASSES = [name for name in NAMES if isinstance(getattr(mckibben, name), type)]
 #: Classes that the package returns; their constructors serve the package and pickling.
 RETURNED = {
-    "Curves", "Error", "Estimate", "Event", "Identification", "InputError", "LinearModel", "OutputError", "Parameter",
-    "Prediction", "Preset", "PresetValue", "Response", "SimulationError", "SweepResult", "Trajectory",
+    "Curves", "Error", "Estimate", "Event", "Identification", "InputError", "LinearModel", "OtherMinimum",
+    "OutputError", "Parameter", "Prediction", "Preset", "PresetValue", "Response", "SimulationError", "StepInfo", "StepResponse",
+    "SweepResult", "Trajectory",
 }
 #: What every user calls, and what has an example therefore.
 EXEMPLARY = {

@@ -84,6 +84,27 @@ def test_columns_with_times_of_their_own_stand_in_tables_of_their_own(rig, lengt
     assert both["load.mass"].value == pytest.approx(2.4, rel=1e-3)
 
 
+def test_sensors_are_found_with_the_parameters(rig, lengths):
+    """Each session has its own offset; the shift is known, and late readings are those of earlier instants."""
+    late = numpy.interp(TIMES - 4e-3, TIMES, mckibben.simulate(rig.with_values(TRUTH)).at_times(TIMES)["length_m"])
+    noise = numpy.random.default_rng(2).normal(size=(2, TIMES.size))
+    runs = [
+        mckibben.Run({"t": TIMES, "L": late + offset + NOISE * of_run}, session=session)
+        for session, offset, of_run in (("morning", 1e-3, noise[0]), ("evening", -2e-3, noise[1]))
+    ]
+    fit = {"actuator.friction.viscous": (0.0, 50.0), "load.mass": (1.0, 5.0), "columns.length.offset": {"per_session": True}}
+    found = mckibben.identify(
+        mckibben.Study(
+            kind="trajectories", scenario=rig, runs=runs, fit=fit, columns={"time": "t", "length": {"name": "L", "shift": 4e-3}}
+        )
+    )
+    expected = TRUTH | {"columns.length.offset [morning]": 1e-3, "columns.length.offset [evening]": -2e-3}
+    assert sorted(found) == sorted(expected)
+    for name, truth in expected.items():
+        assert abs(found[name].value - truth) < 4 * found[name].standard_error, name
+    assert found.predictions[0].residuals.std() == pytest.approx(NOISE, rel=0.2)
+
+
 def test_a_plot_has_readings_predictions_and_residuals(found):
     figure = found.plot()
     upper, lower = figure.axes
