@@ -60,9 +60,48 @@ pub(crate) fn check(time: &[f64], value: &[f64], what: &'static str, least: usiz
     }
 }
 
-/// Standard deviation of the noise: how far each sample lies from the parabola through three neighbours, by the median, so
-/// that a kink or an outlier does not count. Of normal and independent noise; zero for fewer than four samples.
+/// Part of the samples that repeat the one before from which on a sensor is taken to hold them.
+const HELD: f64 = 1.0 / 3.0;
+/// Differences of samples that it takes to see the steps of a sensor, the part of them that must be whole steps, and by what part of
+/// a step each may miss.
+const WHOLE_STEPS: (usize, f64, f64) = (8, 0.9, 0.1);
+/// Steps of a sensor within the range of its samples at most: more are no wider than rounding.
+const MOST_STEPS: f64 = 1e4;
+
+/// Standard deviation of the noise of a sample, at least that of the sensor's steps, `q/√12`. Samples that a sensor holds count once:
+/// their repetitions know nothing of its noise.
 pub(crate) fn noise(time: &[f64], value: &[f64]) -> f64 {
+    let is_new = |place: &usize| *place == 0 || value[*place] != value[*place - 1];
+    let new: Vec<usize> = (0..value.len()).filter(is_new).collect();
+    let repeated = (value.len() - new.len()) as f64;
+    let scatter = if repeated > HELD * value.len() as f64 {
+        let of = |numbers: &[f64]| -> Vec<f64> { new.iter().map(|place| numbers[*place]).collect() };
+        scatter(&of(time), &of(value))
+    } else {
+        scatter(time, value)
+    };
+    scatter.max(resolution(value) / 12.0_f64.sqrt())
+}
+
+/// The step of a sensor whose samples differ by whole steps; zero where they do not.
+fn resolution(value: &[f64]) -> f64 {
+    let differences = value.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|difference| *difference > 0.0);
+    let differences: Vec<f64> = differences.collect();
+    let (least, part, miss) = WHOLE_STEPS;
+    let step = differences.iter().copied().fold(f64::INFINITY, f64::min);
+    let range =
+        value.iter().copied().fold(f64::NEG_INFINITY, f64::max) - value.iter().copied().fold(f64::INFINITY, f64::min);
+    if differences.len() < least || range > MOST_STEPS * step {
+        return 0.0;
+    }
+    let is_whole = |difference: &&f64| (**difference / step - (**difference / step).round()).abs() < miss;
+    let whole = differences.iter().filter(is_whole).count() as f64;
+    if whole >= part * differences.len() as f64 { step } else { 0.0 }
+}
+
+/// How far each sample lies from the parabola through three neighbours, by the median, so that a kink or an outlier does not count: the
+/// standard deviation of normal and independent noise; zero for fewer than four samples.
+fn scatter(time: &[f64], value: &[f64]) -> f64 {
     let distances = time.windows(4).zip(value.windows(4)).map(|(t, x)| {
         let others = [0, 2, 3];
         let weight = |of: usize| {
@@ -122,5 +161,52 @@ impl Polynomial {
         let part = |i: usize, j: usize| gradient[i] * self.covariance[(i, j)] * gradient[j];
         let all = (0..gradient.len()).flat_map(|i| (0..gradient.len()).map(move |j| (i, j)));
         all.map(|(i, j)| part(i, j)).sum::<f64>().max(0.0).sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::noise;
+
+    /// Noise of deviation 1 that is the same in every run: a sum of twelve uniform numbers less six.
+    fn normal(seed: u64, count: usize) -> Vec<f64> {
+        let mut state = seed;
+        let mut uniform = move || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        (0..count).map(|_| (0..12).map(|_| uniform()).sum::<f64>() - 6.0).collect()
+    }
+
+    fn times(count: usize) -> Vec<f64> {
+        (0..count).map(|place| 1e-3 * place as f64).collect()
+    }
+
+    #[test]
+    fn noise_of_every_sample_is_found_about_a_course() {
+        let time = times(4000);
+        let value: Vec<f64> =
+            normal(3, 4000).iter().zip(&time).map(|(noise, t)| (9.0 * t).sin() + 1e-3 * noise).collect();
+        assert!((noise(&time, &value) / 1e-3 - 1.0).abs() < 0.06, "{}", noise(&time, &value));
+    }
+
+    #[test]
+    fn the_steps_of_a_sensor_are_noise() {
+        // Steps of 70 µm on a course that moves by many of them, without other noise: q/√12.
+        let (time, step) = (times(2000), 70e-6);
+        let value: Vec<f64> = time.iter().map(|t| step * ((3e-3 * (7.0 * t).sin()) / step).round()).collect();
+        assert!((noise(&time, &value) / (step / 12.0_f64.sqrt()) - 1.0).abs() < 0.3, "{}", noise(&time, &value));
+        // At rest it shows no noise at all, and has it.
+        let still: Vec<f64> = time.iter().map(|t| if (t * 50.0) as u32 % 2 == 0 { 0.0 } else { step }).collect();
+        assert!(noise(&time, &still) >= 0.99 * step / 12.0_f64.sqrt());
+    }
+
+    #[test]
+    fn held_samples_count_once() {
+        let time = times(6000);
+        let noises = normal(5, 600);
+        let held = |place: usize| (2.0 * time[place / 10 * 10]).sin() + 1e-3 * noises[place / 10];
+        let value: Vec<f64> = (0..6000).map(held).collect();
+        assert!((noise(&time, &value) / 1e-3 - 1.0).abs() < 0.12, "{}", noise(&time, &value));
     }
 }
