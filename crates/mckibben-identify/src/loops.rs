@@ -6,7 +6,8 @@
 //!
 //! Length and pressure are taken as they were measured, so the tension follows at once: statics, effectiveness,
 //! viscous and dry friction, and a hysteresis whose memory goes with the length from sample to sample, which is exact
-//! while the length goes one way between two of them. Its derivatives by the numbers that are looked for are exact. A
+//! while the length goes one way between two of them; viscoelastic branches relax exactly along the straight line between two
+//! samples. Its derivatives by the numbers that are looked for are exact. A
 //! loop starts relaxed, which its first turn forgets: the readings before the first turn of the length do not count.
 //!
 //! The velocity is that of the straight line from the sample before; where it is zero, dry friction has no direction
@@ -22,7 +23,7 @@
 
 use crate::adjustable::{Adjustable, Seeded};
 use crate::least_squares::{self, Evaluation, FitError, Found, Model, Search, Unknown};
-use mckibben::friction::{Memory, SlidingState};
+use mckibben::friction::{Memory, SlidingState, Viscoelastic};
 use mckibben::{Actuator, Error};
 use mckibben_scenario::Scenario;
 use thiserror::Error as ThisError;
@@ -117,18 +118,37 @@ impl Loop {
         let Some(begin) = self.samples.first() else { return };
         let atmosphere = actuator.air().atmosphere().0;
         let mut memory = Memory::relaxed(actuator.limits().actuator_length(S::constant(begin.length)));
+        let branches = actuator.friction().viscoelastic();
+        let mut relaxed = vec![S::constant(begin.length); branches.map_or(0, Viscoelastic::count)];
         for place in 1..self.samples.len() {
             let (before, here) = (self.samples[place - 1], self.samples[place]);
             let velocity = S::constant((here.length - before.length) / (here.time - before.time));
             let length = S::constant(here.length);
+            if let Some(law) = branches {
+                relax(law, &mut relaxed, [before, here]);
+            }
             if place >= self.first && here.length != before.length {
                 let rubbing =
                     SlidingState { width: actuator.width(&memory, length, velocity), ..velocity.sign().into() };
+                let rubbing = rubbing.with_branches(branches, length, branches.map(|law| law.sums(&relaxed)));
                 let pressure = S::constant(here.gauge_pressure) + atmosphere;
                 visit(place, actuator.tension_sliding(length, velocity, pressure, rubbing));
             }
             actuator.remember(&mut memory, length, velocity);
         }
+    }
+}
+
+/// Takes the relaxed lengths in m of branches on from one sample to the next, along a straight line of the length: a stretch e goes
+/// to `e d + v τ (1 − d)` with `d = e^{−t/τ}`.
+fn relax<S: mckibben::Real>(law: &Viscoelastic<S>, relaxed: &mut [S], [before, here]: [Sample; 2]) {
+    let span = here.time - before.time;
+    for (branch, relaxed) in relaxed.iter_mut().enumerate() {
+        let time = law.relaxation_time(branch);
+        let decay = (-S::constant(span) / time).exp();
+        let steady = S::constant((here.length - before.length) / span) * time;
+        let stretch = S::constant(before.length) - *relaxed;
+        *relaxed = S::constant(here.length) - (steady + decay * (stretch - steady));
     }
 }
 

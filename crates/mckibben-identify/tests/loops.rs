@@ -112,6 +112,64 @@ fn without_hysteresis_the_loop_is_left() {
     assert!(fit(0.0).left < 1e-6);
 }
 
+/// The muscle without hysteresis, drawn to and fro at a speed in m/s: static force, viscous friction, and a branch whose stretch is
+/// integrated here by small steps.
+fn creeping(scenario: &Scenario, speed: f64, [ratio, time]: [f64; 2]) -> Loop {
+    let actuator = scenario.driven().expect("an actuator").actuator;
+    let (gauge, interval) = (3e5, 0.05e-3 / speed);
+    let pressure = gauge + actuator.air().atmosphere().0;
+    let turns: [f64; 5] = [84e-3, 94e-3, 86e-3, 93e-3, 85e-3];
+    let (mut samples, mut stretch, mut now) = (Vec::new(), 0.0, 0.0);
+    for pair in turns.windows(2) {
+        let steps = ((pair[1] - pair[0]).abs() / 0.05e-3).round() as i32;
+        let velocity = (pair[1] - pair[0]) / (f64::from(steps) * interval);
+        for step in 1..=steps {
+            for _ in 0..200 {
+                let half = stretch + 0.5 * (interval / 200.0) * (velocity - stretch / time);
+                stretch += (interval / 200.0) * (velocity - half / time);
+            }
+            now += interval;
+            let length = pair[0] + velocity * f64::from(step) * interval;
+            let secant: f64 = actuator.secant_stiffness(length, pressure);
+            let resting: f64 = actuator.static_force(length, pressure);
+            let tension = resting + 20.0 * velocity + ratio * secant * stretch;
+            samples.push(Sample { time: now, length, gauge_pressure: gauge, tension });
+        }
+    }
+    // It rests where it begins.
+    samples.insert(0, Sample { time: 0.0, length: turns[0], gauge_pressure: gauge, tension: 0.0 });
+    Loop::new(format!("{speed} m/s"), samples).expect("a loop")
+}
+
+#[test]
+fn branches_are_told_by_the_speed_of_a_loop() {
+    let text = "[actuator]\npreset = \"colbrunn-2001\"\n[actuator.friction]\nviscous = \"20 N*s/m\"\ncoulomb_width = \"0 m\"\n\
+                [actuator.friction.viscoelastic]\nrelaxation_time = [\"0.3 s\"]\nstiffness_ratio = [0.1]\n[load]\n\
+                kind = \"hanging-mass\"\nmass = \"5 lb\"\n[initial]\ngauge_pressure = \"60 psi\"\n[run]\nduration = \"1 s\"\n";
+    let mut start = Scenario::from_str(text, "muscle.toml").unwrap_or_else(|error| panic!("{error}"));
+    let paths = [
+        "actuator.friction.viscous",
+        "actuator.friction.viscoelastic.stiffness_ratio[0]",
+        "actuator.friction.viscoelastic.relaxation_time[0]",
+    ];
+    let (truth, first) = ([20.0, 0.2, 0.5], [10.0, 0.1, 0.3]);
+    let loops = [2e-3, 20e-3, 60e-3].map(|speed| creeping(&start, speed, [truth[1], truth[2]])).to_vec();
+    let places = paths.map(|path| Place::find(path, &mut start).expect("a number")).to_vec();
+    let unknowns = (0..3).map(|place| Unknown::new(paths[place], "", first[place]).between(1e-3, 1e3));
+    let task = LoopTask {
+        adjustable: Adjustable::new(start, places, [false; 2]),
+        unknowns: unknowns.collect(),
+        starts: Vec::new(),
+        loops,
+        deviation: None,
+        search: Search::default(),
+    };
+    let found = task.identify().unwrap_or_else(|error| panic!("{error}"));
+    for (estimate, truth) in found.found.fit.estimates.iter().zip(truth) {
+        assert!((estimate.value / truth - 1.0).abs() < 1e-4, "{}: {} is not {truth}", estimate.name, estimate.value);
+    }
+}
+
 #[test]
 fn what_is_no_loop_is_refused() {
     let sample = |time: f64, length: f64| Sample { time, length, gauge_pressure: 1e5, tension: 10.0 };
