@@ -8,7 +8,7 @@
 //!
 //! A signal that the process was started with as ignored, as by
 //! `nohup`, stays ignored. A second signal ends the process at once. Work that has a result at any time, such as a search, ends
-//! with what it has at the first signal ([`ending`]): its files are written, and the exit code is that of the signal. Checked by
+//! with what it has at the first signal (`ending`): its files are written, and the exit code is that of the signal. Checked by
 //! `tests/output.rs` and `tests/identify_ends.rs`.
 
 use std::sync::atomic::{AtomicI32, Ordering};

@@ -139,7 +139,7 @@ impl<S: Scalar> Viscoelastic<S> {
 
     /// Stiffness of a branch in N/m at a secant stiffness in N/m.
     #[inline(always)]
-    pub(crate) fn stiffness_at<T: Over<S>>(&self, branch: usize, secant_stiffness: T) -> T {
+    pub fn stiffness_at<T: Over<S>>(&self, branch: usize, secant_stiffness: T) -> T {
         T::of(self.stiffness[branch]) + T::of(self.stiffness_ratio[branch]) * secant_stiffness
     }
 
@@ -167,7 +167,7 @@ impl<S: Scalar> Viscoelastic<S> {
 
     /// How fast the first two sums change at an actuator length in m.
     #[inline(always)]
-    pub(crate) fn sum_rates<T: Over<S>>(&self, length: T, sums: &BranchSums<T>) -> [T; 2] {
+    pub fn sum_rates<T: Over<S>>(&self, length: T, sums: &BranchSums<T>) -> [T; 2] {
         let [stiffness, ratio] = self.total.relaxing;
         [T::of(stiffness) * length - sums.relaxing[0], T::of(ratio) * length - sums.relaxing[1]]
     }
