@@ -197,7 +197,8 @@ mod tests {
         let value: Vec<f64> = time.iter().map(|t| step * ((3e-3 * (7.0 * t).sin()) / step).round()).collect();
         assert!((noise(&time, &value) / (step / 12.0_f64.sqrt()) - 1.0).abs() < 0.3, "{}", noise(&time, &value));
         // At rest it shows no noise at all, and has it.
-        let still: Vec<f64> = time.iter().map(|t| if (t * 50.0) as u32 % 2 == 0 { 0.0 } else { step }).collect();
+        let still: Vec<f64> =
+            time.iter().map(|t| if ((t * 50.0) as u32).is_multiple_of(2) { 0.0 } else { step }).collect();
         assert!(noise(&time, &still) >= 0.99 * step / 12.0_f64.sqrt());
     }
 
