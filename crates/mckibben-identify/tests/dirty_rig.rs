@@ -10,7 +10,7 @@ use mckibben_identify::trajectories::{Amount, Horizon, Observed, Recorded, Senso
 use mckibben_scenario::{Place, Scenario};
 use noise::{HITS, Noise, coverage, holds};
 
-const DURATION: f64 = 0.5;
+const DURATION: f64 = 0.4;
 const ATMOSPHERE: f64 = 101_325.0;
 /// Noise of a length in m and a pressure in Pa; the step of the length's sensor, the interval of the pressure's, and how late lengths are.
 const NOISE: [f64; 2] = [4e-5, 500.0];
@@ -28,7 +28,7 @@ fn scenario(session: usize) -> Scenario {
          [actuator.friction.viscoelastic]\nrelaxation_time = [\"0.2 s\"]\nstiffness_ratio = [0.2]\n\
          [supply]\ngauge_pressure = \"{supply} psi\"\n[valve]\npreset = \"matrix-eight-channel\"\n\
          [command]\nkind = \"pwm\"\nfrequency = \"5 Hz\"\nduty = {duty}\n[load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n\
-         [initial]\ngauge_pressure = \"40 psi\"\n[run]\nduration = \"0.5 s\"\n"
+         [initial]\ngauge_pressure = \"40 psi\"\n[run]\nduration = \"0.4 s\"\n"
     );
     Scenario::from_str(&text, "muscle.toml").unwrap_or_else(|error| panic!("{error}"))
 }
@@ -37,7 +37,7 @@ fn scenario(session: usize) -> Scenario {
 fn clean(session: usize) -> (Vec<f64>, [Vec<f64>; 2]) {
     let experiment = scenario(session).experiment().expect("an experiment");
     let run = simulate(&experiment.rig, experiment.start, DURATION, 1e-10).expect("a run");
-    let times: Vec<f64> = (1..=100).map(|step| DURATION * f64::from(step) / 100.0).collect();
+    let times: Vec<f64> = (1..=80).map(|step| DURATION * f64::from(step) / 80.0).collect();
     let length = |time: &f64| run.at((time - SHIFT).max(0.0)).length + OFFSETS[session];
     let pressure = |time: &f64| run.at(HOLD * (time / HOLD + 1e-9).floor()).pressure.0 - ATMOSPHERE;
     let courses = [times.iter().map(length).collect(), times.iter().map(pressure).collect()];
@@ -79,7 +79,7 @@ fn intervals_hold_the_truth_of_a_dirty_rig() {
             unknown("offset of two", 0.0, -0.02, 0.02),
         ];
         let search = Search::default();
-        let task = Task { runs, unknowns, starts: Vec::new(), horizon: Horizon::Whole, search, tolerance: 1e-8 };
+        let task = Task { runs, unknowns, starts: Vec::new(), horizon: Horizon::Whole, search, tolerance: 1e-7 };
         let estimates = task.identify().unwrap_or_else(|error| panic!("{seed}: {error}")).found.fit.estimates;
         let truth = [TRUTH[0], TRUTH[1], SHIFT, OFFSETS[0], OFFSETS[1]];
         std::array::from_fn::<bool, 5, _>(|place| holds(&estimates[place], truth[place]))
