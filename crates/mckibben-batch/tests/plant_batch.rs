@@ -9,7 +9,7 @@ use crate::common::tendon::on_tendon;
 use crate::common::{PSI, Paper};
 use mckibben::control::{Output, Pid, Quantity, Regulator, Sampling, Sensors, SetPoint, Tracker};
 use mckibben::force::Effectiveness;
-use mckibben::friction::{Hysteresis, LuGre};
+use mckibben::friction::{Hysteresis, LuGre, Viscoelastic};
 use mckibben::plant::{Plant, PlantRun, PlantStart, PlantSteps, RigPlant};
 use mckibben::simulation::{Actuation, Method, Rig};
 use mckibben::valve::{self, Command, FlowStandard, Request, RuntimeCommand, Solenoid, ValveKind};
@@ -126,6 +126,8 @@ fn actuators_on_tendons_are_those_alone() {
         pulsed(0.0, 0.0),
         pulsed(0.0, 1e-4),
         Paper { hysteresis: Some(lugre.expect("a law")), ..pulsed(3.5, 0.0) },
+        Paper { viscoelastic: Some(branches([0.1, 0.02])), structural: 1e-3, ..pulsed(3.5, 1e-4) },
+        Paper { viscoelastic: Some(branches([0.1, 0.02])), ..pulsed(0.0, 0.0) },
         Paper { effectiveness: table(), ..pulsed(3.5, 1e-4) },
         Paper { characteristic: Some(measured(&pulsed(0.0, 0.0))), ..pulsed(3.5, 1e-4) },
     ];
@@ -137,6 +139,29 @@ fn actuators_on_tendons_are_those_alone() {
         for (method, step) in [(Method::Rk4, 2e-5), (Method::Stable, 1e-3)] {
             agree(&rows(&plant, &start, method, 19).expect("rows"), step, 300);
         }
+    }
+}
+
+fn branches(relaxation_time: [f64; 2]) -> Viscoelastic {
+    Viscoelastic::new(&[100.0, 0.0], &[0.1, 0.2], &relaxation_time).expect("branches")
+}
+
+/// Muscles that creep, of other numbers in other rows: they go side by side, and each as alone.
+#[test]
+fn muscles_that_creep_are_those_alone_and_of_one_structure() {
+    let steps = |time: f64, method: Method| {
+        let paper = Paper { viscoelastic: Some(branches([time, 0.02])), structural: 1e-3, ..Paper::pwm(25.0, 0.5) };
+        let rig = paper.gauge(40.0 * PSI).rig();
+        let start = rig.start(&Paper::pwm(25.0, 0.5).gauge(40.0 * PSI).initial()).expect("a start");
+        let (plant, start) = (Plant::of_rig(&rig), Plant::start_of_rig(&rig, &start));
+        assert!(PlantBatch::covers(&plant), "it goes in lanes");
+        PlantRun::new(&plant, &start, 1e-9).expect("a run").steps(method)
+    };
+    for (method, step) in [(Method::Rk4, 2e-5), (Method::Stable, 1e-3)] {
+        let rows: Vec<PlantSteps> = (1..=19).map(|row| steps(0.02 * f64::from(row), method)).collect();
+        agree(&rows, step, 300);
+        let mut batch = PlantBatch::new(rows).expect("a batch");
+        batch.restart(3, steps(7.0, method)).expect("a plant that differs in numbers alone");
     }
 }
 

@@ -35,6 +35,8 @@ pub struct Viscoelastic<S = f64> {
     stiffness: [S; MAX_BRANCHES],
     stiffness_ratio: [S; MAX_BRANCHES],
     relaxation_time: [S; MAX_BRANCHES],
+    /// Their reciprocals in 1/s.
+    relaxation_rate: [S; MAX_BRANCHES],
     total: BranchSums<S>,
 }
 
@@ -99,7 +101,8 @@ impl<S: Scalar> Viscoelastic<S> {
     ) -> Self {
         let zeros = [S::zero(); 2];
         let total = BranchSums { relaxed: zeros, relaxing: zeros };
-        let mut law = Self { count, stiffness, stiffness_ratio, relaxation_time, total };
+        let relaxation_rate = relaxation_time.map(|time| S::one() / time);
+        let mut law = Self { count, stiffness, stiffness_ratio, relaxation_time, relaxation_rate, total };
         law.total = law.sums(&[S::one(); MAX_BRANCHES][..count]);
         law
     }
@@ -112,7 +115,15 @@ impl<S: Scalar> Viscoelastic<S> {
             ratio[i] = convert.parameter(&parameter::BRANCH_STIFFNESS_RATIO, self.stiffness_ratio[i]);
             time[i] = convert.parameter(&parameter::BRANCH_RELAXATION_TIME, self.relaxation_time[i]);
         }
-        Viscoelastic::of(self.count, stiffness, ratio, time)
+        let Some(mut carry) = convert.carry() else { return Viscoelastic::of(self.count, stiffness, ratio, time) };
+        let mut relaxation_rate = [T::one(); MAX_BRANCHES];
+        for i in 0..self.count {
+            relaxation_rate[i] = carry(self.relaxation_rate[i]);
+        }
+        let BranchSums { relaxed, relaxing } = self.total;
+        let total = BranchSums { relaxed: relaxed.map(&mut carry), relaxing: relaxing.map(&mut carry) };
+        let (stiffness_ratio, relaxation_time) = (ratio, time);
+        Viscoelastic { count: self.count, stiffness, stiffness_ratio, relaxation_time, relaxation_rate, total }
     }
 
     /// How many branches there are.
@@ -146,15 +157,20 @@ impl<S: Scalar> Viscoelastic<S> {
     /// Sums over the branches with their relaxed lengths in m.
     #[inline(always)]
     pub fn sums<T: Over<S>>(&self, relaxed_lengths: &[T]) -> BranchSums<T> {
-        let mut sums = BranchSums { relaxed: [T::zero(); 2], relaxing: [T::zero(); 2] };
-        for (i, length) in relaxed_lengths.iter().enumerate() {
-            let rate = *length / T::of(self.relaxation_time[i]);
-            for (part, of) in [self.stiffness[i], self.stiffness_ratio[i]].into_iter().enumerate() {
-                sums.relaxed[part] = sums.relaxed[part] + T::of(of) * *length;
-                sums.relaxing[part] = sums.relaxing[part] + T::of(of) * rate;
-            }
+        // No iterators over arrays of numbers: they would be compiled separately, without the instructions of a batch.
+        let [mut by_stiffness, mut by_ratio, mut by_stiffness_rate, mut by_ratio_rate] = [T::zero(); 4];
+        let mut i = 0;
+        while i < relaxed_lengths.len() {
+            let [force, width] =
+                [T::of(self.stiffness[i]) * relaxed_lengths[i], T::of(self.stiffness_ratio[i]) * relaxed_lengths[i]];
+            let rate = T::of(self.relaxation_rate[i]);
+            by_stiffness = by_stiffness + force;
+            by_ratio = by_ratio + width;
+            by_stiffness_rate = by_stiffness_rate + rate * force;
+            by_ratio_rate = by_ratio_rate + rate * width;
+            i += 1;
         }
-        sums
+        BranchSums { relaxed: [by_stiffness, by_ratio], relaxing: [by_stiffness_rate, by_ratio_rate] }
     }
 
     /// Force of the branches at an actuator length in m: `Σ kᵢ (L − zᵢ)` in N, and `Σ wᵢ (L − zᵢ)` in m, the force over the
@@ -175,6 +191,6 @@ impl<S: Scalar> Viscoelastic<S> {
     /// Rate in m/s of the relaxed length of a branch at an actuator length in m.
     #[inline(always)]
     pub fn rate<T: Over<S>>(&self, branch: usize, relaxed_length: T, length: T) -> T {
-        (length - relaxed_length) / T::of(self.relaxation_time[branch])
+        (length - relaxed_length) * T::of(self.relaxation_rate[branch])
     }
 }
