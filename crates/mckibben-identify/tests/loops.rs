@@ -60,6 +60,17 @@ const SOUGHT: [&str; 6] = [
 ];
 const TRUTH: [f64; 6] = [RATIO[0], RATIO[1], RATIO[2], RATIO[3], 0.05e-3, 20.0];
 
+fn task(start: Scenario, places: Vec<Place>, unknowns: Vec<Unknown>, loops: Vec<Loop>) -> LoopTask {
+    LoopTask {
+        adjustable: Adjustable::new(start, places, [false; 2]),
+        unknowns,
+        starts: Vec::new(),
+        loops,
+        deviation: None,
+        search: Search::default(),
+    }
+}
+
 fn fit(noise: f64) -> LoopFit {
     let mut start = muscle([0.1; 4]);
     let places = SOUGHT.map(|path| Place::find(path, &mut start).expect("a number")).to_vec();
@@ -67,14 +78,7 @@ fn fit(noise: f64) -> LoopFit {
     let unknowns = (0..6)
         .map(|place| Unknown::new(SOUGHT[place], "", first[place]).between(1e-6 * first[place], 1e3 * first[place]));
     let loops = [2e5, 4e5].map(|gauge| pulled(&muscle(RATIO), gauge, noise)).to_vec();
-    let task = LoopTask {
-        adjustable: Adjustable::new(start, places, [false; 2]),
-        unknowns: unknowns.collect(),
-        starts: Vec::new(),
-        loops,
-        deviation: None,
-        search: Search::default(),
-    };
+    let task = task(start, places, unknowns.collect(), loops);
     task.identify().unwrap_or_else(|error| panic!("{error}"))
 }
 
@@ -98,14 +102,12 @@ fn without_hysteresis_the_loop_is_left() {
     start.actuator.friction.hysteresis = None;
     let path = "actuator.friction.coulomb_width";
     let place = Place::find(path, &mut start).expect("a number");
-    let task = LoopTask {
-        adjustable: Adjustable::new(start, vec![place], [false; 2]),
-        unknowns: vec![Unknown::new(path, "m", 1e-4).between(0.0, 1e-2)],
-        starts: Vec::new(),
-        loops: vec![pulled(&muscle(RATIO), 4e5, 0.0)],
-        deviation: None,
-        search: Search::default(),
-    };
+    let task = task(
+        start,
+        vec![place],
+        vec![Unknown::new(path, "m", 1e-4).between(0.0, 1e-2)],
+        vec![pulled(&muscle(RATIO), 4e5, 0.0)],
+    );
     let found = task.identify().unwrap_or_else(|error| panic!("{error}"));
     // Coulomb friction can be as wide as all elements together, but turns too sharply; with them less than 1 µN is left.
     assert!(found.left > 0.1, "{} N", found.left);
@@ -156,14 +158,7 @@ fn branches_are_told_by_the_speed_of_a_loop() {
     let loops = [2e-3, 20e-3, 60e-3].map(|speed| creeping(&start, speed, [truth[1], truth[2]])).to_vec();
     let places = paths.map(|path| Place::find(path, &mut start).expect("a number")).to_vec();
     let unknowns = (0..3).map(|place| Unknown::new(paths[place], "", first[place]).between(1e-3, 1e3));
-    let task = LoopTask {
-        adjustable: Adjustable::new(start, places, [false; 2]),
-        unknowns: unknowns.collect(),
-        starts: Vec::new(),
-        loops,
-        deviation: None,
-        search: Search::default(),
-    };
+    let task = task(start, places, unknowns.collect(), loops);
     let found = task.identify().unwrap_or_else(|error| panic!("{error}"));
     for (estimate, truth) in found.found.fit.estimates.iter().zip(truth) {
         assert!((estimate.value / truth - 1.0).abs() < 1e-4, "{}: {} is not {truth}", estimate.name, estimate.value);

@@ -81,11 +81,10 @@ impl Sensor {
     /// With values of all unknowns.
     pub(super) fn at(&self, values: &[f64]) -> KnownSensor {
         let amounts = self.amounts();
-        let of = |amount: &Amount| match amount {
-            Amount::Known(number) => *number,
-            Amount::Sought(unknown) => values[*unknown],
-        };
-        let [offset, drift, scale, shift, lag] = [0, 1, 2, 3, 4].map(|amount| of(&amounts[amount]));
+        let [offset, drift, scale, shift, lag] = amounts.map(|amount| match amount {
+            Amount::Known(number) => number,
+            Amount::Sought(unknown) => values[unknown],
+        });
         let sought = amounts.map(|amount| matches!(amount, Amount::Sought(_)));
         KnownSensor { offset, drift, scale, shift, lag: lag.max(0.0), hold: self.hold, base: self.base, sought }
     }
@@ -144,34 +143,30 @@ impl KnownSensor {
     ) {
         let mut course =
             Course { reader: SimulatedReader::new(simulated), observed, last: simulated.duration().value() };
-        let mut filters = (self.lag > 0.0).then(|| {
-            let part = if self.sought[4] { LAG_PART } else { 0.0 };
-            [1.0, 1.0 + part, 1.0 - part].map(|part| Filter::new(part * self.lag, &mut course))
-        });
-        let zero = R::constant(0.0);
+        let [.., sought_shift, sought_lag] = self.sought;
+        let parts: &[f64] = if sought_lag { &[1.0, 1.0 + LAG_PART, 1.0 - LAG_PART] } else { &[1.0] };
+        let mut filter = (self.lag > 0.0).then(|| Filter::new(self.lag, parts, &mut course));
         let (base, scale) = (R::constant(self.base), R::constant(self.scale));
         for time in times {
             let source = self.source(time);
-            let (quantity, mut rate, mut by_lag) = match &mut filters {
-                None => (course.at(source), 0.0, 0.0),
-                Some([filter, more, less]) => {
+            let (quantity, rate, by_lag) = match &mut filter {
+                None => {
+                    let rate = if sought_shift || sought_lag { course.rate(source) } else { 0.0 };
+                    (course.at(source), rate, -rate)
+                }
+                Some(filter) => {
                     filter.advance(source, &mut course);
-                    let mut by_lag = 0.0;
-                    if self.sought[4] {
-                        more.advance(source, &mut course);
-                        less.advance(source, &mut course);
-                        by_lag = (more.value.value() - less.value.value()) / (2.0 * LAG_PART * self.lag);
-                    }
-                    let rate = (course.at(source).value() - filter.value.value()) / self.lag;
-                    (filter.value, rate, by_lag)
+                    let value = filter.values[0];
+                    let by_lag = match filter.values[..] {
+                        [_, more, less] => (more.value() - less.value()) / (2.0 * LAG_PART * self.lag),
+                        _ => 0.0,
+                    };
+                    let rate = if sought_shift { (course.at(source).value() - value.value()) / self.lag } else { 0.0 };
+                    (value, rate, by_lag)
                 }
             };
-            if filters.is_none() && (self.sought[3] || self.sought[4]) {
-                rate = course.rate(source);
-                by_lag = -rate;
-            }
             let on_sensor = quantity + base;
-            let value = scale * on_sensor - base + R::constant(self.offset + self.drift * time) + zero;
+            let value = scale * on_sensor - base + R::constant(self.offset + self.drift * time);
             let by_amounts = [1.0, time, on_sensor.value(), -self.scale * rate, self.scale * by_lag];
             visit(Reading { value, by_amounts });
         }
@@ -200,16 +195,19 @@ impl<R: Instantiate> Course<'_, R> {
     }
 }
 
-/// A lag of first order, taken on from reading to reading: between nodes the quantity is a parabola, of which the lag is exact.
-struct Filter<R> {
+/// A lag of first order, and others that are parts of it, taken on from reading to reading by the same nodes: between them the
+/// quantity is a parabola, of which a lag is exact.
+struct Filter<'p, R> {
     lag: f64,
+    parts: &'p [f64],
     time: f64,
-    value: R,
+    /// What each lag leaves of the quantity.
+    values: Vec<R>,
 }
 
-impl<R: Instantiate> Filter<R> {
-    fn new(lag: f64, course: &mut Course<'_, R>) -> Self {
-        Self { lag, time: 0.0, value: course.at(0.0) }
+impl<'p, R: Instantiate> Filter<'p, R> {
+    fn new(lag: f64, parts: &'p [f64], course: &mut Course<'_, R>) -> Self {
+        Self { lag, parts, time: 0.0, values: vec![course.at(0.0); parts.len()] }
     }
 
     fn advance(&mut self, until: f64, course: &mut Course<'_, R>) {
@@ -218,21 +216,23 @@ impl<R: Instantiate> Filter<R> {
         }
         let forgotten = until - FORGOTTEN * self.lag;
         if forgotten > self.time {
-            (self.time, self.value) = (forgotten, course.at(forgotten));
+            self.time = forgotten;
+            self.values.fill(course.at(forgotten));
         }
         let steps = ((until - self.time) / (STEP * self.lag)).ceil().max(1.0);
         let (from, step) = (self.time, (until - self.time) / steps);
-        let [decay, first, second] = moments(step / self.lag);
+        let moments: Vec<[R; 3]> =
+            self.parts.iter().map(|part| moments(step / (part * self.lag)).map(R::constant)).collect();
+        let [four, three, two] = [4.0, 3.0, 2.0].map(R::constant);
         let mut begin = course.at(from);
         for count in 1..=steps as u64 {
             let at = from + step * (count as f64 - 0.5);
             let (middle, end) = (course.at(at), course.at(from + step * count as f64));
-            let [four, three, two] = [4.0, 3.0, 2.0].map(R::constant);
             let slope = four * middle - three * begin - end;
             let bend = two * (begin + end) - four * middle;
-            let forgets = R::constant(decay);
-            self.value =
-                self.value + forgets * (begin - self.value) + R::constant(first) * slope + R::constant(second) * bend;
+            for (value, [decay, first, second]) in self.values.iter_mut().zip(&moments) {
+                *value = *value + *decay * (begin - *value) + *first * slope + *second * bend;
+            }
             begin = end;
         }
         self.time = until;

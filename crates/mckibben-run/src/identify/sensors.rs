@@ -4,7 +4,7 @@ use super::Material;
 use super::sought::read;
 use crate::failure::Failure;
 use mckibben_identify::least_squares::Unknown;
-use mckibben_identify::study::{ColumnEntry, FitEntry, Quantity};
+use mckibben_identify::study::{Column, ColumnEntry, FitEntry, Quantity};
 use mckibben_identify::trajectories::{AMOUNTS, Amount, Sensor};
 
 /// How the path of a number of a sensor begins in [fit].
@@ -59,21 +59,8 @@ fn key(entry: &ColumnEntry) -> String {
 pub(super) fn unknown(material: &Material, entry: &FitEntry, of: OfSensor) -> Result<Unknown, Failure> {
     let column = &material.study.columns[of.column];
     let quantity = column.quantity;
-    let sheets = material.recordings.iter().flat_map(|recording| &recording.sheets);
-    let values = |wanted: &dyn Fn(&ColumnEntry) -> bool| {
-        let columns = sheets.clone().flat_map(|sheet| &sheet.columns);
-        let of_column = columns.filter(|its| {
-            material
-                .study
-                .columns
-                .iter()
-                .any(|entry| wanted(entry) && entry.quantity == its.quantity && entry.part == its.part)
-        });
-        let finite = of_column.flat_map(|its| its.values.iter().copied()).filter(|value| value.is_finite());
-        finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], value| [least.min(value), most.max(value)])
-    };
-    let [least, most] = values(&|entry| entry == column);
-    let [_, last] = values(&|entry| entry.quantity == Quantity::Time);
+    let [least, most] = range(material, |its| its.quantity == quantity && its.part == column.part);
+    let [_, last] = range(material, |its| its.quantity == Quantity::Time);
     let span = if most > least { most - least } else { 1.0 };
     let last = if last > 0.0 { last } else { 1.0 };
     let (unit, range) = match of.amount {
@@ -96,6 +83,14 @@ pub(super) fn unknown(material: &Material, entry: &FitEntry, of: OfSensor) -> Re
     }
     unknown.start = unknown.start.clamp(unknown.bounds[0], unknown.bounds[1]);
     Ok(unknown)
+}
+
+/// The least and the largest reading of columns in all runs.
+fn range(material: &Material, is_of: impl Fn(&Column) -> bool) -> [f64; 2] {
+    let columns = material.recordings.iter().flat_map(|recording| &recording.sheets).flat_map(|sheet| &sheet.columns);
+    let readings = columns.filter(|its| is_of(its)).flat_map(|its| its.values.iter().copied());
+    let readings = readings.filter(|reading| reading.is_finite());
+    readings.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], of| [least.min(of), most.max(of)])
 }
 
 /// What a study says of a number of a sensor.
