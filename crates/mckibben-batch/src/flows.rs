@@ -135,7 +135,7 @@ impl<W: Wide> FlowFormulas<W> for HeldFlows<W> {
     }
 
     #[inline(always)]
-    fn regulated_rate<T: Over<W>>(&self, network: &Network<W>, node: usize, at: &NetworkState<T>) -> T {
+    fn set_rate<T: Over<W>>(&self, network: &Network<W>, node: usize, at: &NetworkState<T>) -> T {
         let (zero, held) = (T::zero(), &self.nodes[node]);
         match &network.nodes[node].kind {
             NodeKind::Outlet { regulator, .. } => match network.outlet_error(node, held.limited, at) {

@@ -87,7 +87,7 @@ pub(crate) fn covers_structure(plant: &Plant) -> bool {
         mounted.pressure.is_none() && !(mounted.tendon.is_some() && falls)
     });
     let mechanisms = plant.mechanisms().iter().all(|mechanism| !matches!(mechanism, Mechanism::Prescribed(_)));
-    actuators && mechanisms
+    actuators && mechanisms && plant.network().series.is_empty()
 }
 
 /// Whether a lane can take a step in a mode from a time in s on.

@@ -3,7 +3,8 @@
 use mckibben::control::Quantity;
 use mckibben_run::quantities::{digits, given, given_percent};
 use mckibben_scenario::{
-    Aim, Command, CommandState, Controller, Engine, Load, Method, Motion, Process, Regulator, Run, Scenario, ValveKind,
+    Aim, Command, CommandState, Controller, Engine, Load, Method, Motion, PressurePlace, Process, Regulator, Run,
+    Scenario, ValveKind,
 };
 
 /// What the actuator pulls on.
@@ -36,7 +37,8 @@ fn mass_of(mass: f64) -> String {
 /// What drives the valve, or that there is none.
 pub fn drive(scenario: &Scenario) -> String {
     if let Some(course) = &scenario.pressure {
-        return format!("pressure given at {} instants", course.time.len());
+        let place = if course.at == PressurePlace::Hose { " at the end of the hose" } else { "" };
+        return format!("pressure{place} given at {} instants", course.time.len());
     }
     let (Some(valve), Some(command), Some(supply)) = (&scenario.valve, &scenario.command, &scenario.supply) else {
         return "sealed, no valve".to_owned();

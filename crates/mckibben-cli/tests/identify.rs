@@ -2,6 +2,8 @@
 //! actuators in `plant`.
 
 mod common;
+#[path = "identify/hose.rs"]
+mod hose;
 #[path = "identify/plant.rs"]
 mod plant;
 #[path = "identify/sensors.rs"]

@@ -62,6 +62,11 @@ words! {
         Open = "open", "An orifice that lets air through both ways.";
         Check = "check-valve", "A check valve: air comes in and does not go back.";
     }
+    /// Where a pressure that is given over time stands.
+    PressurePlace {
+        Muscle = "muscle", "In the actuator.";
+        Hose = "hose", "At the end of the hose that a valve would open into, where a sensor at the valve reads it.";
+    }
     /// Where friction with a memory starts.
     FrictionStart {
         Relaxed = "relaxed", "The hysteresis adds nothing.";

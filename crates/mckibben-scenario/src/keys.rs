@@ -11,7 +11,7 @@ mod plant;
 
 use crate::choice::{
     BladderForm, Choice, CommandKind, CommandState, ControllerKind, DesignKind, Engine, ExhaustTemperature, ForceLaw,
-    HoseKind, HysteresisLaw, LoadKind, Method, ProcessKind, RecordKind, SetPointTable, ValveKind,
+    HoseKind, HysteresisLaw, LoadKind, Method, PressurePlace, ProcessKind, RecordKind, SetPointTable, ValveKind,
 };
 use crate::presets;
 use crate::sweep::{MOST_ROWS, Reduction};
@@ -258,7 +258,11 @@ pub static SECTIONS: &[Section] = &[
     section("hose", "The hose from the valve to the actuator; none when absent.", false),
     section("command", "What the valve is told; given exactly when there is a valve.", false),
     section(CONTROLLER, "The controller; given exactly when `command.kind` is `controllers`.", false),
-    section("pressure", "The pressure in the actuator over time, in place of a valve; none when absent.", false),
+    section(
+        "pressure",
+        "The pressure in the actuator or its hose over time, in place of a valve; none when absent.",
+        false,
+    ),
     section("tendon", "An elastic tendon between actuator and load; none when absent.", false),
     section("load", "What the actuator pulls on.", true),
     section("initial", "The state at the start.", false),
@@ -312,6 +316,7 @@ const ELEMENTS: &[&str] = &[HysteresisLaw::MaxwellSlip.name()];
 const ROUNDED: &[&str] = &[HysteresisLaw::BoucWen.name()];
 const BRISTLES: &[&str] = &[HysteresisLaw::LuGre.name()];
 const ONE_WIDTH: &[&str] = &[HysteresisLaw::BoucWen.name(), HysteresisLaw::LuGre.name()];
+pub(crate) const PRESSURE_AT: &str = "pressure.at";
 const FORCE: &str = "actuator.force.law";
 const TONDU_LOPEZ: &[&str] = &[ForceLaw::TonduLopez.name()];
 const SAROSI: &[&str] = &[ForceLaw::Sarosi.name()];
@@ -570,6 +575,7 @@ pub static KEYS: &[Key] = &[
     quantity(&p::BIAS, "0.0").when(CONTROL, PIDS),
     quantity(&p::HIGHEST_GAUGE_PRESSURE, "\"5 bar\"").required().when(CONTROL, BY_MODEL),
     quantity(&p::CONTROL_TEMPERATURE, "\"20 degC\"").when(CONTROL, &[ControllerKind::AirMass.name()]),
+    choice(PRESSURE_AT, PressurePlace::CHOICES, "Where that pressure stands.", "\"muscle\"").or("muscle"),
     list(&p::COURSE_TIME, "[\"0 s\", \"0.5 s\"]").required(),
     list(&p::COURSE_GAUGE_PRESSURE, "[\"1 bar\", \"3 bar\"]").required(),
     quantity(&p::TENDON_STIFFNESS, "\"10 kN/m\"").required(),

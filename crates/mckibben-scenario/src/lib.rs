@@ -67,8 +67,8 @@ mod write;
 pub use assumed::Assumed;
 pub use choice::{
     BladderForm, Choice, CommandKind, CommandState, ControllerKind, DesignKind, Engine, ExhaustTemperature, ForceLaw,
-    FrictionStart, HoseKind, HysteresisLaw, InletKind, LoadKind, MechanismKind, Method, ProcessKind, RecordKind,
-    SetPointTable, Spacing, ValveKind, ValveOutput,
+    FrictionStart, HoseKind, HysteresisLaw, InletKind, LoadKind, MechanismKind, Method, PressurePlace, ProcessKind,
+    RecordKind, SetPointTable, Spacing, ValveKind, ValveOutput,
 };
 pub use controlled::{ControlLaw, ControlledExperiment};
 pub use controlled_joint::{ControlledJointExperiment, JointLaw};

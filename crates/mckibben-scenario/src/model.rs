@@ -1,6 +1,8 @@
 //! From what a file says to what the core simulates: the same numbers, in the core's types. No physics here.
 
-use crate::choice::{BladderForm, CommandState, Engine, ExhaustTemperature, HoseKind, Method, ValveKind};
+use crate::choice::{
+    BladderForm, CommandState, Engine, ExhaustTemperature, HoseKind, Method, PressurePlace, ValveKind,
+};
 use crate::diagnostic::Diagnostics;
 use crate::document::Document;
 use crate::scenario::{
@@ -360,20 +362,26 @@ impl Scenario {
         let Driven { actuator, actuation } = self.driven()?;
         let line = self.core_line(actuator.air())?;
         let load = self.core_load(actuator.law().law.end_length())?;
-        let rig = Rig::new(actuator, actuation, load)?.with_line(line)?;
+        let rig = Rig::new(actuator, actuation, load)?;
         let rig = match self.core_tendon()? {
             Some(tendon) => rig.with_tendon(tendon),
             None => rig,
         };
-        match self.core_pressure()? {
-            Some(course) => rig.with_pressure(course),
-            None => Ok(rig),
-        }
+        let rig = match self.core_pressure()? {
+            Some(series) => rig.with_pressure(series)?,
+            None => rig,
+        };
+        rig.with_line(line)
     }
 
     /// The elastic tendon in series, if there is one.
     pub(crate) fn core_tendon(&self) -> Result<Option<load::SeriesTendon>, Error> {
         self.tendon.map(|of| load::SeriesTendon::new(of.stiffness, of.rest_length)).transpose()
+    }
+
+    /// Whether the pressure in the actuator at the start is its own, and not that of a given one.
+    pub(crate) fn starts_at_own_pressure(&self) -> bool {
+        self.pressure.as_ref().is_none_or(|given| given.at == PressurePlace::Hose)
     }
 
     /// The pressure over time, where it is given.

@@ -5,7 +5,9 @@
 //! (whether the braid's lengths fit each other, say) is judged by the constructors of the core, whose errors
 //! [`Document::diagnose`](crate::Document::diagnose) shows in the file.
 
-use crate::choice::{BladderForm, CommandState, Engine, ExhaustTemperature, HoseKind, Method, ValveKind};
+use crate::choice::{
+    BladderForm, CommandState, Engine, ExhaustTemperature, HoseKind, Method, PressurePlace, ValveKind,
+};
 use crate::diagnostic::Diagnostics;
 use crate::document::Document;
 use mckibben::control::{Quantity, SetPoint};
@@ -356,9 +358,11 @@ pub struct Hose {
     pub polytropic_index: f64,
 }
 
-/// The pressure in the actuator as a given function of time: straight lines between points, constant outside.
+/// A pressure as a given function of time: straight lines between points, constant outside.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PressureSeries {
+    /// Where it stands.
+    pub at: PressurePlace,
     /// Times in s, strictly increasing, from zero on.
     pub time: Vec<f64>,
     /// Gauge pressure in Pa at each.

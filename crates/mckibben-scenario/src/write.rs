@@ -6,7 +6,7 @@
 use crate::choice::{
     BladderForm, CommandKind, ControllerKind, ForceLaw, HoseKind, HysteresisLaw, LoadKind, ProcessKind, SetPointTable,
 };
-use crate::keys::{BALANCED, EQUILIBRIUM};
+use crate::keys::{BALANCED, EQUILIBRIUM, PRESSURE_AT};
 use crate::quantity;
 use crate::read::passage;
 use crate::scenario::{
@@ -83,7 +83,7 @@ impl Scenario {
             }
             drive(w, &second);
             tendon(w, &joint.antagonist.tendon);
-            if second.pressure.is_none() {
+            if second.starts_at_own_pressure() {
                 w.number(&p::INITIAL_GAUGE_PRESSURE, second.initial.gauge_pressure);
             }
             w.number(&p::INITIAL_TEMPERATURE, second.initial.temperature);
@@ -265,6 +265,7 @@ fn drive(w: &mut Writer, scenario: &Scenario) {
     hose(w, scenario);
     command(w, scenario);
     if let Some(course) = &scenario.pressure {
+        w.word(PRESSURE_AT, course.at.name());
         w.list(&p::COURSE_TIME, &course.time);
         w.list(&p::COURSE_GAUGE_PRESSURE, &course.gauge_pressure);
     }
@@ -549,7 +550,7 @@ fn load(w: &mut Writer, load: &Load) {
 
 fn initial_and_run(w: &mut Writer, scenario: &Scenario) {
     let (initial, run) = (&scenario.initial, &scenario.run);
-    if scenario.pressure.is_none() {
+    if scenario.starts_at_own_pressure() {
         w.number(&p::INITIAL_GAUGE_PRESSURE, initial.gauge_pressure);
     }
     w.number(&p::INITIAL_TEMPERATURE, initial.temperature);

@@ -3,7 +3,7 @@
 
 use mckibben_scenario::{
     Command, CommandState, Document, Effectiveness, Engine, FlowPath, InitialLength, Load, Method, MomentArm, Motion,
-    PressureSeries, Process, Scenario, ValveKind, starter,
+    PressurePlace, PressureSeries, Process, Scenario, ValveKind, starter,
 };
 use proptest::prelude::*;
 
@@ -386,11 +386,29 @@ fn mistakes_in_a_joint_are_shown_where_they_are() {
 }
 
 #[test]
+fn a_pressure_at_the_end_of_a_hose_is_read_built_and_written() {
+    let file = "[pressure]\nat = \"hose\"\ntime = [\"0 s\", \"100 ms\"]\ngauge_pressure = [\"1 bar\", \"3 bar\"]\n\
+                [hose]\nlength = \"1 m\"\ndiameter = \"3 mm\"\n[actuator]\nleakage = \"1e-12 m^3/(s*Pa)\"\n\
+                [load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n[run]\nduration = \"0.2 s\"\n";
+    for (more, start) in [("", 1e5), ("[initial]\ngauge_pressure = \"0.5 bar\"\n", 0.5e5)] {
+        let read = Scenario::from_str(&format!("{file}{more}"), "test.toml").unwrap_or_else(|error| panic!("{error}"));
+        let experiment = read.experiment().expect("an experiment");
+        assert!((experiment.start.pressure.0 - 101_325.0 - start).abs() < 1e-6);
+        assert!(experiment.rig.line().hose.is_some() && experiment.rig.pressure_course().is_some());
+        let text = read.to_toml();
+        let again = Scenario::from_str(&text, "again.toml").unwrap_or_else(|error| panic!("{error}\n{text}"));
+        assert_eq!(again, read);
+    }
+    let error = Scenario::from_str(&file.replace("[hose]\nlength = \"1 m\"\ndiameter = \"3 mm\"\n", ""), "test.toml");
+    assert!(error.expect_err("no hose").to_string().contains("there is no hose at whose end the pressure could be"));
+}
+
+#[test]
 fn a_pressure_over_time_is_read_built_and_written() {
     let file = "[pressure]\ntime = [\"0 s\", \"100 ms\"]\ngauge_pressure = [\"1 bar\", \"3 bar\"]\n\
                 [load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n[run]\nduration = \"0.2 s\"\n";
     let read = Scenario::from_str(file, "test.toml").unwrap_or_else(|error| panic!("{error}"));
-    let course = PressureSeries { time: vec![0.0, 0.1], gauge_pressure: vec![1e5, 3e5] };
+    let course = PressureSeries { at: PressurePlace::Muscle, time: vec![0.0, 0.1], gauge_pressure: vec![1e5, 3e5] };
     assert_eq!(read.pressure, Some(course));
     let experiment = read.experiment().expect("an experiment");
     assert!((experiment.start.pressure.0 - 201_325.0).abs() < 1e-6);
@@ -404,6 +422,7 @@ fn a_pressure_over_time_is_read_built_and_written() {
             "`valve` has no meaning where `[pressure]`",
         ),
         ("[actuator]\nleakage = \"1e-12 m^3/(s*Pa)\"\n", "a valve or a leak would change it too"),
+        ("[hose]\nlength = \"1 m\"\ndiameter = \"3 mm\"\n", "set `pressure.at = \"hose\"`"),
     ] {
         let document = Document::parse(&format!("{file}{more}"), "test.toml").expect("it is TOML");
         let error = document.experiment().expect_err("a mistake").to_string();

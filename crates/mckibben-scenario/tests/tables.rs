@@ -91,7 +91,7 @@ fn surroundings_of(path: &str) -> &'static str {
              spool.natural_frequency = \"80 Hz\"\nspool.damping_ratio = 0.8\n\
              [command]\nkind = \"positions\"\ntime = [\"0 s\", \"1 s\"]\nposition = [0.2, -0.4]"
         }
-        "pressure.time" | "pressure.gauge_pressure" => {
+        "pressure.at" | "pressure.time" | "pressure.gauge_pressure" => {
             "[pressure]\ntime = [\"0 s\", \"1 s\"]\ngauge_pressure = [\"1 bar\", \"2 bar\"]"
         }
         "command.time" | "command.state" => {

@@ -179,7 +179,7 @@ fn behind_a_bottle(area: f64, volume: f64, regulator: [f64; 3], into: f64, proce
     let regulator = Regulator::new(droop, band, lag).expect("a regulator");
     let supply = network.supply([4e5, ROOM], Some(&bottle), Some(&regulator), None, outside);
     let actuator = paper.actuator().with_valve(paper.valve());
-    network.draw(0, &actuator, Some(&always(Request::Fill)), &Line::NONE, [supply.outlet, outside], 1.0);
+    network.draw(0, &actuator, (Some(&always(Request::Fill)), None), &Line::NONE, [supply.outlet, outside], 1.0);
     let plant = Plant::new(vec![mounted(&paper, 0)], network, vec![Mechanism::Fixed]).expect("a plant");
     (plant, start(1, [3.5 * INCH, 0.0], -0.999 * ATMOSPHERE))
 }

@@ -5,8 +5,9 @@ use crate::common::steps::RigSteps;
 use crate::common::{ATMOSPHERE, PSI, Paper, assert_close, assert_within, scaled, seeded, slope};
 use mckibben::Scalar;
 use mckibben::air::Process;
+use mckibben::line::{Hose, HoseKind, Leakage, Line};
 use mckibben::parameter;
-use mckibben::plant::RigPlant;
+use mckibben::plant::{RigPlant, simulate_plant};
 use mckibben::simulation::{EventKind, InitialLength, Method, PressureSeries, Rig, simulate};
 use mckibben::valve::{Command, Request};
 
@@ -137,6 +138,77 @@ fn what_does_not_go_together_is_refused() {
     ] {
         let error = PressureSeries::new(times, gauges).expect_err("no course").to_string();
         assert!(error.contains(words), "{error}");
+    }
+}
+
+fn hose(kind: HoseKind, paper: &Paper) -> Hose {
+    Hose::new(kind, [0.8, 3e-3], [1.8e-5, 293.15, 1.2], &paper.air()).expect("a hose")
+}
+
+/// What a sensor at the valve's end of a hose reads makes the air in the muscle, and so the motion, that the valve made.
+#[test]
+fn the_pressure_at_the_end_of_a_hose_moves_the_load_as_the_valve_did() {
+    for kind in [HoseKind::Lumped, HoseKind::Distributed { cells: 6 }] {
+        let paper = Paper::pwm(20.0, 0.45).mass(6.0);
+        let line = Line { hose: Some(hose(kind, &paper)), ..Line::NONE };
+        let driven = paper.rig().with_line(line).expect("a rig");
+        let valve = simulate(&driven, driven.start(&paper.initial()).expect("a start"), 0.3, 1e-11).expect("a run");
+        let mut times: Vec<f64> = (0..=30_000).map(|step| 1e-5 * f64::from(step)).collect();
+        times.extend(valve.events().iter().map(|event| event.time).filter(|time| *time < 0.3));
+        times.sort_by(f64::total_cmp);
+        times.dedup_by(|a, b| *a - *b < 1e-9);
+        let gauges: Vec<f64> = times.iter().map(|time| valve.at(*time).hose_pressure.0 - ATMOSPHERE).collect();
+        let sealed = Paper { command: None, ..paper };
+        // A lumped hose passes on late what is given; what the sensor of the model reads has passed it already.
+        let late = match kind {
+            HoseKind::Lumped => hose(kind, &sealed).transport_delay(),
+            HoseKind::Distributed { .. } => 0.0,
+        };
+        let early = |time: &f64| if *time > late { Some(time - late) } else { None };
+        let (times, gauges): (Vec<f64>, Vec<f64>) =
+            times.iter().zip(&gauges).filter_map(|(time, gauge)| Some((early(time)?, *gauge))).unzip();
+        let series = PressureSeries::new(&times, &gauges).expect("a time series");
+        let rig = sealed.rig().with_pressure(series).and_then(|rig| rig.with_line(line)).expect("a rig");
+        let run = simulate(&rig, rig.start(&sealed.initial()).expect("a start"), 0.3, 1e-10).expect("a run");
+        let mut furthest: f64 = 0.0;
+        for time in (1..=150).map(|step| 2e-3 * f64::from(step)) {
+            let (ours, theirs) = (run.at(time), valve.at(time));
+            assert_within(ours.length, theirs.length, 2e-7);
+            assert_close(ours.hose_pressure.0, theirs.hose_pressure.0, 1e-5);
+            assert_close(ours.pressure.0, theirs.pressure.0, 1e-4);
+            assert_close(ours.air_mass, theirs.air_mass, 1e-4);
+            furthest = furthest.max((theirs.hose_pressure.0 - theirs.pressure.0).abs());
+        }
+        assert!(furthest > 1e4, "the hose takes pressure: {furthest:e}");
+    }
+}
+
+/// What flows out of the place where the pressure is given is what comes into a closed muscle, and energy and air are accounted
+/// for, by both engines.
+#[test]
+fn the_air_that_a_hose_lets_in_is_accounted_for() {
+    for kind in [HoseKind::Lumped, HoseKind::Distributed { cells: 4 }] {
+        let paper = Paper::sealed().with(|paper| paper.length = InitialLength::At(0.09));
+        let line =
+            Line { hose: Some(hose(kind, &paper)), leakage: Some(Leakage::new(1e-11).expect("a leak")), ..Line::NONE };
+        let rig = given(&paper).with_line(line).expect("a rig");
+        let start = rig.start(&paper.initial()).expect("a start");
+        assert_close(start.pressure.0, paper.initial().gauge_pressure.0 + ATMOSPHERE, 1e-15);
+        let view = RigPlant::new(&rig);
+        let ledger = simulate_plant(view.plant(), &view.start(&start), 0.5, 1e-10).expect("a run").ledger();
+        for balance in [ledger.work(), ledger.energy(), ledger.exergy(), ledger.air()] {
+            assert!(balance.closes(1e-6), "{balance:?}");
+        }
+        let exact = view.simulate(&start, 0.5, 1e-11).expect("a run").at(0.5);
+        let off = |step: f64| {
+            let mut steps = RigSteps::new(&rig, start, Method::Stable);
+            (1..=(0.5 / step).round() as u32).for_each(|n| steps.advance_to(step * f64::from(n)).expect("a step"));
+            let end = steps.sample();
+            assert_close(end.hose_pressure.0, exact.hose_pressure.0, 1e-9);
+            (end.length - exact.length).abs()
+        };
+        let (coarse, fine) = (off(5e-5), off(1.25e-5));
+        assert!(coarse < 1e-3 && fine < coarse / 6.0, "{coarse:e} {fine:e}");
     }
 }
 

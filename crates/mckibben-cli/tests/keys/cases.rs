@@ -767,6 +767,12 @@ pub(crate) const WORDS: &[Words] = &[
         &[("load.kind", "isometric")],
         &[("load.kind", "hanging-mass"), ("load.mass", "5 lb")],
     ),
+    (
+        "pressure.at",
+        &[BODY, PRESSURE, LOADED, RUN],
+        &[("pressure.at", "muscle")],
+        &[("pressure.at", "hose"), ("hose.length", "2 m"), ("hose.diameter", "2 mm")],
+    ),
 ];
 
 /// What a joint needs for keys of its second actuator to matter, over what the first's case sets.

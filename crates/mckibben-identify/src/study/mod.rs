@@ -123,7 +123,7 @@ pub enum Quantity {
 
 impl Quantity {
     /// Those of one actuator, a joint or a valve.
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 22] = [
         Self::Time,
         Self::GaugePressure,
         Self::AbsolutePressure,
@@ -144,6 +144,8 @@ impl Quantity {
         Self::MassFlow,
         Self::VolumeFlow,
         Self::Command,
+        Self::HosePressure,
+        Self::HoseGaugePressure,
     ];
 
     /// Those of the parts of a plant.

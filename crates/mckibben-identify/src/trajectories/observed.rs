@@ -3,6 +3,7 @@
 use crate::study::Quantity;
 use mckibben::Scalar;
 use mckibben::mechanism::Mechanism;
+use mckibben::network::NodeKind;
 use mckibben::plant::Plant;
 use mckibben_scenario::{PlantExperiment, PlantQuantity};
 use std::sync::Arc;
@@ -28,6 +29,8 @@ pub enum Observed {
     AntagonistGaugePressure,
     /// Its tension in N.
     AntagonistTension,
+    /// Gauge pressure in Pa at the end of the hose that the valve opens into.
+    HoseGaugePressure,
     /// A column of a plant whose parts have names.
     Column(Arc<ObservedColumn>),
 }
@@ -45,7 +48,7 @@ pub struct ObservedColumn {
 
 impl Observed {
     /// Those of one actuator or joint.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Length,
         Self::GaugePressure,
         Self::Tension,
@@ -55,6 +58,7 @@ impl Observed {
         Self::AntagonistLength,
         Self::AntagonistGaugePressure,
         Self::AntagonistTension,
+        Self::HoseGaugePressure,
     ];
 
     /// A column of a plant, as its file calls the part, if there is one.
@@ -76,6 +80,7 @@ impl Observed {
             Self::AntagonistLength => Quantity::AntagonistLength,
             Self::AntagonistGaugePressure => Quantity::AntagonistGaugePressure,
             Self::AntagonistTension => Quantity::AntagonistTension,
+            Self::HoseGaugePressure => Quantity::HoseGaugePressure,
             Self::Column(column) => column.measured,
         }
     }
@@ -101,13 +106,13 @@ impl Observed {
 
     /// Whether it is of one actuator or joint, and only a joint has it.
     pub fn is_of_joint(&self) -> bool {
-        self.index().is_some_and(|index| index > 2)
+        self.index().is_some_and(|index| (3..9).contains(&index))
     }
 
     /// Where it is in a plant, and whether it counts from the atmosphere; none where the plant has none such.
     pub(super) fn place<S: Scalar>(&self, plant: &Plant<S>) -> Option<(PlantQuantity, bool)> {
         use PlantQuantity as Q;
-        let actuator = usize::from(self.index().is_some_and(|index| index > 5));
+        let actuator = usize::from(self.index().is_some_and(|index| (6..9).contains(&index)));
         let has_joint = matches!(plant.mechanisms().first(), Some(Mechanism::Chain(_)));
         if plant.actuators().len() <= actuator || self.is_of_joint() && !has_joint {
             return None;
@@ -116,6 +121,11 @@ impl Observed {
             Self::Length | Self::AntagonistLength => (Q::Length(actuator), false),
             Self::GaugePressure | Self::AntagonistGaugePressure => (Q::Pressure(actuator), true),
             Self::Tension | Self::AntagonistTension => (Q::Tension(actuator), false),
+            Self::HoseGaugePressure => {
+                let is_hose = |kind: &NodeKind<S>| matches!(kind, NodeKind::Hose(_) | NodeKind::Given { .. });
+                let first = plant.network().nodes.iter().position(|node| is_hose(&node.kind))?;
+                (Q::NodePressure(first), true)
+            }
             Self::Angle => (Q::Position(0, 0), false),
             Self::AngularVelocity => (Q::Rate(0, 0), false),
             Self::Torque => (Q::Force(0, 0), false),

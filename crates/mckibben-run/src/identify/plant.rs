@@ -5,10 +5,11 @@ use super::sensors::{self, OfSensor};
 use super::sought::{self, OfRun};
 use super::trajectories::held_at_its_end;
 use crate::failure::Failure;
+use mckibben::network::NodeKind;
 use mckibben_identify::least_squares::Unknown;
 use mckibben_identify::study::{Column, Input, Quantity, Recording, Sheet};
 use mckibben_identify::trajectories::{AdjustablePlant, Observed, Recorded, Subject, TimeSeries};
-use mckibben_scenario::{Document, PlantExperiment, PlantQuantity, PressureSeries};
+use mckibben_scenario::{Document, PlantExperiment, PlantQuantity, PressurePlace, PressureSeries};
 
 /// The runs, and the numbers that are looked for in them.
 pub(super) fn runs(material: &Material, warnings: &mut Vec<String>) -> Result<(Vec<Recorded>, Vec<Unknown>), Failure> {
@@ -67,7 +68,13 @@ fn courses(
     for (sheet, column) in recording.of_parts() {
         let (observed, quantity) = observed(of, column)?;
         let place = columns.iter().position(|column| column.quantity() == Some(quantity));
-        let is_given = matches!(quantity, PlantQuantity::Pressure(i) if of.plant.actuators()[i].pressure.is_some());
+        let is_given = match quantity {
+            PlantQuantity::Pressure(i) => of.plant.actuators()[i].pressure.is_some(),
+            PlantQuantity::NodePressure(node) | PlantQuantity::NodeGaugePressure(node) => {
+                matches!(of.plant.network().nodes[node].kind, NodeKind::Given { .. })
+            }
+            _ => false,
+        };
         if !is_given {
             let (times, values) = over_time(recording, sheet, column)?;
             let sensor = sensors::sensor(material, (column.quantity, column.part.as_deref()), 0.0, sensors);
@@ -128,17 +135,28 @@ fn give_pressures(
     recording: &Recording,
     warnings: &mut Vec<String>,
 ) -> Result<(), Failure> {
-    let (mut given, mut until) = (Vec::new(), 0.0_f64);
+    let atmosphere = of.plant.network().atmosphere;
+    let (mut given, mut until): (Vec<(usize, PressureSeries)>, f64) = (Vec::new(), 0.0);
     for (sheet, column) in recording.of_parts() {
         let (time, mut values) = over_time(recording, sheet, column)?;
         match observed(of, column)?.1 {
             PlantQuantity::Pressure(actuator) => {
                 if column.quantity == Quantity::AbsolutePressure {
-                    values.iter_mut().for_each(|pressure| *pressure -= of.plant.network().atmosphere);
+                    values.iter_mut().for_each(|pressure| *pressure -= atmosphere);
                 }
                 if !given.iter().any(|(other, _)| *other == actuator) {
-                    given.push((actuator, PressureSeries { time, gauge_pressure: values }));
+                    given.push((actuator, PressureSeries { at: PressurePlace::Muscle, time, gauge_pressure: values }));
                 }
+            }
+            // At the end of its hose it counts for more than in the muscle, which it drives through the hose.
+            PlantQuantity::NodePressure(node) | PlantQuantity::NodeGaugePressure(node)
+                if let Some(actuator) = of.names.hoses.iter().position(|hose| *hose == Some(node)) =>
+            {
+                if column.quantity == Quantity::HosePressure {
+                    values.iter_mut().for_each(|pressure| *pressure -= atmosphere);
+                }
+                given.retain(|(other, _)| *other != actuator);
+                given.push((actuator, PressureSeries { at: PressurePlace::Hose, time, gauge_pressure: values }));
             }
             _ => until = until.max(time.last().copied().unwrap_or(0.0)),
         }
@@ -151,9 +169,13 @@ fn give_pressures(
     for (actuator, course) in given {
         let name = &of.names.actuators[actuator];
         if of.names.valves[actuator].is_some() {
+            let (where_, hose) = match course.at {
+                PressurePlace::Muscle => ("", ", hose"),
+                PressurePlace::Hose => (" at the end of its hose", ""),
+            };
             let words = format!(
-                "the pressure of `{name}` is the measured one: what the scenario says of its valve, hose and command takes no part, and no \
-                 supply loses the air that it takes."
+                "the pressure of `{name}`{where_} is the measured one: what the scenario says of its valve{hose} and command takes no part, \
+                 and no supply loses the air that it takes."
             );
             if !warnings.contains(&words) {
                 warnings.push(words);

@@ -18,7 +18,7 @@ use mckibben_identify::trajectories::{
     Unexplained,
 };
 use mckibben_plot::{Axis, Colour, Figure, Legend, Panel, Series};
-use mckibben_scenario::{Load, PressureSeries, Scenario};
+use mckibben_scenario::{Load, PressurePlace, PressureSeries, Scenario};
 
 /// More starts than the first, unless the study says how many: so many are evaluated once, and the search goes from so many of
 /// them, those of least cost.
@@ -124,29 +124,59 @@ fn runs(material: &Material, warnings: &mut Vec<String>) -> Result<(Vec<Recorded
         let given = document.says_of_each(parameter::MIN_LENGTH.key);
         let mut courses = courses(material, (recording, &sensors), scenario.air.atmospheric_pressure);
         let others = scenario.of_antagonist();
-        let driven = [scenario.pressure.is_some(), others.is_some_and(|of| of.pressure.is_some())];
-        for (driven, pressure) in driven.into_iter().zip([Observed::GaugePressure, Observed::AntagonistGaugePressure]) {
-            courses.retain(|course| !driven || course.observed != pressure);
+        // A pressure that drives the run is not compared with it.
+        let driven = scenario.pressure.as_ref().map(|given| match given.at {
+            PressurePlace::Muscle => Observed::GaugePressure,
+            PressurePlace::Hose => Observed::HoseGaugePressure,
+        });
+        let driven_too = others.and_then(|of| of.pressure).map(|_| Observed::AntagonistGaugePressure);
+        for pressure in driven.into_iter().chain(driven_too) {
+            courses.retain(|course| course.observed != pressure);
         }
         runs.push(Recorded { name, subject: Adjustable::new(scenario, places, given).into(), unknowns, courses });
     }
     Ok((runs, unknowns))
 }
 
-/// Drives a run by the pressure that was measured, of a joint by both, in place of what the scenario says.
+/// Drives a run by the pressure that was measured, of a joint by both, in place of what the scenario says: by that at the end of
+/// the hose where it was measured there, so that the hose takes part.
 fn give_pressure(scenario: &mut Scenario, recording: &Recording, warnings: &mut Vec<String>) -> Result<(), Failure> {
     let had_valve = scenario.valve.is_some() || scenario.of_antagonist().is_some_and(|of| of.valve.is_some());
-    let its = measured_course(recording, [Quantity::GaugePressure, Quantity::AbsolutePressure], scenario, warnings)?;
+    let in_muscle = [Quantity::GaugePressure, Quantity::AbsolutePressure];
+    let in_hose = [Quantity::HoseGaugePressure, Quantity::HosePressure];
+    let at_hose = in_hose.iter().any(|quantity| recording.column(*quantity).is_some());
+    if at_hose && (scenario.hose.is_none() || scenario.has_joint()) {
+        let title = format!("the run `{}` has a pressure in a hose, but its scenario has no hose", recording.name);
+        let help = "describe the hose in `[hose]`, in a joint as a plant with `[actuators.NAME]`, or call it `[columns.gauge_pressure]`";
+        return Err(Failure::input(title, help));
+    }
+    let at = if at_hose { PressurePlace::Hose } else { PressurePlace::Muscle };
+    let its = measured_series(recording, if at_hose { in_hose } else { in_muscle }, (scenario, at), warnings)?;
     let of_other = [Quantity::AntagonistGaugePressure, Quantity::AntagonistAbsolutePressure];
     let others = match scenario.has_joint() {
-        true => Some(measured_course(recording, of_other, scenario, warnings)?),
+        true => Some(measured_series(recording, of_other, (scenario, at), warnings)?),
         false => None,
     };
-    let words = "the pressure is the measured one: valve, supply, hose and command of the scenario take no part.";
+    let words = match at {
+        PressurePlace::Muscle => {
+            "the pressure is the measured one: valve, supply, hose and command of the scenario take no part."
+        }
+        PressurePlace::Hose => {
+            "the pressure at the end of the hose is the measured one: valve, supply and command of the scenario take no part."
+        }
+    };
     if had_valve && !warnings.iter().any(|warning| warning == words) {
         warnings.push(words.to_owned());
     }
-    (scenario.valve, scenario.command, scenario.hose, scenario.supply) = (None, None, None, None);
+    (scenario.valve, scenario.command, scenario.supply) = (None, None, None);
+    if at_hose {
+        // What was read in the muscle first, else what was read in the hose: then no air flows at the start.
+        let first = in_muscle.iter().any(|quantity| recording.column(*quantity).is_some());
+        let first = if first { measured_series(recording, in_muscle, (scenario, at), warnings)? } else { its.clone() };
+        scenario.initial.gauge_pressure = first.gauge_pressure.first().copied().unwrap_or_default();
+    } else {
+        scenario.hose = None;
+    }
     scenario.pressure = Some(its);
     if let Load::AntagonisticJoint(joint) = &mut scenario.load {
         let second = &mut *joint.antagonist;
@@ -158,10 +188,10 @@ fn give_pressure(scenario: &mut Scenario, recording: &Recording, warnings: &mut 
 }
 
 /// A pressure that was measured, gauge or absolute, over time.
-fn measured_course(
+fn measured_series(
     recording: &Recording,
     of: [Quantity; 2],
-    scenario: &Scenario,
+    (scenario, at): (&Scenario, PressurePlace),
     warnings: &mut Vec<String>,
 ) -> Result<PressureSeries, Failure> {
     let (measured, time, mut gauge_pressure) = pressure_of(recording, of)?;
@@ -171,7 +201,7 @@ fn measured_course(
     let last = |(times, _): (Vec<f64>, Vec<f64>)| times.last().copied();
     let others = FOLLOWING.into_iter().filter_map(|of| last(recording.channel(of)?));
     held_at_its_end(recording, "the pressure", (&time, others.fold(0.0, f64::max)), warnings);
-    Ok(PressureSeries { time, gauge_pressure })
+    Ok(PressureSeries { at, time, gauge_pressure })
 }
 
 /// That a measured pressure ends before what follows it, which goes on until a time in s.
@@ -227,6 +257,8 @@ fn courses(
         of(Quantity::AntagonistGaugePressure, Observed::AntagonistGaugePressure, 0.0),
         of(Quantity::AntagonistAbsolutePressure, Observed::AntagonistGaugePressure, atmosphere),
         of(Quantity::AntagonistTension, Observed::AntagonistTension, 0.0),
+        of(Quantity::HoseGaugePressure, Observed::HoseGaugePressure, 0.0),
+        of(Quantity::HosePressure, Observed::HoseGaugePressure, atmosphere),
     ]
     .into_iter()
     .flatten()

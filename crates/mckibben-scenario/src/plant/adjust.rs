@@ -13,6 +13,7 @@
 //! Checked by `tests/plant.rs` of the identify crate: against differences of runs, for parameters of every section.
 
 use super::PlantExperiment;
+use crate::choice::PressurePlace;
 use crate::diagnostic::{Class, Diagnostic, Diagnostics, Place as FilePlace, Source};
 use crate::document::{Document, Node, Value};
 use crate::keys::{self, ACTUATORS, Kind};
@@ -137,12 +138,15 @@ impl Document {
         }
     }
 
-    /// Gives the pressure over time of one actuator of a plant in place of its valve and what belongs to that.
+    /// Gives the pressure over time of one actuator of a plant, or at the end of its hose, in place of its valve and what belongs to
+    /// that.
     ///
     /// # Errors
     /// When the file has something there that is no section.
     pub fn give_pressure(&mut self, actuator: &str, course: &PressureSeries) -> Result<(), Diagnostics> {
-        for section in ["valve", "command", "controller", "hose", "supply", "pressure", p::INITIAL_GAUGE_PRESSURE.key] {
+        let of_muscle = ["hose", p::INITIAL_GAUGE_PRESSURE.key];
+        let also: &[&str] = if course.at == PressurePlace::Muscle { &of_muscle } else { &[] };
+        for section in ["valve", "command", "controller", "supply", "pressure"].iter().chain(also) {
             self.remove(&format!("{ACTUATORS}.{actuator}.{section}"));
         }
         for (row, numbers) in [(&p::COURSE_TIME, &course.time), (&p::COURSE_GAUGE_PRESSURE, &course.gauge_pressure)] {
@@ -151,6 +155,8 @@ impl Document {
             let (path, list) = (format!("{ACTUATORS}.{actuator}.{}", row.key), format!("[{}]", said.join(", ")));
             self.set_text_from("the measured pressure", &path, &list)?;
         }
+        let path = format!("{ACTUATORS}.{actuator}.{}", keys::PRESSURE_AT);
+        self.set_text_from("the measured pressure", &path, course.at.name())?;
         Ok(())
     }
 

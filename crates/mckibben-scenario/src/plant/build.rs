@@ -10,7 +10,9 @@ use crate::scenario::InitialLength;
 use mckibben::force::Statics;
 use mckibben::load::{Load, MomentArm};
 use mckibben::mechanism::{Arm, Attachment, Coupling, Mass, Mechanism, Pull};
-use mckibben::plant::{INITIAL_FRICTION_FORCE, InitialAir, InitialFriction, Mounted, Plant, PlantRun, PlantStart};
+use mckibben::plant::{
+    Drawn, INITIAL_FRICTION_FORCE, InitialAir, InitialFriction, Mounted, Plant, PlantRun, PlantStart,
+};
 use mckibben::simulation::{Driven, Rig};
 use mckibben::{Error, GaugePressure};
 
@@ -35,8 +37,8 @@ impl Document {
             };
             let drawn = parts.add(member, index, &of, &mut network).map_err(|error| in_its_part(&error))?;
             names.actuators.push(member.name.clone());
-            names.valves.push(drawn.map(|[valve, _]| valve));
-            names.hoses.push(drawn.filter(|_| member.alone.hose.is_some()).map(|[_, node]| node));
+            names.valves.push(drawn.valve);
+            names.hoses.push(drawn.into.filter(|_| member.alone.hose.is_some()));
             if matches!(member.mount, Mount::Own) {
                 names.mechanisms.push(MechanismNames::default());
             }
@@ -106,14 +108,14 @@ struct Parts {
 }
 
 impl Parts {
-    /// Adds an actuator; its valve and the node that the valve opens into.
+    /// Adds an actuator; what it draws by.
     fn add(
         &mut self,
         member: &Member,
         index: usize,
         of: &PlantScenario,
         network: &mut Builder<'_>,
-    ) -> Result<Option<[usize; 2]>, Error> {
+    ) -> Result<Drawn, Error> {
         // A controller's valve does nothing before the first sample.
         let alone = &member.alone.open_loop();
         let driven = alone.driven_by(member.output)?;
@@ -123,9 +125,11 @@ impl Parts {
         let air = *driven.actuator.air();
         let line = alone.core_line(&air)?;
         let line = mckibben::line::Line { supply: None, ..line };
-        let drawn = network.draw(index, &driven, &line, alone, member.supply.as_deref())?;
+        let (tendon, given) = (alone.core_tendon()?, alone.core_pressure()?);
+        let of_hose = given.as_ref().filter(|_| line.hose.is_some());
+        let drawn = network.draw(index, (&driven, of_hose), &line, alone, member.supply.as_deref())?;
+        let pressure = given.clone().filter(|_| line.hose.is_none());
         let bare = driven.actuator.clone().without_valve();
-        let (tendon, pressure) = (alone.core_tendon()?, alone.core_pressure()?);
         let mut initial = InitialAir {
             gauge_pressure: GaugePressure(alone.initial.gauge_pressure),
             temperature: alone.initial.temperature,
@@ -135,13 +139,14 @@ impl Parts {
             Mount::Own => {
                 let Driven { actuator, actuation } = driven;
                 let load = alone.core_load(actuator.law().law.end_length())?;
-                let mut rig = Rig::new(actuator, actuation, load)?.with_line(line)?;
+                let mut rig = Rig::new(actuator, actuation, load)?;
                 if let Some(tendon) = tendon {
                     rig = rig.with_tendon(tendon);
                 }
-                if let Some(course) = &pressure {
-                    rig = rig.with_pressure(course.clone())?;
+                if let Some(series) = given {
+                    rig = rig.with_pressure(series)?;
                 }
+                let rig = rig.with_line(line)?;
                 let state = rig.start(&alone.initial())?;
                 let start = Plant::start_of_rig(&rig, &state);
                 mechanism = self.mechanisms.len();

@@ -6,8 +6,8 @@ use crate::scenario::{Scenario, Supply};
 use mckibben::air::Air;
 use mckibben::line::Line;
 use mckibben::network::{BranchKind, Network, NodeKind};
-use mckibben::plant::SupplyNodes;
-use mckibben::simulation::{Actuation, Driven};
+use mckibben::plant::{Drawn, SupplyNodes};
+use mckibben::simulation::{Actuation, Driven, PressureSeries};
 use mckibben::valve::{Command, ExhaustTemperature, FlowLaw, Port, Request, Solenoid, ValveKind};
 use mckibben::{Error, parameter as p};
 
@@ -98,15 +98,15 @@ impl<'s> Builder<'s> {
         Ok(())
     }
 
-    /// What an actuator draws from its supply; its valve and the node that the valve opens into.
+    /// Adds what an actuator draws from its supply, or by a hose with a given pressure at its end.
     pub(super) fn draw(
         &mut self,
         index: usize,
-        driven: &Driven,
+        (driven, given): (&Driven, Option<&PressureSeries>),
         line: &Line,
         alone: &Scenario,
         supply: Option<&str>,
-    ) -> Result<Option<[usize; 2]>, Error> {
+    ) -> Result<Drawn, Error> {
         let room = p::SUPPLY_TEMPERATURE.default.unwrap_or_default();
         let temperature = alone.supply.as_ref().map_or(room, |supply| supply.temperature);
         let outside = self.outside(temperature);
@@ -116,7 +116,8 @@ impl<'s> Builder<'s> {
         if regulates && store.is_some_and(|store| changes(&self.stores[store].supply)) {
             return Err(Error::NotImplemented(&mckibben::limit::REGULATOR_SUPPLY));
         }
-        Ok(self.network.draw(index, &driven.actuator, driven.actuation.as_ref(), line, [feed, outside], 1.0))
+        let driving = (driven.actuation.as_ref(), given);
+        Ok(self.network.draw(index, &driven.actuator, driving, line, [feed, outside], 1.0))
     }
 }
 

@@ -4,7 +4,7 @@
 //! own length and velocity at the start, so neither may be given.
 
 use super::{alternative, columns, gauge_pressure, joint};
-use crate::choice::{Engine, FrictionStart, LoadKind, Method};
+use crate::choice::{Engine, FrictionStart, LoadKind, Method, PressurePlace};
 use crate::diagnostic::{Class, Diagnostic};
 use crate::keys::{self, EQUILIBRIUM};
 use crate::quantity;
@@ -21,12 +21,22 @@ pub(super) fn pressure(r: &mut Reader<'_>) -> Option<PressureSeries> {
             r.missing(path, "");
         }
     }
-    for (path, help) in [
-        ("valve", "remove `[valve]`, `[supply]` and `[command]`, or `[pressure]`"),
-        (p::INITIAL_GAUGE_PRESSURE.key, "remove it: the run starts at the pressure of the first row"),
+    let at = r.word(keys::PRESSURE_AT).unwrap_or(PressurePlace::Muscle);
+    let in_muscle = at == PressurePlace::Muscle;
+    for (path, help, is_out) in [
+        ("valve", "remove `[valve]`, `[supply]` and `[command]`, or `[pressure]`", true),
+        (
+            "hose",
+            "remove `[hose]`, or set `pressure.at = \"hose\"` if the pressure is that at the valve's end of the hose",
+            in_muscle,
+        ),
+        (p::INITIAL_GAUGE_PRESSURE.key, "remove it: the run starts at the pressure of the first row", in_muscle),
     ] {
-        if let Some(place) = r.key_place(path) {
-            let title = format!("`{path}` has no meaning where `[pressure]` gives the pressure over time");
+        if let Some(place) = r.key_place(path).filter(|_| is_out) {
+            let title = match path {
+                "hose" => "`hose` has no meaning where `[pressure]` gives the pressure in the muscle".to_owned(),
+                _ => format!("`{path}` has no meaning where `[pressure]` gives the pressure over time"),
+            };
             r.note(
                 Diagnostic::at(Class::NotApplicable, place, title, "does not apply")
                     .related(Some(section.clone()), "given here")
@@ -34,9 +44,31 @@ pub(super) fn pressure(r: &mut Reader<'_>) -> Option<PressureSeries> {
             );
         }
     }
+    if !in_muscle && !r.has("hose") {
+        let place = r.value_place(keys::PRESSURE_AT).unwrap_or(section);
+        r.note(
+            Diagnostic::at(
+                Class::Missing,
+                place,
+                "there is no hose at whose end the pressure could be",
+                "needs [hose]",
+            )
+            .help("add a section `[hose]`, or set `pressure.at = \"muscle\"`"),
+        );
+    }
     let (time, gauges) = (r.list(&p::COURSE_TIME), r.list(&p::COURSE_GAUGE_PRESSURE));
     let (time, gauge_pressure) = columns(r, &p::COURSE_TIME, time, p::COURSE_GAUGE_PRESSURE.key, gauges);
-    Some(PressureSeries { time, gauge_pressure })
+    Some(PressureSeries { at, time, gauge_pressure })
+}
+
+/// The gauge pressure that the air in an actuator starts at: behind a hose with a given pressure that of its first row, unless
+/// the file says another.
+pub(super) fn first_pressure(r: &mut Reader<'_>, given: Option<&PressureSeries>, air: &Air) -> f64 {
+    let first = given.filter(|given| given.at == PressurePlace::Hose).and_then(|given| given.gauge_pressure.first());
+    match first {
+        Some(first) if !r.has(p::INITIAL_GAUGE_PRESSURE.key) => *first,
+        _ => gauge_pressure(r, &p::INITIAL_GAUGE_PRESSURE, air),
+    }
 }
 
 /// The tendon in series, if the file has one.
@@ -116,7 +148,7 @@ pub(super) fn motion_of(r: &mut Reader<'_>, rows: &MotionRows) -> Motion {
     Motion::Sinusoid { length, amplitude, frequency, phase }
 }
 
-pub(super) fn initial(r: &mut Reader<'_>, load: Option<&Load>, air: &Air) -> Initial {
+pub(super) fn initial(r: &mut Reader<'_>, load: Option<&Load>, series: Option<&PressureSeries>, air: &Air) -> Initial {
     let path = p::INITIAL_LENGTH.key;
     let balanced = !r.has(path) || r.says(path, EQUILIBRIUM.name);
     let given = if balanced { InitialLength::Equilibrium } else { at(r) };
@@ -165,7 +197,7 @@ pub(super) fn initial(r: &mut Reader<'_>, load: Option<&Load>, air: &Air) -> Ini
         }
         _ => given,
     };
-    let gauge_pressure = gauge_pressure(r, &p::INITIAL_GAUGE_PRESSURE, air);
+    let gauge_pressure = first_pressure(r, series, air);
     let (temperature, friction) = (r.value(&p::INITIAL_TEMPERATURE, None), friction_start(r));
     Initial { gauge_pressure, temperature, length, velocity, friction }
 }

@@ -5,7 +5,8 @@
 //! names its `kind` or `preset`; how much a valve's passage lets through; an actuator that names its `preset`; a force that
 //! names its `law`, a bladder its `form`; a moment arm, by radius or by table. A table holds as it stands: it is not mirrored.
 
-use super::{alternative, body, columns, course, drive, gauge_pressure, line, passage};
+use super::{alternative, body, columns, course, drive, line, passage};
+use crate::choice::PressurePlace;
 use crate::diagnostic::Place;
 use crate::document::{Document, Entry, Node, Table, Value};
 use crate::keys::{self, ANTAGONIST, BALANCED, FRICTION_START};
@@ -69,7 +70,7 @@ fn antagonist(r: &mut Reader<'_>, air: &Air) -> Option<Antagonist> {
     let has_own_supply = r.document().place(&format!("{ANTAGONIST}.supply")).is_some();
     let (hose, pressure, series_tendon) = (line::hose(of), course::pressure(of), course::tendon(of));
     let tendon = tendon(of);
-    let gauge_pressure = gauge_pressure(of, &p::INITIAL_GAUGE_PRESSURE, air);
+    let gauge_pressure = course::first_pressure(of, pressure.as_ref(), air);
     let temperature = of.value(&p::INITIAL_TEMPERATURE, None);
     match reader.finish() {
         Ok(()) => Some(Antagonist {
@@ -92,6 +93,13 @@ fn antagonist(r: &mut Reader<'_>, air: &Air) -> Option<Antagonist> {
     }
 }
 
+/// Whether a section says of a given pressure that it stands at the end of the hose.
+fn stands_at_hose(section: &Entry) -> bool {
+    let Value::Table(table) = &section.node.value else { return false };
+    let at = table.get("at").map(|entry| &entry.node.value);
+    matches!(at, Some(Value::String(word)) if word == PressurePlace::Hose.name())
+}
+
 impl Document {
     /// The document as it stands for the second actuator of a joint: the keys of `[antagonist]` in place of its own.
     pub(crate) fn antagonist(&self) -> Self {
@@ -111,6 +119,7 @@ impl Document {
     /// the other way round.
     pub(crate) fn make_way(&mut self, table: &Table) {
         let instead: &[&str] = match (table.get("pressure"), table.get("valve")) {
+            (Some(given), None) if stands_at_hose(given) => &["valve", "command", "supply"],
             (Some(_), None) => &["valve", "command", "hose", "supply", p::INITIAL_GAUGE_PRESSURE.key],
             (None, Some(_)) => &["pressure"],
             _ => &[],

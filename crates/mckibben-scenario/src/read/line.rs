@@ -13,7 +13,7 @@ use mckibben::parameter::{self as p, Parameter};
 /// The hose, if the file has one.
 pub(super) fn hose(r: &mut Reader<'_>) -> Option<Hose> {
     let place = r.key_place("hose")?;
-    if !r.has("valve") {
+    if !r.has("valve") && !r.has("pressure") {
         let title = "there is a [hose] but no [valve], so nothing flows through it";
         r.note(
             Diagnostic::at(Class::NotApplicable, place, title, "joins no valve")

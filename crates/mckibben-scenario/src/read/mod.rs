@@ -71,7 +71,7 @@ impl Document {
         let pressure = course::pressure(r);
         let tendon = course::tendon(r);
         let load = if self.contains("load") { course::load(r, &air) } else { None };
-        let initial = course::initial(r, load.as_ref(), &air);
+        let initial = course::initial(r, load.as_ref(), pressure.as_ref(), &air);
         let run = if self.contains("run") { Some(course::run(r)) } else { None };
         reader.finish()?;
         match (load, run) {

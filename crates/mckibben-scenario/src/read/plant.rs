@@ -3,7 +3,7 @@
 //! Each is read from the document as it stands for it. What feeds what is a tree: a supply is fed by at most one, and none by
 //! itself.
 
-use super::{body, course, drive, gauge_pressure, line, mechanism, passage};
+use super::{body, course, drive, line, mechanism, passage};
 use crate::choice::{CommandKind, InletKind, ValveOutput};
 use crate::diagnostic::{Class, Diagnostic, Diagnostics, Place};
 use crate::document::Document;
@@ -11,7 +11,7 @@ use crate::keys::{self, ACTUATORS, CONTROLLER, SUPPLIES};
 use crate::plant::parts::SUPPLY;
 use crate::plant::{Frame, Inlet, Member, Mount, PlantScenario, Store};
 use crate::reader::Reader;
-use crate::scenario::{Air, Command, Initial, InitialLength, Load, Scenario, Supply};
+use crate::scenario::{Air, Command, Initial, InitialLength, Load, PressureSeries, Scenario, Supply};
 use mckibben::parameter as p;
 use std::collections::HashMap;
 
@@ -369,7 +369,7 @@ impl Document {
         let (load, initial, mount);
         if has_load {
             load = course::load(of, &air);
-            initial = course::initial(of, load.as_ref(), &air);
+            initial = course::initial(of, load.as_ref(), pressure.as_ref(), &air);
             mount = Some(Mount::Own);
             if matches!(load, Some(Load::AntagonisticJoint(_)))
                 && let Some(place) = of.value_place("load.kind")
@@ -383,7 +383,7 @@ impl Document {
         } else {
             // It stands in for the mechanism, of which nothing here asks.
             load = Some(Load::Isometric);
-            initial = on_mechanism(of, tendon.is_some(), &air);
+            initial = on_mechanism(of, tendon.is_some(), pressure.as_ref(), &air);
             mount = mechanism::mount(of, &document, name, place, frames);
         }
         // What is the actuator's own has its name; what is of all has not.
@@ -420,7 +420,7 @@ impl Document {
 }
 
 /// The start of an actuator whose mechanism says how long it is.
-fn on_mechanism(r: &mut Reader<'_>, has_tendon: bool, air: &Air) -> Initial {
+fn on_mechanism(r: &mut Reader<'_>, has_tendon: bool, series: Option<&PressureSeries>, air: &Air) -> Initial {
     let path = p::INITIAL_LENGTH.key;
     for row in [&p::INITIAL_VELOCITY, &p::INITIAL_ANGLE, &p::INITIAL_ANGULAR_VELOCITY] {
         let help = "give it of the mechanism or its joints";
@@ -433,7 +433,7 @@ fn on_mechanism(r: &mut Reader<'_>, has_tendon: bool, air: &Air) -> Initial {
     } else if !has_tendon {
         refuse(r, path, "without an elastic tendon the mechanism says how long the actuator is", "remove it");
     }
-    let gauge_pressure = gauge_pressure(r, &p::INITIAL_GAUGE_PRESSURE, air);
+    let gauge_pressure = course::first_pressure(r, series, air);
     let (temperature, friction) = (r.value(&p::INITIAL_TEMPERATURE, None), course::friction_start(r));
     Initial { gauge_pressure, temperature, length, velocity: 0.0, friction }
 }

@@ -61,9 +61,6 @@ pub struct Deflections<T> {
 }
 
 impl<T: Scalar> Deflections<T> {
-    /// Those of an actuator without bristles and branches.
-    pub const NONE: Self = Self { bristles: None, branches: None };
-
     /// These as numbers without a derivative of a wider scalar.
     #[allow(clippy::manual_map, reason = "a closure would be compiled separately, without the instructions of a batch")]
     #[inline(always)]

@@ -148,6 +148,12 @@ impl<S: Scalar> Viscoelastic<S> {
         self.relaxation_time[branch]
     }
 
+    /// Its reciprocal in 1/s.
+    #[inline(always)]
+    pub(crate) fn relaxation_rate(&self, branch: usize) -> S {
+        self.relaxation_rate[branch]
+    }
+
     /// Stiffness of a branch in N/m at a secant stiffness in N/m.
     #[inline(always)]
     pub fn stiffness_at<T: Over<S>>(&self, branch: usize, secant_stiffness: T) -> T {

@@ -226,9 +226,17 @@ impl<R: Scalar> Network<R> {
         match &self.nodes[node].kind {
             NodeKind::Hose(hose) => hose.pressure_rate(at.nodes[node].net()),
             NodeKind::Reservoir(reservoir) => reservoir.pressure_rate(at.nodes[node].net()),
-            NodeKind::Outlet { .. } | NodeKind::Port { .. } => mode.regulated_rate(self, node, at),
+            NodeKind::Outlet { .. } | NodeKind::Port { .. } | NodeKind::Given { .. } => mode.set_rate(self, node, at),
             NodeKind::Atmosphere | NodeKind::Source | NodeKind::Chamber { .. } => T::zero(),
         }
+    }
+
+    /// Absolute pressure in Pa of a node where it is given, and its rate in Pa/s, at a time in s after so many rows have passed;
+    /// none for another node.
+    pub(crate) fn given(&self, node: usize, time: R, passed: usize) -> Option<[R; 2]> {
+        let NodeKind::Given { series, late } = self.nodes[node].kind else { return None };
+        let [gauge, rate] = self.series[series].at(time - late, passed);
+        Some([self.absolute(gauge), rate])
     }
 
     /// The rate of the flow through a cell of a distributed hose in kg/s².

@@ -29,8 +29,8 @@ pub trait FlowFormulas<S: Scalar> {
     /// Whether a compressor runs.
     fn runs(&self, branch: usize) -> S::Mask;
 
-    /// The rate in Pa/s of the pressure of a regulator's outlet or of a regulated port.
-    fn regulated_rate<T: Over<S>>(&self, network: &Network<S>, node: usize, at: &NetworkState<T>) -> T;
+    /// The rate in Pa/s of the pressure of a regulator's outlet, of a regulated port, or of a node where it is given.
+    fn set_rate<T: Over<S>>(&self, network: &Network<S>, node: usize, at: &NetworkState<T>) -> T;
 
     /// How the pressure of a regulator's outlet or of a regulated port answers within a stage for γh in s.
     fn regulated_response(&self, network: &Network<S>, node: usize, gamma_h: S) -> RegulatedResponse<S>;
@@ -75,7 +75,7 @@ impl<R: Real> FlowFormulas<R> for NetworkMode<R> {
         self.branches[branch].runs
     }
 
-    fn regulated_rate<T: Over<R>>(&self, network: &Network<R>, node: usize, at: &NetworkState<T>) -> T {
+    fn set_rate<T: Over<R>>(&self, network: &Network<R>, node: usize, at: &NetworkState<T>) -> T {
         let its = &self.nodes[node];
         match &network.nodes[node].kind {
             NodeKind::Outlet { regulator, .. } => network
@@ -85,6 +85,9 @@ impl<R: Real> FlowFormulas<R> for NetworkMode<R> {
                 (Some(approach), Some(set)) => regulator.rate_in(approach, at.nodes[node].pressure, T::of(set)),
                 _ => T::zero(),
             },
+            NodeKind::Given { .. } => {
+                T::of(network.given(node, R::zero(), its.rows_passed).map_or(R::zero(), |[_, rate]| rate))
+            }
             _ => T::zero(),
         }
     }

@@ -128,6 +128,7 @@ impl<R: Scalar> Elimination<R> {
                 let given = plant.actuators()[actuator].pressure.is_some();
                 (!given).then_some(places.actuators[actuator].pressure)
             }
+            NodeKind::Given { .. } => None,
             _ => places.nodes[node],
         };
         let neighbours = |node: usize| {

@@ -5,6 +5,7 @@
 //! | node | pressure | temperature of its air |
 //! |---|---|---|
 //! | [`NodeKind::Atmosphere`], [`NodeKind::Source`] | constant | its own |
+//! | [`NodeKind::Given`] | a given function of time | its own |
 //! | [`NodeKind::Chamber`] | of an actuator's air (19) | of the gas |
 //! | [`NodeKind::Hose`] | `dP/dt = κRT/V ṁ` of a hose's volume or cell | the wall's |
 //! | [`NodeKind::Reservoir`] | the same of a tank, a bottle or a manifold | the supply's |
@@ -45,7 +46,7 @@ use crate::line::{self, Hose, Leakage, Reservoir};
 use crate::parameter;
 use crate::plant::Part;
 use crate::scalar::Scalar;
-use crate::simulation::Actuation;
+use crate::simulation::{Actuation, PressureSeries};
 use crate::valve::{self, FlowLaw, Port};
 use alloc::vec::Vec;
 
@@ -56,6 +57,13 @@ pub enum NodeKind<S = f64> {
     Atmosphere,
     /// Mains or a tank without end.
     Source,
+    /// A pressure that is given over time: what is measured at the valve's end of a hose, in place of the valve.
+    Given {
+        /// Which of the network's time series, from 0.
+        series: usize,
+        /// How much later in s than the series says the pressure is there: the delay of a lumped hose behind it.
+        late: S,
+    },
     /// The air of an actuator.
     Chamber {
         /// Which actuator, from 0.
@@ -147,6 +155,8 @@ pub struct Network<S = f64> {
     pub branches: Vec<Branch<S>>,
     /// The valves: delays or dynamics, and the command of each.
     pub valves: Vec<Actuation<S>>,
+    /// The pressures that are given over time.
+    pub series: Vec<PressureSeries<S>>,
     /// Absolute pressure in Pa of the atmosphere, from which gauge pressures count.
     pub atmosphere: S,
 }
@@ -154,7 +164,8 @@ pub struct Network<S = f64> {
 impl<S: Scalar> Network<S> {
     /// Neither nodes nor branches, in the atmosphere of `air`.
     pub fn new(air: &Air<S>) -> Self {
-        Self { nodes: Vec::new(), branches: Vec::new(), valves: Vec::new(), atmosphere: air.atmosphere().0 }
+        let atmosphere = air.atmosphere().0;
+        Self { nodes: Vec::new(), branches: Vec::new(), valves: Vec::new(), series: Vec::new(), atmosphere }
     }
 
     /// Absolute pressure in Pa at a gauge pressure.
@@ -209,6 +220,12 @@ impl<S: Scalar> Network<S> {
         first
     }
 
+    /// Gives the pressure of a node over time, in place of what determined it.
+    pub fn give(&mut self, node: usize, series: PressureSeries<S>) {
+        self.nodes[node].kind = NodeKind::Given { series: self.series.len(), late: S::zero() };
+        self.series.push(series);
+    }
+
     /// The network over another scalar. A hose is given out as its first node, whichever node or branch holds a copy of it.
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Network<T> {
         let nodes = self.nodes.iter().enumerate().map(|(index, node)| {
@@ -230,9 +247,15 @@ impl<S: Scalar> Network<S> {
             valve.convert(convert)
         });
         let valves = valves.collect();
+        let series = self.series.iter().enumerate().map(|(index, series)| {
+            let is_its = |node: &Node<S>| matches!(node.kind, NodeKind::Given { series, .. } if series == index);
+            convert.turn_to(self.nodes.iter().position(is_its).map(Part::Node));
+            series.convert(convert)
+        });
+        let series = series.collect();
         convert.turn_to(None);
         let atmosphere = convert.parameter(&parameter::ATMOSPHERIC_PRESSURE, self.atmosphere);
-        Network { nodes, branches, valves, atmosphere }.seen_late()
+        Network { nodes, branches, valves, series, atmosphere }.seen_late()
     }
 
     /// The first node of the hose that a node belongs to: at the end that its valve opens into.
@@ -250,8 +273,8 @@ impl<S: Scalar> Network<S> {
         node
     }
 
-    /// Lets the valves that open into a lumped hose take effect by its delay later: a lumped hose has none of its own. Of
-    /// several such hoses behind one valve, the longest delay counts.
+    /// Lets the valves that open into a lumped hose, and pressures that are given there, take effect by its delay later: a
+    /// lumped hose has none of its own. Of several such hoses behind one valve, the longest delay counts.
     pub(crate) fn seen_late(mut self) -> Self {
         for branch in &self.branches {
             if let BranchKind::Path { valve, .. } = branch.kind
@@ -260,6 +283,11 @@ impl<S: Scalar> Network<S> {
             {
                 let late = actuation.solenoid.transport().larger(hose.transport_delay());
                 actuation.solenoid = actuation.solenoid.seen_late(late);
+            }
+            if let (BranchKind::Loss(hose), NodeKind::Given { late, .. }) =
+                (&branch.kind, &mut self.nodes[branch.from].kind)
+            {
+                *late = hose.transport_delay();
             }
         }
         self
@@ -276,6 +304,8 @@ impl<S: Scalar> Node<S> {
         let kind = match self.kind {
             NodeKind::Atmosphere => NodeKind::Atmosphere,
             NodeKind::Source => NodeKind::Source,
+            // Set again by what is behind it.
+            NodeKind::Given { series, .. } => NodeKind::Given { series, late: T::zero() },
             NodeKind::Chamber { actuator } => NodeKind::Chamber { actuator },
             NodeKind::Hose(hose) => NodeKind::Hose(hose.convert(convert)),
             NodeKind::Reservoir(reservoir) => NodeKind::Reservoir(reservoir.convert(convert)),

@@ -33,6 +33,8 @@ pub struct NodeMode {
     pub approach: Option<Approach>,
     /// How many set points have taken effect.
     pub set_points: u64,
+    /// How many rows of a given pressure have passed.
+    pub(crate) rows_passed: usize,
 }
 
 /// What a valve does.
@@ -171,11 +173,13 @@ impl<R: Real> Network<R> {
         mode.valves[valve].setting.as_ref().map_or(&self.valves[valve], |setting| setting.actuation())
     }
 
-    /// The next instant in s, up to and with `until`, at which a valve does something or a set point takes effect.
+    /// The next instant in s, up to and with `until`, at which a valve does something, a set point takes effect or the rate of a
+    /// given pressure jumps.
     pub(crate) fn next_instant(&self, mode: &NetworkMode<R>, until: R) -> Option<R> {
         let of_valves = (0..mode.valves.len()).filter_map(|valve| self.next_of_valve(valve, until, mode));
         let of_ports = (0..self.nodes.len()).filter_map(|node| self.next_set_point(node, mode, until));
-        of_valves.chain(of_ports).min_by(|a, b| a.value().total_cmp(&b.value()))
+        let rows = (0..self.nodes.len()).filter_map(|node| self.next_row(node, mode, until));
+        of_valves.chain(of_ports).chain(rows).min_by(|a, b| a.value().total_cmp(&b.value()))
     }
 
     /// The next instant in s, up to and with `until`, at which a set point of a port takes effect.
@@ -185,6 +189,20 @@ impl<R: Real> Network<R> {
         let (time, _) = actuation.command.set_point(mode.nodes[node].set_points)?;
         let instant = time + actuation.solenoid.latency();
         Some(instant).filter(|instant| crate::valve::is_due(*instant, until))
+    }
+
+    /// The next instant in s, up to and with `until`, at which the rate of a given pressure jumps.
+    fn next_row(&self, node: usize, mode: &NetworkMode<R>, until: R) -> Option<R> {
+        let NodeKind::Given { series, late } = self.nodes[node].kind else { return None };
+        let instant = self.series[series].row(mode.nodes[node].rows_passed)? + late;
+        Some(instant).filter(|instant| crate::valve::is_due(*instant, until))
+    }
+
+    /// Passes a row of a given pressure that is due at `time`; whether there was one.
+    pub(crate) fn pass_row(&self, node: usize, time: R, mode: &mut NetworkMode<R>) -> bool {
+        let is_due = self.next_row(node, mode, time).is_some();
+        mode.nodes[node].rows_passed += usize::from(is_due);
+        is_due
     }
 
     /// The absolute pressure in Pa that a port goes to, once a set point has taken effect.
@@ -239,5 +257,6 @@ impl BranchMode {
 }
 
 impl NodeMode {
-    pub(crate) const AT_REST: Self = Self { poppet: Poppet::Rests, limited: false, approach: None, set_points: 0 };
+    pub(crate) const AT_REST: Self =
+        Self { poppet: Poppet::Rests, limited: false, approach: None, set_points: 0, rows_passed: 0 };
 }

@@ -183,11 +183,16 @@ impl<R: Real> Network<R> {
             *openings = progress.openings(&self.valves[index]);
         }
         for (index, its) in nodes.iter_mut().enumerate() {
-            let NodeMode { poppet, limited, approach, set_points } = its;
+            let NodeMode { poppet, limited, approach, set_points, rows_passed } = its;
             row.choice(poppet, [Poppet::Rests, Poppet::Raises, Poppet::Lowers]);
             row.truth(limited);
             row.option(approach, [Approach::Settles, Approach::Rises, Approach::Falls]);
             row.count(set_points);
+            let rows = match self.nodes[index].kind {
+                NodeKind::Given { series, .. } => self.series[series].rows(),
+                _ => 0,
+            };
+            row.index(rows_passed, rows + 1);
             let last = set_points.checked_sub(1);
             let is_there = |last: u64| match self.nodes[index].kind {
                 NodeKind::Port { valve, .. } => {

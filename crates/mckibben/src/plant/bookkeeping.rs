@@ -372,10 +372,10 @@ impl<'a> Bookkeeper<'a> {
         let enthalpy = dead.heat_capacity * (temperature * outward - warmth);
         let mut heat = enthalpy;
         match kind {
-            NodeKind::Atmosphere | NodeKind::Source => {
+            NodeKind::Atmosphere | NodeKind::Source | NodeKind::Given { .. } => {
                 of.supplied.mass += weight * (outward - inward);
                 of.supplied.enthalpy += weight * enthalpy;
-                if matches!(kind, NodeKind::Source) {
+                if !matches!(kind, NodeKind::Atmosphere) {
                     of.supplied.exergy += weight * (outward * dead.stream(temperature, pressure) - worth);
                     of.least_work += weight * (outward - inward) * dead.throttle(pressure, dead.pressure);
                 }

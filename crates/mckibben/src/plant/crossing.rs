@@ -86,6 +86,12 @@ impl<R: Real> System<R> {
                 return Ok(PlantEventKind { part: Part::Node(node), kind: EventKind::SetPoint });
             }
         }
+        for node in 0..network.nodes.len() {
+            if network.pass_row(node, time, &mut mode.network) {
+                self.project(time, state, mode, at);
+                return Ok(PlantEventKind { part: Part::Node(node), kind: EventKind::Corner });
+            }
+        }
         for (i, mounted) in self.plant.actuators.iter().enumerate() {
             let its = &mut mode.actuators[i];
             let row = mounted.pressure.as_ref().and_then(|course| course.row(its.rows_passed));
@@ -450,6 +456,12 @@ impl<R: Real> System<R> {
                     self.hold_rates(m, state, mode, at);
                 }
                 _ => {}
+            }
+        }
+        for &[node, place] in &self.plant.places.state_nodes {
+            let passed = mode.network.nodes[node].rows_passed;
+            if let Some([pressure, _]) = self.plant.network.given(node, time, passed) {
+                state[place] = pressure;
             }
         }
         for &[branch, place] in &self.plant.places.state_branches {

@@ -24,12 +24,22 @@ pub struct SupplyNodes {
     pub outlet: usize,
 }
 
+/// What an actuator draws by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Drawn {
+    /// Its valve.
+    pub valve: Option<usize>,
+    /// The node that the valve opens into, or whose pressure is given: the first of its hose, or its chamber.
+    pub into: Option<usize>,
+}
+
 /// An actuator of a rig or a joint, with all that goes with it into a plant.
 pub(super) struct Equipment<'a, S> {
     pub(super) actuator: &'a Actuator<S>,
     pub(super) actuation: Option<&'a Actuation<S>>,
     pub(super) line: &'a Line<S>,
     pub(super) tendon: Option<&'a SeriesTendon<S>>,
+    /// A pressure that is given: at the far end of the hose if there is one.
     pub(super) pressure: Option<&'a PressureSeries<S>>,
 }
 
@@ -43,9 +53,11 @@ impl<S: Scalar> Equipment<'_, S> {
         shared: Option<SupplyNodes>,
     ) -> Feed {
         let Self { actuator, actuation, line, tendon, pressure } = self;
+        let of_hose = line.hose.as_ref().and(pressure);
+        let pressure = if of_hose.is_some() { None } else { pressure };
         let feed = match actuation.is_none() && line.is_none() {
             true => Feed::default(),
-            false => network.feed(mounted.len(), actuator, actuation, line, shared),
+            false => network.feed(mounted.len(), actuator, (actuation, of_hose), line, shared),
         };
         mounted.push(Mounted {
             actuator: actuator.clone().without_valve(),
@@ -59,13 +71,13 @@ impl<S: Scalar> Equipment<'_, S> {
 }
 
 impl<S: Scalar> Network<S> {
-    /// Adds what feeds an actuator: its valve with the paths to supply and surroundings, its hose, its leak, and the
-    /// reservoir and regulator of its supply, or in their place a supply that is there already.
+    /// Adds what feeds an actuator: its valve with the paths to supply and atmosphere, or a pressure that is given in its place,
+    /// its hose, its leak, and the reservoir and regulator of its supply, or in their place a supply that is there already.
     pub fn feed(
         &mut self,
         index: usize,
         actuator: &Actuator<S>,
-        actuation: Option<&Actuation<S>>,
+        (actuation, given): (Option<&Actuation<S>>, Option<&PressureSeries<S>>),
         line: &Line<S>,
         shared: Option<SupplyNodes>,
     ) -> Feed {
@@ -79,8 +91,10 @@ impl<S: Scalar> Network<S> {
         });
         let copies = line.supply.as_ref().map_or(S::one(), |supply| supply.actuators());
         let from = supply.map_or(outside, |supply| supply.outlet);
-        let Some([valve, into]) = self.draw(index, actuator, actuation, line, [from, outside], copies) else {
-            return Feed::default();
+        let of_hose = |into: usize| line.hose.as_ref().map(|hose| [into, hose.cells()]);
+        let (valve, into) = match self.draw(index, actuator, (actuation, given), line, [from, outside], copies) {
+            Drawn { valve: Some(valve), into: Some(into) } => (valve, into),
+            Drawn { into, .. } => return Feed { hose: into.and_then(of_hose), ..Feed::default() },
         };
         let path = |wanted: Port| {
             let is_it = |kind: &BranchKind<S>| matches!(kind, BranchKind::Path { valve: its, port, .. } if *its == valve && *port == wanted);
@@ -91,7 +105,7 @@ impl<S: Scalar> Network<S> {
             valve: Some(valve),
             paths: [path(Port::Supply), path(Port::Exhaust)],
             port: self.nodes.iter().position(|node| makes(&node.kind)),
-            hose: line.hose.as_ref().map(|hose| [into, hose.cells()]),
+            hose: of_hose(into),
             supply,
         }
     }
@@ -125,19 +139,19 @@ impl<S: Scalar> Network<S> {
         SupplyNodes { reservoir, outlet }
     }
 
-    /// Adds what an actuator draws from a node: its valve with the paths from that node and to `outside`, its hose and its leak.
-    /// `copies` actuators alike draw the same. The valve and the node that it opens into, if there is one.
+    /// Adds what an actuator draws from a node: its valve with the paths from that node and to `outside`, or a pressure that is
+    /// given in the valve's place, its hose and its leak. `copies` actuators alike draw the same.
     pub fn draw(
         &mut self,
         index: usize,
         actuator: &Actuator<S>,
-        actuation: Option<&Actuation<S>>,
+        (actuation, given): (Option<&Actuation<S>>, Option<&PressureSeries<S>>),
         line: &Line<S>,
         [mut feed, outside]: [usize; 2],
         copies: S,
-    ) -> Option<[usize; 2]> {
+    ) -> Drawn {
         let temperature = self.nodes[outside].temperature;
-        let mut drawn = None;
+        let mut drawn = Drawn::default();
         if let (Some(valve), Some(Actuation { solenoid, command })) = (actuator.valve(), actuation) {
             let its = self.valve(Actuation { solenoid: *solenoid, command: command.clone() });
             if let Some(regulator) = solenoid.regulator() {
@@ -156,7 +170,12 @@ impl<S: Scalar> Network<S> {
                 let copies = if port == Port::Supply { copies } else { S::one() };
                 self.branch(from, into, BranchKind::Path { law, valve: its, port, ambient, copies });
             }
-            drawn = Some([its, into]);
+            drawn = Drawn { valve: Some(its), into: Some(into) };
+        } else if let (Some(series), Some(hose)) = (given, &line.hose) {
+            let chamber = self.chamber(index, temperature);
+            let into = self.hose(*hose, chamber, S::zero());
+            self.give(into, series.clone());
+            drawn.into = Some(into);
         }
         if let Some(leakage) = &line.leakage {
             let chamber = self.chamber(index, temperature);

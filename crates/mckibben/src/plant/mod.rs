@@ -53,7 +53,7 @@ mod viscoelastic;
 pub(crate) mod wire;
 
 pub use crossing::{Part, PlantEventKind};
-pub use equipment::SupplyNodes;
+pub use equipment::{Drawn, SupplyNodes};
 pub use feed::Feed;
 pub use friction_start::{INITIAL_FRICTION_FORCE, InitialFriction};
 pub use guard::{ContactEvent, PlantGuard};

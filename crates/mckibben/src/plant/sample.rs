@@ -244,7 +244,11 @@ impl<R: Instantiate> Observer<R> {
             NodeKind::Chamber { actuator } => self.at.chambers.get(*actuator).map_or(R::zero(), |chamber| chamber.mass),
             NodeKind::Hose(hose) => hose.content(nodes[node].pressure),
             NodeKind::Reservoir(reservoir) => reservoir.content(nodes[node].pressure),
-            NodeKind::Atmosphere | NodeKind::Source | NodeKind::Outlet { .. } | NodeKind::Port { .. } => R::zero(),
+            NodeKind::Atmosphere
+            | NodeKind::Source
+            | NodeKind::Given { .. }
+            | NodeKind::Outlet { .. }
+            | NodeKind::Port { .. } => R::zero(),
         }
     }
 

@@ -190,6 +190,9 @@ impl<R: Instantiate> Plant<R> {
                     let own = own.unwrap_or(self.network.atmosphere);
                     own.larger(self.network.atmosphere).smaller(self.network.absolute(*feed))
                 }
+                NodeKind::Given { series, .. } => {
+                    self.network.absolute(self.network.series[*series].at(R::zero(), 0)[0])
+                }
                 NodeKind::Hose(_) => match self.chamber_behind(index) {
                     Some(i) => state[self.places.actuators[i].pressure],
                     None => self.network.absolute(node.gauge),
@@ -203,9 +206,7 @@ impl<R: Instantiate> Plant<R> {
                 state[place] = memory.elements[0];
             }
         }
-        for ((own, mounted), length) in self.places.actuators.iter().zip(&self.actuators).zip(&lengths) {
-            state[own.branches()].fill(mounted.actuator.limits().actuator_length(*length));
-        }
+        self.relax_branches(lengths.iter().copied(), &mut state);
         Ok((state, memories))
     }
 
@@ -268,6 +269,9 @@ impl<R: Real> System<R> {
                     its.rows_passed += 1;
                 }
             }
+        }
+        for node in 0..plant.network.nodes.len() {
+            while plant.network.pass_row(node, time, &mut mode.network) {}
         }
         for (m, mechanism) in plant.mechanisms.iter().enumerate() {
             if let Mechanism::Prescribed(motion) = mechanism {

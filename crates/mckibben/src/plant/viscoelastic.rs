@@ -8,6 +8,7 @@
 //!
 //! Source: [`crate::friction::Viscoelastic`]. Checked by `tests/viscoelastic.rs`.
 
+use super::Plant;
 use super::evaluation::{System, Unit};
 use super::mode::PlantMode;
 use crate::air::Chamber;
@@ -23,6 +24,15 @@ pub(super) struct BranchPowers {
     pub(super) dissipated: f64,
     /// What a change of their stiffness takes from what they store; negative where it adds to that.
     pub(super) exchanged: f64,
+}
+
+impl<R: Real> Plant<R> {
+    /// Relaxes the viscoelastic branches of all actuators at their lengths in m.
+    pub(super) fn relax_branches(&self, lengths: impl Iterator<Item = R>, state: &mut [R]) {
+        for ((own, mounted), length) in self.places.actuators.iter().zip(&self.actuators).zip(lengths) {
+            state[own.branches()].fill(mounted.actuator.limits().actuator_length(length));
+        }
+    }
 }
 
 impl<R: Real> System<R> {

@@ -1,4 +1,4 @@
-//! The pressure in the actuator as a given function of time, in place of a valve.
+//! The pressure in the actuator, or at the far end of its hose, as a given function of time in place of a valve.
 //!
 //! ```text
 //! P_g(t)   straight lines between (t, P_g), constant before the first row and after the last
@@ -9,7 +9,10 @@
 //! made it: nothing of valve, supply or hose need be known. What comes in is as warm as the air inside; the motion does not
 //! ask for it. The rows are exact instants, at which the rate jumps.
 //!
-//! Only the event-located engine takes it. Checked by `tests/pressure_course.rs`: the static force of an isometric rig, a
+//! Behind a hose it is the pressure at the end that a valve would open into: what a sensor at the valve measures. The hose's
+//! first volume has that pressure, the air in the actuator follows by flows. A lumped hose passes it on its delay later.
+//!
+//! Checked by `tests/pressure_course.rs`: the static force of an isometric rig, a
 //! rig that is fed back the pressure of a simulated valve, the air by each process, and derivatives against differences.
 
 use super::rig::Rig;
@@ -30,7 +33,7 @@ use crate::scalar::{Over, Scalar};
 #[cfg(feature = "alloc")]
 const VALVE_TOO: Error = Error::Misuse {
     what: "the pressure is given over time, and a valve or a leak would change it too",
-    remedy: "leave out [valve], [hose] and actuator.leakage, or leave out [pressure]",
+    remedy: "leave out [valve] and [supply], and actuator.leakage where there is no [hose], or leave out [pressure]",
 };
 
 #[cfg(feature = "alloc")]
@@ -72,9 +75,11 @@ impl PressureSeries {
         GaugePressure(self.rows.iter().fold(f64::INFINITY, |least, [_, gauge]| least.min(*gauge)))
     }
 
-    /// That nothing else makes the pressure in an actuator with an air line, and that it is physical.
+    /// That nothing else makes the pressure in an actuator with an air line, or at the far end of its hose, and that it is
+    /// physical.
     pub(super) fn check(&self, actuator: &Actuator, line: &Line) -> Result<(), Error> {
-        if actuator.valve().is_some() || !line.is_none() {
+        let leaks = line.leakage.is_some() && line.hose.is_none();
+        if actuator.valve().is_some() || line.supply.is_some() || leaks {
             return Err(VALVE_TOO);
         }
         let (air, least) = (actuator.air(), self.least());
@@ -131,11 +136,11 @@ impl<S: Scalar> PressureSeries<S> {
 }
 
 impl Rig {
-    /// The same rig with the gauge pressure in its actuator given over time. It starts at the first row's, whatever
-    /// [`Initial`](super::Initial) says.
+    /// Gives the gauge pressure in the actuator over time. It starts at the first row's, whatever [`Initial`](super::Initial)
+    /// says. A hose that [`Rig::with_line`] adds then lies between that pressure and the actuator, which starts at its own.
     ///
     /// # Errors
-    /// [`Error::Misuse`] for a rig with a valve or a leak; [`Error::Inconsistent`] for a pressure below vacuum.
+    /// [`Error::Misuse`] for a rig with a valve, a supply, or a leak without a hose; [`Error::Inconsistent`] for a pressure below vacuum.
     #[cfg(feature = "alloc")]
     pub fn with_pressure(self, course: PressureSeries) -> Result<Self, Error> {
         course.check(self.actuator(), self.line())?;

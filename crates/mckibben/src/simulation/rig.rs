@@ -133,7 +133,7 @@ pub(super) fn check_line(actuator: &Actuator, actuation: Option<&Actuation>, lin
     if actuator.valve().is_none() && (line.hose.is_some() || line.supply.is_some()) {
         return Err(Error::Misuse {
             what: "a hose or a reservoir is given, but the actuator has no valve",
-            remedy: "give the actuator a valve, or leave the hose and the reservoir out",
+            remedy: "give the actuator a valve or, before a hose, a pressure over time, or leave the hose and the reservoir out",
         });
     }
     let regulates = actuation.is_some_and(|actuation| actuation.solenoid.regulator().is_some());
@@ -221,12 +221,13 @@ impl Rig {
     /// The same rig with an air line. A lumped hose lets the valve's seats take effect later by its delay.
     ///
     /// # Errors
-    /// [`Error::Misuse`] for a hose or a supply line without a valve, and for a supply line that feeds a pressure
-    /// regulator.
+    /// [`Error::Misuse`] for a hose with neither a valve nor a given pressure at its end, for a supply line without a valve, and
+    /// for one that feeds a pressure regulator.
     pub fn with_line(self, line: Line) -> Result<Self, Error> {
         #[cfg(feature = "alloc")]
-        if let (Some(course), false) = (&self.pressure, line.is_none()) {
+        if let Some(course) = &self.pressure {
             course.check(&self.actuator, &line)?;
+            return Ok(Self { line, ..self });
         }
         check_line(&self.actuator, self.actuation.as_ref(), &line)?;
         Ok(Self { line, ..self }.with_transport())
@@ -237,7 +238,7 @@ impl Rig {
         Self { tendon: Some(tendon), ..self }
     }
 
-    /// The same rig with the pressure in its actuator given.
+    /// Sets the pressure that is given.
     #[cfg(feature = "alloc")]
     pub(super) fn driven_at(self, course: PressureSeries) -> Self {
         Self { pressure: Some(course), ..self }
@@ -316,7 +317,7 @@ impl<S: Scalar> Rig<S> {
         self.tendon.as_ref()
     }
 
-    /// The gauge pressure in the actuator over time, where it is given.
+    /// The gauge pressure over time in the actuator, or at the far end of its hose if it has one, where it is given.
     #[inline(always)]
     pub fn pressure_course(&self) -> Option<&PressureSeries<S>> {
         self.pressure.as_ref()
@@ -376,7 +377,7 @@ impl<S: Real> Rig<S> {
     /// [`Error::NoSolution`] when an equilibrium is asked for and there is none.
     pub fn begin(&self, initial: &Initial<S>) -> Result<State<S>, Error> {
         let air = self.actuator.air();
-        let gauge = match &self.pressure {
+        let gauge = match self.pressure.as_ref().filter(|_| self.line.hose.is_none()) {
             Some(course) => GaugePressure(course.at(S::zero(), 0)[0]),
             None => initial.gauge_pressure,
         };

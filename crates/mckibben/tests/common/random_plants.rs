@@ -324,9 +324,12 @@ pub(crate) fn plant(drawn: &Drawn) -> (Result<Plant, Error>, PlantStart, f64) {
             0 => network.node(NodeKind::Source, supply, paper.supply_temperature),
             _ => feeds[at.pick(feeds.len())],
         };
-        network.draw(index, &actuator, actuation.as_ref(), &line, [feed, outside], copies);
         let times = [0.0, 0.4 * duration, 0.8 * duration];
         let course = PressureSeries::new(&times, &[at.between(0.0, 5e5), at.between(0.0, 5e5), at.between(-5e4, 5e5)]);
+        // With a hose it stands at the end that a valve would open into.
+        let series = given.then(|| course.expect("a time series"));
+        let driven = (actuation.as_ref(), series.as_ref());
+        network.draw(index, &actuator, driven, &line, [feed, outside], copies);
         let friction = match (paper.hysteresis.is_some(), at.pick(4)) {
             (true, 0) => InitialFriction::Loading,
             (true, 1) => InitialFriction::Unloading,
@@ -337,7 +340,7 @@ pub(crate) fn plant(drawn: &Drawn) -> (Result<Plant, Error>, PlantStart, f64) {
             mechanism: m,
             coupling,
             tendon,
-            pressure: given.then(|| course.expect("a course")),
+            pressure: series.filter(|_| line.hose.is_none()),
         });
         start.air.push(InitialAir { gauge_pressure: GaugePressure(paper.gauge), temperature: paper.temperature });
         start.lengths.push(length);

@@ -106,9 +106,7 @@ pub(super) fn begin(plant: &Plant, start: &PlantStart, what: &PlantBalance, air:
     let Filled { mut frame, solver, heats } = fill(plant, start, what, air)?;
     balance::balance(&mut frame)?;
     let lengths = frame.evaluate(&[]).at.units.into_iter().map(|unit| unit.length.value);
-    for ((here, mounted), length) in plant.places.actuators.iter().zip(&plant.actuators).zip(lengths) {
-        frame.state[here.branches()].fill(mounted.actuator.limits().actuator_length(length));
-    }
+    plant.relax_branches(lengths, &mut frame.state);
     frame.holds_ends = false;
     for (i, volume) in self::volumes(&frame).into_iter().enumerate() {
         let here = plant.places.actuators[i];

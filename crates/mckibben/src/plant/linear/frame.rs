@@ -267,10 +267,7 @@ fn relax_branches(system: &System<Number>, state: &mut [Number], at: &mut Evalua
     }
     let mode = system.first_mode(state);
     system.enter_distances(Number::constant(0.0), state, &mode, at);
-    for (i, here) in system.plant.places.actuators.iter().enumerate() {
-        let limits = system.plant.actuators[i].actuator.limits();
-        state[here.branches()].fill(limits.actuator_length(at.units[i].length));
-    }
+    system.plant.relax_branches(at.units.iter().map(|unit| unit.length), state);
 }
 
 /// The mode that holds at rest in a state: no dry friction, hysteresis relaxed, every flow path in the piece of its law.

@@ -55,6 +55,7 @@ use crate::network::NodeKind;
 use crate::parameter;
 use crate::pressure::{AbsolutePressure, GaugePressure};
 use crate::scalar::Scalar;
+use alloc::borrow::Cow;
 use alloc::vec::Vec;
 use core::f64::consts::PI;
 use derivatives::{derivatives, length_seed};
@@ -114,7 +115,8 @@ pub struct PlantLinearization {
 }
 
 /// Linearises a plant at the operating point that a balance determines, looked for from a start: positions of what is fixed
-/// or given, and the first guess for masses, chains and tendons.
+/// or given, and the first guess for masses, chains and tendons. A pressure that is given at the end of a hose stays at its first
+/// value, and is an input of the model as a supply is.
 ///
 /// # Errors
 /// As [`Plant::start`]; [`Error::Table`] unless there is one pressure or temperature for each actuator;
@@ -132,9 +134,10 @@ pub fn linearize_plant(
     if plant.actuators.iter().any(follows_rate) {
         return Err(Error::NotImplemented(&limit::PRESSURE_LINEAR));
     }
-    let frame = begin::begin(plant, start, balance, air)?;
+    let plant = plant.with_sources();
+    let frame = begin::begin(&plant, start, balance, air)?;
     begin::check_corners(&frame)?;
-    PlantLinearization::of(plant, frame)
+    PlantLinearization::of(&plant, frame)
 }
 
 /// Pressure, and temperature in K, of the air of each actuator as it is at rest or flows through on average, with the mechanisms
@@ -148,12 +151,31 @@ pub(in crate::plant) fn steady_air(
     balance: &PlantBalance,
     air: &PlantAir,
 ) -> Result<Vec<(AbsolutePressure, f64)>, Error> {
+    let plant = &*plant.with_sources();
     let begin::Filled { frame, heats, .. } = begin::fill(plant, start, balance, air)?;
     let of = |i: usize| {
         let of_actuator = plant.actuators[i].actuator.air();
         (AbsolutePressure(frame.state[plant.places.actuators[i].pressure]), heats[i] / of_actuator.gas_constant())
     };
     Ok((0..plant.actuators.len()).map(of).collect())
+}
+
+impl Plant {
+    /// The plant with sources at the nodes whose pressures are given over time, each at its first pressure.
+    fn with_sources(&self) -> Cow<'_, Self> {
+        if self.network.series.is_empty() {
+            return Cow::Borrowed(self);
+        }
+        let mut network = self.network.clone();
+        for node in &mut network.nodes {
+            if let NodeKind::Given { series, .. } = node.kind {
+                node.gauge = self.network.series[series].at(0.0, 0)[0];
+                node.kind = NodeKind::Source;
+            }
+        }
+        network.series.clear();
+        Cow::Owned(Self::assemble(self.actuators.clone(), network, self.mechanisms.clone()))
+    }
 }
 
 impl PlantLinearization {

@@ -375,7 +375,7 @@ impl<R: Scalar> TensionResponse<R> {
 /// `1/(1 + r/τ)` and `(r/τ)/(1 + r/τ)` of a branch.
 #[inline(always)]
 fn relaxation<R: Scalar>(law: &Viscoelastic<R>, branch: usize, gamma_h: R) -> [R; 2] {
-    let ratio = gamma_h / law.relaxation_time(branch);
+    let ratio = gamma_h * law.relaxation_rate(branch);
     let share = R::one() / (R::one() + ratio);
     [share, ratio * share]
 }
@@ -412,9 +412,10 @@ impl<R: Scalar> System<R> {
         if wire.places.length.is_some() {
             return self.end_response(i, gamma_h, state, mode, at);
         }
-        let response = self.sliding_response(i, gamma_h, state, mode, at);
+        let deflections = self.deflections(i, state);
+        let response = self.sliding_response(i, gamma_h, deflections, mode, at);
         let Some(law) = wire.member.actuator.friction().viscoelastic() else { return response };
-        let mut deflections: Deflections<Dual<R, 2>> = self.deflections(i, state).constant();
+        let mut deflections: Deflections<Dual<R, 2>> = deflections.constant();
         if let Some(sums) = &mut deflections.branches {
             let [stiffness, ratio] = sums.relaxed;
             sums.relaxed = [Dual::variable(stiffness.value, 0), Dual::variable(ratio.value, 1)];
@@ -431,13 +432,12 @@ impl<R: Scalar> System<R> {
         &self,
         i: usize,
         gamma_h: R,
-        state: &[R],
+        deflections: Deflections<R>,
         mode: &impl Formulas<R>,
         at: &Evaluation<R>,
     ) -> TensionResponse<R> {
         let (wire, unit) = (&self.wires[i], &at.units[i]);
         let (zero, one) = (R::zero(), R::one());
-        let deflections = self.deflections(i, state);
         let Some(bent) = deflections.bristles else {
             let pressure = Dual::of(at.chambers[i].pressure);
             let ends: [Dual<R, 2>; 3] = [Dual::variable(unit.length, 0), Dual::variable(unit.velocity, 1), pressure];

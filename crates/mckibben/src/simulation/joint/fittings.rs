@@ -26,7 +26,7 @@ pub struct Fittings<S = f64> {
     pub line: Line<S>,
     /// The elastic tendon between the actuator and the joint.
     pub tendon: Option<SeriesTendon<S>>,
-    /// Its gauge pressure over time, in place of a valve.
+    /// Its gauge pressure over time, or that at the far end of its hose if it has one, in place of a valve.
     pub pressure: Option<PressureSeries<S>>,
 }
 
@@ -86,9 +86,10 @@ impl JointRig {
         for (Driven { actuator, actuation }, Fittings { line, pressure, .. }) in driven.iter().zip(&fittings) {
             // Of a shared supply the one that has a valve draws.
             let own = if shared.is_some() { None } else { line.supply };
-            check_line(actuator, actuation.as_ref(), &Line { supply: own, ..*line })?;
-            if let Some(course) = pressure {
-                course.check(actuator, &Line { supply: own, ..*line })?;
+            let line = Line { supply: own, ..*line };
+            match pressure {
+                Some(course) => course.check(actuator, &line)?,
+                None => check_line(actuator, actuation.as_ref(), &line)?,
             }
         }
         if shared.is_some() {
@@ -148,7 +149,8 @@ impl<S: Real> JointRig<S> {
 
     /// The absolute pressure at the start: where it is given over time, that of t = 0.
     pub(super) fn first_pressure(&self, i: usize, gauge: GaugePressure<S>) -> AbsolutePressure<S> {
-        let gauge = match &self.fittings[i].pressure {
+        let Fittings { line, pressure, .. } = &self.fittings[i];
+        let gauge = match pressure.as_ref().filter(|_| line.hose.is_none()) {
             Some(course) => GaugePressure(course.at(S::zero(), 0)[0]),
             None => gauge,
         };
