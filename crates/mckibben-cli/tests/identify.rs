@@ -2,6 +2,8 @@
 //! actuators in `plant`.
 
 mod common;
+#[path = "identify/creep.rs"]
+mod creep;
 #[path = "identify/hose.rs"]
 mod hose;
 #[path = "identify/plant.rs"]

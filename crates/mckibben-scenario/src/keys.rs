@@ -430,6 +430,7 @@ pub static KEYS: &[Key] = &[
     list(&p::BRANCH_RELAXATION_TIME, "[\"1 s\"]").required(),
     list(&p::BRANCH_STIFFNESS, "[\"100 N/m\"]"),
     list(&p::BRANCH_STIFFNESS_RATIO, "[0.2]"),
+    list(&p::BRANCH_INITIAL_STRETCH, "[\"0.2 mm\"]"),
     quantity(&p::LIMIT_STIFFNESS, "\"1.75e5 N/m\""),
     quantity(&p::LIMIT_DAMPING, "\"100 N*s/m\""),
     choice(PROCESS, ProcessKind::CHOICES, "How the actuator's air changes its state.", "\"isentropic\"")

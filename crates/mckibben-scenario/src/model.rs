@@ -208,8 +208,9 @@ fn core_friction(of: &Friction) -> Result<friction::Friction, Error> {
         .with_stribeck(of.static_ratio, of.stribeck_velocity)?;
     let mut friction =
         friction::Friction::with_coulomb(of.viscous, coulomb)?.with_structural_damping(of.structural_damping)?;
-    if let Some(Viscoelastic { relaxation_time, stiffness, stiffness_ratio }) = &of.viscoelastic {
+    if let Some(Viscoelastic { relaxation_time, stiffness, stiffness_ratio, initial_stretch }) = &of.viscoelastic {
         let branches = friction::Viscoelastic::new(stiffness, stiffness_ratio, relaxation_time)?;
+        let branches = branches.with_initial_stretch(initial_stretch)?;
         friction = friction.with_viscoelastic(branches);
     }
     match &of.hysteresis {

@@ -99,6 +99,7 @@ static LISTS: &[(&Parameter, List)] = &[
     (&p::BRANCH_STIFFNESS, |s| Some(&mut s.actuator.friction.viscoelastic.as_mut()?.stiffness)),
     (&p::BRANCH_STIFFNESS_RATIO, |s| Some(&mut s.actuator.friction.viscoelastic.as_mut()?.stiffness_ratio)),
     (&p::BRANCH_RELAXATION_TIME, |s| Some(&mut s.actuator.friction.viscoelastic.as_mut()?.relaxation_time)),
+    (&p::BRANCH_INITIAL_STRETCH, |s| Some(&mut s.actuator.friction.viscoelastic.as_mut()?.initial_stretch)),
     (&p::MOMENT_ARM, |s| match &mut s.load {
         Load::AntagonisticJoint(joint) => match &mut joint.tendon.arm {
             MomentArm::Table { arm, .. } => Some(arm),

@@ -210,6 +210,8 @@ pub struct Viscoelastic {
     pub stiffness: Vec<f64>,
     /// Stiffness of each over the actuator's secant stiffness.
     pub stiffness_ratio: Vec<f64>,
+    /// Stretch of the spring of each in m at the start.
+    pub initial_stretch: Vec<f64>,
 }
 
 /// Hysteresis that remembers the turns of the length.

@@ -150,9 +150,14 @@ fn friction(w: &mut Writer, friction: &Friction) {
         }
         None => {}
     }
-    if let Some(Viscoelastic { relaxation_time, stiffness, stiffness_ratio }) = &friction.viscoelastic {
+    if let Some(Viscoelastic { relaxation_time, stiffness, stiffness_ratio, initial_stretch }) = &friction.viscoelastic
+    {
         w.list(&p::BRANCH_RELAXATION_TIME, relaxation_time);
-        for (row, list) in [(&p::BRANCH_STIFFNESS, stiffness), (&p::BRANCH_STIFFNESS_RATIO, stiffness_ratio)] {
+        for (row, list) in [
+            (&p::BRANCH_STIFFNESS, stiffness),
+            (&p::BRANCH_STIFFNESS_RATIO, stiffness_ratio),
+            (&p::BRANCH_INITIAL_STRETCH, initial_stretch),
+        ] {
             if !list.is_empty() {
                 w.list(row, list);
             }

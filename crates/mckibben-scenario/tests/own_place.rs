@@ -294,8 +294,9 @@ fn friction_that_remembers() {
                 stribeck_velocity = \"0.01 m/s\"\ndamping_time = \"5e-3 s\"";
     assert_eq!(with(text), expected(Hysteresis::LuGre(bristles)));
     let branches = Viscoelastic::new(&[50.0, 0.0], &[0.1, 0.2], &[0.1, 1.0]).expect("branches");
+    let branches = branches.with_initial_stretch(&[1e-4, -2e-4]).expect("branches");
     let section = "[actuator.friction.viscoelastic]\nrelaxation_time = [\"0.1 s\", \"1 s\"]\n\
-                   stiffness = [\"50 N/m\", \"0 N/m\"]\nstiffness_ratio = [0.1, 0.2]\n";
+                   stiffness = [\"50 N/m\", \"0 N/m\"]\nstiffness_ratio = [0.1, 0.2]\ninitial_stretch = [\"1e-4 m\", \"-2e-4 m\"]\n";
     assert_eq!(
         rig(&[BODY, section, HANGING]).actuator(),
         &body(characteristic(Law::IdealBraid), friction().with_viscoelastic(branches))

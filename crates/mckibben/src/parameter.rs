@@ -295,6 +295,9 @@ parameters! {
     BRANCH_RELAXATION_TIME = "actuator.friction.viscoelastic.relaxation_time", "tau_i", "s", Range::POSITIVE, None,
         "Times in which the viscoelastic branches relax.",
         "generalised Maxwell model", "give times above zero, such as 1 s";
+    BRANCH_INITIAL_STRETCH = "actuator.friction.viscoelastic.initial_stretch", "L - z_i", "m", Range::FINITE, Some(0.0),
+        "Stretches of the springs of the viscoelastic branches at the start of a run; zero: relaxed.",
+        "choice of the experiment", "give a stretch such as 0.2 mm, positive where it adds to the tension";
     LIMIT_STIFFNESS = "actuator.limit.stiffness", "K_braid", "N/m", Range::POSITIVE, Some(1.75e5),
         "Stiffness of the taut braid.",
         "paper, (11); the value is assumed", "give a stiffness much larger than the actuator's own";

@@ -6,9 +6,10 @@ use mckibben::air::Process;
 use mckibben::friction::Viscoelastic;
 use mckibben::linearize::{Balance, Content, linearize};
 use mckibben::load::{Load, Motion};
+use mckibben::parameter;
 use mckibben::plant::{Plant, PlantTrajectory, simulate_plant};
-use mckibben::simulation::{Method, simulate};
-use mckibben::{Dual, GaugePressure, Over};
+use mckibben::simulation::{Method, Rig, simulate};
+use mckibben::{Dual, GaugePressure, Over, Scalar};
 use std::f64::consts::PI;
 
 const GAUGE: f64 = 4e5;
@@ -88,6 +89,38 @@ fn the_force_relaxes_after_a_ramp_as_its_closed_form_says() {
         let halved = (coarse / fine).log2();
         assert!(fine < 1e-2 && (halved - f64::from(order)).abs() < 0.35, "{method:?}: {coarse:e} {fine:e} {halved}");
     }
+}
+
+/// What the history has left in the springs goes by itself, each with its time, at a length that stays; and the derivative by a
+/// stretch at the start is that of the closed form.
+#[test]
+fn springs_that_are_stretched_at_the_start_relax() {
+    let stretches = [2e-4, -5e-4, 1e-3];
+    let stretched = branches(&BRANCHES).with_initial_stretch(&stretches).expect("branches");
+    let paper = muscle().with(|rig| rig.viscoelastic = Some(stretched)).isometric(MIDDLE);
+    let stiffness = secant(&paper, MIDDLE, GAUGE);
+    let share = |k: usize, time: f64| {
+        let (absolute, ratio, tau) = BRANCHES[k];
+        (absolute + ratio * stiffness) * (-time / tau).exp()
+    };
+    let run = paper.run(3.0, 1e-10);
+    for time in [0.0, 0.05, 0.3, 1.0, 3.0] {
+        let expected: f64 = (0..3).map(|k| share(k, time) * stretches[k]).sum();
+        let sample = run.at(time);
+        assert_within(excess(&paper, sample.length, sample.tension), expected, 1e-7);
+    }
+    type One = crate::common::Seeded;
+    let mut entry = 0;
+    let seeded: Rig<One> = paper.rig().map(|row, value| {
+        let is_second = row.key == parameter::BRANCH_INITIAL_STRETCH.key && entry == 1;
+        entry += usize::from(row.key == parameter::BRANCH_INITIAL_STRETCH.key);
+        if is_second { One::variable(value, 0) } else { One::constant(value) }
+    });
+    let start = seeded.begin(&paper.initial().map(|_, value| One::constant(value))).expect("a start");
+    let sample = simulate(&seeded, start, One::constant(0.3), 1e-10).expect("a run").at(One::constant(0.3));
+    assert_within(sample.tension.slope[0], share(1, 0.3), 1e-5);
+    let one_too_few = branches(&BRANCHES).with_initial_stretch(&[1e-4]).expect_err("three branches");
+    assert!(one_too_few.to_string().contains("entry 2"), "{one_too_few}");
 }
 
 #[test]

@@ -501,11 +501,13 @@ const GROUPS: &[Group] = &[
             ("actuator.friction.viscoelastic.relaxation_time", "[\"20 ms\", \"1 s\"]"),
             ("actuator.friction.viscoelastic.stiffness", "[\"100 N/m\", \"0 N/m\"]"),
             ("actuator.friction.viscoelastic.stiffness_ratio", "[0, 0.2]"),
+            ("actuator.friction.viscoelastic.initial_stretch", "[\"0 mm\", \"0.1 mm\"]"),
         ],
         &[
             ("actuator.friction.viscoelastic.relaxation_time", "[\"30 ms\", \"1 s\"]"),
             ("actuator.friction.viscoelastic.stiffness", "[\"100 N/m\", \"50 N/m\"]"),
             ("actuator.friction.viscoelastic.stiffness_ratio", "[0, 0.3]"),
+            ("actuator.friction.viscoelastic.initial_stretch", "[\"0 mm\", \"-0.2 mm\"]"),
         ],
     ),
     // Air.

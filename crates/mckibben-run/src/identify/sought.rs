@@ -176,7 +176,6 @@ pub(super) fn read(
             "give one above zero",
         ));
     }
-    let unit = if entry.path.ends_with(']') { "" } else { unit };
     let unknown = Unknown::new(entry.path.clone(), unit, start).between(least, largest);
     Ok(Unknown { prior: prior.map(|(mean, deviation)| [mean, deviation]), ..unknown })
 }

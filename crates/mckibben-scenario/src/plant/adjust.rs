@@ -156,7 +156,7 @@ impl Document {
             self.set_text_from("the measured pressure", &path, &list)?;
         }
         let path = format!("{ACTUATORS}.{actuator}.{}", keys::PRESSURE_AT);
-        self.set_text_from("the measured pressure", &path, course.at.name())?;
+        self.set_text_from("the measured pressure", &path, &format!("\"{}\"", course.at.name()))?;
         Ok(())
     }
 

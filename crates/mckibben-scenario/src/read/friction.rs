@@ -40,7 +40,8 @@ fn viscoelastic(r: &mut Reader<'_>) -> Viscoelastic {
         list.unwrap_or_default()
     };
     let (stiffness, stiffness_ratio) = (of(&p::BRANCH_STIFFNESS, true), of(ratio, !given[0]));
-    Viscoelastic { relaxation_time: relaxation_time.unwrap_or_default(), stiffness, stiffness_ratio }
+    let initial_stretch = of(&p::BRANCH_INITIAL_STRETCH, false);
+    Viscoelastic { relaxation_time: relaxation_time.unwrap_or_default(), stiffness, stiffness_ratio, initial_stretch }
 }
 
 fn hysteresis(r: &mut Reader<'_>) -> Hysteresis {

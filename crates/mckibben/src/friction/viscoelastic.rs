@@ -10,6 +10,7 @@
 //! | wᵢ | `stiffness_ratio`, its stiffness over the secant stiffness (13) | 1 |
 //! | τᵢ | `relaxation_time` | s |
 //! | zᵢ | length at which the spring of a branch is relaxed: a state | m |
+//! | L(0) − zᵢ(0) | `initial_stretch`, zero for a relaxed branch | m |
 //! | k_sec⁺ | secant stiffness (13), not below zero | N/m |
 //!
 //! A generalised Maxwell model (standard linear solid for one branch). At rest zᵢ = L and the branches add nothing, so that the
@@ -38,6 +39,7 @@ pub struct Viscoelastic<S = f64> {
     /// Their reciprocals in 1/s.
     relaxation_rate: [S; MAX_BRANCHES],
     total: BranchSums<S>,
+    initial_stretch: [S; MAX_BRANCHES],
 }
 
 /// Sums over the branches of an actuator, each branch with its stiffness.
@@ -90,6 +92,27 @@ impl Viscoelastic {
         let [stiffness, stiffness_ratio] = parts;
         Ok(Self::of(count, stiffness, stiffness_ratio, times))
     }
+
+    /// Starts runs with springs that are stretched by so much in m, one entry for each branch, positive where it adds to the
+    /// tension: what is left of the history before. Without it, or with an empty list, branches start relaxed.
+    ///
+    /// # Errors
+    /// [`Error::Table`] unless there is one entry for each branch, or none; [`Error::OutOfRange`] for one that is not finite.
+    pub fn with_initial_stretch(mut self, stretch: &[f64]) -> Result<Self, Error> {
+        let row = &parameter::BRANCH_INITIAL_STRETCH;
+        if !stretch.is_empty() && stretch.len() != self.count {
+            return Err(Error::Table {
+                name: row.key,
+                problem: "its length is not that of `relaxation_time`",
+                entry: stretch.len().min(self.count) + 1,
+                remedy: "give one stretch for each branch, or none",
+            });
+        }
+        for (number, given) in self.initial_stretch.iter_mut().zip(stretch) {
+            *number = row.check(*given)?;
+        }
+        Ok(self)
+    }
 }
 
 impl<S: Scalar> Viscoelastic<S> {
@@ -102,20 +125,25 @@ impl<S: Scalar> Viscoelastic<S> {
         let zeros = [S::zero(); 2];
         let total = BranchSums { relaxed: zeros, relaxing: zeros };
         let relaxation_rate = relaxation_time.map(|time| S::one() / time);
-        let mut law = Self { count, stiffness, stiffness_ratio, relaxation_time, relaxation_rate, total };
+        let initial_stretch = [S::zero(); MAX_BRANCHES];
+        let mut law =
+            Self { count, stiffness, stiffness_ratio, relaxation_time, relaxation_rate, total, initial_stretch };
         law.total = law.sums(&[S::one(); MAX_BRANCHES][..count]);
         law
     }
 
     pub(super) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Viscoelastic<T> {
         let (mut stiffness, mut ratio) = ([T::zero(); MAX_BRANCHES], [T::zero(); MAX_BRANCHES]);
-        let mut time = [T::one(); MAX_BRANCHES];
+        let (mut time, mut initial_stretch) = ([T::one(); MAX_BRANCHES], [T::zero(); MAX_BRANCHES]);
         for i in 0..self.count {
             stiffness[i] = convert.parameter(&parameter::BRANCH_STIFFNESS, self.stiffness[i]);
             ratio[i] = convert.parameter(&parameter::BRANCH_STIFFNESS_RATIO, self.stiffness_ratio[i]);
             time[i] = convert.parameter(&parameter::BRANCH_RELAXATION_TIME, self.relaxation_time[i]);
+            initial_stretch[i] = convert.parameter(&parameter::BRANCH_INITIAL_STRETCH, self.initial_stretch[i]);
         }
-        let Some(mut carry) = convert.carry() else { return Viscoelastic::of(self.count, stiffness, ratio, time) };
+        let Some(mut carry) = convert.carry() else {
+            return Viscoelastic { initial_stretch, ..Viscoelastic::of(self.count, stiffness, ratio, time) };
+        };
         let mut relaxation_rate = [T::one(); MAX_BRANCHES];
         for i in 0..self.count {
             relaxation_rate[i] = carry(self.relaxation_rate[i]);
@@ -123,7 +151,8 @@ impl<S: Scalar> Viscoelastic<S> {
         let BranchSums { relaxed, relaxing } = self.total;
         let total = BranchSums { relaxed: relaxed.map(&mut carry), relaxing: relaxing.map(&mut carry) };
         let (stiffness_ratio, relaxation_time) = (ratio, time);
-        Viscoelastic { count: self.count, stiffness, stiffness_ratio, relaxation_time, relaxation_rate, total }
+        let count = self.count;
+        Viscoelastic { count, stiffness, stiffness_ratio, relaxation_time, relaxation_rate, total, initial_stretch }
     }
 
     /// How many branches there are.
@@ -148,7 +177,12 @@ impl<S: Scalar> Viscoelastic<S> {
         self.relaxation_time[branch]
     }
 
-    /// Its reciprocal in 1/s.
+    /// Stretch in m of the spring of a branch at the start of a run.
+    pub fn initial_stretch(&self, branch: usize) -> S {
+        self.initial_stretch[branch]
+    }
+
+    /// The reciprocal of a relaxation time in 1/s.
     #[inline(always)]
     pub(crate) fn relaxation_rate(&self, branch: usize) -> S {
         self.relaxation_rate[branch]

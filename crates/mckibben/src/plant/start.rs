@@ -100,7 +100,7 @@ impl<S: Scalar> PlantStart<S> {
 
 impl<R: Instantiate> Plant<R> {
     /// The states at t = 0. Air in hoses starts at the pressure of the chamber that they lead to, bristles as the friction of
-    /// the start says, viscoelastic branches relaxed.
+    /// the start says, viscoelastic branches with their initial stretch.
     ///
     /// # Errors
     /// [`Error::Table`] unless there are as many coordinates, rates and airs as the plant has; [`Error::OutOfRange`] for a
@@ -207,6 +207,7 @@ impl<R: Instantiate> Plant<R> {
             }
         }
         self.relax_branches(lengths.iter().copied(), &mut state);
+        self.stretch_branches(&mut state);
         Ok((state, memories))
     }
 

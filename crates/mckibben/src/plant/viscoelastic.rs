@@ -27,6 +27,16 @@ pub(super) struct BranchPowers {
 }
 
 impl<R: Real> Plant<R> {
+    /// Stretches the viscoelastic branches of all actuators, which are relaxed, as they start.
+    pub(super) fn stretch_branches(&self, state: &mut [R]) {
+        for (own, mounted) in self.places.actuators.iter().zip(&self.actuators) {
+            let Some(law) = mounted.actuator.friction().viscoelastic() else { continue };
+            for (branch, place) in own.branches().enumerate() {
+                state[place] = state[place] - law.initial_stretch(branch);
+            }
+        }
+    }
+
     /// Relaxes the viscoelastic branches of all actuators at their lengths in m.
     pub(super) fn relax_branches(&self, lengths: impl Iterator<Item = R>, state: &mut [R]) {
         for ((own, mounted), length) in self.places.actuators.iter().zip(&self.actuators).zip(lengths) {
