@@ -113,7 +113,10 @@ impl<'d> Reader<'d> {
             let chosen = match self.entry(when.key).map(|entry| &entry.node.value) {
                 Some(Value::String(word)) => Some(word.as_str()),
                 Some(_) => None,
-                None => keys::key_at(when.key).and_then(|selector| selector.default),
+                None => {
+                    let of_preset = self.document().preset_word(when.key);
+                    of_preset.or_else(|| keys::key_at(when.key).and_then(|selector| selector.default))
+                }
             };
             // A choice that is absent or no valid word is a mistake of its own and says nothing about this key.
             let valid = |word: &&str| match keys::key_at(when.key).map(|selector| selector.kind) {
