@@ -89,7 +89,12 @@ impl Document {
         }
         if let Some(when) = key.when {
             let default = || keys::key_at(when.key).and_then(|selector| selector.default);
-            if !self.said(when.key).or_else(|| self.preset_word(when.key)).or_else(default).is_some_and(|word| when.words.contains(&word)) {
+            if !self
+                .said(when.key)
+                .or_else(|| self.preset_word(when.key))
+                .or_else(default)
+                .is_some_and(|word| when.words.contains(&word))
+            {
                 return false;
             }
         }

@@ -29,8 +29,7 @@ use std::f64::consts::PI;
 pub const TOLERANCE: f64 = 5e-3;
 
 /// What describes a braid; the first two are those of the model, the others describe it at rest.
-pub(crate) static BRAID: [&Parameter; 5] =
-    [&p::THREAD_LENGTH, &p::TURNS, &p::LENGTH, &p::DIAMETER, &p::BRAID_ANGLE];
+pub(crate) static BRAID: [&Parameter; 5] = [&p::THREAD_LENGTH, &p::TURNS, &p::LENGTH, &p::DIAMETER, &p::BRAID_ANGLE];
 
 /// The keys that describe a braid at rest.
 pub(crate) static AT_REST: [&Parameter; 3] = [&p::LENGTH, &p::DIAMETER, &p::BRAID_ANGLE];
@@ -164,7 +163,12 @@ impl Stated {
             }
             [B, N, THETA] => (b, n, b * theta.cos()),
             [B, N, D] => {
-                self.less((D, d), (B, b / (PI * n)), &[B, N], "the diameter at which the thread runs around in circles,")?;
+                self.less(
+                    (D, d),
+                    (B, b / (PI * n)),
+                    &[B, N],
+                    "the diameter at which the thread runs around in circles,",
+                )?;
                 (b, n, root(b * b - (PI * n * d).powi(2)))
             }
             // Nothing is said of rest: it is described where the braid is taut.
@@ -195,16 +199,7 @@ impl Stated {
         let [thread_length, turns, length, diameter, braid_angle] = [B, N, L, D, THETA].map(used);
         let max_length = self.max_length.unwrap_or(length);
         let min_length = self.min_length.unwrap_or(thread_length / 3_f64.sqrt());
-        Ok(Muscle {
-            thread_length,
-            turns,
-            length,
-            diameter,
-            braid_angle,
-            max_length,
-            min_length,
-            stated: self,
-        })
+        Ok(Muscle { thread_length, turns, length, diameter, braid_angle, max_length, min_length, stated: self })
     }
 
     /// The set that determines the braid.

@@ -113,6 +113,8 @@ fn too_little_is_refused_with_what_would_do() {
     // A key that is misspelt is the one mistake.
     let (class, _, text) = refused("length = \"200 mm\"\ndiameter = \"10 mm\"\nbraid_angel = \"25 deg\"\n");
     assert!(class == Class::UnknownKey && text.contains("`braid_angle`"), "{text}");
+    let (_, _, text) = refused("rest_length = \"200 mm\"\ndiameter = \"10 mm\"\nbraid_angle = \"25 deg\"\n");
+    assert!(text.contains("did you mean `length`?"), "{text}");
 }
 
 #[test]
@@ -125,9 +127,9 @@ fn contradictions_are_refused_with_the_numbers() {
     let rest = lines([2, 3, 4]);
     let longer = format!("{rest}thread_length = \"300 mm\"\n");
     of(&longer, 5, &["`actuator.thread_length` = 0.3 m", "length, diameter and braid_angle give: 0.220676 m"]);
-    of(&format!("{rest}turns = 4\n"), 5, &["`actuator.turns` = 4", "2.96858"]);
+    of(&format!("{rest}turns = 4\n"), 5, &["`actuator.turns` = 4", "2.96861"]);
     let wide = "thread_length = \"300 mm\"\nturns = 2\nlength = \"200 mm\"\ndiameter = \"10 mm\"\n";
-    of(wide, 2, &["`actuator.thread_length` = 0.3 m", "turns, length and diameter give: 0.20964"]);
+    of(wide, 2, &["`actuator.thread_length` = 0.3 m", "turns, length and diameter give: 0.209637 m"]);
     of(
         "thread_length = \"300 mm\"\nturns = 2\nlength = \"200 mm\"\nbraid_angle = \"25 deg\"\n",
         2,
@@ -143,9 +145,9 @@ fn contradictions_are_refused_with_the_numbers() {
         3,
         &["`actuator.turns` = 2 contradicts", "length, diameter and braid_angle give: 4.3387"],
     );
-    // An angle beyond the neutral one: the core's rule, shown in the section that describes the muscle.
+    // An angle beyond the neutral one: the core's rule, shown where the angle stands.
     let (class, line, text) = refused_by_model(&(lines([2, 3]) + "braid_angle = \"60 deg\"\n"));
-    assert!(class == Class::Inconsistent && line == 1, "{text}");
+    assert!(class == Class::Inconsistent && line == 4 && text.contains("follows from the muscle at rest"), "{text}");
 }
 
 fn refused_by_model(actuator: &str) -> (Class, usize, String) {
@@ -208,8 +210,7 @@ fn a_sweep_over_the_braid_angle_moves_all_that_follows() {
     let sweep = sweep.expect("a sweep");
     assert_eq!(sweep.rows(), 6);
     for row in 0..6 {
-        let (theta, length) =
-            ((20.0 + 5.0 * (row / 2) as f64).to_radians(), if row % 2 == 0 { 0.2 } else { 0.3 });
+        let (theta, length) = ((20.0 + 5.0 * (row / 2) as f64).to_radians(), if row % 2 == 0 { 0.2 } else { 0.3 });
         let of = sweep.scenario(row).expect("a row").actuator;
         let b = length / theta.cos();
         assert!(near(of.thread_length, b) && near(of.turns, b * theta.sin() / (PI * DIAMETER)), "{row}: {of:?}");
@@ -302,7 +303,10 @@ fn presets_of_muscles_go_with_the_keys_of_a_file() {
     let other = scenario(&format!("{thin}force.end_factor = 1.1\n")).actuator;
     assert!(matches!(other.force, Force::TonduLopez { end_factor: 1.1, coefficients: Some(_), .. }), "{other:?}");
     let thick = scenario("preset = \"festo-dmsp-20-300\"\n").actuator;
-    assert!(matches!(thick.force, Force::MartensBoblan { modulus: [c0, ..], .. } if near(c0, 1.279_299_36e9)), "{thick:?}");
+    assert!(
+        matches!(thick.force, Force::MartensBoblan { modulus: [c0, ..], .. } if near(c0, 1.279_299_36e9)),
+        "{thick:?}"
+    );
     // What is written is the whole law.
     let found = scenario(thin);
     assert_eq!(Scenario::from_str(&found.to_toml(), "again.toml").unwrap_or_else(|error| panic!("{error}")), found);
@@ -310,4 +314,34 @@ fn presets_of_muscles_go_with_the_keys_of_a_file() {
     let assumed: Vec<&str> = document(thin).assumed().iter().map(|of| of.parameter.key).collect();
     assert!(assumed.contains(&p::DIAMETER.key) && assumed.contains(&p::INITIAL_RADIUS.key), "{assumed:?}");
     assert!(!assumed.contains(&p::BLADDER_FORCE.key) && !assumed.contains(&p::MIN_LENGTH.key), "{assumed:?}");
+}
+
+/// A fit changes the model's numbers of one actuator, and of a plant what its file states.
+#[test]
+fn fits_name_what_can_change() {
+    let file = document(&lines([2, 3, 4]));
+    let mut scenario = file.scenario().expect("a scenario");
+    let thread = file.find("actuator.thread_length", [], &mut scenario).expect("a number");
+    assert!(thread.set(&mut scenario, 0.25).is_ok_and(|set| set));
+    let again = Scenario::from_str(&scenario.to_toml(), "fitted.toml").unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(again.actuator.thread_length, 0.25);
+    let refused = file.find("actuator.diameter", [], &mut scenario).expect_err("described at rest").to_string();
+    assert!(refused.contains("thread length and turns follow") && refused.contains("`actuator.turns`"), "{refused}");
+
+    let plant = |own: &str| {
+        let text = format!(
+            "[actuators.left]\n{own}[load]\nkind = \"isometric\"\n[initial]\nlength = \"180 mm\"\ngauge_pressure = \"1 bar\"\n\
+             [run]\nduration = \"1 s\"\n"
+        );
+        Document::parse(&text, "plant.toml").expect("TOML")
+    };
+    let file = plant(&lines([2, 3, 4]));
+    let diameter = file.find_in_plant("actuators.left.diameter").expect("a parameter");
+    let wider = file.with_plant_values(&[diameter], &[0.02]).expect("in range").muscles();
+    let (_, n) = closed_form();
+    assert!(wider[0].0 == "left" && near(wider[0].1.turns, 0.5 * n), "{wider:?}");
+    let follows = file.find_in_plant("actuators.left.turns").expect_err("it follows").to_string();
+    assert!(follows.contains("follows from what else the file gives of the braid"), "{follows}");
+    let many = plant(&lines([1, 2, 3, 4])).find_in_plant("actuators.left.diameter").expect_err("too many").to_string();
+    assert!(many.contains("follows from"), "{many}");
 }

@@ -53,7 +53,9 @@ fn check(path: &Path) -> Result<String, Vec<Diagnostic>> {
     let listed = |found: Diagnostics| found.iter().cloned().collect::<Vec<_>>();
     let document = Document::load(path).map_err(listed)?;
     let single = if document.is_plant() {
-        document.plant_experiment().map(|plant| plant.as_ref().map(summary_of_plant).unwrap_or_default() + &braids(&document))
+        document
+            .plant_experiment()
+            .map(|plant| plant.as_ref().map(summary_of_plant).unwrap_or_default() + &braids(&document))
     } else {
         document.scenario().and_then(|scenario| {
             let controlled =

@@ -186,7 +186,8 @@ impl Document {
     /// them.
     fn braid_follows_without(&self, key: &str, parameter: &Parameter) -> bool {
         let name = key.strip_prefix(ACTUATORS).and_then(|rest| rest.trim_start_matches('.').split('.').next());
-        let names = self.named(ACTUATORS).into_iter().map(|(of, _)| of).filter(|of| name.is_none_or(|name| *of == name));
+        let names =
+            self.named(ACTUATORS).into_iter().map(|(of, _)| of).filter(|of| name.is_none_or(|name| *of == name));
         BRAID.iter().any(|row| row.key == parameter.key)
             && names.map(|name| self.of_actuator(name).stated_braid()).any(|mut stated| {
                 let at_rest = stated.is_at_rest();

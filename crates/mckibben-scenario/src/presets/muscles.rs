@@ -21,8 +21,10 @@ use mckibben::parameter as p;
 
 const SIZE_10: &str = "nominal length of the DMSP-10-250 (Festo)";
 const PAPER: &str = "Martens & Boblan (2017)";
-const FIT_10: &str = "fitted to Martens & Boblan (2017), Table A2: rms error 1.9 % of 542.5 N, 6.7 % at lengths left out";
-const FIT_20: &str = "fitted to Martens & Boblan (2017), Table A1: rms error 0.2 % of 1653.5 N, 0.3 % at lengths left out";
+const FIT_10: &str =
+    "fitted to Martens & Boblan (2017), Table A2: rms error 1.9 % of 542.5 N, 6.7 % at lengths left out";
+const FIT_20: &str =
+    "fitted to Martens & Boblan (2017), Table A1: rms error 0.2 % of 1653.5 N, 0.3 % at lengths left out";
 const SHORTEST: &str = "Martens & Boblan (2017), the shortest length with a tension";
 const TAUT: &str = "assumed: the nominal length";
 

@@ -136,7 +136,11 @@ fn note(r: &mut Reader<'_>, fault: Fault, stated: Stated) {
             let Some(place) = place.or_else(|| r.key_place("actuator")) else { return };
             let mut found = Diagnostic::at(Class::Inconsistent, place, title, label);
             for other in others {
-                found = found.related(r.value_place(other.key), format!("with this {}", name(other)));
+                let (place, label) = match r.value_place(other.key) {
+                    Some(place) => (Some(place), format!("with this {}", name(other))),
+                    None => (r.value_place("actuator.preset"), format!("which gives {}", name(other))),
+                };
+                found = found.related(place, label);
             }
             r.note(found.help(REMEDY));
         }
@@ -206,9 +210,10 @@ fn force(r: &mut Reader<'_>, preset: Option<&Preset>) -> Force {
             }
         }
         ForceLaw::Sarosi => Force::Sarosi(sarosi(r)),
-        ForceLaw::MartensBoblan => {
-            Force::MartensBoblan { membrane_thickness: r.value(&p::MEMBRANE_THICKNESS, preset), modulus: modulus(r, preset) }
-        }
+        ForceLaw::MartensBoblan => Force::MartensBoblan {
+            membrane_thickness: r.value(&p::MEMBRANE_THICKNESS, preset),
+            modulus: modulus(r, preset),
+        },
         ForceLaw::ExtensibleBraid => Force::ExtensibleBraid { thread_stiffness: r.value(&p::THREAD_STIFFNESS, None) },
         ForceLaw::Bolen => Force::Bolen {
             max_force: r.value(&p::MAX_FORCE, None),

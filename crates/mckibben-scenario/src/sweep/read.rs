@@ -237,9 +237,8 @@ impl Base {
         };
         let sets_second = |of: &Varied<'_>| scenario.has_joint() && (of.is_of_antagonist() || taken_over(of));
         let sets_second: Vec<bool> = varied.iter().map(sets_second).collect();
-        let is_of_braid = |of: &Varied<'_>| {
-            BRAID.iter().chain([&&p::MAX_LENGTH, &&p::MIN_LENGTH]).any(|row| of.is(row))
-        };
+        let is_of_braid =
+            |of: &Varied<'_>| BRAID.iter().chain([&&p::MAX_LENGTH, &&p::MIN_LENGTH]).any(|row| of.is(row));
         let first = varied.iter().any(|of| !of.is_of_antagonist() && is_of_braid(of));
         let of_second = varied.iter().zip(&sets_second).any(|(of, sets)| *sets && is_of_braid(of));
         let braids = [first.then(|| document.stated_braid()), of_second.then(|| second.stated_braid())];
