@@ -9,18 +9,18 @@ use mckibben_scenario::{
 
 /// The muscles of a file by their names, those of equal braids together.
 pub fn muscles(muscles: &[(String, Muscle)]) -> Vec<(String, String)> {
-    let mut told: Vec<(String, String)> = Vec::new();
+    let mut lines: Vec<(String, String)> = Vec::new();
     for (name, its) in muscles {
         let text = muscle(its);
-        match told.iter_mut().find(|(_, known)| *known == text) {
+        match lines.iter_mut().find(|(_, known)| *known == text) {
             Some((names, _)) => {
                 names.push_str(", ");
                 names.push_str(name);
             }
-            None => told.push((name.clone(), text)),
+            None => lines.push((name.clone(), text)),
         }
     }
-    told
+    lines
 }
 
 /// The braid of a muscle: its thread, and what that makes at rest or, where nothing is said of rest, where the braid is taut.

@@ -3,7 +3,7 @@
 //!
 //! A program that shows results lists them beside the results. Checked by the tests below.
 
-use crate::choice::ValveKind;
+use crate::choice::{LoadKind, ValveKind};
 use crate::document::{Document, Value};
 use crate::keys::{self, KEYS, Key};
 use crate::muscle::BRAID;
@@ -30,16 +30,19 @@ impl Document {
     /// The assumed numbers that are in force, in the order of the table of keys. Of a document that has mistakes, as far
     /// as it can be read.
     pub fn assumed(&self) -> Vec<Assumed> {
-        if !self.is_plant() {
+        let documents: Vec<Self> = if self.is_plant() {
+            self.named(keys::ACTUATORS).into_iter().map(|(name, _)| self.of_actuator(name)).collect()
+        } else if self.is_word("load.kind", LoadKind::AntagonisticJoint.name()) {
+            vec![self.clone(), self.antagonist()]
+        } else {
             return self.assumed_of_one();
-        }
-        // Of a plant those of any of its actuators, each once.
+        };
+        // Of several actuators those of any, each value once.
         let mut all: Vec<Assumed> = Vec::new();
-        for (name, _) in self.named(keys::ACTUATORS) {
-            for assumed in self.of_actuator(name).assumed_of_one() {
-                if all.iter().all(|known| known.parameter.key != assumed.parameter.key) {
-                    all.push(assumed);
-                }
+        for assumed in documents.iter().flat_map(Self::assumed_of_one) {
+            let is_known = |known: &Assumed| known.parameter.key == assumed.parameter.key && known.text == assumed.text;
+            if !all.iter().any(is_known) {
+                all.push(assumed);
             }
         }
         all
@@ -116,10 +119,6 @@ impl Document {
             // Without a derivative there is nothing to filter.
             path if path == p::DERIVATIVE_FILTER.key => self.contains(p::DERIVATIVE_TIME.key),
             path if path.starts_with("valve.") => self.is_in_force(path),
-            // A preset's law of force goes whole.
-            path if path.starts_with("actuator.force.") || path.starts_with("actuator.bladder.") => {
-                self.actuator_preset().is_none_or(|preset| gives_law(self, preset))
-            }
             _ => true,
         }
     }
@@ -153,19 +152,21 @@ impl Document {
 
     /// The preset's or the table's value of a parameter, when it is assumed.
     fn stand_in(&self, row: &'static Parameter) -> Option<Assumed> {
-        let stated = self.stated_braid();
-        match row.key {
-            key if key == p::MAX_LENGTH.key && stated.get(row).is_none() => {
-                return self.range(row, 0, "assumed: the length at rest");
-            }
-            key if key == p::MIN_LENGTH.key && stated.get(row).is_none() => {
-                return self.range(row, 1, "assumed: b/sqrt(3), the neutral angle");
-            }
+        let range = match row.key {
+            key if key == p::MAX_LENGTH.key => self.range(row, 0, "assumed: the length at rest"),
+            key if key == p::MIN_LENGTH.key => self.range(row, 1, "assumed: b/sqrt(3), the neutral angle"),
             // A preset's braid is taken over with the file's keys or not at all.
             key if BRAID.iter().any(|of| of.key == key) && !gives_braid(self, self.actuator_preset()) => return None,
-            _ => {}
+            _ => None,
+        };
+        if range.is_some() {
+            return range;
         }
         let preset = match row.key.split('.').next() {
+            // A preset's law of force goes whole, with its bladder.
+            Some("actuator") if ["actuator.force.", "actuator.bladder."].iter().any(|of| row.key.starts_with(of)) => {
+                self.actuator_preset().filter(|preset| gives_law(self, preset))
+            }
             Some("actuator") => self.actuator_preset(),
             Some("valve") => self.valve_preset(),
             _ => None,
@@ -228,6 +229,17 @@ mod tests {
             ("actuator.min_length", "0.23094 m".to_owned(), "assumed: b/sqrt(3), the neutral angle"),
         ];
         assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn each_muscle_of_several_has_its_own() {
+        let text = "[load]\nkind = \"antagonistic-joint\"\n[antagonist.actuator]\nlength = \"150 mm\"\ndiameter = \"8 mm\"\n\
+                    braid_angle = \"25 deg\"";
+        let document = Document::parse(text, "joint.toml").expect("TOML");
+        let longest = |of: &Assumed| (of.parameter.key == p::MAX_LENGTH.key).then(|| of.text.clone());
+        let found: Vec<String> = document.assumed().iter().filter_map(longest).collect();
+        // The paper states that of the first.
+        assert_eq!(found, ["0.15 m"]);
     }
 
     #[test]

@@ -314,6 +314,12 @@ fn presets_of_muscles_go_with_the_keys_of_a_file() {
     let assumed: Vec<&str> = document(thin).assumed().iter().map(|of| of.parameter.key).collect();
     assert!(assumed.contains(&p::DIAMETER.key) && assumed.contains(&p::INITIAL_RADIUS.key), "{assumed:?}");
     assert!(!assumed.contains(&p::BLADDER_FORCE.key) && !assumed.contains(&p::MIN_LENGTH.key), "{assumed:?}");
+    // So is a default of a law that the file names itself.
+    let own =
+        document(&format!("{thin}force.law = \"extensible-braid\"\nforce.thread_stiffness = \"50 kN/m\"\n")).assumed();
+    assert!(own.iter().all(|of| !of.parameter.key.starts_with("actuator.force")), "{own:?}");
+    let own = document("force.law = \"tondu-lopez\"\n").assumed();
+    assert!(own.iter().any(|of| of.parameter.key == p::END_FACTOR_RISE.key), "{own:?}");
 }
 
 /// A fit changes the model's numbers of one actuator, and of a plant what its file states.

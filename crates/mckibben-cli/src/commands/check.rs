@@ -98,8 +98,8 @@ fn told(scenario: &Scenario) -> String {
 
 /// The braids of the file, each on a line.
 fn braids(document: &Document) -> String {
-    let told = describe::muscles(&document.muscles());
-    told.into_iter().map(|(names, text)| format!("\n   {names}: {text}")).collect()
+    let lines = describe::muscles(&document.muscles());
+    lines.into_iter().map(|(names, text)| format!("\n   {names}: {text}")).collect()
 }
 
 fn summary_of_plant(plant: &PlantExperiment) -> String {
