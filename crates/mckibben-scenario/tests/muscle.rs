@@ -101,7 +101,11 @@ fn too_little_is_refused_with_what_would_do() {
         assert!(expected.iter().all(|word| text.contains(word)), "{text}");
         assert!(!never.iter().any(|word| text.contains(word)), "{text}");
     };
-    of(&[2, 3], &["`length`, `diameter`", "add one of `thread_length`, `turns`, `braid_angle`"], &[]);
+    of(
+        &[2, 3],
+        &["`length`, `diameter` alone do not determine", "add one of `thread_length`, `turns`, `braid_angle`"],
+        &[],
+    );
     of(&[3, 4], &["add one of `thread_length`, `turns`, `length`"], &[]);
     // The angle says nothing of the turns beside thread and length.
     of(&[0, 2], &["add one of `turns`, `diameter`"], &["`braid_angle`"]);

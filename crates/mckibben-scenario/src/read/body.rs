@@ -8,7 +8,7 @@
 
 use super::{alternative, columns, friction};
 use crate::choice::{BladderForm, ForceLaw, LoadKind, ProcessKind};
-use crate::diagnostic::{Class, Diagnostic};
+use crate::diagnostic::{Class, Diagnostic, Place};
 use crate::document::Document;
 use crate::keys;
 use crate::muscle::{self, AT_REST, BRAID, Fault, Muscle, REMEDY, Stated};
@@ -90,9 +90,11 @@ fn stated(r: &mut Reader<'_>, preset: Option<&Preset>) -> Stated {
     let own_thread = r.has(p::THREAD_LENGTH.key);
     Stated::new(|row| {
         own.get(row).or_else(|| {
-            let range = row.key == p::MAX_LENGTH.key || row.key == p::MIN_LENGTH.key;
-            let least = row.key == p::MIN_LENGTH.key;
-            let taken = if range { !at_rest && !(least && own_thread) } else { takes_over };
+            let taken = match row.key {
+                key if key == p::MAX_LENGTH.key => !at_rest,
+                key if key == p::MIN_LENGTH.key => !(at_rest || own_thread),
+                _ => takes_over,
+            };
             (taken && !r.has(row.key)).then(|| of_preset(row)).flatten()
         })
     })
@@ -120,21 +122,21 @@ fn note(r: &mut Reader<'_>, fault: Fault, stated: Stated) {
     match fault {
         Fault::Open { one_of, two_of } => {
             let given: Vec<&'static Parameter> = stated.keys().collect();
-            let Some(place) = given.iter().find_map(|row| r.key_place(row.key)) else { return };
-            let title = format!("[actuator] gives {} of the braid, which is too little", names(&given));
+            let verb = if given.len() == 1 { "does" } else { "do" };
+            let title = format!("{} alone {verb} not determine the braid", names(&given));
             let help = match one_of.is_empty() {
                 false => format!("add one of {}", names(&one_of)),
                 true => format!("add two of {}, or thread_length and turns", names(&two_of)),
             };
-            r.note(Diagnostic::at(Class::Missing, place, title, "does not determine the braid").help(help));
+            let place = given.iter().find_map(|row| r.key_place(row.key));
+            r.note(shown_at(r, Class::Missing, place, title, "more is needed").help(help));
         }
         Fault::Contradiction { of, value, requirement, others } => {
             let due = shown(requirement.value, requirement.unit);
             let title = format!("`{}` = {} contradicts the rest", of.key, shown(value, of.unit));
             let label = format!("{} {} {due}", requirement.relation, requirement.other);
             let place = r.value_place(of.key).or_else(|| r.value_place("actuator.preset"));
-            let Some(place) = place.or_else(|| r.key_place("actuator")) else { return };
-            let mut found = Diagnostic::at(Class::Inconsistent, place, title, label);
+            let mut found = shown_at(r, Class::Inconsistent, place, title, label);
             for other in others {
                 let (place, label) = match r.value_place(other.key) {
                     Some(place) => (Some(place), format!("with this {}", name(other))),
@@ -144,6 +146,14 @@ fn note(r: &mut Reader<'_>, fault: Fault, stated: Stated) {
             }
             r.note(found.help(REMEDY));
         }
+    }
+}
+
+/// A mistake at a place, or in the section of the actuator.
+fn shown_at(r: &Reader<'_>, class: Class, place: Option<Place>, title: String, label: impl Into<String>) -> Diagnostic {
+    match place.or_else(|| r.key_place("actuator")) {
+        Some(place) => Diagnostic::at(class, place, title, label),
+        None => Diagnostic::whole(class, r.document().source().name(), title),
     }
 }
 
