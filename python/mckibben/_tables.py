@@ -40,8 +40,8 @@ class Parameter:
 class PresetValue:
     """A value of a preset."""
 
-    #: Value in SI, or a word.
-    value: float | str
+    #: Value in SI, a list of values, or a word.
+    value: float | list[float] | str
     #: SI unit; empty for a pure number or a word.
     unit: str = ""
     #: Symbol of the paper, or the usual one; empty for a word.

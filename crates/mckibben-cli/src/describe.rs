@@ -1,11 +1,40 @@
 //! A scenario in a few words.
 
 use mckibben::control::Quantity;
-use mckibben_run::quantities::{digits, given, given_percent};
+use mckibben_run::quantities::{digits, given, given_percent, plain};
 use mckibben_scenario::{
-    Aim, Command, CommandState, Controller, Engine, Load, Method, Motion, PressurePlace, Process, Regulator, Run,
-    Scenario, ValveKind,
+    Aim, Command, CommandState, Controller, Engine, Load, Method, Motion, Muscle, PressurePlace, Process, Regulator,
+    Run, Scenario, ValveKind,
 };
+
+/// The muscles of a file by their names, those of equal braids together.
+pub fn muscles(muscles: &[(String, Muscle)]) -> Vec<(String, String)> {
+    let mut lines: Vec<(String, String)> = Vec::new();
+    for (name, its) in muscles {
+        let text = muscle(its);
+        match lines.iter_mut().find(|(_, known)| *known == text) {
+            Some((names, _)) => {
+                names.push_str(", ");
+                names.push_str(name);
+            }
+            None => lines.push((name.clone(), text)),
+        }
+    }
+    lines
+}
+
+/// The braid of a muscle: its thread, and what that makes at rest or, where nothing is said of rest, where the braid is taut.
+fn muscle(of: &Muscle) -> String {
+    let thread = format!("thread of {}, {} turns", given(of.thread_length, "m"), plain(&digits(of.turns)));
+    let angle = plain(&digits(of.braid_angle.to_degrees())).to_owned();
+    let (length, diameter) = (given(of.length, "m"), given(of.diameter, "m"));
+    let shape = format!("{length} long, {diameter} wide, braid angle {angle}°");
+    if !of.is_at_rest() {
+        return format!("{thread}; taut {shape}");
+    }
+    let names: Vec<&str> = of.stated().filter_map(|row| row.key.rsplit('.').next()).collect();
+    format!("{thread}; at rest {shape} (from {})", names.join(", "))
+}
 
 /// What the actuator pulls on.
 pub fn load(load: &Load) -> String {

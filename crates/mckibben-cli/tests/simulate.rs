@@ -283,6 +283,25 @@ fn the_summary_has_the_figures() {
     assert!(!explicit.contains("Assumed") && explicit.contains("sealed, no valve"), "{explicit}");
 }
 
+/// Whatever a file states of a muscle, its braid is printed whole, and what is assumed of its lengths is said.
+#[test]
+fn the_braid_of_a_muscle_is_printed() {
+    let folder = Folder::new("braid");
+    let path = of_repository("examples/own-muscle.toml");
+    let file = path.to_string_lossy();
+    let braid = "thread of 220.7 mm, 2.969 turns; at rest 200 mm long, 10 mm wide, braid angle 25°";
+    let checked = run(&folder, &["check", &file]);
+    assert!(checked.contains(&format!("   muscle: {braid} (from length, diameter, braid_angle)")), "{checked}");
+    let text = run(&folder, &["simulate", &file]);
+    let on_one_line = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(on_one_line.contains(&format!("muscle {braid}")), "{text}");
+    assert!(text.contains("actuator.max_length = 0.2 m, actuator.min_length = 0.127407 m"), "{text}");
+    // Actuators with equal braids share a line.
+    let leg = of_repository("examples/plant/leg.toml");
+    let plant = run(&folder, &["check", &leg.to_string_lossy()]);
+    assert!(plant.contains("hip-back, knee-forward, knee-back: thread of 109.8 mm"), "{plant}");
+}
+
 #[test]
 fn events_are_printed_and_written() {
     let folder = Folder::new("events");

@@ -84,7 +84,10 @@ fn described<'py>(py: Python<'py>, section: &str, preset: &Preset) -> PyResult<B
     }
     for number in preset.values {
         let of = PyDict::new(py);
-        of.set_item("value", number.value())?;
+        match number.list() {
+            Some(list) => of.set_item("value", list)?,
+            None => of.set_item("value", number.value())?,
+        }
         of.set_item("unit", number.parameter.unit)?;
         of.set_item("symbol", number.parameter.symbol)?;
         of.set_item("meaning", number.parameter.meaning)?;

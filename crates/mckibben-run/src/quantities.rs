@@ -24,7 +24,7 @@ pub fn given_percent(value: f64) -> String {
 }
 
 /// A number without the zeros behind its last digit.
-fn plain(number: &str) -> &str {
+pub fn plain(number: &str) -> &str {
     if number.contains('.') && !number.contains('e') {
         number.trim_end_matches('0').trim_end_matches('.')
     } else {

@@ -3,13 +3,14 @@
 //!
 //! A program that shows results lists them beside the results. Checked by the tests below.
 
-use crate::choice::ValveKind;
+use crate::choice::{LoadKind, ValveKind};
 use crate::document::{Document, Value};
 use crate::keys::{self, KEYS, Key};
+use crate::muscle::BRAID;
 use crate::presets::{self, Preset};
 use crate::quantity;
 use crate::read::passage::{EXHAUST, SUPPLY};
-use crate::read::{GEOMETRY, SEATS};
+use crate::read::{SEATS, describes_braid, gives_braid, gives_law};
 use mckibben::parameter::{self as p, Parameter};
 
 /// A number that is in force and that no source states.
@@ -29,16 +30,19 @@ impl Document {
     /// The assumed numbers that are in force, in the order of the table of keys. Of a document that has mistakes, as far
     /// as it can be read.
     pub fn assumed(&self) -> Vec<Assumed> {
-        if !self.is_plant() {
+        let documents: Vec<Self> = if self.is_plant() {
+            self.named(keys::ACTUATORS).into_iter().map(|(name, _)| self.of_actuator(name)).collect()
+        } else if self.is_word("load.kind", LoadKind::AntagonisticJoint.name()) {
+            vec![self.clone(), self.antagonist()]
+        } else {
             return self.assumed_of_one();
-        }
-        // Of a plant those of any of its actuators, each once.
+        };
+        // Of several actuators those of any, each value once.
         let mut all: Vec<Assumed> = Vec::new();
-        for (name, _) in self.named(keys::ACTUATORS) {
-            for assumed in self.of_actuator(name).assumed_of_one() {
-                if all.iter().all(|known| known.parameter.key != assumed.parameter.key) {
-                    all.push(assumed);
-                }
+        for assumed in documents.iter().flat_map(Self::assumed_of_one) {
+            let is_known = |known: &Assumed| known.parameter.key == assumed.parameter.key && known.text == assumed.text;
+            if !all.iter().any(is_known) {
+                all.push(assumed);
             }
         }
         all
@@ -53,7 +57,7 @@ impl Document {
     pub fn actuator_preset(&self) -> Option<&'static Preset> {
         match self.said("actuator.preset") {
             Some(name) => presets::actuator(name),
-            None if GEOMETRY.iter().any(|row| self.contains(row.key)) => None,
+            None if describes_braid(|path| self.contains(path)) => None,
             None => presets::ACTUATORS.first().copied(),
         }
     }
@@ -63,8 +67,16 @@ impl Document {
         self.said("valve.preset").and_then(presets::valve)
     }
 
+    /// The word of the presets that the file names for a path, where they are in force.
+    pub(crate) fn preset_word(&self, path: &str) -> Option<&'static str> {
+        match path.split('.').next() {
+            Some("actuator") => self.actuator_preset().filter(|preset| gives_law(self, preset))?.word(path),
+            _ => None,
+        }
+    }
+
     /// The word that stands at a path.
-    fn said(&self, path: &str) -> Option<&str> {
+    pub(crate) fn said(&self, path: &str) -> Option<&str> {
         match &self.entry(path)?.node.value {
             Value::String(word) => Some(word),
             _ => None,
@@ -80,7 +92,12 @@ impl Document {
         }
         if let Some(when) = key.when {
             let default = || keys::key_at(when.key).and_then(|selector| selector.default);
-            if !self.said(when.key).or_else(default).is_some_and(|word| when.words.contains(&word)) {
+            if !self
+                .said(when.key)
+                .or_else(|| self.preset_word(when.key))
+                .or_else(default)
+                .is_some_and(|word| when.words.contains(&word))
+            {
                 return false;
             }
         }
@@ -102,8 +119,6 @@ impl Document {
             // Without a derivative there is nothing to filter.
             path if path == p::DERIVATIVE_FILTER.key => self.contains(p::DERIVATIVE_TIME.key),
             path if path.starts_with("valve.") => self.is_in_force(path),
-            // A preset's shortest length belongs to its thread length; b/sqrt(3) follows from the file's own.
-            path if path == p::MIN_LENGTH.key => !self.contains(p::THREAD_LENGTH.key),
             _ => true,
         }
     }
@@ -127,9 +142,31 @@ impl Document {
         true
     }
 
+    /// The greatest or least length where nothing states it.
+    fn range(&self, row: &'static Parameter, at: usize, source: &'static str) -> Option<Assumed> {
+        let value = self.muscle()?.assumed()[at]?;
+        // Six digits tell a length; it is computed from the file's.
+        let short = format!("{value:.5e}").parse().unwrap_or(value);
+        Some(Assumed { parameter: row, text: quantity::format(short, row.unit), source, preset: None })
+    }
+
     /// The preset's or the table's value of a parameter, when it is assumed.
     fn stand_in(&self, row: &'static Parameter) -> Option<Assumed> {
+        let range = match row.key {
+            key if key == p::MAX_LENGTH.key => self.range(row, 0, "assumed: the length at rest"),
+            key if key == p::MIN_LENGTH.key => self.range(row, 1, "assumed: b/sqrt(3), the neutral angle"),
+            // A preset's braid is taken over with the file's keys or not at all.
+            key if BRAID.iter().any(|of| of.key == key) && !gives_braid(self, self.actuator_preset()) => return None,
+            _ => None,
+        };
+        if range.is_some() {
+            return range;
+        }
         let preset = match row.key.split('.').next() {
+            // A preset's law of force goes whole, with its bladder.
+            Some("actuator") if ["actuator.force.", "actuator.bladder."].iter().any(|of| row.key.starts_with(of)) => {
+                self.actuator_preset().filter(|preset| gives_law(self, preset))
+            }
             Some("actuator") => self.actuator_preset(),
             Some("valve") => self.valve_preset(),
             _ => None,
@@ -177,7 +214,32 @@ mod tests {
     fn what_the_file_gives_is_not_assumed() {
         let own = "[actuator]\nthread_length = \"11 cm\"\nturns = 2.5\nmax_length = \"9 cm\"\nexternal_volume = \"1 mL\"\n\
                    [actuator.effectiveness]\npolynomial = [1.0]\n[actuator.limit]\nstiffness = \"1e5 N/m\"";
-        assert_eq!(keys_of(own), ["actuator.limit.damping"]);
+        assert_eq!(keys_of(own), ["actuator.min_length", "actuator.limit.damping"]);
+    }
+
+    #[test]
+    fn lengths_that_a_muscle_at_rest_leaves_open_are_assumed() {
+        let rest = "[actuator]\nlength = \"200 mm\"\ndiameter = \"10 mm\"\nbraid_angle = \"60 deg\"\n\
+                    external_volume = \"1 mL\"\neffectiveness.constant = 1\nlimit.stiffness = \"1e5 N/m\"\n\
+                    limit.damping = \"1 N*s/m\"";
+        let document = Document::parse(rest, "muscle.toml").expect("TOML");
+        let found: Vec<_> = document.assumed().into_iter().map(|of| (of.parameter.key, of.text, of.source)).collect();
+        let expected = [
+            ("actuator.max_length", "0.2 m".to_owned(), "assumed: the length at rest"),
+            ("actuator.min_length", "0.23094 m".to_owned(), "assumed: b/sqrt(3), the neutral angle"),
+        ];
+        assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn each_muscle_of_several_has_its_own() {
+        let text = "[load]\nkind = \"antagonistic-joint\"\n[antagonist.actuator]\nlength = \"150 mm\"\ndiameter = \"8 mm\"\n\
+                    braid_angle = \"25 deg\"";
+        let document = Document::parse(text, "joint.toml").expect("TOML");
+        let longest = |of: &Assumed| (of.parameter.key == p::MAX_LENGTH.key).then(|| of.text.clone());
+        let found: Vec<String> = document.assumed().iter().filter_map(longest).collect();
+        // The paper states that of the first.
+        assert_eq!(found, ["0.15 m"]);
     }
 
     #[test]

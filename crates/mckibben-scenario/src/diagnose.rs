@@ -1,14 +1,16 @@
 //! Shows an error of the core in the scenario file.
 //!
 //! The core names the parameter at fault by its scenario key. The place is the value at that key; where the file does
-//! not give it, the preset that did, else the section it belongs to, else the file. The other side of a contradiction
+//! not give it, the description of a muscle at rest that it follows from, else the preset that did, else the section it
+//! belongs to, else the file. The other side of a contradiction
 //! is shown too when the file gives it.
 
 use crate::diagnostic::{Class, Diagnostic, Place};
 use crate::document::{Document, Value};
 use crate::keys;
+use crate::muscle;
 use crate::quantity;
-use mckibben::parameter::{DURATION, MAX_COUNT, Parameter};
+use mckibben::parameter::{self as p, DURATION, MAX_COUNT, Parameter};
 use mckibben::{Count, Error};
 
 impl Document {
@@ -78,6 +80,13 @@ impl Document {
                 _ => None,
             };
             return Diagnostic::at(class, item.unwrap_or(&found.node).place.clone(), title, label);
+        }
+        if muscle::BRAID.iter().any(|row| row.key == key) || [p::MAX_LENGTH.key, p::MIN_LENGTH.key].contains(&key) {
+            // The angle is what most such rules are about.
+            if let Some(rest) = muscle::AT_REST.iter().rev().find_map(|row| self.entry(row.key)) {
+                let label = format!("{label}; `{key}` follows from the muscle at rest");
+                return Diagnostic::at(class, rest.node.place.clone(), title, label);
+            }
         }
         if let Some(preset) = self.entry(&format!("{root}.preset")) {
             return Diagnostic::at(

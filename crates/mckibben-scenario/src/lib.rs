@@ -30,6 +30,7 @@
 //! | [`presets`] | named actuators and valves, each number with its source |
 //! | [`diagnostic`] | errors that show file, line, column and remedy |
 //! | [`Document`] | a file as parsed, with values set from outside, and the core's errors shown in it |
+//! | [`Muscle`] | the braid at rest, from whichever of its numbers a file states |
 //! | [`Assumed`] | the numbers in force that no source states |
 //! | [`Scenario`] | what a file says, as plain SI values; `to_toml` writes it back |
 //! | [`sweep`] | many scenarios from one file: what varies, by which design, and what is recorded |
@@ -49,6 +50,7 @@ mod dimension;
 mod document;
 pub mod keys;
 mod model;
+mod muscle;
 mod nearest;
 mod numbers;
 mod place;
@@ -76,6 +78,7 @@ pub use diagnostic::{Diagnostic, Diagnostics, Style};
 pub use dimension::Dimension;
 pub use document::Document;
 pub use model::{Experiment, JointExperiment};
+pub use muscle::{Muscle, TOLERANCE as MUSCLE_TOLERANCE};
 pub use numbers::DocumentNumber;
 pub use place::{Place, PlaceError, Seeds};
 pub use plant::{

@@ -29,6 +29,7 @@
 
 use crate::document::{Document, Node, Value};
 use crate::keys::{ANTAGONIST, KEYS, in_antagonist, is_of_antagonist};
+use crate::muscle::AT_REST;
 use crate::nearest::nearest;
 use crate::scenario::{Command, Effectiveness, Force, Hysteresis, Load, MomentArm, Motion, Scenario};
 use crate::sweep::field::{Field, exchange, field_of};
@@ -230,6 +231,12 @@ impl Place {
                     (Some((row, field)), None) => Self::of_first(row, At::Single(field)),
                     (Some(_), Some(_)) => {
                         return Err(fault("is no list".to_owned(), format!("write `{prefix}{key}`")));
+                    }
+                    (None, _) if AT_REST.iter().any(|row| row.key == key) => {
+                        return Err(fault(
+                            "describes the muscle at rest, from which thread length and turns follow".to_owned(),
+                            format!("name `{prefix}{}` or `{prefix}{}`", p::THREAD_LENGTH.key, p::TURNS.key),
+                        ));
                     }
                     (None, _) => {
                         let known = KEYS.iter().map(|row| row.path);

@@ -1,6 +1,6 @@
 //! Named actuators and valves: for every number its text, its source, and whether it is assumed.
 //!
-//! The valves are in [`VALVES`]. Only hardware whose numbers are published is here. The paper (Colbrunn, Nelson & Quinn, 2001, "Modeling of Braided
+//! The valves are in [`VALVES`], measured muscles in `muscles`. Only hardware whose numbers are published is here. The paper (Colbrunn, Nelson & Quinn, 2001, "Modeling of Braided
 //! Pneumatic Actuators for Robotic Control") states its actuator's stretched length, diameter, friction and valve, but
 //! not thread length, turns, effectiveness, hose volume or the stiffness of the taut braid: those are marked as
 //! assumed, and no agreement with a figure of the paper may be claimed on their strength. Taking the stated 1/4 in as
@@ -8,12 +8,14 @@
 //!
 //! Checked by `tests/tables.rs`: every text parses, in its parameter's range, and the relation above holds.
 
+mod muscles;
 mod valves;
 
 use crate::choice::Choice;
 use crate::quantity;
 use mckibben::parameter::{self as p, Parameter};
 
+pub use muscles::{DMSP_10_250, DMSP_20_300};
 pub use valves::{VALVE_CHOICES, VALVES};
 
 /// One number of a preset.
@@ -30,9 +32,19 @@ pub struct PresetValue {
 }
 
 impl PresetValue {
-    /// The value in the parameter's SI unit, or `None` when the text is faulty, which a test rules out.
+    /// The value in the parameter's SI unit, or `None` of a list and when the text is faulty, which a test rules out.
     pub fn value(&self) -> Option<f64> {
-        let read = quantity::parse(self.text).ok()?;
+        self.read(self.text)
+    }
+
+    /// The values of a list, written `[1, 2, 3]`; `None` of a single value.
+    pub fn list(&self) -> Option<Vec<f64>> {
+        let items = self.text.strip_prefix('[')?.strip_suffix(']')?;
+        items.split(',').map(|item| self.read(item.trim())).collect()
+    }
+
+    fn read(&self, text: &str) -> Option<f64> {
+        let read = quantity::parse(text).ok()?;
         self.parameter.check(read.value).ok()
     }
 }
@@ -59,6 +71,12 @@ impl Preset {
     /// The preset's word for a path.
     pub fn word(&self, path: &str) -> Option<&'static str> {
         self.words.iter().find_map(|(of, word)| (*of == path).then_some(*word))
+    }
+
+    /// The size in SI of the unit that the preset names at a path.
+    pub(crate) fn unit(&self, path: &str) -> f64 {
+        // A test reads every unit of a preset.
+        self.word(path).and_then(|unit| quantity::parse_unit(unit).ok()).map_or(1.0, |(_, size)| size)
     }
 }
 
@@ -92,10 +110,10 @@ pub static COLBRUNN_2001: Preset = Preset {
 };
 
 /// Every named actuator; the first is taken when a file describes none.
-pub static ACTUATORS: &[&Preset] = &[&COLBRUNN_2001];
+pub static ACTUATORS: &[&Preset] = &[&COLBRUNN_2001, &DMSP_10_250, &DMSP_20_300];
 
 /// The words of `actuator.preset`.
-pub static ACTUATOR_CHOICES: &[Choice] = &[word(&COLBRUNN_2001)];
+pub static ACTUATOR_CHOICES: &[Choice] = &[word(&COLBRUNN_2001), word(&DMSP_10_250), word(&DMSP_20_300)];
 
 const fn word(preset: &'static Preset) -> Choice {
     Choice { name: preset.name, meaning: preset.meaning }

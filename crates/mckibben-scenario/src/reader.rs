@@ -100,7 +100,7 @@ impl<'d> Reader<'d> {
 
     /// Notes that a key is absent, at the header of its section. `because` says why it must be there.
     pub(crate) fn missing(&mut self, path: &str, because: &str) {
-        if self.meant.iter().any(|meant| meant == path) {
+        if self.is_meant(path) {
             return;
         }
         let (section, name) = path.rsplit_once('.').unwrap_or(("", path));
@@ -177,6 +177,24 @@ impl<'d> Reader<'d> {
             self.missing(row.key, "");
             STAND_IN
         })
+    }
+
+    /// The key's value, which the caller has read, else the table's default; when there is none the key is missing.
+    pub(crate) fn value_or(&mut self, row: &'static Parameter, read: Option<f64>) -> f64 {
+        match read.or(row.default) {
+            Some(value) => value,
+            // Its mistake has been noted.
+            None if self.has(row.key) => STAND_IN,
+            None => {
+                self.missing(row.key, "");
+                STAND_IN
+            }
+        }
+    }
+
+    /// Whether a misspelt key stands for the one at a path.
+    pub(crate) fn is_meant(&self, path: &str) -> bool {
+        self.meant.iter().any(|meant| meant == path)
     }
 
     /// The value of a key whose absence the caller has noted.
@@ -262,6 +280,14 @@ impl<'d> Reader<'d> {
     pub(crate) fn word<W: Word>(&mut self, path: &str) -> Option<W> {
         let entry = self.entry(path)?;
         W::from_name(self.one_of(&entry.node, path, W::CHOICES)?)
+    }
+
+    /// One word, of the file or of its preset.
+    pub(crate) fn word_or<W: Word>(&mut self, path: &str, preset: Option<&Preset>) -> Option<W> {
+        match preset.and_then(|preset| preset.word(path)).filter(|_| !self.has(path)) {
+            Some(word) => W::from_name(word),
+            None => self.word(path),
+        }
     }
 
     /// A list of words, or `None` when it is absent or has a mistake.

@@ -176,6 +176,9 @@ fn surroundings(path: &str) -> String {
         "actuator.thread_length" | "actuator.turns" | "actuator.max_length" => {
             "[actuator]\npreset = \"colbrunn-2001\"\n"
         }
+        "actuator.length" | "actuator.diameter" | "actuator.braid_angle" => {
+            "[actuator]\nlength = \"98 mm\"\ndiameter = \"6.4 mm\"\nbraid_angle = \"27 deg\"\n"
+        }
         "actuator.force.end_factor" | "actuator.force.end_factor_rise" | "actuator.force.end_factor_pressure" => {
             "[actuator.force]\nlaw = \"tondu-lopez\"\n"
         }

@@ -2,7 +2,7 @@
 //! number of a preset is accepted, the schema is a valid schema that accepts what the reading accepts.
 
 use mckibben::parameter::{self as p, TABLE};
-use mckibben_scenario::keys::{KEYS, SECTIONS, key_at};
+use mckibben_scenario::keys::{KEYS, Kind, SECTIONS, key_at};
 use mckibben_scenario::presets::{ACTUATORS, COLBRUNN_2001, VALVES};
 use mckibben_scenario::{Document, quantity, schema, starter};
 use serde_json::{Value, json};
@@ -230,6 +230,9 @@ fn surroundings_of(path: &str) -> &'static str {
              [command]\nkind = \"pwm\"\nfrequency = \"1 Hz\"\nduty = 0.5"
         }
         _ if path.starts_with("supply") => "[supply]\ngauge_pressure = \"1 bar\"",
+        "actuator.length" | "actuator.diameter" | "actuator.braid_angle" => {
+            "[actuator]\nlength = \"190 mm\"\ndiameter = \"11 mm\"\nbraid_angle = \"24 deg\""
+        }
         "actuator.turns" | "actuator.thread_length" | "actuator.max_length" => "[actuator]\npreset = \"colbrunn-2001\"",
         _ => "",
     }
@@ -365,10 +368,26 @@ fn the_starter_is_a_scenario_that_the_schema_accepts() {
 fn presets_are_in_range_and_follow_the_paper() {
     for preset in ACTUATORS.iter().chain(VALVES) {
         for value in preset.values {
-            assert!(value.value().is_some(), "{}: {}", preset.name, value.parameter.key);
-            assert_eq!(value.assumed, value.source.starts_with("assumed"), "{}", value.parameter.key);
+            let key = value.parameter.key;
+            assert_eq!(value.assumed, value.source.starts_with("assumed"), "{key}");
+            if matches!(key_at(key).map(|key| key.kind), Some(Kind::Quantities(_))) {
+                assert!(value.list().is_some_and(|list| !list.is_empty()), "{}: {key}", preset.name);
+                continue;
+            }
+            assert!(value.value().is_some(), "{}: {key}", preset.name);
             let unit = quantity::parse_unit(value.parameter.unit).map(|(dimension, _)| dimension);
-            assert_eq!(quantity::parse(value.text).map(|read| read.dimension), unit, "{}", value.parameter.key);
+            assert_eq!(quantity::parse(value.text).map(|read| read.dimension), unit, "{key}");
+        }
+        for (path, word) in preset.words {
+            let known = match key_at(path).map(|key| key.kind) {
+                Some(Kind::Choice(choices)) => choices.iter().any(|choice| choice.name == *word),
+                Some(Kind::Unit(like)) => {
+                    let dimension = |unit| quantity::parse_unit(unit).map(|(dimension, _)| dimension);
+                    dimension(word) == dimension(like)
+                }
+                _ => false,
+            };
+            assert!(known, "{}: {path} = {word}", preset.name);
         }
     }
     let of = |row| COLBRUNN_2001.get(row).and_then(|value| value.value()).expect("the preset has it");

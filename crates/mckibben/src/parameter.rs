@@ -151,8 +151,17 @@ parameters! {
     TURNS = "actuator.turns", "n", "", Range::POSITIVE, None,
         "Number of turns that one thread makes around the actuator.",
         "paper, Fig. 2", "count the turns of one thread over the whole length";
+    LENGTH = "actuator.length", "L_0", "m", Range::POSITIVE, None,
+        "Length of the muscle at rest, without pressure and load, between its fittings.",
+        "paper, Fig. 2 and (2)", "give the length at which diameter and braid angle are stated, below the thread length";
+    DIAMETER = "actuator.diameter", "D_0", "m", Range::POSITIVE, None,
+        "Diameter of the braid at rest, from the middle of a thread to that of the one opposite.",
+        "paper, Fig. 2 and (2)", "give the outer diameter of the sleeve less the thickness of one thread";
+    BRAID_ANGLE = "actuator.braid_angle", "theta_0", "rad", Range::open(0.0, core::f64::consts::FRAC_PI_2), None,
+        "Angle between a thread and the axis of the muscle at rest, the paper's interweave angle.",
+        "paper, Fig. 2 and (2)", "give an angle between 0 and 90 deg, such as 25 deg";
     MAX_LENGTH = "actuator.max_length", "L_max", "m", Range::POSITIVE, None,
-        "Length at which the braid is taut.",
+        "Length at which the braid is taut; that at rest when absent.",
         "paper, (11) and (14)", "give a length below the thread length";
     MIN_LENGTH = "actuator.min_length", "L_min", "m", Range::POSITIVE, None,
         "Length of full contraction, below which the tendon is slack; b/sqrt(3) when absent.",

@@ -53,7 +53,9 @@ fn check(path: &Path) -> Result<String, Vec<Diagnostic>> {
     let listed = |found: Diagnostics| found.iter().cloned().collect::<Vec<_>>();
     let document = Document::load(path).map_err(listed)?;
     let single = if document.is_plant() {
-        document.plant_experiment().map(|plant| plant.as_ref().map(summary_of_plant).unwrap_or_default())
+        document
+            .plant_experiment()
+            .map(|plant| plant.as_ref().map(summary_of_plant).unwrap_or_default() + &braids(&document))
     } else {
         document.scenario().and_then(|scenario| {
             let controlled =
@@ -61,7 +63,7 @@ fn check(path: &Path) -> Result<String, Vec<Diagnostic>> {
             if !controlled && document.joint_experiment()?.is_none() {
                 document.experiment()?;
             }
-            Ok(told(&scenario))
+            Ok(told(&scenario) + &braids(&document))
         })
     };
     let (sweep, mut mistakes) = match document.sweep() {
@@ -78,7 +80,12 @@ fn check(path: &Path) -> Result<String, Vec<Diagnostic>> {
     }
     match (mistakes.is_empty(), single) {
         (false, _) => Err(mistakes),
-        (true, Ok(single)) => Ok(format!("{single}; {sweep}")),
+        (true, Ok(single)) => {
+            // The braids stand below.
+            let (first, rest) = single.split_once('\n').map_or((single.as_str(), ""), |(first, rest)| (first, rest));
+            let gap = if rest.is_empty() { "" } else { "\n" };
+            Ok(format!("{first}; {sweep}{gap}{rest}"))
+        }
         (true, Err(_)) => Ok(sweep),
     }
 }
@@ -87,6 +94,12 @@ fn told(scenario: &Scenario) -> String {
     let (load, drive) = (describe::load(&scenario.load), describe::drive(scenario));
     let (duration, rows) = (given(scenario.run.duration, "s"), count(engine::rows(&scenario.run)));
     format!("{load}; {drive}; {duration}, {rows} samples")
+}
+
+/// The braids of the file, each on a line.
+fn braids(document: &Document) -> String {
+    let lines = describe::muscles(&document.muscles());
+    lines.into_iter().map(|(names, text)| format!("\n   {names}: {text}")).collect()
 }
 
 fn summary_of_plant(plant: &PlantExperiment) -> String {

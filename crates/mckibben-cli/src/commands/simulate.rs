@@ -14,7 +14,7 @@ use mckibben_run::output::{self, Pending};
 use mckibben_run::progress::Progress;
 use mckibben_run::record::{self, Provenance, Target};
 use mckibben_run::run::{Figures, Finished, Ready};
-use mckibben_scenario::{Assumed, Document, Scenario};
+use mckibben_scenario::{Document, Scenario};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -84,7 +84,7 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     files.probe()?;
 
     let (name, set) = (arguments.file.display().to_string(), arguments.set.iter().map(Setting::to_string));
-    let (assumed, set): (_, Vec<String>) = (document.assumed(), set.collect());
+    let set: Vec<String> = set.collect();
     let provenance = Provenance { document: &document, set: &set, scenario: scenario.as_ref() };
     let rows = engine::rows(ready.plan());
 
@@ -110,7 +110,7 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
 
     let mut text = String::new();
     if !arguments.quiet {
-        text.push_str(&told(&figures, &name, scenario.as_ref(), elapsed, &assumed)?);
+        text.push_str(&told(&figures, (&name, &document), scenario.as_ref(), elapsed)?);
     }
     // The files take their names when nothing can fail any more.
     pending.into_iter().try_for_each(Pending::commit)?;
@@ -130,24 +130,24 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
 
 fn told(
     figures: &Figures,
-    name: &str,
+    (name, document): (&str, &Document),
     scenario: Option<&Scenario>,
     elapsed: Duration,
-    assumed: &[Assumed],
 ) -> Result<String, Failure> {
+    let (muscles, assumed) = (&document.muscles()[..], &document.assumed()[..]);
     match (figures, scenario) {
-        (Figures::Plant(run), _) => summary::plant::Summary { name, run, elapsed, assumed }.render(),
+        (Figures::Plant(run), _) => summary::plant::Summary { name, run, elapsed, muscles, assumed }.render(),
         // Not reached: what is no plant has been read as a scenario. Said rather than assumed.
         (_, None) => Err(Failure::stopped("the run has no scenario")),
         (Figures::Actuator(of), Some(scenario)) => {
             let (rig, observation, control) = (&of.rig, &of.observation, of.control.as_ref());
-            Summary { name, scenario, rig, control, observation, elapsed, assumed }.render()
+            Summary { name, scenario, rig, control, observation, elapsed, muscles, assumed }.render()
         }
         (Figures::Joint(of), Some(scenario)) => {
             let antagonist = scenario.of_antagonist();
             let scenarios = [scenario, antagonist.as_ref().unwrap_or(scenario)];
             let (rig, observation, control) = (&of.rig, &of.observation, of.control.as_ref());
-            summary::joint::Summary { name, scenarios, rig, observation, control, elapsed, assumed }.render()
+            summary::joint::Summary { name, scenarios, rig, observation, control, elapsed, muscles, assumed }.render()
         }
     }
 }

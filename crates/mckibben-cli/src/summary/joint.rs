@@ -11,7 +11,7 @@ use mckibben_run::joint::NAMES;
 use mckibben_run::joint::observation::Observation;
 use mckibben_run::observation::{AirUse, Range};
 use mckibben_run::quantities::given;
-use mckibben_scenario::{Assumed, Scenario};
+use mckibben_scenario::{Assumed, Muscle, Scenario};
 use std::time::Duration;
 
 /// Everything that the summary tells about.
@@ -29,6 +29,8 @@ pub(crate) struct Summary<'a> {
     pub control: Option<&'a Closed>,
     /// How long the computer took.
     pub elapsed: Duration,
+    /// The muscles with their names.
+    pub muscles: &'a [(String, Muscle)],
     /// The assumed values in force.
     pub assumed: &'a [Assumed],
 }
@@ -61,6 +63,10 @@ impl Summary<'_> {
         let [scenario, _] = self.scenarios;
         let run = &scenario.run;
         page.heading(&format!("{}  {}", self.name, styled(FAINT, given(run.duration, "s"))));
+        for (names, text) in describe::muscles(self.muscles) {
+            // Below, the names say what drives each.
+            page.line("braid", &if names.contains(',') { text } else { format!("{names}: {text}") });
+        }
         page.line("load", &describe::load(&scenario.load));
         for (name, scenario) in NAMES.into_iter().zip(self.scenarios) {
             page.line(name, &describe::drive(scenario));

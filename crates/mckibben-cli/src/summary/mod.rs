@@ -15,7 +15,7 @@ use mckibben_run::failure::Failure;
 use mckibben_run::observation::{Ended, Observation, Range, Ripple, Steps};
 use mckibben_run::quantities::{self, common_prefix, count, given};
 use mckibben_run::text::{Alignment, Side};
-use mckibben_scenario::{Assumed, Load, Run, Scenario};
+use mckibben_scenario::{Assumed, Load, Muscle, Run, Scenario};
 use std::cell::{Cell, RefCell};
 use std::fmt::Write as _;
 use std::time::Duration;
@@ -47,6 +47,8 @@ pub struct Summary<'a> {
     pub observation: &'a Observation,
     /// How long the computer took.
     pub elapsed: Duration,
+    /// The muscles with their names.
+    pub muscles: &'a [(String, Muscle)],
     /// The assumed values in force.
     pub assumed: &'a [Assumed],
 }
@@ -78,6 +80,7 @@ impl Summary<'_> {
     fn what_ran(&self, page: &Page) {
         let run = &self.scenario.run;
         page.heading(&format!("{}  {}", self.name, styled(FAINT, given(run.duration, "s"))));
+        braids(page, self.muscles);
         page.line("load", &describe::load(&self.scenario.load));
         if let Some(tendon) = &self.scenario.tendon {
             page.line("tendon", &format!("{} in series", given(tendon.stiffness, "N/m")));
@@ -152,6 +155,11 @@ impl Summary<'_> {
         page.heading("Events");
         events(page, self.observation.events.iter().map(|(kind, number)| (kind.name(), *number)));
     }
+}
+
+/// The braids of the muscles, each with its names.
+pub(crate) fn braids(page: &Page, muscles: &[(String, Muscle)]) {
+    describe::muscles(muscles).iter().for_each(|(names, text)| page.line(names, text));
 }
 
 /// How many events there were of each kind.

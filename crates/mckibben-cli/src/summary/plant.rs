@@ -9,7 +9,7 @@ use mckibben::plant::{ActuatorLedger, Balance, MechanismLedger};
 use mckibben_run::failure::Failure;
 use mckibben_run::plant::{PlantFigures, control};
 use mckibben_run::quantities::{common_prefix, count, given};
-use mckibben_scenario::Assumed;
+use mckibben_scenario::{Assumed, Muscle};
 use std::time::Duration;
 
 /// Everything that the summary tells about.
@@ -19,6 +19,8 @@ pub(crate) struct Summary<'a> {
     pub(crate) run: &'a PlantFigures,
     /// How long the computer took.
     pub(crate) elapsed: Duration,
+    /// The muscles with their names.
+    pub(crate) muscles: &'a [(String, Muscle)],
     /// The assumed values in force.
     pub(crate) assumed: &'a [Assumed],
 }
@@ -47,6 +49,9 @@ impl Summary<'_> {
         let of = &self.run.experiment;
         page.heading(&format!("{}  {}", self.name, styled(FAINT, given(of.run.duration, "s"))));
         page.line("actuators", &of.names.actuators.join(", "));
+        for (names, text) in describe::muscles(self.muscles) {
+            page.line("braid", &format!("{names}: {text}"));
+        }
         for (names, mechanism) in of.names.mechanisms.iter().zip(of.plant.mechanisms()) {
             if let Some(name) = &names.name {
                 page.line(name, &described(mechanism, &names.joints));

@@ -37,6 +37,16 @@ external_volume = "3 cm^3"
 friction.viscous = "3 N*s/m"
 friction.coulomb_width = "0.05 mm"
 "#;
+/// The same muscle, described at rest.
+const AT_REST: &str = r#"
+[actuator]
+length = "97.8 mm"
+diameter = "6.35 mm"
+braid_angle = "27 deg"
+external_volume = "3 cm^3"
+friction.viscous = "3 N*s/m"
+friction.coulomb_width = "0.05 mm"
+"#;
 /// What a preset has besides is left to it.
 const GEOMETRY: &str = "\n[actuator]\nthread_length = \"4.3218 in\"\nturns = 2.5\nmax_length = \"3.85 in\"\n";
 const SUPPLY: &str = r#"
@@ -301,6 +311,11 @@ const GROUPS: &[Group] = &[
         ],
     ),
     (&[GEOMETRY, SUPPLY, SEATS, PWM, HANGING, RUN], &[], &[("actuator.preset", "colbrunn-2001")]),
+    (
+        &[AT_REST, SUPPLY, SEATS, PWM, HANGING, RUN],
+        &[],
+        &[("actuator.length", "99 mm"), ("actuator.diameter", "6.5 mm"), ("actuator.braid_angle", "26 deg")],
+    ),
     (SEALED, &[("initial.length", "88 mm")], &[("initial.velocity", "0.1 m/s")]),
     // Falls into the taut braid; contracts to its shortest.
     (

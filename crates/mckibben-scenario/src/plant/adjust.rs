@@ -17,9 +17,10 @@ use crate::choice::PressurePlace;
 use crate::diagnostic::{Class, Diagnostic, Diagnostics, Place as FilePlace, Source};
 use crate::document::{Document, Node, Value};
 use crate::keys::{self, ACTUATORS, Kind};
+use crate::muscle::BRAID;
 use crate::place::{Place, PlaceError};
 use crate::quantity;
-use crate::read::GEOMETRY;
+use crate::read::describes_braid;
 use crate::scenario::PressureSeries;
 use mckibben::parameter::{self as p, Parameter};
 use mckibben::plant::{Part, Plant, PlantStart, StartNumber};
@@ -132,6 +133,10 @@ impl Document {
                 return Err(fault("is no key of a plant", remedy));
             }
         };
+        if self.braid_follows_without(key, parameter) {
+            let remedy = "name a key that the file gives, and leave no more in it than describe the braid".to_owned();
+            return Err(fault("follows from what else the file gives of the braid", remedy));
+        }
         match self.value_in_plant(key, entry, parameter) {
             Some(value) => Ok(PlantPlace { key: key.to_owned(), entry, parameter, value }),
             None => Err(fault("has no value in the file to begin with", "write it there".to_owned())),
@@ -183,6 +188,22 @@ impl Document {
         in_force.or(parameter.default)
     }
 
+    /// Whether a parameter of a braid that is described at rest follows from the others, so that another value would contradict
+    /// them.
+    fn braid_follows_without(&self, key: &str, parameter: &Parameter) -> bool {
+        let name = key.strip_prefix(ACTUATORS).and_then(|rest| rest.trim_start_matches('.').split('.').next());
+        let names =
+            self.named(ACTUATORS).into_iter().map(|(of, _)| of).filter(|of| name.is_none_or(|name| *of == name));
+        BRAID.iter().any(|row| row.key == parameter.key)
+            && names.map(|name| self.of_actuator(name).stated_braid()).any(|mut stated| {
+                let at_rest = stated.is_at_rest();
+                if let Some(slot) = stated.slot(parameter) {
+                    *slot = None;
+                }
+                at_rest && stated.muscle().is_ok()
+            })
+    }
+
     /// The file with other values of some parameters.
     ///
     /// # Errors
@@ -207,7 +228,7 @@ impl Document {
                 _ => node,
             };
             // The default preset that a file means without a word goes on beside a braid's number of its own.
-            if GEOMETRY.iter().any(|row| row.key == place.key) {
+            if describes_braid(|path| path == place.key) {
                 document.name_default_preset(self, &at);
             }
             document.put(&place.key, &at, &node);

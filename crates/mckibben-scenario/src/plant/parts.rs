@@ -6,7 +6,7 @@
 use crate::diagnostic::Place;
 use crate::document::{Document, Entry, Node, Table, Value};
 use crate::keys::{self, ACTUATORS, MECHANISM, MECHANISMS, SUPPLIES};
-use crate::read::GEOMETRY;
+use crate::read::describes_whole_braid;
 use mckibben::parameter::Parameter;
 
 /// The supply that `[supply]` is.
@@ -39,8 +39,8 @@ impl Document {
         let own: Vec<Entry> = table.0.iter().filter(|entry| !is_section(entry)).cloned().collect();
         if !own.is_empty() {
             let own = Table(own);
-            let gives = |row: &&Parameter| row.key.rsplit('.').next().is_some_and(|name| own.get(name).is_some());
-            if !GEOMETRY.iter().all(gives) {
+            let gives = |row: &Parameter| row.key.rsplit('.').next().is_some_and(|name| own.get(name).is_some());
+            if !describes_whole_braid(gives) {
                 document.name_default_preset(self, key);
             }
             document.lay_over(&own, "actuator");

@@ -1,73 +1,229 @@
 //! The actuator and its air.
 //!
-//! A file that gives none of thread length, turns and greatest length means the default preset. One that gives some of
-//! them without naming a preset must give all three. A preset's `min_length` belongs to its thread length and is
-//! not taken over when the file overrides that one; `b/sqrt(3)` then stands in.
+//! A file that describes no braid means the default preset. One that describes a braid without naming a preset must describe all
+//! of it: see `muscle`. A preset's braid goes with the file's keys where both are of one kind; where the file describes the
+//! muscle at rest and the preset does not, or where its own keys are enough, the preset's braid is not taken over. A preset's
+//! `min_length` belongs to its thread length; `b/sqrt(3)` stands in where the file has its own. A preset's law of static force,
+//! with its bladder, is taken over unless the file names another law.
 
 use super::{alternative, columns, friction};
-use crate::choice::{BladderForm, ForceLaw, ProcessKind};
-use crate::diagnostic::{Class, Diagnostic};
+use crate::choice::{BladderForm, ForceLaw, LoadKind, ProcessKind};
+use crate::diagnostic::{Class, Diagnostic, Place};
+use crate::document::Document;
+use crate::keys;
+use crate::muscle::{self, AT_REST, BRAID, Fault, Muscle, REMEDY, Stated};
 use crate::presets::{self, Preset};
-use crate::reader::Reader;
+use crate::quantity;
+use crate::reader::{Reader, list_of};
 use crate::scenario::{Actuator, Air, Bladder, Effectiveness, Force, Limit, Process, Taper, TonduLopezCoefficients};
 use mckibben::parameter::{self as p, Parameter};
 
-/// The keys that together say how long the braid is; giving none of them asks for the default preset.
-pub(crate) static GEOMETRY: [&Parameter; 3] = [&p::THREAD_LENGTH, &p::TURNS, &p::MAX_LENGTH];
+/// Whether some key describes a braid; none asks for the default preset.
+pub(crate) fn describes_braid(has: impl Fn(&str) -> bool) -> bool {
+    BRAID.iter().chain([&&p::MAX_LENGTH]).any(|row| has(row.key))
+}
+
+/// Whether keys describe a whole braid, so that no preset is meant beside them.
+pub(crate) fn describes_whole_braid(has: impl Fn(&Parameter) -> bool) -> bool {
+    AT_REST.iter().any(|row| has(row)) || [&p::THREAD_LENGTH, &p::TURNS, &p::MAX_LENGTH].into_iter().all(has)
+}
 
 pub(super) fn actuator(r: &mut Reader<'_>) -> Actuator {
-    let preset = if r.has("actuator.preset") {
-        r.chosen("actuator.preset", presets::ACTUATOR_CHOICES).and_then(presets::actuator)
-    } else if GEOMETRY.iter().any(|row| r.has(row.key)) {
-        None
-    } else {
-        presets::ACTUATORS.first().copied()
-    };
+    let preset = r.document().actuator_preset();
+    if r.has("actuator.preset") {
+        r.chosen("actuator.preset", presets::ACTUATOR_CHOICES);
+    }
     // A preset that is misspelt is one mistake; the values it would have given are not three more.
     let stand_in = presets::ACTUATORS.first().copied().filter(|_| r.has("actuator.preset"));
     let preset = preset.or(stand_in);
-    let [thread_length, turns, max_length] = GEOMETRY.map(|row| r.value(row, preset));
-    let own_thread = r.has(p::THREAD_LENGTH.key);
-    let of_preset = preset.filter(|_| !own_thread).and_then(|preset| preset.get(&p::MIN_LENGTH));
-    let min_length = r.number(&p::MIN_LENGTH).or_else(|| of_preset.and_then(|value| value.value()));
+    let [thread_length, turns, max_length, min_length] = braid(r, preset);
+    let of_law = preset.filter(|preset| gives_law(r.document(), preset));
     Actuator {
         thread_length,
         turns,
         max_length,
-        min_length: min_length.unwrap_or(thread_length / 3_f64.sqrt()),
+        min_length,
         external_volume: r.value(&p::EXTERNAL_VOLUME, preset),
         leakage: r.number(&p::LEAKAGE),
         wall_thickness: r.value(&p::WALL_THICKNESS, preset),
         taper: r.has("actuator.taper").then(|| taper(r)),
-        force: force(r),
-        bladder: r.has("actuator.bladder").then(|| bladder(r)).flatten(),
+        force: force(r, of_law),
+        bladder: bladder(r, of_law),
         effectiveness: effectiveness(r, preset),
         friction: friction::friction(r, preset),
         limit: Limit { stiffness: r.value(&p::LIMIT_STIFFNESS, preset), damping: r.value(&p::LIMIT_DAMPING, preset) },
     }
 }
 
-fn force(r: &mut Reader<'_>) -> Force {
-    match r.word("actuator.force.law").unwrap_or(ForceLaw::IdealBraid) {
+/// Thread length, turns, greatest and least length; where a mistake has been noted, stand-ins for them.
+fn braid(r: &mut Reader<'_>, preset: Option<&Preset>) -> [f64; 4] {
+    let stated = stated(r, preset);
+    if !stated.is_at_rest() && !AT_REST.iter().any(|row| r.has(row.key)) {
+        // Only the model's own numbers are given, or some of them.
+        let [thread_length, turns, max_length] =
+            [&p::THREAD_LENGTH, &p::TURNS, &p::MAX_LENGTH].map(|row| r.value_or(row, stated.get(row)));
+        let min_length = stated.get(&p::MIN_LENGTH).unwrap_or(thread_length / 3_f64.sqrt());
+        return [thread_length, turns, max_length, min_length];
+    }
+    // A key with a mistake of its own says nothing about the others.
+    let unread = |row: &&Parameter| (r.has(row.key) && stated.get(row).is_none()) || r.is_meant(row.key);
+    if BRAID.iter().any(unread) {
+        return [1.0; 4];
+    }
+    match stated.muscle() {
+        Ok(Muscle { thread_length, turns, max_length, min_length, .. }) => {
+            [thread_length, turns, max_length, min_length]
+        }
+        Err(fault) => {
+            note(r, fault, stated);
+            [1.0; 4]
+        }
+    }
+}
+
+/// What the file and the preset state of the braid.
+fn stated(r: &mut Reader<'_>, preset: Option<&Preset>) -> Stated {
+    let own = Stated::new(|row| r.number(row));
+    let at_rest = AT_REST.iter().any(|row| r.has(row.key));
+    let of_preset = |row: &Parameter| preset.and_then(|preset| preset.get(row)).and_then(|value| value.value());
+    let takes_over = gives_braid(r.document(), preset);
+    let own_thread = r.has(p::THREAD_LENGTH.key);
+    Stated::new(|row| {
+        own.get(row).or_else(|| {
+            let taken = match row.key {
+                key if key == p::MAX_LENGTH.key => !at_rest,
+                key if key == p::MIN_LENGTH.key => !(at_rest || own_thread),
+                _ => takes_over,
+            };
+            (taken && !r.has(row.key)).then(|| of_preset(row)).flatten()
+        })
+    })
+}
+
+/// Whether a preset's braid goes with the keys of a document.
+pub(crate) fn gives_braid(document: &Document, preset: Option<&Preset>) -> bool {
+    let is_at_rest = preset.is_some_and(|preset| AT_REST.iter().any(|row| preset.get(row).is_some()));
+    let at_rest = AT_REST.iter().any(|row| document.contains(row.key));
+    let enough = muscle::determine(|row| document.contains(row.key));
+    if is_at_rest { !enough } else { !at_rest }
+}
+
+/// Whether a preset's law of static force is that of a document.
+pub(crate) fn gives_law(document: &Document, preset: &Preset) -> bool {
+    match (document.said(LAW), preset.word(LAW)) {
+        (Some(own), Some(given)) => own == given,
+        (own, given) => own.is_none() && given.is_some(),
+    }
+}
+
+/// Notes that what is stated gives no braid, where it stands.
+fn note(r: &mut Reader<'_>, fault: Fault, stated: Stated) {
+    let names = |rows: &[&'static Parameter]| list_of(rows.iter().map(|row| name(row)));
+    match fault {
+        Fault::Open { one_of, two_of } => {
+            let given: Vec<&'static Parameter> = stated.keys().collect();
+            let verb = if given.len() == 1 { "does" } else { "do" };
+            let title = format!("{} alone {verb} not determine the braid", names(&given));
+            let help = match one_of.is_empty() {
+                false => format!("add one of {}", names(&one_of)),
+                true => format!("add two of {}, or thread_length and turns", names(&two_of)),
+            };
+            let place = given.iter().find_map(|row| r.key_place(row.key));
+            r.note(shown_at(r, Class::Missing, place, title, "more is needed").help(help));
+        }
+        Fault::Contradiction { of, value, requirement, others } => {
+            let due = shown(requirement.value, requirement.unit);
+            let title = format!("`{}` = {} contradicts the rest", of.key, shown(value, of.unit));
+            let label = format!("{} {} {due}", requirement.relation, requirement.other);
+            let place = r.value_place(of.key).or_else(|| r.value_place("actuator.preset"));
+            let mut found = shown_at(r, Class::Inconsistent, place, title, label);
+            for other in others {
+                let (place, label) = match r.value_place(other.key) {
+                    Some(place) => (Some(place), format!("with this {}", name(other))),
+                    None => (r.value_place("actuator.preset"), format!("which gives {}", name(other))),
+                };
+                found = found.related(place, label);
+            }
+            r.note(found.help(REMEDY));
+        }
+    }
+}
+
+/// A mistake at a place, or in the section of the actuator.
+fn shown_at(r: &Reader<'_>, class: Class, place: Option<Place>, title: String, label: impl Into<String>) -> Diagnostic {
+    match place.or_else(|| r.key_place("actuator")) {
+        Some(place) => Diagnostic::at(class, place, title, label),
+        None => Diagnostic::whole(class, r.document().source().name(), title),
+    }
+}
+
+/// A value in six digits, an angle in degrees.
+fn shown(value: f64, unit: &str) -> String {
+    let (value, unit) = if unit == "rad" { (value.to_degrees(), "deg") } else { (value, unit) };
+    quantity::format(format!("{value:.5e}").parse().unwrap_or(value), unit)
+}
+
+/// The last name of a key.
+fn name(row: &Parameter) -> &'static str {
+    row.key.rsplit('.').next().unwrap_or(row.key)
+}
+
+impl Document {
+    /// What is stated of the braid, by the file or its preset. Of a document that has mistakes, as far as it can be read.
+    pub(crate) fn stated_braid(&self) -> Stated {
+        let preset = self.actuator_preset();
+        stated(&mut Reader::of_section(self, "actuator"), preset)
+    }
+
+    /// The muscle that a file of one actuator describes: its braid at rest, computed from what is stated. `None` where that is
+    /// not enough or contradicts itself.
+    pub fn muscle(&self) -> Option<Muscle> {
+        self.stated_braid().muscle().ok()
+    }
+
+    /// Every muscle that the file describes, with its name: of a plant that of the actuator, of a joint `agonist` and `antagonist`,
+    /// else `muscle`.
+    pub fn muscles(&self) -> Vec<(String, Muscle)> {
+        let named = |name: &str, document: &Self| document.muscle().map(|muscle| (name.to_owned(), muscle));
+        let found = if self.is_plant() {
+            self.named(keys::ACTUATORS).into_iter().map(|(name, _)| named(name, &self.of_actuator(name))).collect()
+        } else if self.is_word("load.kind", LoadKind::AntagonisticJoint.name()) {
+            vec![named("agonist", self), named("antagonist", &self.antagonist())]
+        } else {
+            vec![named("muscle", self)]
+        };
+        found.into_iter().flatten().collect()
+    }
+}
+
+const LAW: &str = "actuator.force.law";
+
+fn force(r: &mut Reader<'_>, preset: Option<&Preset>) -> Force {
+    match r.word_or(LAW, preset).unwrap_or(ForceLaw::IdealBraid) {
         ForceLaw::IdealBraid => Force::IdealBraid,
         ForceLaw::TonduLopez => {
             let rows = [&p::INITIAL_RADIUS, &p::TONDU_LOPEZ_A, &p::TONDU_LOPEZ_B];
-            let given = alternative(r, &[&rows.map(|row| row.key)]);
-            let coefficients = given.map(|_| {
-                let [radius, a, b] = rows.map(|row| r.noted(row));
+            let of_preset = preset.filter(|preset| rows.iter().all(|row| preset.get(row).is_some()));
+            let given = match of_preset {
+                Some(_) => true,
+                None => alternative(r, &[&rows.map(|row| row.key)]).is_some(),
+            };
+            let coefficients = given.then(|| {
+                let [radius, a, b] = rows.map(|row| r.value(row, of_preset));
                 TonduLopezCoefficients { radius, a, b }
             });
             Force::TonduLopez {
-                end_factor: r.value(&p::END_FACTOR, None),
-                end_factor_rise: r.value(&p::END_FACTOR_RISE, None),
-                end_factor_pressure: r.value(&p::END_FACTOR_PRESSURE, None),
+                end_factor: r.value(&p::END_FACTOR, preset),
+                end_factor_rise: r.value(&p::END_FACTOR_RISE, preset),
+                end_factor_pressure: r.value(&p::END_FACTOR_PRESSURE, preset),
                 coefficients,
             }
         }
         ForceLaw::Sarosi => Force::Sarosi(sarosi(r)),
-        ForceLaw::MartensBoblan => {
-            Force::MartensBoblan { membrane_thickness: r.value(&p::MEMBRANE_THICKNESS, None), modulus: modulus(r) }
-        }
+        ForceLaw::MartensBoblan => Force::MartensBoblan {
+            membrane_thickness: r.value(&p::MEMBRANE_THICKNESS, preset),
+            modulus: modulus(r, preset),
+        },
         ForceLaw::ExtensibleBraid => Force::ExtensibleBraid { thread_stiffness: r.value(&p::THREAD_STIFFNESS, None) },
         ForceLaw::Bolen => Force::Bolen {
             max_force: r.value(&p::MAX_FORCE, None),
@@ -116,10 +272,17 @@ fn polynomial(r: &mut Reader<'_>) -> Force {
 }
 
 /// The coefficients of the membrane's modulus for lengths in m.
-fn modulus(r: &mut Reader<'_>) -> [f64; 4] {
+fn modulus(r: &mut Reader<'_>, preset: Option<&Preset>) -> [f64; 4] {
     let help = "give c0 to c3 of c0 + c1 L + c2 L^2 + c3 L^3";
-    let [c0, c1, c2, c3] = coefficients(r, &p::MEMBRANE_MODULUS, "four", help);
-    let [modulus, length] = units(r, [("actuator.force.modulus_unit", "Pa"), ("actuator.force.length_unit", "m")]);
+    // Coefficients of the file's own need units of the file's own.
+    let preset = preset.filter(|_| !r.has(p::MEMBRANE_MODULUS.key));
+    let of_preset = preset.and_then(|preset| <[f64; 4]>::try_from(preset.get(&p::MEMBRANE_MODULUS)?.list()?).ok());
+    let [c0, c1, c2, c3] = of_preset.unwrap_or_else(|| coefficients(r, &p::MEMBRANE_MODULUS, "four", help));
+    let of_modulus = [("actuator.force.modulus_unit", "Pa"), ("actuator.force.length_unit", "m")];
+    let [modulus, length] = match preset.filter(|_| of_preset.is_some()) {
+        Some(preset) => of_modulus.map(|(path, _)| preset.unit(path)),
+        None => units(r, of_modulus),
+    };
     let per_length = modulus / length;
     [c0 * modulus, c1 * per_length, c2 * per_length / length, c3 * per_length / (length * length)]
 }
@@ -153,15 +316,21 @@ fn taper(r: &mut Reader<'_>) -> Taper {
     Taper { end_radius: r.value(&p::TAPER_END_RADIUS, None), length_ratio: r.value(&p::TAPER_LENGTH_RATIO, None) }
 }
 
-fn bladder(r: &mut Reader<'_>) -> Option<Bladder> {
+fn bladder(r: &mut Reader<'_>, preset: Option<&Preset>) -> Option<Bladder> {
     let path = "actuator.bladder.form";
-    let form: Option<BladderForm> = r.word(path);
-    if !r.has(path) {
+    let preset = preset.filter(|preset| preset.word(path).is_some());
+    if !r.has("actuator.bladder") && preset.is_none() {
+        return None;
+    }
+    // A bladder of another form is the file's own.
+    let preset = preset.filter(|preset| r.document().said(path).is_none_or(|own| preset.word(path) == Some(own)));
+    let form: Option<BladderForm> = r.word_or(path, preset);
+    if !r.has(path) && preset.is_none() {
         r.missing(path, "");
     }
-    let force = r.value(&p::BLADDER_FORCE, None);
+    let force = r.value(&p::BLADDER_FORCE, preset);
     let form = form?;
-    let scale = if form == BladderForm::Linear { 1.0 } else { r.value(&p::BLADDER_SCALE, None) };
+    let scale = if form == BladderForm::Linear { 1.0 } else { r.value(&p::BLADDER_SCALE, preset) };
     Some(Bladder { form, force, scale })
 }
 

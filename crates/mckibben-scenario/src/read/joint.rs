@@ -3,17 +3,19 @@
 //! The second actuator is read from the same document with the keys of `[antagonist]` laid over its own, so whatever is not
 //! said of it is as of the first; of the supply, both draw from one unless `[antagonist.supply]` describes another. What is said in several keys is taken whole: an effectiveness; a valve or command that
 //! names its `kind` or `preset`; how much a valve's passage lets through; an actuator that names its `preset`; a force that
-//! names its `law`, a bladder its `form`; a moment arm, by radius or by table. A table holds as it stands: it is not mirrored.
+//! names its `law`, a bladder its `form`; a braid that is described at rest in place of one described otherwise; a moment arm, by
+//! radius or by table. A table holds as it stands: it is not mirrored.
 
 use super::{alternative, body, columns, course, drive, line, passage};
 use crate::choice::PressurePlace;
 use crate::diagnostic::Place;
 use crate::document::{Document, Entry, Node, Table, Value};
 use crate::keys::{self, ANTAGONIST, BALANCED, FRICTION_START};
+use crate::muscle::{self, AT_REST, BRAID};
 use crate::presets;
 use crate::reader::Reader;
 use crate::scenario::{Air, Antagonist, InitialAngle, Joint, MomentArm, Tendon};
-use mckibben::parameter as p;
+use mckibben::parameter::{self as p, Parameter};
 use mckibben::plant::INITIAL_FRICTION_FORCE;
 
 pub(super) fn joint(r: &mut Reader<'_>, air: &Air) -> Option<Joint> {
@@ -132,7 +134,7 @@ impl Document {
     /// Where the actuator of the whole file is the default preset for want of a word, one with keys of its own is that preset
     /// with its own keys. `place` is where those are.
     pub(crate) fn name_default_preset(&mut self, whole: &Self, place: &Place) {
-        let unnamed = !whole.contains("actuator.preset") && !body::GEOMETRY.iter().any(|row| whole.contains(row.key));
+        let unnamed = !whole.contains("actuator.preset") && !body::describes_braid(|path| whole.contains(path));
         if let Some(preset) = presets::ACTUATORS.first().filter(|_| unnamed && !self.contains("actuator.preset")) {
             let value = Value::String(preset.name.to_owned());
             self.put("actuator.preset", place, &Node { place: place.clone(), value });
@@ -155,6 +157,10 @@ impl Document {
         let names_arm = ARM.iter().filter_map(|path| path.strip_prefix("load.")).any(|name| table.get(name).is_some());
         if whole {
             self.remove(section);
+        } else if section == "actuator" && self.gives_way_to(table) {
+            for row in BRAID.into_iter().chain([&p::MAX_LENGTH, &p::MIN_LENGTH]) {
+                self.remove(row.key);
+            }
         } else if section == "load" && names_arm {
             for path in ARM {
                 self.remove(path);
@@ -184,6 +190,16 @@ impl Document {
                 _ => self.put(&path, key, node),
             }
         }
+    }
+}
+
+impl Document {
+    /// Whether the braid of the document makes way for that of a table: of the two one at least is described at rest, and the
+    /// table's is whole. Otherwise it is laid over key by key.
+    fn gives_way_to(&self, actuator: &Table) -> bool {
+        let own = |row: &Parameter| row.key.rsplit('.').next().is_some_and(|name| actuator.get(name).is_some());
+        let at_rest = AT_REST.iter().any(|row| own(row) || self.contains(row.key));
+        at_rest && muscle::determine(own)
     }
 }
 

@@ -28,7 +28,7 @@ mod mechanism;
 pub(crate) mod passage;
 mod plant;
 
-pub(crate) use body::GEOMETRY;
+pub(crate) use body::{describes_braid, describes_whole_braid, gives_braid, gives_law};
 pub(crate) use drive::SEATS;
 
 use crate::diagnostic::{Class, Diagnostic, Diagnostics, Place};

@@ -77,7 +77,11 @@ impl<'d> Reader<'d> {
             false => keys::names_in(section).collect(),
         };
         let child = if section.is_empty() { name.to_owned() } else { format!("{section}.{name}") };
-        let within = valid.iter().copied().find(|known| known.len() > 3 && name.len() > 3 && known.contains(name));
+        let long = |known: &&str| known.len() > 3 && name.len() > 3;
+        // A part of a key, or a key with more before it, such as `rest_length` for `length`.
+        let part = valid.iter().copied().filter(long).find(|known| known.contains(name));
+        let whole = || valid.iter().copied().filter(long).find(|known| name.ends_with(&format!("_{known}")));
+        let within = part.or_else(whole);
         let elsewhere: Vec<String> =
             KEYS.iter().filter(|key| key.name() == name).map(|key| format!("[{}]", key.section())).collect();
         let of_plant = !self.of_plant && keys::is_of_plant(&child);
@@ -113,7 +117,10 @@ impl<'d> Reader<'d> {
             let chosen = match self.entry(when.key).map(|entry| &entry.node.value) {
                 Some(Value::String(word)) => Some(word.as_str()),
                 Some(_) => None,
-                None => keys::key_at(when.key).and_then(|selector| selector.default),
+                None => {
+                    let of_preset = self.document().preset_word(when.key);
+                    of_preset.or_else(|| keys::key_at(when.key).and_then(|selector| selector.default))
+                }
             };
             // A choice that is absent or no valid word is a mistake of its own and says nothing about this key.
             let valid = |word: &&str| match keys::key_at(when.key).map(|selector| selector.kind) {

@@ -50,7 +50,8 @@ pub enum AxisValue<'a> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Target {
     pub(super) parameter: &'static Parameter,
-    pub(super) field: Field,
+    /// None of what describes a muscle at rest, which is no number of the scenario.
+    pub(super) field: Option<Field>,
 }
 
 /// What there is to take from, numbers in SI.

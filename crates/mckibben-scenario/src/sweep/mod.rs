@@ -39,6 +39,7 @@ pub use reduction::{Quantity, Reduction, Statistic};
 
 use crate::choice::{DesignKind, Engine};
 use crate::keys::in_antagonist;
+use crate::muscle::{Fault, Stated};
 use crate::plant::{PlantColumn, PlantExperiment};
 use crate::quantity;
 use crate::scenario::{Aim, Command, Load, Scenario};
@@ -70,8 +71,8 @@ struct Base {
     scenario: Scenario,
     /// Whether each axis sets the second actuator of a joint: one of its own keys, or one that it takes over from the first.
     sets_second: Vec<bool>,
-    /// Whether the least length follows from a thread length that varies, of the first actuator and of the second.
-    min_length_follows: [bool; 2],
+    /// What is stated of the braid of the first actuator and of the second, where an axis is of it: the rest follows in each row.
+    braids: [Option<Stated>; 2],
 }
 
 /// What is recorded of each row.
@@ -248,29 +249,36 @@ impl Sweep {
         }
         let chosen = self.axes.iter().filter_map(|axis| Some((axis.base(row)?, axis.values.count()?)));
         let base = chosen.fold(0, |base, (value, count)| base * count + value);
-        let Base { scenario, sets_second, min_length_follows } = &self.bases[base as usize];
-        let mut scenario = scenario.clone();
+        let Base { scenario, sets_second, braids } = &self.bases[base as usize];
+        let (mut scenario, mut braids) = (scenario.clone(), *braids);
         for (axis, sets_second) in self.axes.iter().zip(sets_second) {
             let (Some(target), AxisValue::Number(value)) = (axis.target, axis.value(row)) else { continue };
-            let set = |scenario: &mut Scenario| {
+            let set = |scenario: &mut Scenario, braid: &mut Option<Stated>| {
+                let value = target.parameter.check(value)?;
                 // A number without a place is not reached: the reading of the bases has refused it.
-                if let Some(place) = (target.field)(scenario) {
-                    *place = target.parameter.check(value)?;
+                if let Some(stated) = braid.as_mut().and_then(|braid| braid.slot(target.parameter)) {
+                    *stated = Some(value);
+                } else if let Some(place) = target.field.and_then(|field| field(scenario)) {
+                    *place = value;
                 }
                 Ok::<_, Error>(())
             };
+            let [first, second] = &mut braids;
             if in_antagonist(&axis.path).is_none() {
-                set(&mut scenario)?;
+                set(&mut scenario, first)?;
             }
             if *sets_second {
                 exchange(&mut scenario);
-                set(&mut scenario)?;
+                set(&mut scenario, second)?;
                 exchange(&mut scenario);
             }
         }
-        for follows in min_length_follows {
-            if *follows {
-                scenario.actuator.min_length = scenario.actuator.thread_length / 3_f64.sqrt();
+        for braid in braids {
+            if let Some(stated) = braid {
+                let muscle = stated.muscle().map_err(Fault::error)?;
+                let actuator = &mut scenario.actuator;
+                (actuator.thread_length, actuator.turns) = (muscle.thread_length, muscle.turns);
+                (actuator.max_length, actuator.min_length) = (muscle.max_length, muscle.min_length);
             }
             // Done twice this changes nothing.
             exchange(&mut scenario);
@@ -295,10 +303,11 @@ impl Sweep {
         let _ = writeln!(text, "design {}\nrows {}\nseed {}", self.design.name(), self.rows, self.seed);
         let _ = writeln!(text, "record {record}\npart_rows {}", self.part_rows);
         self.axes.iter().for_each(|axis| axis.fingerprint(&mut text));
-        let follows = self.bases.first().map_or([false; 2], |base| base.min_length_follows);
-        let follows = follows.map(|follows| if follows { "follows" } else { "given" });
-        let _ = writeln!(text, "min_length {}", follows.join(" "));
         for base in &self.bases {
+            // What follows in each row depends on what is stated.
+            for stated in base.braids.iter().flatten() {
+                let _ = writeln!(text, "\n{stated:?}");
+            }
             let _ = writeln!(text, "\n{}", base.scenario.to_toml());
         }
         if let Some(swept) = &self.plant {

@@ -15,6 +15,7 @@ use crate::choice::{DesignKind, RecordKind};
 use crate::diagnostic::{Class, Diagnostic, Diagnostics, Place};
 use crate::document::Document;
 use crate::keys::{self, SWEEP, VARY};
+use crate::muscle::BRAID;
 use crate::quantity;
 use crate::reader::Reader;
 use crate::scenario::Scenario;
@@ -236,11 +237,12 @@ impl Base {
         };
         let sets_second = |of: &Varied<'_>| scenario.has_joint() && (of.is_of_antagonist() || taken_over(of));
         let sets_second: Vec<bool> = varied.iter().map(sets_second).collect();
-        let thread_of_second = varied.iter().zip(&sets_second).any(|(of, sets)| *sets && of.is(&p::THREAD_LENGTH));
-        let thread = varied.iter().any(|of| !of.is_of_antagonist() && of.is(&p::THREAD_LENGTH));
-        let follows = |document: &Document, thread: bool| thread && !document.contains(p::MIN_LENGTH.key);
-        let min_length_follows = [follows(document, thread), follows(&second, thread_of_second)];
-        Self { scenario, sets_second, min_length_follows }
+        let is_of_braid =
+            |of: &Varied<'_>| BRAID.iter().chain([&&p::MAX_LENGTH, &&p::MIN_LENGTH]).any(|row| of.is(row));
+        let first = varied.iter().any(|of| !of.is_of_antagonist() && is_of_braid(of));
+        let of_second = varied.iter().zip(&sets_second).any(|(of, sets)| *sets && is_of_braid(of));
+        let braids = [first.then(|| document.stated_braid()), of_second.then(|| second.stated_braid())];
+        Self { scenario, sets_second, braids }
     }
 }
 

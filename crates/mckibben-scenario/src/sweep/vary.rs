@@ -75,7 +75,7 @@ impl<'d> Varied<'d> {
 
     pub(super) fn target(&self) -> Option<Target> {
         let parameter = self.parameter.filter(|_| self.read_anew().is_none())?;
-        field_of(parameter).map(|field| Target { parameter, field })
+        Some(Target { parameter, field: field_of(parameter) })
     }
 }
 
