@@ -1,19 +1,16 @@
 //! The study file, by `serde`; quantities are text with a unit, as in scenario files.
 
 use super::clean::{self, Rules};
+use super::search::{RawSearch, SearchEntry};
 use super::sensors::{RawSensor, SensorEntry};
 use super::table::{self, Table};
 use super::valve::{FlowEntry, PulsesEntry, RawFlow, RawPulses, RawTank, Sections, TankEntry};
 use super::{Quantity, Recording, StudyError, words_of};
-use crate::trajectories::Horizon;
 use mckibben_scenario::{Dimension, quantity};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
-
-/// More starts than a study may have.
-const MOST_STARTS: usize = 1_000_000;
 
 /// What is to be found.
 #[derive(Clone, Copy, Debug, Deserialize, Eq, PartialEq)]
@@ -86,16 +83,8 @@ pub struct Study {
     pub runs: Vec<RunEntry>,
     /// The numbers that are looked for, in rising order of their paths; those of a force map follow from its laws.
     pub sought: Vec<FitEntry>,
-    /// More starts than the first, each of which is searched from; where it is not said, that is the kind's to choose.
-    pub more_starts: Option<usize>,
-    /// Steps after which a search ends.
-    pub most_steps: Option<u64>,
-    /// Time in s after which the search ends.
-    pub time_limit: Option<f64>,
-    /// By how many deviations a residual counts in full; beyond it counts less (Huber).
-    pub robust: Option<f64>,
-    /// How much of the trajectories is fitted, and in which parts.
-    pub horizon: Horizon,
+    /// How it is searched.
+    pub search: SearchEntry,
     /// Whether units that seem wrong are right.
     pub units_are_right: bool,
     /// `[flow]` of steady flow.
@@ -269,17 +258,6 @@ impl Text {
     }
 }
 
-#[derive(Default, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawSearch {
-    more_starts: Option<usize>,
-    most_steps: Option<Spanned<u64>>,
-    time_limit: Option<Spanned<String>>,
-    robust: Option<f64>,
-    horizon: Option<Vec<Spanned<String>>>,
-    segments: Option<Spanned<String>>,
-}
-
 impl ColumnEntry {
     /// What it measures, in words.
     pub(super) fn words(&self) -> String {
@@ -376,52 +354,7 @@ impl Study {
             let what = "`input` is of a study of the kind \"trajectories\"";
             return Err(within.fault(Some(head_at), what, "leave it out"));
         }
-        let robust = file.search.robust;
-        if robust.is_some_and(|scale| scale.is_nan() || scale <= 0.0) {
-            return Err(within.fault(
-                None,
-                "`search.robust` is not above zero",
-                "give a number of deviations such as 2.5",
-            ));
-        }
-        if let Some(count) = file.search.more_starts.filter(|count| *count > MOST_STARTS) {
-            let what = format!("`search.more_starts` is {count}, above {MOST_STARTS}");
-            return Err(within.fault(None, what, "give fewer starts, such as 16"));
-        }
-        if let Some(most) = file.search.most_steps.as_ref().filter(|most| *most.as_ref() == 0) {
-            let what = "`search.most_steps` is 0, but a search takes 1 step or more";
-            return Err(within.fault(
-                Some(most.span().start),
-                what,
-                "give a number of steps such as 500, or leave it out",
-            ));
-        }
-        if !head.kind.has_search() && (file.search.most_steps.is_some() || file.search.time_limit.is_some()) {
-            let what = format!(
-                "`most_steps` and `time_limit` in [search] are not of a study of the kind \"{}\"",
-                head.kind.name()
-            );
-            return Err(within.fault(None, what, "leave them out: its fits take seconds"));
-        }
-        let time_limit = within.maybe(file.search.time_limit.as_ref(), Quantity::Time)?;
-        if let (Some(text), Some(limit)) = (&file.search.time_limit, time_limit)
-            && !(limit > 0.0 && limit.is_finite())
-        {
-            let what = format!("`search.time_limit` is \"{}\", which is not above zero", text.as_ref());
-            return Err(within.fault(Some(text.span().start), what, "give a time such as \"600 s\", or leave it out"));
-        }
-        let ends = |texts: &Vec<Spanned<String>>| {
-            texts.iter().map(|text| within.si(text, Quantity::Time)).collect::<Result<Vec<f64>, _>>()
-        };
-        let horizon = match (&file.search.horizon, &file.search.segments) {
-            (None, None) => Horizon::Whole,
-            (Some(texts), None) => Horizon::Growing(ends(texts)?),
-            (None, Some(text)) => Horizon::Segments(within.si(text, Quantity::Time)?),
-            (Some(_), Some(text)) => {
-                let what = "`search.horizon` and `search.segments` exclude each other";
-                return Err(within.fault(Some(text.span().start), what, "leave one of them out"));
-            }
-        };
+        let search = file.search.read(&within, head.kind)?;
         let sections = Sections { flow: file.flow, tank: file.tank, pulses: file.pulses };
         let of_valve = sections.read(&within, head.kind, head_at)?;
         Ok(Self {
@@ -432,11 +365,7 @@ impl Study {
             columns,
             runs,
             sought,
-            more_starts: file.search.more_starts,
-            most_steps: file.search.most_steps.map(Spanned::into_inner),
-            time_limit,
-            robust,
-            horizon,
+            search,
             units_are_right: head.units_are_right,
             flow: of_valve.flow,
             tank: of_valve.tank,
@@ -530,7 +459,7 @@ impl Within<'_> {
         Ok(read.value)
     }
 
-    fn maybe(&self, text: Option<&Spanned<String>>, of: Quantity) -> Result<Option<f64>, StudyError> {
+    pub(super) fn maybe(&self, text: Option<&Spanned<String>>, of: Quantity) -> Result<Option<f64>, StudyError> {
         text.map(|text| self.si(text, of)).transpose()
     }
 

@@ -37,12 +37,14 @@
 
 pub mod clean;
 mod file;
+mod search;
 mod sensors;
 mod table;
 mod valve;
 
 pub use clean::{Note, Severity};
 pub use file::{ColumnEntry, FitEntry, Input, Kind, RunEntry, Study};
+pub use search::SearchEntry;
 pub use sensors::SensorEntry;
 pub use table::Table;
 pub use valve::{Direction, FlowEntry, PulsesEntry, TankEntry, TankTarget};

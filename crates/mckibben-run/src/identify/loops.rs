@@ -26,7 +26,7 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     let given = material.document.says_of_each(parameter::MIN_LENGTH.key);
     let task = LoopTask {
         adjustable: Adjustable::new(scenario, places, given),
-        starts: sought::more_starts(&material.study, &unknowns, material.study.more_starts.unwrap_or(0)),
+        starts: sought::more_starts(&material.study, &unknowns, material.study.search.more_starts.unwrap_or(0)),
         unknowns,
         loops,
         deviation,

@@ -106,7 +106,7 @@ pub fn identified(request: Request, folder: Option<&Path>) -> Result<Outcome, Fa
         _ => document.scenario().map(|_| ())?,
     }
     let recordings = study.recordings().map_err(mistake)?;
-    if let Some(limit) = study.time_limit.and_then(|limit| Duration::try_from_secs_f64(limit).ok()) {
+    if let Some(limit) = study.search.time_limit.and_then(|limit| Duration::try_from_secs_f64(limit).ok()) {
         monitor.stop_after(limit);
     }
     let material = Material { study, document, recordings, monitor };
@@ -154,8 +154,8 @@ impl Material {
     /// How the minimum is looked for, where residuals are in units of the scatter that is expected.
     fn search(&self) -> Search {
         Search {
-            loss: self.study.robust.map_or(Loss::Squares, Loss::Huber),
-            most_steps: self.study.most_steps.unwrap_or(Search::default().most_steps),
+            loss: self.study.search.robust.map_or(Loss::Squares, Loss::Huber),
+            most_steps: self.study.search.most_steps.unwrap_or(Search::default().most_steps),
             monitor: self.monitor.clone(),
             ..Search::default()
         }

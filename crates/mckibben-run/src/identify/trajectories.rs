@@ -85,8 +85,8 @@ fn task(material: &Material, warnings: &mut Vec<String>) -> Result<Task, Failure
         true => plant::runs(material, warnings)?,
         false => runs(material, warnings)?,
     };
-    let horizon = material.study.horizon.clone();
-    let (count, refined) = match (material.study.more_starts, &horizon) {
+    let horizon = material.study.search.horizon.clone();
+    let (count, refined) = match (material.study.search.more_starts, &horizon) {
         (Some(count), _) => (count, None),
         // In segments a search goes from one start.
         (None, Horizon::Segments(_)) => (0, None),
