@@ -15,6 +15,7 @@ use crate::commands::presets::PresetsArguments;
 use crate::commands::reproduce::ReproduceArguments;
 use crate::commands::schema::SchemaArguments;
 use crate::commands::simulate::SimulateArguments;
+use crate::commands::size::SizeArguments;
 use crate::commands::sweep::SweepArguments;
 use crate::terminal::HELP;
 use clap::{Parser, Subcommand};
@@ -61,6 +62,8 @@ pub enum Command {
     Schema(SchemaArguments),
     /// Draw static curves of an actuator
     Curves(CurvesArguments),
+    /// Find muscles, valves and hoses that move a load over a stroke
+    Size(SizeArguments),
     /// Linearise a scenario near an operating point: matrices, poles, Bode plot
     Linearize(LinearizeArguments),
     /// Find the numbers of a muscle from measured data, with their uncertainty

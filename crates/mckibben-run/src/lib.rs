@@ -48,6 +48,7 @@ pub mod record;
 pub mod report;
 pub mod reproduce;
 pub mod run;
+pub mod size;
 pub mod summary;
 pub mod sweep;
 pub mod table;

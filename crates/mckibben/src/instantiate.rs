@@ -94,4 +94,5 @@ entry_points! {
         PlantReader::generic_new(trajectory);
     fn read_plant_sample(reader: &mut PlantReader<'_, Self>, time: Self, sample: &mut PlantSample<Self>) =
         reader.generic_read_into(time, sample);
+    fn read_states_at(reader: &mut PlantReader<'_, Self>, time: Self) = reader.generic_read_state(time);
 }

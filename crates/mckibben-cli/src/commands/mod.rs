@@ -13,6 +13,7 @@ pub mod presets;
 pub mod reproduce;
 pub mod schema;
 pub mod simulate;
+pub mod size;
 pub mod sweep;
 
 use crate::arguments::Command;
@@ -32,6 +33,7 @@ pub fn run(command: &Command) -> Result<(), Failure> {
         Command::Schema(arguments) => schema::run(arguments),
         Command::Curves(arguments) => curves::run(arguments),
         Command::Identify(arguments) => identify::run(arguments),
+        Command::Size(arguments) => size::run(arguments),
         Command::Linearize(arguments) => linearize::run(arguments),
         Command::Fmu(arguments) => fmu::run(arguments),
         Command::Gallery(arguments) => gallery::run(arguments),

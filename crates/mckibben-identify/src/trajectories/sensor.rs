@@ -113,9 +113,11 @@ pub(super) struct Reading<R> {
 const HALF_SPAN: f64 = 1e-5;
 /// Part of a lag by which it is differenced.
 const LAG_PART: f64 = 1e-4;
-/// Lags after which a filter has forgotten where it was, and parts of a lag that are a step of it.
-const FORGOTTEN: f64 = 40.0;
+/// Lags after which a filter has forgotten where it was, and parts of a lag that are a step of it; but a step need not be shorter
+/// than a time in s in which any motion is a parabola.
+const FORGOTTEN: f64 = 30.0;
 const STEP: f64 = 0.5;
+const SHORTEST: f64 = 2.5e-4;
 
 impl KnownSensor {
     /// How long a run must be in s for a reading at a time.
@@ -219,7 +221,7 @@ impl<'p, R: Instantiate> Filter<'p, R> {
             self.time = forgotten;
             self.values.fill(course.at(forgotten));
         }
-        let steps = ((until - self.time) / (STEP * self.lag)).ceil().max(1.0);
+        let steps = ((until - self.time) / (STEP * self.lag).max(SHORTEST)).ceil().max(1.0);
         let (from, step) = (self.time, (until - self.time) / steps);
         let moments: Vec<[R; 3]> =
             self.parts.iter().map(|part| moments(step / (part * self.lag)).map(R::constant)).collect();

@@ -157,11 +157,16 @@ impl<'r, R: Instantiate> SimulatedReader<'r, R> {
     /// A quantity in SI at a time in s; not a number where the run has none such.
     pub fn read(&mut self, observed: &Observed, time: R) -> R {
         let Some((quantity, gauge)) = observed.place(self.plant) else { return R::constant(f64::NAN) };
-        if self.time != Some(time.value()) {
-            self.reader.read_into(time, &mut self.sample);
-            self.time = Some(time.value());
-        }
-        let value = quantity.of(self.plant, &self.sample);
+        let value = match quantity.state(self.plant) {
+            Some(place) => self.reader.state_at(time)[place],
+            None => {
+                if self.time != Some(time.value()) {
+                    self.reader.read_into(time, &mut self.sample);
+                    self.time = Some(time.value());
+                }
+                quantity.of(self.plant, &self.sample)
+            }
+        };
         if gauge { value - self.plant.network().atmosphere } else { value }
     }
 }

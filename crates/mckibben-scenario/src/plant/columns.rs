@@ -4,10 +4,10 @@
 
 use super::{MechanismNames, PlantExperiment};
 use crate::sweep::column_of;
-use mckibben::Real;
-use mckibben::mechanism::Mechanism;
+use mckibben::mechanism::{Coupling, Mechanism};
 use mckibben::network::{Network, NodeKind};
 use mckibben::plant::{Plant, PlantSample};
+use mckibben::{Real, Scalar};
 
 /// A quantity of a plant, with the indices of its part.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
@@ -72,6 +72,27 @@ pub struct PlantColumn {
 }
 
 impl PlantQuantity {
+    /// Its place among the states of a plant, where it is one of them.
+    pub fn state<S: Scalar>(self, plant: &Plant<S>) -> Option<usize> {
+        let indices = plant.indices();
+        match self {
+            Self::Length(i) | Self::LoadDistance(i) => {
+                let mounted = &plant.actuators()[i];
+                let on_tendon = mounted.tendon.is_some() && matches!(self, Self::Length(_));
+                match mounted.coupling {
+                    _ if on_tendon => None,
+                    Coupling::Direct { coordinate } => Some(indices.mechanisms[mounted.mechanism].position(coordinate)),
+                    _ => None,
+                }
+            }
+            Self::Pressure(i) => Some(indices.actuators[i].pressure),
+            Self::Position(m, k) => Some(indices.mechanisms[m].position(k)),
+            Self::Rate(m, k) => Some(indices.mechanisms[m].rate(k)),
+            Self::NodePressure(node) => indices.nodes[node],
+            _ => None,
+        }
+    }
+
     /// The value in a sample of a plant.
     pub fn of<R: Real>(self, plant: &Plant<R>, sample: &PlantSample<R>) -> R {
         let has_tendon = |i: usize| plant.actuators()[i].tendon.is_some();

@@ -1,0 +1,390 @@
+//! Which muscles move a load over a stroke: braids of free size and the presets, and the valve that is quick enough.
+//!
+//! The load F pulls all the way. The muscles hang on it at rest, at their greatest length and without pressure; at the pressure P
+//! they hold it where `F_s(L, P) = F`, and the stroke is how much shorter they are there. Everything but the size of a free braid
+//! is computed by the core from the scenario of each candidate, friction aside: it is what `mckibben simulate` would have at rest.
+//!
+//! | file | its idea |
+//! |---|---|
+//! | `free` | the braid of a braid angle that takes the least air |
+//! | `valve` | how much a valve must let through for a time, by simulation |
+//!
+//! Checked by the tests of `free` and by the program's `tests/size.rs`.
+
+mod free;
+mod valve;
+
+use crate::failure::Failure;
+use crate::quantities::{self, digits};
+use crate::report::{Data, Table, number};
+use mckibben::{Actuator, GaugePressure};
+use mckibben_plot::{Axis, Colour, Figure, Panel, Series};
+use mckibben_scenario::{Document, presets};
+pub use valve::{Hose, Quickness, ValveTime};
+
+/// More muscles side by side than anybody mounts.
+const MOST_SIDE_BY_SIDE: usize = 8;
+/// Temperature in K at which air is counted.
+const ROOM: f64 = 293.15;
+/// Standard gravity in m/s², by which a load has its mass.
+const GRAVITY: f64 = 9.80665;
+/// Points of a curve in the figure.
+const POINTS: usize = 80;
+/// How much of a stroke may be missing by rounding of the sizes.
+const ROUNDING: f64 = 1e-6;
+
+/// What is to be moved.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Requirement {
+    /// Force in N that pulls on the muscles all the way.
+    pub load: f64,
+    /// How far in m the load is lifted.
+    pub stroke: f64,
+    /// Gauge pressure in Pa that there is.
+    pub gauge_pressure: f64,
+    /// Braid angles in rad at rest of the braids that are made to measure.
+    pub braid_angles: Vec<f64>,
+    /// Measured force over that of the ideal braid, for braids that are made to measure.
+    pub effectiveness: f64,
+    /// The greatest length in m that a muscle may have at rest.
+    pub most_length: Option<f64>,
+    /// The greatest diameter in m that a braid may have at rest.
+    pub most_diameter: Option<f64>,
+    /// Time in s within which nine tenths of the stroke are to be done.
+    pub time: Option<f64>,
+}
+
+/// Muscles that do it.
+#[derive(Clone, Debug)]
+pub struct Candidate {
+    /// `braid of 25°`, or the name of a preset.
+    pub name: String,
+    /// How many there are side by side.
+    pub count: usize,
+    /// Length in m at rest.
+    pub length: f64,
+    /// Diameter in m of the braid at rest.
+    pub diameter: f64,
+    /// Thread length in m and turns.
+    pub thread: [f64; 2],
+    /// Contraction under the load at the whole pressure, over the length at rest.
+    pub contraction: f64,
+    /// Gauge pressure in Pa at which the stroke is done.
+    pub needed_pressure: f64,
+    /// Force in N of all at rest length and the whole pressure.
+    pub force_at_rest: f64,
+    /// Mass in kg of the air that a stroke takes, all muscles together.
+    pub air: f64,
+    /// How quick a valve makes it, where a time was asked for.
+    pub quickness: Option<Quickness>,
+    /// The scenario of one of them, without a valve.
+    scenario: String,
+    actuator: Actuator,
+}
+
+/// What was found.
+#[derive(Clone, Debug)]
+pub struct Sizes {
+    requirement: Requirement,
+    /// Muscles that do it, those that take the least air first.
+    pub candidates: Vec<Candidate>,
+    /// What does not do it, and why.
+    pub left_out: Vec<String>,
+}
+
+impl Requirement {
+    /// That it can be met at all.
+    ///
+    /// # Errors
+    /// A number outside its range.
+    pub fn check(&self) -> Result<(), Failure> {
+        let positive = [
+            ("--load", Some(self.load), "N"),
+            ("--stroke", Some(self.stroke), "m"),
+            ("--gauge-pressure", Some(self.gauge_pressure), "Pa"),
+            ("--effectiveness", Some(self.effectiveness), ""),
+            ("--most-length", self.most_length, "m"),
+            ("--most-diameter", self.most_diameter, "m"),
+            ("--time", self.time, "s"),
+        ];
+        for (name, value, unit) in positive {
+            if let Some(value) = value.filter(|value| !(*value > 0.0 && value.is_finite())) {
+                let title = format!("`{name}` is {}, which is not above zero", quantities::given(value, unit));
+                return Err(Failure::input(title, "give a value above zero"));
+            }
+        }
+        let neutral = free::neutral_angle();
+        if let Some(angle) = self.braid_angles.iter().find(|angle| !(5f64.to_radians()..neutral).contains(*angle)) {
+            let title = format!("a braid angle is {}°", digits(angle.to_degrees()));
+            let remedy = "give angles from 5 deg to less than 54.7 deg, where a braid no longer contracts";
+            return Err(Failure::input(title, remedy));
+        }
+        Ok(())
+    }
+}
+
+impl Sizes {
+    /// Looks for muscles.
+    ///
+    /// # Errors
+    /// As [`Requirement::check`]; what the core refuses of a candidate.
+    pub fn of(requirement: Requirement) -> Result<Self, Failure> {
+        requirement.check()?;
+        let (mut candidates, mut left_out) = (Vec::new(), Vec::new());
+        for angle in &requirement.braid_angles {
+            match free::braid(&requirement, *angle) {
+                Ok((count, text)) => {
+                    let name = format!("braid of {}°", digits_of(angle.to_degrees()));
+                    match Candidate::of(name.clone(), count, &text, &requirement)? {
+                        Ok(candidate) => candidates.push(candidate),
+                        Err(reached) => {
+                            left_out.push(format!("the {name} shortens by {}", quantities::given(reached, "m")));
+                        }
+                    }
+                }
+                Err(why) => left_out.push(why),
+            }
+        }
+        for preset in presets::ACTUATORS {
+            match of_preset(preset.name, &requirement)? {
+                Ok(candidate) => candidates.push(candidate),
+                Err(why) => left_out.push(why),
+            }
+        }
+        candidates.sort_by(|one, other| one.air.total_cmp(&other.air));
+        if let Some(time) = requirement.time {
+            for candidate in &mut candidates {
+                candidate.quickness = Some(valve::quickness(&candidate.scenario, &requirement, time, None)?);
+            }
+        }
+        Ok(Self { requirement, candidates, left_out })
+    }
+
+    /// What is to be moved.
+    pub fn requirement(&self) -> &Requirement {
+        &self.requirement
+    }
+
+    /// The scenario file of a candidate: one of its muscles, that lifts its share of the load with the valve that is needed.
+    ///
+    /// # Errors
+    /// There is no such candidate.
+    pub fn scenario(&self, place: usize) -> Result<String, Failure> {
+        let candidate = self.candidate(place)?;
+        Ok(valve::written(candidate, &self.requirement))
+    }
+
+    /// What hoses of a length (m) ask of the valve of a candidate: the widest first.
+    ///
+    /// # Errors
+    /// There is no such candidate, or no time was asked for.
+    pub fn hoses(&self, place: usize, length: f64) -> Result<Vec<Hose>, Failure> {
+        let candidate = self.candidate(place)?;
+        let time = self.time()?;
+        valve::hoses(&candidate.scenario, &self.requirement, time, length)
+    }
+
+    /// How quick valves that can be bought make a candidate.
+    ///
+    /// # Errors
+    /// There is no such candidate, or no time was asked for.
+    pub fn valves(&self, place: usize) -> Result<Vec<ValveTime>, Failure> {
+        let candidate = self.candidate(place)?;
+        valve::of_presets(&candidate.scenario, &self.requirement, self.time()?)
+    }
+
+    fn candidate(&self, place: usize) -> Result<&Candidate, Failure> {
+        let help = "lower the load or the stroke, raise the pressure, or allow longer or wider muscles";
+        self.candidates.get(place).ok_or_else(|| Failure::input("no muscle does it", help))
+    }
+
+    fn time(&self) -> Result<f64, Failure> {
+        let help = "say with --time within which time nine tenths of the stroke are to be done";
+        self.requirement.time.ok_or_else(|| Failure::input("valves and hoses are chosen by a time", help))
+    }
+
+    /// The candidates for people.
+    pub fn table(&self) -> Table {
+        let mut head =
+            vec!["", "muscle", "side by side", "length mm", "diameter mm", "thread mm", "turns", "contraction %"];
+        head.extend(["pressure bar", "force at rest N", "air mg"]);
+        if self.requirement.time.is_some() {
+            head.push("valve C L/(min·bar)");
+        }
+        let rows = self.candidates.iter().enumerate().map(|(place, its)| {
+            let mut row = vec![
+                (place + 1).to_string(),
+                its.name.clone(),
+                its.count.to_string(),
+                number(1e3 * its.length, 1),
+                number(1e3 * its.diameter, 1),
+                number(1e3 * its.thread[0], 1),
+                number(its.thread[1], 3),
+                number(100.0 * its.contraction, 1),
+                number(1e-5 * its.needed_pressure, 2),
+                number(its.force_at_rest, 1),
+                number(1e6 * its.air, 1),
+            ];
+            row.extend(its.quickness.as_ref().map(Quickness::words));
+            row
+        });
+        let rows = rows.collect();
+        let each = match self.requirement.time {
+            Some(time) => format!(
+                "; C is the least sonic conductance of each muscle's valve for nine tenths of the stroke in {}",
+                quantities::given(time, "s")
+            ),
+            None => String::new(),
+        };
+        let caption = format!(
+            "Muscles for {} over {} at {} gauge, the least air first{each}:",
+            quantities::given(self.requirement.load, "N"),
+            quantities::given(self.requirement.stroke, "m"),
+            quantities::given(self.requirement.gauge_pressure, "Pa"),
+        );
+        Table { caption, head: head.into_iter().map(String::from).collect(), rows }
+    }
+
+    /// All numbers in SI.
+    ///
+    /// # Errors
+    /// As [`Data::check`].
+    pub fn data(&self) -> Result<Data, Failure> {
+        let columns = [
+            "rank",
+            "count",
+            "length_m",
+            "diameter_m",
+            "thread_length_m",
+            "turns",
+            "contraction",
+            "needed_gauge_pressure_pa",
+            "force_at_rest_n",
+            "air_kg",
+            "sonic_conductance_m3_s_pa",
+        ];
+        let mut data = Data::new(&columns).lacking(&["sonic_conductance_m3_s_pa"]);
+        for (place, its) in self.candidates.iter().enumerate() {
+            let least = its.quickness.as_ref().and_then(Quickness::conductance).unwrap_or(f64::NAN);
+            let [thread, turns] = its.thread;
+            let (length, diameter) = (its.length, its.diameter);
+            let sizes = [(place + 1) as f64, its.count as f64, length, diameter, thread, turns];
+            let rest = [its.contraction, its.needed_pressure, its.force_at_rest, its.air, least];
+            data.rows.push(sizes.into_iter().chain(rest).collect());
+        }
+        data.check()?;
+        Ok(data)
+    }
+
+    /// The force of each candidate over its shortening, at the whole pressure, with the load and the stroke.
+    pub fn figure(&self) -> Figure {
+        let mut panel = Panel::new(Axis::new("force", "N"));
+        let last = self.candidates.len().max(2) - 1;
+        let stroke = self.requirement.stroke;
+        for (place, its) in self.candidates.iter().enumerate() {
+            let actuator = &its.actuator;
+            let pressure = GaugePressure(self.requirement.gauge_pressure).absolute(actuator.air().atmosphere()).0;
+            let [shortest, longest] = [actuator.limits().min_length(), actuator.limits().max_length()];
+            let furthest = (longest - shortest).min(2.0 * stroke);
+            let way: Vec<f64> = (0..=POINTS).map(|k| furthest * k as f64 / POINTS as f64).collect();
+            let force = |way: &f64| its.count as f64 * actuator.static_force(longest - way, pressure);
+            let forces: Vec<f64> = way.iter().map(force).collect();
+            let here: Vec<(f64, f64)> = way.into_iter().zip(forces).filter(|(_, force)| *force >= 0.0).collect();
+            let (x, y) = here.into_iter().map(|(way, force)| (1e3 * way, force)).unzip();
+            let side = if its.count > 1 { format!("{} × ", its.count) } else { String::new() };
+            let colour = Colour::Ramp(place as f64 / last as f64);
+            panel = panel.series(Series::line(format!("{side}{}", its.name), x, y).colour(colour));
+        }
+        let panel = panel.horizontal(self.requirement.load, "load").vertical(1e3 * stroke, "stroke");
+        let caption = format!(
+            "Force at rest at {} gauge over the shortening from the greatest length; muscles side by side together.",
+            quantities::given(self.requirement.gauge_pressure, "Pa")
+        );
+        Figure::new(Axis::new("shortening", "mm"))
+            .title("Muscles that lift the load over the stroke")
+            .caption(caption)
+            .size_mm(120.0, 70.0)
+            .panel(panel)
+    }
+}
+
+impl Candidate {
+    /// Muscles side by side, each of which has a share of the load, by the keys of one of them; or how far in m they come where
+    /// that is not the stroke.
+    fn of(name: String, count: usize, actuator: &str, requirement: &Requirement) -> Result<Result<Self, f64>, Failure> {
+        let share = requirement.load / count as f64;
+        let scenario = format!(
+            "{actuator}\n[load]\nkind = \"hanging-mass\"\nmass = \"{:.9} kg\"\n\n[run]\nduration = \"1 s\"\n",
+            share / GRAVITY
+        );
+        let document = Document::parse(&scenario, &name)?;
+        let rig = document
+            .scenario()?
+            .rig()
+            .map_err(|error| Failure::input(format!("{name}: {error}"), "change what is asked"))?;
+        let actuator = rig.actuator().clone();
+        let atmosphere = actuator.air().atmosphere();
+        let limits = *actuator.limits();
+        // Where the load would pull the braid straight it does not go up at all.
+        let way = |gauge: f64| match rig.equilibrium(GaugePressure(gauge).absolute(atmosphere)) {
+            Ok(length) => limits.max_length() - length,
+            Err(_) => f64::NEG_INFINITY,
+        };
+        let reached = way(requirement.gauge_pressure);
+        if reached.is_nan() || reached < requirement.stroke * (1.0 - ROUNDING) {
+            return Ok(Err(reached.max(0.0)));
+        }
+        let (mut low, mut high) = (0.0, requirement.gauge_pressure);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if way(middle) < requirement.stroke { low = middle } else { high = middle }
+        }
+        let muscle = document.muscles().into_iter().next().map(|(_, muscle)| muscle);
+        let Some(muscle) = muscle else { return Err(Failure::input("the candidate has no muscle", "report this")) };
+        let content = |gauge: f64, length: f64| {
+            actuator.air().mass(GaugePressure(gauge).absolute(atmosphere), actuator.volume(length), ROOM)
+        };
+        let end = limits.max_length() - way(high);
+        let whole = GaugePressure(requirement.gauge_pressure).absolute(atmosphere).0;
+        Ok(Ok(Self {
+            count,
+            length: limits.max_length(),
+            diameter: muscle.diameter,
+            thread: [muscle.thread_length, muscle.turns],
+            contraction: reached / limits.max_length(),
+            needed_pressure: high,
+            force_at_rest: count as f64 * actuator.static_force(limits.max_length(), whole),
+            air: count as f64 * (content(high, end) - content(0.0, limits.max_length())),
+            quickness: None,
+            name,
+            scenario,
+            actuator,
+        }))
+    }
+}
+
+/// So many muscles of a preset that they do it, or why none do.
+fn of_preset(name: &'static str, requirement: &Requirement) -> Result<Result<Candidate, String>, Failure> {
+    let text = format!("[actuator]\npreset = \"{name}\"\n");
+    let mut furthest = 0.0_f64;
+    for count in 1..=MOST_SIDE_BY_SIDE {
+        match Candidate::of(name.to_owned(), count, &text, requirement)? {
+            Ok(candidate) => {
+                let sizes =
+                    [(candidate.length, requirement.most_length), (candidate.diameter, requirement.most_diameter)];
+                if sizes.iter().any(|(size, most)| most.is_some_and(|most| *size > most)) {
+                    return Ok(Err(format!("{name} is longer or wider than allowed")));
+                }
+                return Ok(Ok(candidate));
+            }
+            Err(reached) => furthest = furthest.max(reached),
+        }
+    }
+    let way = quantities::given(furthest, "m");
+    Ok(Err(format!("{name} shortens by {way} under the load, {MOST_SIDE_BY_SIDE} side by side")))
+}
+
+/// A number without zeros at its end.
+fn digits_of(value: f64) -> String {
+    quantities::plain(&digits(value)).to_owned()
+}
