@@ -192,7 +192,8 @@ impl<S: Scalar> Actuator<S> {
     }
 
     /// The least and the largest tension in N that can be held at rest, at an actuator length and absolute pressure:
-    /// `F_s + F_limit + F_h ± Q k_sec` with the hysteresis and viscoelastic branches `F_h`, and any from zero up where it rests on the shortest length.
+    /// `F_s + F_limit + F_h ± Q k_sec` with the hysteresis and viscoelastic branches `F_h`, and any from zero up where it rests on
+    /// the shortest length.
     #[inline(always)]
     pub fn holdable<T: Over<S>>(
         &self,
