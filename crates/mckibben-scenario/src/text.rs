@@ -40,11 +40,11 @@ pub(crate) fn read(reader: impl Read, name: &str) -> Result<String, Diagnostic> 
         .take(MOST + 1)
         .read_to_end(&mut bytes)
         .map_err(|error| unreadable(format!("`{name}` cannot be read: {error}")))?;
-    if bytes.len() as u64 > MOST {
-        return Err(unreadable(format!("`{name}` has more than {} MiB, and no scenario is so large", MOST >> 20)));
-    }
     let kind = KINDS.iter().find(|(begin, _)| bytes.starts_with(begin)).map(|(_, kind)| *kind);
     if kind.is_none() && !bytes.contains(&0) {
+        if bytes.len() as u64 > MOST {
+            return Err(unreadable(format!("`{name}` has more than {} MiB, and no scenario is so large", MOST >> 20)));
+        }
         return String::from_utf8(bytes).map_err(|error| {
             let at = error.utf8_error().valid_up_to();
             unreadable(format!("`{name}` is no scenario: it is not UTF-8 from byte {at} on"))

@@ -4,7 +4,7 @@ use super::{PRESSURE, Parts, STRETCH, Warning, fed, reached, valve};
 use crate::quantities::{given, quantity};
 use mckibben::control::{Quantity, SetPoint};
 use mckibben::network::{BranchKind, Network, NodeKind};
-use mckibben::plant::PlantStart;
+use mckibben::plant::{Plant, PlantStart};
 use mckibben::valve::Port;
 
 /// A share of a length that is rounding of its unit.
@@ -92,6 +92,19 @@ fn feed(network: &Network, valve: usize) -> Option<f64> {
         NodeKind::Port { feed, .. } => Some(feed),
         _ => None,
     }
+}
+
+/// What is wrong with a gauge pressure in Pa that an actuator is to have, where the supply of its valve cannot make it.
+pub(crate) fn feed_of(plant: &Plant, actuator: usize, gauge: f64) -> Option<String> {
+    let network = plant.network();
+    let valve = (0..network.valves.len()).find(|valve| fed(network, *valve) == Some(actuator))?;
+    let feed = feed(network, valve)?;
+    (gauge > feed * (1.0 + ROUNDING)).then(|| {
+        format!(
+            "exceeds supply.gauge_pressure = {}, which cannot make it; raise supply.gauge_pressure or ask for less",
+            given(feed, "Pa")
+        )
+    })
 }
 
 /// The set points of a controller, against the supply of the only valve.

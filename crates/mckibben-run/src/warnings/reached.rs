@@ -2,9 +2,9 @@
 //!
 //! The observers of runs see every sample; [`Reached`] keeps of each actuator the extremes that the warnings need.
 
-use super::{NEGATIVE, PRESSURE, Parts, STRETCH, Warning};
+use super::{NEGATIVE, PRESSURE, Parts, STRENGTH, STRETCH, Warning};
 use crate::observation::Range;
-use crate::quantities::{percent, quantity};
+use crate::quantities::{given, percent, quantity};
 use mckibben::force::{Effectiveness, Law, StaticForce as _};
 use mckibben::mechanism::Mechanism;
 use mckibben::plant::ActuatorSample;
@@ -87,10 +87,10 @@ fn of_actuator(actuator: &Actuator, mechanism: &Mechanism, name: &str, reached: 
     let (tension, bound) = (reached.tension.greatest, strength(actuator));
     if tension > bound {
         let text = format!(
-            "the tension reaches {}, above the {} that this braid makes at {} and that braids are made for; {}",
+            "the tension reaches {}, above the {} that this braid makes at {}, the most that braids are built for; {}",
             quantity(tension, "N"),
             quantity(bound, "N"),
-            quantity(PRESSURE, "Pa"),
+            given(STRENGTH, "Pa"),
             remedy_of_load(mechanism),
         );
         found.push(Warning::new("tension", name, text));
@@ -111,15 +111,16 @@ fn of_actuator(actuator: &Actuator, mechanism: &Mechanism, name: &str, reached: 
     found
 }
 
-/// The tension in N that the ideal braid makes at [`PRESSURE`] and its taut length: what the braid is taken to hold.
+/// The tension in N that the ideal braid makes at [`STRENGTH`] and its taut length: what the braid is taken to hold.
 fn strength(actuator: &Actuator) -> f64 {
     let braid = &actuator.law().law.braid;
-    -PRESSURE * braid.volume_slope(actuator.limits().max_length())
+    -STRENGTH * braid.volume_slope(actuator.limits().max_length())
 }
 
 /// That a gauge pressure, which `what` says with its verb, is above what braids hold.
 pub(super) fn beyond_pressure(name: &str, what: &str, key: &str) -> Warning {
-    let text = format!("{what} far above the {} that braids of pneumatic muscles hold; lower {key}", quantity(PRESSURE, "Pa"));
+    let text =
+        format!("{what} far above the {} that braids of pneumatic muscles hold; lower {key}", given(PRESSURE, "Pa"));
     Warning::new("pressure", name, text)
 }
 

@@ -30,11 +30,8 @@ fn of_valve(of: &Actuation, name: &str) -> Option<Warning> {
             (false, true) => (lasting[1], false),
             _ => continue,
         };
-        let (names, unasked) = if during_pulse {
-            (["pulse", "pause"], lasting[1])
-        } else {
-            (["pause", "pulse"], lasting[0])
-        };
+        let (names, unasked) =
+            if during_pulse { (["pulse", "pause"], lasting[1]) } else { (["pause", "pulse"], lasting[0]) };
         let [more, less] = if during_pulse { ["raise", "lower"] } else { ["lower", "raise"] };
         let [opens, closes] = delays(of, request);
         if shares[port] <= 0.0 {
