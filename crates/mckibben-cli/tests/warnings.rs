@@ -58,7 +58,7 @@ fn strict_makes_errors_of_warnings_and_nothing_is_written() {
     let folder = Folder::new("warnings-strict");
     folder.file("muscle.toml", MUSCLE);
     // The first is known before the run, the second after it.
-    for set in ["command.duty=0.05", "load.mass=60 kg"] {
+    for set in ["command.duty=0.05", "supply.gauge_pressure=280 psi"] {
         for plot in [&[][..], &["--plot", "run.svg"]] {
             let arguments = ["simulate", "muscle.toml", "--set", set, "--strict", "--output", "run.csv"];
             let output = run(&folder, &[&arguments[..], plot].concat());

@@ -210,6 +210,8 @@ fn negative(name: &str, reached: &Reached) -> Option<Warning> {
     if !(force < -NEGATIVE * reached.tension.greatest.max(0.0)) || force >= -f64::EPSILON {
         return None;
     }
+    // Less than a pascal is rounding of the atmosphere.
+    let gauge = if gauge.abs() < 1.0 { 0.0 } else { gauge };
     let text = format!(
         "the law of force gives {} at a length of {} and a gauge pressure of {}: a muscle cannot push, and the tension is kept \
          at zero; raise actuator.min_length or correct actuator.force",
