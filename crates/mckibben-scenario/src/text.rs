@@ -9,7 +9,7 @@
 //!
 //! Checked by the tests below and by the program's `tests/bad_input.rs`.
 
-use crate::diagnostic::{Class, Diagnostic};
+use crate::diagnostic::{Class, Diagnostic, Diagnostics};
 use std::io::Read;
 
 /// Bytes that a scenario has at most: a force map of the largest size takes a few megabytes.
@@ -33,8 +33,8 @@ const KINDS: [(&[u8], &str); 6] = [
 ];
 
 /// Reads a text to its end; `name` stands in messages.
-pub(crate) fn read(reader: impl Read, name: &str) -> Result<String, Diagnostic> {
-    let unreadable = |title| Diagnostic::whole(Class::Unreadable, name, title).help(INSTEAD);
+pub(crate) fn read(reader: impl Read, name: &str) -> Result<String, Diagnostics> {
+    let unreadable = |title| Diagnostics::from(Diagnostic::whole(Class::Unreadable, name, title).help(INSTEAD));
     let mut bytes = Vec::new();
     reader
         .take(MOST + 1)
