@@ -207,7 +207,8 @@ fn ends(bounds: impl Fn(usize) -> (Option<f64>, Option<f64>)) -> Option<[f64; 2]
 /// That the law gives a force that pushes, which a muscle cannot.
 fn negative(name: &str, reached: &Reached) -> Option<Warning> {
     let [force, length, gauge] = reached.least_force;
-    if !(force < -NEGATIVE * reached.tension.greatest.max(0.0)) || force >= -f64::EPSILON {
+    let is_more_than_rounding = force < -f64::EPSILON && force < -NEGATIVE * reached.tension.greatest;
+    if !is_more_than_rounding {
         return None;
     }
     // Less than a pascal is rounding of the atmosphere.
