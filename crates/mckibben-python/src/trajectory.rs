@@ -425,7 +425,7 @@ impl Trajectory {
     #[getter]
     fn warnings(&self, py: Python<'_>) -> PyResult<Vec<String>> {
         let (finished, document) = (self.finished(py)?, &self.scenario.get().document);
-        let found = py.detach(|| Ok(of_run(Ready::of(document)?.warnings(), &finished.figures()?)));
+        let found = py.detach(|| Ok::<_, Failure>(of_run(Ready::of(document)?.warnings(), &finished.figures()?)));
         let found = found.raised()?;
         Ok(found.iter().map(ToString::to_string).collect())
     }
