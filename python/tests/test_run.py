@@ -145,3 +145,11 @@ def test_figures_have_a_panel_for_each_quantity(swing, examples):
         assert len(figure.axes) == 3
         numpy.testing.assert_array_equal(figure.axes[0].lines[0].get_xdata(), run.t)
         assert "<svg" in run.to_svg() and run.to_svg() == run._repr_svg_()
+
+
+def test_a_run_warns_of_what_its_scenario_cannot_mean(swing, examples):
+    assert mckibben.simulate(swing).warnings == []
+    short = {"run.duration": "80 ms", "command.duty": 0.05, "command.frequency": "25 Hz"}
+    scenario = mckibben.Scenario.from_file(examples / "paper/fig-12.toml").with_values(short)
+    (warning,) = mckibben.simulate(scenario).warnings
+    assert warning.startswith("the valve never opens to the supply: a pulse of 2 ms is shorter than valve.opening_delay = 4 ms")

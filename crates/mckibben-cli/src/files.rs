@@ -1,10 +1,25 @@
-//! Files that options name: what the ending of a name asks for, and files that are written together.
+//! Files that arguments and options name: the scenario, what the ending of a name asks for, and files that are written together.
 
 use mckibben_plot::Format;
 use mckibben_run::failure::Failure;
 use mckibben_run::output::Pending;
 use mckibben_run::record;
+use mckibben_scenario::{Diagnostics, Document};
 use std::path::Path;
+
+/// The name by which a scenario comes from standard input.
+const STANDARD_INPUT: &str = "-";
+
+/// The scenario of a file, or of standard input for the name `-`.
+///
+/// # Errors
+/// As [`Document::load`].
+pub(crate) fn document(path: &Path) -> Result<Document, Diagnostics> {
+    if path == Path::new(STANDARD_INPUT) {
+        return Document::read(std::io::stdin().lock(), "standard input");
+    }
+    Document::load(path)
+}
 
 /// The ending of a name, if it is one of some.
 ///

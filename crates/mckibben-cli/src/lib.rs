@@ -6,7 +6,7 @@
 //! | [`commands`] | one module for each command |
 //! | [`settings`] | values of the scenario from the command line |
 //! | [`summary`], [`describe`], `events` | a run in words |
-//! | `files` | files that options name |
+//! | `files`, `warnings` | files that options name; warnings and `--strict` |
 //! | [`interrupt`] | what becomes of files when the program is stopped |
 //! | [`terminal`], [`progress`] | words and bars for people |
 //!
@@ -24,6 +24,7 @@ pub mod progress;
 pub mod settings;
 pub mod summary;
 pub mod terminal;
+mod warnings;
 
 use clap::Parser as _;
 use mckibben_run::{output, progress as work};

@@ -16,6 +16,7 @@ use mckibben_run::failure::Failure;
 use mckibben_run::output;
 use mckibben_run::record::{Format, Provenance};
 use mckibben_run::run::{Finished, Ready};
+use mckibben_run::warnings::of_run;
 use pyo3::exceptions::{PyAttributeError, PyKeyError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -415,6 +416,18 @@ impl Trajectory {
     #[getter]
     fn events(&self) -> Vec<Event> {
         self.events.clone()
+    }
+
+    /// Warnings of what the scenario cannot mean, such as a valve that never opens or a length that no braid has.
+    ///
+    /// Each is one sentence that names the quantity, its value, the limit and the key to change. Of several actuators it begins
+    /// with the name of the part.
+    #[getter]
+    fn warnings(&self, py: Python<'_>) -> PyResult<Vec<String>> {
+        let (finished, document) = (self.finished(py)?, &self.scenario.get().document);
+        let found = py.detach(|| Ok::<_, Failure>(of_run(Ready::of(document)?.warnings(), &finished.figures()?)));
+        let found = found.raised()?;
+        Ok(found.iter().map(ToString::to_string).collect())
     }
 
     /// Return every column at one time, from the interpolating polynomials of the steps.

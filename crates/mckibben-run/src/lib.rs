@@ -14,6 +14,7 @@
 //! | [`observation`], [`summary`] | the figures of a run: extremes, ripple, air used, energy; as numbers with names |
 //! | [`joint`], [`plant`] | all of this for a joint of two actuators, and for plants with names |
 //! | [`events`] | the log of events |
+//! | [`warnings`] | what a scenario cannot mean, before a run and by what it reached |
 //! | [`record`] | a run as columns, in memory and in a file |
 //! | [`table`] | columns and cells, and the writer of them as CSV or Parquet |
 //! | `trajectory_plot`, [`axis`] | a run as a figure, and the horizontal axes that figures may have |
@@ -55,3 +56,4 @@ pub mod table;
 mod temporary;
 pub mod text;
 mod trajectory_plot;
+pub mod warnings;

@@ -2,6 +2,7 @@
 //!
 //! A run is evaluated in five points of every step, at every event and at every sample, as it is made: nothing of it is kept.
 
+use crate::warnings::Reached;
 use mckibben::Actuator;
 use mckibben::air::Flow;
 use mckibben::engine::Statistics;
@@ -171,6 +172,8 @@ pub struct Observation {
     pub ripple: Option<Ripple>,
     /// How many events of each kind there were.
     pub events: BTreeMap<EventKind, u64>,
+    /// What the actuator reached, for the warnings.
+    pub(crate) reached: [Reached; 1],
     /// Steps and ledger.
     pub ended: Ended,
 }
@@ -192,6 +195,8 @@ pub struct Observer {
     air: AirUse,
     window: Option<Window>,
     events: BTreeMap<EventKind, u64>,
+    actuator: Actuator,
+    reached: Reached,
     /// Time in s of the last event, until the step that holds it.
     event: Option<f64>,
     samples: Reading<Times>,
@@ -285,6 +290,8 @@ impl Observes<RigPlant> for Observer {
             air: AirUse::default(),
             window,
             events: BTreeMap::new(),
+            actuator: rig.actuator().clone(),
+            reached: Reached::NONE,
             event: None,
             samples: Reading::new(Box::new(SampleTimes::new(end, interval).times()), end),
             points: Reading::new(points, end),
@@ -292,19 +299,23 @@ impl Observes<RigPlant> for Observer {
     }
 
     fn step(&mut self, step: &ViewStep<'_, RigPlant>) {
-        let Self { first, extremes, air, window, events, event, samples, points } = self;
+        let Self { first, extremes, air, window, events, actuator, reached, event, samples, points } = self;
         step.quadrature(|weight, sample, flows| {
             extremes.see(sample);
+            reached.see(actuator, sample);
             air.see(weight, flows);
         });
         let read = |sample: &Sample| {
             first.get_or_insert(*sample);
             extremes.see(sample);
+            reached.see(actuator, sample);
             Ok::<_, std::convert::Infallible>(())
         };
         let Ok(()) = samples.step(step, read);
         if let Some(time) = event.take_if(|time| step.holds(*time)) {
-            extremes.see(&step.read(time));
+            let sample = step.read(time);
+            extremes.see(&sample);
+            reached.see(actuator, &sample);
         }
         let Ok(()) = points.step(step, |sample| {
             if let Some(window) = window {
@@ -321,9 +332,10 @@ impl Observes<RigPlant> for Observer {
 
     fn finish(mut self, last: Sample, ended: Ended) -> Observation {
         self.extremes.see(&last);
+        self.reached.see(&self.actuator, &last);
         let ripple = self.window.as_ref().and_then(Window::ripple);
-        let Self { first, extremes, air, events, .. } = self;
-        Observation { first: first.unwrap_or(last), last, extremes, air, ripple, events, ended }
+        let Self { first, extremes, air, events, reached, .. } = self;
+        Observation { first: first.unwrap_or(last), last, extremes, air, ripple, events, reached: [reached], ended }
     }
 }
 

@@ -5,6 +5,8 @@
 //!
 //! Checked by the tests below, and by those of the Python package, which hold it to the columns of the run.
 
+mod json;
+
 use crate::closed_loop::Goal;
 use crate::joint::{self, NAMES};
 use crate::observation::{self, AirUse, Ended, Range};

@@ -11,6 +11,7 @@ use crate::keys;
 use crate::nearest::nearest;
 use crate::quantity;
 use crate::reader::list_of;
+use crate::text;
 use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
@@ -91,6 +92,9 @@ impl Document {
     }
 
     fn of(source: Arc<Source>) -> Result<Self, Diagnostics> {
+        if let Some(refused) = text::refused(source.name(), source.text()) {
+            return Err(refused.into());
+        }
         let root = table_of(&source)?;
         Ok(Self { source, root })
     }
@@ -98,15 +102,24 @@ impl Document {
     /// Reads and parses a file.
     ///
     /// # Errors
-    /// When the file cannot be read, or is not UTF-8 or not TOML.
+    /// When the file cannot be read, or is not UTF-8 or not TOML; one message where it is plainly no scenario, as a table or a
+    /// picture.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, Diagnostics> {
         let path = path.as_ref();
         let name = path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(|error| {
+        let file = std::fs::File::open(path).map_err(|error| {
             Diagnostic::whole(Class::Unreadable, name.as_str(), format!("`{name}` cannot be read: {error}"))
                 .help("give the path of a scenario file in UTF-8")
         })?;
-        Self::parse(&text, &name)
+        Self::read(file, &name)
+    }
+
+    /// Reads a stream to its end and parses it; `name` stands in messages where a file's name would.
+    ///
+    /// # Errors
+    /// As [`Document::load`].
+    pub fn read(reader: impl std::io::Read, name: &str) -> Result<Self, Diagnostics> {
+        Self::parse(&text::read(reader, name)?, name)
     }
 
     /// The file's name and text.
@@ -345,7 +358,11 @@ fn table_of(source: &Arc<Source>) -> Result<Table, Diagnostics> {
         Diagnostic::at(Class::Syntax, place, format!("this is not TOML: {}", error.message()), "here")
             .help("values are strings such as \"60 psi\", numbers such as 0.85, or lists; see https://toml.io")
     });
-    Diagnostics::check(found.collect())?;
+    let found: Vec<Diagnostic> = found.collect();
+    if let Some(first) = found.first().filter(|_| found.len() > text::MANY) {
+        return Err(text::instead_of_many(source.name(), found.len(), first).into());
+    }
+    Diagnostics::check(found)?;
     Ok(owned_table(source, parsed.into_inner()))
 }
 

@@ -63,6 +63,7 @@ mod scenario;
 mod schema;
 mod starter;
 pub mod sweep;
+mod text;
 mod unit;
 mod write;
 

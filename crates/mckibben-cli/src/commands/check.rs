@@ -1,10 +1,12 @@
 //! `mckibben check`: reads scenario files with their sweeps and builds what they describe, without simulating.
 
-use crate::describe;
 use crate::terminal::{self, GOOD, styled};
+use crate::{describe, files, warnings};
 use mckibben_run::engine;
 use mckibben_run::failure::Failure;
 use mckibben_run::quantities::{count, given};
+use mckibben_run::run::Ready;
+use mckibben_run::warnings::Warning;
 use mckibben_scenario::diagnostic::Class;
 use mckibben_scenario::{Diagnostic, Diagnostics, Document, PlantExperiment, Scenario, Style, Sweep};
 use std::path::{Path, PathBuf};
@@ -15,12 +17,19 @@ use std::path::{Path, PathBuf};
 Examples:
   mckibben check muscle.toml
   mckibben check scenarios/*.toml
+  mckibben check --strict - < muscle.toml
 
-Exit codes: 0 every file is good; 2 at least one is not.")]
+Warnings are those that are known before a run: `mckibben simulate --help` lists them. Of a sweep the file's own values are
+looked at.
+
+Exit codes: 0 every file is good; 2 at least one is not, or with --strict has a warning.")]
 pub struct CheckArguments {
-    /// The scenario files.
+    /// The scenario files; - is standard input.
     #[arg(value_name = "FILE", required = true)]
     pub files: Vec<PathBuf>,
+    /// Make errors of warnings.
+    #[arg(long)]
+    pub strict: bool,
 }
 
 /// Checks the files, all of them, whatever is found.
@@ -28,10 +37,19 @@ pub struct CheckArguments {
 /// # Errors
 /// [`Failure::input`] when one of the files is wrong; what is wrong has then been printed.
 pub fn run(arguments: &CheckArguments) -> Result<(), Failure> {
-    let (mut wrong, mut mistakes) = (0, 0);
+    let (mut wrong, mut mistakes, mut warned) = (0, 0, 0);
     for path in &arguments.files {
         match check(path) {
-            Ok(told) => terminal::print(&format!("{} {}: {told}\n", styled(GOOD, "ok"), path.display()))?,
+            Ok((told, found)) => {
+                let file = path.display().to_string();
+                found.iter().for_each(|one| terminal::print_error(&warnings::line(one, &file)));
+                if arguments.strict && !found.is_empty() {
+                    wrong += 1;
+                    warned += found.len();
+                } else {
+                    terminal::print(&format!("{} {file}: {told}\n", styled(GOOD, "ok")))?;
+                }
+            }
             Err(found) => {
                 wrong += 1;
                 mistakes += found.len();
@@ -45,17 +63,30 @@ pub fn run(arguments: &CheckArguments) -> Result<(), Failure> {
     let files = arguments.files.len();
     let of_how_many =
         if files == 1 { "the file is wrong".to_owned() } else { format!("{wrong} of {files} files wrong") };
-    Err(Failure::input(format!("{of_how_many}, {}", plural(mistakes)), "mend what is shown above and check again"))
+    let counts = [(mistakes, plural(mistakes)), (warned, warnings::plural(warned))];
+    let counts: Vec<String> = counts.into_iter().filter(|(count, _)| *count > 0).map(|(_, words)| words).collect();
+    Err(Failure::input(format!("{of_how_many}, {}", counts.join(" and ")), "mend what is shown above and check again"))
 }
 
-/// Reads a file and builds what it describes; a few words about it, or its mistakes.
-fn check(path: &Path) -> Result<String, Vec<Diagnostic>> {
-    let listed = |found: Diagnostics| found.iter().cloned().collect::<Vec<_>>();
-    let document = Document::load(path).map_err(listed)?;
+/// Reads a file and builds what it describes; a few words about it with its warnings, or its mistakes.
+fn check(path: &Path) -> Result<(String, Vec<Warning>), Vec<Diagnostic>> {
+    let document = files::document(path).map_err(listed)?;
+    let told = words(&document)?;
+    // What a sweep completes describes nothing by itself.
+    let found = Ready::of(&document).map(|ready| ready.warnings()).unwrap_or_default();
+    Ok((told, found))
+}
+
+fn listed(found: Diagnostics) -> Vec<Diagnostic> {
+    found.iter().cloned().collect()
+}
+
+/// A few words about what a document describes, or its mistakes.
+fn words(document: &Document) -> Result<String, Vec<Diagnostic>> {
     let single = if document.is_plant() {
         document
             .plant_experiment()
-            .map(|plant| plant.as_ref().map(summary_of_plant).unwrap_or_default() + &braids(&document))
+            .map(|plant| plant.as_ref().map(summary_of_plant).unwrap_or_default() + &braids(document))
     } else {
         document.scenario().and_then(|scenario| {
             let controlled =
@@ -63,7 +94,7 @@ fn check(path: &Path) -> Result<String, Vec<Diagnostic>> {
             if !controlled && document.joint_experiment()?.is_none() {
                 document.experiment()?;
             }
-            Ok(told(&scenario) + &braids(&document))
+            Ok(told(&scenario) + &braids(document))
         })
     };
     let (sweep, mut mistakes) = match document.sweep() {

@@ -13,7 +13,6 @@ use mckibben_run::axis::CurveAxis;
 use mckibben_run::curves::{Curves, Pressures, USUAL};
 use mckibben_run::failure::Failure;
 use mckibben_run::output;
-use mckibben_scenario::Document;
 use std::path::PathBuf;
 
 /// What `mckibben curves` is asked.
@@ -24,7 +23,7 @@ Examples:
   mckibben curves muscle.toml --gauge-pressures 2,4,6bar --plot curves.svg --over contraction
   mckibben curves muscle.toml --set actuator.turns=2.2 --output curves.csv")]
 pub struct CurvesArguments {
-    /// The scenario file; its actuator is drawn, its load says where the operating points are.
+    /// The scenario file, or - for standard input; its actuator is drawn, its load says where the operating points are.
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
     /// Gauge pressures, as in `35,45,55psi`; a number without a unit has that of the next.
@@ -52,7 +51,7 @@ pub fn run(arguments: &CurvesArguments) -> Result<(), Failure> {
     let output =
         arguments.output.as_deref().map(|path| files::ending(path, "--output", &["csv"]).map(|_| path)).transpose()?;
     let plot = files::figure(arguments.plot.as_deref())?;
-    let mut document = Document::load(&arguments.file)?;
+    let mut document = files::document(&arguments.file)?;
     arguments.set.iter().try_for_each(|setting| setting.apply(&mut document))?;
     let curves = Curves::of(&document, &arguments.gauge_pressures)?;
     let data = curves.data()?;

@@ -13,7 +13,6 @@ use mckibben_run::failure::Failure;
 use mckibben_run::host::{COMMAND_MODES, Motion};
 use mckibben_run::output;
 use mckibben_run::quantities::read;
-use mckibben_scenario::Document;
 use std::path::{Path, PathBuf};
 
 /// What `mckibben fmu` is asked.
@@ -36,7 +35,7 @@ Exit codes:
   2  the input is wrong: arguments, a missing file, the scenario; nothing was written
   4  the file could not be written; nothing was left behind")]
 pub struct FmuArguments {
-    /// The scenario file; `mckibben init` writes one to start from.
+    /// The scenario file, or - for standard input; `mckibben init` writes one to start from.
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
     /// The unit, which ends in .fmu.
@@ -107,7 +106,7 @@ pub fn run(arguments: &FmuArguments) -> Result<(), Failure> {
     output::distinct(read, [path.as_path()], "give the unit another name")?;
     output::probe(path)?;
     let library = library()?;
-    let mut document = Document::load(&arguments.file)?;
+    let mut document = files::document(&arguments.file)?;
     arguments.set.iter().try_for_each(|setting| setting.apply(&mut document))?;
     let model = Model::new(document, arguments.options())?;
     let version = match arguments.fmi {

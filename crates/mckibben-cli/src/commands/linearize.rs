@@ -9,7 +9,6 @@ use mckibben_run::failure::Failure;
 use mckibben_run::linearize::{Account, Line, LinearModel, Measure, Request};
 use mckibben_run::output::{self, Pending};
 use mckibben_run::quantities::read;
-use mckibben_scenario::Document;
 use std::path::PathBuf;
 
 /// What `mckibben linearize` is asked.
@@ -35,7 +34,7 @@ Exit codes:
   2  the input is wrong: arguments, a missing file, the scenario, no such point; nothing was written
   4  a file could not be written; nothing was left behind")]
 pub struct LinearizeArguments {
-    /// The scenario file; `mckibben init` writes one to start from.
+    /// The scenario file, or - for standard input; `mckibben init` writes one to start from.
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
     /// Gauge pressure at the point, such as `60 psi`.
@@ -91,9 +90,9 @@ pub fn run(arguments: &LinearizeArguments) -> Result<(), Failure> {
     let model = arguments.output.as_deref().map(of_model).transpose()?;
     let plot = files::figure(arguments.plot.as_deref())?;
     arguments.output.iter().chain(&arguments.plot).try_for_each(|path| output::probe(path))?;
-    let mut document = Document::load(&arguments.file)?;
+    let mut document = files::document(&arguments.file)?;
     arguments.set.iter().try_for_each(|setting| setting.apply(&mut document))?;
-    let found = LinearModel::of(&arguments.file.display().to_string(), &document, &arguments.request())?;
+    let found = LinearModel::of(document.source().name(), &document, &arguments.request())?;
     let mut pending = Vec::new();
     if let Some((path, ending)) = &model {
         let text = if ending == "json" { found.json() } else { found.matlab() };

@@ -5,7 +5,7 @@
 
 use crate::settings::{Setting, axis};
 use crate::summary::{self, Summary};
-use crate::{events, files, terminal};
+use crate::{events, files, terminal, warnings};
 use mckibben_plot::Format;
 use mckibben_run::axis::TrajectoryAxis;
 use mckibben_run::engine;
@@ -14,6 +14,7 @@ use mckibben_run::output::{self, Pending};
 use mckibben_run::progress::Progress;
 use mckibben_run::record::{self, Provenance, Target};
 use mckibben_run::run::{Figures, Finished, Ready};
+use mckibben_run::warnings::of_run;
 use mckibben_scenario::{Document, Scenario};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -26,18 +27,24 @@ Examples:
   mckibben simulate muscle.toml --output run.csv --plot run.svg
   mckibben simulate muscle.toml --set command.duty=0.3 --set 'load.mass=10 lb' -o run.parquet
   mckibben simulate muscle.toml --set run.engine=fixed-step --set 'run.step=0.5 ms'
+  mckibben simulate muscle.toml --format json | jq .numbers.length_final_m
+  generate-scenario | mckibben simulate - --strict
 
 A run whose samples alone are wanted is written as it is made, in memory that does not grow with it; under a controller
 what was decided is kept, some 50 bytes a sample. For a figure or events every step is kept, about a kilobyte each:
 past 256 MB a note says how much it will be. A run may have 1e9 samples, steps, pulses and samples of its controller.
 
+What cannot be meant is a warning, at the end of the summary: a valve that never opens or closes under its pulses, a pressure,
+tension or length that no braid holds, a load thrown above its attachment, a start below actuator.min_length, a law of force
+beyond its table. With --quiet it goes to standard error. --strict makes an error of it.
+
 Exit codes:
   0  done
-  2  the input is wrong: arguments, a missing file, the scenario; nothing was written
+  2  the input is wrong: arguments, a missing file, the scenario, with --strict a warning; nothing was written
   3  the simulation could not go on; nothing was written
   4  a file could not be written; nothing was left behind")]
 pub struct SimulateArguments {
-    /// The scenario file; `mckibben init` writes one to start from.
+    /// The scenario file, or - for standard input; `mckibben init` writes one to start from.
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
     /// Write the run, one row for each sample interval: .csv or .parquet.
@@ -58,6 +65,12 @@ pub struct SimulateArguments {
     /// Write every event: .csv.
     #[arg(long, value_name = "FILE")]
     pub events_output: Option<PathBuf>,
+    /// How the summary is printed: as text for people, or as one JSON object with numbers in SI, events, warnings and assumed values.
+    #[arg(long, value_name = "FORMAT", value_parser = ["text", "json"], default_value = "text")]
+    pub format: String,
+    /// Make errors of warnings: exit code 2, and nothing is written.
+    #[arg(long)]
+    pub strict: bool,
     /// Print no summary.
     #[arg(short, long)]
     pub quiet: bool,
@@ -68,8 +81,13 @@ pub struct SimulateArguments {
 /// # Errors
 /// The input is wrong, the simulation could not go on, or a file could not be written.
 pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
+    let as_json = arguments.format == "json";
+    if as_json && (arguments.quiet || arguments.events) {
+        let (title, help) = ("--format json prints one JSON object and nothing else", "leave --quiet and --events out");
+        return Err(Failure::input(title, help));
+    }
     let files = Files::of(arguments)?;
-    let mut document = Document::load(&arguments.file)?;
+    let mut document = files::document(&arguments.file)?;
     for setting in &arguments.set {
         setting.apply(&mut document)?;
     }
@@ -81,12 +99,16 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
             "leave --over out, and take the columns of --output for another figure",
         ));
     }
+    let known = ready.warnings();
+    if arguments.strict {
+        warnings::refuse(&known)?;
+    }
     files.probe()?;
 
-    let (name, set) = (arguments.file.display().to_string(), arguments.set.iter().map(Setting::to_string));
+    let (name, set) = (document.source().name().to_owned(), arguments.set.iter().map(Setting::to_string));
     let set: Vec<String> = set.collect();
     let provenance = Provenance { document: &document, set: &set, scenario: scenario.as_ref() };
-    let rows = engine::rows(ready.plan());
+    let (plan, rows) = (*ready.plan(), engine::rows(ready.plan()));
 
     let started = Instant::now();
     let (figures, elapsed, pending, table) = if !files.keep(arguments) {
@@ -108,16 +130,26 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
         (finished.figures()?, elapsed, pending, Some(events::table(&finished.log())))
     };
 
+    let found = of_run(known, &figures);
+    if arguments.strict {
+        warnings::refuse(&found)?;
+    }
     let mut text = String::new();
-    if !arguments.quiet {
+    if as_json {
+        text.push_str(&figures.summary().json(&document, &plan, &found)?);
+    } else if !arguments.quiet {
         text.push_str(&told(&figures, (&name, &document), scenario.as_ref(), elapsed)?);
+        text.push_str(&warnings::section(&found));
     }
     // The files take their names when nothing can fail any more.
     pending.into_iter().try_for_each(Pending::commit)?;
+    if arguments.quiet {
+        warnings::print(&found);
+    }
     if arguments.quiet && !arguments.events {
         return Ok(());
     }
-    if !arguments.quiet {
+    if !arguments.quiet && !as_json {
         text.push_str(&files.written(rows));
     }
     if arguments.events {

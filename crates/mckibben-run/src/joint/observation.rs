@@ -3,6 +3,8 @@
 //! A run is evaluated in five points of every step and at every sample, as it is made: nothing of it is kept.
 
 use crate::observation::{AirUse, Ended, Observes, Range};
+use crate::warnings::Reached;
+use mckibben::Actuator;
 use mckibben::plant::{JointPlant, ViewStep};
 use mckibben::simulation::{EventKind, JointRig, JointSample, Reading, SampleTimes};
 use mckibben_scenario::Run;
@@ -22,6 +24,8 @@ pub struct Observation {
     pub actuators: [[Range; 3]; 2],
     /// How many events of each kind there were.
     pub events: BTreeMap<EventKind, u64>,
+    /// What each actuator reached, for the warnings.
+    pub(crate) reached: [Reached; 2],
     /// Air of agonist and antagonist.
     pub air: [AirUse; 2],
     /// Steps and ledger.
@@ -34,13 +38,15 @@ pub struct Observer {
     actuators: [[Range; 3]; 2],
     air: [AirUse; 2],
     events: BTreeMap<EventKind, u64>,
+    driven: [Actuator; 2],
+    reached: [Reached; 2],
     samples: Reading<Box<dyn Iterator<Item = f64>>>,
 }
 
 impl Observes<JointPlant> for Observer {
     type Observation = Observation;
 
-    fn new(_: &JointRig, plan: &Run) -> Self {
+    fn new(rig: &JointRig, plan: &Run) -> Self {
         let interval = plan.sample_interval.min(plan.duration / LEAST_SAMPLES);
         let times: Box<dyn Iterator<Item = f64>> = Box::new(SampleTimes::new(plan.duration, interval).times());
         Self {
@@ -48,20 +54,24 @@ impl Observes<JointPlant> for Observer {
             actuators: [[Range::NONE; 3]; 2],
             air: [AirUse::default(); 2],
             events: BTreeMap::new(),
+            driven: [0, 1].map(|index| rig.driven()[index].actuator.clone()),
+            reached: [Reached::NONE; 2],
             samples: Reading::new(times, plan.duration),
         }
     }
 
     fn step(&mut self, step: &ViewStep<'_, JointPlant>) {
-        let Self { joint, actuators, air, events, samples } = self;
+        let Self { joint, actuators, air, events, driven, reached, samples } = self;
         step.quadrature(|weight, sample, flows| {
             see(joint, actuators, sample);
+            reach(reached, driven, sample);
             for (air, flows) in air.iter_mut().zip(flows) {
                 air.see(weight, flows);
             }
         });
         let Ok(()) = samples.step(step, |sample| {
             see(joint, actuators, sample);
+            reach(reached, driven, sample);
             Ok::<_, std::convert::Infallible>(())
         });
         if let Some(event) = step.event() {
@@ -71,8 +81,15 @@ impl Observes<JointPlant> for Observer {
 
     fn finish(mut self, last: JointSample, ended: Ended) -> Observation {
         see(&mut self.joint, &mut self.actuators, &last);
-        let Self { joint, actuators, air, events, .. } = self;
-        Observation { last, joint, actuators, events, air, ended }
+        reach(&mut self.reached, &self.driven, &last);
+        let Self { joint, actuators, air, events, reached, .. } = self;
+        Observation { last, joint, actuators, events, reached, air, ended }
+    }
+}
+
+fn reach(reached: &mut [Reached; 2], driven: &[Actuator; 2], sample: &JointSample) {
+    for ((reached, actuator), sample) in reached.iter_mut().zip(driven).zip(&sample.actuators) {
+        reached.see(actuator, sample);
     }
 }
 

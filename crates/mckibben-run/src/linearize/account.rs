@@ -4,11 +4,12 @@ use super::Model;
 use super::export::over_fastest;
 use crate::quantities::{digits, percent, quantity};
 use crate::report::{Table, typeset};
+use crate::warnings;
 use mckibben::ActuatorState;
 use mckibben::air::Process;
 use mckibben::linearize::{Controllability, Pole, Signal, StateSpace};
 use mckibben::load::Load;
-use mckibben::plant::ValveAverage;
+use mckibben::plant::{RigPlant, ValveAverage};
 use mckibben::simulation::State;
 use mckibben::valve::Ports;
 use std::f64::consts::TAU;
@@ -134,7 +135,12 @@ fn point(model: &Model) -> Vec<Line> {
             format!("{}, with the valve shut {}", quantity(constant, "N/m"), quantity(sealed, "N/m")),
         ));
     }
-    lines.into_iter().map(|(name, value)| Line::new(name, value)).collect()
+    let mut lines: Vec<Line> = lines.into_iter().map(|(name, value)| Line::new(name, value)).collect();
+    let view = RigPlant::new(&point.rig);
+    if let Some(feed) = warnings::feed_of(view.plant(), 0, point.gauge_pressure().0) {
+        lines[0].warning = feed;
+    }
+    lines
 }
 
 /// How far length and tension swing under the pulses, as far as the model has them.

@@ -12,12 +12,13 @@ use super::{Request, export};
 use crate::failure::Failure;
 use crate::joint::NAMES;
 use crate::quantities::{digits, quantity};
+use crate::warnings;
 use mckibben::GaugePressure;
 use mckibben::control::Held;
 use mckibben::linearize::{
     Controllability, JointBalance, JointLinearization, Pole, StateSpace, linearize_driven_joint, linearize_joint,
 };
-use mckibben::plant::{PlantAir, ValveAverage};
+use mckibben::plant::{JointPlant, PlantAir, ValveAverage};
 use mckibben::simulation::Driven;
 use mckibben_scenario::{Assumed, JointExperiment};
 
@@ -142,7 +143,13 @@ impl JointModel {
     pub(super) fn account(&self) -> Account {
         let (gauge, [open, shut]) = (self.gauge_pressures(), self.stiffnesses());
         let mut lines = vec![Line::new("angle", quantity(self.linear.state.angle, "rad"))];
-        lines.extend((0..2).map(|i| Line::new(NAMES[i], format!("{} gauge", quantity(gauge[i].0, "Pa")))));
+        let exceeded = JointPlant::new(&self.linear.rig)
+            .map(|view| [0, 1].map(|i| warnings::feed_of(view.plant(), i, gauge[i].0)))
+            .unwrap_or_default();
+        lines.extend(exceeded.into_iter().enumerate().map(|(i, exceeded)| Line {
+            warning: exceeded.unwrap_or_default(),
+            ..Line::new(NAMES[i], format!("{} gauge", quantity(gauge[i].0, "Pa")))
+        }));
         let stiffness = format!("{} N*m/rad, with the valves shut {}", digits(open), digits(shut));
         lines.push(Line::new("stiffness", stiffness));
         let bound = self.linear.coulomb_bound();

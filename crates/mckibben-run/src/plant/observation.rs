@@ -5,6 +5,7 @@
 
 use super::Made;
 use crate::observation::{Ended, Range};
+use crate::warnings::Reached;
 use mckibben::network::NodeKind;
 use mckibben::plant::{PlantLedger, PlantLedgerKeeper, PlantSample, PlantStep};
 use mckibben::simulation::{EventKind, Reading, SampleTimes};
@@ -21,6 +22,8 @@ pub struct Observation {
     pub events: BTreeMap<EventKind, u64>,
     /// What the table of states shows.
     pub rows: Vec<Row>,
+    /// What each actuator reached, for the warnings.
+    pub(crate) reached: Vec<Reached>,
     /// Steps and ledger.
     pub ended: Ended,
 }
@@ -48,6 +51,7 @@ pub(crate) struct Observer<'e> {
     experiment: &'e PlantExperiment,
     events: BTreeMap<EventKind, u64>,
     rows: Vec<Row>,
+    reached: Vec<Reached>,
     keeper: PlantLedgerKeeper<'e>,
     samples: Reading<Box<dyn Iterator<Item = f64>>>,
 }
@@ -61,6 +65,7 @@ impl<'e> Observer<'e> {
             experiment,
             events: BTreeMap::new(),
             rows: rows(experiment),
+            reached: vec![Reached::NONE; experiment.plant.actuators().len()],
             keeper: PlantLedgerKeeper::new(&experiment.plant, run.stepping()),
             samples: Reading::new(Box::new(times), run.duration),
         }
@@ -68,10 +73,11 @@ impl<'e> Observer<'e> {
 
     /// Takes a step.
     pub(crate) fn step(&mut self, step: &PlantStep<'_>) {
-        let Self { experiment, events, rows, keeper, samples } = self;
+        let Self { experiment, events, rows, reached, keeper, samples } = self;
         keeper.step(step);
         let Ok(()) = samples.step(step, |sample: &PlantSample| {
             see(rows, experiment, sample);
+            reach(reached, experiment, sample);
             Ok::<_, std::convert::Infallible>(())
         });
         if let Some(event) = step.event() {
@@ -82,11 +88,13 @@ impl<'e> Observer<'e> {
     /// The figures of a run that has come to its end.
     pub(crate) fn finish(mut self, made: &Made) -> Observation {
         let run = &made.run;
-        see(&mut self.rows, self.experiment, &run.sample());
+        let last = run.sample();
+        see(&mut self.rows, self.experiment, &last);
+        reach(&mut self.reached, self.experiment, &last);
         let counts = run.statistics();
         let draws = !run.plant().network().valves.is_empty();
         let ended = Ended { counts, ledger: self.keeper.finish(run), draws, steps: made.stepping.steps(counts) };
-        Observation { events: self.events, rows: self.rows, ended }
+        Observation { events: self.events, rows: self.rows, reached: self.reached, ended }
     }
 }
 
@@ -96,6 +104,12 @@ fn see(rows: &mut [Row], of: &PlantExperiment, sample: &PlantSample) {
             row.last = quantity.of(&of.plant, sample) - row.less;
             row.range.see(row.last);
         }
+    }
+}
+
+fn reach(reached: &mut [Reached], of: &PlantExperiment, sample: &PlantSample) {
+    for ((reached, mounted), sample) in reached.iter_mut().zip(of.plant.actuators()).zip(&sample.actuators) {
+        reached.see_in_plant(&mounted.actuator, sample);
     }
 }
 

@@ -89,8 +89,10 @@ impl Prepared {
         let mut done = 0;
         let units = self.plan.units(parts, self.unit(total, jobs));
         let work = |unit: &Unit| rows::simulate_rows(&self.sweep, choice, unit.rows.clone());
-        let written = schedule::in_order(jobs, units, work, |unit, outcomes| {
+        let written = schedule::in_order(jobs, units, work, |unit, simulated| {
+            let rows::Simulated { outcomes, warned } = simulated;
             destination.write(&unit, &outcomes)?;
+            warned.iter().for_each(|(row, warnings)| tally.warn(*row, warnings));
             for (row, outcome) in unit.rows.clone().zip(&outcomes) {
                 tally.see(row, outcome);
             }
@@ -114,8 +116,8 @@ impl Prepared {
         let mut failed = 0;
         let units = self.plan.units(vec![part], self.unit(rows.end - rows.start, 1));
         let work = |unit: &Unit| rows::simulate_rows(&self.sweep, choice, unit.rows.clone());
-        schedule::in_order(1, units, work, |unit, outcomes| {
-            for (row, outcome) in unit.rows.zip(&outcomes) {
+        schedule::in_order(1, units, work, |unit, simulated| {
+            for (row, outcome) in unit.rows.zip(&simulated.outcomes) {
                 failed += table::write(&self.sweep, row, outcome, &mut writer)?;
             }
             Ok(())

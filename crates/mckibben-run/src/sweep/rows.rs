@@ -16,7 +16,9 @@ use crate::closed_loop::Goal;
 use crate::engine::Subject;
 use crate::joint::pair::Pair;
 use crate::record::{Field, of_actuator, of_joint_alone};
+use crate::run::Ready;
 use crate::table::Cell;
+use crate::warnings::Warning;
 use mckibben::Error;
 use mckibben::air::Flow;
 use mckibben::command::Driver;
@@ -27,10 +29,7 @@ use mckibben::simulation::{JointRig, JointSample, Reading, Rig, Sample, SampleTi
 use mckibben::valve::Command;
 use mckibben_batch::{PlantBatch, Width};
 use mckibben_scenario::sweep::Quantity;
-use mckibben_scenario::{
-    AxisValue, ControlledExperiment, ControlledJointExperiment, Experiment, JointExperiment, PlantExperiment, Record,
-    Reduction, Run, Scenario, Sweep,
-};
+use mckibben_scenario::{AxisValue, Record, Reduction, Run, Scenario, Sweep};
 use std::ops::Range;
 
 /// Rows that a thread steps side by side.
@@ -110,16 +109,25 @@ fn times<'t>(record: &'t Record, plan: &Run) -> Box<dyn Iterator<Item = f64> + '
     }
 }
 
+/// What rows came to.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Simulated {
+    /// The outcome of each.
+    pub outcomes: Vec<Outcome>,
+    /// What was known to be amiss before the run of some of them.
+    pub warned: Vec<(u64, Vec<Warning>)>,
+}
+
 /// Simulates the rows, with a step for all of them where they have none of their own.
-pub fn simulate_rows(sweep: &Sweep, choice: Option<&Choice>, rows: Range<u64>) -> Vec<Outcome> {
+pub fn simulate_rows(sweep: &Sweep, choice: Option<&Choice>, rows: Range<u64>) -> Simulated {
     let record = sweep.record();
-    let built: Vec<(u64, Result<Built, String>)> = rows.map(|row| (row, build(sweep, row))).collect();
+    let built: Vec<(u64, Result<Ready, String>)> = rows.map(|row| (row, build(sweep, row))).collect();
     let mut groups: Vec<Group<'_>> = Vec::new();
     let mut outcomes: Vec<Outcome> = Vec::new();
     for (index, (row, built)) in built.iter().enumerate() {
         let ready = match built {
             Err(reason) => Err(reason.clone()),
-            Ok(built) => built.ready(sweep, choice).map_err(|error| error.to_string()),
+            Ok(built) => built.row(sweep, choice).map_err(|error| error.to_string()),
         };
         outcomes.push(match ready {
             Err(reason) => Outcome::Failed(reason),
@@ -132,7 +140,8 @@ pub fn simulate_rows(sweep: &Sweep, choice: Option<&Choice>, rows: Range<u64>) -
         });
     }
     groups.into_iter().for_each(|group| group.simulate(record, &mut outcomes));
-    outcomes
+    let warned = built.iter().filter_map(|(row, built)| Some((*row, built.as_ref().ok()?.warnings())));
+    Simulated { warned: warned.filter(|(_, warnings)| !warnings.is_empty()).collect(), outcomes }
 }
 
 /// Rows that go through time side by side, each with its place among the outcomes.
@@ -231,20 +240,11 @@ impl<'a> Kin<'a> {
     }
 }
 
-/// What a row describes.
-enum Built {
-    Open(Box<Experiment>),
-    Controlled(Box<ControlledExperiment>),
-    Joint(Box<JointExperiment>),
-    ControlledJoint(Box<ControlledJointExperiment>),
-    Plant(Box<PlantExperiment>),
-}
-
-fn build(sweep: &Sweep, row: u64) -> Result<Built, String> {
+fn build(sweep: &Sweep, row: u64) -> Result<Ready, String> {
     if let Some(plant) = sweep.plant(row) {
         let plant = plant?;
         within(sweep.record(), plant.run.duration)?;
-        return Ok(Built::Plant(Box::new(plant)));
+        return Ok(Ready::Plant(Box::new(plant)));
     }
     let scenario = sweep.scenario(row).map_err(|error| error.error.to_string())?;
     within(sweep.record(), scenario.run.duration)?;
@@ -264,21 +264,21 @@ fn within(record: &Record, end: f64) -> Result<(), String> {
     }
 }
 
-fn describe(scenario: &Scenario) -> Result<Built, Error> {
+fn describe(scenario: &Scenario) -> Result<Ready, Error> {
     let built = match (scenario.has_joint(), scenario.has_controller()) {
-        (false, true) => scenario.controlled_experiment()?.map(|of| Built::Controlled(Box::new(of))),
-        (true, false) => scenario.joint_experiment()?.map(|of| Built::Joint(Box::new(of))),
-        (true, true) => scenario.controlled_joint_experiment()?.map(|of| Built::ControlledJoint(Box::new(of))),
+        (false, true) => scenario.controlled_experiment()?.map(|of| Ready::Controlled(Box::new(of))),
+        (true, false) => scenario.joint_experiment()?.map(|of| Ready::Joint(Box::new(of))),
+        (true, true) => scenario.controlled_joint_experiment()?.map(|of| Ready::ControlledJoint(Box::new(of))),
         (false, false) => None,
     };
-    built.map_or_else(|| scenario.experiment().map(|of| Built::Open(Box::new(of))), Ok)
+    built.map_or_else(|| scenario.experiment().map(|of| Ready::Actuator(Box::new(of))), Ok)
 }
 
-impl Built {
+impl Ready {
     /// Before its first step.
-    fn ready<'b>(&'b self, sweep: &'b Sweep, choice: Option<&Choice>) -> Result<Row<'b>, Error> {
+    fn row<'b>(&'b self, sweep: &'b Sweep, choice: Option<&Choice>) -> Result<Row<'b>, Error> {
         match self {
-            Self::Open(of) => ready(Alone::from(&**of), choice, sweep.record()),
+            Self::Actuator(of) => ready(Alone::from(&**of), choice, sweep.record()),
             Self::Controlled(of) => ready(Alone::from(&**of), choice, sweep.record()),
             Self::Joint(of) => ready(Pair::from(&**of), choice, sweep.record()),
             Self::ControlledJoint(of) => ready(Pair::from(&**of), choice, sweep.record()),

@@ -159,7 +159,7 @@ impl Axis {
 }
 
 /// A column's name: the path and the unit in lower case, joined by `_`.
-pub(crate) fn column_of(path: &str, unit: &str) -> String {
+pub fn column_of(path: &str, unit: &str) -> String {
     let unit = unit.to_lowercase().replace(['(', ')', '^'], "").replace(['*', '/'], "_");
     let path = path.replace(['.', '-'], "_");
     if unit.is_empty() { path } else { format!("{path}_{unit}") }

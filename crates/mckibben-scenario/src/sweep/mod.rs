@@ -32,8 +32,7 @@ mod sobol;
 mod spacing;
 mod vary;
 
-pub(crate) use axis::column_of;
-pub use axis::{Axis, AxisKind, AxisValue};
+pub use axis::{Axis, AxisKind, AxisValue, column_of};
 pub use plant::{PlantReduced, PlantReduction};
 pub use reduction::{Quantity, Reduction, Statistic};
 

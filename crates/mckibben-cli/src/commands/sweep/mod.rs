@@ -52,7 +52,8 @@ a controller take the event-located engine unless run.step is given.
 A sweep that was stopped goes on where it was when the same command is given again: finished parts are kept, once each was \
 held to the checksum in it. Shards are counted from 1; shard I of N does the parts I, I + N, I + 2 N, ... and can share the \
 folder with the others, also when all begin at once. \
-A run that fails has its reason in the column `error` and no numbers; it does not stop the others.
+A run that fails has its reason in the column `error` and no numbers; it does not stop the others. Warnings that are known \
+before a run, as of a valve that never opens, are counted in the summary; `mckibben simulate` has those of a run too.
 
 Exit codes:
   0  done; some runs may have failed, and the summary says so
@@ -61,7 +62,7 @@ Exit codes:
   4  a file could not be written; parts that were finished stay
   130, 143  stopped by SIGINT (Ctrl-C), SIGTERM; parts that were finished stay")]
 pub struct SweepArguments {
-    /// The scenario file, with a section `[sweep]`.
+    /// The scenario file with a section `[sweep]`, or - for standard input.
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
     /// Write the runs: into a folder of Parquet parts, or one file .csv or .parquet.
@@ -99,7 +100,7 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
     let target = Target::of(arguments)?;
     let (document, set) = document(arguments)?;
     let prepared = Prepared::of(&document, &set)?.ok_or_else(|| {
-        let title = format!("`{}` has no section [sweep]", arguments.file.display());
+        let title = format!("`{}` has no section [sweep]", document.source().name());
         Failure::input(title, "say what varies under [sweep.vary]; `mckibben sweep --help` has an example")
     })?;
     let (sweep, plan) = (prepared.sweep(), prepared.plan());
@@ -186,7 +187,7 @@ impl<'a> Target<'a> {
 
 /// The scenario with what the command line sets in it, and that as `KEY=VALUE`.
 fn document(arguments: &SweepArguments) -> Result<(Document, Vec<String>), Failure> {
-    let mut document = Document::load(&arguments.file)?;
+    let mut document = files::document(&arguments.file)?;
     let mut set: Vec<String> = arguments.set.iter().map(Setting::to_string).collect();
     for setting in &arguments.set {
         setting.apply(&mut document)?;

@@ -4,7 +4,7 @@ use super::{SweepArguments, Target};
 use crate::describe;
 use crate::terminal::{self, FAINT, HEADING, NOTABLE, styled};
 use mckibben_run::quantities::{common_prefix, count, digits, given, quantity};
-use mckibben_run::sweep::counts::SweepCounts;
+use mckibben_run::sweep::counts::{SweepCounts, Warned};
 use mckibben_run::sweep::plan::{Plan, Shard};
 use mckibben_run::sweep::step::Choice;
 use mckibben_run::text::{Alignment, Side};
@@ -51,6 +51,7 @@ pub(super) fn summary(
     }
     text.push_str(&ranges(tally));
     text.push_str(&failures(tally));
+    text.push_str(&warnings(tally));
     let mut files = String::new();
     if let Some(path) = &arguments.output {
         let is_folder = matches!(Target::of(arguments), Ok(Target::Folder(_)));
@@ -130,6 +131,16 @@ fn failures(tally: &SweepCounts) -> String {
         text.push_str("  the column `error` has the others\n");
     }
     text
+}
+
+/// The warnings that are known before a run, each code with its first run.
+fn warnings(tally: &SweepCounts) -> String {
+    let mut text = String::new();
+    for Warned { runs, first, warning } in tally.warned() {
+        let of = if *runs == 1 { "1 run".to_owned() } else { format!("{} runs, the first", count(*runs)) };
+        put(&mut text, format_args!("{}\n", terminal::wrap(&format!("{of} {first}: {warning}"), "  ")));
+    }
+    if text.is_empty() { text } else { format!("\n{}\n{text}", styled(NOTABLE, "Warnings")) }
 }
 
 /// Values under one prefix.

@@ -1,0 +1,190 @@
+//! Warnings of `simulate`, `check`, `sweep` and `linearize`; `--strict`; the summary as JSON; a scenario from standard input.
+
+mod common;
+
+use common::{Folder, of_repository};
+use std::process::Output;
+
+const MUSCLE: &str = r#"[supply]
+gauge_pressure = "100 psi"
+[valve]
+preset = "matrix-eight-channel"
+[command]
+kind = "pwm"
+frequency = "25 Hz"
+duty = 0.5
+[load]
+kind = "hanging-mass"
+mass = "5 lb"
+[run]
+duration = "0.1 s"
+"#;
+
+/// The valve of this muscle opens 4 ms after its coil is energised, and a duty of 0.05 at 25 Hz lasts 2 ms.
+const NEVER_OPENS: &str =
+    "the valve never opens to the supply: a pulse of 2 ms is shorter than valve.opening_delay = 4 ms";
+
+fn run(folder: &Folder, arguments: &[&str]) -> Output {
+    folder.mckibben().args(arguments).output().expect("the program runs")
+}
+
+/// Text without its line breaks.
+fn flat(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+fn json(output: &Output) -> serde_json::Value {
+    serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{error}: {}", flat(&output.stderr)))
+}
+
+#[test]
+fn a_warning_stands_in_the_summary_and_of_a_quiet_run_on_standard_error() {
+    let folder = Folder::new("warnings-where");
+    folder.file("muscle.toml", MUSCLE);
+    let short = ["simulate", "muscle.toml", "--set", "command.duty=0.05"];
+    let output = run(&folder, &short);
+    assert!(output.status.success() && output.stderr.is_empty(), "{}", flat(&output.stderr));
+    let text = flat(&output.stdout);
+    assert!(text.contains(&format!("Warnings {NEVER_OPENS}")), "{text}");
+    let output = run(&folder, &[&short[..], &["--quiet"]].concat());
+    assert!(output.status.success() && output.stdout.is_empty());
+    assert!(flat(&output.stderr).starts_with(&format!("warning: {NEVER_OPENS}")), "{}", flat(&output.stderr));
+    // A plain run has none.
+    assert!(!flat(&run(&folder, &["simulate", "muscle.toml"]).stdout).contains("Warnings"));
+}
+
+#[test]
+fn strict_makes_errors_of_warnings_and_nothing_is_written() {
+    let folder = Folder::new("warnings-strict");
+    folder.file("muscle.toml", MUSCLE);
+    // The first is known before the run, the second after it.
+    for set in ["command.duty=0.05", "supply.gauge_pressure=280 psi"] {
+        for plot in [&[][..], &["--plot", "run.svg"]] {
+            let arguments = ["simulate", "muscle.toml", "--set", set, "--strict", "--output", "run.csv"];
+            let output = run(&folder, &[&arguments[..], plot].concat());
+            let message = flat(&output.stderr);
+            assert_eq!(output.status.code(), Some(2), "{message}");
+            assert!(message.starts_with("warning: ") && message.contains("--strict makes errors"), "{message}");
+            assert!(output.stdout.is_empty());
+            assert_eq!(folder.names(), ["muscle.toml"], "{set}");
+        }
+    }
+    let output = run(&folder, &["simulate", "muscle.toml", "--strict", "--output", "run.csv"]);
+    assert!(output.status.success(), "{}", flat(&output.stderr));
+}
+
+#[test]
+fn check_warns_of_what_is_known_before_a_run() {
+    let folder = Folder::new("warnings-check");
+    folder.file("good.toml", MUSCLE);
+    folder.file("short.toml", &MUSCLE.replace("duty = 0.5", "duty = 0.05"));
+    let output = run(&folder, &["check", "good.toml", "short.toml"]);
+    assert!(output.status.success());
+    assert!(
+        flat(&output.stderr).starts_with(&format!("warning: short.toml: {NEVER_OPENS}")),
+        "{}",
+        flat(&output.stderr)
+    );
+    let output = run(&folder, &["check", "--strict", "good.toml", "short.toml"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(flat(&output.stderr).contains("1 of 2 files wrong, one warning"), "{}", flat(&output.stderr));
+    assert!(flat(&output.stdout).contains("ok good.toml") && !flat(&output.stdout).contains("short.toml"));
+}
+
+#[test]
+fn a_sweep_counts_the_runs_with_warnings() {
+    let folder = Folder::new("warnings-sweep");
+    let sweep = "[sweep]\nreductions = [\"length.final\"]\n[sweep.vary]\n\"command.duty\" = [0.5, 0.08, 0.05, 0.6]\n";
+    folder.file("sweep.toml", &format!("{MUSCLE}step = \"0.5 ms\"\n{sweep}"));
+    let output = run(&folder, &["sweep", "sweep.toml"]);
+    let text = flat(&output.stdout);
+    assert!(output.status.success(), "{}", flat(&output.stderr));
+    assert!(
+        text.contains("Warnings 2 runs, the first 1: the valve never opens to the supply: a pulse of 3.2 ms"),
+        "{text}"
+    );
+}
+
+#[test]
+fn a_linear_model_warns_of_a_pressure_that_the_supply_cannot_make() {
+    let folder = Folder::new("warnings-linearize");
+    let joint = of_repository("examples/linearize-joint.toml").display().to_string();
+    let stiffness = |value: &str| {
+        let output = run(&folder, &["linearize", &joint, "--angle", "0 deg", "--stiffness", value]);
+        assert!(output.status.success(), "{}", flat(&output.stderr));
+        flat(&output.stdout)
+    };
+    assert!(!stiffness("1 N*m/rad").contains("exceeds supply"));
+    assert!(stiffness("8 N*m/rad").contains("exceeds supply.gauge_pressure = "), "{}", stiffness("8 N*m/rad"));
+}
+
+#[test]
+fn the_summary_as_json_has_numbers_with_units_events_warnings_and_assumed_values() {
+    let folder = Folder::new("summary-json");
+    folder.file("muscle.toml", MUSCLE);
+    let arguments =
+        ["simulate", "muscle.toml", "--format", "json", "--output", "run.csv", "--set", "command.duty=0.05"];
+    let output = run(&folder, &arguments);
+    assert!(output.status.success() && output.stderr.is_empty(), "{}", flat(&output.stderr));
+    let found = json(&output);
+    assert_eq!((&found["scenario"], &found["duration_s"]), (&"muscle.toml".into(), &0.1.into()));
+    // The last row of the file has the same length.
+    let text = std::fs::read_to_string(folder.path("run.csv")).expect("written");
+    let last: f64 =
+        text.lines().last().and_then(|row| row.split(',').nth(1)).expect("a length").parse().expect("a number");
+    assert_eq!(found["numbers"]["length_final_m"].as_f64(), Some(last));
+    assert!(found["numbers"]["gauge_pressure_max_pa"].is_f64() && found["events"].is_object());
+    let warnings = found["warnings"].as_array().expect("a list");
+    assert_eq!(
+        (warnings.len(), &warnings[0]["code"], &warnings[0]["part"]),
+        (1, &"valve-never-opens".into(), &"".into())
+    );
+    assert!(warnings[0]["text"].as_str().is_some_and(|text| text.starts_with(NEVER_OPENS)));
+    let assumed = found["assumed"].as_array().expect("a list");
+    assert!(assumed.iter().any(|of| of["key"] == "actuator.turns" && of["value"] == "2.5"), "{assumed:?}");
+    // Joints and plants have one too, and equal runs have equal bytes.
+    for file in ["examples/antagonistic-joint.toml", "examples/plant/arm.toml"] {
+        let file = of_repository(file).display().to_string();
+        let arguments = ["simulate", &file, "--format", "json", "--set", "run.duration=0.1 s"];
+        let first = run(&folder, &arguments);
+        assert!(json(&first)["numbers"].as_object().is_some_and(|numbers| numbers.len() > 10));
+        assert_eq!(first.stdout, run(&folder, &arguments).stdout);
+    }
+    for option in ["--quiet", "--events"] {
+        assert_eq!(run(&folder, &["simulate", "muscle.toml", "--format", "json", option]).status.code(), Some(2));
+    }
+}
+
+#[test]
+fn a_scenario_comes_from_standard_input() {
+    let folder = Folder::new("standard-input");
+    folder.file("muscle.toml", MUSCLE);
+    let given = |arguments: &[&str], text: &str| {
+        folder.mckibben().args(arguments).write_stdin(text).output().expect("the program runs")
+    };
+    let output = given(&["simulate", "-", "--output", "streamed.csv"], MUSCLE);
+    assert!(output.status.success(), "{}", flat(&output.stderr));
+    assert!(flat(&output.stdout).starts_with("standard input"));
+    assert!(run(&folder, &["simulate", "muscle.toml", "--output", "read.csv"]).status.success());
+    let bytes = |name: &str| std::fs::read(folder.path(name)).expect("written");
+    assert!(bytes("streamed.csv") == bytes("read.csv"));
+    assert!(given(&["check", "-"], MUSCLE).status.success());
+    let output = given(&["check", "-"], &MUSCLE.replace("duty", "dutie"));
+    assert_eq!(output.status.code(), Some(2));
+    assert!(flat(&output.stderr).contains("standard input:8:1"), "{}", flat(&output.stderr));
+}
+
+#[test]
+fn a_table_or_a_binary_file_in_place_of_a_scenario_is_one_message() {
+    let folder = Folder::new("no-scenario");
+    folder.file("muscle.toml", MUSCLE);
+    for (output, words) in [("run.csv", "is a table of 11 columns in CSV"), ("run.parquet", "is a Parquet file")] {
+        assert!(run(&folder, &["simulate", "muscle.toml", "--output", output]).status.success());
+        for command in ["simulate", "check", "sweep", "linearize", "curves"] {
+            let found = run(&folder, &[command, output]);
+            let message = String::from_utf8_lossy(&found.stderr).into_owned();
+            assert_eq!(found.status.code(), Some(2), "{command}: {message}");
+            assert!(message.contains(words) && message.lines().count() < 8, "{command}: {message}");
+        }
+    }
+}

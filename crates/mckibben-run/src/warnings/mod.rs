@@ -1,0 +1,322 @@
+//! Warnings for what a scenario cannot mean: it runs, and its result is not what anyone builds.
+//!
+//! A warning has a code, the actuator that it is of, and one sentence with the quantity, its value, the limit, and what to change.
+//!
+//! | code | when | known |
+//! |---|---|---|
+//! | `valve-never-opens` | under PWM, a path that the command asks for stays shut: the pulse is shorter than the delay | before |
+//! | `valve-never-closes` | under PWM, a path stays open: the pause is shorter than the delay | before |
+//! | `supply-exceeded` | the pressure that a controller aims for is above that of the supply; of linear models, that of the point | before |
+//! | `starts-slack` | an actuator starts shorter than `actuator.min_length` | before |
+//! | `overstretched` | an actuator is longer than its taut length by more than [`STRETCH`] | both |
+//! | `pressure` | a gauge pressure is above [`PRESSURE`] | both |
+//! | `tension` | a tension is above what the ideal braid makes at [`STRENGTH`] and its taut length | after |
+//! | `thrown` | the load passes the attachment: the distance falls below zero | after |
+//! | `law-extrapolated` | a measured map or effectiveness is used beyond its table | after |
+//! | `law-negative` | the static force of an actuator that is not slack is below zero | after |
+//!
+//! The limits are conventions. None is a limit of the equations, which go on beyond:
+//!
+//! - [`PRESSURE`], 20 bar: pneumatic muscles are sold for 6 to 8 bar and pneumatic valves and fittings for 10 to 16 bar; braids that
+//!   hold more are hydraulic, and their fluid is not a gas.
+//! - [`STRETCH`], 5 %: a load that falls onto the taut braid stretches it by up to 4.4 % in this project's examples, with the assumed
+//!   stiffness, and springs back. Beyond 5 % the straight line of `actuator.limit.stiffness` is no longer that of a taut thread.
+//! - [`STRENGTH`], 50 bar: what hydraulic braids are built for. The tension is compared with what the same braid makes then, so
+//!   that the limit grows with the muscle.
+//! - [`NEGATIVE`], 5 %: a law that falls to zero at full contraction may miss it by the rounding of its coefficients.
+//!
+//! Checked by the tests below and by the program's `tests/warnings.rs`.
+
+mod before;
+mod reached;
+mod valve;
+
+pub(crate) use before::feed_of;
+pub(crate) use reached::Reached;
+
+use crate::joint::NAMES;
+use crate::plant;
+use crate::run::{Figures, Ready};
+use mckibben::network::{Network, NodeKind};
+use mckibben::plant::{JointPlant, Part, Plant, PlantStart, RigPlant};
+use std::fmt;
+
+/// Gauge pressure in Pa above which no braid of a pneumatic muscle is made.
+pub const PRESSURE: f64 = 20e5;
+/// Gauge pressure in Pa at which the force of the ideal braid at its taut length is the most that a braid is built for.
+pub const STRENGTH: f64 = 50e5;
+/// Stretch beyond the taut length, as a share of it, up to which the stiffness of the taut braid describes it.
+pub const STRETCH: f64 = 0.05;
+/// Force below zero, as a share of the largest force of the run, that is more than rounding of a law's coefficients.
+pub const NEGATIVE: f64 = 0.05;
+
+/// Something that a scenario cannot mean.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Warning {
+    /// What it is, in a short word, such as `valve-never-opens`.
+    pub code: &'static str,
+    /// The actuator or part that it is of; empty where there is one actuator.
+    pub part: String,
+    /// One sentence: the quantity, its value, the limit, and what to change.
+    pub text: String,
+}
+
+impl Warning {
+    fn new(code: &'static str, part: &str, text: String) -> Self {
+        Self { code, part: part.to_owned(), text }
+    }
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.part.as_str() {
+            "" => f.write_str(&self.text),
+            part => write!(f, "{part}: {}", self.text),
+        }
+    }
+}
+
+/// The warnings of a run: those known before it and those that follow from what it reached, each actuator once for a code.
+pub fn of_run(before: Vec<Warning>, figures: &Figures) -> Vec<Warning> {
+    let mut all = before;
+    for new in figures.warnings() {
+        match all.iter_mut().find(|known| (known.code, &known.part) == (new.code, &new.part)) {
+            Some(known) => *known = new,
+            None => all.push(new),
+        }
+    }
+    all
+}
+
+impl Ready {
+    /// The warnings that are known before anything is simulated.
+    pub fn warnings(&self) -> Vec<Warning> {
+        match self {
+            Self::Actuator(of) => of_rig(&of.rig, |of_rig| of_rig.start(&of.start), &[]),
+            Self::Controlled(of) => {
+                let (rig, start) = (&of.experiment.rig, of.experiment.start);
+                of_rig(rig, |of_rig| of_rig.start(&start), &of.set_points)
+            }
+            Self::Joint(of) => of_joint(&of.rig, |view| view.start(&of.start)),
+            Self::ControlledJoint(of) => of_joint(&of.experiment.rig, |view| view.start(&of.experiment.start)),
+            Self::Plant(of) => {
+                let parts = Parts {
+                    plant: &of.plant,
+                    actuators: of.names.actuators.clone(),
+                    valves: (0..of.plant.network().valves.len())
+                        .map(|valve| plant::name_of(of, Part::Valve(valve)).to_owned())
+                        .collect(),
+                };
+                before::warnings(&parts, &of.start)
+            }
+        }
+    }
+}
+
+fn of_rig(
+    rig: &mckibben::simulation::Rig,
+    start: impl FnOnce(&RigPlant) -> PlantStart,
+    set_points: &[(mckibben::control::Quantity, mckibben::control::SetPoint)],
+) -> Vec<Warning> {
+    let view = RigPlant::new(rig);
+    let parts = Parts::named(view.plant(), &[""]);
+    let mut found = before::warnings(&parts, &start(&view));
+    found.extend(before::of_set_points(&parts, set_points));
+    found
+}
+
+fn of_joint(rig: &mckibben::simulation::JointRig, start: impl FnOnce(&JointPlant) -> PlantStart) -> Vec<Warning> {
+    // A joint that was read has been checked; what cannot be built fails in the run, which says why.
+    let Ok(view) = JointPlant::new(rig) else { return Vec::new() };
+    before::warnings(&Parts::named(view.plant(), &NAMES), &start(&view))
+}
+
+impl Figures {
+    /// The warnings that follow from what a run reached.
+    pub fn warnings(&self) -> Vec<Warning> {
+        match self {
+            Self::Actuator(of) => {
+                let view = RigPlant::new(&of.rig);
+                reached::warnings(&Parts::named(view.plant(), &[""]), &of.observation.reached)
+            }
+            Self::Joint(of) => match JointPlant::new(&of.rig) {
+                Ok(view) => reached::warnings(&Parts::named(view.plant(), &NAMES), &of.observation.reached),
+                Err(_) => Vec::new(),
+            },
+            Self::Plant(of) => {
+                let (plant, actuators) = (&of.experiment.plant, of.experiment.names.actuators.clone());
+                reached::warnings(&Parts { plant, actuators, valves: Vec::new() }, &of.observation.reached)
+            }
+        }
+    }
+}
+
+/// A plant with the names of its actuators and valves.
+struct Parts<'p> {
+    plant: &'p Plant,
+    actuators: Vec<String>,
+    valves: Vec<String>,
+}
+
+impl<'p> Parts<'p> {
+    /// Of a plant whose valves have the names of the actuators that they feed.
+    fn named(plant: &'p Plant, names: &[&str]) -> Self {
+        let actuators: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
+        let of = |valve| fed(plant.network(), valve).and_then(|index| actuators.get(index).cloned());
+        let valves = (0..plant.network().valves.len()).map(|valve| of(valve).unwrap_or_default()).collect();
+        Self { plant, actuators, valves }
+    }
+}
+
+/// The actuator that a valve feeds, through a hose or a manifold the first.
+fn fed(network: &Network, valve: usize) -> Option<usize> {
+    use mckibben::network::BranchKind;
+    let is_its = |kind: &BranchKind| matches!(kind, BranchKind::Path { valve: its, .. } if *its == valve);
+    let mut node = network.branches.iter().find(|branch| is_its(&branch.kind))?.to;
+    for _ in 0..=network.branches.len() {
+        if let NodeKind::Chamber { actuator } = network.nodes[node].kind {
+            return Some(actuator);
+        }
+        node = network.branches.iter().find(|branch| branch.from == node)?.to;
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mckibben_scenario::Document;
+
+    const MUSCLE: &str = "[supply]\ngauge_pressure = \"100 psi\"\n[valve]\npreset = \"matrix-eight-channel\"\n\
+                          [command]\nkind = \"pwm\"\nfrequency = \"25 Hz\"\nduty = 0.5\n\
+                          [load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n[run]\nduration = \"0.2 s\"";
+
+    /// The codes of a scenario's warnings with some values set, before a run and of the whole run.
+    fn codes(set: &[(&str, &str)]) -> [Vec<&'static str>; 2] {
+        let mut document = Document::parse(MUSCLE, "muscle.toml").unwrap();
+        set.iter().for_each(|(key, value)| document.set_plain_from("--set", key, value).unwrap());
+        let ready = Ready::of(&document).unwrap();
+        let before = ready.warnings();
+        let all = of_run(before.clone(), &ready.stream(&document, None).unwrap());
+        [before, all].map(|warnings| warnings.iter().map(|warning| warning.code).collect())
+    }
+
+    #[test]
+    fn a_plain_run_has_no_warnings() {
+        assert_eq!(codes(&[]), [vec![], vec![]] as [Vec<&str>; 2]);
+    }
+
+    /// The valve opens 4 ms after its coil is energised and closes 1 ms after: at 25 Hz a duty of 0.1 is a pulse of 4 ms, one of
+    /// 0.975 leaves a pause of 1 ms, and both still move the poppet.
+    #[test]
+    fn pulses_at_the_delay_move_the_valve_and_shorter_ones_do_not() {
+        let of = |duty| codes(&[("command.duty", duty)])[0].clone();
+        assert_eq!(of("0.0999"), ["valve-never-opens"]);
+        assert!(of("0.1001").is_empty());
+        assert!(of("0.9749").is_empty());
+        assert_eq!(of("0.9751"), ["valve-never-closes"]);
+        // The valve that is commanded shut, or open, for ever does what is commanded.
+        assert!(of("0").is_empty() && of("1").is_empty());
+    }
+
+    /// A normally open valve closes its path to the supply by the coil: a short fill is lost to the closing delay.
+    #[test]
+    fn a_normally_open_valve_has_the_delays_exchanged() {
+        let of = |duty| codes(&[("valve.kind", "three-way-normally-open"), ("command.duty", duty)])[0].clone();
+        assert_eq!(of("0.0249"), ["valve-never-opens"]);
+        assert!(of("0.0251").is_empty());
+        assert_eq!(of("0.9001"), ["valve-never-closes"]);
+    }
+
+    #[test]
+    fn what_no_braid_holds_is_warned_of() {
+        let [before, all] = codes(&[("supply.gauge_pressure", "600 bar"), ("run.duration", "0.5 s")]);
+        assert_eq!(before, ["pressure"]);
+        assert!(["pressure", "thrown"].iter().all(|code| all.contains(code)), "{all:?}");
+        let [before, all] = codes(&[("supply.gauge_pressure", "8 bar")]);
+        assert!(before.is_empty() && all.is_empty(), "{all:?}");
+    }
+
+    #[test]
+    fn a_load_that_exceeds_the_muscle_is_warned_of() {
+        let [before, all] = codes(&[("load.mass", "200 kg")]);
+        assert_eq!(before, ["overstretched"]);
+        assert!(["overstretched", "tension"].iter().all(|code| all.contains(code)), "{all:?}");
+    }
+
+    #[test]
+    fn a_start_below_full_contraction_is_warned_of() {
+        let of = |length| codes(&[("initial.length", length)])[0].clone();
+        assert_eq!(of("2.4 in"), ["starts-slack"]);
+        assert!(of("2.5 in").is_empty());
+    }
+
+    /// A pressure regulator refuses such a set point; a controller may aim for it.
+    #[test]
+    fn a_requested_pressure_above_the_supply_is_warned_of() {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/control/bang-bang.toml");
+        let mut document = Document::load(path).unwrap();
+        assert_eq!(Ready::of(&document).unwrap().warnings(), []);
+        document.set_text("supply.gauge_pressure", "\"55 psi\"").unwrap();
+        let found = Ready::of(&document).unwrap().warnings();
+        assert_eq!(found.iter().map(|of| of.code).collect::<Vec<_>>(), ["supply-exceeded"]);
+        assert!(found[0].text.contains("413.7 kPa exceeds supply.gauge_pressure = 379.2 kPa"), "{}", found[0]);
+    }
+
+    #[test]
+    fn a_map_beyond_its_table_is_warned_of() {
+        let map = "{ law = \"map\", gauge_pressure = [\"0 bar\", \"3 bar\"], length = [\"70 mm\", \"98 mm\"], \
+                   tension = [\"0 N\", \"1 N\", \"0 N\", \"60 N\"] }";
+        let of = |supply| codes(&[("actuator.force", map), ("supply.gauge_pressure", supply)])[1].clone();
+        assert!(of("6 bar").contains(&"law-extrapolated"));
+        assert!(!of("2.9 bar").contains(&"law-extrapolated"));
+    }
+
+    #[test]
+    fn a_law_that_pushes_is_warned_of() {
+        let of = |least: &str| {
+            let map = format!(
+                "{{ law = \"map\", gauge_pressure = [\"0 bar\", \"7 bar\"], length = [\"70 mm\", \"98 mm\"], \
+                 tension = [\"{least}\", \"1 N\", \"{least}\", \"60 N\"] }}"
+            );
+            let load = ("load", "{ kind = \"isometric\" }");
+            codes(&[("actuator.force", &map), load, ("initial.length", "72 mm"), ("run.duration", "50 ms")])[1].clone()
+        };
+        assert_eq!(of("-40 N"), ["law-negative"]);
+        assert!(of("0 N").is_empty());
+    }
+
+    #[test]
+    fn each_actuator_of_a_plant_is_named() {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/plant/arm.toml");
+        let mut document = Document::load(path).unwrap();
+        assert_eq!(Ready::of(&document).unwrap().warnings(), []);
+        document.set_text("initial.gauge_pressure", "\"30 bar\"").unwrap();
+        document.set_text("run.duration", "\"1 ms\"").unwrap();
+        let ready = Ready::of(&document).unwrap();
+        let Ready::Plant(plant) = &ready else { panic!("a plant") };
+        let names = plant.names.actuators.clone();
+        let of = |warnings: &[Warning]| -> Vec<String> {
+            warnings.iter().filter(|of| of.code == "pressure").map(|of| of.part.clone()).collect()
+        };
+        let before = ready.warnings();
+        assert_eq!(of(&before), names);
+        // What the run reached takes the place of what was known before, each once.
+        assert_eq!(of(&of_run(before, &ready.stream(&document, None).unwrap())), names);
+    }
+
+    #[test]
+    fn each_actuator_of_a_joint_is_named() {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/antagonistic-joint.toml");
+        let mut document = Document::load(path).unwrap();
+        document.set_text("run.duration", "\"0.2 s\"").unwrap();
+        let plain = Ready::of(&document).unwrap().warnings();
+        document.set_text("initial.gauge_pressure", "\"30 bar\"").unwrap();
+        let ready = Ready::of(&document).unwrap();
+        let found = ready.warnings();
+        assert!(plain.iter().all(|warning| warning.code != "pressure"));
+        let of = |part: &str| found.iter().any(|of| of.code == "pressure" && of.part == part);
+        assert!(of("agonist"), "{found:?}");
+        assert!(found.iter().find(|of| of.code == "pressure").unwrap().to_string().starts_with("agonist: "));
+    }
+}
