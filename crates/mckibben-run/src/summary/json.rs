@@ -9,7 +9,7 @@
 //! | `warnings` | a list of objects with `code`, `part` (empty where there is one actuator) and `text` |
 //! | `assumed` | a list of objects with `key`, `value`, `source` and `preset`, null where it is a default |
 //!
-//! Keys are in alphabetical order, and nothing in it depends on the machine: equal runs have equal bytes.
+//! Nothing in it depends on the machine: equal runs have equal bytes.
 
 use super::Summary;
 use crate::failure::Failure;

@@ -17,12 +17,11 @@
 //!
 //! The limits are conventions. None is a limit of the equations, which go on beyond:
 //!
-//! - [`PRESSURE`], 20 bar: pneumatic muscles are sold for 6 to 8 bar and pneumatic valves and fittings for 10 to 16 bar; braids that
-//!   hold more are hydraulic, and their fluid is not a gas.
+//! - [`PRESSURE`], 20 bar: chosen, nearly three times the 7 bar (100 psi) of the paper's experiments; no source states what braids hold.
 //! - [`STRETCH`], 5 %: a load that falls onto the taut braid stretches it by up to 4.4 % in this project's examples, with the assumed
 //!   stiffness, and springs back. Beyond 5 % the straight line of `actuator.limit.stiffness` is no longer that of a taut thread.
-//! - [`STRENGTH`], 50 bar: what hydraulic braids are built for. The tension is compared with what the same braid makes then, so
-//!   that the limit grows with the muscle.
+//! - [`STRENGTH`], 50 bar: chosen, so that an impact on the taut braid in this project's examples stays below. The tension is compared
+//!   with what the same braid makes then, so that the limit grows with the muscle.
 //! - [`NEGATIVE`], 5 %: a law that falls to zero at full contraction may miss it by the rounding of its coefficients.
 //!
 //! Checked by the tests below and by the program's `tests/warnings.rs`.
