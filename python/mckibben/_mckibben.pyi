@@ -1846,6 +1846,14 @@ class Trajectory:
         """
         Volumes of the actuator's air in m^3, in the braid and outside it.
         """
+    @property
+    def warnings(self, /) -> list[str]:
+        """
+        Warnings of what the scenario cannot mean, such as a valve that never opens or a length that no braid has.
+
+        Each is one sentence that names the quantity, its value, the limit and the key to change. Of several actuators it begins
+        with the name of the part.
+        """
 
 @final
 class VectorPlant:
