@@ -87,7 +87,7 @@ fn of_actuator(actuator: &Actuator, mechanism: &Mechanism, name: &str, reached: 
     let (tension, bound) = (reached.tension.greatest, strength(actuator));
     if tension > bound {
         let text = format!(
-            "the tension reaches {}, above the {} that this braid makes at {}, the most that braids are built for; {}",
+            "the tension reaches {}, above the {} that this braid makes at {}, where this program begins to doubt it; {}",
             quantity(tension, "N"),
             quantity(bound, "N"),
             given(STRENGTH, "Pa"),
@@ -100,7 +100,7 @@ fn of_actuator(actuator: &Actuator, mechanism: &Mechanism, name: &str, reached: 
     }
     if matches!(mechanism, Mechanism::Mass(_)) && reached.distance.least < 0.0 {
         let text = format!(
-            "the load is thrown above the attachment, to a distance of {}, which the muscle would be in the way of; lower \
+            "the load is thrown above the attachment, to a distance of {}, where the muscle itself is; lower \
              supply.gauge_pressure or raise the load",
             quantity(reached.distance.least, "m"),
         );
@@ -119,8 +119,10 @@ fn strength(actuator: &Actuator) -> f64 {
 
 /// That a gauge pressure, which `what` says with its verb, is above what braids hold.
 pub(super) fn beyond_pressure(name: &str, what: &str, key: &str) -> Warning {
-    let text =
-        format!("{what} far above the {} that braids of pneumatic muscles hold; lower {key}", given(PRESSURE, "Pa"));
+    let text = format!(
+        "{what} above {}, where this program begins to doubt that a braid holds; lower {key}",
+        given(PRESSURE, "Pa")
+    );
     Warning::new("pressure", name, text)
 }
 

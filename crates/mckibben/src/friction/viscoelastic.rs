@@ -184,7 +184,7 @@ impl<S: Scalar> Viscoelastic<S> {
 
     /// The reciprocal of a relaxation time in 1/s.
     #[inline(always)]
-    pub(crate) fn relaxation_rate(&self, branch: usize) -> S {
+    pub fn relaxation_rate(&self, branch: usize) -> S {
         self.relaxation_rate[branch]
     }
 
