@@ -5,6 +5,7 @@
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use mckibben_run::axis::HorizontalAxis;
 use mckibben_run::failure::Failure;
+use mckibben_run::quantities;
 use mckibben_scenario::Document;
 use std::fmt;
 use std::str::FromStr;
@@ -13,6 +14,15 @@ use std::str::FromStr;
 pub(crate) fn axis<A: HorizontalAxis>() -> impl TypedValueParser<Value = A> {
     let value = |axis: &A| PossibleValue::new(axis.name()).help(axis.meaning());
     PossibleValuesParser::new(A::ALL.iter().map(value)).try_map(|name| name.parse::<A>())
+}
+
+/// Parser of a quantity with a unit, in the SI unit that it must have the dimension of: [`quantities::read`].
+pub(crate) fn measured(
+    what: &'static str,
+    unit: &'static str,
+    example: &'static str,
+) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
+    move |text: &str| quantities::read(text, what, unit, example)
 }
 
 /// A key of the scenario and its new value.

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Folder, of_repository};
+use common::{Folder, PULSES as PWM, of_repository};
 use mckibben::plant::JointPlant;
 use mckibben::simulation::simulate;
 use mckibben_scenario::Document;
@@ -11,21 +11,6 @@ use parquet::record::RowAccessor as _;
 use std::path::Path;
 
 const HEADER: &str = "time_s,length_m,velocity_m_s,absolute_pressure_pa,gauge_pressure_pa,air_mass_kg,temperature_k,volume_m3,tension_n,mass_flow_kg_s,valve";
-
-const PWM: &str = r#"[supply]
-gauge_pressure = "100 psi"
-[valve]
-preset = "matrix-eight-channel"
-[command]
-kind = "pwm"
-frequency = "25 Hz"
-duty = 0.5
-[load]
-kind = "hanging-mass"
-mass = "5 lb"
-[run]
-duration = "0.3 s"
-"#;
 
 fn run(folder: &Folder, arguments: &[&str]) -> String {
     let output = folder.mckibben().args(arguments).output().expect("the program runs");

@@ -38,13 +38,14 @@ impl Numbers {
 #[test]
 fn braids_made_to_measure_hold_the_load_at_the_stroke() {
     let folder = Folder::new("size-braids");
-    let told = text(&size(&folder, &["--braid-angles", "20,25,30", "--effectiveness", "0.8", "--output", "sizes.csv"]));
+    let printed =
+        text(&size(&folder, &["--braid-angles", "20,25,30", "--effectiveness", "0.8", "--output", "sizes.csv"]));
     let table = Numbers::read(&folder, "sizes.csv");
     let mut made = 0;
     for row in 0..table.1.len() {
         let of = |column: &str| table.at(row, column);
         assert!(row == 0 || of("air_kg") >= table.at(row - 1, "air_kg"));
-        assert!(of("contraction") * of("length_m") > 0.03 * (1.0 - 1e-5), "{told}");
+        assert!(of("contraction") * of("length_m") > 0.03 * (1.0 - 1e-5), "{printed}");
         let (thread, turns, length) = (of("thread_length_m"), of("turns"), of("length_m"));
         let angle = (length / thread).acos().to_degrees();
         if of("count") == 1.0 && [20.0, 25.0, 30.0].iter().any(|asked| (angle - asked).abs() < 1e-6) {
@@ -61,7 +62,7 @@ fn braids_made_to_measure_hold_the_load_at_the_stroke() {
             assert!((of("air_kg") / air - 1.0).abs() < 1e-4, "{} {air}", of("air_kg"));
         }
     }
-    assert_eq!(made, 3, "{told}");
+    assert_eq!(made, 3, "{printed}");
 }
 
 /// The valve that is named lifts the load over nine tenths of the stroke in the time, by the run of the scenario that is written.
@@ -69,8 +70,8 @@ fn braids_made_to_measure_hold_the_load_at_the_stroke() {
 fn the_valve_is_quick_enough_and_not_wider_than_need_be() {
     let folder = Folder::new("size-valve");
     let asked = ["--time", "0.3 s", "--braid-angles", "25", "--scenario", "muscle.toml", "--hose", "2 m"];
-    let told = text(&size(&folder, &asked));
-    assert!(told.contains("Named valves") && told.contains("hose, inner diameter mm"), "{told}");
+    let printed = text(&size(&folder, &asked));
+    assert!(printed.contains("Named valves") && printed.contains("hose, inner diameter mm"), "{printed}");
     let scenario = std::fs::read_to_string(folder.path("muscle.toml")).expect("a scenario");
     let written = |key: &str| -> f64 {
         let start = format!("{key} = \"");
@@ -93,12 +94,12 @@ fn the_valve_is_quick_enough_and_not_wider_than_need_be() {
 #[test]
 fn limits_are_kept_or_named() {
     let folder = Folder::new("size-limits");
-    let told = text(&size(&folder, &["--most-diameter", "5 mm", "--braid-angles", "25", "--output", "sizes.csv"]));
+    let printed = text(&size(&folder, &["--most-diameter", "5 mm", "--braid-angles", "25", "--output", "sizes.csv"]));
     let table = Numbers::read(&folder, "sizes.csv");
-    assert!(table.1.len() == 1 && table.at(0, "count") == 2.0 && table.at(0, "diameter_m") <= 5e-3, "{told}");
-    assert!(told.contains("festo-dmsp-10-250 is longer or wider than allowed"), "{told}");
-    let told = text(&size(&folder, &["--most-length", "100 mm"]));
-    assert!(told.contains("a braid of 35° must be at least") && told.contains("100.0"), "{told}");
+    assert!(table.1.len() == 1 && table.at(0, "count") == 2.0 && table.at(0, "diameter_m") <= 5e-3, "{printed}");
+    assert!(printed.contains("festo-dmsp-10-250 is longer or wider than allowed"), "{printed}");
+    let printed = text(&size(&folder, &["--most-length", "100 mm"]));
+    assert!(printed.contains("a braid of 35° must be at least") && printed.contains("100.0"), "{printed}");
 }
 
 #[test]

@@ -3,24 +3,9 @@
 
 mod common;
 
-use common::{Folder, of_repository};
+use common::{Folder, PULSES, of_repository};
 use std::path::Path;
 use std::process::Output;
-
-const PULSES: &str = r#"[supply]
-gauge_pressure = "100 psi"
-[valve]
-preset = "matrix-eight-channel"
-[command]
-kind = "pwm"
-frequency = "25 Hz"
-duty = 0.5
-[load]
-kind = "hanging-mass"
-mass = "5 lb"
-[run]
-duration = "0.3 s"
-"#;
 
 fn simulate(folder: &Folder, arguments: &[&str]) -> Output {
     folder.mckibben().arg("simulate").args(arguments).output().expect("the program runs")

@@ -2,23 +2,13 @@
 
 mod common;
 
-use common::{Folder, of_repository};
+use common::{Folder, PULSES, of_repository};
 use std::process::Output;
 
-const MUSCLE: &str = r#"[supply]
-gauge_pressure = "100 psi"
-[valve]
-preset = "matrix-eight-channel"
-[command]
-kind = "pwm"
-frequency = "25 Hz"
-duty = 0.5
-[load]
-kind = "hanging-mass"
-mass = "5 lb"
-[run]
-duration = "0.1 s"
-"#;
+/// The pulsed muscle for a tenth of a second.
+fn muscle() -> String {
+    PULSES.replace("0.3 s", "0.1 s")
+}
 
 /// The valve of this muscle opens 4 ms after its coil is energised, and a duty of 0.05 at 25 Hz lasts 2 ms.
 const NEVER_OPENS: &str =
@@ -40,7 +30,7 @@ fn json(output: &Output) -> serde_json::Value {
 #[test]
 fn a_warning_stands_in_the_summary_and_of_a_quiet_run_on_standard_error() {
     let folder = Folder::new("warnings-where");
-    folder.file("muscle.toml", MUSCLE);
+    folder.file("muscle.toml", &muscle());
     let short = ["simulate", "muscle.toml", "--set", "command.duty=0.05"];
     let output = run(&folder, &short);
     assert!(output.status.success() && output.stderr.is_empty(), "{}", flat(&output.stderr));
@@ -56,7 +46,7 @@ fn a_warning_stands_in_the_summary_and_of_a_quiet_run_on_standard_error() {
 #[test]
 fn strict_makes_errors_of_warnings_and_nothing_is_written() {
     let folder = Folder::new("warnings-strict");
-    folder.file("muscle.toml", MUSCLE);
+    folder.file("muscle.toml", &muscle());
     // The first is known before the run, the second after it.
     for set in ["command.duty=0.05", "supply.gauge_pressure=280 psi"] {
         for plot in [&[][..], &["--plot", "run.svg"]] {
@@ -76,8 +66,8 @@ fn strict_makes_errors_of_warnings_and_nothing_is_written() {
 #[test]
 fn check_warns_of_what_is_known_before_a_run() {
     let folder = Folder::new("warnings-check");
-    folder.file("good.toml", MUSCLE);
-    folder.file("short.toml", &MUSCLE.replace("duty = 0.5", "duty = 0.05"));
+    folder.file("good.toml", &muscle());
+    folder.file("short.toml", &muscle().replace("duty = 0.5", "duty = 0.05"));
     let output = run(&folder, &["check", "good.toml", "short.toml"]);
     assert!(output.status.success());
     assert!(
@@ -95,7 +85,7 @@ fn check_warns_of_what_is_known_before_a_run() {
 fn a_sweep_counts_the_runs_with_warnings() {
     let folder = Folder::new("warnings-sweep");
     let sweep = "[sweep]\nreductions = [\"length.final\"]\n[sweep.vary]\n\"command.duty\" = [0.5, 0.08, 0.05, 0.6]\n";
-    folder.file("sweep.toml", &format!("{MUSCLE}step = \"0.5 ms\"\n{sweep}"));
+    folder.file("sweep.toml", &format!("{}step = \"0.5 ms\"\n{sweep}", muscle()));
     let output = run(&folder, &["sweep", "sweep.toml"]);
     let text = flat(&output.stdout);
     assert!(output.status.success(), "{}", flat(&output.stderr));
@@ -121,7 +111,7 @@ fn a_linear_model_warns_of_a_pressure_that_the_supply_cannot_make() {
 #[test]
 fn the_summary_as_json_has_numbers_with_units_events_warnings_and_assumed_values() {
     let folder = Folder::new("summary-json");
-    folder.file("muscle.toml", MUSCLE);
+    folder.file("muscle.toml", &muscle());
     let arguments =
         ["simulate", "muscle.toml", "--format", "json", "--output", "run.csv", "--set", "command.duty=0.05"];
     let output = run(&folder, &arguments);
@@ -158,18 +148,18 @@ fn the_summary_as_json_has_numbers_with_units_events_warnings_and_assumed_values
 #[test]
 fn a_scenario_comes_from_standard_input() {
     let folder = Folder::new("standard-input");
-    folder.file("muscle.toml", MUSCLE);
+    folder.file("muscle.toml", &muscle());
     let given = |arguments: &[&str], text: &str| {
         folder.mckibben().args(arguments).write_stdin(text).output().expect("the program runs")
     };
-    let output = given(&["simulate", "-", "--output", "streamed.csv"], MUSCLE);
+    let output = given(&["simulate", "-", "--output", "streamed.csv"], &muscle());
     assert!(output.status.success(), "{}", flat(&output.stderr));
     assert!(flat(&output.stdout).starts_with("standard input"));
     assert!(run(&folder, &["simulate", "muscle.toml", "--output", "read.csv"]).status.success());
     let bytes = |name: &str| std::fs::read(folder.path(name)).expect("written");
     assert!(bytes("streamed.csv") == bytes("read.csv"));
-    assert!(given(&["check", "-"], MUSCLE).status.success());
-    let output = given(&["check", "-"], &MUSCLE.replace("duty", "dutie"));
+    assert!(given(&["check", "-"], &muscle()).status.success());
+    let output = given(&["check", "-"], &muscle().replace("duty", "dutie"));
     assert_eq!(output.status.code(), Some(2));
     assert!(flat(&output.stderr).contains("standard input:8:1"), "{}", flat(&output.stderr));
 }
@@ -177,7 +167,7 @@ fn a_scenario_comes_from_standard_input() {
 #[test]
 fn a_table_or_a_binary_file_in_place_of_a_scenario_is_one_message() {
     let folder = Folder::new("no-scenario");
-    folder.file("muscle.toml", MUSCLE);
+    folder.file("muscle.toml", &muscle());
     for (output, words) in [("run.csv", "is a table of 11 columns in CSV"), ("run.parquet", "is a Parquet file")] {
         assert!(run(&folder, &["simulate", "muscle.toml", "--output", output]).status.success());
         for command in ["simulate", "check", "sweep", "linearize", "curves"] {

@@ -3,12 +3,11 @@
 //! Everything is done by [`mckibben_run::linearize`]. Checked by `tests/linearize.rs`.
 
 use crate::files;
-use crate::settings::Setting;
+use crate::settings::{Setting, measured};
 use crate::terminal::{self, HEADING, NOTABLE, styled};
 use mckibben_run::failure::Failure;
 use mckibben_run::linearize::{Account, Line, LinearModel, Measure, Request};
 use mckibben_run::output::{self, Pending};
-use mckibben_run::quantities::read;
 use std::path::PathBuf;
 
 /// What `mckibben linearize` is asked.
@@ -38,10 +37,10 @@ pub struct LinearizeArguments {
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
     /// Gauge pressure at the point, such as `60 psi`.
-    #[arg(long, value_name = "QUANTITY", value_parser = pressure, allow_hyphen_values = true)]
+    #[arg(long, value_name = "QUANTITY", value_parser = measured("pressure", "Pa", "60 psi"), allow_hyphen_values = true)]
     pub gauge_pressure: Option<f64>,
     /// Distance between the attachments at the point, such as `85 mm`.
-    #[arg(long, value_name = "QUANTITY", value_parser = length)]
+    #[arg(long, value_name = "QUANTITY", value_parser = measured("length", "m", "85 mm"))]
     pub length: Option<f64>,
     /// The load: a mass that hangs, such as `10 lb`, or a force, such as `40 N`.
     #[arg(long, value_name = "QUANTITY", value_parser = Measure::read)]
@@ -53,16 +52,16 @@ pub struct LinearizeArguments {
     #[arg(long, conflicts_with = "duty")]
     pub pwm: bool,
     /// Temperature of the air at the point; else the scenario's air, brought there by its process.
-    #[arg(long, value_name = "QUANTITY", value_parser = temperature)]
+    #[arg(long, value_name = "QUANTITY", value_parser = measured("temperature", "K", "293 K"))]
     pub temperature: Option<f64>,
     /// Angle of a joint at the point, such as `20 deg`.
-    #[arg(long, value_name = "QUANTITY", value_parser = angle, allow_hyphen_values = true, requires = "stiffness")]
+    #[arg(long, value_name = "QUANTITY", value_parser = measured("angle", "rad", "20 deg"), allow_hyphen_values = true, requires = "stiffness")]
     pub angle: Option<f64>,
     /// Stiffness that the two actuators give a joint at that angle, such as `2 N*m/rad`; the pressures follow.
-    #[arg(long, value_name = "QUANTITY", value_parser = stiffness, requires = "angle")]
+    #[arg(long, value_name = "QUANTITY", value_parser = measured("stiffness of a joint", "N*m/rad", "2 N*m/rad"), requires = "angle")]
     pub stiffness: Option<f64>,
     /// Replace Coulomb friction by the viscous damping that takes as much from an oscillation of this amplitude.
-    #[arg(long, value_name = "QUANTITY", value_parser = length)]
+    #[arg(long, value_name = "QUANTITY", value_parser = measured("length", "m", "85 mm"))]
     pub amplitude: Option<f64>,
     /// Keep the air mass as a state where it follows from the others; its pole is zero.
     #[arg(long)]
@@ -152,24 +151,4 @@ fn told(account: &Account) -> String {
 fn told_line(Line { name, value, warning }: &Line) -> String {
     let warning = if warning.is_empty() { String::new() } else { format!("; {}", styled(NOTABLE, warning)) };
     terminal::entry(name, 16, &format!("{value}{warning}"))
-}
-
-fn pressure(text: &str) -> Result<f64, String> {
-    read(text, "pressure", "Pa", "60 psi")
-}
-
-fn length(text: &str) -> Result<f64, String> {
-    read(text, "length", "m", "85 mm")
-}
-
-fn angle(text: &str) -> Result<f64, String> {
-    read(text, "angle", "rad", "20 deg")
-}
-
-fn stiffness(text: &str) -> Result<f64, String> {
-    read(text, "stiffness of a joint", "N*m/rad", "2 N*m/rad")
-}
-
-fn temperature(text: &str) -> Result<f64, String> {
-    read(text, "temperature", "K", "293 K")
 }

@@ -3,17 +3,15 @@
 //! Checked by `tests/size.rs`.
 
 use crate::files;
+use crate::settings::measured;
 use crate::terminal;
 use mckibben_run::failure::Failure;
 use mckibben_run::linearize::Measure;
 use mckibben_run::output;
-use mckibben_run::quantities::{given, read};
+use mckibben_run::quantities::given;
 use mckibben_run::report::{Table, number};
-use mckibben_run::size::{Requirement, Sizes};
+use mckibben_run::size::{Requirement, Sizes, force_of};
 use std::path::PathBuf;
-
-/// Standard gravity in m/s².
-const GRAVITY: f64 = 9.80665;
 
 /// What `mckibben size` is asked.
 #[derive(Clone, Debug, clap::Args)]
@@ -33,10 +31,10 @@ pub struct SizeArguments {
     #[arg(long, value_name = "QUANTITY", value_parser = Measure::read)]
     pub load: Measure,
     /// How far, such as `30 mm`.
-    #[arg(long, value_name = "QUANTITY", value_parser = length)]
+    #[arg(long, value_name = "QUANTITY", value_parser = measured("length", "m", "30 mm"))]
     pub stroke: f64,
     /// The gauge pressure that there is, such as `4 bar`.
-    #[arg(long, value_name = "QUANTITY", value_parser = pressure)]
+    #[arg(long, value_name = "QUANTITY", value_parser = measured("pressure", "Pa", "4 bar"))]
     pub gauge_pressure: f64,
     /// Braid angles at rest of the braids that are made to measure, as in `20,25,30`, in degrees.
     #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "15,20,25,30,35")]
@@ -45,16 +43,16 @@ pub struct SizeArguments {
     #[arg(long, value_name = "PART", default_value_t = 1.0)]
     pub effectiveness: f64,
     /// The greatest length that a muscle may have at rest.
-    #[arg(long, value_name = "QUANTITY", value_parser = length)]
+    #[arg(long, value_name = "QUANTITY", value_parser = measured("length", "m", "30 mm"))]
     pub most_length: Option<f64>,
     /// The greatest diameter that a braid may have at rest.
-    #[arg(long, value_name = "QUANTITY", value_parser = length)]
+    #[arg(long, value_name = "QUANTITY", value_parser = measured("length", "m", "30 mm"))]
     pub most_diameter: Option<f64>,
     /// Within which time nine tenths of the stroke are to be done: the valve follows.
-    #[arg(long, value_name = "QUANTITY", value_parser = time)]
+    #[arg(long, value_name = "QUANTITY", value_parser = measured("time", "s", "0.3 s"))]
     pub time: Option<f64>,
     /// The length of the hose from the valve: its diameter follows.
-    #[arg(long, value_name = "QUANTITY", value_parser = length, requires = "time")]
+    #[arg(long, value_name = "QUANTITY", value_parser = measured("length", "m", "30 mm"), requires = "time")]
     pub hose: Option<f64>,
     /// For which candidate valves and hoses are listed and the scenario is written, by its place in the table.
     #[arg(long, value_name = "PLACE", default_value_t = 1)]
@@ -70,18 +68,6 @@ pub struct SizeArguments {
     pub scenario: Option<PathBuf>,
 }
 
-fn length(text: &str) -> Result<f64, String> {
-    read(text, "length", "m", "30 mm")
-}
-
-fn pressure(text: &str) -> Result<f64, String> {
-    read(text, "pressure", "Pa", "4 bar")
-}
-
-fn time(text: &str) -> Result<f64, String> {
-    read(text, "time", "s", "0.3 s")
-}
-
 /// Looks for muscles and shows them.
 ///
 /// # Errors
@@ -94,10 +80,7 @@ pub fn run(arguments: &SizeArguments) -> Result<(), Failure> {
     ending(&arguments.scenario, "--scenario", "toml")?;
     let plot = files::figure(arguments.plot.as_deref())?;
     let sizes = Sizes::of(Requirement {
-        load: match arguments.load {
-            Measure::Mass(mass) => mass * GRAVITY,
-            Measure::Force(force) => force,
-        },
+        load: force_of(arguments.load),
         stroke: arguments.stroke,
         gauge_pressure: arguments.gauge_pressure,
         braid_angles: arguments.braid_angles.iter().map(|angle| angle.to_radians()).collect(),

@@ -3,6 +3,23 @@
 use assert_cmd::Command;
 use std::path::{Path, PathBuf};
 
+/// A muscle that lifts 5 lb under pulses at 25 Hz, for 0.3 s.
+#[allow(dead_code)]
+pub(crate) const PULSES: &str = r#"[supply]
+gauge_pressure = "100 psi"
+[valve]
+preset = "matrix-eight-channel"
+[command]
+kind = "pwm"
+frequency = "25 Hz"
+duty = 0.5
+[load]
+kind = "hanging-mass"
+mass = "5 lb"
+[run]
+duration = "0.3 s"
+"#;
+
 /// A folder that is gone when the test is over.
 pub(crate) struct Folder(PathBuf);
 

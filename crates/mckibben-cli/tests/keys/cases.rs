@@ -37,7 +37,7 @@ external_volume = "3 cm^3"
 friction.viscous = "3 N*s/m"
 friction.coulomb_width = "0.05 mm"
 "#;
-/// The same muscle, described at rest.
+/// A muscle that is described at rest.
 const AT_REST: &str = r#"
 [actuator]
 length = "97.8 mm"

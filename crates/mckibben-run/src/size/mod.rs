@@ -15,6 +15,7 @@ mod free;
 mod valve;
 
 use crate::failure::Failure;
+use crate::linearize::Measure;
 use crate::quantities::{self, digits};
 use crate::report::{Data, Table, number};
 use mckibben::{Actuator, GaugePressure};
@@ -32,6 +33,14 @@ const GRAVITY: f64 = 9.80665;
 const POINTS: usize = 80;
 /// How much of a stroke may be missing by rounding of the sizes.
 const ROUNDING: f64 = 1e-6;
+
+/// The force in N of a load: of a mass its weight.
+pub fn force_of(load: Measure) -> f64 {
+    match load {
+        Measure::Mass(mass) => mass * GRAVITY,
+        Measure::Force(force) => force,
+    }
+}
 
 /// What is to be moved.
 #[derive(Clone, Debug, PartialEq)]
@@ -339,8 +348,7 @@ impl Candidate {
             let middle = 0.5 * (low + high);
             if way(middle) < requirement.stroke { low = middle } else { high = middle }
         }
-        let muscle = document.muscles().into_iter().next().map(|(_, muscle)| muscle);
-        let Some(muscle) = muscle else { return Err(Failure::input("the candidate has no muscle", "report this")) };
+        let braid = &actuator.law().law.braid;
         let content = |gauge: f64, length: f64| {
             actuator.air().mass(GaugePressure(gauge).absolute(atmosphere), actuator.volume(length), ROOM)
         };
@@ -349,8 +357,8 @@ impl Candidate {
         Ok(Ok(Self {
             count,
             length: limits.max_length(),
-            diameter: muscle.diameter,
-            thread: [muscle.thread_length, muscle.turns],
+            diameter: braid.diameter(limits.max_length()),
+            thread: [braid.thread_length(), braid.turns()],
             contraction: reached / limits.max_length(),
             needed_pressure: high,
             force_at_rest: count as f64 * actuator.static_force(limits.max_length(), whole),

@@ -7,6 +7,7 @@ use super::{Candidate, Requirement};
 use crate::failure::Failure;
 use crate::quantities;
 use crate::report::number;
+use mckibben::plant::RigReader;
 use mckibben::simulation::simulate;
 use mckibben_scenario::{Document, presets};
 
@@ -102,9 +103,10 @@ fn time_of(text: &str, requirement: &Requirement, until: f64) -> Result<Option<f
     let end = experiment.rig.actuator().limits().max_length() - DONE * requirement.stroke;
     let run = simulate(&experiment.rig, experiment.start, until, TOLERANCE)
         .map_err(|error| Failure::stopped(error.to_string()))?;
-    let is_there = |time: f64| run.at(time).length <= end;
-    let instants = (1..=LOOKS).map(|k| until * k as f64 / LOOKS as f64);
-    let Some(after) = instants.into_iter().find(|time| is_there(*time)) else { return Ok(None) };
+    let mut reader = RigReader::new(&run);
+    let mut is_there = |time: f64| reader.read(time).length <= end;
+    let mut instants = (1..=LOOKS).map(|k| until * k as f64 / LOOKS as f64);
+    let Some(after) = instants.find(|time| is_there(*time)) else { return Ok(None) };
     let (mut low, mut high) = (after - until / LOOKS as f64, after);
     for _ in 0..30 {
         let middle = 0.5 * (low + high);

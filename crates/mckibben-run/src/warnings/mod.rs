@@ -40,9 +40,9 @@ use mckibben::network::{Network, NodeKind};
 use mckibben::plant::{JointPlant, Part, Plant, PlantStart, RigPlant};
 use std::fmt;
 
-/// Gauge pressure in Pa above which no braid of a pneumatic muscle is made.
+/// Gauge pressure in Pa above which a scenario is doubted: chosen.
 pub const PRESSURE: f64 = 20e5;
-/// Gauge pressure in Pa at which the force of the ideal braid at its taut length is the most that a braid is built for.
+/// Gauge pressure in Pa at which the force of the ideal braid at its taut length is the largest tension that is not doubted: chosen.
 pub const STRENGTH: f64 = 50e5;
 /// Stretch beyond the taut length, as a share of it, up to which the stiffness of the taut braid describes it.
 pub const STRETCH: f64 = 0.05;
