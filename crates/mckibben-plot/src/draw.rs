@@ -4,7 +4,9 @@ use super::axis::Scale;
 use super::decimate::{COLUMN, chord, clip, clip_polygon, reduce, runs, staircase, thin};
 use super::figure::{Extent, Marks, Panel, Reference, Series, Span, Style};
 use super::layout::{TICK, TICK_GAP, TICK_SIZE, words};
-use super::legend::{End, LINE, SHADE, dash, draw_marks, draw_points, rule, symbol};
+use super::legend::{
+    End, LINE, MARK, SHADE, STRIP, STRIP_ROW, STRIP_SHADE, dash, draw_marks, draw_points, rule, symbol,
+};
 use super::range::Range;
 use super::scene::{Anchor, Area, Ink, Outline, Point, Scene, Step, Words};
 use super::text::Faces;
@@ -64,8 +66,16 @@ pub(super) fn panel(scene: &mut Scene, panel: &Panel, frame: &Frame<'_>, faces: 
     for series in &panel.series {
         draw_series(scene, panel, series, frame);
     }
+    let mut taken = Vec::new();
     for marks in &panel.marks {
-        draw_marks(scene, marks.colour.into(), marks.symbol, &places(marks, frame));
+        let (moved, leaders) = apart(&places(marks, frame), &mut taken, frame.area);
+        scene.outline(leaders);
+        draw_marks(scene, marks.colour.into(), (marks.symbol, marks.filled), &moved);
+    }
+    for (row, strip) in panel.strips.iter().rev().enumerate() {
+        let bottom = frame.area.top - 1.5 - row as f64 * STRIP_ROW;
+        let rows = Area { top: bottom - STRIP, bottom, ..frame.area };
+        draw_intervals(scene, (strip.colour.into(), STRIP_SHADE), &strip.intervals, (frame, rows));
     }
     rule_words(panel, frame, faces).0.into_iter().for_each(|words| scene.words(words));
 }
@@ -133,6 +143,29 @@ fn places(marks: &Marks, frame: &Frame<'_>) -> Vec<Point> {
     thin(points.into_iter().filter(|p| area.contains(*p)))
 }
 
+/// Marks beside those that stand where they would: above, or below where there is no room above. Also the lines from where
+/// they belong.
+pub(super) fn apart(points: &[Point], taken: &mut Vec<Point>, area: Area) -> (Vec<Point>, Outline) {
+    const STEP: f64 = 2.0 * MARK + 1.6;
+    let mut leaders = Outline::stroked(Ink::Muted, 0.5, &[]);
+    let free = |at: Point, taken: &[Point]| taken.iter().all(|other| distance(*other, at) >= STEP - 0.1);
+    let moved = points.iter().map(|point| {
+        let places = (0..12).flat_map(|n| [f64::from(n), -f64::from(n)]).map(|n| [point[0], point[1] - n * STEP]);
+        let fits = |at: &Point| *at == *point || (area.top..=area.bottom).contains(&at[1]);
+        let at = places.filter(fits).find(|at| free(*at, taken)).unwrap_or(*point);
+        if at != *point {
+            leaders.polyline(&[*point, at]);
+        }
+        taken.push(at);
+        at
+    });
+    (moved.collect(), leaders)
+}
+
+fn distance(a: Point, b: Point) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
+}
+
 fn draw_span(scene: &mut Scene, span: &Span, frame: &Frame<'_>) {
     let (ink, area) = (Ink::from(span.colour), frame.area);
     let mut shade = Outline::filled(ink, SHADE);
@@ -160,7 +193,9 @@ fn draw_span(scene: &mut Scene, span: &Span, frame: &Frame<'_>) {
                 }
             }
         }
-        Extent::Horizontal(intervals) => return draw_intervals(scene, ink, intervals, frame),
+        Extent::Horizontal(intervals) => {
+            return draw_intervals(scene, (ink, SHADE), intervals, (frame, area));
+        }
     }
     scene.outline(shade);
 }
@@ -179,8 +214,13 @@ fn stretches(x: &[f64], y: &[f64], scale: Scale) -> Vec<std::ops::Range<usize>> 
     found
 }
 
-fn draw_intervals(scene: &mut Scene, ink: Ink, intervals: &[(f64, f64)], frame: &Frame<'_>) {
-    let area = frame.area;
+/// Shades intervals of x within an area that is as wide as the axes.
+fn draw_intervals(
+    scene: &mut Scene,
+    (ink, opacity): (Ink, f64),
+    intervals: &[(f64, f64)],
+    (frame, area): (&Frame<'_>, Area),
+) {
     let finite = intervals.iter().filter(|(a, b)| !a.is_nan() && !b.is_nan());
     let on_page =
         finite.map(|(a, b)| (frame.page_x(a.min(*b)).max(area.left), frame.page_x(a.max(*b)).min(area.right)));
@@ -196,7 +236,7 @@ fn draw_intervals(scene: &mut Scene, ink: Ink, intervals: &[(f64, f64)], frame: 
     }
     let columns = (area.width() / (2.0 * COLUMN)).ceil();
     if merged.len() as f64 <= DENSE * columns {
-        let mut shade = Outline::filled(ink, SHADE);
+        let mut shade = Outline::filled(ink, opacity);
         merged.iter().for_each(|(left, right)| shade.rectangle(Area { left: *left, right: *right, ..area }));
         scene.outline(shade);
         return;
@@ -216,7 +256,7 @@ fn draw_intervals(scene: &mut Scene, ink: Ink, intervals: &[(f64, f64)], frame: 
     }
     let level: Vec<usize> = covered.iter().map(|c| (c * SHADES as f64).round() as usize).collect();
     for shade in 1..=SHADES {
-        let mut outline = Outline::filled(ink, SHADE * shade as f64 / SHADES as f64);
+        let mut outline = Outline::filled(ink, opacity * shade as f64 / SHADES as f64);
         let mut i = 0;
         for run in level.chunk_by(|a, b| a == b) {
             if run[0].min(SHADES) == shade {

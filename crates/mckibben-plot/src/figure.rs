@@ -67,6 +67,32 @@ pub enum Symbol {
     Plus,
     /// A diagonal cross.
     Cross,
+    /// A triangle that points left.
+    TriangleLeft,
+    /// A triangle that points right.
+    TriangleRight,
+    /// Two triangles that meet in their points, one above the other.
+    Hourglass,
+    /// Two triangles that meet in their points, side by side.
+    Bowtie,
+    /// Six rays.
+    Star,
+    /// An angle that points up.
+    ChevronUp,
+    /// An angle that points down.
+    ChevronDown,
+    /// An angle that points left.
+    ChevronLeft,
+    /// An angle that points right.
+    ChevronRight,
+    /// A disc with an upright cross in it.
+    CirclePlus,
+    /// A disc with a diagonal cross in it.
+    CircleCross,
+    /// A square with a diagonal cross in it.
+    SquareCross,
+    /// A square on its corner with an upright cross in it.
+    DiamondPlus,
 }
 
 /// One curve or cloud of points.
@@ -175,7 +201,19 @@ impl Span {
     }
 }
 
-/// Events: small hollow symbols, on a curve or along the upper edge of the panel.
+/// A thin row of bars above the axes: when something is so, such as a valve open.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Strip {
+    /// Its name in the legend; without one it is not listed.
+    pub label: String,
+    /// The intervals of x that are covered, each as (from, to).
+    pub intervals: Vec<(f64, f64)>,
+    /// Its colour.
+    pub colour: Colour,
+}
+
+/// Events: small symbols, hollow or filled, on a curve or along the upper edge of the panel. Those that would stand on
+/// others are moved up from the curve, with a thin line to where they belong.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Marks {
     /// Their name in the legend; without one they are not listed.
@@ -186,6 +224,8 @@ pub struct Marks {
     pub y: Vec<f64>,
     /// Their shape.
     pub symbol: Symbol,
+    /// Whether a shape that has an inside is filled.
+    pub filled: bool,
     /// Their colour.
     pub colour: Colour,
 }
@@ -193,12 +233,19 @@ pub struct Marks {
 impl Marks {
     /// Marks on a curve, in the colour of text.
     pub fn at(label: impl Into<String>, symbol: Symbol, x: Vec<f64>, y: Vec<f64>) -> Self {
-        Self { label: label.into(), x, y, symbol, colour: Colour::Neutral }
+        Self { label: label.into(), x, y, symbol, filled: false, colour: Colour::Neutral }
     }
 
     /// Marks on the upper edge of the panel.
     pub fn on_edge(label: impl Into<String>, symbol: Symbol, x: Vec<f64>) -> Self {
-        Self { label: label.into(), x, y: Vec::new(), symbol, colour: Colour::Neutral }
+        Self { label: label.into(), x, y: Vec::new(), symbol, filled: false, colour: Colour::Neutral }
+    }
+
+    /// The same marks with their inside filled.
+    #[must_use]
+    pub fn filled(mut self) -> Self {
+        self.filled = true;
+        self
     }
 
     /// The same marks in another colour.
@@ -269,6 +316,8 @@ pub struct Panel {
     pub series: Vec<Series>,
     /// The shaded parts.
     pub spans: Vec<Span>,
+    /// The rows of bars above the axes, from the top.
+    pub strips: Vec<Strip>,
     /// The events.
     pub marks: Vec<Marks>,
     /// The straight lines.
@@ -303,6 +352,13 @@ impl Panel {
     #[must_use]
     pub fn span(mut self, span: Span) -> Self {
         self.spans.push(span);
+        self
+    }
+
+    /// The same panel with one more row of bars above the axes.
+    #[must_use]
+    pub fn strip(mut self, strip: Strip) -> Self {
+        self.strips.push(strip);
         self
     }
 
@@ -347,6 +403,8 @@ impl Panel {
 pub struct Figure {
     /// The words above; may be empty.
     pub title: String,
+    /// Smaller words under the title; may be empty.
+    pub note: String,
     /// The words below; may be empty.
     pub caption: String,
     /// The width of the whole figure in mm.
@@ -364,6 +422,7 @@ impl Default for Figure {
     fn default() -> Self {
         Self {
             title: String::new(),
+            note: String::new(),
             caption: String::new(),
             width_mm: 85.0,
             panel_height_mm: 32.0,
@@ -383,6 +442,13 @@ impl Figure {
     #[must_use]
     pub fn title(mut self, title: impl Into<String>) -> Self {
         self.title = title.into();
+        self
+    }
+
+    /// The same figure with smaller words under the title.
+    #[must_use]
+    pub fn note(mut self, note: impl Into<String>) -> Self {
+        self.note = note.into();
         self
     }
 

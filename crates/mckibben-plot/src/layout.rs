@@ -85,7 +85,9 @@ pub(super) fn scene(figure: &Figure) -> Result<Scene, PlotError> {
     let mut top = RIM;
     let title = faces.wrap(&figure.title, TITLE_SIZE, true, width - left - RIM);
     top = paragraph(&mut scene, &title, left, top, TITLE_SIZE, true, Ink::Text);
-    if !title.is_empty() {
+    let note = faces.wrap(&figure.note, CAPTION_SIZE, false, width - left - RIM);
+    top = paragraph(&mut scene, &note, left, top, CAPTION_SIZE, false, Ink::Muted);
+    if !title.is_empty() || !note.is_empty() {
         top += 1.5;
     }
     let mut known: Vec<Entry> = Vec::new();
@@ -103,6 +105,9 @@ pub(super) fn scene(figure: &Figure) -> Result<Scene, PlotError> {
         top += rows.len() as f64 * legend::ROW + if rows.is_empty() { 0.5 * TICK_SIZE } else { 2.0 };
         if panel.marks.iter().any(|m| m.y.is_empty() && !m.x.is_empty()) {
             top += EDGE - if rows.is_empty() { 0.5 * TICK_SIZE } else { 0.0 };
+        }
+        if !panel.strips.is_empty() {
+            top += panel.strips.len() as f64 * legend::STRIP_ROW + 1.5;
         }
         let area = Area { top, bottom: top + height, ..area };
         frame.area = area;
@@ -238,6 +243,12 @@ fn x_range(figure: &Figure) -> Range {
                     grow(&mut frames, scale, s.1);
                 }),
                 Extent::Vertical(..) => {}
+            }
+        }
+        for strip in &panel.strips {
+            for (from, to) in &strip.intervals {
+                grow(&mut frames, scale, *from);
+                grow(&mut frames, scale, *to);
             }
         }
         for reference in &panel.references {

@@ -20,6 +20,10 @@ pub(super) const POINT: f64 = 1.7;
 pub(super) const MARK: f64 = 2.0;
 /// How much of a span's colour is drawn.
 pub(super) const SHADE: f64 = 0.16;
+/// The height of a strip above the axes, from one to the next, and how much of its colour is drawn.
+pub(super) const STRIP: f64 = 2.2;
+pub(super) const STRIP_ROW: f64 = 3.0;
+pub(super) const STRIP_SHADE: f64 = 0.75;
 
 /// What the sample before a name shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,7 +31,8 @@ pub(super) enum Key {
     Line { ink: Ink, dash: &'static [f64], symbol: Option<Symbol> },
     Points { ink: Ink, symbol: Symbol },
     Shade { ink: Ink },
-    Mark { ink: Ink, symbol: Symbol },
+    Mark { ink: Ink, symbol: Symbol, filled: bool },
+    Strip { ink: Ink },
     Rule,
 }
 
@@ -36,7 +41,7 @@ impl Key {
     fn width(self) -> f64 {
         match self {
             Key::Line { .. } | Key::Rule => 15.0,
-            Key::Shade { .. } => 10.0,
+            Key::Shade { .. } | Key::Strip { .. } => 10.0,
             Key::Points { .. } | Key::Mark { .. } => 5.0,
         }
     }
@@ -100,8 +105,10 @@ pub(super) fn entries(panel: &Panel) -> Vec<Entry> {
     let marks = panel
         .marks
         .iter()
-        .map(|m| Entry { key: Key::Mark { ink: m.colour.into(), symbol: m.symbol }, label: m.label.clone() });
-    series.chain(spans).chain(marks).filter(|e| !e.label.trim().is_empty()).collect()
+        .map(|m| Entry { key: Key::Mark { ink: m.colour.into(), symbol: m.symbol, filled: m.filled }, label: m.label.clone() });
+    let strips =
+        panel.strips.iter().map(|s| Entry { key: Key::Strip { ink: s.colour.into() }, label: s.label.clone() });
+    series.chain(spans).chain(strips).chain(marks).filter(|e| !e.label.trim().is_empty()).collect()
 }
 
 /// Whether the names of a panel of this height go beside the ends of its curves, which `reach` tells.
@@ -171,7 +178,12 @@ fn sample(scene: &mut Scene, key: Key, [x, y]: Point) {
             }
         }
         Key::Points { ink, symbol } => draw_points(scene, ink, symbol, &[middle]),
-        Key::Mark { ink, symbol } => draw_marks(scene, ink, symbol, &[middle]),
+        Key::Mark { ink, symbol, filled } => draw_marks(scene, ink, (symbol, filled), &[middle]),
+        Key::Strip { ink } => {
+            let mut bar = Outline::filled(ink, STRIP_SHADE);
+            bar.rectangle(Area { left: x, top: y - 0.5 * STRIP, right, bottom: y + 0.5 * STRIP });
+            scene.outline(bar);
+        }
         Key::Rule => {
             let mut line = rule();
             line.polyline(&[[x, y], [right, y]]);
@@ -195,11 +207,11 @@ pub(super) fn draw_points(scene: &mut Scene, ink: Ink, symbol: Symbol, points: &
     scene.outline(outline);
 }
 
-/// Hollow symbols, filled with background so that they stand on a curve.
-pub(super) fn draw_marks(scene: &mut Scene, ink: Ink, symbol: Symbol, points: &[Point]) {
+/// Symbols, hollow ones filled with background so that they stand on a curve.
+pub(super) fn draw_marks(scene: &mut Scene, ink: Ink, (symbol, filled): (Symbol, bool), points: &[Point]) {
     let mut outline = Outline::stroked(ink, 0.8, &[]);
     if !is_open(symbol) {
-        outline.fill = Outline::filled(Ink::Background, 1.0).fill;
+        outline.fill = Outline::filled(if filled { ink } else { Ink::Background }, 1.0).fill;
     }
     points.iter().for_each(|p| outline.symbol(symbol, *p, MARK));
     scene.outline(outline);

@@ -105,6 +105,40 @@ impl Outline {
                 let d = 1.28 * r;
                 self.polygon(&[[x, y - d], [x + d, y], [x, y + d], [x - d, y]]);
             }
+            Symbol::TriangleLeft => {
+                self.polygon(&[[x - 1.3 * r, y], [x + 0.72 * r, y + 1.13 * r], [x + 0.72 * r, y - 1.13 * r]]);
+            }
+            Symbol::TriangleRight => {
+                self.polygon(&[[x + 1.3 * r, y], [x - 0.72 * r, y + 1.13 * r], [x - 0.72 * r, y - 1.13 * r]]);
+            }
+            Symbol::Hourglass => {
+                let (w, h) = (1.05 * r, 1.2 * r);
+                self.polygon(&[[x - w, y - h], [x + w, y - h], [x - w, y + h], [x + w, y + h]]);
+            }
+            Symbol::Bowtie => {
+                let (w, h) = (1.2 * r, 1.05 * r);
+                self.polygon(&[[x - w, y - h], [x - w, y + h], [x + w, y - h], [x + w, y + h]]);
+            }
+            Symbol::Star => {
+                for turn in [0.5, 1.0 / 6.0, -1.0 / 6.0].map(|half_turns: f64| half_turns * std::f64::consts::PI) {
+                    let (u, v) = (1.25 * r * turn.cos(), 1.25 * r * turn.sin());
+                    self.polyline(&[[x - u, y - v], [x + u, y + v]]);
+                }
+            }
+            Symbol::ChevronUp => self.polyline(&[[x - r, y + 0.6 * r], [x, y - 0.7 * r], [x + r, y + 0.6 * r]]),
+            Symbol::ChevronDown => self.polyline(&[[x - r, y - 0.6 * r], [x, y + 0.7 * r], [x + r, y - 0.6 * r]]),
+            Symbol::ChevronLeft => self.polyline(&[[x + 0.6 * r, y - r], [x - 0.7 * r, y], [x + 0.6 * r, y + r]]),
+            Symbol::ChevronRight => self.polyline(&[[x - 0.6 * r, y - r], [x + 0.7 * r, y], [x - 0.6 * r, y + r]]),
+            Symbol::CirclePlus | Symbol::CircleCross | Symbol::SquareCross | Symbol::DiamondPlus => {
+                let (around, within, share) = match symbol {
+                    Symbol::CirclePlus => (Symbol::Circle, Symbol::Plus, 0.87),
+                    Symbol::CircleCross => (Symbol::Circle, Symbol::Cross, 0.78),
+                    Symbol::SquareCross => (Symbol::Square, Symbol::Cross, 0.98),
+                    _ => (Symbol::Diamond, Symbol::Plus, 1.1),
+                };
+                self.symbol(around, [x, y], 1.1 * r);
+                self.symbol(within, [x, y], 1.1 * share * r);
+            }
             Symbol::Plus => {
                 self.polyline(&[[x - 1.15 * r, y], [x + 1.15 * r, y]]);
                 self.polyline(&[[x, y - 1.15 * r], [x, y + 1.15 * r]]);
@@ -120,7 +154,8 @@ impl Outline {
 
 /// Whether a symbol consists of strokes alone.
 pub(super) fn is_open(symbol: Symbol) -> bool {
-    matches!(symbol, Symbol::Plus | Symbol::Cross)
+    use Symbol::{ChevronDown, ChevronLeft, ChevronRight, ChevronUp, Cross, Plus, Star};
+    matches!(symbol, Plus | Cross | Star | ChevronUp | ChevronDown | ChevronLeft | ChevronRight)
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
