@@ -10,9 +10,11 @@ use super::{Figure, Format, PlotError, Theme, pdf, raster, svg};
 pub struct SideBySide {
     /// The words above; may be empty.
     pub title: String,
+    /// Smaller words under the title; may be empty.
+    pub note: String,
     /// The words below; may be empty.
     pub caption: String,
-    /// The figures; their panels stand level when they are equally many and equally high.
+    /// The figures; their panels stand level when they are equally many and equally high, whatever stands above each.
     pub figures: Vec<Figure>,
 }
 
@@ -49,15 +51,28 @@ impl SideBySide {
         super::bytes(&self.scene()?, format)
     }
 
+    /// The figures, each panel with as much above it as the panel beside it has.
+    fn columns(&self) -> Result<Vec<Scene>, PlotError> {
+        let mut heads: Vec<f64> = Vec::new();
+        for figure in &self.figures {
+            let its = layout::laid_out(figure, &[])?.1;
+            heads.resize(heads.len().max(its.len()), 0.0);
+            heads.iter_mut().zip(its).for_each(|(head, own)| *head = head.max(own));
+        }
+        self.figures.iter().map(|figure| Ok(layout::laid_out(figure, &heads)?.0)).collect()
+    }
+
     fn scene(&self) -> Result<Scene, PlotError> {
         let faces = Faces::load()?;
-        let columns = self.figures.iter().map(layout::scene).collect::<Result<Vec<Scene>, _>>()?;
+        let columns = self.columns()?;
         let width = columns.iter().map(|column| column.width).sum::<f64>().max(10.0 * RIM);
         let mut scene = Scene { width, title: self.title.clone(), ..Scene::default() };
         scene.description.clone_from(&self.caption);
         let title = faces.wrap(&self.title, TITLE_SIZE, true, width - 4.0 * RIM);
         let mut items = Scene::default();
         let top = paragraph(&mut items, &title, 2.0 * RIM, RIM, TITLE_SIZE, true, Ink::Text);
+        let note = faces.wrap(&self.note, CAPTION_SIZE, false, width - 4.0 * RIM);
+        let top = paragraph(&mut items, &note, 2.0 * RIM, top, CAPTION_SIZE, false, Ink::Muted);
         let mut left = 0.0;
         let mut bottom = top;
         for column in columns {

@@ -37,6 +37,11 @@ const EDGE: f64 = 6.5;
 
 /// The figure as primitives.
 pub(super) fn scene(figure: &Figure) -> Result<Scene, PlotError> {
+    Ok(laid_out(figure, &[])?.0)
+}
+
+/// The figure as primitives with at least so much room above the axes of each panel, and the room that each needs there.
+pub(super) fn laid_out(figure: &Figure, least: &[f64]) -> Result<(Scene, Vec<f64>), PlotError> {
     figure.validate()?;
     let faces = Faces::load()?;
     let width = figure.width_mm * MM;
@@ -90,7 +95,7 @@ pub(super) fn scene(figure: &Figure) -> Result<Scene, PlotError> {
     if !title.is_empty() || !note.is_empty() {
         top += 1.5;
     }
-    let mut known: Vec<Entry> = Vec::new();
+    let (mut known, mut heads): (Vec<Entry>, Vec<f64>) = (Vec::new(), Vec::new());
     let panels = figure.panels.iter().zip(ys).zip(heights.iter().zip(&labels)).zip(direct).enumerate();
     for (i, (((panel, (y, y_ticks)), (height, label)), direct)) in panels {
         let mut names = names(panel, direct, &mut known);
@@ -100,6 +105,7 @@ pub(super) fn scene(figure: &Figure) -> Result<Scene, PlotError> {
             Frame { area, x, y, x_ticks: &x_ticks, y_ticks: &y_ticks, numbered: i + 1 == figure.panels.len() };
         let homeless = draw::rule_words(panel, &frame, &faces).1.into_iter();
         names.extend(homeless.filter(|label| !label.trim().is_empty()).map(|label| Entry { key: Key::Rule, label }));
+        let head = top;
         let rows = legend::rows(names, &faces, width - left - RIM);
         legend::draw_rows(&mut scene, &rows, left, top);
         top += rows.len() as f64 * legend::ROW + if rows.is_empty() { 0.5 * TICK_SIZE } else { 2.0 };
@@ -109,6 +115,8 @@ pub(super) fn scene(figure: &Figure) -> Result<Scene, PlotError> {
         if !panel.strips.is_empty() {
             top += panel.strips.len() as f64 * legend::STRIP_ROW + 1.5;
         }
+        heads.push(top - head);
+        top = top.max(head + least.get(i).copied().unwrap_or(0.0));
         let area = Area { top, bottom: top + height, ..area };
         frame.area = area;
         if let (Some(field), Some(bar)) = (&panel.field, &bars[i]) {
@@ -145,7 +153,7 @@ pub(super) fn scene(figure: &Figure) -> Result<Scene, PlotError> {
         ground.steps.clear();
         ground.rectangle(Area { left: 0.0, top: 0.0, right: width, bottom: scene.height });
     }
-    Ok(scene)
+    Ok((scene, heads))
 }
 
 /// Words that stand plainly on the ground.

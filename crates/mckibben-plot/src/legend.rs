@@ -37,6 +37,16 @@ pub(super) enum Key {
 }
 
 impl Key {
+    /// What it belongs with: curves and points, areas, events, lines.
+    fn group(self) -> u8 {
+        match self {
+            Key::Line { .. } | Key::Points { .. } => 0,
+            Key::Shade { .. } | Key::Strip { .. } => 1,
+            Key::Mark { .. } => 2,
+            Key::Rule => 3,
+        }
+    }
+
     /// How wide the sample is.
     fn width(self) -> f64 {
         match self {
@@ -129,18 +139,27 @@ pub(super) fn is_direct(panel: &Panel, height: f64, reach: impl Fn(&Series) -> f
 pub(super) fn rows(entries: Vec<Entry>, faces: &Faces, width: f64) -> Vec<Vec<(f64, Entry)>> {
     let mut rows: Vec<Vec<(f64, Entry)>> = Vec::new();
     let mut x = 0.0;
-    for mut entry in entries {
-        let sample = entry.key.width() + GAP;
-        entry.label = faces.fit(&entry.label, SIZE, false, width - sample);
-        let needed = sample + faces.width(&entry.label, SIZE, false);
-        match rows.last_mut().filter(|_| x + needed <= width) {
-            Some(row) => row.push((x, entry)),
-            None => {
-                x = 0.0;
-                rows.push(vec![(x, entry)]);
+    let needed = |entry: &Entry| entry.key.width() + GAP + faces.width(&entry.label, SIZE, false);
+    let fit = |mut entry: Entry| {
+        entry.label = faces.fit(&entry.label, SIZE, false, width - entry.key.width() - GAP);
+        entry
+    };
+    let entries: Vec<Entry> = entries.into_iter().map(fit).collect();
+    for group in entries.chunk_by(|a, b| a.key.group() == b.key.group()) {
+        // What belongs together stands in one row if that has room for it.
+        let all = group.iter().map(&needed).sum::<f64>() + (group.len() - 1) as f64 * BETWEEN;
+        let mut fresh = x + all > width && all <= width;
+        for entry in group {
+            match rows.last_mut().filter(|_| !fresh && x + needed(entry) <= width) {
+                Some(row) => row.push((x, entry.clone())),
+                None => {
+                    x = 0.0;
+                    fresh = false;
+                    rows.push(vec![(x, entry.clone())]);
+                }
             }
+            x += needed(entry) + BETWEEN;
         }
-        x += needed + BETWEEN;
     }
     rows
 }
@@ -292,5 +311,16 @@ mod tests {
         let rows = rows(vec![entry("valve open"), entry("valve closed"), entry(&"long ".repeat(60))], &faces, 150.0);
         assert_eq!(rows.iter().map(Vec::len).collect::<Vec<_>>(), [2, 1]);
         assert!(rows[1][0].1.label.ends_with('…'));
+    }
+
+    #[test]
+    fn what_belongs_together_stands_in_one_row() {
+        let faces = Faces::load().unwrap();
+        let of = |key: Key, label: &str| Entry { key, label: label.to_string() };
+        let mark = Key::Mark { ink: Ink::Text, symbol: Symbol::Circle, filled: false };
+        let shade = Key::Shade { ink: Ink::Text };
+        let entries = vec![of(shade, "supply open"), of(mark, "break-away"), of(mark, "reversal")];
+        let rows = rows(entries, &faces, 130.0);
+        assert_eq!(rows.iter().map(Vec::len).collect::<Vec<_>>(), [1, 2], "{rows:?}");
     }
 }

@@ -630,7 +630,7 @@ impl Trajectory {
         let title = || format!("over = \"{}\" is no horizontal axis of a run", over.0);
         let over: TrajectoryAxis = over.0.parse().map_err(|remedy: String| Failure::input(title(), remedy)).raised()?;
         let (finished, title) = (self.finished(py)?, self.scenario.get().title());
-        py.detach(|| finished.figure(over, &title).to_svg(Theme::Light)).raised()
+        py.detach(|| Ok::<_, Failure>(finished.figure(over, &title)?.to_svg(Theme::Light)?)).raised()
     }
 
     fn _repr_svg_(&self, py: Python<'_>) -> PyResult<String> {

@@ -17,7 +17,7 @@
 //! | [`warnings`] | what a scenario cannot mean, before a run and by what it reached |
 //! | [`record`] | a run as columns, in memory and in a file |
 //! | [`table`] | columns and cells, and the writer of them as CSV or Parquet |
-//! | `trajectory_plot`, [`axis`] | a run as a figure, and the horizontal axes that figures may have |
+//! | [`figure`], [`axis`] | runs as a figure, and the horizontal axes that figures may have |
 //! | [`report`] | figures, tables and findings as a page |
 //! | [`output`] | files that are whole or not there |
 //! | [`progress`] | how far work is, for whoever listens |
@@ -36,6 +36,7 @@ pub mod curves;
 pub mod engine;
 pub mod events;
 pub mod failure;
+pub mod figure;
 pub mod host;
 pub mod identify;
 pub mod joint;
@@ -55,5 +56,4 @@ pub mod sweep;
 pub mod table;
 mod temporary;
 pub mod text;
-mod trajectory_plot;
 pub mod warnings;

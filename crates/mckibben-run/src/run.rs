@@ -14,16 +14,15 @@ use crate::closed_loop::{Closed, Goals};
 use crate::engine::{self, Kept, Reached, Stepping, Subject};
 use crate::events::Log;
 use crate::failure::Failure;
+use crate::figure::{self, Picture, Request};
 use crate::joint::{self, pair::Pair};
 use crate::observation::{Ended, Observation, Observes as _};
 use crate::plant::{self, PlantFigures, PlantOutcome};
 use crate::record::{self, Field, Filled, Format, Provenance, Target, filled};
-use crate::trajectory_plot;
 use mckibben::plant::{
     JointPlant, PlantLedgerKeeper, PlantReader, PlantSample, PlantView, RigPlant, ViewReader, ViewTrajectory,
 };
 use mckibben::simulation::{JointRig, Readable, Reading, Rig, SampleTimes};
-use mckibben_plot::Figure;
 use mckibben_scenario::{
     ControlledExperiment, ControlledJointExperiment, Document, Experiment, JointExperiment, PlantExperiment, Run,
 };
@@ -355,12 +354,12 @@ impl Finished {
         })
     }
 
-    /// The figure of the run; that of several actuators is always over time.
-    pub fn figure(&self, over: TrajectoryAxis, title: &str) -> Figure {
-        match self {
-            Self::Actuator(of) => trajectory_plot::figure(of, over, title),
-            Self::Joint(of) => joint::trajectory_plot::figure(of, title),
-            Self::Plant(of) => plant::trajectory_plot::figure(of, title),
-        }
+    /// The usual figure of the run; that of several actuators is always over time.
+    ///
+    /// # Errors
+    /// [`Failure::stopped`] for a number that is not finite.
+    pub fn figure(&self, over: TrajectoryAxis, title: &str) -> Result<Picture, Failure> {
+        let over = if matches!(self, Self::Actuator(_)) { over } else { TrajectoryAxis::Time };
+        figure::draw(&[("", self)], &Request { over, title, columns: &[] })
     }
 }

@@ -241,7 +241,7 @@ impl<'a> Files<'a> {
         if let Some(target) = self.plot {
             let title = arguments.file.file_stem().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
             let (path, format) = target;
-            let figure = finished.figure(arguments.over, &title);
+            let figure = finished.figure(arguments.over, &title)?;
             pending.push(files::pending(path, &figure.bytes(format).map_err(|error| Failure::output(path, error))?)?);
         }
         if let Some(path) = self.events {

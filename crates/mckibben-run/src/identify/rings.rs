@@ -5,13 +5,15 @@ use super::outcome::{self, Outcome, Stems, WARNED};
 use super::prediction::Prediction;
 use super::values::give_or_take;
 use crate::failure::Failure;
+use crate::figure::symbols;
 use crate::quantities::quantity;
 use crate::report::{Data, Plate, Section, Table};
 use mckibben::parameter::{self, Parameter};
+use mckibben::simulation::EventKind;
 use mckibben_identify::least_squares::Estimate;
 use mckibben_identify::ring_down::{Comparison, Estimator, Free, Record, Row, Waveform, compare};
 use mckibben_identify::study::{Quantity, Recording};
-use mckibben_plot::{Axis, Colour, Figure, Legend, Marks, Panel, Series, Symbol};
+use mckibben_plot::{Axis, Colour, Figure, Legend, Panel, Series};
 use mckibben_scenario::Scenario;
 
 /// The figures of the runs.
@@ -167,7 +169,7 @@ fn plate(run: &str, record: &Record, found: &Comparison, stem: &'static str) -> 
         Panel::new(Axis::new("length", "m"))
             .legend(Legend::Above)
             .series(Series::dots("measured", times.clone(), lengths.clone()).colour(Colour::Category(1)))
-            .marks(Marks::at("turns", Symbol::Circle, at, turns)),
+            .marks(symbols::marks(EventKind::Reversal, "turns", at, turns)),
     ];
     let mut data = Data::new(&["time_s", "length_m", "off_m"]).lacking(&["off_m"]);
     if let Some(waveform) = &found.waveform {

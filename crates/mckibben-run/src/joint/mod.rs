@@ -4,7 +4,6 @@ pub(crate) mod control;
 pub mod events;
 pub mod observation;
 pub(crate) mod pair;
-pub mod trajectory_plot;
 
 /// What the two actuators are called.
 pub const NAMES: [&str; 2] = ["agonist", "antagonist"];

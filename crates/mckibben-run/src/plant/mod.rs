@@ -1,4 +1,4 @@
-//! The run of a plant of several actuators: its columns, its events, its figure, and what it came to.
+//! The run of a plant of several actuators: its columns, its events, and what it came to.
 //!
 //! | file | its idea |
 //! |---|---|
@@ -6,7 +6,6 @@
 //! | `control` | the controllers' part: what was to be reached, and how far it was |
 //! | `events` | the log of events |
 //! | `observation` | extremes, counts and the ledger, observed as the run is made |
-//! | `trajectory_plot` | the figure |
 //!
 //! A run is kept, for figures, events and values between samples, or streamed: then memory does not grow with it. Checked by
 //! the program's `tests/plant.rs`.
@@ -15,7 +14,6 @@ pub(crate) mod columns;
 pub mod control;
 pub(crate) mod events;
 pub(crate) mod observation;
-pub(crate) mod trajectory_plot;
 
 use crate::closed_loop::Goals;
 use crate::engine::{Stepping, Way};

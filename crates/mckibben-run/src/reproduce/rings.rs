@@ -15,11 +15,12 @@ use super::files;
 use super::quasi_static::SealedMuscle;
 use super::units::{INCH, INSIDE, LB, LBF_PER_INCH, PSI, assumed};
 use crate::failure::Failure;
+use crate::figure::symbols;
 use crate::report::{Data, Finding, Plate, Section, Table, Verdict, number};
 use mckibben::plant::RigTrajectory;
 use mckibben::ring_down::{Cycle, Damping, Form};
-use mckibben::simulation::Sliding;
-use mckibben_plot::{Axis, Colour, Dash, Figure, Marks, Panel, Series, Symbol};
+use mckibben::simulation::{EventKind, Sliding};
+use mckibben_plot::{Axis, Colour, Dash, Figure, Panel, Series};
 use mckibben_scenario::Experiment;
 use std::f64::consts::TAU;
 
@@ -180,9 +181,9 @@ impl RingDown {
         let lengths = Panel::new(Axis::new("length", "in"))
             .series(Series::line("length", time.clone(), length))
             .horizontal(self.rest.0 / INCH, "rest without friction")
-            .marks(Marks::at(
+            .marks(symbols::marks(
+                EventKind::Reversal,
                 "peaks",
-                Symbol::Circle,
                 peaks.clone().map(|p| p.0).collect(),
                 peaks.map(|p| p.1 / INCH).collect(),
             ));

@@ -140,7 +140,7 @@ fn picture(sweep: &Sweep, tally: &SweepCounts, title: &str) -> Picture {
             }
             notes.push("ρ: rank correlation after Spearman.".to_owned());
             let figures = scatter(&keys[..keys.len().min(COLUMNS)], results);
-            Picture::SideBySide(SideBySide { title: title.to_owned(), caption: notes.join(" "), figures })
+            Picture::SideBySide(SideBySide { title: title.to_owned(), caption: notes.join(" "), figures, ..SideBySide::default() })
         }
     }
 }

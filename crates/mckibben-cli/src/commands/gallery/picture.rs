@@ -64,7 +64,7 @@ pub(super) fn of(file: &Path, text: &str) -> Result<Picture, Failure> {
         }
         _ => (TrajectoryAxis::Time, ""),
     };
-    let figure = finished.figure(over, "");
+    let figure = finished.figure(over, "")?;
     Ok(Picture { note, ..picture(figure.to_svg(Theme::Auto), "simulate", options)? })
 }
 

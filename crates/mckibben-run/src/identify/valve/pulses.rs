@@ -4,13 +4,14 @@ use super::super::outcome::{self, Outcome, WARNED, file};
 use super::super::{Material, Prediction, pressure_over_time, values};
 use super::{Stems, at_its_end, failed, named, put, says_its_end, told, valve_of};
 use crate::failure::Failure;
+use crate::figure::symbols;
 use crate::report::{Data, Plate, Section, Table};
 use mckibben::parameter::{self, Parameter};
 use mckibben_identify::least_squares::Estimate;
 use mckibben_identify::study::clean::{STUCK, longest_at_the_end};
 use mckibben_identify::study::{PulsesEntry, Quantity, Recording};
 use mckibben_identify::valve::{Delays, DutyPoint, Onset, PulseTrain, delay_difference};
-use mckibben_plot::{Axis, Colour, Figure, Legend, Marks, Panel, Series, Span, Symbol};
+use mckibben_plot::{Axis, Colour, Figure, Legend, Panel, Series, Span};
 use mckibben_scenario::{Command, CommandState, Scenario, ValveKind};
 
 /// The figures of the runs, and that of all of them.
@@ -273,9 +274,9 @@ fn onset_plate(run: &Run<'_>, stem: &'static str) -> Plate {
         .height_mm(55.0)
         .span(Span::intervals("coil energised", spans))
         .series(Series::dots("measured", times, pressures).colour(Colour::Category(1)));
-    for (label, symbol, energised) in [("opens", Symbol::Triangle, true), ("closes", Symbol::TriangleDown, false)] {
+    for (label, energised) in [("opens", true), ("closes", false)] {
         let (x, y) = onsets(energised).map(at).unzip();
-        panel = panel.marks(Marks::at(label, symbol, x, y));
+        panel = panel.marks(symbols::valve(energised, label, x, y));
     }
     let mut data = Data::new(&["edge_s", "energised", "onset_s", "deviation_s"]);
     data.rows = run

@@ -1,0 +1,105 @@
+//! Events as marks on the curves that they belong to. A kind of which there are too many is counted in the note instead.
+
+use super::choice::{Choice, Group, Run};
+use super::panels::Looks;
+use super::source::Happened;
+use super::symbols::{self, SYMBOLS, Side};
+use crate::quantities::count;
+use mckibben::simulation::EventKind;
+use mckibben_plot::{Figure, Marks};
+
+/// Marks of one kind in a run above which they are counted: they would hide what they point at.
+const MOST: usize = 12;
+
+/// The kinds that are marked, and how many there are of those that are not.
+fn kinds<'e>(runs: &[Run<'e>]) -> (Vec<EventKind>, Vec<(EventKind, usize)>) {
+    let (mut marked, mut counted) = (Vec::new(), Vec::new());
+    for (kind, ..) in SYMBOLS {
+        let numbers = runs.iter().map(|run| run.source.events.iter().filter(|event| is_marked(run, event, kind)).count());
+        let (most, all) = numbers.fold((0, 0), |(most, all), number: usize| (most.max(number), all + number));
+        match most {
+            0 => {}
+            1..=MOST => marked.push(kind),
+            _ => counted.push((kind, all)),
+        }
+    }
+    (marked, counted)
+}
+
+/// Whether an event is of a kind and not shown by a strip.
+fn is_marked(run: &Run<'_>, event: &Happened, kind: EventKind) -> bool {
+    let in_strip = || run.source.switched().any(|supply| supply.part == event.part);
+    event.kind == kind && (kind != EventKind::Valve || !in_strip())
+}
+
+/// What is said of the kinds that are not marked; empty where all are.
+pub(crate) fn note(runs: &[Run<'_>]) -> String {
+    let counted = kinds(runs).1;
+    if counted.is_empty() {
+        return String::new();
+    }
+    let each = counted.iter().map(|(kind, number)| format!("{} × {}", count(*number as u64), kind.name()));
+    format!("not marked: {}", each.collect::<Vec<_>>().join(", "))
+}
+
+/// Places the marks of all runs on the panels of a figure.
+pub(crate) fn place(figure: &mut Figure, choice: &Choice<'_>, looks: &Looks<'_>) {
+    let runs = looks.runs();
+    for kind in kinds(runs).0 {
+        let mut first = None;
+        for (index, run) in runs.iter().enumerate() {
+            for event in run.source.events.iter().filter(|event| is_marked(run, event, kind)) {
+                let (panel, y) = stand(event, index, choice).map_or((0, None), |(panel, y)| (panel, Some(y)));
+                let Some(its) = figure.panels.get_mut(panel) else { continue };
+                let colour = looks.colour_of(index, if looks.is_one() { "-" } else { &event.part });
+                let fresh = symbols::marks(kind, "", Vec::new(), Vec::new()).colour(colour);
+                // Those on a curve and those on the edge are two lists.
+                let like = |marks: &&mut Marks| {
+                    (marks.symbol, marks.filled, marks.colour) == (fresh.symbol, fresh.filled, fresh.colour)
+                        && !marks.x.is_empty()
+                        && marks.y.is_empty() == y.is_none()
+                };
+                match its.marks.iter_mut().find(like) {
+                    Some(marks) => {
+                        marks.x.push(event.time);
+                        marks.y.extend(y);
+                    }
+                    None => its.marks.push(Marks { x: vec![event.time], y: y.into_iter().collect(), ..fresh }),
+                }
+                first = Some(first.map_or(panel, |known: usize| known.min(panel)));
+            }
+        }
+        if let Some(panel) = first.and_then(|panel| figure.panels.get_mut(panel)) {
+            // The entry of the legend is in no actuator's colour.
+            panel.marks.push(symbols::marks(kind, kind.name(), Vec::new(), Vec::new()));
+        }
+    }
+}
+
+/// The panel and the value in its unit where the mark of an event stands: on a curve of its part if there is one, first of what it
+/// is of.
+fn stand(event: &Happened, run: usize, choice: &Choice<'_>) -> Option<(usize, f64)> {
+    let side = symbols::side(event.kind);
+    let worth = |group: &Group<'_>, part: &str| {
+        let of = group.lines.first().map_or("", |line| line.column.of.quantity.as_str());
+        let is_air = ["gauge pressure", "absolute pressure", "air mass", "mass flow"].contains(&of);
+        let other_side = usize::from(is_air != (side == Side::Air));
+        let other_part = match (part == event.part, event.part.is_empty() || part.is_empty()) {
+            (true, _) => 0,
+            (false, true) => 4,
+            (false, false) => return None,
+        };
+        Some(other_part + other_side)
+    };
+    let candidates = choice.groups.iter().enumerate().flat_map(|(index, group)| {
+        let lines = group.lines.iter().filter(|line| line.run == run && line.column.of.place.is_empty());
+        lines.filter_map(move |line| Some((worth(group, &line.column.of.part)?, index, line)))
+    });
+    let (_, index, line) = candidates.min_by_key(|(worth, index, _)| (*worth, *index))?;
+    let (time, values) = (&line.source.time, &line.column.values);
+    let after = time.partition_point(|time| *time <= event.time).clamp(1, time.len() - 1);
+    let (from, to) = (time[after - 1], time[after]);
+    let part = if to > from { ((event.time - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
+    let value = values[after - 1] + part * (values[after] - values[after - 1]);
+    Some((index, value * choice.groups[index].shown().1))
+}

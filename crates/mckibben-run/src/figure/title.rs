@@ -1,0 +1,120 @@
+//! The title of a figure: a sentence that says what is shown.
+//!
+//! It is the first sentence of the comments at the head of a scenario file, where they have one. Else it is made of the load and of
+//! what drives the valve.
+
+use crate::quantities::{digits, given, given_percent, plain};
+use mckibben_scenario::{Command, Document, Load, Motion, Regulator, Scenario};
+
+/// Words that end with a point without ending a sentence.
+const ABBREVIATED: [&str; 10] = ["Fig", "fig", "No", "e.g", "i.e", "vs", "al", "approx", "ca", "Eq"];
+/// The longest sentence that is a title, in letters.
+const LONGEST: usize = 220;
+
+/// The title of a document's runs. `set` are the values that differ from the file, as `KEY=VALUE`.
+pub fn of(document: &Document, set: &[String]) -> String {
+    let composed = || match document.scenario() {
+        Ok(scenario) => composed(&scenario),
+        Err(_) => plant(document),
+    };
+    let sentence = sentence(document.source().text());
+    let title = sentence.unwrap_or_else(composed);
+    if set.is_empty() { title } else { format!("{title} ({})", set.join(", ").replace('=', " = ")) }
+}
+
+/// The first sentence of the comments at the head of a text.
+fn sentence(text: &str) -> Option<String> {
+    let comments = text.trim_start_matches('\u{feff}').lines().map_while(|line| line.strip_prefix('#'));
+    let paragraph: Vec<&str> =
+        comments.map(str::trim).skip_while(|line| line.is_empty()).take_while(|line| !line.is_empty()).collect();
+    let words = paragraph.join(" ").replace('`', "");
+    let mut sentence = String::new();
+    for word in words.split_whitespace() {
+        if !sentence.is_empty() {
+            sentence.push(' ');
+        }
+        sentence.push_str(word);
+        if let Some(bare) = word.strip_suffix('.') {
+            let is_short = ABBREVIATED.contains(&bare.trim_start_matches('('));
+            if !is_short {
+                sentence.pop();
+                break;
+            }
+        }
+    }
+    let is_sentence = sentence.split(' ').count() > 2 && !sentence.starts_with("mckibben ");
+    (is_sentence && sentence.chars().count() <= LONGEST).then_some(sentence)
+}
+
+/// What a scenario of one actuator or of a joint is, in a sentence.
+fn composed(of: &Scenario) -> String {
+    let load = match &of.load {
+        Load::HangingMass { mass, .. } => format!("A muscle under a {} load", kilograms(*mass)),
+        Load::ConstantForce { force, .. } => format!("A muscle under a constant force of {}", given(*force, "N")),
+        Load::Isometric => "A muscle at constant length".to_owned(),
+        Load::PrescribedMotion(Motion::Sinusoid { amplitude, frequency, .. }) => {
+            format!("A muscle moved by ±{} at {}", given(*amplitude, "m"), given(*frequency, "Hz"))
+        }
+        Load::PrescribedMotion(_) => "A muscle moved by a table".to_owned(),
+        Load::AntagonisticJoint(_) => "A joint of two muscles".to_owned(),
+    };
+    let drive = match &of.command {
+        _ if of.pressure.is_some() => "at a pressure that is given over time".to_owned(),
+        None => "sealed".to_owned(),
+        Some(_) if of.valve.is_none() => "sealed".to_owned(),
+        Some(Command::Pwm { frequency, duty, .. }) => {
+            format!("pulsed at {} and {}", given(*frequency, "Hz"), given_percent(*duty))
+        }
+        Some(Command::Constant(state)) => format!("with the valve at {}", state.name()),
+        Some(Command::SetPoints { .. }) => "with set points of its regulator".to_owned(),
+        Some(Command::Positions { .. }) => "with positions of its spool".to_owned(),
+        Some(Command::Table { .. }) => "with commands of its valve".to_owned(),
+        Some(Command::Controller(of)) => match of.regulator {
+            Regulator::Relay { .. } => "under a relay".to_owned(),
+            Regulator::Pid { .. } => "under a PID controller".to_owned(),
+        },
+    };
+    format!("{load}, {drive}")
+}
+
+fn kilograms(mass: f64) -> String {
+    if mass >= 0.1 { format!("{} kg", plain(&digits(mass))) } else { given(mass, "kg") }
+}
+
+/// A plant by its muscles.
+fn plant(document: &Document) -> String {
+    let names: Vec<String> = document.muscles().into_iter().map(|(name, _)| name).collect();
+    match names.len() {
+        0 | 1 => "A muscle on its mechanism".to_owned(),
+        few @ 2..=4 => format!("{few} muscles on their mechanisms: {}", names.join(", ")),
+        many => format!("{many} muscles on their mechanisms"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_sentence_of_the_comments_is_the_title() {
+        let of = |text: &str| sentence(text);
+        let long = "# Fig. 11 of Colbrunn, Nelson & Quinn (2001): length over\n# time, 1 lb. More words.\n[run]";
+        let first = "Fig. 11 of Colbrunn, Nelson & Quinn (2001): length over time, 1 lb";
+        assert_eq!(of(long).as_deref(), Some(first));
+        assert_eq!(of("#\n# A leg steps on its belt.\n").as_deref(), Some("A leg steps on its belt"));
+        assert_eq!(of("# muscle\n[run]"), None);
+        assert_eq!(of("#   mckibben simulate a.toml --plot a.svg\n"), None);
+        assert_eq!(of("[run]\n# A comment in a table is none of the file."), None);
+    }
+
+    #[test]
+    fn without_a_sentence_the_title_is_made_of_load_and_drive() {
+        let text = "[load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n[valve]\npreset = \"matrix-758\"\n[supply]\n\
+                    gauge_pressure = \"60 psi\"\n[command]\nkind = \"pwm\"\nfrequency = \"25 Hz\"\nduty = 0.4\n[run]\n\
+                    duration = \"1 s\"\n";
+        let document = Document::parse(text, "muscle.toml").unwrap();
+        assert_eq!(of(&document, &[]), "A muscle under a 2.268 kg load, pulsed at 25 Hz and 40 %");
+        let set = ["load.mass=1 kg".to_owned()];
+        assert!(of(&document, &set).ends_with("40 % (load.mass = 1 kg)"));
+    }
+}
