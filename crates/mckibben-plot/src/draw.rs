@@ -68,7 +68,7 @@ pub(super) fn panel(scene: &mut Scene, panel: &Panel, frame: &Frame<'_>, faces: 
     }
     let mut taken = Vec::new();
     for marks in &panel.marks {
-        let (moved, leaders) = apart(&places(marks, frame), &mut taken, frame.area);
+        let (moved, leaders) = apart(&places(panel, marks, frame), &mut taken, frame.area);
         scene.outline(leaders);
         draw_marks(scene, marks.colour.into(), (marks.symbol, marks.filled), &moved);
     }
@@ -132,12 +132,14 @@ fn draw_series(scene: &mut Scene, panel: &Panel, series: &Series, frame: &Frame<
     }
 }
 
-/// Where events stand: on their values, or along the upper edge outside the axes.
-fn places(marks: &Marks, frame: &Frame<'_>) -> Vec<Point> {
+/// Where events stand: on their values, or along the upper edge outside the axes, above the strips.
+fn places(panel: &Panel, marks: &Marks, frame: &Frame<'_>) -> Vec<Point> {
     let area = frame.area;
     if marks.y.is_empty() {
         let on_page = marks.x.iter().filter(|x| x.is_finite()).map(|x| frame.page_x(*x));
-        return thin(on_page.filter(|x| (area.left..=area.right).contains(x)).map(|x| [x, area.top - 3.4]));
+        let strips = panel.strips.len() as f64 * STRIP_ROW + if panel.strips.is_empty() { 0.0 } else { 1.5 };
+        let y = area.top - 3.4 - strips;
+        return thin(on_page.filter(|x| (area.left..=area.right).contains(x)).map(|x| [x, y]));
     }
     let points = runs(&marks.x, &marks.y, |x, y| frame.page(x, y)).concat();
     thin(points.into_iter().filter(|p| area.contains(*p)))
@@ -343,7 +345,7 @@ pub(super) fn rule_words(panel: &Panel, frame: &Frame<'_>, faces: &Faces) -> (Ve
         let (lines, points) = shape(series, frame);
         taken.extend(lines.into_iter().chain(points.into_iter().map(|p| vec![p])));
     }
-    taken.extend(panel.marks.iter().flat_map(|marks| places(marks, frame)).map(|p| vec![p]));
+    taken.extend(panel.marks.iter().flat_map(|marks| places(panel, marks, frame)).map(|p| vec![p]));
     for reference in &panel.references {
         let (Reference::Horizontal { label, .. } | Reference::Vertical { label, .. }) = reference;
         let width = faces.width(label, REFERENCE_SIZE, false);

@@ -6,6 +6,7 @@
 //!
 //! Checked by `tests/curves.rs`.
 
+use crate::commands::compare;
 use crate::files;
 use crate::settings::{Setting, axis};
 use crate::terminal;
@@ -23,9 +24,10 @@ Examples:
   mckibben curves muscle.toml --gauge-pressures 2,4,6bar --plot curves.svg --over contraction
   mckibben curves muscle.toml --set actuator.turns=2.2 --output curves.csv")]
 pub struct CurvesArguments {
-    /// The scenario file, or - for standard input; its actuator is drawn, its load says where the operating points are.
-    #[arg(value_name = "FILE")]
-    pub file: PathBuf,
+    /// The scenario file, or - for standard input; its actuator is drawn, its load says where the operating points are. Several are
+    /// compared: --plot draws their curves over each other.
+    #[arg(value_name = "FILE", required = true)]
+    pub files: Vec<PathBuf>,
     /// Gauge pressures, as in `35,45,55psi`; a number without a unit has that of the next.
     #[arg(long, value_name = "LIST", default_value = USUAL)]
     pub gauge_pressures: Pressures,
@@ -48,10 +50,11 @@ pub struct CurvesArguments {
 /// # Errors
 /// The input is wrong, or a file could not be written.
 pub fn run(arguments: &CurvesArguments) -> Result<(), Failure> {
+    let [file] = arguments.files.as_slice() else { return compare::curves(arguments) };
     let output =
         arguments.output.as_deref().map(|path| files::ending(path, "--output", &["csv"]).map(|_| path)).transpose()?;
     let plot = files::figure(arguments.plot.as_deref())?;
-    let mut document = files::document(&arguments.file)?;
+    let mut document = files::document(file)?;
     arguments.set.iter().try_for_each(|setting| setting.apply(&mut document))?;
     let curves = Curves::of(&document, &arguments.gauge_pressures)?;
     let data = curves.data()?;
@@ -59,9 +62,22 @@ pub fn run(arguments: &CurvesArguments) -> Result<(), Failure> {
         output::write(path, &data.to_csv(path)?)?;
     }
     if let Some((path, format)) = plot {
-        let bytes = curves.figure(arguments.over).bytes(format).map_err(|error| Failure::output(path, error))?;
+        let figure = curves.figure(arguments.over).title(Curves::title(arguments.over));
+        let bytes = figure.bytes(format).map_err(|error| Failure::output(path, error))?;
         output::write(path, &bytes)?;
     }
+    let mut text = told(&curves)?;
+    for path in output.into_iter().chain(plot.map(|(path, _)| path)) {
+        text.push_str(&terminal::wrote(path, ""));
+    }
+    terminal::print(&text)
+}
+
+/// The tables of an actuator's curves.
+///
+/// # Errors
+/// None but those of the core.
+pub(super) fn told(curves: &Curves) -> Result<String, Failure> {
     let (points, words) = curves.operating_points()?;
     let mut text = format!("{}\n{}\n", curves.table().to_text_with_caption(), points.to_text_with_caption());
     for words in [&words, curves.notes()].into_iter().filter(|words| !words.is_empty()) {
@@ -69,8 +85,5 @@ pub fn run(arguments: &CurvesArguments) -> Result<(), Failure> {
     }
     text.truncate(text.trim_end().len());
     text.push('\n');
-    for path in output.into_iter().chain(plot.map(|(path, _)| path)) {
-        text.push_str(&terminal::wrote(path, ""));
-    }
-    terminal::print(&text)
+    Ok(text)
 }

@@ -1,6 +1,7 @@
 //! One module for each command.
 
 pub mod check;
+mod compare;
 pub mod completions;
 pub mod curves;
 pub mod fmu;

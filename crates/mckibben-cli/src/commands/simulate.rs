@@ -5,11 +5,13 @@
 
 use crate::settings::{Setting, axis};
 use crate::summary::{self, Summary};
+use crate::commands::compare;
 use crate::{events, files, terminal, warnings};
 use mckibben_plot::Format;
 use mckibben_run::axis::TrajectoryAxis;
 use mckibben_run::engine;
 use mckibben_run::failure::Failure;
+use mckibben_run::figure::{self, Request};
 use mckibben_run::output::{self, Pending};
 use mckibben_run::progress::Progress;
 use mckibben_run::record::{self, Provenance, Target};
@@ -26,6 +28,8 @@ Examples:
   mckibben simulate muscle.toml
   mckibben simulate muscle.toml --output run.csv --plot run.svg
   mckibben simulate muscle.toml --set command.duty=0.3 --set 'load.mass=10 lb' -o run.parquet
+  mckibben simulate muscle.toml --plot air.svg --columns gauge_pressure_pa,temperature_k
+  mckibben simulate light.toml heavy.toml --plot both.svg
   mckibben simulate muscle.toml --set run.engine=fixed-step --set 'run.step=0.5 ms'
   mckibben simulate muscle.toml --format json | jq .numbers.length_final_m
   generate-scenario | mckibben simulate - --strict
@@ -44,9 +48,10 @@ Exit codes:
   3  the simulation could not go on; nothing was written
   4  a file could not be written; nothing was left behind")]
 pub struct SimulateArguments {
-    /// The scenario file, or - for standard input; `mckibben init` writes one to start from.
-    #[arg(value_name = "FILE")]
-    pub file: PathBuf,
+    /// The scenario file, or - for standard input; `mckibben init` writes one to start from. Several are compared: --plot draws their
+    /// runs over each other.
+    #[arg(value_name = "FILE", required = true)]
+    pub files: Vec<PathBuf>,
     /// Write the run, one row for each sample interval: .csv or .parquet.
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
@@ -56,6 +61,9 @@ pub struct SimulateArguments {
     /// What the figure is drawn over.
     #[arg(long, value_parser = axis::<TrajectoryAxis>(), default_value = "time", value_name = "QUANTITY", requires = "plot")]
     pub over: TrajectoryAxis,
+    /// Columns that the figure shows in place of the usual ones, such as `hose_gauge_pressure_pa,temperature_k`.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', requires = "plot", conflicts_with = "over")]
+    pub columns: Vec<String>,
     /// Set a value of the scenario, such as `command.duty=0.3` or `load.mass=10 lb`; can be given again.
     #[arg(short, long, value_name = "KEY=VALUE")]
     pub set: Vec<Setting>,
@@ -86,19 +94,15 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
         let (title, help) = ("--format json prints one JSON object and nothing else", "leave --quiet and --events out");
         return Err(Failure::input(title, help));
     }
+    let [file] = arguments.files.as_slice() else { return compare::simulate(arguments) };
     let files = Files::of(arguments)?;
-    let mut document = files::document(&arguments.file)?;
+    let mut document = files::document(file)?;
     for setting in &arguments.set {
         setting.apply(&mut document)?;
     }
     let scenario = if document.is_plant() { None } else { Some(document.scenario()?) };
     let ready = Ready::of(&document)?;
-    if ready.has_several() && arguments.over != TrajectoryAxis::Time {
-        return Err(Failure::input(
-            "--over: several actuators have several lengths, so they are drawn over time",
-            "leave --over out, and take the columns of --output for another figure",
-        ));
-    }
+    over_time(&ready, arguments.over)?;
     let known = ready.warnings();
     if arguments.strict {
         warnings::refuse(&known)?;
@@ -160,7 +164,23 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     terminal::print(&text)
 }
 
-fn told(
+/// Refuses to draw several actuators over one length.
+///
+/// # Errors
+/// [`Failure::input`].
+pub(super) fn over_time(ready: &Ready, over: TrajectoryAxis) -> Result<(), Failure> {
+    if !ready.has_several() || over == TrajectoryAxis::Time {
+        return Ok(());
+    }
+    let title = "--over: several actuators have several lengths, so they are drawn over time";
+    Err(Failure::input(title, "leave --over out, or name columns by --columns"))
+}
+
+/// The summary of a run in words.
+///
+/// # Errors
+/// None but those of the engine.
+pub(super) fn told(
     figures: &Figures,
     (name, document): (&str, &Document),
     scenario: Option<&Scenario>,
@@ -203,7 +223,7 @@ impl<'a> Files<'a> {
             return Err(Failure::input(title, "end the name of --events-output with .csv"));
         }
         let help = "give --output, --plot and --events-output names of their own";
-        output::distinct([arguments.file.as_path()], output.into_iter().chain(plot).chain(events), help)?;
+        output::distinct(arguments.files.iter().map(PathBuf::as_path), output.into_iter().chain(plot).chain(events), help)?;
         let output = output.map(|path| record::Format::of(path).map(|format| (path, format))).transpose()?;
         let plot = files::figure(plot)?;
         Ok(Self { output, plot, events })
@@ -239,9 +259,10 @@ impl<'a> Files<'a> {
             pending.push(file);
         }
         if let Some(target) = self.plot {
-            let title = arguments.file.file_stem().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+            let title = figure::title::of(provenance.document, provenance.set);
             let (path, format) = target;
-            let figure = finished.figure(arguments.over, &title)?;
+            let request = Request { over: arguments.over, title: &title, columns: &arguments.columns };
+            let figure = figure::draw(&[("", finished)], &request)?;
             pending.push(files::pending(path, &figure.bytes(format).map_err(|error| Failure::output(path, error))?)?);
         }
         if let Some(path) = self.events {

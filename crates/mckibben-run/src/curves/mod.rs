@@ -12,16 +12,18 @@
 //!
 //! Checked by the tests of the program, `tests/curves.rs`.
 
+mod compare;
 mod pressures;
 
-use crate::axis::CurveAxis;
+use crate::axis::{CurveAxis, HorizontalAxis as _};
 use crate::failure::Failure;
 use crate::report::{Data, Table, number, typeset};
 use mckibben::force::Statics;
 use mckibben::load::Load;
 use mckibben::{AbsolutePressure, Actuator, GaugePressure};
-use mckibben_plot::{Axis, Colour, Dash, Figure, Legend, Panel, Series};
+use mckibben_plot::{Axis, Colour, Dash, Figure, Legend, Panel, Series, Span};
 use mckibben_scenario::{Document, Experiment, Force, Scenario};
+pub use compare::compare;
 pub use pressures::{Pressure, Pressures};
 
 /// The pressures when none are given: those of the paper's Fig. 3.
@@ -93,6 +95,19 @@ fn beyond_ideal(actuator: &mckibben_scenario::Actuator) -> String {
     });
     let words: Vec<String> = [law, bladder, wall, taper].into_iter().flatten().collect();
     if words.is_empty() { String::new() } else { format!("Beyond the ideal braid: {}.", words.join("; ")) }
+}
+
+/// The panel with what is below zero shaded, if there is any: a braid does not push, so the law says nothing there.
+fn below_zero(panel: Panel) -> Panel {
+    let least = panel.series.iter().flat_map(|series| &series.y).copied().fold(0.0, f64::min);
+    if panel.y.label != "force" || least >= 0.0 {
+        return panel;
+    }
+    // The shade reaches the lower end of the axis.
+    let most = panel.series.iter().flat_map(|series| &series.y).copied().fold(0.0, f64::max);
+    let least = least - 0.04 * (most - least);
+    let panel = panel.span(Span::strip("below zero, where a braid does not push", least, 0.0));
+    Panel { y: panel.y.clone().starting_at(least), ..panel }
 }
 
 impl Curves {
@@ -194,16 +209,31 @@ impl Curves {
         }
     }
 
+    /// A sentence that says what the figure shows.
+    pub fn title(over: CurveAxis) -> String {
+        format!("Force, stiffness and volume over {} at rest, without friction", over.name())
+    }
+
+    /// The horizontal axis.
+    fn axis(over: CurveAxis) -> Axis {
+        match over {
+            CurveAxis::Length => Axis::new("length", "mm"),
+            CurveAxis::Contraction => Axis::new("contraction", "%"),
+        }
+    }
+
+    /// The horizontal values of the lengths, in the unit of the axis.
+    fn over(&self, over: CurveAxis) -> Vec<f64> {
+        let value = |length: f64| match over {
+            CurveAxis::Length => 1e3 * length,
+            CurveAxis::Contraction => 100.0 * self.contraction(length),
+        };
+        self.lengths().into_iter().map(value).collect()
+    }
+
     /// Force, stiffness and volume inside.
     pub fn figure(&self, over: CurveAxis) -> Figure {
-        let lengths = self.lengths();
-        let (axis, x): (Axis, Vec<f64>) = match over {
-            CurveAxis::Length => (Axis::new("length", "mm"), lengths.iter().map(|length| 1e3 * length).collect()),
-            CurveAxis::Contraction => (
-                Axis::new("contraction", "%"),
-                lengths.iter().map(|length| 100.0 * self.contraction(*length)).collect(),
-            ),
-        };
+        let (lengths, x) = (self.lengths(), self.over(over));
         let mut force = Panel::new(Axis::new("force", "N"));
         let mut stiffness = Panel::new(Axis::new("stiffness", "N/m")).legend(Legend::Above);
         for (place, pressure) in self.pressures.iter().enumerate() {
@@ -229,7 +259,8 @@ impl Curves {
         let volume = Panel::new(Axis::new("volume inside", "cm³"))
             .series(Series::line("", x.clone(), inside).colour(Colour::Neutral))
             .height_mm(24.0);
-        Figure::new(axis).caption(self.notes.clone()).size_mm(120.0, 44.0).panel(force).panel(stiffness).panel(volume)
+        let figure = Figure::new(Self::axis(over)).caption(self.notes.clone()).size_mm(120.0, 44.0);
+        figure.panel(below_zero(force)).panel(stiffness).panel(volume)
     }
 
     /// Where the load balances the actuator at each pressure, and a sentence on how good (6) is there.

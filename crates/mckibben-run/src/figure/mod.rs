@@ -9,12 +9,14 @@
 //! | `symbols`, `marks` | the symbol of each kind of event, and where marks stand |
 //! | `envelope` | oscillations that are faster than a figure can show |
 //! | `loops` | tension over length |
+//! | `labels` | the names of compared files |
 //! | `title` | a sentence that says what is shown |
 //!
 //! Checked by the program's `tests/figure.rs`.
 
 mod choice;
 mod envelope;
+mod labels;
 mod loops;
 mod marks;
 mod panels;
@@ -27,6 +29,7 @@ use crate::axis::TrajectoryAxis;
 use crate::failure::Failure;
 use crate::run::Finished;
 use choice::Run;
+pub use labels::labels;
 use mckibben_plot::{Figure, Format, PlotError, SideBySide, Theme};
 use panels::Looks;
 use source::Source;

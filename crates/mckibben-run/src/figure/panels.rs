@@ -55,7 +55,7 @@ impl<'s> Looks<'s> {
             let mut others: Vec<&str> = Vec::new();
             for line in &group.lines {
                 let its = line.column.of.part.as_str();
-                if !others.contains(&its) {
+                if !others.contains(&its) && !self.actuators.contains(&its) {
                     others.push(its);
                 }
             }
@@ -85,7 +85,9 @@ impl<'s> Looks<'s> {
 
     /// The colour of a part that is no actuator, so that nobody takes it for one as long as there are colours left.
     fn other(&self, group: &Group<'_>, number: usize) -> Colour {
-        let others = group.lines.iter().map(|line| self.part(group, &line.column.of.part)).max().unwrap_or(0) + 1;
+        let parts = group.lines.iter().map(|line| line.column.of.part.as_str());
+        let others = parts.filter(|part| !self.actuators.contains(part));
+        let others = others.map(|part| self.part(group, part)).max().unwrap_or(0) + 1;
         match (self.actuators.len(), others) {
             (_, 1) => Colour::Neutral,
             (many, few) if many + few <= COLOURS => Colour::Category(many + number),

@@ -22,6 +22,26 @@ pub fn of(document: &Document, set: &[String]) -> String {
     if set.is_empty() { title } else { format!("{title} ({})", set.join(", ").replace('=', " = ")) }
 }
 
+/// The title of runs of several documents: what they have in common, or their names.
+pub fn of_several(documents: &[Document]) -> String {
+    let titles: Vec<String> = documents.iter().map(|document| of(document, &[])).collect();
+    match titles.split_first() {
+        Some((first, rest)) if rest.iter().all(|title| title == first) => first.clone(),
+        _ => {
+            let names: Vec<&str> = documents.iter().map(|document| document.source().name()).map(base).collect();
+            match names.split_last() {
+                Some((last, rest)) if !rest.is_empty() => format!("Runs of {} and {last}", rest.join(", ")),
+                _ => names.concat(),
+            }
+        }
+    }
+}
+
+/// The last part of a path.
+pub(super) fn base(name: &str) -> &str {
+    name.rsplit(['/', '\\']).next().unwrap_or(name)
+}
+
 /// The first sentence of the comments at the head of a text.
 fn sentence(text: &str) -> Option<String> {
     let comments = text.trim_start_matches('\u{feff}').lines().map_while(|line| line.strip_prefix('#'));
@@ -109,7 +129,7 @@ mod tests {
 
     #[test]
     fn without_a_sentence_the_title_is_made_of_load_and_drive() {
-        let text = "[load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n[valve]\npreset = \"matrix-758\"\n[supply]\n\
+        let text = "[load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n[valve]\npreset = \"matrix-821\"\n[supply]\n\
                     gauge_pressure = \"60 psi\"\n[command]\nkind = \"pwm\"\nfrequency = \"25 Hz\"\nduty = 0.4\n[run]\n\
                     duration = \"1 s\"\n";
         let document = Document::parse(text, "muscle.toml").unwrap();
