@@ -50,7 +50,8 @@ fn turns(values: &[f64], least: f64) -> Vec<usize> {
     turns
 }
 
-/// Where the detail of a curve begins, if it swings more often than a figure of the whole shows; `range` is that of its panel.
+/// Where the detail of a curve begins, if it swings more often than a figure of the whole shows; `range` is that of its panel,
+/// which is more than noise.
 pub(crate) fn last_periods(time: &[f64], values: &[f64], range: f64) -> Option<f64> {
     let turns = turns(values, SWING * range);
     let begin = turns.len().checked_sub(LAST)?;
@@ -64,6 +65,14 @@ pub(crate) fn of(time: &[f64], values: &[f64], range: f64) -> Option<Envelope> {
         let windows = (periods as f64 / PERIODS_PER_WINDOW).min(WINDOWS) as usize;
         envelope(time, values, windows.max(1))
     })
+}
+
+/// The mean over time, by trapezoids.
+fn mean(time: &[f64], values: &[f64]) -> f64 {
+    let pairs = time.windows(2).zip(values.windows(2));
+    let area: f64 = pairs.map(|(time, value)| (time[1] - time[0]) * 0.5 * (value[0] + value[1])).sum();
+    let span = time.last().zip(time.first()).map_or(0.0, |(last, first)| last - first);
+    if span > 0.0 { area / span } else { values.first().copied().unwrap_or(f64::NAN) }
 }
 
 /// The envelope over windows of equally many samples. At the instant between two windows it holds the samples of both, so that the
@@ -80,7 +89,8 @@ fn envelope(time: &[f64], values: &[f64], windows: usize) -> Envelope {
         found.time.push(time[edge(node)]);
         found.lower.push(around.iter().copied().fold(f64::INFINITY, f64::min));
         found.upper.push(around.iter().copied().fold(f64::NEG_INFINITY, f64::max));
-        found.mean.push(wide.iter().sum::<f64>() / wide.len() as f64);
+        let (from, to) = (edge(node.saturating_sub(MEAN_OVER)), edge((node + MEAN_OVER).min(windows)));
+        found.mean.push(mean(&time[from..=to], wide));
     }
     found
 }

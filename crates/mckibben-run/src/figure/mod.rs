@@ -125,9 +125,9 @@ pub fn draw(runs: &[(&str, &Finished)], request: &Request<'_>) -> Result<Picture
 fn detail(choice: &choice::Choice<'_>) -> Option<f64> {
     let of = |group: &choice::Group<'_>| {
         let (low, high, _) = group.extent();
-        let begins = group.lines.iter();
-        begins.filter_map(move |line| envelope::last_periods(&line.source.time, &line.column.values, high - low))
-            .collect::<Vec<f64>>()
+        let begins = group.lines.iter().filter(|_| high - low > group.tolerance());
+        let begins = begins.filter_map(|line| envelope::last_periods(&line.source.time, &line.column.values, high - low));
+        begins.collect::<Vec<f64>>()
     };
     choice.groups.iter().flat_map(of).max_by(f64::total_cmp)
 }

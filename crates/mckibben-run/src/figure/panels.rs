@@ -191,7 +191,7 @@ fn panel(group: &Group<'_>, looks: &Looks<'_>, (begin, whole): (f64, bool)) -> (
         let (colour, dash) = looks.of(group, line);
         let (time, values) = (&line.source.time, &line.column.values);
         let scaled = |values: &[f64]| values.iter().map(|value| value * factor).collect::<Vec<f64>>();
-        let envelope = if whole { envelope::of(time, values, high - low) } else { None };
+        let envelope = if whole && high - low > least { envelope::of(time, values, high - low) } else { None };
         if let Some(found) = envelope {
             let band = Span::between("", found.time.clone(), scaled(&found.lower), scaled(&found.upper));
             bands.push(band.colour(colour));

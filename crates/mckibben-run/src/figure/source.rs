@@ -14,6 +14,8 @@ use std::sync::Arc;
 
 /// The fewest points over the duration that show a smooth curve, and the most that a curve needs.
 const POINTS: (f64, f64) = (2000.0, 100_000.0);
+/// Events up to this number have a point each.
+const CORNERS: usize = 20_000;
 /// Points in the period of a pulsed valve.
 const PER_PULSE: f64 = 48.0;
 
@@ -116,7 +118,13 @@ impl Source {
         let pulses = watches.iter().map(|watch| watch.changes.len()).max().unwrap_or(0) as f64 / 2.0;
         let least = POINTS.0.max(pulses * PER_PULSE);
         let interval = plan.sample_interval.min(duration / least).max(duration / POINTS.1);
-        let time: Arc<[f64]> = SampleTimes::new(duration, interval).times().map(|time| time.min(duration)).collect();
+        // Curves have their peaks where a valve moves, a stop is reached, the braid is taut.
+        let corners = events.iter().map(|event| event.time).filter(|_| events.len() < CORNERS);
+        let times = SampleTimes::new(duration, interval).times().chain(corners);
+        let mut time: Vec<f64> = times.map(|time| time.clamp(0.0, duration)).collect();
+        time.sort_by(f64::total_cmp);
+        time.dedup();
+        let time: Arc<[f64]> = time.into();
         let first = actuators.first().cloned().unwrap_or_default();
         let columns = run.columns_at(&time)?.into_iter().filter_map(|column| {
             let of = Of::column(&column, &first);
