@@ -22,6 +22,8 @@ const FAR: f64 = 1e6;
 const DENSE: f64 = 0.5;
 /// The size of minor ticks and the width of their lines, as a share of those of ticks with labels.
 const MINOR: f64 = 0.6;
+/// The least width of a bar of a strip.
+const THINNEST: f64 = 0.4;
 /// The steps of such a shade.
 const SHADES: usize = 8;
 
@@ -239,7 +241,10 @@ fn draw_intervals(
     let columns = (area.width() / (2.0 * COLUMN)).ceil();
     if merged.len() as f64 <= DENSE * columns {
         let mut shade = Outline::filled(ink, opacity);
-        merged.iter().for_each(|(left, right)| shade.rectangle(Area { left: *left, right: *right, ..area }));
+        let least = if area == frame.area { 0.0 } else { THINNEST };
+        for (left, right) in &merged {
+            shade.rectangle(Area { left: *left, right: right.max(left + least).min(area.right), ..area });
+        }
         scene.outline(shade);
         return;
     }

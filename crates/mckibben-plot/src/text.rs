@@ -133,10 +133,11 @@ impl Faces {
         });
     }
 
-    /// Lines no wider than `width`, broken at spaces. A word that is wider by itself is shortened.
+    /// Lines no wider than `width`, broken at spaces but not at no-break spaces. A word that is wider by itself is shortened.
     pub(super) fn wrap(&self, text: &str, size: f64, bold: bool, width: f64) -> Vec<String> {
         let mut lines: Vec<String> = Vec::new();
-        for word in text.split_whitespace() {
+        let is_break = |c: char| c.is_whitespace() && c != '\u{a0}';
+        for word in text.split(is_break).filter(|word| !word.is_empty()) {
             match lines.last_mut().filter(|line| self.width(&format!("{line} {word}"), size, bold) <= width) {
                 Some(line) => {
                     line.push(' ');

@@ -164,8 +164,8 @@ fn usual(source: &Source, column: &Column) -> Option<String> {
         (_, SET_POINT) => true,
         ("stiffness", MEASURED) => true,
         (_, MEASURED) => false,
-        ("gauge pressure", "supply") => return changes(column).then(|| "supply, gauge pressure".to_owned()),
-        ("gauge pressure", "") if !is_actuator => return changes(column).then(|| "supply, gauge pressure".to_owned()),
+        ("gauge pressure", "supply") => return changes(column).then(|| "supply, gauge".to_owned()),
+        ("gauge pressure", "") if !is_actuator => return changes(column).then(|| "supply, gauge".to_owned()),
         // Of several actuators the regulators' outlets would hide the pressures.
         ("gauge pressure", "regulated") => source.actuators.len() == 1,
         ("angle" | "position" | "load distance" | "gauge pressure" | "tension", "") => true,

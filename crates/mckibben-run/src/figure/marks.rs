@@ -1,6 +1,6 @@
 //! Events as marks on the curves that they belong to. A kind of which there are too many is counted in the note instead.
 
-use super::choice::{Choice, Group, Run};
+use super::choice::{Choice, Group, Line, Run};
 use super::panels::Looks;
 use super::source::Happened;
 use super::symbols::{self, SYMBOLS, Side};
@@ -38,7 +38,7 @@ pub(crate) fn note(runs: &[Run<'_>]) -> String {
     if counted.is_empty() {
         return String::new();
     }
-    let each = counted.iter().map(|(kind, number)| format!("{} × {}", count(*number as u64), kind.name()));
+    let each = counted.iter().map(|(kind, number)| format!("{}\u{a0}×\u{a0}{}", count(*number as u64), kind.name()));
     format!("not marked: {}", each.collect::<Vec<_>>().join(", "))
 }
 
@@ -80,20 +80,33 @@ pub(crate) fn place(figure: &mut Figure, choice: &Choice<'_>, looks: &Looks<'_>)
 /// is of.
 fn stand(event: &Happened, run: usize, choice: &Choice<'_>) -> Option<(usize, f64)> {
     let side = symbols::side(event.kind);
-    let worth = |group: &Group<'_>, part: &str| {
+    // What supplies and hoses do stands on their own curves, where these are shown.
+    let of_place: &[&str] = match event.kind {
+        EventKind::Compressor => &["supply"],
+        EventKind::Regulator => &["supply", "regulated"],
+        EventKind::Regime => &["hose"],
+        _ => &[],
+    };
+    let worth = |group: &Group<'_>, line: &Line<'_>| {
+        let (part, place) = (&line.column.of.part, line.column.of.place.as_str());
+        let elsewhere = match (place.is_empty(), of_place.contains(&place)) {
+            (true, _) => usize::from(!of_place.is_empty()),
+            (false, true) => 0,
+            (false, false) => return None,
+        };
         let of = group.lines.first().map_or("", |line| line.column.of.quantity.as_str());
         let is_air = ["gauge pressure", "absolute pressure", "air mass", "mass flow"].contains(&of);
         let other_side = usize::from(is_air != (side == Side::Air));
-        let other_part = match (part == event.part, event.part.is_empty() || part.is_empty()) {
+        let other_part = match (*part == event.part, event.part.is_empty() || part.is_empty()) {
             (true, _) => 0,
             (false, true) => 4,
             (false, false) => return None,
         };
-        Some(other_part + other_side)
+        Some(2 * other_part + 2 * other_side + elsewhere)
     };
     let candidates = choice.groups.iter().enumerate().flat_map(|(index, group)| {
-        let lines = group.lines.iter().filter(|line| line.run == run && line.column.of.place.is_empty());
-        lines.filter_map(move |line| Some((worth(group, &line.column.of.part)?, index, line)))
+        let lines = group.lines.iter().filter(|line| line.run == run);
+        lines.filter_map(move |line| Some((worth(group, line)?, index, line)))
     });
     let (_, index, line) = candidates.min_by_key(|(worth, index, _)| (*worth, *index))?;
     let (time, values) = (&line.source.time, &line.column.values);

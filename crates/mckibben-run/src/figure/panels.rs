@@ -74,6 +74,12 @@ impl<'s> Looks<'s> {
         places.iter().position(|its| *its == place).unwrap_or(0).saturating_sub(1)
     }
 
+    /// Whether a panel is of one place that is not the actuator itself, such as a supply.
+    fn is_elsewhere(group: &Group<'_>) -> bool {
+        let place = &group.lines[0].column.of.place;
+        !place.is_empty() && group.lines.iter().all(|line| line.column.of.place == *place)
+    }
+
     /// The colour of a part's marks and strips.
     pub(crate) fn colour_of(&self, run: usize, part: &str) -> Colour {
         match (self.runs.len(), self.actuators.iter().position(|name| *name == part)) {
@@ -101,12 +107,14 @@ impl<'s> Looks<'s> {
         let (part, place) = (self.part(group, &of.part), self.place(group, &of.place));
         let colour = match (self.runs.len(), self.actuators.len()) {
             (2.., _) => Colour::Category(line.run),
+            (_, ..=1) if Self::is_elsewhere(group) => Colour::Neutral,
             (_, 2..) if !self.actuators.contains(&of.part.as_str()) => self.other(group, part),
             // The set point of what one regulator makes is in the colour of that.
             (_, ..=1) if of.place == SET_POINT && self.has_regulated(group) => Colour::Category(1),
             (_, ..=1) if self.is_alone(group) => Colour::Category(place),
             _ => Colour::Category(part),
         };
+        let place = if Self::is_elsewhere(group) { 0 } else { place };
         let dash = if of.place == SET_POINT { Dash::Dotted } else { DASHES[(part + place) % DASHES.len()] };
         (colour, dash)
     }
