@@ -125,11 +125,16 @@ fn no_event_is_dropped_silently() {
             let named = figure.panels.iter().flat_map(|panel| &panel.marks).find(|marks| marks.label == kind);
             let marked = |of: &mckibben_plot::Marks| {
                 let all = figure.panels.iter().flat_map(|panel| &panel.marks);
-                all.filter(|marks| (marks.symbol, marks.filled) == (of.symbol, of.filled)).map(|marks| marks.x.len()).sum()
+                all.filter(|marks| (marks.symbol, marks.filled) == (of.symbol, of.filled))
+                    .map(|marks| marks.x.len())
+                    .sum()
             };
             let marked: usize = named.map_or(0, marked);
             let noted = note.contains(&format!("× {kind}"));
-            assert!(marked == count || noted || (kind == "valve" && strips > 0), "{name}: {kind} {count} {marked} {note}");
+            assert!(
+                marked == count || noted || (kind == "valve" && strips > 0),
+                "{name}: {kind} {count} {marked} {note}"
+            );
         }
     }
 }
@@ -202,7 +207,8 @@ fn several_files_are_drawn_over_each_other() {
         assert_eq!(output.status.code(), Some(2), "{message}");
         assert!(message.contains(option[0]) && message.contains("one file at a time"), "{message}");
     }
-    let output = folder.mckibben().args(["curves", "light.toml", "heavy.toml", "--plot", "curves.svg"]).output().expect("runs");
+    let output =
+        folder.mckibben().args(["curves", "light.toml", "heavy.toml", "--plot", "curves.svg"]).output().expect("runs");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     assert!(folder.path("curves.svg").exists());
     let output = folder.mckibben().args(["curves", "light.toml", "heavy.toml", "-o", "c.csv"]).output().expect("runs");

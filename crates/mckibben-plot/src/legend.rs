@@ -112,10 +112,10 @@ pub(super) fn entries(panel: &Panel) -> Vec<Entry> {
         Entry { key, label: s.label.clone() }
     });
     let spans = panel.spans.iter().map(|s| Entry { key: Key::Shade { ink: s.colour.into() }, label: s.label.clone() });
-    let marks = panel
-        .marks
-        .iter()
-        .map(|m| Entry { key: Key::Mark { ink: m.colour.into(), symbol: m.symbol, filled: m.filled }, label: m.label.clone() });
+    let marks = panel.marks.iter().map(|m| Entry {
+        key: Key::Mark { ink: m.colour.into(), symbol: m.symbol, filled: m.filled },
+        label: m.label.clone(),
+    });
     let strips =
         panel.strips.iter().map(|s| Entry { key: Key::Strip { ink: s.colour.into() }, label: s.label.clone() });
     series.chain(spans).chain(strips).chain(marks).filter(|e| !e.label.trim().is_empty()).collect()

@@ -53,7 +53,9 @@ mod ticks;
 
 pub use axis::{Axis, Scale};
 pub use beside::SideBySide;
-pub use figure::{Colour, Dash, Extent, Field, Figure, Legend, Marks, Panel, Reference, Series, Span, Strip, Style, Symbol};
+pub use figure::{
+    Colour, Dash, Extent, Field, Figure, Legend, Marks, Panel, Reference, Series, Span, Strip, Style, Symbol,
+};
 pub use theme::Theme;
 
 use std::path::{Path, PathBuf};

@@ -6,6 +6,7 @@ use super::curves::{self, CurvesArguments};
 use super::simulate::{self, SimulateArguments};
 use crate::files;
 use crate::settings::Setting;
+use crate::summary::Common;
 use crate::{terminal, warnings};
 use mckibben_run::curves::{Curves, compare};
 use mckibben_run::failure::Failure;
@@ -67,6 +68,7 @@ pub(super) fn simulate(arguments: &SimulateArguments) -> Result<(), Failure> {
     let (mut text, mut kept) = (Vec::new(), Vec::new());
     for (document, ready) in documents.iter().zip(ready) {
         let scenario = if document.is_plant() { None } else { Some(document.scenario()?) };
+        let settled = if arguments.settle { Some(ready.settle(document)?) } else { None };
         let (known, started) = (ready.warnings(), Instant::now());
         let finished = ready.run(document, &mut |_| Ok(()))?;
         let (elapsed, figures) = (started.elapsed(), finished.figures()?);
@@ -77,8 +79,10 @@ pub(super) fn simulate(arguments: &SimulateArguments) -> Result<(), Failure> {
         if arguments.quiet {
             warnings::print(&found);
         } else {
-            let of = (document.source().name(), document);
-            let told = simulate::told(&figures, of, scenario.as_ref(), elapsed)?;
+            let (muscles, assumed) = (&document.muscles()[..], &document.assumed()[..]);
+            let (name, settled, verbose) = (document.source().name(), settled.as_ref(), arguments.verbose);
+            let common = Common { name, elapsed, muscles, assumed, settled, verbose };
+            let told = simulate::told(&figures, common, scenario.as_ref())?;
             text.push(format!("{told}{}", warnings::section(&found)));
         }
         kept.push(finished);
@@ -118,8 +122,7 @@ pub(super) fn curves(arguments: &CurvesArguments) -> Result<(), Failure> {
     if let Some((path, format)) = plot {
         let labels = figure::labels(&documents);
         let each: Vec<(&str, &Curves)> = labels.iter().map(String::as_str).zip(&curves).collect();
-        let bytes =
-            compare(&each, arguments.over).bytes(format).map_err(|error| Failure::output(path, error))?;
+        let bytes = compare(&each, arguments.over).bytes(format).map_err(|error| Failure::output(path, error))?;
         output::write(path, &bytes)?;
         text.push_str(&terminal::wrote(path, ""));
     }

@@ -27,8 +27,9 @@ pub fn compare(each: &[(&str, &Curves)], over: CurveAxis) -> Figure {
         }
         volume = volume.series(curve("", &|length| 1e6 * of.actuator().law().law.volume(length)));
     }
-    let pressures: Vec<&str> =
-        each.first().map_or(Vec::new(), |(_, of)| of.pressures.iter().map(|pressure| pressure.label.as_str()).collect());
+    let pressures: Vec<&str> = each
+        .first()
+        .map_or(Vec::new(), |(_, of)| of.pressures.iter().map(|pressure| pressure.label.as_str()).collect());
     let panels = [force, stiffness, volume].map(|panel| super::below_zero(panel));
     let figure = panels.into_iter().fold(Figure::new(Curves::axis(over)), Figure::panel);
     figure

@@ -18,12 +18,12 @@ mod pressures;
 use crate::axis::{CurveAxis, HorizontalAxis as _};
 use crate::failure::Failure;
 use crate::report::{Data, Table, number, typeset};
+pub use compare::compare;
 use mckibben::force::Statics;
 use mckibben::load::Load;
 use mckibben::{AbsolutePressure, Actuator, GaugePressure};
 use mckibben_plot::{Axis, Colour, Dash, Figure, Legend, Panel, Series, Span};
 use mckibben_scenario::{Document, Experiment, Force, Scenario};
-pub use compare::compare;
 pub use pressures::{Pressure, Pressures};
 
 /// The pressures when none are given: those of the paper's Fig. 3.

@@ -14,6 +14,7 @@ use super::quantity::{MEASURED, SET_POINT, shown, tolerance};
 use super::source::{Column, Source};
 use crate::failure::Failure;
 use crate::quantities::{digits, plain};
+use crate::units::Shown;
 
 /// A run with its name among others.
 #[derive(Clone, Copy, Debug)]
@@ -64,10 +65,9 @@ impl Group<'_> {
         tolerance(self.floor, self.extent().2)
     }
 
-    /// The unit that it is shown in, and how many of it are one SI unit.
-    pub(crate) fn shown(&self) -> (String, f64) {
-        let quantity = self.lines.first().map_or("", |line| line.column.of.quantity.as_str());
-        shown(quantity, &self.unit, self.extent().2)
+    /// The unit that it is shown in.
+    pub(crate) fn shown(&self) -> Shown {
+        shown(&self.unit, self.extent().2)
     }
 
     /// What it is, where nothing of it changes; runs that differ are a change.
@@ -88,8 +88,8 @@ impl Group<'_> {
                 values.push((&of.part, 0.5 * (low + high)));
             }
         }
-        let (unit, factor) = self.shown();
-        let with_unit = |value: f64| format!("{} {unit}", plain(&digits(value * factor)));
+        let shown = self.shown();
+        let with_unit = |value: f64| shown.with(plain(&digits(shown.number(value))));
         let first = values.first()?.1;
         let words = match values.iter().all(|(_, value)| (value - first).abs() <= least) {
             true => with_unit(first),
@@ -104,7 +104,9 @@ impl Group<'_> {
 
 /// The least and the greatest of values.
 pub(crate) fn extremes<'v>(values: impl IntoIterator<Item = &'v f64>) -> (f64, f64) {
-    values.into_iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(*value), high.max(*value)))
+    values
+        .into_iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(*value), high.max(*value)))
 }
 
 /// The panels of runs: those of the named columns, or the usual ones where none is named.
@@ -114,9 +116,10 @@ pub(crate) fn extremes<'v>(values: impl IntoIterator<Item = &'v f64>) -> (f64, f
 pub(crate) fn choose<'s>(runs: &[Run<'s>], names: &[String]) -> Result<Choice<'s>, Failure> {
     let all = || {
         let of = |(run, its): (usize, &Run<'s>)| (run, its.source);
-        runs.iter().enumerate().map(of).flat_map(|(run, source)| {
-            source.columns.iter().map(move |column| Line { run, source, column })
-        })
+        runs.iter()
+            .enumerate()
+            .map(of)
+            .flat_map(|(run, source)| source.columns.iter().map(move |column| Line { run, source, column }))
     };
     let mut groups: Vec<Group<'s>> = Vec::new();
     let mut add = |line: Line<'s>, title: String| {
@@ -158,7 +161,8 @@ pub(crate) fn choose<'s>(runs: &[Run<'s>], names: &[String]) -> Result<Choice<'s
 /// The panel in which a column stands when none is named.
 fn usual(source: &Source, column: &Column) -> Option<String> {
     let of = &column.of;
-    let has_goal = || source.columns.iter().any(|other| other.of.place == SET_POINT && other.of.quantity == of.quantity);
+    let has_goal =
+        || source.columns.iter().any(|other| other.of.place == SET_POINT && other.of.quantity == of.quantity);
     let is_actuator = source.actuators.contains(&of.part);
     let is_usual = match (of.quantity.as_str(), of.place.as_str()) {
         (_, SET_POINT) => true,
@@ -193,7 +197,10 @@ fn unknown(name: &str, runs: &[Run<'_>]) -> Failure {
     let mut near: Vec<(usize, &str)> = known.iter().map(|known| (distance(name, known), *known)).collect();
     near.sort();
     let near: Vec<&str> = near.into_iter().take(4).map(|(_, known)| known).collect();
-    Failure::input(title, format!("the nearest names are {}; --output run.csv writes all {}", near.join(", "), known.len()))
+    Failure::input(
+        title,
+        format!("the nearest names are {}; --output run.csv writes all {}", near.join(", "), known.len()),
+    )
 }
 
 /// How many letters change from a word to another, where a word that holds the other is nearer than any other.

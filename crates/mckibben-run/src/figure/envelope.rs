@@ -101,7 +101,10 @@ mod tests {
     use std::f64::consts::TAU;
 
     fn wave(periods: f64) -> (Vec<f64>, Vec<f64>) {
-        (0..=20_000).map(|n| f64::from(n) / 20_000.0).map(|t| (t, (TAU * periods * t).sin() * (1.0 + t) + 3.0 * t)).unzip()
+        (0..=20_000)
+            .map(|n| f64::from(n) / 20_000.0)
+            .map(|t| (t, (TAU * periods * t).sin() * (1.0 + t) + 3.0 * t))
+            .unzip()
     }
 
     #[test]

@@ -8,7 +8,8 @@ use mckibben_plot::{Axis, Colour, Figure, Panel, Series, SideBySide};
 
 /// Lengths in m and tensions in N of a run.
 fn columns<'s>(run: &Run<'s>) -> Option<(&'s [f64], &'s [f64])> {
-    let named = |name: &str| run.source.columns.iter().find(|column| column.name == name).map(|column| &column.values[..]);
+    let named =
+        |name: &str| run.source.columns.iter().find(|column| column.name == name).map(|column| &column.values[..]);
     Some((named("length_m")?, named("tension_n")?))
 }
 
@@ -29,23 +30,27 @@ fn secant(lengths: &[f64], tensions: &[f64]) -> impl Fn(f64) -> f64 {
 
 /// The loops of runs of one actuator each.
 pub(super) fn draw(runs: &[Run<'_>], title: &str) -> Picture {
-    let panel = |label: &str| Panel::new(Axis::new(label, "N"));
+    let tensions = runs.iter().filter_map(columns).flat_map(|(_, tensions)| tensions);
+    let (low, high) = extremes(tensions);
+    let force = shown("N", low.abs().max(high.abs()));
+    let panel = |label: &str| Panel::new(Axis::new(label, force.text.clone()));
     let (mut whole, mut less, mut moves) = (panel("tension"), panel("tension less secant"), true);
     let lengths = runs.iter().filter_map(columns).flat_map(|(lengths, _)| lengths);
     let (low, high) = extremes(lengths);
-    let (unit, factor) = shown("length", "m", low.abs().max(high.abs()));
+    let shown = shown("m", low.abs().max(high.abs()));
     for (index, run) in runs.iter().enumerate() {
         let Some((lengths, tensions)) = columns(run) else { continue };
         let (low, high) = extremes(lengths);
         moves &= high - low > tolerance(1e-6, high.abs());
-        let x: Vec<f64> = lengths.iter().map(|length| length * factor).collect();
+        let x: Vec<f64> = lengths.iter().map(|length| shown.number(*length)).collect();
         let secant = secant(lengths, tensions);
-        let rest = lengths.iter().zip(tensions).map(|(length, tension)| tension - secant(*length)).collect();
+        let rest =
+            lengths.iter().zip(tensions).map(|(length, tension)| force.number(tension - secant(*length))).collect();
         let series = |y: Vec<f64>| Series::line(run.label, x.clone(), y).colour(Colour::Category(index));
-        whole = whole.series(series(tensions.to_vec()));
+        whole = whole.series(series(tensions.iter().map(|tension| force.number(*tension)).collect()));
         less = less.series(Series { label: String::new(), ..series(rest) });
     }
-    let figure = |panel: Panel| Figure::new(Axis::new("length", unit.clone())).panel(panel);
+    let figure = |panel: Panel| Figure::new(Axis::new("length", shown.text.clone())).panel(panel);
     if !moves {
         return Picture::One(Box::new(figure(whole).title(title).size_mm(120.0, 80.0)));
     }

@@ -15,7 +15,8 @@ const MOST: usize = 12;
 fn kinds<'e>(runs: &[Run<'e>]) -> (Vec<EventKind>, Vec<(EventKind, usize)>) {
     let (mut marked, mut counted) = (Vec::new(), Vec::new());
     for (kind, ..) in SYMBOLS {
-        let numbers = runs.iter().map(|run| run.source.events.iter().filter(|event| is_marked(run, event, kind)).count());
+        let numbers =
+            runs.iter().map(|run| run.source.events.iter().filter(|event| is_marked(run, event, kind)).count());
         let (most, all) = numbers.fold((0, 0), |(most, all), number: usize| (most.max(number), all + number));
         match most {
             0 => {}
@@ -114,5 +115,5 @@ fn stand(event: &Happened, run: usize, choice: &Choice<'_>) -> Option<(usize, f6
     let (from, to) = (time[after - 1], time[after]);
     let part = if to > from { ((event.time - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
     let value = values[after - 1] + part * (values[after] - values[after - 1]);
-    Some((index, value * choice.groups[index].shown().1))
+    Some((index, choice.groups[index].shown().number(value)))
 }

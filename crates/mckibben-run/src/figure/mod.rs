@@ -92,8 +92,7 @@ impl Picture {
 /// [`Failure::input`] for a column that no run has; [`Failure::stopped`] for a number that is not finite.
 pub fn draw(runs: &[(&str, &Finished)], request: &Request<'_>) -> Result<Picture, Failure> {
     let sources = runs.iter().map(|(_, run)| Source::of(run)).collect::<Result<Vec<_>, _>>()?;
-    let runs: Vec<Run<'_>> =
-        runs.iter().zip(&sources).map(|((label, _), source)| Run { label, source }).collect();
+    let runs: Vec<Run<'_>> = runs.iter().zip(&sources).map(|((label, _), source)| Run { label, source }).collect();
     let looks = Looks::new(&runs);
     if request.over == TrajectoryAxis::Length {
         return Ok(loops::draw(&runs, request.title));
@@ -126,7 +125,8 @@ fn detail(choice: &choice::Choice<'_>) -> Option<f64> {
     let of = |group: &choice::Group<'_>| {
         let (low, high, _) = group.extent();
         let begins = group.lines.iter().filter(|_| high - low > group.tolerance());
-        let begins = begins.filter_map(|line| envelope::last_periods(&line.source.time, &line.column.values, high - low));
+        let begins =
+            begins.filter_map(|line| envelope::last_periods(&line.source.time, &line.column.values, high - low));
         begins.collect::<Vec<f64>>()
     };
     choice.groups.iter().flat_map(of).max_by(f64::total_cmp)

@@ -11,6 +11,7 @@
 use super::choice::{Choice, Group, Line, Run};
 use super::quantity::SET_POINT;
 use super::{envelope, marks};
+use crate::units::Shown;
 use mckibben_plot::{Axis, Colour, Dash, Figure, Panel, Series, Span, Strip, Style};
 
 /// Patterns in the order of use; dots are those of set points.
@@ -132,7 +133,8 @@ impl<'s> Looks<'s> {
     fn name(&self, group: &Group<'_>, line: &Line<'_>) -> String {
         let of = &line.column.of;
         let places = group.lines.iter().any(|line| !["", SET_POINT].contains(&line.column.of.place.as_str()));
-        let part = if self.is_alone(group) && (self.actuators.len() < 2 || !self.actuators.contains(&of.part.as_str())) {
+        let part = if self.is_alone(group) && (self.actuators.len() < 2 || !self.actuators.contains(&of.part.as_str()))
+        {
             ""
         } else {
             of.part.as_str()
@@ -181,14 +183,14 @@ pub(crate) fn figure(choice: &Choice<'_>, looks: &Looks<'_>, (begin, end, whole)
 }
 
 fn panel(group: &Group<'_>, looks: &Looks<'_>, (begin, whole): (f64, bool)) -> (Panel, bool) {
-    let (unit, factor) = group.shown();
+    let shown = group.shown();
     let (low, high, largest) = group.extent();
     let least = group.tolerance();
-    let mut axis = Axis::new(group.title.clone(), unit);
+    let mut axis = Axis::new(group.title.clone(), shown.text.clone());
     if high - low <= least {
         // Noise is a level line: the axis says how large the value is, not how it rounds.
         let around = (0.05 * largest).max(10.0 * least);
-        axis = axis.starting_at((low - around) * factor).ending_at((high + around) * factor);
+        axis = axis.starting_at(shown.number(low - around)).ending_at(shown.number(high + around));
     }
     let mut panel = Panel::new(axis);
     for entry in looks.legend(group) {
@@ -198,7 +200,7 @@ fn panel(group: &Group<'_>, looks: &Looks<'_>, (begin, whole): (f64, bool)) -> (
     for line in &group.lines {
         let (colour, dash) = looks.of(group, line);
         let (time, values) = (&line.source.time, &line.column.values);
-        let scaled = |values: &[f64]| values.iter().map(|value| value * factor).collect::<Vec<f64>>();
+        let scaled = |values: &[f64]| values.iter().map(|value| shown.number(*value)).collect::<Vec<f64>>();
         let envelope = if whole && high - low > least { envelope::of(time, values, high - low) } else { None };
         if let Some(found) = envelope {
             let band = Span::between("", found.time.clone(), scaled(&found.lower), scaled(&found.upper));
@@ -215,11 +217,11 @@ fn panel(group: &Group<'_>, looks: &Looks<'_>, (begin, whole): (f64, bool)) -> (
     let has_envelope = !bands.is_empty();
     panel = bands.into_iter().fold(panel, Panel::span);
     panel = curves.into_iter().fold(panel, Panel::series);
-    (if whole { limits(panel, group, factor) } else { panel }, has_envelope)
+    (if whole { limits(panel, group, &shown) } else { panel }, has_envelope)
 }
 
 /// The panel with the limits that its curves come near: further away they would only flatten the curves.
-fn limits(mut panel: Panel, group: &Group<'_>, factor: f64) -> Panel {
+fn limits(mut panel: Panel, group: &Group<'_>, shown: &Shown) -> Panel {
     let (low, high, _) = group.extent();
     let near = 0.15 * (high - low).max(1e3 * group.floor);
     let mut drawn: Vec<(f64, &str)> = Vec::new();
@@ -233,7 +235,7 @@ fn limits(mut panel: Panel, group: &Group<'_>, factor: f64) -> Panel {
         }
     }
     for (value, words) in drawn {
-        panel = panel.horizontal(value * factor, words);
+        panel = panel.horizontal(shown.number(value), words);
     }
     panel
 }

@@ -9,7 +9,7 @@
 //! a sensor of the field resolves.
 
 use crate::record::Filled;
-use std::f64::consts::PI;
+use crate::units::{Shown, units};
 
 /// The part of a magnitude below which a difference is not shown.
 pub(crate) const RELATIVE: f64 = 1e-6;
@@ -102,7 +102,8 @@ impl Of {
             "measured" => (MEASURED, controlled),
             name => {
                 // `load_distance` is a quantity of its own, so the longest name decides.
-                let fits = KNOWN.iter().filter(|known| name == known.name || name.ends_with(&format!("_{}", known.name)));
+                let fits =
+                    KNOWN.iter().filter(|known| name == known.name || name.ends_with(&format!("_{}", known.name)));
                 let quantity = fits.map(|known| known.name).max_by_key(|known| known.len()).unwrap_or(name);
                 (name.strip_suffix(quantity).unwrap_or("").trim_end_matches('_'), quantity)
             }
@@ -126,23 +127,9 @@ pub(crate) fn tolerance(floor: f64, largest: f64) -> f64 {
     floor.max(RELATIVE * largest)
 }
 
-/// The unit that a quantity is shown in, and how many of it are one SI unit, where the largest magnitude is given in SI.
-pub(crate) fn shown(quantity: &str, unit: &str, largest: f64) -> (String, f64) {
-    let (shown, factor) = match unit {
-        "m" => ("mm", 1e3),
-        "m/s" if largest < 0.1 => ("mm/s", 1e3),
-        "rad" => ("deg", 180.0 / PI),
-        "rad/s" => ("deg/s", 180.0 / PI),
-        "Pa" if largest < 50e3 => ("kPa", 1e-3),
-        "Pa" => ("bar", 1e-5),
-        "kg" if quantity == "air mass" && largest < 1e-3 => ("mg", 1e6),
-        "kg" if largest < 0.1 => ("g", 1e3),
-        "kg/s" if largest < 0.1 => ("g/s", 1e3),
-        "m^3" if largest < 1e-3 => ("cm³", 1e6),
-        "" if quantity == "contraction" => ("%", 100.0),
-        unit => return (unit.replace('*', "·").replace("^2", "²").replace("^3", "³"), 1.0),
-    };
-    (shown.to_owned(), factor)
+/// The unit that values are shown in, where the largest magnitude is given in SI.
+pub(crate) fn shown(unit: &str, largest: f64) -> Shown {
+    units().shown(unit, largest)
 }
 
 #[cfg(test)]
@@ -183,8 +170,8 @@ mod tests {
     fn every_quantity_has_a_floor_and_a_unit_to_be_shown_in() {
         for Known { name, unit, floor } in KNOWN {
             assert!(floor > 0.0, "{name}");
-            let (text, factor) = shown(&name.replace('_', " "), unit, 1.0);
-            assert!(factor > 0.0 && !text.contains(['*', '^']), "{name}: {text}");
+            let shown = shown(unit, 1.0);
+            assert!(shown.factor > 0.0 && !shown.text.contains(['*', '^']), "{name}: {}", shown.text);
         }
         assert_eq!(tolerance(1e-6, 100.0), 1e-4);
         assert_eq!(tolerance(1e-6, 1e-3), 1e-6);

@@ -199,7 +199,8 @@ fn plant(of: &crate::plant::PlantOutcome) -> Parts {
     }
     for (its, mechanism) in names.mechanisms.iter().zip(plant.mechanisms()) {
         if let Mechanism::Chain(chain) = mechanism {
-            limits.extend(its.joints.iter().zip(chain.joints()).flat_map(|(name, joint)| stops(name, joint.stops.ends)));
+            limits
+                .extend(its.joints.iter().zip(chain.joints()).flat_map(|(name, joint)| stops(name, joint.stops.ends)));
         }
     }
     let mut reader = PlantReader::new(trajectory);
@@ -213,7 +214,10 @@ fn plant(of: &crate::plant::PlantOutcome) -> Parts {
     for event in trajectory.events().iter().filter(|event| event.kind.kind == EventKind::Valve) {
         if let Part::Valve(valve) = event.kind.part {
             let open = reader.read(event.time).valves[valve].ports.supply;
-            watches.iter_mut().filter(|(of, _)| *of == valve).for_each(|(_, watch)| watch.changes.push((event.time, open)));
+            watches
+                .iter_mut()
+                .filter(|(of, _)| *of == valve)
+                .for_each(|(_, watch)| watch.changes.push((event.time, open)));
         }
     }
     let happened = trajectory.events().iter().map(|event| Happened {

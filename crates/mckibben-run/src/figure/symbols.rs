@@ -14,7 +14,7 @@ pub(crate) const SYMBOLS: [(EventKind, Symbol, bool); 28] = [
     (EventKind::Slack, Symbol::TriangleDown, false),
     (EventKind::Tight, Symbol::TriangleDown, true),
     (EventKind::Taut, Symbol::Square, true),
-    (EventKind::Untaut, Symbol::Square, false),
+    (EventKind::TautEnd, Symbol::Square, false),
     (EventKind::Rebound, Symbol::SquareCross, false),
     (EventKind::StopReached, Symbol::TriangleRight, true),
     (EventKind::StopLeft, Symbol::TriangleRight, false),

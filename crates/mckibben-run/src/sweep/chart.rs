@@ -140,7 +140,12 @@ fn picture(sweep: &Sweep, tally: &SweepCounts, title: &str) -> Picture {
             }
             notes.push("ρ: rank correlation after Spearman.".to_owned());
             let figures = scatter(&keys[..keys.len().min(COLUMNS)], results);
-            Picture::SideBySide(SideBySide { title: title.to_owned(), caption: notes.join(" "), figures, ..SideBySide::default() })
+            Picture::SideBySide(SideBySide {
+                title: title.to_owned(),
+                caption: notes.join(" "),
+                figures,
+                ..SideBySide::default()
+            })
         }
     }
 }
@@ -226,6 +231,7 @@ fn result(reduction: Reduction, at: Vec<f64>) -> Values {
         Statistic::Peak => format!("peak {quantity}"),
         Statistic::Rms => format!("rms {quantity}"),
         Statistic::Ripple => format!("{quantity} ripple"),
+        Statistic::Drift => format!("{quantity} drift"),
         Statistic::SettlingTime => format!("{quantity} settling time"),
         Statistic::Overshoot => format!("{quantity} overshoot"),
         Statistic::Used => format!("{quantity} used"),
