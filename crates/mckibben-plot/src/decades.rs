@@ -4,8 +4,8 @@
 //! [`SHORT`] decades, or with a single power of ten on it, has 2 and 5 too. Where even these are fewer than two, the labels
 //! are those of a linear axis, at their logarithmic places.
 //!
-//! All labels of an axis are written in one way: as 0.1, 1, 10 from 0.001 to 10000, and as 10⁻⁴, 10⁰, 2·10⁵ where one of
-//! them lies beyond.
+//! All labels of a figure are written in one way: as 0.1, 1, 10 from 0.001 to 10000, and as 10⁻⁴, 10⁰, 2·10⁵ where one of
+//! them on any of its axes lies beyond.
 
 use super::axis::Axis;
 use super::range::Range;
@@ -25,7 +25,7 @@ const PLAIN: std::ops::RangeInclusive<i32> = -3..=4;
 const MINOR: (f64, f64) = (20.0, 3.0);
 
 /// The ticks of an axis of a length, whose labels need a spacing, both in pt. There are at least two.
-pub(super) fn logarithmic(axis: &Axis, range: Range, length: f64, spacing: f64) -> Ticks {
+pub(super) fn logarithmic(axis: &Axis, range: Range, length: f64, spacing: f64, powers_of_ten: bool) -> Ticks {
     let decade = length / (range.high - range.low);
     let powers = within(range, &[1], 1).len();
     let mut choices: Vec<(f64, Vec<(i64, i32)>)> =
@@ -41,7 +41,7 @@ pub(super) fn logarithmic(axis: &Axis, range: Range, length: f64, spacing: f64) 
         (None, Some((_, ticks))) => ticks.first().into_iter().chain(ticks.last()).copied().collect(),
         (_, None) => Vec::new(),
     };
-    let plain = labelled.iter().all(|(_, k)| PLAIN.contains(k));
+    let plain = !powers_of_ten && labelled.iter().all(|(_, k)| PLAIN.contains(k));
     let text = |n: i64, k: i32| match (plain, n) {
         (true, _) => written(n, k),
         (false, 1) => format!("10{}", raised(k)),
@@ -86,7 +86,7 @@ mod tests {
 
     fn of(low: f64, high: f64, length: f64) -> Ticks {
         let axis = Axis::logarithmic("gain", "mm").starting_at(low).ending_at(high);
-        logarithmic(&axis, Range::new(None, &axis, 0.0), length, 15.0)
+        logarithmic(&axis, Range::new(None, &axis, 0.0), length, 15.0, false)
     }
 
     #[test]
@@ -141,7 +141,7 @@ mod tests {
                     for length in [11.0, 40.0, 90.0, 700.0] {
                         let axis = Axis::logarithmic("gain", "");
                         let range = Range::new(Some((*low, *high)), &axis, pad);
-                        let ticks = logarithmic(&axis, range, length, 15.5);
+                        let ticks = logarithmic(&axis, range, length, 15.5, false);
                         let case = format!("{low} {high} {length} {ticks:?}");
                         assert!(ticks.at.len() >= 2 && ticks.at.len() as f64 <= (length / 10.0).max(4.0), "{case}");
                         assert!(ticks.at.windows(2).all(|pair| pair[0].0 < pair[1].0), "{case}");

@@ -13,14 +13,19 @@ use super::ticks::{Ticks, ticks};
 const GAP: f64 = 6.0;
 /// The width of the bar.
 const WIDTH: f64 = 7.0;
-/// The line around a cell in its own colour, so that no ground shows between neighbours.
-const SEAM: f64 = 0.3;
+/// How far a cell reaches under the next, so that no ground shows between them.
+const OVERLAP: f64 = 0.4;
+/// Both signs are shown from this part of the larger magnitude on: less is rounding around zero.
+const TWO_SIGNS: f64 = 0.02;
+/// Positive values over more than these decades have a logarithmic scale.
+const DECADES: f64 = 2.0;
 /// Half the size of the cross in a cell without a value.
 const CROSS: f64 = 1.6;
 
-/// The scale of a field.
+/// The scale of a field: logarithmic for positive values over many decades, symmetrical about zero for values of two signs.
 pub(super) struct Bar {
     range: Range,
+    diverges: bool,
     ticks: Ticks,
     label: Vec<String>,
     /// The room that it needs beside the axes.
@@ -34,18 +39,29 @@ impl Bar {
         let extent = finite.fold(None, |extent: Option<(f64, f64)>, value| {
             Some(extent.map_or((value, value), |(low, high)| (low.min(value), high.max(value))))
         });
-        let axis = Axis::new(&field.label, &field.unit);
+        let (least, greatest) = extent.unwrap_or((0.0, 0.0));
+        let largest = greatest.max(-least);
+        let diverges = greatest > TWO_SIGNS * largest && -least > TWO_SIGNS * largest;
+        let axis = match least > 0.0 && (greatest / least).log10() > DECADES {
+            true => Axis::logarithmic(&field.label, &field.unit),
+            false => Axis::new(&field.label, &field.unit),
+        };
+        let extent = if diverges { Some((-largest, largest)) } else { extent };
         let range = Range::new(extent, &axis, 0.0);
         let ticks = ticks(&axis, range, height, ROW);
         let numbers = ticks.at.iter().map(|tick| faces.width(&tick.1, TICK_SIZE, false)).fold(0.0, f64::max);
         let label = faces.wrap(&ticks.label, LABEL_SIZE, false, height + 4.0);
         let words = 3.5 + label.len() as f64 * LABEL_SIZE * LEADING;
-        Self { range, ticks, label, width: GAP + WIDTH + TICK + TICK_GAP + numbers + words }
+        Self { range, diverges, ticks, label, width: GAP + WIDTH + TICK + TICK_GAP + numbers + words }
     }
 
     fn ink(&self, value: f64) -> Ink {
         // A float becomes an integer by saturation.
-        Ink::Scale((self.range.place(value) * 255.0).round() as u8)
+        self.ink_at((self.range.place(value) * 255.0).round() as u8)
+    }
+
+    fn ink_at(&self, place: u8) -> Ink {
+        if self.diverges { Ink::Diverging(place) } else { Ink::Scale(place) }
     }
 
     /// Draws the bar to the right of the axes.
@@ -55,9 +71,9 @@ impl Bar {
         for place in 0..=255u8 {
             let bottom = bar.bottom - f64::from(place) / 256.0 * bar.height();
             let top = bar.bottom - (f64::from(place) + 1.0) / 256.0 * bar.height();
-            let mut slice = Outline::filled(Ink::Scale(place), 1.0);
+            let mut slice = Outline::filled(self.ink_at(place), 1.0);
             // Each reaches under the next, so that no ground shows between them.
-            slice.rectangle(Area { top: (top - 0.4).max(bar.top), bottom, ..bar });
+            slice.rectangle(Area { top: (top - OVERLAP).max(bar.top), bottom, ..bar });
             scene.outline(slice);
         }
         let mut lines = Outline::stroked(Ink::Axis, 0.7, &[]);
@@ -95,9 +111,19 @@ pub(super) fn draw(scene: &mut Scene, field: &Field, bar: &Bar, frame: &Frame<'_
             let (left, right) = (columns[column], columns[column + run.len()]);
             column += run.len();
             if run[0].is_finite() {
-                let ink = bar.ink(run[0]);
-                let mut cell = Outline::stroked(ink, SEAM, &[]);
-                cell.fill = Outline::filled(ink, 1.0).fill;
+                let mut cell = Outline::filled(bar.ink(run[0]), 1.0);
+                // Those drawn later, to the right and above, cover what reaches under them; where none is, there is an end.
+                let at = left_out + column - run.len();
+                let over = |from: usize, to: usize, row: usize| {
+                    let start = (row + below) * field.x.len();
+                    (from..to).all(|column| {
+                        column < field.x.len()
+                            && field.values.get(start + column).is_some_and(|value| value.is_finite())
+                    })
+                };
+                let right = if over(at + run.len(), at + run.len() + 1, row) { right + OVERLAP } else { right };
+                let top = if over(at, at + run.len(), row + 1) { top - OVERLAP } else { top };
+                let (right, top) = (right.min(area.right), top.max(area.top));
                 cell.rectangle(Area { left, top, right, bottom });
                 scene.outline(cell);
             } else {

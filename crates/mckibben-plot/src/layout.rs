@@ -12,7 +12,7 @@ use super::legend::{self, Entry, Key};
 use super::range::Range;
 use super::scene::{Anchor, Area, Ink, Outline, Scene, Words};
 use super::text::Faces;
-use super::ticks::{Ticks, ticks};
+use super::ticks::{Ticks, ticks, ticks_in_powers};
 
 /// Points in a millimetre.
 const MM: f64 = 72.0 / 25.4;
@@ -47,7 +47,7 @@ pub(super) fn laid_out(figure: &Figure, least: &[f64]) -> Result<(Scene, Vec<f64
     let width = figure.width_mm * MM;
     let x = x_range(figure);
     let heights: Vec<f64> = figure.panels.iter().map(|p| p.height_mm.unwrap_or(figure.panel_height_mm) * MM).collect();
-    let ys: Vec<(Range, Ticks)> = figure
+    let mut ys: Vec<(Range, Ticks)> = figure
         .panels
         .iter()
         .zip(&heights)
@@ -56,6 +56,14 @@ pub(super) fn laid_out(figure: &Figure, least: &[f64]) -> Result<(Scene, Vec<f64
             (range, ticks(&panel.y, range, *height, ROW))
         })
         .collect();
+    // Powers of ten on one axis are powers of ten on all.
+    let in_powers = ys.iter().any(|(_, ticks)| ticks.has_powers())
+        || (x.scale == Scale::Logarithmic && ticks(&figure.x, x, 0.8 * width, 24.0).has_powers());
+    if in_powers {
+        for ((panel, height), (range, its)) in figure.panels.iter().zip(&heights).zip(&mut ys) {
+            *its = ticks_in_powers(&panel.y, *range, *height, ROW);
+        }
+    }
 
     // The margins, from what stands in them.
     let widest = |ticks: &Ticks| ticks.at.iter().map(|t| faces.width(&t.1, TICK_SIZE, false)).fold(0.0, f64::max);
@@ -76,7 +84,7 @@ pub(super) fn laid_out(figure: &Figure, least: &[f64]) -> Result<(Scene, Vec<f64
         .map(|(panel, height)| panel.field.as_ref().map(|field| Bar::new(field, *height, &faces)))
         .collect();
     right = bars.iter().flatten().map(|bar| bar.width + RIM).fold(right, f64::max);
-    let x_ticks = x_ticks(&figure.x, x, width - left - right, &faces);
+    let x_ticks = x_ticks(&figure.x, (x, in_powers), width - left - right, &faces);
     if let Some((at, text)) = x_ticks.at.last() {
         // The last number must not be cut off.
         let overhang = 0.5 * faces.width(text, TICK_SIZE, false) - (1.0 - x.place(*at)) * (width - left - right);
@@ -143,11 +151,12 @@ pub(super) fn laid_out(figure: &Figure, least: &[f64]) -> Result<(Scene, Vec<f64
         }
         top += 2.5;
     }
-    let caption = faces.wrap(&figure.caption, CAPTION_SIZE, false, width - 2.0 * RIM);
+    // Words below stand under the axes, as those above stand over them.
+    let caption = faces.wrap(&figure.caption, CAPTION_SIZE, false, width - left - RIM);
     if !caption.is_empty() {
         top += 3.0;
     }
-    top = paragraph(&mut scene, &caption, RIM, top, CAPTION_SIZE, false, Ink::Muted);
+    top = paragraph(&mut scene, &caption, left, top, CAPTION_SIZE, false, Ink::Muted);
     scene.height = top + RIM;
     if let Some(super::scene::Item::Outline(ground)) = scene.items.first_mut() {
         ground.steps.clear();
@@ -211,14 +220,17 @@ fn names(panel: &Panel, direct: bool, known: &mut Vec<Entry>) -> Vec<Entry> {
 }
 
 /// Round values of the horizontal axis whose labels keep apart.
-fn x_ticks(axis: &Axis, range: Range, width: f64, faces: &Faces) -> Ticks {
+fn x_ticks(axis: &Axis, (range, in_powers): (Range, bool), width: f64, faces: &Faces) -> Ticks {
     let spaced = |ticks: &Ticks| {
         ticks.at.windows(2).all(|w| {
             let needed = 0.5 * (faces.width(&w[0].1, TICK_SIZE, false) + faces.width(&w[1].1, TICK_SIZE, false)) + 7.0;
             (range.place(w[1].0) - range.place(w[0].0)) * width >= needed
         })
     };
-    let attempt = |spacing: f64| ticks(axis, range, width, spacing);
+    let attempt = |spacing: f64| match in_powers {
+        true => ticks_in_powers(axis, range, width, spacing),
+        false => ticks(axis, range, width, spacing),
+    };
     [24.0, 32.0, 44.0, 60.0, 80.0].into_iter().map(attempt).find(spaced).unwrap_or_else(|| attempt(110.0))
 }
 

@@ -118,7 +118,14 @@ pub(super) fn entries(panel: &Panel) -> Vec<Entry> {
     });
     let strips =
         panel.strips.iter().map(|s| Entry { key: Key::Strip { ink: s.colour.into() }, label: s.label.clone() });
-    series.chain(spans).chain(strips).chain(marks).filter(|e| !e.label.trim().is_empty()).collect()
+    let mut entries: Vec<Entry> = Vec::new();
+    for entry in series.chain(spans).chain(strips).chain(marks).filter(|e| !e.label.trim().is_empty()) {
+        // What looks alike and is called alike is one thing.
+        if !entries.contains(&entry) {
+            entries.push(entry);
+        }
+    }
+    entries
 }
 
 /// Whether the names of a panel of this height go beside the ends of its curves, which `reach` tells.

@@ -18,6 +18,8 @@ pub(super) enum Ink {
     Ramp(u8),
     /// A place on the colour scale of fields in 255ths.
     Scale(u8),
+    /// A place on the diverging colour scale of fields in 255ths, whose middle is zero.
+    Diverging(u8),
 }
 
 impl From<Colour> for Ink {

@@ -87,6 +87,7 @@ fn class(letter: char, ink: Ink) -> String {
         Ink::Category(i) => format!("c{i}"),
         Ink::Ramp(i) => format!("r{i}"),
         Ink::Scale(i) => format!("m{i}"),
+        Ink::Diverging(i) => format!("d{i}"),
     };
     format!("mckp-{letter}-{name}")
 }

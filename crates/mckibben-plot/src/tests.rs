@@ -55,10 +55,18 @@ fn a_field_shows_its_extremes_its_gaps_and_its_scale() {
         format!("#{r:02x}{g:02x}{b:02x}")
     };
     let svg = figure(vec![1.0, 2.0, 3.0, 4.0, f64::NAN, 6.0]).to_svg(Theme::Light).unwrap();
-    // Cells are stroked in their own colour, the slices of the bar are not.
-    let cell = |place| svg.contains(&format!(r#"fill="{0}" stroke="{0}""#, hex(place)));
-    assert!(cell(0) && cell(255) && cell(51), "{svg}");
-    assert_eq!(svg.matches(r#"stroke-width="0.3""#).count(), 5);
+    // The bar has each colour once.
+    let cells = |place| svg.matches(&format!(r#"fill="{}""#, hex(place))).count() - 1;
+    assert_eq!([0, 255, 51, 102, 153, 25].map(cells), [1, 1, 1, 1, 1, 0], "{svg}");
+    // Values of two signs have a scale that is symmetrical about zero, and many decades a logarithmic one.
+    let two_signs = figure(vec![-6.0, -3.0, 0.0, 1.0, 2.0, 3.0]).to_svg(Theme::Light).unwrap();
+    for tick in [">−5<", ">0<", ">5<"] {
+        assert!(two_signs.contains(tick), "{tick}");
+    }
+    assert!(!two_signs.contains(&hex(0)), "the other scale");
+    let decades = figure(vec![1.0, 1e1, 1e2, 1e3, 1e4, 1e5]).to_svg(Theme::Light).unwrap();
+    let cells = |place| decades.matches(&format!(r#"fill="{}""#, hex(place))).count() - 1;
+    assert_eq!([0, 51, 102, 153, 204, 255].map(cells), [1; 6], "equal ratios are equal steps");
     for word in [">tension (N)<", ">mass (kg)<", ">pressure (kPa)<"] {
         assert!(svg.contains(word), "{word}");
     }
@@ -356,8 +364,57 @@ fn cells_of_a_logarithmic_field_meet_half_way_between_the_logarithms() {
     let panel = Panel::new(Axis::new("", "")).field(field);
     let svg = Figure::new(Axis::logarithmic("x", "")).panel(panel).to_svg(Theme::Light).unwrap();
     // The cell of x = 0 has no place; two are drawn, from 0.1 over 10 to 1000.
-    assert_eq!(svg.matches(r#"stroke-width="0.3""#).count(), 2, "{svg}");
+    let hex = |place: u8| scale::colour(place).map(|c| format!("{c:02x}")).concat();
+    assert_eq!([0, 255].map(|place| svg.matches(&hex(place)).count()), [2; 2], "{svg}");
     for label in [">0.1<", ">1<", ">10<", ">100<", ">1000<"] {
         assert!(svg.contains(label), "{label}");
     }
+}
+
+#[test]
+fn labels_of_logarithmic_axes_are_written_in_one_way() {
+    let panel = |y: Vec<f64>| {
+        Panel::new(Axis::logarithmic("y", "")).series(Series::line("", (1..=y.len()).map(|x| x as f64).collect(), y))
+    };
+    let plain = Figure::new(Axis::logarithmic("x", "")).panel(panel(vec![1.0, 10.0, 100.0]));
+    assert!(plain.to_svg(Theme::Light).unwrap().contains(">100<"));
+    let mixed = plain.panel(panel(vec![1e-7, 1.0, 1e7])).to_svg(Theme::Light).unwrap();
+    assert!(!mixed.contains(">100<") && mixed.contains(">2</tspan>"), "{mixed}");
+}
+
+#[test]
+fn a_legend_has_no_entry_twice() {
+    let line = |x: f64| Series::line("run", vec![0.0, 1.0], vec![x, 2.0 * x]).dash(Dash::Solid);
+    let panel = Panel::new(Axis::new("y", "")).series(line(1.0)).series(line(2.0)).legend(Legend::Above);
+    let svg = Figure::new(Axis::new("x", "")).panel(panel).to_svg(Theme::Light).unwrap();
+    assert_eq!(svg.matches(">run<").count(), 1);
+}
+
+/// A mark that would hide another stands beside it, with a line to where it belongs.
+#[test]
+fn marks_that_coincide_can_both_be_seen() {
+    let area = scene::Area { left: 0.0, top: 0.0, right: 100.0, bottom: 50.0 };
+    let mut taken = Vec::new();
+    let mut all = Vec::new();
+    for _ in 0..4 {
+        let (moved, leaders) = draw::apart(&[[50.0, 3.0], [80.0, 20.0]], &mut taken, area);
+        assert_eq!(leaders.steps.is_empty(), all.is_empty());
+        all.extend(moved);
+    }
+    for (index, a) in all.iter().enumerate() {
+        assert!(area.contains(*a));
+        assert!(all[index + 1..].iter().all(|b| (a[0] - b[0]).hypot(a[1] - b[1]) > 4.0), "{all:?}");
+    }
+}
+
+#[test]
+fn panels_side_by_side_stand_level_whatever_stands_above_them() {
+    let panel = || Panel::new(Axis::new("y", "")).series(Series::line("run", vec![0.0, 1.0], vec![1.0, 2.0]));
+    let strip = Strip { label: "open".to_owned(), intervals: vec![(0.2, 0.4)], colour: Colour::Category(0) };
+    let tall = Figure::new(Axis::new("x", "")).panel(panel().strip(strip).legend(Legend::Above));
+    let low = Figure::new(Axis::new("x", "")).panel(panel().legend(Legend::Hidden));
+    let heads = layout::laid_out(&tall, &[]).unwrap().1;
+    let (scene, own) = layout::laid_out(&low, &heads).unwrap();
+    assert!(own[0] < heads[0]);
+    assert_eq!(scene.height, layout::laid_out(&tall, &heads).unwrap().0.height);
 }

@@ -42,6 +42,7 @@ pub(super) fn colour(ink: Ink, dark: bool) -> Rgb {
             _ => [[0x1c, 0x1c, 0x1e], [0xec, 0xee, 0xf0]],
         },
         Ink::Scale(place) => [super::scale::colour(place); 2],
+        Ink::Diverging(place) => [super::scale::diverging(place); 2],
         Ink::Ramp(place) => [ramp(&RAMP_LIGHT, place), ramp(&RAMP_DARK, place)],
     };
     if dark { night } else { light }

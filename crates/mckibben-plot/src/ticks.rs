@@ -42,7 +42,24 @@ pub(super) fn ticks(axis: &Axis, range: Range, length: f64, spacing: f64) -> Tic
     }
     match range.scale {
         Scale::Linear => linear(axis, range.ends(), length / spacing),
-        Scale::Logarithmic => logarithmic(axis, range, length, spacing),
+        Scale::Logarithmic => logarithmic(axis, range, length, spacing, false),
+    }
+}
+
+/// As [`ticks`]; on a logarithmic axis all labels are powers of ten, as another axis of the figure needs them.
+pub(super) fn ticks_in_powers(axis: &Axis, range: Range, length: f64, spacing: f64) -> Ticks {
+    match (range.scale, axis.words.is_empty()) {
+        (Scale::Logarithmic, true) => logarithmic(axis, range, length, spacing, true),
+        _ => ticks(axis, range, length, spacing),
+    }
+}
+
+impl Ticks {
+    /// Whether labels are powers of ten.
+    pub(super) fn has_powers(&self) -> bool {
+        self.at.iter().any(|(_, label)| {
+            label.contains("10") && label.contains(['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'])
+        })
     }
 }
 

@@ -246,7 +246,9 @@ pub(crate) fn figure(cases: &[Rows]) -> Figure {
     let mut figure = Figure::new(Axis::logarithmic("step", "ms").starting_at(ends.0).ending_at(ends.1));
     for (case, rows) in CASES.iter().zip(cases) {
         let axis = Axis::logarithmic(format!("error, {}", case.short), "");
-        let mut panel = Panel::new(axis.starting_at(RESOLVED).ending_at(2.0));
+        let all = rows.errors.iter().flatten().flatten().map(|error| error.greatest());
+        // No error is beyond the upper end.
+        let mut panel = Panel::new(axis.starting_at(RESOLVED).ending_at(1.5 * all.fold(2.0, f64::max)));
         for (index, (errors, (_, name))) in rows.errors.iter().zip(METHODS).enumerate() {
             let resolved = errors.iter().flatten().filter(|error| error.greatest() >= RESOLVED);
             let (x, y) = resolved.map(|error| (1e3 * error.step, error.greatest())).unzip();

@@ -18,6 +18,7 @@ mod pressures;
 use crate::axis::{CurveAxis, HorizontalAxis as _};
 use crate::failure::Failure;
 use crate::report::{Data, Table, number, typeset};
+use crate::units::{Shown, units};
 pub use compare::compare;
 use mckibben::force::Statics;
 use mckibben::load::Load;
@@ -215,51 +216,71 @@ impl Curves {
     }
 
     /// The horizontal axis.
-    fn axis(over: CurveAxis) -> Axis {
+    fn axis(over: CurveAxis, longest: f64) -> Axis {
         match over {
-            CurveAxis::Length => Axis::new("length", "mm"),
+            CurveAxis::Length => Axis::new("length", units().shown("m", longest).text),
             CurveAxis::Contraction => Axis::new("contraction", "%"),
         }
     }
 
     /// The horizontal values of the lengths, in the unit of the axis.
     fn over(&self, over: CurveAxis) -> Vec<f64> {
+        let shown = units().shown("m", self.longest());
         let value = |length: f64| match over {
-            CurveAxis::Length => 1e3 * length,
+            CurveAxis::Length => shown.number(length),
             CurveAxis::Contraction => 100.0 * self.contraction(length),
         };
         self.lengths().into_iter().map(value).collect()
     }
 
-    /// Force, stiffness and volume inside.
+    fn longest(&self) -> f64 {
+        self.actuator().limits().max_length()
+    }
+
+    /// The units of force, stiffness and volume inside, by their largest values.
+    fn shown(&self) -> [Shown; 3] {
+        let largest = |of: &dyn Fn(f64, AbsolutePressure) -> f64| {
+            let pressures = self.pressures.iter().map(|pressure| self.absolute(pressure));
+            let all = pressures.flat_map(|pressure| self.lengths().into_iter().map(move |length| of(length, pressure)));
+            all.filter(|value| value.is_finite()).fold(0.0, |largest: f64, value| largest.max(value.abs()))
+        };
+        let actuator = self.actuator();
+        [
+            units().shown("N", largest(&|length, pressure| actuator.static_force(length, pressure.0))),
+            units().shown("N/m", largest(&|length, pressure| actuator.sealed_stiffness(length, pressure))),
+            units().shown("m^3", largest(&|length, _| actuator.law().law.volume(length))),
+        ]
+    }
+
+    /// Force, stiffness and volume inside; the pressures in the units of the rest.
     pub fn figure(&self, over: CurveAxis) -> Figure {
         let (lengths, x) = (self.lengths(), self.over(over));
-        let mut force = Panel::new(Axis::new("force", "N"));
-        let mut stiffness = Panel::new(Axis::new("stiffness", "N/m")).legend(Legend::Above);
+        let [newtons, stiff, inside] = self.shown();
+        let mut force = Panel::new(Axis::new("force", newtons.text.clone()));
+        let mut stiffness = Panel::new(Axis::new("stiffness", stiff.text.clone())).legend(Legend::Above);
         for (place, pressure) in self.pressures.iter().enumerate() {
             let colour = Colour::Ramp(place as f64 / (self.pressures.len().max(2) - 1) as f64);
             let absolute = self.absolute(pressure);
-            let curve = |label: &str, y: &dyn Fn(f64) -> f64, dash| {
-                let y = lengths.iter().map(|length| y(*length)).collect();
+            let curve = |label: &str, (unit, y): (&Shown, &dyn Fn(f64) -> f64), dash| {
+                let y = lengths.iter().map(|length| unit.number(y(*length))).collect();
                 Series::line(label, x.clone(), y).colour(colour).dash(dash)
             };
             // The pressures are told in the panel above; one curve of each kind tells the kind.
             let once = |words| if place + 1 == self.pressures.len() { words } else { "" };
-            force = force.series(curve(&pressure.label, &|l| self.actuator().static_force(l, absolute.0), Dash::Solid));
+            let label = units().given(pressure.gauge, "Pa");
+            let of_force = |length: f64| self.actuator().static_force(length, absolute.0);
+            force = force.series(curve(&label, (&newtons, &of_force), Dash::Solid));
+            let (open, shut) = ("constant pressure (7)", "valve shut (5)");
             stiffness = stiffness
-                .series(curve(once("constant pressure (7)"), &|l| self.actuator().stiffness(l, absolute), Dash::Solid))
-                .series(curve(
-                    once("valve shut (5)"),
-                    &|l| self.actuator().sealed_stiffness(l, absolute),
-                    Dash::Dashed,
-                ));
+                .series(curve(once(open), (&stiff, &|l| self.actuator().stiffness(l, absolute)), Dash::Solid))
+                .series(curve(once(shut), (&stiff, &|l| self.actuator().sealed_stiffness(l, absolute)), Dash::Dashed));
         }
         let characteristic = &self.actuator().law().law;
-        let inside = lengths.iter().map(|length| 1e6 * characteristic.volume(*length)).collect();
-        let volume = Panel::new(Axis::new("volume inside", "cm³"))
-            .series(Series::line("", x.clone(), inside).colour(Colour::Neutral))
+        let volumes = lengths.iter().map(|length| inside.number(characteristic.volume(*length))).collect();
+        let volume = Panel::new(Axis::new("volume inside", inside.text.clone()))
+            .series(Series::line("", x.clone(), volumes).colour(Colour::Neutral))
             .height_mm(24.0);
-        let figure = Figure::new(Self::axis(over)).caption(self.notes.clone()).size_mm(120.0, 44.0);
+        let figure = Figure::new(Self::axis(over, self.longest())).caption(self.notes.clone()).size_mm(120.0, 44.0);
         figure.panel(below_zero(force)).panel(stiffness).panel(volume)
     }
 

@@ -1,4 +1,4 @@
-//! The frequency response as a figure: magnitude and phase over a range that the poles choose.
+//! The frequency response as a figure: magnitude in dB and phase over a range that the poles choose.
 
 use super::Model;
 use super::joint::JointModel;
@@ -11,6 +11,9 @@ use std::f64::consts::{PI, TAU};
 
 /// Points in each decade of frequency.
 const POINTS: f64 = 120.0;
+/// A factor of ten in dB, and labels of an axis of levels at most.
+const DECADE: f64 = 20.0;
+const MOST_LEVELS: f64 = 6.0;
 /// Decades shown beyond the slowest and the fastest pole, and at most in all.
 const BEYOND: (f64, f64) = (1.0, 6.0);
 
@@ -67,9 +70,10 @@ fn draw(view: &View<'_>, input: Option<&str>) -> Result<Figure, Failure> {
             frequencies.iter().map(|frequency| system.response(input, output, TAU * frequency)).collect();
         let magnitude: Vec<f64> = response.iter().map(|g| g.map_or(f64::NAN, |g| g.magnitude())).collect();
         let label = format!("{} over {}", words(&signal.name), words(name));
-        let axis = decades(&label, &unit(signal, &system.inputs[input]), &magnitude);
+        let level: Vec<f64> = magnitude.iter().map(|magnitude| 20.0 * magnitude.log10()).collect();
+        let axis = decibels(&label, &unit(signal, &system.inputs[input]), &level);
         let colour = Colour::Category(place);
-        let panel = Panel::new(axis).series(Series::line("", frequencies.clone(), magnitude).colour(colour));
+        let panel = Panel::new(axis).series(Series::line("", frequencies.clone(), level).colour(colour));
         figure = figure.panel(lines(view, panel, place == 0));
         let angles = unwrapped(&response);
         for angle in angles.iter().filter(|angle| angle.is_finite()) {
@@ -126,6 +130,24 @@ fn decades(label: &str, unit: &str, values: &[f64]) -> Axis {
     let Some((least, greatest)) = extent(values.iter().copied()) else { return axis };
     let (low, high) = (least.log10().floor(), greatest.log10().ceil());
     axis.starting_at(10_f64.powf(low)).ending_at(10_f64.powf(high.max(low + 1.0)))
+}
+
+/// An axis of levels in dB of a unit, with round numbers at multiples of 20 dB, which is a decade.
+fn decibels(label: &str, unit: &str, levels: &[f64]) -> Axis {
+    let finite = levels.iter().copied().filter(|level| level.is_finite());
+    let (least, greatest) = finite.fold((f64::MAX, f64::MIN), |(l, g), level| (l.min(level), g.max(level)));
+    let unit = if unit.is_empty() { "dB".to_owned() } else { format!("dB re 1 {unit}") };
+    let axis = Axis::new(label, unit);
+    if least > greatest {
+        return axis;
+    }
+    let (low, high) = ((least / DECADE).floor(), (greatest / DECADE).ceil().max((least / DECADE).floor() + 1.0));
+    let step = [1.0, 2.0, 3.0, 5.0, 10.0].into_iter().find(|step| (high - low) / step <= MOST_LEVELS).unwrap_or(20.0);
+    let first = (low / step).ceil();
+    let count = ((high / step).floor() - first).max(0.0) as usize;
+    let levels = (0..=count).map(|n| DECADE * step * (first + n as f64));
+    let words = levels.map(|level| (level, format!("{level:.0}").replace('-', "−")));
+    axis.starting_at(DECADE * low).ending_at(DECADE * high).words(words)
 }
 
 /// An axis of angles with a word at every quarter turn.

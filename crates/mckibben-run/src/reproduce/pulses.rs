@@ -28,6 +28,9 @@ const FIGURES: [(&str, &str, [&str; 2]); 3] = [
     ("fig-12", "Fig. 12", ["fig-12.toml", "fig-12-50hz.toml"]),
     ("fig-13", "Fig. 13", ["fig-13.toml", "fig-13-50hz.toml"]),
 ];
+/// Half the range of a panel of what settles, in ripples, and at least in inches.
+const SETTLED: f64 = 1.5;
+const LEAST_SETTLED: f64 = 0.02;
 const FREQUENCIES: [f64; 2] = [25.0, 50.0];
 
 /// One simulated experiment.
@@ -165,8 +168,17 @@ fn plate(stem: &'static str, label: &str, pair: &[Pulsed; 2]) -> Plate {
         let axis = Axis::new(format!("length, {frequency} Hz"), "in").starting_at(least - rim).ending_at(most + rim);
         let series =
             Series::line("", column(0, 1.0), column(1, INCH)).colour(Colour::Category(place)).dash(Dash::Solid);
-        let panel = Panel::new(axis).series(series);
-        figure = figure.panel(if least < 0.0 { panel.horizontal(0.0, "upper attachment") } else { panel });
+        let panel = Panel::new(axis).series(series.clone());
+        if least >= 0.0 {
+            figure = figure.panel(panel);
+            continue;
+        }
+        // What settles is too small to be seen beside a throw: a second panel shows it over its own range.
+        let (mean, ripple) = (each.mean() / INCH, each.ripple() / INCH);
+        let around = (SETTLED * ripple).max(LEAST_SETTLED);
+        let axis = Axis::new("settled part", "in").starting_at(mean - around).ending_at(mean + around);
+        figure = figure.panel(panel.horizontal(0.0, "upper attachment"));
+        figure = figure.panel(Panel::new(axis).series(series).height_mm(24.0));
     }
     let caption = format!(
         "{label} of the paper: length over time, 100 psi, {} lb, 50 % commanded; above at 25 Hz as in the paper, \
