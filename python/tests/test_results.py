@@ -5,6 +5,7 @@ from __future__ import annotations
 import matplotlib.pyplot as plt
 import numpy
 import pytest
+import scipy.io
 
 import mckibben
 
@@ -48,6 +49,17 @@ def test_what_a_run_settles_to_is_what_a_long_run_comes_to(examples):
     assert settled["tension"].mean == pytest.approx(5 * 0.45359237 * 9.80665, rel=1e-3)
     assert settled["gauge_pressure"].unit == "Pa" and "time" not in settled
     assert "gauge_pressure" in str(settled)
+
+
+def test_a_mat_file_is_read_by_scipy(swing, tmp_path):
+    run = mckibben.simulate(swing)
+    run.to_mat(tmp_path / "run.mat")
+    read = scipy.io.loadmat(tmp_path / "run.mat")
+    for name, unit in run.units.items():
+        if unit:
+            numpy.testing.assert_array_equal(read[name.replace(".", "_")].ravel(), run[name])
+    assert [word.item() for word in read["valve"].ravel()] == list(run["valve"])
+    assert '"length_m": "m"' in read["mckibben_units"].item().replace(":", ": ")
 
 
 def test_events_are_a_frame(swing):

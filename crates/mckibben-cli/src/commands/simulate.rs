@@ -48,7 +48,7 @@ pub struct SimulateArguments {
     /// The scenario file, or - for standard input; `mckibben init` writes one to start from.
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
-    /// Write the run, one row for each sample interval: .csv or .parquet.
+    /// Write the run, one row for each sample interval: .csv, .parquet or .mat.
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
     /// Draw the run: .svg, .png or .pdf.
