@@ -19,6 +19,7 @@ use crate::commands::size::SizeArguments;
 use crate::commands::sweep::SweepArguments;
 use crate::terminal::HELP;
 use clap::{Parser, Subcommand};
+use mckibben_run::units::Units;
 
 /// Simulate braided pneumatic actuators (McKibben muscles) from scenario files.
 #[derive(Debug, Parser)]
@@ -40,9 +41,23 @@ Exit codes:
   129, 130, 143  stopped by SIGHUP, SIGINT, SIGTERM: what was under way was removed, what was finished stays"
 )]
 pub struct Arguments {
+    /// Units of what is shown and written: metric, si or imperial, and units for single quantities, as in
+    /// `imperial` or `pressure=psi,angle=rad`. Without it, summaries and figures are metric and files in SI.
+    #[arg(long, global = true, value_name = "UNITS", long_help = units_help())]
+    pub units: Option<Units>,
     /// What to do.
     #[command(subcommand)]
     pub command: Command,
+}
+
+/// The help of `--units`, with the quantities that it knows.
+fn units_help() -> String {
+    format!(
+        "Units of what is shown and written: metric, si or imperial, and units for single quantities, as in `imperial` or \
+         `pressure=psi,angle=rad`. Summaries, figures, reports and the columns of files follow. Without it, summaries and \
+         figures are metric and files in SI; parts of a sweep in a folder are always in SI. Quantities: {}",
+        Units::names()
+    )
 }
 
 /// What the program does.

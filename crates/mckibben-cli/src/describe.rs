@@ -26,9 +26,9 @@ pub fn muscles(muscles: &[(String, Muscle)]) -> Vec<(String, String)> {
 /// The braid of a muscle: its thread, and what that makes at rest or, where nothing is said of rest, where the braid is taut.
 fn muscle(of: &Muscle) -> String {
     let thread = format!("thread of {}, {} turns", given(of.thread_length, "m"), plain(&digits(of.turns)));
-    let angle = plain(&digits(of.braid_angle.to_degrees())).to_owned();
+    let angle = given(of.braid_angle, "rad");
     let (length, diameter) = (given(of.length, "m"), given(of.diameter, "m"));
-    let shape = format!("{length} long, {diameter} wide, braid angle {angle}°");
+    let shape = format!("{length} long, {diameter} wide, braid angle {angle}");
     if !of.is_at_rest() {
         return format!("{thread}; taut {shape}");
     }
@@ -40,10 +40,10 @@ fn muscle(of: &Muscle) -> String {
 pub fn load(load: &Load) -> String {
     match load {
         Load::HangingMass { mass, gravity } => {
-            format!("hanging mass of {} ({})", mass_of(*mass), given(mass * gravity, "N"))
+            format!("hanging mass of {} ({})", given(*mass, "kg"), given(mass * gravity, "N"))
         }
         Load::ConstantForce { force, mass } => {
-            format!("constant force of {} on {}", given(*force, "N"), mass_of(*mass))
+            format!("constant force of {} on {}", given(*force, "N"), given(*mass, "kg"))
         }
         Load::Isometric => "isometric".to_owned(),
         Load::PrescribedMotion(Motion::Sinusoid { amplitude, frequency, .. }) => {
@@ -53,14 +53,9 @@ pub fn load(load: &Load) -> String {
             format!("prescribed motion, table of {} points", time.len())
         }
         Load::AntagonisticJoint(joint) => {
-            format!("antagonistic joint, limb of {} at {}", mass_of(joint.mass), given(joint.distance, "m"))
+            format!("antagonistic joint, limb of {} at {}", given(joint.mass, "kg"), given(joint.distance, "m"))
         }
     }
-}
-
-/// A mass that people lift is told in kilograms.
-fn mass_of(mass: f64) -> String {
-    if mass >= 0.1 { format!("{} kg", digits(mass)) } else { given(mass, "kg") }
 }
 
 /// What drives the valve, or that there is none.

@@ -27,7 +27,7 @@ pub mod terminal;
 mod warnings;
 
 use clap::Parser as _;
-use mckibben_run::{output, progress as work};
+use mckibben_run::{output, progress as work, units};
 use mckibben_scenario::Style;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -35,6 +35,9 @@ use std::sync::Arc;
 /// Runs the program on the process's arguments; the exit code is that of [`mckibben_run::failure`].
 pub fn run() -> ExitCode {
     let arguments = arguments::Arguments::parse();
+    if let Some(units) = &arguments.units {
+        units::choose(units.clone());
+    }
     interrupt::listen();
     match work::with_listener(Arc::new(progress::Bars), || commands::run(&arguments.command)) {
         Ok(()) => interrupt::code().map_or(ExitCode::SUCCESS, ExitCode::from),

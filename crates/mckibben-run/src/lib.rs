@@ -3,6 +3,7 @@
 //!
 //! | module | what it holds |
 //! |---|---|
+//! | [`settle`] | the periodic orbit or equilibrium that a run comes to |
 //! | [`run`] | whatever a scenario describes, run; its columns, events and figure |
 //! | [`curves`] | force, stiffness and volume over length |
 //! | [`linearize`] | the linear model at an operating point |
@@ -22,6 +23,7 @@
 //! | [`output`] | files that are whole or not there |
 //! | [`progress`] | how far work is, for whoever listens |
 //! | [`failure`] | why something could not be done |
+//! | [`units`] | the units in which results are shown |
 //! | [`quantities`], [`text`] | numbers with units, lines and aligned columns, for people |
 //!
 //! Requests are typed and so are failures; nothing here reads arguments, prints, or knows a terminal. The program, the Python
@@ -49,6 +51,7 @@ pub mod record;
 pub mod report;
 pub mod reproduce;
 pub mod run;
+pub mod settle;
 pub mod size;
 pub mod summary;
 pub mod sweep;
@@ -56,4 +59,5 @@ pub mod table;
 mod temporary;
 pub mod text;
 mod trajectory_plot;
+pub mod units;
 pub mod warnings;

@@ -110,12 +110,16 @@ impl AirUse {
 pub struct Ripple {
     /// How many periods were looked at.
     pub periods: u64,
-    /// The mean length in m.
+    /// The mean length in m of the last period.
     pub mean: f64,
-    /// The greatest minus the least length in m.
+    /// The greatest minus the least length in m in the last period.
     pub peak_to_peak: f64,
+    /// The greatest minus the least length in m over all periods that were looked at.
+    pub travel: f64,
     /// The mean length of the last period minus that of the one before, in m.
     pub drift: Option<f64>,
+    /// Whether the periods are alike, so that mean and ripple are those of a settled run.
+    pub settled: bool,
 }
 
 /// What is known of a run once it has come to its end.
@@ -180,6 +184,10 @@ pub struct Observation {
 
 /// Periods of PWM that are looked at.
 const PERIODS: u64 = 5;
+/// Periods are alike whose means and ends differ by less than this part of the ripple.
+const ALIKE: f64 = 0.02;
+/// A part of a length that is no ripple.
+const ROUNDING: f64 = 1e-7;
 /// Points in each of them.
 const POINTS: u64 = 400;
 /// Samples in which extremes are looked for at least.
@@ -253,21 +261,30 @@ impl Window {
         if self.periods.iter().any(|(_, covered, _)| *covered <= 0.0) {
             return None;
         }
-        let means: Vec<f64> = self.periods.iter().map(|(integral, covered, _)| integral / covered).collect();
+        let mean = |(integral, covered, _): &(f64, f64, Range)| integral / covered;
         let mut all = Range::NONE;
         for (.., range) in &self.periods {
             all.see(range.least);
             all.see(range.greatest);
         }
-        let drift = match means.as_slice() {
-            [.., before, last] => Some(last - before),
+        let last = self.periods.last()?;
+        let peak_to_peak = last.2.greatest - last.2.least;
+        let near = (ALIKE * peak_to_peak).max(ROUNDING * mean(last).abs());
+        let is_like_the_last = |of: &(f64, f64, Range)| {
+            let ends = [(mean(of), mean(last)), (of.2.least, last.2.least), (of.2.greatest, last.2.greatest)];
+            ends.into_iter().all(|(one, other)| (one - other).abs() <= near)
+        };
+        let drift = match self.periods.as_slice() {
+            [.., before, last] => Some(mean(last) - mean(before)),
             _ => None,
         };
         Some(Ripple {
             periods: self.periods.len() as u64,
-            mean: means.iter().sum::<f64>() / means.len() as f64,
-            peak_to_peak: all.greatest - all.least,
+            mean: mean(last),
+            peak_to_peak,
+            travel: all.greatest - all.least,
             drift,
+            settled: self.periods.len() as u64 == PERIODS && self.periods.iter().all(is_like_the_last),
         })
     }
 }

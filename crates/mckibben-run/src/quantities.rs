@@ -1,21 +1,16 @@
-//! Numbers for people: four digits and an SI prefix.
+//! Numbers for people: four digits, in the units of [`crate::units`].
 
+use crate::units::units;
 use mckibben_scenario::quantity;
 
-/// A value with its unit: four significant digits and the prefix that puts it between 1 and 1000.
+/// A value with its unit: four significant digits, in the units that were chosen.
 pub fn quantity(value: f64, unit: &str) -> String {
-    // The kilogram has a prefix of its own, which only the gram can lose.
-    let (value, unit) = if unit == "kg" { (value * 1e3, "g") } else { (value, unit) };
-    // Nobody counts in kiloseconds.
-    let (scaled, prefix) = if unit == "s" && value.abs() >= 1.0 { (value, "") } else { prefixed(value) };
-    format!("{} {prefix}{unit}", digits(scaled)).trim_end().to_owned()
+    units().quantity(value, unit)
 }
 
 /// A value that somebody gave: as [`quantity()`], without zeros that say nothing.
 pub fn given(value: f64, unit: &str) -> String {
-    let told = quantity(value, unit);
-    let (number, unit) = told.split_once(' ').unwrap_or((&told, ""));
-    format!("{} {unit}", plain(number)).trim_end().to_owned()
+    units().given(value, unit)
 }
 
 /// A ratio that somebody gave, in percent.
@@ -50,13 +45,6 @@ pub fn count(value: u64) -> String {
     grouped
 }
 
-/// The factor and prefix that put the largest of several values between 1 and 1000.
-pub fn common_prefix(values: &[f64]) -> (f64, &'static str) {
-    let largest = values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
-    let (scaled, prefix) = prefixed(largest);
-    (if largest > 0.0 { scaled / largest } else { 1.0 }, prefix)
-}
-
 /// A value within this factor of a power of ten rounds up to it in four digits.
 const ROUNDS_UP: f64 = 1.00005;
 
@@ -64,7 +52,8 @@ const ROUNDS_UP: f64 = 1.00005;
 const PREFIXES: [(i32, &str); 10] =
     [(9, "G"), (6, "M"), (3, "k"), (0, ""), (-3, "m"), (-6, "µ"), (-9, "n"), (-12, "p"), (-15, "f"), (-18, "a")];
 
-fn prefixed(value: f64) -> (f64, &'static str) {
+/// A number between 1 and 1000 and the prefix that makes it the value.
+pub(crate) fn prefixed(value: f64) -> (f64, &'static str) {
     let size = value.abs();
     // A value just below a power of ten rounds up to it and then belongs to the larger prefix.
     let rounded = size * ROUNDS_UP;
@@ -111,12 +100,12 @@ mod tests {
     fn four_digits_and_a_prefix() {
         let cases = [
             ((0.084_12, "m"), "84.12 mm"),
-            ((413_685.4, "Pa"), "413.7 kPa"),
+            ((413_685.4, "Pa"), "4.137 bar"),
             ((2.267_96, "kg"), "2.268 kg"),
             ((7.304e-6, "kg"), "7.304 mg"),
             ((-0.0123, "m/s"), "-12.30 mm/s"),
             ((0.0, "N"), "0 N"),
-            ((999.999, "Pa"), "1.000 kPa"),
+            ((0.999_999, "N"), "1.000 N"),
             ((26.689, "N"), "26.69 N"),
         ];
         for ((value, unit), text) in cases {
@@ -128,7 +117,7 @@ mod tests {
     fn what_was_given_has_no_idle_zeros() {
         assert_eq!([given(25.0, "Hz"), given(2.0, "s"), given(100.0, "N")], ["25 Hz", "2 s", "100 N"]);
         assert_eq!([given(3000.0, "s"), given(0.001, "s")], ["3000 s", "1 ms"]);
-        assert_eq!([given(0.0, "Pa"), given_percent(0.425)], ["0 Pa", "42.5 %"]);
+        assert_eq!([given(0.0, "Pa"), given_percent(0.425)], ["0 bar", "42.5 %"]);
     }
 
     #[test]

@@ -161,8 +161,13 @@ fn of_actuator(of: &ViewFigures<Rig, observation::Observation>) -> Summary {
     summary.range("temperature", "K", last.temperature, extremes.temperature);
     summary.put("air_mass.final", "kg", last.air_mass);
     if let Some(ripple) = &seen.ripple {
-        summary.put("length.ripple", "m", ripple.peak_to_peak);
-        summary.put("length.mean", "m", ripple.mean);
+        // Of a run that has not settled they would be those of a swing.
+        if ripple.settled {
+            summary.put("length.ripple", "m", ripple.peak_to_peak);
+            summary.put("length.mean", "m", ripple.mean);
+        }
+        summary.put("length.settled", "", f64::from(u8::from(ripple.settled)));
+        summary.put("length.travel", "m", ripple.travel);
         summary.put("length.periods", "", ripple.periods as f64);
         if let Some(drift) = ripple.drift {
             summary.put("length.drift", "m", drift);
@@ -241,7 +246,7 @@ mod tests {
     fn every_kind_of_run_has_numbers_with_names() {
         let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
         let cases = [
-            ("paper/fig-12", "length.ripple"),
+            ("paper/fig-12", "length.settled"),
             ("antagonistic-joint", "agonist.gauge_pressure.max"),
             ("plant/controlled", "air.used"),
         ];

@@ -28,7 +28,7 @@ const MARKED: [EventKind; 9] = [
     EventKind::Slack,
     EventKind::Tight,
     EventKind::Taut,
-    EventKind::Untaut,
+    EventKind::TautEnd,
     EventKind::Reversal,
     EventKind::Corner,
     EventKind::TensionZero,

@@ -106,6 +106,12 @@ impl Document {
             path if path == p::EFFECTIVENESS.key => {
                 ![&p::EFFECTIVENESS_POLYNOMIAL, &p::EFFECTIVENESS_PRESSURE].iter().any(|row| self.contains(row.key))
             }
+            // Silence about friction is no zero, unless friction is described in another way.
+            path if path == p::VISCOUS.key => !self.contains(p::STRUCTURAL_DAMPING.key),
+            path if path == p::COULOMB_WIDTH.key => {
+                let others = [p::COULOMB_FORCE.key, p::COULOMB_FORCE_PER_PRESSURE.key, "actuator.friction.hysteresis"];
+                !others.iter().any(|key| self.contains(key))
+            }
             // Without a fall there is no velocity over which friction falls.
             path if path == p::STRIBECK_VELOCITY.key => self.contains(p::STATIC_RATIO.key),
             // Neither a pressure regulator nor a proportional spool has seats.
@@ -206,8 +212,26 @@ mod tests {
             "actuator.effectiveness.constant",
             "actuator.limit.stiffness",
             "actuator.limit.damping",
+            "actuator.friction.viscous",
+            "actuator.friction.coulomb_width",
         ];
         assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn silence_about_friction_and_delays_is_an_assumption() {
+        let friction = |keys: &str| {
+            let found = keys_of(&format!("[actuator.friction]\n{keys}"));
+            ["viscous", "coulomb_width"].map(|key| found.contains(&format!("actuator.friction.{key}").as_str()))
+        };
+        assert_eq!(friction(""), [true, true]);
+        assert_eq!(friction("viscous = \"0 N*s/m\""), [false, true]);
+        assert_eq!(friction("structural_damping = \"2 ms\"\ncoulomb_force = \"3 N\""), [false, false]);
+        let valve = keys_of(
+            "[valve]\nsonic_conductance = \"1 L/(s*bar)\"\ncritical_pressure_ratio = 0.4\nopening_delay = \"4 ms\"",
+        );
+        assert!(valve.contains(&"valve.closing_delay") && !valve.contains(&"valve.opening_delay"), "{valve:?}");
+        assert!(!keys_of("[valve]\npreset = \"matrix-eight-channel\"").contains(&"valve.opening_delay"));
     }
 
     #[test]

@@ -458,7 +458,12 @@ pub(crate) fn list_of<'w>(words: impl Iterator<Item = &'w str>) -> String {
 pub(crate) fn out_of_range(place: Place, row: &Parameter, value: f64, admissible: &str) -> Diagnostic {
     let title = format!("`{}` = {} is out of range", row.key, quantity::format(value, row.unit));
     let label = format!("must be {}", admissible.trim_end());
-    Diagnostic::at(Class::OutOfRange, place, title, label).help(row.remedy)
+    let diagnostic = Diagnostic::at(Class::OutOfRange, place, title, label);
+    // A share that is too large is often meant in percent.
+    if row.unit.is_empty() && row.range.high == 1.0 && value > 1.0 && value <= 100.0 {
+        return diagnostic.help(format!("write \"{value} %\" if {value} percent are meant; else {}", row.remedy));
+    }
+    diagnostic.help(row.remedy)
 }
 
 fn example_of(row: &Parameter, expected: Dimension) -> Option<String> {
@@ -469,12 +474,16 @@ fn example_of(row: &Parameter, expected: Dimension) -> Option<String> {
 
 fn without_unit(place: Place, row: &Parameter, expected: Dimension, number: &str) -> Diagnostic {
     let title = format!("`{}` is {} and needs a unit", row.key, expected.noun());
-    let examples = expected.example().map(|example| format!(", as in {example}"));
-    Diagnostic::at(Class::MissingUnit, place, title, "a number without a unit").help(format!(
-        "write \"{number} {}\" if SI is meant{}",
-        row.unit,
-        examples.unwrap_or_default()
-    ))
+    // The unit that the key's own example has, which is the usual one of this quantity and not of its dimension alone.
+    let example = keys::key_at(row.key).map(|key| key.example.trim_matches('"')).unwrap_or_default();
+    let usual = example.split_once(' ').map(|(_, unit)| unit).filter(|unit| {
+        *unit != row.unit && quantity::parse(&format!("1 {unit}")).is_ok_and(|read| read.dimension == expected)
+    });
+    let help = match usual {
+        Some(unit) => format!("write the unit that it is in, as \"{number} {unit}\" or \"{number} {}\"", row.unit),
+        None => format!("write \"{number} {}\" if SI is meant", row.unit),
+    };
+    Diagnostic::at(Class::MissingUnit, place, title, "a number without a unit").help(help)
 }
 
 fn wrong_dimension(place: Place, row: &Parameter, expected: Dimension, found: Dimension, text: &str) -> Diagnostic {

@@ -249,13 +249,13 @@ parameters! {
         "paper, (9); the default is assumed", "give a ratio such as 0.9";
     VISCOUS = "actuator.friction.viscous", "c", "N*s/m", Range::NON_NEGATIVE, Some(0.0),
         "Viscous damping coefficient.",
-        "paper, (12); its average is 0.02 lbf*s/in", "give zero or more";
+        "paper, (12); its average is 0.02 lbf*s/in; none is assumed where none is given", "give zero or more";
     STRUCTURAL_DAMPING = "actuator.friction.structural_damping", "tau_c", "s", Range::NON_NEGATIVE, Some(0.0),
         "Viscous damping in addition, over the secant stiffness.",
         "choice of the experiment; the paper has none", "give zero or more, such as 2 ms";
     COULOMB_WIDTH = "actuator.friction.coulomb_width", "Q", "m", Range::NON_NEGATIVE, Some(0.0),
         "Coulomb friction between bladder and braid as a length, mu N/k.",
-        "paper, (12) and (24); its average is 0.0044 in", "give zero or more";
+        "paper, (12) and (24); its average is 0.0044 in; none is assumed where none is given", "give zero or more";
     COULOMB_FORCE = "actuator.friction.coulomb_force", "F_0", "N", Range::NON_NEGATIVE, Some(0.0),
         "Dry friction that is the same at any length and pressure.",
         "textbook; the paper has none", "give zero or more";
@@ -423,10 +423,10 @@ parameters! {
         "paper, section 3.3: 0.85", "give a factor such as 0.85";
     OPENING_DELAY = "valve.opening_delay", "t_open", "s", Range::NON_NEGATIVE, Some(0.0),
         "Time from energising the coil to the seat's motion.",
-        "paper, section 3.3: 4 ms", "give zero or more";
+        "paper, section 3.3: 4 ms; none is assumed where none is given", "give zero or more";
     CLOSING_DELAY = "valve.closing_delay", "t_close", "s", Range::NON_NEGATIVE, Some(0.0),
         "Time from releasing the coil to the seat's return.",
-        "paper, section 3.3: 1 ms", "give zero or more";
+        "paper, section 3.3: 1 ms; none is assumed where none is given", "give zero or more";
     OPENING_TIME = "valve.opening_time", "t_rise", "s", Range::NON_NEGATIVE, Some(0.0),
         "Time that the seat takes from shut to open once it moves.",
         "manufacturer's data sheet", "give zero or more";

@@ -18,6 +18,8 @@ mod linearize_line;
 mod linearize_pwm;
 mod linearize_tendon;
 mod moment_arm;
+#[cfg(feature = "analysis")]
+mod orbit;
 mod plant_control;
 mod plant_dead_time;
 mod plant_ends;

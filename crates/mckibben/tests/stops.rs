@@ -87,7 +87,7 @@ fn a_mass_dropped_on_the_taut_braid_hits_it_with_the_speed_of_its_fall() {
         assert!(run.statistics().events < 200, "{:?}", run.statistics());
         // Without pressure the tension is nowhere below zero, and the braid does not hold the mass back on rebound.
         assert!(run.samples(1e-4).all(|sample| sample.tension >= 0.0));
-        assert_eq!(count(&run, EventKind::Rebound), count(&run, EventKind::Untaut));
+        assert_eq!(count(&run, EventKind::Rebound), count(&run, EventKind::TautEnd));
     }
 }
 
@@ -108,7 +108,7 @@ fn the_first_blow_on_the_braid_is_that_of_a_damped_spring() {
     let speed = |t: f64| (-delta * t).exp() * ((damped * t).cos() - delta / damped * (damped * t).sin());
     assert_close(run.at(time).velocity, speed(time), 1e-6);
     // From there it flies freely at that speed.
-    let free = run.events().iter().find(|event| event.kind == EventKind::Untaut).expect("it comes free");
+    let free = run.events().iter().find(|event| event.kind == EventKind::TautEnd).expect("it comes free");
     assert_eq!(free.after.extent, LengthRegime::Free);
     assert_close(run.at(free.time + 1e-3).velocity, speed(time), 1e-6);
 }

@@ -4,7 +4,7 @@
 //! them takes its name. A run of which no figure and no events are wanted is written as it is made and not kept.
 
 use crate::settings::{Setting, axis};
-use crate::summary::{self, Summary};
+use crate::summary::{self, Common, Summary};
 use crate::{events, files, terminal, warnings};
 use mckibben_plot::Format;
 use mckibben_run::axis::TrajectoryAxis;
@@ -15,9 +15,9 @@ use mckibben_run::progress::Progress;
 use mckibben_run::record::{self, Provenance, Target};
 use mckibben_run::run::{Figures, Finished, Ready};
 use mckibben_run::warnings::of_run;
-use mckibben_scenario::{Document, Scenario};
+use mckibben_scenario::Scenario;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// What `mckibben simulate` is asked.
 #[derive(Clone, Debug, clap::Args)]
@@ -27,6 +27,7 @@ Examples:
   mckibben simulate muscle.toml --output run.csv --plot run.svg
   mckibben simulate muscle.toml --set command.duty=0.3 --set 'load.mass=10 lb' -o run.parquet
   mckibben simulate muscle.toml --set run.engine=fixed-step --set 'run.step=0.5 ms'
+  mckibben simulate muscle.toml --settle --units imperial
   mckibben simulate muscle.toml --format json | jq .numbers.length_final_m
   generate-scenario | mckibben simulate - --strict
 
@@ -59,6 +60,13 @@ pub struct SimulateArguments {
     /// Set a value of the scenario, such as `command.duty=0.3` or `load.mass=10 lb`; can be given again.
     #[arg(short, long, value_name = "KEY=VALUE")]
     pub set: Vec<Setting>,
+    /// Run on behind the end to the periodic orbit, or the equilibrium, and tell its means and ripples; files and figures end at
+    /// run.duration as ever.
+    #[arg(long)]
+    pub settle: bool,
+    /// Tell everything: all states, engine and cost, energy and exergy; without it the ten lines that matter most.
+    #[arg(short, long)]
+    pub verbose: bool,
     /// Print every event after the summary.
     #[arg(long)]
     pub events: bool,
@@ -110,6 +118,7 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     let provenance = Provenance { document: &document, set: &set, scenario: scenario.as_ref() };
     let (plan, rows) = (*ready.plan(), engine::rows(ready.plan()));
 
+    let settled = if arguments.settle { Some(ready.settle(&document)?) } else { None };
     let started = Instant::now();
     let (figures, elapsed, pending, table) = if !files.keep(arguments) {
         let begun = |(path, format)| Ok::<_, Failure>((path, format, Pending::create(path)?));
@@ -136,9 +145,12 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     }
     let mut text = String::new();
     if as_json {
-        text.push_str(&figures.summary().json(&document, &plan, &found)?);
+        text.push_str(&figures.summary().json(&document, &plan, settled.as_ref(), &found)?);
     } else if !arguments.quiet {
-        text.push_str(&told(&figures, (&name, &document), scenario.as_ref(), elapsed)?);
+        let (muscles, assumed) = (&document.muscles()[..], &document.assumed()[..]);
+        let (settled, verbose) = (settled.as_ref(), arguments.verbose);
+        let common = Common { name: &name, elapsed, muscles, assumed, settled, verbose };
+        text.push_str(&told(&figures, common, scenario.as_ref())?);
         text.push_str(&warnings::section(&found));
     }
     // The files take their names when nothing can fail any more.
@@ -160,26 +172,20 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     terminal::print(&text)
 }
 
-fn told(
-    figures: &Figures,
-    (name, document): (&str, &Document),
-    scenario: Option<&Scenario>,
-    elapsed: Duration,
-) -> Result<String, Failure> {
-    let (muscles, assumed) = (&document.muscles()[..], &document.assumed()[..]);
+fn told(figures: &Figures, common: Common<'_>, scenario: Option<&Scenario>) -> Result<String, Failure> {
     match (figures, scenario) {
-        (Figures::Plant(run), _) => summary::plant::Summary { name, run, elapsed, muscles, assumed }.render(),
+        (Figures::Plant(run), _) => summary::plant::Summary { common, run }.render(),
         // Not reached: what is no plant has been read as a scenario. Said rather than assumed.
         (_, None) => Err(Failure::stopped("the run has no scenario")),
         (Figures::Actuator(of), Some(scenario)) => {
             let (rig, observation, control) = (&of.rig, &of.observation, of.control.as_ref());
-            Summary { name, scenario, rig, control, observation, elapsed, muscles, assumed }.render()
+            Summary { common, scenario, rig, control, observation }.render()
         }
         (Figures::Joint(of), Some(scenario)) => {
             let antagonist = scenario.of_antagonist();
             let scenarios = [scenario, antagonist.as_ref().unwrap_or(scenario)];
             let (rig, observation, control) = (&of.rig, &of.observation, of.control.as_ref());
-            summary::joint::Summary { name, scenarios, rig, observation, control, elapsed, muscles, assumed }.render()
+            summary::joint::Summary { common, scenarios, rig, observation, control }.render()
         }
     }
 }

@@ -1,8 +1,7 @@
 //! What the run of a joint came to, as text for people.
 
 use crate::describe;
-use crate::summary::{Exergy, Page, assumptions, circuit, cost, effort, events, goals, residual, sums};
-use crate::terminal::{FAINT, styled};
+use crate::summary::{Common, Exergy, Page, circuit, effort, goals, residual, sums};
 use mckibben::plant::{ActuatorLedger, MechanismLedger, PlantLedger};
 use mckibben::simulation::JointRig;
 use mckibben_run::closed_loop::Closed;
@@ -10,15 +9,13 @@ use mckibben_run::failure::Failure;
 use mckibben_run::joint::NAMES;
 use mckibben_run::joint::observation::Observation;
 use mckibben_run::observation::{AirUse, Range};
-use mckibben_run::quantities::given;
-use mckibben_scenario::{Assumed, Muscle, Scenario};
-use std::time::Duration;
+use mckibben_scenario::Scenario;
 
 /// Everything that the summary tells about.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Summary<'a> {
-    /// The name of the scenario file.
-    pub name: &'a str,
+    /// What every summary tells.
+    pub common: Common<'a>,
     /// The scenario as it was understood, and as it stands for the antagonist.
     pub scenarios: [&'a Scenario; 2],
     /// The joint.
@@ -27,12 +24,6 @@ pub(crate) struct Summary<'a> {
     pub observation: &'a Observation,
     /// The controller's part in it, if there is one.
     pub control: Option<&'a Closed>,
-    /// How long the computer took.
-    pub elapsed: Duration,
-    /// The muscles with their names.
-    pub muscles: &'a [(String, Muscle)],
-    /// The assumed values in force.
-    pub assumed: &'a [Assumed],
 }
 
 impl Summary<'_> {
@@ -41,62 +32,69 @@ impl Summary<'_> {
     /// # Errors
     /// [`Failure::stopped`] for a number that is not finite.
     pub(crate) fn render(&self) -> Result<String, Failure> {
-        let page = &Page::default();
+        let page = &Page::of(self.common.verbose);
         self.what_ran(page);
-        self.events(page);
         self.states(page);
+        page.settled(self.common.settled);
         let Observation { air: used, ended, .. } = self.observation;
         if let Some(closed) = self.control {
             goals(page, &closed.goals);
             effort(page, closed, used.iter().map(|air| air.from_supply).sum());
         }
         air(page, *used);
-        energy(page, &ended.ledger);
-        if ended.draws {
-            let process = self.rig.driven()[0].actuator.air().process();
-            circuit(page, &Exergy::of_plant(&ended.ledger), process, sums(&ended.ledger.exergy()));
+        page.events(&self.observation.events);
+        if page.verbose {
+            energy(page, &ended.ledger);
+            if ended.draws {
+                let process = self.rig.driven()[0].actuator.air().process();
+                circuit(page, &Exergy::of_plant(&ended.ledger), process, sums(&ended.ledger.exergy()));
+            }
         }
-        page.finish(&assumptions(self.assumed))
+        page.finish(&self.common.assumptions())
     }
 
     fn what_ran(&self, page: &Page) {
         let [scenario, _] = self.scenarios;
-        let run = &scenario.run;
-        page.heading(&format!("{}  {}", self.name, styled(FAINT, given(run.duration, "s"))));
-        for (names, text) in describe::muscles(self.muscles) {
-            // Below, the names say what drives each.
-            page.line("braid", &if names.contains(',') { text } else { format!("{names}: {text}") });
+        self.common.title(page, &scenario.run);
+        if page.verbose {
+            for (names, text) in describe::muscles(self.common.muscles) {
+                // Below, the names say what drives each.
+                page.line("braid", &if names.contains(',') { text } else { format!("{names}: {text}") });
+            }
         }
         page.line("load", &describe::load(&scenario.load));
         for (name, scenario) in NAMES.into_iter().zip(self.scenarios) {
             page.line(name, &describe::drive(scenario));
         }
-        page.line("air", &describe::air(&scenario.air.process));
-        page.line("engine", &describe::engine(run));
-        cost(page, &self.observation.ended, run, self.elapsed);
-    }
-
-    fn events(&self, page: &Page) {
-        page.heading("Events");
-        events(page, self.observation.events.iter().map(|(kind, number)| (kind.name(), *number)));
+        if page.verbose {
+            page.line("air", &describe::air(&scenario.air.process));
+            self.common.cost(page, &self.observation.ended, &scenario.run);
+        }
     }
 
     fn states(&self, page: &Page) {
         let Observation { last, joint, actuators, .. } = self.observation;
         page.heading("State");
+        page.fit(["antagonist, gauge"]);
         page.head(["at the end", "least", "greatest"]);
         page.range("angle", last.angle, joint[0], "rad");
-        page.range("angular vel.", last.angular_velocity, joint[1], "rad/s");
+        if page.verbose {
+            page.range("angular vel.", last.angular_velocity, joint[1], "rad/s");
+        }
         page.range("torque", last.torque, joint[2], "N*m");
         for (index, name) in NAMES.into_iter().enumerate() {
             let (last, [length, tension, pressure]) = (&last.actuators[index], actuators[index]);
             let atmosphere = self.rig.driven()[index].actuator.air().atmosphere().0;
             let Range { least, greatest } = pressure;
-            page.line("", name);
-            page.range("length", last.length, length, "m");
-            page.range("tension", last.tension, tension, "N");
             let gauge = Range { least: least - atmosphere, greatest: greatest - atmosphere };
-            page.range("gauge pressure", last.pressure.0 - atmosphere, gauge, "Pa");
+            if page.verbose {
+                page.line("", name);
+                page.range("length", last.length, length, "m");
+                page.range("tension", last.tension, tension, "N");
+                page.range("gauge pressure", last.pressure.0 - atmosphere, gauge, "Pa");
+            } else {
+                page.range(&format!("{name}, gauge"), last.pressure.0 - atmosphere, gauge, "Pa");
+            }
         }
     }
 }
@@ -111,7 +109,7 @@ fn air(page: &Page, used: [AirUse; 2]) {
 
 fn energy(page: &Page, ledger: &PlantLedger) {
     page.heading("Energy");
-    let joules = |value: f64| format!("{} J", page.digits(value));
+    let joules = |value: f64| page.quantity(value, "J");
     let (actuators, limbs) = (&ledger.actuators, &ledger.mechanisms);
     for (of, (name, whose)) in actuators.iter().zip([("gas work", "agonist's gauge pressure"), ("", "antagonist's")]) {
         page.value(name, &joules(of.gas_work), &format!("by the {whose}"));

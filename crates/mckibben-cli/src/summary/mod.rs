@@ -8,35 +8,56 @@ use crate::terminal::{FAINT, HEADING, NOTABLE, entry, styled, wrap};
 use mckibben::air::Process;
 use mckibben::engine::Statistics;
 use mckibben::plant::{Balance, PlantLedger};
-use mckibben::simulation::Rig;
+use mckibben::simulation::{EventKind, Rig};
 use mckibben::valve::REFERENCE_DENSITY;
 use mckibben_run::closed_loop::{Closed, Goal, Miss};
 use mckibben_run::failure::Failure;
 use mckibben_run::observation::{Ended, Observation, Range, Ripple, Steps};
-use mckibben_run::quantities::{self, common_prefix, count, given};
+use mckibben_run::quantities::{self, count, given};
+use mckibben_run::settle::{Settled, Settling};
 use mckibben_run::text::{Alignment, Side};
+use mckibben_run::units::units;
 use mckibben_scenario::{Assumed, Load, Muscle, Run, Scenario};
 use std::cell::{Cell, RefCell};
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::time::Duration;
-
-/// A change of the mean length below this part of it is not worth telling.
-const SETTLED: f64 = 1e-7;
 
 /// A space at which no line is broken.
 const KEPT: &str = "\u{a0}";
 
-/// Width of the column of names.
+/// Columns of an orbit that a short summary has.
+const MAIN: [&str; 5] = ["length", "position", "angle", "tension", "gauge_pressure"];
+
+/// Width of the column of names, and the most that names from a file make it.
 const NAMES: usize = 14;
+const MOST_NAMES: usize = 40;
 
 /// A column of values.
 const VALUE: (Side, usize) = (Side::Right, 14);
 
-/// Everything that the summary tells about.
+/// What every summary tells, whatever ran.
 #[derive(Clone, Copy, Debug)]
-pub struct Summary<'a> {
+pub struct Common<'a> {
     /// The name of the scenario file.
     pub name: &'a str,
+    /// How long the computer took.
+    pub elapsed: Duration,
+    /// The muscles with their names.
+    pub muscles: &'a [(String, Muscle)],
+    /// The assumed values in force.
+    pub assumed: &'a [Assumed],
+    /// What the run settles to, where that was asked for.
+    pub settled: Option<&'a Settled>,
+    /// Whether everything is told, not only the ten lines that matter most.
+    pub verbose: bool,
+}
+
+/// Everything that the summary of one actuator tells about.
+#[derive(Clone, Copy, Debug)]
+pub struct Summary<'a> {
+    /// What every summary tells.
+    pub common: Common<'a>,
     /// The scenario as it was understood.
     pub scenario: &'a Scenario,
     /// What was simulated.
@@ -45,12 +66,6 @@ pub struct Summary<'a> {
     pub control: Option<&'a Closed>,
     /// Its figures.
     pub observation: &'a Observation,
-    /// How long the computer took.
-    pub elapsed: Duration,
-    /// The muscles with their names.
-    pub muscles: &'a [(String, Muscle)],
-    /// The assumed values in force.
-    pub assumed: &'a [Assumed],
 }
 
 impl Summary<'_> {
@@ -59,36 +74,42 @@ impl Summary<'_> {
     /// # Errors
     /// [`Failure::stopped`] for a number that is not finite.
     pub fn render(&self) -> Result<String, Failure> {
-        let page = &Page::default();
+        let page = &Page::of(self.common.verbose);
         self.what_ran(page);
-        self.events(page);
         self.states(page);
+        page.settled(self.common.settled);
         if let Some(closed) = self.control {
             goals(page, &closed.goals);
             effort(page, closed, self.observation.air.from_supply);
         }
         self.air(page);
-        let ended = &self.observation.ended;
-        energy(page, &ended.ledger);
-        if ended.draws {
-            let process = self.rig.actuator().air().process();
-            circuit(page, &Exergy::of_plant(&ended.ledger), process, sums(&ended.ledger.exergy()));
+        page.events(&self.observation.events);
+        if page.verbose {
+            let ended = &self.observation.ended;
+            energy(page, &ended.ledger);
+            if ended.draws {
+                let process = self.rig.actuator().air().process();
+                circuit(page, &Exergy::of_plant(&ended.ledger), process, sums(&ended.ledger.exergy()));
+            }
         }
-        page.finish(&assumptions(self.assumed))
+        page.finish(&self.common.assumptions())
     }
 
     fn what_ran(&self, page: &Page) {
         let run = &self.scenario.run;
-        page.heading(&format!("{}  {}", self.name, styled(FAINT, given(run.duration, "s"))));
-        braids(page, self.muscles);
+        self.common.title(page, run);
+        if page.verbose {
+            braids(page, self.common.muscles);
+        }
         page.line("load", &describe::load(&self.scenario.load));
         if let Some(tendon) = &self.scenario.tendon {
             page.line("tendon", &format!("{} in series", given(tendon.stiffness, "N/m")));
         }
         page.line("drive", &describe::drive(self.scenario));
-        page.line("air", &describe::air(&self.scenario.air.process));
-        page.line("engine", &describe::engine(run));
-        cost(page, &self.observation.ended, run, self.elapsed);
+        if page.verbose {
+            page.line("air", &describe::air(&self.scenario.air.process));
+            self.common.cost(page, &self.observation.ended, run);
+        }
     }
 
     fn states(&self, page: &Page) {
@@ -106,18 +127,21 @@ impl Summary<'_> {
         let percents =
             [contraction(last.length), shortening.least, shortening.greatest].map(|share| page.percent(share));
         page.columns("contraction", percents);
-        page.range("velocity", last.velocity, extremes.velocity, "m/s");
+        if page.verbose {
+            page.range("velocity", last.velocity, extremes.velocity, "m/s");
+        }
         page.range("tension", last.tension, extremes.tension, "N");
+        page.range("gauge pressure", last.pressure.0 - atmosphere, gauge(extremes.pressure), "Pa");
         if let Some(tendon) = self.rig.tendon() {
             let stretch = page.quantity(last.tension / tendon.stiffness(), "m");
             let distance = page.quantity(last.load_distance, "m");
             page.line("tendon", &format!("stretched by {stretch} at the end, the load at {distance}"));
         }
-        page.range("gauge pressure", last.pressure.0 - atmosphere, gauge(extremes.pressure), "Pa");
-        let kelvin = |kelvin: f64| format!("{:.1} K", page.sound(kelvin));
-        let temperature = &extremes.temperature;
-        page.columns("temperature", [last.temperature, temperature.least, temperature.greatest].map(kelvin));
-        page.line("air", &format!("{} in {} at the end", page.quantity(last.air_mass, "kg"), page.volume(last.volume)));
+        if page.verbose {
+            page.range("temperature", last.temperature, extremes.temperature, "K");
+            let inside = format!("{} in {} at the end", page.quantity(last.air_mass, "kg"), page.volume(last.volume));
+            page.line("air", &inside);
+        }
         match last.supply_pressure.filter(|_| self.rig.regulator().is_some()) {
             Some(regulated) => {
                 page.line(
@@ -125,7 +149,8 @@ impl Summary<'_> {
                     &format!("at {} gauge at the end", page.quantity(regulated.0 - atmosphere, "Pa")),
                 );
             }
-            None => page.line("valve", &format!("{} at the end", last.ports.name())),
+            None if page.verbose => page.line("valve", &format!("{} at the end", last.ports.name())),
+            None => {}
         }
         // A length that is fixed has no ripple, whatever the pressure does.
         let moves = !matches!(self.scenario.load, Load::Isometric);
@@ -142,6 +167,9 @@ impl Summary<'_> {
         let said = |mass: f64| format!("{}, {} ANR", page.quantity(mass, "kg"), page.volume(mass / REFERENCE_DENSITY));
         page.heading("Air");
         page.line("from supply", &said(air.from_supply));
+        if !page.verbose {
+            return;
+        }
         page.line("to exhaust", &said(air.to_surroundings));
         // Flow against the usual direction is worth a line only where there is any.
         for (name, mass) in [("to supply", air.to_supply), ("from exhaust", air.from_surroundings)] {
@@ -150,30 +178,32 @@ impl Summary<'_> {
             }
         }
     }
+}
 
-    fn events(&self, page: &Page) {
-        page.heading("Events");
-        events(page, self.observation.events.iter().map(|(kind, number)| (kind.name(), *number)));
+impl Common<'_> {
+    /// The heading: which file ran for how long.
+    pub(crate) fn title(&self, page: &Page, run: &Run) {
+        page.heading(&format!("{}  {}", self.name, styled(FAINT, given(run.duration, "s"))));
+    }
+
+    /// The engine and what the run cost, at fixed steps with their length and what that was chosen for.
+    pub(crate) fn cost(&self, page: &Page, ended: &Ended, run: &Run) {
+        page.line("engine", &describe::engine(run));
+        if let Some(Steps { step, chosen, .. }) = ended.steps {
+            page.line("step", &step_of(page, step, chosen, run));
+        }
+        page.line("cost", &format!("{}, {}", work(ended.counts), page.quantity(self.elapsed.as_secs_f64(), "s")));
+    }
+
+    /// The closing note about numbers that nobody states.
+    pub(crate) fn assumptions(&self) -> String {
+        assumptions(self.assumed)
     }
 }
 
 /// The braids of the muscles, each with its names.
 pub(crate) fn braids(page: &Page, muscles: &[(String, Muscle)]) {
     describe::muscles(muscles).iter().for_each(|(names, text)| page.line(names, text));
-}
-
-/// How many events there were of each kind.
-pub(crate) fn events(page: &Page, counts: impl Iterator<Item = (&'static str, u64)>) {
-    let mut total = 0;
-    let kinds = counts.map(|(kind, number)| {
-        total += number;
-        format!("{kind}{KEPT}{}", count(number))
-    });
-    let kinds = kinds.collect::<Vec<_>>().join(", ");
-    match total {
-        0 => page.line("", "none"),
-        total => page.line(&count(total), &kinds),
-    }
 }
 
 /// How far the goals of a controller were missed.
@@ -203,14 +233,6 @@ pub(crate) fn effort(page: &Page, closed: &Closed, air: f64) {
     let requests: Vec<String> = closed.requests.iter().map(|requests| count(*requests as u64)).collect();
     page.line("requests", &format!("{} changes of what the valve is asked", requests.join(" and ")));
     page.line("air used", &format!("{} from the supply", page.quantity(air, "kg")));
-}
-
-/// What a run cost, at fixed steps with their length and what that was chosen for.
-pub(crate) fn cost(page: &Page, ended: &Ended, run: &Run, elapsed: Duration) {
-    if let Some(Steps { step, chosen, .. }) = ended.steps {
-        page.line("step", &step_of(page, step, chosen, run));
-    }
-    page.line("cost", &format!("{}, {}", work(ended.counts), page.quantity(elapsed.as_secs_f64(), "s")));
 }
 
 /// How many steps and evaluations a run took.
@@ -255,20 +277,19 @@ fn step_of(page: &Page, step: f64, chosen: Option<[f64; 2]>, run: &Run) -> Strin
     )
 }
 
-/// The length under PWM in words.
+/// The length under PWM in words; of a run that has not settled no ripple is told, since it would be that of the swing.
 fn under_pwm(page: &Page, ripple: &Ripple, contraction: f64) -> String {
-    let periods = match ripple.periods {
-        1 => "the last period".to_owned(),
-        many => format!("the last {many} periods"),
-    };
-    let settled = |drift: f64| drift.abs() <= SETTLED * ripple.mean.abs();
-    let drift = match ripple.drift {
-        Some(drift) if settled(drift) => "; the mean has settled".to_owned(),
-        Some(drift) => format!("; the mean drifts by {} per period", page.quantity(drift, "m")),
-        None => String::new(),
-    };
+    let drift = ripple.drift.map(|drift| format!(", and its mean moves by {} a period", page.quantity(drift, "m")));
+    if !ripple.settled {
+        return format!(
+            "not settled: the length travels {} in the last {} periods{}; --settle finds its orbit",
+            page.quantity(ripple.travel, "m"),
+            count(ripple.periods),
+            drift.unwrap_or_default(),
+        );
+    }
     format!(
-        "mean length {} (contraction {}), ripple {} peak to peak over {periods}{drift}",
+        "settled: mean length {} (contraction {}), ripple {} peak to peak",
         page.quantity(ripple.mean, "m"),
         page.percent(contraction),
         page.quantity(ripple.peak_to_peak, "m"),
@@ -305,13 +326,7 @@ fn energy(page: &Page, ledger: &PlantLedger) {
             "taken by an effectiveness other than 1, or a law beside virtual work",
         ),
     ];
-    let turnover = work.turnover;
-    let (factor, prefix) = common_prefix(&named.map(|(_, value, _)| value));
-    for (index, (name, value, where_to)) in named.into_iter().enumerate() {
-        if index < 2 || value.abs() > 1e-12 * turnover {
-            page.value(name, &format!("{} {prefix}J", page.digits(value * factor)), where_to);
-        }
-    }
+    page.energies(&named, work.turnover);
     residual(page, sums(&work));
 }
 
@@ -366,12 +381,7 @@ pub(crate) fn circuit(page: &Page, of: &Exergy, process: Process, sums: [f64; 3]
         ("mixing", of.mixed, "destroyed as air of two temperatures mixes"),
         ("heat", of.heat, heat),
     ];
-    let (factor, prefix) = common_prefix(&named.map(|(_, value, _)| value));
-    for (index, (name, value, where_to)) in named.into_iter().enumerate() {
-        if index < 2 || value.abs() > 1e-12 * turnover {
-            page.value(name, &format!("{} {prefix}J", page.digits(value * factor)), where_to);
-        }
-    }
+    page.energies(&named, turnover);
     residual(page, sums);
     if of.drawn > 0.0 && of.compressor > 0.0 {
         let compressor_work = page.quantity(of.compressor, "J");
@@ -416,6 +426,10 @@ fn keep_numbers(text: &str) -> String {
 /// Text with a column of names. A number that is not finite is remembered with the name of its line.
 #[derive(Debug, Default)]
 pub(crate) struct Page {
+    /// Whether everything is told.
+    pub(crate) verbose: bool,
+    /// How much wider than usual the column of names is, for names from a file.
+    wider: Cell<usize>,
     text: RefCell<String>,
     /// A number of the line under way that is not finite.
     unsound: Cell<Option<f64>>,
@@ -424,6 +438,11 @@ pub(crate) struct Page {
 }
 
 impl Page {
+    /// An empty page.
+    pub(crate) fn of(verbose: bool) -> Self {
+        Self { verbose, ..Self::default() }
+    }
+
     /// The text with what follows it.
     ///
     /// # Errors
@@ -458,9 +477,9 @@ impl Page {
         quantities::percent(self.sound(value))
     }
 
-    /// A volume in litres.
+    /// A volume.
     pub(crate) fn volume(&self, cubic_metres: f64) -> String {
-        self.quantity(cubic_metres * 1e3, "L")
+        self.quantity(cubic_metres, "m^3")
     }
 
     /// Ends a line of this name: a number in it that was not finite is its fault.
@@ -470,7 +489,14 @@ impl Page {
         }
     }
 
+    /// Makes room for names of a table, up to the next heading.
+    pub(crate) fn fit<'n>(&self, names: impl IntoIterator<Item = &'n str>) {
+        let longest = names.into_iter().map(|name| name.chars().count()).max().unwrap_or(0);
+        self.wider.set((longest + 1).clamp(NAMES, MOST_NAMES) - NAMES);
+    }
+
     pub(crate) fn heading(&self, heading: &str) {
+        self.wider.set(0);
         let gap = if self.text.borrow().is_empty() { "" } else { "\n" };
         self.put(format_args!("{gap}{}\n", styled(HEADING, heading)));
     }
@@ -490,7 +516,7 @@ impl Page {
 
     pub(crate) fn head(&self, names: [&str; 3]) {
         let [a, b, c] = names;
-        let columns = Alignment::new([(Side::Left, NAMES + 2), VALUE, VALUE, VALUE]).without_gaps();
+        let columns = Alignment::new([(Side::Left, self.wider.get() + NAMES + 2), VALUE, VALUE, VALUE]).without_gaps();
         self.put(format_args!("{}\n", styled(FAINT, columns.line(&["", a, b, c]))));
     }
 
@@ -502,21 +528,76 @@ impl Page {
     fn row(&self, name: &str, [a, b, c]: [String; 3], widths: [usize; 3]) {
         self.ends(name);
         let values = widths.map(|width| (Side::Right, width));
-        let columns = Alignment::new([(Side::Left, NAMES)].into_iter().chain(values)).without_gaps();
+        let columns = Alignment::new([(Side::Left, self.wider.get() + NAMES)].into_iter().chain(values)).without_gaps();
         self.put(format_args!("  {}\n", columns.line(&[name, &a, &b, &c])));
     }
 
-    /// Three values under one prefix.
+    /// Three values in one unit.
     pub(crate) fn range(&self, name: &str, end: f64, Range { least, greatest }: Range, unit: &str) {
-        let values = [end, least, greatest];
-        let (factor, prefix) = common_prefix(&values);
-        // A remainder of rounding is no value; the largest of the three gives the measure.
+        self.values(name, [end, least, greatest], unit);
+    }
+
+    /// Values in one unit. A remainder of rounding is no value; the largest of them gives the measure.
+    fn values(&self, name: &str, values: [f64; 3], unit: &str) {
+        let shown = units().common(unit, values);
         let fine = 1e-9 * values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
         let said = |value: f64| {
-            let value = if value.abs() < fine { 0.0 } else { value };
-            format!("{} {prefix}{unit}", self.digits(value * factor))
+            let number = shown.number(self.sound(if value.abs() < fine { 0.0 } else { value }));
+            shown.with(&if unit == "K" { format!("{number:.1}") } else { quantities::digits(number) })
         };
         self.columns(name, values.map(said));
+    }
+
+    /// Energies in one unit, each with what it is; the first two always, the others where they are more than rounding.
+    pub(crate) fn energies(&self, named: &[(&str, f64, &str)], turnover: f64) {
+        let shown = units().common("J", named.iter().map(|(_, value, _)| *value));
+        for (index, (name, value, what)) in named.iter().enumerate() {
+            if index < 2 || value.abs() > 1e-12 * turnover {
+                self.value(name, &shown.with(&self.digits(shown.number(*value))), what);
+            }
+        }
+    }
+
+    /// How many events there were of each kind.
+    pub(crate) fn events(&self, counts: &BTreeMap<EventKind, u64>) {
+        let kinds = counts.iter().map(|(kind, number)| format!("{}{KEPT}{}", kind.name(), count(*number)));
+        let kinds = kinds.collect::<Vec<_>>().join(", ");
+        self.heading("Events");
+        match counts.values().sum() {
+            0 => self.line("", "none"),
+            total => self.line(&count(total), &kinds),
+        }
+    }
+
+    /// What repeats on the orbit that the run settles to.
+    pub(crate) fn settled(&self, settled: Option<&Settled>) {
+        let Some(Settled { orbit, rows }) = settled else { return };
+        self.heading("Settled");
+        let (periods, period) = (count(orbit.periods), given(orbit.period, "s"));
+        if !orbit.settled {
+            let left = self.sound(orbit.residual);
+            let text = format!(
+                "not within {periods} periods of {period} behind the end: the states still change by {left:.1e} of their size \
+                 a period"
+            );
+            return self.line("", &text);
+        }
+        let found = match orbit.guesses {
+            0 => format!("reached after {periods} periods of {period}"),
+            guesses => format!("found by {} guesses in {periods} periods of {period}", count(guesses)),
+        };
+        self.line("orbit", &found);
+        let is_main = |row: &&Settling| {
+            let name = row.name.rsplit('.').next().unwrap_or_default();
+            self.verbose || MAIN.contains(&name.trim_start_matches("antagonist_"))
+        };
+        let rows: Vec<(String, &Settling)> =
+            rows.iter().filter(is_main).map(|row| (row.name.replace(['_', '.'], " "), row)).collect();
+        self.fit(rows.iter().map(|(name, _)| name.as_str()));
+        self.head(["mean", "ripple", "greatest"]);
+        for (name, row) in rows {
+            self.values(&name, [row.mean, row.ripple(), row.greatest], &row.unit);
+        }
     }
 
     fn put(&self, text: std::fmt::Arguments<'_>) {

@@ -1,28 +1,22 @@
 //! What the run of a plant came to, as text for people.
 
 use crate::describe;
-use crate::summary::{Page, assumptions, cost, events, goals_by_name, residual_in as residual};
-use crate::terminal::{FAINT, styled};
+use crate::summary::{Common, Page, goals_by_name, residual_in as residual};
 use mckibben::mechanism::Mechanism;
 use mckibben::network::NodeKind;
 use mckibben::plant::{ActuatorLedger, Balance, MechanismLedger};
 use mckibben_run::failure::Failure;
 use mckibben_run::plant::{PlantFigures, control};
-use mckibben_run::quantities::{common_prefix, count, given};
-use mckibben_scenario::{Assumed, Muscle};
-use std::time::Duration;
+use mckibben_run::quantities::{count, given};
+
+/// Said behind the name of a part whose gauge pressure a line tells.
+const GAUGE: &str = ", gauge";
 
 /// Everything that the summary tells about.
 pub(crate) struct Summary<'a> {
-    /// The name of the scenario file.
-    pub(crate) name: &'a str,
+    /// What every summary tells.
+    pub(crate) common: Common<'a>,
     pub(crate) run: &'a PlantFigures,
-    /// How long the computer took.
-    pub(crate) elapsed: Duration,
-    /// The muscles with their names.
-    pub(crate) muscles: &'a [(String, Muscle)],
-    /// The assumed values in force.
-    pub(crate) assumed: &'a [Assumed],
 }
 
 impl Summary<'_> {
@@ -31,26 +25,30 @@ impl Summary<'_> {
     /// # Errors
     /// [`Failure::stopped`] for a number that is not finite.
     pub(crate) fn render(&self) -> Result<String, Failure> {
-        let page = &Page::default();
+        let page = &Page::of(self.common.verbose);
         self.what_ran(page);
-        page.heading("Events");
-        events(page, self.run.observation.events.iter().map(|(kind, number)| (kind.name(), *number)));
+        self.states(page);
+        page.settled(self.common.settled);
         if let Some(closed) = &self.run.control {
             self.control(page, closed);
         }
-        self.states(page);
         self.air(page);
-        self.energy(page);
-        self.exergy(page);
-        page.finish(&assumptions(self.assumed))
+        page.events(&self.run.observation.events);
+        if page.verbose {
+            self.energy(page);
+            self.exergy(page);
+        }
+        page.finish(&self.common.assumptions())
     }
 
     fn what_ran(&self, page: &Page) {
         let of = &self.run.experiment;
-        page.heading(&format!("{}  {}", self.name, styled(FAINT, given(of.run.duration, "s"))));
+        self.common.title(page, &of.run);
         page.line("actuators", &of.names.actuators.join(", "));
-        for (names, text) in describe::muscles(self.muscles) {
-            page.line("braid", &format!("{names}: {text}"));
+        if page.verbose {
+            for (names, text) in describe::muscles(self.common.muscles) {
+                page.line("braid", &format!("{names}: {text}"));
+            }
         }
         for (names, mechanism) in of.names.mechanisms.iter().zip(of.plant.mechanisms()) {
             if let Some(name) = &names.name {
@@ -61,17 +59,33 @@ impl Summary<'_> {
         if !supplies.is_empty() {
             page.line("supplies", &supplies.join(", "));
         }
-        page.line("engine", &describe::engine(&of.run));
-        cost(page, &self.run.observation.ended, &of.run, self.elapsed);
+        if page.verbose {
+            self.common.cost(page, &self.run.observation.ended, &of.run);
+        }
     }
 
+    /// The states; in short what moves and the pressures, each in a line.
     fn states(&self, page: &Page) {
         page.heading("State");
+        let rows = &self.run.observation.rows;
+        let short = if page.verbose { String::new() } else { GAUGE.to_owned() };
+        let names: Vec<String> = rows.iter().map(|row| format!("{}{short}", row.name)).collect();
+        page.fit(names.iter().map(String::as_str));
         page.head(["at the end", "least", "greatest"]);
-        for row in &self.run.observation.rows {
+        let mut owner = "";
+        for row in rows {
             match row.unit {
-                "" => page.line("", &row.name),
-                unit => page.range(&row.name, row.last, row.range, unit),
+                "" => {
+                    owner = &row.name;
+                    if page.verbose {
+                        page.line("", &row.name);
+                    }
+                }
+                unit if page.verbose || owner.is_empty() || !row.key.starts_with(owner) => {
+                    page.range(&row.name, row.last, row.range, unit);
+                }
+                "Pa" => page.range(&format!("{owner}{GAUGE}"), row.last, row.range, "Pa"),
+                _ => {}
             }
         }
     }
@@ -98,21 +112,24 @@ impl Summary<'_> {
         }
         page.heading("Air");
         let network = of.plant.network();
+        // A remainder of rounding is no mass.
+        let fine = 1e-9 * ledger.air().turnover;
+        let mass = |mass: f64| page.quantity(if mass.abs() < fine { 0.0 } else { mass }, "kg");
         for (name, node) in &of.names.nodes {
             let supplied = ledger.nodes[*node].supplied.mass;
             let stores = matches!(network.nodes[*node].kind, NodeKind::Reservoir(_));
             if stores {
-                page.value(name, &page.quantity(ledger.nodes[*node].air_gain, "kg"), "gained by what is stored there");
+                page.value(name, &mass(ledger.nodes[*node].air_gain), "gained by what is stored there");
             } else if supplied != 0.0 {
-                page.value(name, &page.quantity(supplied, "kg"), "drawn");
+                page.value(name, &mass(supplied), "drawn");
             }
         }
         let outside = network.nodes.iter().zip(&ledger.nodes);
         let outside = outside.filter(|(node, _)| matches!(node.kind, NodeKind::Atmosphere));
         let outside: f64 = outside.map(|(_, node)| -node.supplied.mass).sum();
-        page.value("atmosphere", &page.quantity(outside, "kg"), "let out, less what came in");
+        page.value("atmosphere", &mass(outside), "let out, less what came in");
         let gained: f64 = ledger.actuators.iter().map(|of| of.air_gain).sum();
-        page.value("left inside", &page.quantity(gained, "kg"), "gained by the actuators");
+        page.value("left inside", &mass(gained), "gained by the actuators");
         balance(page, &ledger.air(), "kg");
     }
 
@@ -145,7 +162,7 @@ impl Summary<'_> {
             ),
         ];
         let work = ledger.work();
-        table(page, &named, work.turnover);
+        page.energies(&named, work.turnover);
         balance(page, &work, "J");
     }
 
@@ -168,20 +185,10 @@ impl Summary<'_> {
             ("mixing", total.mixed, "destroyed as air of two temperatures mixes"),
             ("heat", total.heat_loss, "lost with heat; negative: gained"),
         ];
-        table(page, &named, exergy.turnover);
+        page.energies(&named, exergy.turnover);
         balance(page, &exergy, "J");
         if let Some(efficiency) = total.efficiency() {
             page.value("efficiency", &page.percent(efficiency), "work on the loads over what was drawn and compressed");
-        }
-    }
-}
-
-/// Values under one prefix; the first two always, the others where they are more than rounding.
-fn table(page: &Page, named: &[(&str, f64, &str)], turnover: f64) {
-    let (factor, prefix) = common_prefix(&named.iter().map(|(_, value, _)| *value).collect::<Vec<_>>());
-    for (index, (name, value, what)) in named.iter().enumerate() {
-        if index < 2 || value.abs() > 1e-12 * turnover {
-            page.value(name, &format!("{} {prefix}J", page.digits(value * factor)), what);
         }
     }
 }

@@ -79,7 +79,7 @@ pub(crate) struct Made {
 }
 
 /// A run before its first step, with its controllers.
-fn begin(of: &PlantExperiment) -> Result<Made, Error> {
+pub(crate) fn begin(of: &PlantExperiment) -> Result<Made, Error> {
     parameter::DURATION.check(of.run.duration)?;
     let stepping = Stepping::of(&of.run, || of.stepping())?;
     let drivers = of.controls.iter().map(PlantControl::driver).collect();

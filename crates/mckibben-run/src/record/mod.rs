@@ -17,7 +17,7 @@ mod memory;
 pub use crate::table::{Format, ending};
 
 use crate::failure::Failure;
-use crate::table::{self, Column, Layout, Writer};
+use crate::table::{Column, Layout, Writer};
 pub(crate) use field::{Field, goal_fields, number, of_actuator, of_controlled, of_joint, of_joint_alone, word};
 use mckibben_scenario::{Document, Scenario};
 pub(crate) use memory::filled;
@@ -55,21 +55,20 @@ pub struct Target<'t> {
 }
 
 impl Provenance<'_> {
-    /// What is said in a file of these columns.
-    fn notes(&self, columns: &[Column]) -> Vec<(String, String)> {
+    /// What is said in a file.
+    fn notes(&self) -> Vec<(String, String)> {
         let resolved = self.scenario.map(|scenario| ("mckibben.resolved".to_owned(), scenario.to_toml()));
-        notes(self.document, self.set, columns).into_iter().chain(resolved).collect()
+        notes(self.document, self.set).into_iter().chain(resolved).collect()
     }
 }
 
-/// What every file of results says about its columns and about the scenario that they come from.
-pub(crate) fn notes(document: &Document, set: &[String], columns: &[Column]) -> Vec<(String, String)> {
+/// What every file of results says about the scenario that it comes from.
+pub(crate) fn notes(document: &Document, set: &[String]) -> Vec<(String, String)> {
     let source = document.source();
     // Only the file's name: where it lies on the machine is nobody else's business and would change the bytes.
     let name = Path::new(source.name()).file_name();
     let pairs = [
         ("mckibben.version", env!("CARGO_PKG_VERSION").to_owned()),
-        ("mckibben.units", table::units(columns)),
         ("mckibben.scenario_file", name.map_or_else(String::new, |name| name.to_string_lossy().into_owned())),
         ("mckibben.scenario", source.text().to_owned()),
         ("mckibben.set", serde_json::Value::from(set).to_string()),
@@ -84,7 +83,7 @@ pub(crate) fn notes(document: &Document, set: &[String], columns: &[Column]) -> 
 pub(crate) fn write<S>(fields: &[Field<S>], rows: Rows<'_, S>, target: Target<'_>) -> Result<(), Failure> {
     let Target { provenance, path, format, out } = target;
     let columns: Vec<Column> = fields.iter().map(|field| field.column.clone()).collect();
-    let notes = provenance.notes(&columns);
+    let notes = provenance.notes();
     let mut writer = Writer::begin(format, columns, LAYOUT, path, out)?;
     let mut cells = Vec::with_capacity(fields.len());
     rows(&mut |sample| {

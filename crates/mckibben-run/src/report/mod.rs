@@ -22,6 +22,7 @@ use crate::failure::Failure;
 use crate::output;
 use crate::progress::Progress;
 use crate::table::{Cell, Column, Writer};
+use crate::units;
 use mckibben_plot::{Figure, Format};
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
@@ -246,7 +247,7 @@ impl Plate {
 impl Data {
     /// No rows yet of columns with these names.
     pub fn new(columns: &[&'static str]) -> Self {
-        let columns = columns.iter().map(|name| Column::number(*name, ""));
+        let columns = columns.iter().map(|name| Column::number(*name, units::unit_of(name)));
         Self { columns: columns.collect(), rows: Vec::new() }
     }
 

@@ -6,6 +6,7 @@
 //! | `duration_s` | simulated time |
 //! | `numbers` | the numbers of the summary in SI; each key ends with its unit, as a column of a sweep does: `length_final_m` |
 //! | `events` | how many events of each kind there were |
+//! | `settled` | with `--settle` an object with `settled`, `period_s`, `periods`, `guesses` and `numbers`, each column's mean, ripple, least and greatest value over a period; null without |
 //! | `warnings` | a list of objects with `code`, `part` (empty where there is one actuator) and `text` |
 //! | `assumed` | a list of objects with `key`, `value`, `source` and `preset`, null where it is a default |
 //!
@@ -13,6 +14,7 @@
 
 use super::Summary;
 use crate::failure::Failure;
+use crate::settle::Settled;
 use crate::warnings::Warning;
 use mckibben_scenario::sweep::column_of;
 use mckibben_scenario::{Document, Run};
@@ -23,7 +25,13 @@ impl Summary {
     ///
     /// # Errors
     /// [`Failure::stopped`] for a number that is not finite.
-    pub fn json(&self, document: &Document, plan: &Run, warnings: &[Warning]) -> Result<String, Failure> {
+    pub fn json(
+        &self,
+        document: &Document,
+        plan: &Run,
+        settled: Option<&Settled>,
+        warnings: &[Warning],
+    ) -> Result<String, Failure> {
         let mut numbers = Map::new();
         for number in &self.numbers {
             if !number.value.is_finite() {
@@ -43,10 +51,30 @@ impl Summary {
             "duration_s": plan.duration,
             "numbers": numbers,
             "events": events,
+            "settled": settled.map(orbit),
             "warnings": warnings.iter().map(warning).collect::<Vec<_>>(),
             "assumed": assumed.collect::<Vec<_>>(),
         });
         // A tree of words and finite numbers has nothing that could not be written.
         Ok(format!("{whole:#}\n"))
     }
+}
+
+/// What repeats on the orbit.
+fn orbit(of: &Settled) -> Value {
+    let mut numbers = Map::new();
+    for row in &of.rows {
+        for (statistic, value) in
+            [("mean", row.mean), ("ripple", row.ripple()), ("min", row.least), ("max", row.greatest)]
+        {
+            numbers.insert(column_of(&format!("{}.{statistic}", row.name), &row.unit), json!(value));
+        }
+    }
+    json!({
+        "settled": of.orbit.settled,
+        "period_s": of.orbit.period,
+        "periods": of.orbit.periods,
+        "guesses": of.orbit.guesses,
+        "numbers": numbers,
+    })
 }

@@ -226,6 +226,7 @@ fn result(reduction: Reduction, at: Vec<f64>) -> Values {
         Statistic::Peak => format!("peak {quantity}"),
         Statistic::Rms => format!("rms {quantity}"),
         Statistic::Ripple => format!("{quantity} ripple"),
+        Statistic::Drift => format!("{quantity} drift"),
         Statistic::SettlingTime => format!("{quantity} settling time"),
         Statistic::Overshoot => format!("{quantity} overshoot"),
         Statistic::Used => format!("{quantity} used"),

@@ -1,6 +1,6 @@
 //! What is made of the runs of rows that are plants.
 
-use super::reduce::{LAST_PART, SIMULTANEOUS, Track, missed};
+use super::reduce::{LAST_PART, Track, Windows, missed};
 use super::rows::{self, Outcome, Row, not_finite};
 use super::step::{self, Choice};
 use crate::plant::columns;
@@ -31,7 +31,7 @@ struct Recorder<'a> {
     tracks: Vec<Track<PlantQuantity>>,
     times: Vec<f64>,
     settles: bool,
-    window_start: f64,
+    windows: Windows,
     last: Option<f64>,
     rows: Vec<Vec<Cell<'static>>>,
     fault: Option<String>,
@@ -65,7 +65,7 @@ impl<'a> Recorder<'a> {
             settles: tracks.iter().any(Track::settles),
             tracks,
             times: Vec::new(),
-            window_start: duration - period - SIMULTANEOUS * duration,
+            windows: Windows::last(period, duration),
             last: None,
             rows: Vec::new(),
             fault: None,
@@ -85,7 +85,7 @@ impl rows::Recorder for Recorder<'_> {
             let step = self.last.map(|before| time - before);
             for track in &mut self.tracks {
                 let value = track.quantity().of(plant, sample);
-                track.see(value, step, time >= self.window_start);
+                track.see(value, step, self.windows.of(time));
             }
             if self.settles {
                 self.times.push(time);
@@ -124,7 +124,6 @@ impl rows::Recorder for Recorder<'_> {
         }
         let Some(reductions) = self.reductions else { return Outcome::Sampled(self.rows) };
         let duration = self.last.unwrap_or(0.0);
-        let whole = self.window_start > -2.0 * SIMULTANEOUS * duration;
         let air = self.keeper.zip(run).map(|(keeper, run)| air_used(self.of, &keeper.finish(run)));
         let owners = self.follower.as_ref().map_or_else(Vec::new, Follower::owners);
         let goals = self.follower.and_then(Follower::finish).map_or_else(Vec::new, |closed| closed.goals);
@@ -137,7 +136,7 @@ impl rows::Recorder for Recorder<'_> {
             }
             PlantReduced::Quantity(quantity) => {
                 let track = self.tracks.iter().find(|track| track.quantity() == quantity)?;
-                track.reduced(reduction.statistic, Some(&self.times), (duration, whole))
+                track.reduced(reduction.statistic, Some(&self.times), (duration, self.windows))
             }
         };
         Outcome::Reduced(

@@ -43,7 +43,7 @@ impl Prepared {
         let Some(sweep) = document.sweep()? else { return Ok(None) };
         let plan = Plan { rows: sweep.rows(), part_rows: sweep.part_rows().max(1) };
         let columns = table::columns(&sweep);
-        let notes = notes(&document, &set, &sweep, &columns);
+        let notes = notes(&document, &set, &sweep);
         Ok(Some(Self { sweep, plan, columns, notes }))
     }
 
@@ -156,12 +156,12 @@ fn engine_by_default(document: &Document) -> Result<Engine, Failure> {
 }
 
 /// What is said of the sweep in each of its files.
-fn notes(document: &Document, set: &[String], sweep: &Sweep, columns: &[Column]) -> Vec<(String, String)> {
+fn notes(document: &Document, set: &[String], sweep: &Sweep) -> Vec<(String, String)> {
     let of_sweep = [
         ("mckibben.sweep", sweep.fingerprint_text()),
         ("mckibben.design", sweep.design().name().to_owned()),
         ("mckibben.seed", sweep.seed().to_string()),
     ];
     let of_sweep = of_sweep.map(|(key, value)| (key.to_owned(), value));
-    record::notes(document, set, columns).into_iter().chain(of_sweep).collect()
+    record::notes(document, set).into_iter().chain(of_sweep).collect()
 }

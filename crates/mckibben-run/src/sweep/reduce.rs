@@ -8,6 +8,7 @@
 //! | `mean` | `(1/T) ∫ x dt` by the trapezium rule |
 //! | `min`, `max`, `peak` | the least, the greatest, the greatest magnitude |
 //! | `ripple` | greatest less least over the last period of the PWM; over the last tenth of the run without PWM |
+//! | `drift` | by how much the least or the greatest value of that interval differs from that of the interval before |
 //! | `settling_time` | the first sample from which on `|x − x(T)| ≤ 2 % · |x(T) − x(0)|` |
 //! | `overshoot` | how far x passes x(T) in the direction of `x(T) − x(0)`, as a share of that change |
 //! | `used` | the air drawn from the supply |
@@ -34,7 +35,7 @@ const SETTLED: f64 = 0.02;
 /// The end of a run without PWM over which the ripple is taken, as a share of its duration.
 pub(super) const LAST_PART: f64 = 0.1;
 /// Two instants closer than this, relative to the run, are one.
-pub(super) const SIMULTANEOUS: f64 = 1e-9;
+const SIMULTANEOUS: f64 = 1e-9;
 
 /// What is kept of a quantity.
 #[derive(Clone, Debug)]
@@ -46,8 +47,8 @@ pub(super) struct Track<Q> {
     greatest: f64,
     /// `∫ x dt` so far.
     integral: f64,
-    /// Least, greatest and number of the samples in the ripple's window.
-    window: (f64, f64, u64),
+    /// Least, greatest and number of the samples in the ripple's window and in the one before.
+    windows: [(f64, f64, u64); 2],
     /// Every sample, where a settling time is asked for.
     series: Option<Vec<f64>>,
 }
@@ -58,10 +59,40 @@ pub struct Reducer {
     tracks: Vec<Track<Quantity>>,
     /// The times of the samples, where a settling time is asked for.
     times: Option<Vec<f64>>,
-    window_start: f64,
+    windows: Windows,
     before: Option<Before>,
     air_used: f64,
     goals: Vec<Goal>,
+}
+
+/// The interval over which ripples are taken, and the one before.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Windows {
+    start: f64,
+    length: f64,
+    /// Times closer than this are one.
+    rounding: f64,
+}
+
+impl Windows {
+    /// The last `length` s of a run of `duration` s, and as long before.
+    pub(super) fn last(length: f64, duration: f64) -> Self {
+        Self { start: duration - length, length, rounding: SIMULTANEOUS * duration }
+    }
+
+    /// Whether the last so many begin in the run.
+    fn are_whole(self, count: u8) -> bool {
+        self.start - f64::from(count - 1) * self.length > -self.rounding
+    }
+
+    /// The window of a time in s: 0 for the last, 1 for the one before.
+    pub(super) fn of(self, time: f64) -> Option<usize> {
+        if time >= self.start - self.rounding {
+            Some(0)
+        } else {
+            (time >= self.start - self.length - self.rounding).then_some(1)
+        }
+    }
 }
 
 /// What is looked at: a sample of one actuator, or of a joint.
@@ -88,18 +119,18 @@ impl Reducer {
             Some(Command::Pwm { frequency, .. }) => 1.0 / frequency,
             _ => LAST_PART * duration,
         };
-        Self::with_window(reductions, duration - period - SIMULTANEOUS * duration)
+        Self::with_windows(reductions, Windows::last(period, duration))
     }
 
-    /// Begins a run whose ripple is taken from a time in s on.
-    fn with_window(reductions: &[Reduction], window_start: f64) -> Self {
+    /// Begins a run with the windows of its ripples.
+    fn with_windows(reductions: &[Reduction], windows: Windows) -> Self {
         let mut tracks: Vec<Track<Quantity>> = Vec::new();
         let of_samples = |of: &&Reduction| !matches!(of.quantity, Quantity::Air | Quantity::Error(_));
         for reduction in reductions.iter().filter(of_samples) {
             Track::add(&mut tracks, reduction.quantity, reduction.statistic);
         }
         let times = tracks.iter().any(|track| track.series.is_some()).then(Vec::new);
-        Self { tracks, times, window_start, before: None, air_used: 0.0, goals: Vec::new() }
+        Self { tracks, times, windows, before: None, air_used: 0.0, goals: Vec::new() }
     }
 
     /// Sees the next sample.
@@ -107,7 +138,7 @@ impl Reducer {
         let Before { time, air } = seen.kept();
         for track in &mut self.tracks {
             let step = self.before.map(|before| time - before.time);
-            track.see(seen.value(track.quantity), step, time >= self.window_start);
+            track.see(seen.value(track.quantity), step, self.windows.of(time));
         }
         if let Some(times) = &mut self.times {
             times.push(time);
@@ -134,8 +165,6 @@ impl Reducer {
     /// The value of each reduction, where it has one.
     pub fn finish(&self, reductions: &[Reduction]) -> Vec<Option<f64>> {
         let duration = self.before.map_or(0.0, |last| last.time);
-        // A window that begins before the run is not whole.
-        let whole = self.window_start > -2.0 * SIMULTANEOUS * duration;
         let value = |reduction: &Reduction| {
             match reduction.quantity {
                 Quantity::Air => return Some(self.air_used),
@@ -143,7 +172,7 @@ impl Reducer {
                 _ => {}
             }
             let track = self.tracks.iter().find(|track| track.quantity == reduction.quantity)?;
-            track.reduced(reduction.statistic, self.times.as_deref(), (duration, whole))
+            track.reduced(reduction.statistic, self.times.as_deref(), (duration, self.windows))
         };
         reductions.iter().map(|reduction| value(reduction).filter(|value| value.is_finite())).collect()
     }
@@ -183,15 +212,16 @@ impl<Q: Copy + PartialEq> Track<Q> {
         self.series.is_some()
     }
 
-    /// The value of a statistic over a run of `duration` s whose window of ripple is whole or not.
+    /// The value of a statistic over a run of `duration` s with its windows.
     pub(super) fn reduced(
         &self,
         statistic: Statistic,
         times: Option<&[f64]>,
-        (duration, whole): (f64, bool),
+        (duration, windows): (f64, Windows),
     ) -> Option<f64> {
         match statistic {
-            Statistic::Ripple if !whole => None,
+            Statistic::Ripple if !windows.are_whole(1) => None,
+            Statistic::Drift if !windows.are_whole(2) => None,
             Statistic::SettlingTime => self.settling_time(times?),
             statistic => self.value(statistic, duration),
         }
@@ -206,13 +236,13 @@ impl<Q: Copy + PartialEq> Track<Q> {
             least: nothing.0,
             greatest: nothing.1,
             integral: 0.0,
-            window: (nothing.0, nothing.1, 0),
+            windows: [(nothing.0, nothing.1, 0); 2],
             series: settles.then(Vec::new),
         }
     }
 
     /// Sees a value that comes a `step` in s after the one before.
-    pub(super) fn see(&mut self, value: f64, step: Option<f64>, in_window: bool) {
+    pub(super) fn see(&mut self, value: f64, step: Option<f64>, window: Option<usize>) {
         match step {
             None => self.first = value,
             Some(step) => self.integral += 0.5 * (self.last + value) * step,
@@ -220,9 +250,9 @@ impl<Q: Copy + PartialEq> Track<Q> {
         self.last = value;
         self.least = self.least.min(value);
         self.greatest = self.greatest.max(value);
-        if in_window {
-            let (least, greatest, count) = self.window;
-            self.window = (least.min(value), greatest.max(value), count + 1);
+        if let Some(window) = window {
+            let (least, greatest, count) = self.windows[window];
+            self.windows[window] = (least.min(value), greatest.max(value), count + 1);
         }
         if let Some(series) = &mut self.series {
             series.push(value);
@@ -237,7 +267,14 @@ impl<Q: Copy + PartialEq> Track<Q> {
             Statistic::Min => Some(self.least),
             Statistic::Max => Some(self.greatest),
             Statistic::Peak => Some(self.greatest.abs().max(self.least.abs())),
-            Statistic::Ripple => (self.window.2 >= 2).then_some(self.window.1 - self.window.0),
+            Statistic::Ripple => {
+                let [(least, greatest, count), _] = self.windows;
+                (count >= 2).then_some(greatest - least)
+            }
+            Statistic::Drift => {
+                let [last, before] = self.windows;
+                (last.2.min(before.2) >= 2).then(|| (last.0 - before.0).abs().max((last.1 - before.1).abs()))
+            }
             Statistic::Overshoot if change > 0.0 => Some((self.greatest - self.last) / change),
             Statistic::Overshoot if change < 0.0 => Some((self.least - self.last) / change),
             Statistic::Overshoot | Statistic::SettlingTime | Statistic::Used | Statistic::Rms => None,
@@ -321,7 +358,7 @@ mod tests {
             .iter()
             .map(|(quantity, statistic)| Reduction { quantity: *quantity, statistic: *statistic })
             .collect();
-        let mut reducer = Reducer::with_window(&reductions, duration - window - SIMULTANEOUS * duration);
+        let mut reducer = Reducer::with_windows(&reductions, Windows::last(window, duration));
         for index in 0..=(duration * 1e3).round() as u32 {
             let time = f64::from(index) * 1e-3;
             let (air_mass, ports) = air(time);
@@ -384,6 +421,11 @@ mod tests {
         let ripple = [(Quantity::Length, Statistic::Ripple)];
         let wave = |t: f64| if t < 0.5 { 0.2 } else { 0.08 + 0.003 * (2.0 * PI * 25.0 * t).sin() };
         near(reduced(&ripple, (1.0, 0.04), wave, sealed)[0], 0.006, 1e-9);
+        let drift =
+            |wave: &dyn Fn(f64) -> f64| reduced(&[(Quantity::Length, Statistic::Drift)], (1.0, 0.04), wave, sealed)[0];
+        near(drift(&wave), 0.0, 1e-9);
+        // A mean that moves by 2 m/s moves the ends of a period of 40 ms by 80 mm.
+        near(drift(&|t| wave(t) + 2.0 * t), 0.08, 1e-9);
         // A period longer than the run, or than two samples can show, has no ripple.
         assert_eq!(reduced(&ripple, (1.0, 1.5), wave, sealed), [None]);
         assert_eq!(reduced(&ripple, (1.0, 0.5e-3), wave, sealed), [None]);

@@ -10,7 +10,8 @@
 //! | [`Cell::Word`] | the word, in quotes where it has a comma, a quote or a line end | `BYTE_ARRAY`, UTF-8 |
 //! | [`Cell::Nothing`] | an empty field | null |
 //!
-//! Every number in a file is finite. The same rows give the same bytes.
+//! Every number in a file is finite. Equal rows give equal bytes. A table that people asked for as a file is in the units that they
+//! chose ([`crate::units`]): [`Writer::begin`] and [`Writer::csv`]. The parts of a sweep in a folder are read back, and stay in SI.
 
 mod csv;
 mod parquet;
@@ -22,6 +23,7 @@ pub use parquet::Layout;
 pub use sealed::{CHECKSUM, Seal, seal};
 
 use crate::failure::Failure;
+use crate::units::{self, Shown};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -100,6 +102,16 @@ pub enum Cell<'a> {
     Nothing,
 }
 
+impl Cell<'_> {
+    /// The cell with its number in a unit.
+    fn shown(self, unit: &Shown) -> Self {
+        match self {
+            Self::Number(value) => Self::Number(unit.number(value)),
+            other => other,
+        }
+    }
+}
+
 impl From<Option<f64>> for Cell<'_> {
     fn from(value: Option<f64>) -> Self {
         value.map_or(Self::Nothing, Self::Number)
@@ -138,7 +150,7 @@ pub fn ending(path: &Path) -> Option<String> {
 }
 
 /// The units of the columns of numbers as JSON, which files have as `mckibben.units`.
-pub fn units(columns: &[Column]) -> String {
+fn units_of(columns: &[Column]) -> String {
     let numbers = columns.iter().filter(|column| column.kind == Kind::Number);
     let units: serde_json::Map<String, serde_json::Value> =
         numbers.map(|column| (column.name.clone(), column.unit.clone().into())).collect();
@@ -149,6 +161,8 @@ pub fn units(columns: &[Column]) -> String {
 pub struct Writer<W: Write + Send> {
     path: PathBuf,
     columns: Vec<Column>,
+    /// What makes the number in a column's unit of one in SI.
+    shown: Vec<Shown>,
     rows: u64,
     form: Form<W>,
 }
@@ -159,32 +173,36 @@ enum Form<W: Write + Send> {
 }
 
 impl<W: Write + Send> Writer<W> {
-    /// Begins a table as CSV; messages name `path`.
+    /// Begins a table as CSV, in the units that were chosen; messages name `path`.
     ///
     /// # Errors
     /// [`Failure::output`] when the head cannot be written.
     pub fn csv(columns: Vec<Column>, path: &Path, sink: W) -> Result<Self, Failure> {
+        let (columns, shown) = units::columns(columns);
         let form = csv::Rows::begin(&columns, sink).map_err(|error| Failure::output(path, error))?;
-        Ok(Self { path: path.to_owned(), columns, rows: 0, form: Form::Csv(Box::new(form)) })
+        Ok(Self { path: path.to_owned(), columns, shown, rows: 0, form: Form::Csv(Box::new(form)) })
     }
 
-    /// Begins a table as Parquet; messages name `path`.
+    /// Begins a table as Parquet, in SI; messages name `path`.
     ///
     /// # Errors
     /// [`Failure::output`] when the head cannot be written.
     pub fn parquet(columns: Vec<Column>, layout: Layout, path: &Path, sink: W) -> Result<Self, Failure> {
         let form = parquet::Rows::begin(&columns, layout, sink).map_err(|error| Failure::output(path, error))?;
-        Ok(Self { path: path.to_owned(), columns, rows: 0, form: Form::Parquet(Box::new(form)) })
+        Ok(Self { path: path.to_owned(), columns, shown: Vec::new(), rows: 0, form: Form::Parquet(Box::new(form)) })
     }
 
-    /// Begins a table in a format; `layout` is that of Parquet.
+    /// Begins a table in a format, in the units that were chosen; `layout` is that of Parquet.
     ///
     /// # Errors
     /// [`Failure::output`] when the head cannot be written.
     pub fn begin(format: Format, columns: Vec<Column>, layout: Layout, path: &Path, sink: W) -> Result<Self, Failure> {
         match format {
             Format::Csv => Self::csv(columns, path, sink),
-            Format::Parquet => Self::parquet(columns, layout, path, sink),
+            Format::Parquet => {
+                let (columns, shown) = units::columns(columns);
+                Ok(Self { shown, ..Self::parquet(columns, layout, path, sink)? })
+            }
         }
     }
 
@@ -201,6 +219,8 @@ impl<W: Write + Send> Writer<W> {
         for (column, cell) in self.columns.iter().zip(cells) {
             column.check(cell, self.rows)?;
         }
+        let shown: Vec<Cell<'_>> = cells.iter().zip(&self.shown).map(|(cell, shown)| cell.shown(shown)).collect();
+        let cells = if shown.is_empty() { cells } else { &shown };
         match &mut self.form {
             Form::Csv(form) => form.row(cells).map_err(|error| Failure::output(&self.path, error)),
             Form::Parquet(form) => form.row(cells).map_err(|error| Failure::output(&self.path, error)),
@@ -213,10 +233,11 @@ impl<W: Write + Send> Writer<W> {
     /// # Errors
     /// [`Failure::output`] when the last bytes cannot be written.
     pub fn finish(self, notes: &[(String, String)]) -> Result<W, Failure> {
-        let Self { path, form, .. } = self;
+        let Self { path, columns, form, .. } = self;
+        let all = || [notes, &[("mckibben.units".to_owned(), units_of(&columns))]].concat();
         match form {
             Form::Csv(form) => form.finish().map_err(|error| Failure::output(&path, error)),
-            Form::Parquet(form) => form.finish(notes).map_err(|error| Failure::output(&path, error)),
+            Form::Parquet(form) => form.finish(&all()).map_err(|error| Failure::output(&path, error)),
         }
     }
 }

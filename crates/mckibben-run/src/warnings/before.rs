@@ -1,6 +1,6 @@
 //! What is known before a run: from the commands of the valves, the pressures that are given, and the start.
 
-use super::{PRESSURE, Parts, STRETCH, Warning, fed, reached, valve};
+use super::{PRESSURE, Parts, STRETCH, Warning, behind, fed, reached, valve};
 use crate::quantities::{given, quantity};
 use mckibben::control::{Quantity, SetPoint};
 use mckibben::network::{BranchKind, Network, NodeKind};
@@ -25,7 +25,7 @@ fn of_actuator(of: &Parts<'_>, start: &PlantStart, index: usize, name: &str) -> 
     let mut found = Vec::new();
     let (Some(mounted), Some(air)) = (of.plant.actuators().get(index), start.air.get(index)) else { return found };
     let (gauge, key) = match &mounted.pressure {
-        Some(series) => (highest_given(series), "pressure.gauge_pressure"),
+        Some(series) => (series.greatest().0, "pressure.gauge_pressure"),
         None => (air.gauge_pressure.0, "initial.gauge_pressure"),
     };
     if gauge > PRESSURE {
@@ -52,22 +52,19 @@ fn of_actuator(of: &Parts<'_>, start: &PlantStart, index: usize, name: &str) -> 
     found
 }
 
-/// The largest gauge pressure in Pa of one that is given over time.
-fn highest_given(series: &mckibben::simulation::PressureSeries) -> f64 {
-    let mut highest = f64::NEG_INFINITY;
-    let mut row = 0;
-    // Between the points it is a straight line, and constant outside.
-    while let Some(time) = series.row(row) {
-        highest = highest.max(series.at(time, row)[0]);
-        row += 1;
-    }
-    highest.max(series.at(0.0, 0)[0])
-}
-
 /// The pressures of what feeds the valves.
 fn of_network(of: &Parts<'_>) -> Vec<Warning> {
     let network = of.plant.network();
     let mut found: Vec<Warning> = Vec::new();
+    for (index, node) in network.nodes.iter().enumerate() {
+        let NodeKind::Given { series, .. } = node.kind else { continue };
+        let greatest = network.series[series].greatest().0;
+        if greatest > PRESSURE {
+            let text = format!("pressure.gauge_pressure = {} is", given(greatest, "Pa"));
+            let name = behind(network, index).and_then(|actuator| of.actuators.get(actuator));
+            found.push(reached::beyond_pressure(name.map_or("", String::as_str), &text, "pressure.gauge_pressure"));
+        }
+    }
     for index in 0..network.valves.len() {
         let name = of.valves.get(index).map_or("", String::as_str);
         let Some(feed) = feed(network, index) else { continue };

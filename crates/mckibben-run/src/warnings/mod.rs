@@ -171,7 +171,11 @@ impl<'p> Parts<'p> {
 fn fed(network: &Network, valve: usize) -> Option<usize> {
     use mckibben::network::BranchKind;
     let is_its = |kind: &BranchKind| matches!(kind, BranchKind::Path { valve: its, .. } if *its == valve);
-    let mut node = network.branches.iter().find(|branch| is_its(&branch.kind))?.to;
+    behind(network, network.branches.iter().find(|branch| is_its(&branch.kind))?.to)
+}
+
+/// The first actuator behind a node of the network, or at it.
+fn behind(network: &Network, mut node: usize) -> Option<usize> {
     for _ in 0..=network.branches.len() {
         if let NodeKind::Chamber { actuator } = network.nodes[node].kind {
             return Some(actuator);

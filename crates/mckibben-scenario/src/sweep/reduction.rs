@@ -64,6 +64,9 @@ pub enum Statistic {
     /// Greatest less least value over the last whole period of the pulse-width modulation; over the last tenth of the run
     /// without one.
     Ripple,
+    /// How much the least or the greatest value changed from the interval of the ripple before to the last: small against the ripple
+    /// where the run has settled.
+    Drift,
     /// First time in s after which the value stays within 2 % of its total change of its final value.
     SettlingTime,
     /// Share of the total change by which the value passes its final value.
@@ -92,6 +95,9 @@ macro_rules! name {
     (Ripple) => {
         "ripple"
     };
+    (Drift) => {
+        "drift"
+    };
     (SettlingTime) => {
         "settling_time"
     };
@@ -111,8 +117,17 @@ macro_rules! name {
 
 impl Statistic {
     /// The statistics that any series of numbers has.
-    pub const OF_SERIES: [Self; 8] =
-        [Self::Final, Self::Mean, Self::Min, Self::Max, Self::Ripple, Self::SettlingTime, Self::Overshoot, Self::Peak];
+    pub const OF_SERIES: [Self; 9] = [
+        Self::Final,
+        Self::Mean,
+        Self::Min,
+        Self::Max,
+        Self::Ripple,
+        Self::Drift,
+        Self::SettlingTime,
+        Self::Overshoot,
+        Self::Peak,
+    ];
 
     /// As it stands in the name of a reduction.
     pub const fn name(self) -> &'static str {
@@ -122,6 +137,7 @@ impl Statistic {
             Self::Min => name!(Min),
             Self::Max => name!(Max),
             Self::Ripple => name!(Ripple),
+            Self::Drift => name!(Drift),
             Self::SettlingTime => name!(SettlingTime),
             Self::Overshoot => name!(Overshoot),
             Self::Peak => name!(Peak),
@@ -159,6 +175,9 @@ macro_rules! meaning {
             $of,
             " over the last whole PWM period, or the last tenth of the run without PWM."
         )
+    };
+    (Drift, $of:literal) => {
+        concat!("Change of the ends of the ", $of, " from the interval of the ripple before to the last.")
     };
     (SettlingTime, $of:literal) => {
         concat!("First time after which the ", $of, " stays within 2 % of its total change of its final value.")
@@ -218,29 +237,29 @@ macro_rules! reductions {
 }
 
 reductions! {
-    Length "length", "length": Final Mean Min Max Ripple SettlingTime Overshoot;
-    Velocity "velocity", "velocity": Final Mean Min Max Ripple Peak;
-    AbsolutePressure "absolute_pressure", "absolute pressure": Final Mean Min Max Ripple SettlingTime Overshoot;
-    GaugePressure "gauge_pressure", "gauge pressure": Final Mean Min Max Ripple SettlingTime Overshoot;
-    AirMass "air_mass", "mass of the actuator's air": Final Mean Min Max Ripple SettlingTime Overshoot;
-    Temperature "temperature", "temperature of the actuator's air": Final Mean Min Max Ripple SettlingTime Overshoot;
-    Tension "tension", "tension": Final Mean Min Max Ripple SettlingTime Overshoot Peak;
-    MassFlow "mass_flow", "mass flow into the actuator": Final Mean Min Max Ripple Peak;
+    Length "length", "length": Final Mean Min Max Ripple Drift SettlingTime Overshoot;
+    Velocity "velocity", "velocity": Final Mean Min Max Ripple Drift Peak;
+    AbsolutePressure "absolute_pressure", "absolute pressure": Final Mean Min Max Ripple Drift SettlingTime Overshoot;
+    GaugePressure "gauge_pressure", "gauge pressure": Final Mean Min Max Ripple Drift SettlingTime Overshoot;
+    AirMass "air_mass", "mass of the actuator's air": Final Mean Min Max Ripple Drift SettlingTime Overshoot;
+    Temperature "temperature", "temperature of the actuator's air": Final Mean Min Max Ripple Drift SettlingTime Overshoot;
+    Tension "tension", "tension": Final Mean Min Max Ripple Drift SettlingTime Overshoot Peak;
+    MassFlow "mass_flow", "mass flow into the actuator": Final Mean Min Max Ripple Drift Peak;
     Air "air", "air": Used;
-    Angle "angle", "angle of the joint": Final Mean Min Max Ripple SettlingTime Overshoot Peak;
-    AngularVelocity "angular_velocity", "angular velocity of the joint": Final Mean Min Max Ripple Peak;
-    Torque "torque", "torque of both actuators": Final Mean Min Max Ripple SettlingTime Overshoot Peak;
+    Angle "angle", "angle of the joint": Final Mean Min Max Ripple Drift SettlingTime Overshoot Peak;
+    AngularVelocity "angular_velocity", "angular velocity of the joint": Final Mean Min Max Ripple Drift Peak;
+    Torque "torque", "torque of both actuators": Final Mean Min Max Ripple Drift SettlingTime Overshoot Peak;
     Stiffness "stiffness", "stiffness that both actuators give the joint with their valves shut":
-        Final Mean Min Max Ripple SettlingTime Overshoot;
-    AntagonistLength "antagonist_length", "length of the antagonist": Final Mean Min Max Ripple SettlingTime Overshoot;
+        Final Mean Min Max Ripple Drift SettlingTime Overshoot;
+    AntagonistLength "antagonist_length", "length of the antagonist": Final Mean Min Max Ripple Drift SettlingTime Overshoot;
     AntagonistAbsolutePressure "antagonist_absolute_pressure", "absolute pressure in the antagonist":
-        Final Mean Min Max Ripple SettlingTime Overshoot;
+        Final Mean Min Max Ripple Drift SettlingTime Overshoot;
     AntagonistGaugePressure "antagonist_gauge_pressure", "gauge pressure in the antagonist":
-        Final Mean Min Max Ripple SettlingTime Overshoot;
+        Final Mean Min Max Ripple Drift SettlingTime Overshoot;
     AntagonistAirMass "antagonist_air_mass", "mass of the antagonist's air":
-        Final Mean Min Max Ripple SettlingTime Overshoot;
+        Final Mean Min Max Ripple Drift SettlingTime Overshoot;
     AntagonistTension "antagonist_tension", "tension of the antagonist":
-        Final Mean Min Max Ripple SettlingTime Overshoot Peak;
+        Final Mean Min Max Ripple Drift SettlingTime Overshoot Peak;
     (Error Pressure) "gauge_pressure_error", "error of the gauge pressure at the controller's samples": Rms Peak;
     (Error Length) "length_error", "error of the length at the controller's samples": Rms Peak;
     (Error AirMass) "air_mass_error", "error of the mass of air at the controller's samples": Rms Peak;

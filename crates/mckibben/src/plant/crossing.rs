@@ -301,12 +301,12 @@ impl<R: Real> System<R> {
                 self.slide_on(i, time, state, mode, at);
                 Ok(if slack { EventKind::Slack } else { EventKind::Tight })
             }
-            Guard::Taut | Guard::Untaut => {
+            Guard::Taut | Guard::TautEnd => {
                 self.put_on(i, limits.max_length(), state);
                 let taut = guard == Guard::Taut;
                 mode.actuators[i].mode.extent = if taut { LengthRegime::Taut } else { LengthRegime::Free };
                 self.clamp_all(m, time, state, mode, at);
-                Ok(if taut { EventKind::Taut } else { EventKind::Untaut })
+                Ok(if taut { EventKind::Taut } else { EventKind::TautEnd })
             }
             Guard::Rest => {
                 self.enter_distances(time, state, mode, at);

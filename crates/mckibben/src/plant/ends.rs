@@ -191,11 +191,11 @@ impl<R: Real> System<R> {
                 its.loose = guard == Guard::TendonLoose;
                 if its.loose { EventKind::TendonLoose } else { EventKind::TendonTight }
             }
-            Guard::Taut | Guard::Untaut => {
+            Guard::Taut | Guard::TautEnd => {
                 state[place] = limits.max_length();
                 let taut = guard == Guard::Taut;
                 its.mode.extent = if taut { LengthRegime::Taut } else { LengthRegime::Free };
-                if taut { EventKind::Taut } else { EventKind::Untaut }
+                if taut { EventKind::Taut } else { EventKind::TautEnd }
             }
             Guard::Slip => EventKind::Slip,
             _ => return Member::<R>::cross(guard, &mut its.mode).ok_or_else(|| self.unknown_guard(time)),

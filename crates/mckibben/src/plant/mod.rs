@@ -35,6 +35,8 @@ mod linear;
 mod measure;
 mod mode;
 mod named;
+#[cfg(feature = "analysis")]
+mod orbit;
 mod progress;
 mod rig;
 mod run;
@@ -70,6 +72,8 @@ pub use linear::{
     ValveAverage, linearize_plant,
 };
 pub use mode::{ActuatorMode, MechanismMode, PlantMode};
+#[cfg(feature = "analysis")]
+pub use orbit::Orbit;
 pub use rig::{
     RigConsumer, RigEvent, RigPlant, RigReader, RigRunEnd, RigStep, RigTrajectory, simulate, simulate_in_segments,
 };

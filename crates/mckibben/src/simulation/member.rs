@@ -267,7 +267,7 @@ impl<R: Real> Member<R> {
             LengthRegime::Taut => {
                 ([Some((Guard::ThreadLength, self.thread_length(), false)), None], Some(Guard::Rebound))
             }
-            LengthRegime::Rebound => ([Some((Guard::Untaut, longest, true)), None], Some(Guard::Retaut)),
+            LengthRegime::Rebound => ([Some((Guard::TautEnd, longest, true)), None], Some(Guard::Retaut)),
         }
     }
 
@@ -294,7 +294,7 @@ impl<R: Real> Member<R> {
             Guard::Slack => length - shortest,
             Guard::Tight => shortest - length,
             Guard::Taut => longest - length,
-            Guard::Untaut => length - longest,
+            Guard::TautEnd => length - longest,
             Guard::Rebound => limits.taut_force(length, velocity) + band,
             Guard::Retaut => band - limits.taut_force(length, velocity),
             Guard::TensionZero => self.signed_force(ends, mode, remembered) + band,

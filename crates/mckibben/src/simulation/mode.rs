@@ -101,7 +101,7 @@ pub enum EventKind {
     /// The taut braid stopped pulling while it came back.
     Rebound,
     /// The length fell back below its longest.
-    Untaut,
+    TautEnd,
     /// A tendon in series came loose.
     TendonLoose,
     /// A tendon in series pulls again.
@@ -152,7 +152,7 @@ impl EventKind {
             Self::Tight => "tight",
             Self::Taut => "taut",
             Self::Rebound => "rebound",
-            Self::Untaut => "untaut",
+            Self::TautEnd => "taut-end",
             Self::TendonLoose => "tendon-loose",
             Self::TendonTight => "tendon-tight",
             Self::TensionZero => "tension-zero",
@@ -186,7 +186,7 @@ pub enum Guard {
     /// The distance rises above the longest length.
     Taut,
     /// The distance falls below the longest length.
-    Untaut,
+    TautEnd,
     /// The taut braid's force comes down to zero while it rebounds.
     Rebound,
     /// The taut braid's force rises from zero again.

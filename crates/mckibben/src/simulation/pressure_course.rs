@@ -71,8 +71,18 @@ impl PressureSeries {
     }
 
     /// The least of its gauge pressures.
-    pub(super) fn least(&self) -> GaugePressure {
+    pub fn least(&self) -> GaugePressure {
         GaugePressure(self.rows.iter().fold(f64::INFINITY, |least, [_, gauge]| least.min(*gauge)))
+    }
+
+    /// The greatest of its gauge pressures.
+    pub fn greatest(&self) -> GaugePressure {
+        GaugePressure(self.rows.iter().fold(f64::NEG_INFINITY, |greatest, [_, gauge]| greatest.max(*gauge)))
+    }
+
+    /// The time in s of its last row, from which on it is constant.
+    pub fn end(&self) -> f64 {
+        self.rows.last().map_or(0.0, |[time, _]| *time)
     }
 
     /// That nothing else makes the pressure in an actuator with an air line, or at the far end of its hose, and that it is

@@ -3,11 +3,12 @@
 use super::{SweepArguments, Target};
 use crate::describe;
 use crate::terminal::{self, FAINT, HEADING, NOTABLE, styled};
-use mckibben_run::quantities::{common_prefix, count, digits, given, quantity};
+use mckibben_run::quantities::{count, digits, given, quantity};
 use mckibben_run::sweep::counts::{SweepCounts, Warned};
 use mckibben_run::sweep::plan::{Plan, Shard};
 use mckibben_run::sweep::step::Choice;
 use mckibben_run::text::{Alignment, Side};
+use mckibben_run::units::units;
 use mckibben_scenario::Sweep;
 use std::fmt::Write as _;
 use std::time::Duration;
@@ -143,16 +144,12 @@ fn warnings(tally: &SweepCounts) -> String {
     if text.is_empty() { text } else { format!("\n{}\n{text}", styled(NOTABLE, "Warnings")) }
 }
 
-/// Values under one prefix.
-fn told<'a>(values: &[f64], unit: &'a str) -> impl Fn(f64) -> String + use<'a> {
-    // The kilogram has a prefix of its own, which only the gram can lose; what has no unit takes no prefix.
-    let (scale, unit) = match unit.strip_prefix("kg") {
-        Some(rest) => (1e3, format!("g{rest}")),
-        None => (1.0, unit.to_owned()),
-    };
-    let scaled: Vec<f64> = values.iter().map(|value| value * scale).collect();
-    let (factor, prefix) = if unit.is_empty() { (1.0, "") } else { common_prefix(&scaled) };
-    move |value| format!("{} {prefix}{unit}", digits(value * scale * factor)).trim_end().to_owned()
+/// Values in one unit.
+fn told(values: &[f64], unit: &str) -> impl Fn(f64) -> String + use<> {
+    let shown = units().common(unit, values.iter().copied());
+    // What has no unit takes no prefix.
+    let shown = if unit.is_empty() { units().shown(unit, 0.0) } else { shown };
+    move |value| shown.with(&digits(shown.number(value)))
 }
 
 fn put(text: &mut String, arguments: std::fmt::Arguments<'_>) {

@@ -13,6 +13,11 @@ use crate::valve::{Port, period, with_duty};
 use alloc::vec::Vec;
 use core::f64::consts::{PI, TAU};
 
+/// Harmonics of the pulses that a ripple is made of; the flow of a pulse has them in proportion to 1/k, a length to 1/k⁴.
+const HARMONICS: usize = 24;
+/// Instants of a period at which a ripple is looked at.
+const POINTS: usize = 480;
+
 impl PlantLinearization {
     /// What one input of a model of this linearisation reaches: [`PlantLinearization::system`] or
     /// [`PlantLinearization::minimal`]. The usual size of a pressure, a mass of air or a length is its value at the operating
@@ -55,8 +60,8 @@ impl PlantLinearization {
         UsualSize { size, is_rate: of.is_rate() }
     }
 
-    /// How far one output swings, peak to peak, under the switching of a pulsed valve: by the fundamental of its openings
-    /// through the model. `None` for a valve that is not averaged, or an output that the model has not.
+    /// How far one output swings, peak to peak, under the switching of a pulsed valve: by the first harmonics of its openings
+    /// through the model, as many as [`HARMONICS`] says. `None` for a valve that is not averaged, or an output that the model has not.
     pub fn ripple(&self, valve: usize, output: PlantOutput) -> Option<f64> {
         let average = self.averages.iter().find(|average| average.valve == valve)?;
         let actuation = &self.point.plant.network().valves[valve];
@@ -65,24 +70,39 @@ impl PlantLinearization {
         frame.drives[valve] = Drive::Openings(average.shares);
         let system = derivatives(&frame);
         let output = system.outputs.iter().position(|its| *its == output)?;
-        let mut swing = Phasor { real: 0.0, imaginary: 0.0 };
-        for port in [Port::Supply, Port::Exhaust] {
-            let Some(input) = system.inputs.iter().position(|its| *its == PlantInput::Opening { valve, port }) else {
-                continue;
-            };
-            let (mut cosine, mut sine, mut from) = (0.0, 0.0, 0.0);
-            for part in &intervals {
-                let (begin, end) = (TAU * from, TAU * (from + part.share));
-                let opening = part.openings[port as usize];
-                cosine += opening * (end.sin() - begin.sin()) / PI;
-                sine += opening * (begin.cos() - end.cos()) / PI;
-                from += part.share;
+        let inputs = [Port::Supply, Port::Exhaust].map(|port| {
+            let input = system.inputs.iter().position(|its| *its == PlantInput::Opening { valve, port })?;
+            Some((input, port))
+        });
+        let mut swings = Vec::with_capacity(HARMONICS);
+        for harmonic in 1..=HARMONICS {
+            let order = harmonic as f64;
+            let mut swing = Phasor { real: 0.0, imaginary: 0.0 };
+            for (input, port) in inputs.into_iter().flatten() {
+                let (mut cosine, mut sine, mut from) = (0.0, 0.0, 0.0);
+                for part in &intervals {
+                    let (begin, end) = (order * TAU * from, order * TAU * (from + part.share));
+                    let opening = part.openings[port as usize];
+                    cosine += opening * (end.sin() - begin.sin()) / (order * PI);
+                    sine += opening * (begin.cos() - end.cos()) / (order * PI);
+                    from += part.share;
+                }
+                // cos and sin of a real signal are the parts of cosine − j sine.
+                let Phasor { real, imaginary } = system.response(input, output, order * TAU * average.frequency)?;
+                swing.real += real * cosine + imaginary * sine;
+                swing.imaginary += imaginary * cosine - real * sine;
             }
-            // cos and sin of a real signal are the parts of cosine − j sine.
-            let Phasor { real, imaginary } = system.response(input, output, TAU * average.frequency)?;
-            swing.real += real * cosine + imaginary * sine;
-            swing.imaginary += imaginary * cosine - real * sine;
+            swings.push(swing);
         }
-        Some(2.0 * swing.magnitude())
+        let at = |point: usize| -> f64 {
+            let angle = TAU * point as f64 / POINTS as f64;
+            let of = |(harmonic, swing): (usize, &Phasor)| {
+                let (sine, cosine) = ((harmonic + 1) as f64 * angle).sin_cos();
+                swing.real * cosine - swing.imaginary * sine
+            };
+            swings.iter().enumerate().map(of).sum()
+        };
+        let ends = (0..POINTS).map(at).fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+        Some(ends.1 - ends.0)
     }
 }

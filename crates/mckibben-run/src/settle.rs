@@ -1,0 +1,170 @@
+//! Where a run settles: `simulate --settle` goes on behind its end to the periodic orbit, and tells what repeats there.
+//!
+//! The orbit is found by [`mckibben::plant::PlantRun::settle`]; here it is read, column by column, over one period. Its mean and
+//! its ripple are those that a run of many hundred periods would come to, without the swing of the start in them.
+//!
+//! Checked by the tests below, and by the program's `tests/settle.rs`.
+
+use crate::alone::Alone;
+use crate::closed_loop::Goals;
+use crate::engine::{Stepping, Subject};
+use crate::failure::Failure;
+use crate::joint::pair::Pair;
+use crate::plant;
+use crate::progress::Progress;
+use crate::record::Field;
+use crate::run::Ready;
+use crate::table::{Cell, Kind};
+use mckibben::plant::{Orbit, PlantRun, PlantSample, PlantView as _};
+use mckibben_scenario::Document;
+
+/// Instants of a period at which it is read.
+const POINTS: u32 = 1000;
+/// Periods after which the search for an orbit ends.
+pub const MOST_PERIODS: u64 = 3000;
+/// The interval in s at which a plant without pulses is looked at, as a share of the run.
+const LOOK: f64 = 0.02;
+/// Columns of a run that say nothing about an orbit, or twice.
+const LEFT_OUT: [&str; 2] = ["time", "absolute_pressure"];
+
+/// What repeats on the orbit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settled {
+    /// How the run came there, or that it did not.
+    pub orbit: Orbit,
+    /// Each column of numbers over a period; none where the run has not settled.
+    pub rows: Vec<Settling>,
+}
+
+/// A column over a period of the orbit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settling {
+    /// The name of the column without its unit, such as `length` or `flexor.gauge_pressure`.
+    pub name: String,
+    /// Its unit in SI.
+    pub unit: String,
+    /// Mean over a period.
+    pub mean: f64,
+    /// Least value.
+    pub least: f64,
+    /// Greatest value.
+    pub greatest: f64,
+}
+
+impl Settling {
+    /// Greatest less least value; zero where that is no more than what the search leaves.
+    pub fn ripple(&self) -> f64 {
+        const LEFT: f64 = 1e-7;
+        let ripple = self.greatest - self.least;
+        if ripple > LEFT * self.greatest.abs().max(self.least.abs()) { ripple } else { 0.0 }
+    }
+}
+
+impl Ready {
+    /// Goes on behind the end of the run to its periodic orbit, or its equilibrium where nothing is pulsed.
+    ///
+    /// # Errors
+    /// [`Failure::input`] where pulses have no common period; what the core finds, shown in the document.
+    pub fn settle(&self, document: &Document) -> Result<Settled, Failure> {
+        let shown = |error: mckibben::Error| Failure::of_core(&error, document);
+        match self {
+            Self::Actuator(of) => of_subject(&Alone::from(&**of)),
+            Self::Controlled(of) => of_subject(&Alone::from(&**of)),
+            Self::Joint(of) => of_subject(&Pair::from(&**of)),
+            Self::ControlledJoint(of) => of_subject(&Pair::from(&**of)),
+            Self::Plant(of) => plant::begin(of).and_then(|made| {
+                let fields = plant::columns::fields(of, &Goals::default(), &[]);
+                read(made.run, of.run.duration, &fields, |sample| sample.clone())
+            }),
+        }
+        .map_err(shown)
+    }
+}
+
+fn of_subject<S: Subject>(of: &S) -> Result<Settled, mckibben::Error> {
+    let (plan, view) = (*of.plan(), of.view()?);
+    let stepping = Stepping::of(&plan, || of.stepping())?;
+    let drivers = of.driver(&view)?.into_iter().collect();
+    let run = PlantRun::with_drivers(view.plant(), &view.start(of.start()), stepping.how, drivers)?;
+    let fields = S::fields(view.rig(), &Goals::default());
+    read(run, plan.duration, &fields, |sample| view.sample(sample))
+}
+
+/// Runs to the end and on to the orbit, and reads the columns over a period of it.
+fn read<T>(
+    mut run: PlantRun,
+    duration: f64,
+    fields: &[Field<T>],
+    sample: impl Fn(&PlantSample) -> T,
+) -> Result<Settled, mckibben::Error> {
+    run.advance_to(duration)?;
+    let progress = Progress::begin("settling", Some(MOST_PERIODS));
+    let mut periods = 0;
+    let orbit = run.settle(LOOK * duration, MOST_PERIODS, &mut |_| {
+        periods += 1;
+        progress.at(periods);
+        Ok(())
+    })?;
+    if !orbit.settled {
+        return Ok(Settled { orbit, rows: Vec::new() });
+    }
+    let is_shown = |field: &&Field<T>| {
+        let name = stem(&field.column.name, &field.column.unit);
+        field.column.kind == Kind::Number && !LEFT_OUT.contains(&name.rsplit('.').next().unwrap_or(name))
+    };
+    let fields: Vec<&Field<T>> = fields.iter().filter(is_shown).collect();
+    let row = |field: &&Field<T>| Settling {
+        name: stem(&field.column.name, &field.column.unit).to_owned(),
+        unit: field.column.unit.clone(),
+        mean: 0.0,
+        least: f64::INFINITY,
+        greatest: f64::NEG_INFINITY,
+    };
+    let mut rows: Vec<Settling> = fields.iter().map(row).collect();
+    let start = run.time();
+    for point in 1..=POINTS {
+        run.advance_to(start + orbit.period * f64::from(point) / f64::from(POINTS))?;
+        let seen = sample(&run.sample());
+        for (field, row) in fields.iter().zip(&mut rows) {
+            let Cell::Number(value) = (field.cell)(&seen) else { continue };
+            row.mean += value / f64::from(POINTS);
+            row.least = row.least.min(value);
+            row.greatest = row.greatest.max(value);
+        }
+    }
+    Ok(Settled { orbit, rows })
+}
+
+/// The name of a column without the unit at its end.
+fn stem<'n>(name: &'n str, unit: &str) -> &'n str {
+    name.strip_suffix(&crate::units::ending(unit)).unwrap_or(name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    /// Of one actuator, a joint and a plant: what settles has finite rows with names of their own, and a hanging mass on its orbit
+    /// is pulled by its weight on average.
+    #[test]
+    fn every_kind_of_run_settles() {
+        let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
+        for (file, known) in
+            [("paper/fig-12", "tension"), ("antagonistic-joint", "angle"), ("plant/arm", "elbow.angle")]
+        {
+            let document = Document::load(&examples.join(format!("{file}.toml"))).unwrap();
+            let settled = Ready::of(&document).unwrap().settle(&document).unwrap();
+            assert!(settled.orbit.settled, "{file}: {:?}", settled.orbit);
+            let names: std::collections::BTreeSet<&str> = settled.rows.iter().map(|row| row.name.as_str()).collect();
+            assert_eq!(names.len(), settled.rows.len(), "{file}");
+            let row = settled.rows.iter().find(|row| row.name == known);
+            let row = row.unwrap_or_else(|| panic!("{file}: {names:?}"));
+            assert!(settled.rows.iter().all(|row| row.least <= row.mean && row.mean <= row.greatest), "{file}");
+            if known == "tension" {
+                let weight = 5.0 * 0.453_592_37 * 9.80665;
+                assert!((row.mean - weight).abs() < 1e-3 * weight, "{row:?} for {weight} N");
+            }
+        }
+    }
+}

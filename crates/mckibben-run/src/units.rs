@@ -1,0 +1,350 @@
+//! Units in which results are shown to people: a system of units, and a unit of one's own for any quantity.
+//!
+//! | quantity | SI unit | `metric` | `si` | `imperial` |
+//! |---|---|---|---|---|
+//! | `length` | m | mm, µm, … | mm, µm, … | in |
+//! | `pressure` | Pa | bar | kPa, … | psi |
+//! | `force` | N | N | N | lbf |
+//! | `mass` | kg | g, mg, … | g, mg, … | lb |
+//! | `angle` | rad | degree | rad | degree |
+//! | … | | the whole list is the table in this file | | |
+//!
+//! Everything that shows a number asks here: summaries, figures, curves, warnings, reports, and the columns of files where a
+//! choice was made. Without a choice files have SI units, so that programs read what they always read, and people see `metric`.
+//!
+//! The choice is the program's, made once before anything is shown, as a language is: [`choose`]. Hosts that call this crate as a
+//! library leave it and get `metric`. Values inside the program are SI throughout.
+
+use crate::quantities::{digits, plain, prefixed};
+use crate::table::{Column, Kind};
+use mckibben_scenario::quantity;
+use std::fmt::Write as _;
+use std::str::FromStr;
+use std::sync::{LazyLock, OnceLock};
+
+/// A system of units.
+#[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
+pub enum System {
+    /// Millimetre, bar, newton, degree.
+    #[default]
+    Metric,
+    /// SI units with prefixes; radian.
+    Si,
+    /// Inch, psi, pound-force, degree.
+    Imperial,
+}
+
+/// A quantity: its name, its SI units as this project writes them, and its units in the systems, metric, SI and imperial.
+type Row = (&'static str, &'static str, [&'static str; 3]);
+
+/// The quantities. A unit after `~` takes prefixes.
+const ROWS: [Row; 24] = [
+    ("length", "m", ["~m", "~m", "in"]),
+    ("area", "m^2", ["mm^2", "m^2", "in^2"]),
+    ("volume", "m^3", ["~L", "m^3", "in^3"]),
+    ("velocity", "m/s", ["~m/s", "~m/s", "in/s"]),
+    ("acceleration", "m/s^2", ["~m/s^2", "~m/s^2", "in/s^2"]),
+    ("pressure", "Pa", ["bar", "~Pa", "psi"]),
+    ("force", "N", ["~N", "~N", "lbf"]),
+    ("mass", "kg", ["~g", "~g", "lb"]),
+    ("mass-flow", "kg/s", ["~g/s", "~g/s", "lb/s"]),
+    ("volume-flow", "m^3/s", ["L/min", "m^3/s", "cfm"]),
+    ("conductance", "m^3/(s*Pa)", ["L/(s*bar)", "~m^3/(s*Pa)", "L/(s*bar)"]),
+    ("angle", "rad", ["deg", "~rad", "deg"]),
+    ("angular-velocity", "rad/s", ["deg/s", "~rad/s", "deg/s"]),
+    ("torque", "N*m", ["~N*m", "~N*m", "lbf*in"]),
+    ("angular-stiffness", "N*m/rad", ["~N*m/rad", "~N*m/rad", "lbf*in/rad"]),
+    ("angular-damping", "N*m*s/rad", ["~N*m*s/rad", "~N*m*s/rad", "lbf*in*s/rad"]),
+    ("inertia", "kg*m^2", ["kg*m^2", "kg*m^2", "lb*in^2"]),
+    ("stiffness", "N/m", ["~N/m", "~N/m", "lbf/in"]),
+    ("damping", "N*s/m", ["~N*s/m", "~N*s/m", "lbf*s/in"]),
+    ("energy", "J", ["~J", "~J", "ft*lbf"]),
+    ("power", "W", ["~W", "~W", "ft*lbf/s"]),
+    ("temperature", "K", ["K", "K", "degF"]),
+    ("time", "s", ["~s", "~s", "~s"]),
+    ("frequency", "Hz", ["~Hz", "~Hz", "~Hz"]),
+];
+
+/// A unit as something is shown in it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unit {
+    /// How it is written in a scenario file.
+    symbol: String,
+    /// Its size in SI.
+    size: f64,
+    /// What is taken off the number in this unit, of a scale with a zero of its own.
+    zero: f64,
+    /// Whether it takes the prefix that puts a number between 1 and 1000.
+    prefixes: bool,
+}
+
+/// A unit with its prefix, and what makes the number in it of one in SI: `factor · value − zero`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shown {
+    /// The unit as people read it, such as `mm` or `°`; empty for a pure number.
+    pub text: String,
+    /// How many of the unit there are in one of SI.
+    pub factor: f64,
+    zero: f64,
+}
+
+/// The unit of every quantity.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Units(Vec<(Row, Unit)>);
+
+static CHOSEN: OnceLock<Units> = OnceLock::new();
+static USUAL: LazyLock<Units> = LazyLock::new(|| Units::of(System::Metric));
+
+/// Chooses the units of this process; what was chosen first stays.
+pub fn choose(units: Units) {
+    let _ = CHOSEN.set(units);
+}
+
+/// The units of this process: those that were chosen, or metric ones.
+pub fn units() -> &'static Units {
+    CHOSEN.get().unwrap_or(&USUAL)
+}
+
+/// The columns of a file in the units that were chosen, and what makes their numbers; nothing where no choice was made and they stay
+/// in SI.
+pub(crate) fn columns(columns: Vec<Column>) -> (Vec<Column>, Vec<Shown>) {
+    match CHOSEN.get() {
+        Some(units) => columns.into_iter().map(|column| units.column(column)).unzip(),
+        None => (columns, Vec::new()),
+    }
+}
+
+/// The SI unit that the name of a column ends with; empty where it ends with none.
+pub(crate) fn unit_of(name: &str) -> &'static str {
+    let units = ROWS.iter().map(|(_, si, _)| *si).filter(|si| name.ends_with(&ending(si)));
+    units.max_by_key(|si| ending(si).len()).unwrap_or_default()
+}
+
+impl Unit {
+    /// A unit of the table: `~` before a symbol lets it take prefixes.
+    fn of(symbol: &str) -> Result<Self, String> {
+        let (symbol, prefixes) = symbol.strip_prefix('~').map_or((symbol, false), |symbol| (symbol, true));
+        let at = |number: &str| quantity::parse(&format!("{number} {symbol}")).map_err(|error| error.to_string());
+        // Of a scale with a zero of its own, two points tell size and zero.
+        let (none, one) = (at("0")?.value, at("1")?.value);
+        let size = one - none;
+        let exact = if none == 0.0 { one } else { size };
+        Ok(Self { symbol: symbol.to_owned(), size: exact, zero: none / exact, prefixes })
+    }
+
+    fn shown(&self, largest: f64) -> Shown {
+        let size = largest / self.size;
+        let (scaled, prefix) = if self.prefixes { prefixed(size) } else { (size, "") };
+        let factor = if size.is_finite() && size != 0.0 { scaled / size / self.size } else { 1.0 / self.size };
+        Shown { text: format!("{prefix}{}", readable(&self.symbol)), factor, zero: self.zero }
+    }
+}
+
+/// A unit as people read it.
+fn readable(symbol: &str) -> String {
+    let signs = [("degF", "°F"), ("degC", "°C"), ("deg", "°"), ("^2", "²"), ("^3", "³"), ("*", "·")];
+    signs.iter().fold(symbol.to_owned(), |text, (from, to)| text.replace(from, to))
+}
+
+impl Shown {
+    /// The number in this unit of a value in SI.
+    pub fn number(&self, value: f64) -> f64 {
+        self.factor * value - self.zero
+    }
+
+    /// A number with the unit behind it.
+    pub fn with(&self, number: &str) -> String {
+        let gap = if self.text.is_empty() || self.text == "°" { "" } else { " " };
+        format!("{number}{gap}{}", self.text)
+    }
+}
+
+impl Units {
+    /// The units of a system.
+    pub fn of(system: System) -> Self {
+        let place = match system {
+            System::Metric => 0,
+            System::Si => 1,
+            System::Imperial => 2,
+        };
+        // Checked by a test: every symbol of the table is a unit.
+        let unit = |row: Row| Unit::of(row.2[place]).ok().map(|unit| (row, unit));
+        Self(ROWS.into_iter().filter_map(unit).collect())
+    }
+
+    /// The unit for values in an SI unit of which the largest size is given; another unit than those of the table is itself.
+    pub fn shown(&self, si: &str, largest: f64) -> Shown {
+        let found = self.0.iter().find(|((_, unit, _), _)| *unit == si).map(|(_, unit)| unit.clone());
+        let own = || Unit { symbol: si.to_owned(), size: 1.0, zero: 0.0, prefixes: !si.is_empty() };
+        found.unwrap_or_else(own).shown(largest)
+    }
+
+    /// One unit for several values in an SI unit.
+    pub fn common(&self, si: &str, values: impl IntoIterator<Item = f64>) -> Shown {
+        let largest = values.into_iter().filter(|value| value.is_finite());
+        self.shown(si, largest.fold(0.0, |largest: f64, value| largest.max(value.abs())))
+    }
+
+    /// A value with its unit: four significant digits.
+    pub fn quantity(&self, value: f64, si: &str) -> String {
+        // Nobody counts in kiloseconds.
+        let shown = self.shown(si, if si == "s" { value.abs().min(1.0) } else { value.abs() });
+        let number = shown.number(value);
+        // Kelvins and degrees of temperature are told to a tenth.
+        shown.with(&if si == "K" { format!("{number:.1}") } else { digits(number) })
+    }
+
+    /// A value that somebody gave: as [`Units::quantity`], without zeros that say nothing.
+    pub fn given(&self, value: f64, si: &str) -> String {
+        let told = self.quantity(value, si);
+        let end = told.find(|c: char| !(c.is_ascii_digit() || "+-.e".contains(c))).unwrap_or(told.len());
+        format!("{}{}", plain(&told[..end]), &told[end..])
+    }
+
+    /// A column in these units, without prefixes, and what makes its numbers. Its name ends with the unit.
+    fn column(&self, column: Column) -> (Column, Shown) {
+        let found = self.0.iter().find(|((_, si, _), _)| *si == column.unit);
+        let Some((_, unit)) = found.filter(|_| column.kind == Kind::Number) else {
+            return (column, Shown { text: String::new(), factor: 1.0, zero: 0.0 });
+        };
+        let stem = column.name.strip_suffix(&ending(&column.unit)).unwrap_or(&column.name);
+        let shown = Shown { text: unit.symbol.clone(), factor: 1.0 / unit.size, zero: unit.zero };
+        let name = format!("{stem}{}", ending(&unit.symbol));
+        (Column { name, unit: unit.symbol.clone(), ..column }, shown)
+    }
+
+    /// The names of the quantities with their units, for a help text.
+    pub fn names() -> String {
+        let mut text = String::new();
+        for (name, si, _) in ROWS {
+            let _ = write!(text, "{}{name} ({})", if text.is_empty() { "" } else { ", " }, readable(si));
+        }
+        text
+    }
+}
+
+/// The end of the name of a column in a unit.
+pub(crate) fn ending(symbol: &str) -> String {
+    format!("_{}", symbol.to_lowercase().replace(['(', ')', '^'], "").replace(['*', '/'], "_"))
+}
+
+impl FromStr for Units {
+    type Err = String;
+
+    /// `imperial`, `si,angle=deg` or `pressure=psi,length=in`: a system, metric where none is named, and units for quantities.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let mut units: Option<Self> = None;
+        for item in text.split(',').map(str::trim) {
+            let Some((name, symbol)) = item.split_once('=') else {
+                let system = match item {
+                    "metric" => System::Metric,
+                    "si" => System::Si,
+                    "imperial" => System::Imperial,
+                    _ => {
+                        return Err(format!(
+                            "`{item}` is no system of units; give metric, si or imperial, or QUANTITY=UNIT such as \
+                             pressure=psi"
+                        ));
+                    }
+                };
+                if units.is_some() {
+                    return Err(format!("`{item}` must stand first, and only one system can be chosen"));
+                }
+                units = Some(Self::of(system));
+                continue;
+            };
+            let (name, symbol) = (name.trim(), symbol.trim());
+            let all = units.get_or_insert_with(|| Self::of(System::Metric));
+            let Some(((_, si, _), unit)) = all.0.iter_mut().find(|((known, ..), _)| *known == name) else {
+                return Err(format!("`{name}` is no quantity; give one of {}", Self::names()));
+            };
+            let fits = |of: &str| quantity::parse(&format!("1 {of}")).map(|read| read.dimension);
+            let (found, expected) = (fits(symbol), fits(si).map_err(|error| error.to_string())?);
+            match found {
+                Ok(dimension) if dimension == expected => *unit = Unit::of(symbol)?,
+                Ok(_) => return Err(format!("`{symbol}` is no unit of {name}; one is {}", readable(si))),
+                Err(error) => return Err(error.to_string()),
+            }
+        }
+        units.ok_or_else(|| "give metric, si or imperial".to_owned())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SYSTEMS: [System; 3] = [System::Metric, System::Si, System::Imperial];
+
+    #[test]
+    fn every_system_has_a_unit_of_every_quantity_and_of_its_dimension() {
+        for system in SYSTEMS {
+            let units = Units::of(system);
+            assert_eq!(units.0.len(), ROWS.len(), "{system:?}");
+            for ((name, si, _), unit) in &units.0 {
+                let dimension = |of: &str| quantity::parse(&format!("1 {of}")).unwrap().dimension;
+                assert_eq!(dimension(si), dimension(&unit.symbol), "{system:?}: {name}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_shown_is_read_back_as_the_value() {
+        for system in SYSTEMS {
+            let units = Units::of(system);
+            for (_, si, _) in ROWS {
+                for value in [273.15, -0.012_34, 1e-9, 5.1e6] {
+                    let shown = units.shown(si, value.abs());
+                    let back = (shown.number(value) + shown.zero) / shown.factor;
+                    assert!((back - value).abs() <= 1e-12 * value.abs(), "{system:?}: {value} {si} as {}", shown.text);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_quantity_is_told_in_the_units_of_its_system() {
+        let told = |system: &str, value: f64, si: &str| system.parse::<Units>().unwrap().quantity(value, si);
+        assert_eq!(told("metric", 413_685.438, "Pa"), "4.137 bar");
+        assert_eq!(told("imperial", 413_685.438, "Pa"), "60.00 psi");
+        assert_eq!(told("si", 413_685.438, "Pa"), "413.7 kPa");
+        assert_eq!(told("metric", 20f64.to_radians(), "rad"), "20.00°");
+        assert_eq!(told("si", 0.3491, "rad"), "349.1 mrad");
+        assert_eq!(told("imperial", 0.0254, "m"), "1.000 in");
+        assert_eq!(told("metric", 2.9e-5, "m"), "29.00 µm");
+        assert_eq!(told("imperial", 293.15, "K"), "68.0 °F");
+        assert_eq!(told("metric,temperature=degC", 293.15, "K"), "20.0 °C");
+        assert_eq!(told("pressure=psi", 0.086, "m"), "86.00 mm");
+        assert_eq!(told("metric", 3000.0, "s"), "3000 s");
+        assert_eq!("metric".parse::<Units>().unwrap().given(20f64.to_radians(), "rad"), "20°");
+        assert_eq!("imperial".parse::<Units>().unwrap().given(413_685.438, "Pa"), "60 psi");
+    }
+
+    #[test]
+    fn a_column_ends_with_its_unit() {
+        let units: Units = "imperial".parse().unwrap();
+        let named = |name: &str, si: &str| units.column(Column::number(name, si)).0.name;
+        assert_eq!(named("length_m", "m"), "length_in");
+        assert_eq!(named("flexor.gauge_pressure_pa", "Pa"), "flexor.gauge_pressure_psi");
+        assert_eq!(named("angular_velocity_rad_s", "rad/s"), "angular_velocity_deg_s");
+        assert_eq!(named("torque_n_m", "N*m"), "torque_lbf_in");
+        assert_eq!(named("contraction", ""), "contraction");
+        let units =
+            ["length_m", "torque_n_m", "sonic_conductance_m3_s_pa", "damping_n_s_m", "contraction"].map(unit_of);
+        assert_eq!(units, ["m", "N*m", "m^3/(s*Pa)", "N*s/m", ""]);
+    }
+
+    #[test]
+    fn what_is_no_choice_is_refused_with_a_remedy() {
+        for (text, part) in [
+            ("furlongs", "give metric, si or imperial"),
+            ("pressure=mm", "is no unit of pressure"),
+            ("presure=psi", "is no quantity"),
+            ("pressure=psi,imperial", "must stand first"),
+            ("pressure=pzi", "pzi"),
+        ] {
+            let refused = text.parse::<Units>().unwrap_err();
+            assert!(refused.contains(part), "{text}: {refused}");
+        }
+    }
+}
