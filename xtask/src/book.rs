@@ -14,6 +14,10 @@ use std::path::Path;
 const TOOLS: [(&str, &str, &[&str]); 2] =
     [("mdbook", "0.5.3", &["--no-default-features", "--features", "search"]), ("mdbook-katex", "0.10.0", &[])];
 
+/// What stands before the number of an equation, and before what is rendered of one.
+const TAG: &str = "\\tag{";
+const MATH: &str = "<math ";
+
 /// Builds the book into `target/book` and checks it.
 pub(crate) fn book(root: &Path) -> Result<Counts, String> {
     let bin = root.join("target/book-tools/bin");
@@ -24,13 +28,15 @@ pub(crate) fn book(root: &Path) -> Result<Counts, String> {
     let pages = root.join("target/book");
     empty(&pages)?;
     succeed(command(root, bin.join("mdbook")).arg("build").env("PATH", path))?;
-    let mut problems = numbering(&root.join("docs"))?;
+    let (numbers, mut problems) = numbering(&root.join("docs"))?;
     let mut rendered = BTreeMap::new();
     for path in files(&pages, "html")? {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         // Pages that are made of the others, or of none.
         if !["print.html", "toc.html", "404.html"].contains(&name.as_str()) {
-            rendered.insert(name, outwards(root, &pages, &path, &mut problems)?);
+            let text = refer(&outwards(root, &pages, &path, &mut problems)?, &numbers);
+            fs::write(&path, &text).map_err(|error| format!("{}: {error}", path.display()))?;
+            rendered.insert(name, text);
         }
     }
     for (name, text) in &rendered {
@@ -90,38 +96,76 @@ fn read(path: &Path) -> Result<String, String> {
     fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))
 }
 
-/// That the equations of a page are numbered one after the other, by a letter that no other page has, and that each number that
-/// a page mentions is that of an equation.
-fn numbering(docs: &Path) -> Result<Vec<String>, String> {
+/// The page of each equation by its number. The equations of a page are numbered one after the other, by a letter that no other
+/// page has, and each number that a page mentions is that of an equation.
+fn numbering(docs: &Path) -> Result<(BTreeMap<String, String>, Vec<String>), String> {
     let (mut problems, mut letters, mut numbers, mut mentions) =
-        (Vec::new(), BTreeMap::new(), BTreeSet::new(), Vec::new());
+        (Vec::new(), BTreeMap::new(), BTreeMap::new(), Vec::new());
     for path in files(docs, "md")? {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let text = read(&path)?;
-        for (count, tag) in (1..).zip(text.split("\\tag{").skip(1)) {
-            let tag: String = tag.chars().take_while(|c| c.is_ascii_alphanumeric() || *c == '.').collect();
-            let letter = tag.split('.').next().unwrap_or_default().to_owned();
-            if tag != format!("{letter}.{count}") {
-                problems.push(format!("docs/{name}: \\tag{{{tag}}} is number {count} of its page"));
+        for (count, rest) in (1..).zip(text.split(TAG).skip(1)) {
+            let (number, letter) = (tagged(rest), rest.split('.').next().unwrap_or_default().to_owned());
+            if number != format!("{letter}.{count}") {
+                problems.push(format!("docs/{name}: ({number}) is equation {count} of its page"));
             }
             if *letters.entry(letter).or_insert_with(|| name.clone()) != name {
-                problems.push(format!("docs/{name}: the letter of ({tag}) is another page's"));
+                problems.push(format!("docs/{name}: the letter of ({number}) is another page's"));
             }
-            numbers.insert(tag);
+            numbers.insert(number, name.replace(".md", ".html"));
         }
-        mentions.extend(text.split('(').skip(1).filter_map(|rest| Some((name.clone(), mentioned(rest)?))));
+        mentions.extend(text.split('(').skip(1).filter_map(|rest| Some((name.clone(), mentioned(rest)?.to_owned()))));
     }
-    let lost = mentions.into_iter().filter(|(_, number)| !numbers.contains(number));
+    let lost = mentions.into_iter().filter(|(_, number)| !numbers.contains_key(number));
     problems.extend(lost.map(|(name, number)| format!("docs/{name}: there is no equation ({number})")));
-    Ok(problems)
+    Ok((numbers, problems))
+}
+
+/// The number at the beginning of what stands in a tag.
+fn tagged(rest: &str) -> String {
+    rest.chars().take_while(|c| c.is_ascii_alphanumeric() || *c == '.').collect()
+}
+
+/// Gives each equation a place by its number, and makes links of the numbers that the text mentions.
+fn refer(text: &str, numbers: &BTreeMap<String, String>) -> String {
+    let mut parts = text.split(MATH);
+    let mut placed = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let equation = part.split_once("</math>").map_or(part, |(equation, _)| equation);
+        placed += MATH;
+        if let Some((_, rest)) = equation.split_once(TAG) {
+            placed += &format!("id=\"eq-{}\" ", tagged(rest));
+        }
+        placed += part;
+    }
+    let Some((head, mut rest)) = placed.split_once("<main>") else { return placed };
+    let mut linked = format!("{head}<main>");
+    while let Some(at) = rest.find(['<', '(']) {
+        let (before, from) = rest.split_at(at);
+        linked += before;
+        let closing = [("<math", "</math>"), ("<code", "</code>"), ("<pre", "</pre>"), ("<a ", "</a>"), ("<", ">")];
+        let skipped = closing.iter().find(|(opening, _)| from.starts_with(opening));
+        let end = skipped.and_then(|(_, end)| Some(from.find(end)? + end.len())).unwrap_or(1);
+        match mentioned(&from[1..]).and_then(|number| Some((number, numbers.get(number)?))) {
+            Some((number, page)) if skipped.is_none() => {
+                linked += &format!("(<a href=\"{page}#eq-{number}\">{number}</a>)");
+                rest = &from[number.len() + 2..];
+            }
+            _ => {
+                linked += &from[..end];
+                rest = &from[end..];
+            }
+        }
+    }
+    linked + rest
 }
 
 /// The number of an equation, such as `V.3`, that ends at the next bracket.
-fn mentioned(rest: &str) -> Option<String> {
+fn mentioned(rest: &str) -> Option<&str> {
     let (number, _) = rest.split_once(')')?;
     let (letter, count) = number.split_once('.')?;
     let is_one = letter.len() == 1 && letter.starts_with(|c: char| c.is_ascii_uppercase());
-    (is_one && !count.is_empty() && count.bytes().all(|byte| byte.is_ascii_digit())).then(|| number.to_owned())
+    (is_one && !count.is_empty() && count.bytes().all(|byte| byte.is_ascii_digit())).then_some(number)
 }
 
 /// The text between two marks, repeatedly taken out.
@@ -179,7 +223,6 @@ fn outwards(root: &Path, pages: &Path, path: &Path, problems: &mut Vec<String>) 
         copy(&root.join(file), &to)?;
         changed = changed.replace(&format!("src=\"{link}\""), &format!("src=\"{file}\""));
     }
-    fs::write(path, &changed).map_err(|error| format!("{}: {error}", path.display()))?;
     Ok(changed)
 }
 
