@@ -33,7 +33,7 @@ with its unit. [The package](python.md) introduces it, and [learning to control]
 #: The chapters, each with the names in it. A name with a point is not exported, but is the type of a result.
 CHAPTERS: dict[str, str] = {
     "Scenarios": "Scenario _scenario.Section parameters Parameter presets Preset PresetValue",
-    "Runs": "simulate Trajectory Event _results.Summary",
+    "Runs": "simulate Trajectory Event _results.Summary _results.Settled _results.Settling",
     "Statics and curves": "Statics curves Curves",
     "Linear models": "linearize LinearModel _results.Modes _results.Mode "
     "_results.Validity _results.Controllability _results.Pulses",

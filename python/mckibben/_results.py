@@ -11,7 +11,7 @@ import typing
 if typing.TYPE_CHECKING:
     import pandas
 
-    from mckibben import LinearModel, Trajectory
+    from mckibben import LinearModel, Scenario, Trajectory
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -82,6 +82,87 @@ def summary(run: Trajectory) -> Summary:
         {name: unit for name, _, unit in numbers},
         dict(events),
         dict(assumed),
+    )
+
+
+@dataclasses.dataclass(frozen=True)
+class Settling:
+    """A column of a run over a period of its orbit.
+
+    Attributes
+    ----------
+    mean : float
+        Mean over the period, in the unit.
+    ripple : float
+        Greatest less least value; zero where that is no more than the search leaves.
+    min : float
+        Least value.
+    max : float
+        Greatest value.
+    unit : str
+        Unit in SI.
+    """
+
+    mean: float
+    ripple: float
+    min: float
+    max: float
+    unit: str
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Settled(collections.abc.Mapping[str, Settling]):
+    """What a run settles to: columns by their names without units, such as `settled["length"].ripple`.
+
+    Of several actuators with names each name begins with that of the part, as in `flexor.gauge_pressure`. Empty where the run
+    has not settled. `print` shows a table.
+
+    Attributes
+    ----------
+    settled : bool
+        Whether the states return after a period, within the error of the engine.
+    period : float
+        Period in s that all pulses have in common; without pulses the interval at which the run was looked at.
+    periods : int
+        Count of periods that were simulated behind the end of the run.
+    guesses : int
+        Count of those that began at a guess; zero where the run went there by itself.
+    columns : dict of str to Settling
+        Columns by their names.
+    """
+
+    settled: bool
+    period: float
+    periods: int
+    guesses: int
+    columns: dict[str, Settling]
+
+    def __getitem__(self, name: str) -> Settling:
+        return self.columns[name]
+
+    def __iter__(self) -> collections.abc.Iterator[str]:
+        return iter(self.columns)
+
+    def __len__(self) -> int:
+        return len(self.columns)
+
+    def __str__(self) -> str:
+        width = max(map(len, self.columns), default=0)
+        rows = [f"{'':<{width}}{'mean':>14}{'ripple':>14}{'min':>14}{'max':>14}"]
+        for name, of in self.columns.items():
+            rows.append(f"{name:<{width}}{of.mean:>14.6g}{of.ripple:>14.6g}{of.min:>14.6g}{of.max:>14.6g} {of.unit}")
+        return "\n".join(rows)
+
+
+def settled(scenario: Scenario) -> Settled:
+    """Return what a run of a scenario settles to."""
+    is_settled, period, periods, guesses, columns = scenario._settled()
+    return Settled(
+        is_settled,
+        period,
+        periods,
+        guesses,
+        {name: Settling(*values, unit) for name, unit, values in columns},
     )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import matplotlib.pyplot as plt
 import numpy
 import pytest
+import scipy.io
 
 import mckibben
 
@@ -35,6 +36,30 @@ def test_a_summary_is_that_of_the_columns(examples):
 def test_fixed_steps_say_which_step_was_chosen_and_its_error(swing):
     summary = mckibben.simulate(swing.with_values({"run.engine": "fixed-step", "run.duration": "0.2 s"})).summary()
     assert 0 < summary["run.step"] < 0.01 and 0 <= summary["run.step_error"] <= 1e-3
+
+
+def test_what_a_run_settles_to_is_what_a_long_run_comes_to(examples):
+    scenario = mckibben.Scenario.from_file(examples / "paper/fig-12.toml").with_values({"run.sample_interval": "0.1 ms"})
+    settled = scenario.settle()
+    assert settled.settled and settled.period == pytest.approx(0.04)
+    run = mckibben.simulate(scenario)
+    last = run.t > run.t[-1] - settled.period
+    assert settled["length"].ripple == pytest.approx(numpy.ptp(run.length[last]), rel=0.01)
+    # Momentum returns on an orbit: the mean tension is the weight of 5 lb.
+    assert settled["tension"].mean == pytest.approx(5 * 0.45359237 * 9.80665, rel=1e-3)
+    assert settled["gauge_pressure"].unit == "Pa" and "time" not in settled
+    assert "gauge_pressure" in str(settled)
+
+
+def test_a_mat_file_is_read_by_scipy(swing, tmp_path):
+    run = mckibben.simulate(swing)
+    run.to_mat(tmp_path / "run.mat")
+    read = scipy.io.loadmat(tmp_path / "run.mat")
+    for name, unit in run.units.items():
+        if unit:
+            numpy.testing.assert_array_equal(read[name.replace(".", "_")].ravel(), run[name])
+    assert [word.item() for word in read["valve"].ravel()] == list(run["valve"])
+    assert '"length_m": "m"' in read["mckibben_units"].item().replace(":", ": ")
 
 
 def test_events_are_a_frame(swing):

@@ -2,8 +2,9 @@
 //!
 //! It sets up what it needs by itself: a Python environment in `.venv` with SciPy, from which the independent reference
 //! trajectories are computed, and with the package that is built and tested in it; on Debian and Ubuntu, compilers and Valgrind for
-//! the C library. Nothing is skipped because something is missing.
+//! the C library; and for the book mdBook, in `target`. Nothing is skipped because something is missing.
 
+mod book;
 mod c;
 mod counts;
 mod dist;
@@ -19,7 +20,7 @@ usage: cargo xtask test [STEP...]
        cargo xtask dist
 
 test      runs every check, or only the named ones: format, lint, docs, no-std, reference, test,
-          package, python.
+          package, python, book.
 accuracy  measures the fixed-step engine against the event-located one and writes docs/accuracy.md and its figure.
 rows      steps COUNT random rows in batches, ten million unless given: each goes on or says why not (ten minutes).
 dist      makes what a release carries, in target/release-files, and tries it: the program and the C library in an archive,

@@ -1,5 +1,6 @@
 //! The steps of the check, in order, and the summary at the end.
 
+use crate::book;
 use crate::c;
 use crate::counts::{Counts, rust_tests};
 use crate::python;
@@ -14,7 +15,7 @@ type Step = (&'static str, fn(&Path) -> Result<Counts, String>);
 /// Variables that change what a test does: nothing that the shell happens to hold may change the check.
 const CLEARED: [&str; 2] = ["MCKIBBEN_", "PROPTEST_"];
 
-const STEPS: [Step; 8] = [
+const STEPS: [Step; 9] = [
     ("format", format),
     ("lint", lint),
     ("docs", docs),
@@ -23,6 +24,7 @@ const STEPS: [Step; 8] = [
     ("test", test),
     ("package", package),
     ("python", python_package),
+    ("book", book::book),
 ];
 
 /// Runs the chosen steps, or all of them, and prints what ran.

@@ -83,7 +83,12 @@ fn a_field_shows_its_extremes_its_gaps_and_its_scale() {
 #[test]
 fn figures_stand_side_by_side() {
     let one = simple(vec![0.0, 1.0], vec![1.0, 2.0]);
-    let both = SideBySide { title: "two".to_owned(), caption: "of them".to_owned(), figures: vec![one.clone(), one] };
+    let both = SideBySide {
+        title: "two".to_owned(),
+        note: String::new(),
+        caption: "of them".to_owned(),
+        figures: vec![one.clone(), one],
+    };
     let svg = both.to_svg(Theme::Light).unwrap();
     assert_eq!((svg.matches(">time (s)<").count(), svg.matches(">two</text>").count()), (2, 1));
     assert!(svg.contains("width=\"170mm\"") && svg.contains(">of them<"), "{svg}");

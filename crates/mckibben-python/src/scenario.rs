@@ -2,14 +2,19 @@
 
 use crate::python;
 use crate::raised::Raised;
-use crate::typed::{Items, Object, Sections, Values};
+use crate::typed::{Items, Object, Sections, Settled, Values};
 use crate::values;
 use mckibben_run::failure::Failure;
+use mckibben_run::run::Ready;
+use mckibben_run::settle::Settling;
 use mckibben_scenario::Document;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
+
+/// An orbit and its columns, for the module of the package that makes the result.
+type SettledColumns = (bool, f64, u64, u64, Vec<(String, String, [f64; 4])>);
 
 /// What stands in messages where a file's name would, for values that Python set.
 const SET: &str = "with_values";
@@ -269,6 +274,50 @@ impl Scenario {
     /// Return whether both scenarios have equal values.
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
         other.cast::<Self>().is_ok_and(|other| other.get().to_toml() == self.to_toml())
+    }
+
+    /// Run the scenario and on behind its end to the periodic orbit, or to the equilibrium where nothing is pulsed.
+    ///
+    /// The orbit is that of the period that all pulses have in common. Where nothing but states is remembered it is found as a
+    /// fixed point of the map from one period to the next, also where nothing damps the swing of the start.
+    ///
+    /// Returns
+    /// -------
+    /// Settled
+    ///     Mean, ripple, least and greatest value of each column of numbers over a period.
+    ///
+    /// Raises
+    /// ------
+    /// InputError
+    ///     The pulses have no common period of up to a thousand of the fastest.
+    /// SimulationError
+    ///     The simulation cannot go on.
+    ///
+    /// Examples
+    /// --------
+    ///     >>> import mckibben
+    ///     >>> scenario = mckibben.Scenario.from_dict({
+    ///     ...     "load": {"kind": "hanging-mass", "mass": "2 kg"},
+    ///     ...     "initial": {"gauge_pressure": "60 psi", "length": "85 mm"},
+    ///     ...     "run": {"duration": "0.1 s"},
+    ///     ... })
+    ///     >>> settled = scenario.settle()
+    ///     >>> bool(abs(settled["tension"].mean - 2 * 9.80665) < 1e-4)
+    ///     True
+    fn settle<'py>(scenario: &Bound<'py, Self>) -> PyResult<Settled<'py>> {
+        python::call(scenario.py(), ("_results", "settled"), (scenario,)).map(Settled)
+    }
+
+    /// Return the orbit and its columns, each with its unit, mean, ripple, least and greatest value.
+    fn _settled(&self, py: Python<'_>) -> PyResult<SettledColumns> {
+        let document = &self.document;
+        let found = py.detach(|| Ready::of(document)?.settle(document)).raised()?;
+        let (orbit, rows) = (found.orbit, found.rows);
+        let of = |row: Settling| {
+            let ripple = row.ripple();
+            (row.name, row.unit, [row.mean, ripple, row.least, row.greatest])
+        };
+        Ok((orbit.settled, orbit.period, orbit.periods, orbit.guesses, rows.into_iter().map(of).collect()))
     }
 
     /// Return the values in which another scenario differs.

@@ -609,6 +609,23 @@ impl Trajectory {
         self.write(py, path, Format::Csv)
     }
 
+    /// Write the columns as a MAT-file for MATLAB, Octave and SciPy: byte for byte the file of `mckibben simulate --output`.
+    ///
+    /// Each column is a variable; points in names become underscores.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : str or path
+    ///     File to write.
+    ///
+    /// Raises
+    /// ------
+    /// OutputError
+    ///     The file cannot be written; then none is left behind.
+    fn to_mat(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        self.write(py, path, Format::Mat)
+    }
+
     /// Return the figure of `mckibben simulate --plot` as SVG.
     ///
     /// Parameters

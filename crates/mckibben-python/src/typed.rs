@@ -79,6 +79,8 @@ typed! {
     Function = of!(name!("collections.abc", "Callable"), name!("builtins", "..."), ANY);
     /// An object of a package that need not be there.
     Object = ANY;
+    /// What a run settles to.
+    Settled = name!("mckibben._results", "Settled");
     /// What a run came to.
     Summary = name!("mckibben._results", "Summary");
     /// The modes of a linear model.

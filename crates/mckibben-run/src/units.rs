@@ -293,7 +293,7 @@ mod tests {
         for system in SYSTEMS {
             let units = Units::of(system);
             for (_, si, _) in ROWS {
-                for value in [273.15, -0.012_34, 1e-9, 5.1e6] {
+                for value in [273.15_f64, -0.012_34, 1e-9, 5.1e6] {
                     let shown = units.shown(si, value.abs());
                     let back = (shown.number(value) + shown.zero) / shown.factor;
                     assert!((back - value).abs() <= 1e-12 * value.abs(), "{system:?}: {value} {si} as {}", shown.text);

@@ -53,7 +53,7 @@ pub struct SimulateArguments {
     /// runs over each other.
     #[arg(value_name = "FILE", required = true)]
     pub files: Vec<PathBuf>,
-    /// Write the run, one row for each sample interval: .csv or .parquet.
+    /// Write the run, one row for each sample interval: .csv, .parquet or .mat.
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
     /// Draw the run: .svg, .png or .pdf.

@@ -167,7 +167,7 @@ pub(super) fn pwm(averaged: &ValveAverage, poles: &[Pole], swings: Vec<String>) 
             .unless(averaged.ripple_is_small() || !averaged.follows(), "too large for the mean flow to be trusted"),
     ];
     if !swings.is_empty() {
-        lines.push(Line::new("", format!("first harmonic, peak to peak: {}", swings.join(", "))));
+        lines.push(Line::new("", format!("of the outputs, peak to peak: {}", swings.join(", "))));
     }
     if let Some(ratio) = over_fastest(averaged, poles) {
         let slow = "slow: the model tells nothing of what happens within a period";

@@ -95,7 +95,7 @@ impl Folder {
             if let Some(name) = folder.foreign()? {
                 return Err(Failure::input(
                     format!("`{}` is no folder of a sweep: it holds `{name}`", path.display()),
-                    "give a folder that is empty or not there yet, or a name with .csv or .parquet at its end",
+                    "give a folder that is empty or not there yet, or a name with .csv, .parquet or .mat at its end",
                 ));
             }
             if output::write_new(&file, manifest.text().as_bytes())? {

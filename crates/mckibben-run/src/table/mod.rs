@@ -1,19 +1,20 @@
-//! Tables of numbers and words: one model of their columns, and one writer of them as CSV and as Parquet.
+//! Tables of numbers and words: one model of their columns, and one writer of them as CSV, as Parquet and as a MAT-file.
 //!
 //! A run, a sweep, a log of events, the numbers of a figure and the tables of a report are all [`Column`]s with rows of [`Cell`]s.
-//! A [`Writer`] takes the rows one by one and keeps no more than a row group of them.
+//! A [`Writer`] takes the rows one by one and keeps no more than a row group of them; for a MAT-file it keeps all.
 //!
-//! | cell | in CSV | in Parquet |
-//! |---|---|---|
-//! | [`Cell::Number`] | the fewest digits that give the same 64 bits back, with a point or an exponent | `DOUBLE` |
-//! | [`Cell::Count`] | its digits | `INT64`, unsigned |
-//! | [`Cell::Word`] | the word, in quotes where it has a comma, a quote or a line end | `BYTE_ARRAY`, UTF-8 |
-//! | [`Cell::Nothing`] | an empty field | null |
+//! | cell | in CSV | in Parquet | in a MAT-file |
+//! |---|---|---|---|
+//! | [`Cell::Number`] | the fewest digits that give the same 64 bits back, with a point or an exponent | `DOUBLE` | double |
+//! | [`Cell::Count`] | its digits | `INT64`, unsigned | double |
+//! | [`Cell::Word`] | the word, in quotes where it has a comma, a quote or a line end | `BYTE_ARRAY`, UTF-8 | text in a cell array |
+//! | [`Cell::Nothing`] | an empty field | null | NaN, an empty text |
 //!
 //! Every number in a file is finite. Equal rows give equal bytes. A table that people asked for as a file is in the units that they
 //! chose ([`crate::units`]): [`Writer::begin`] and [`Writer::csv`]. The parts of a sweep in a folder are read back, and stay in SI.
 
 mod csv;
+mod mat;
 mod parquet;
 mod sealed;
 #[cfg(test)]
@@ -125,6 +126,8 @@ pub enum Format {
     Csv,
     /// Apache Parquet.
     Parquet,
+    /// MAT-file of level 5, for MATLAB, Octave and SciPy.
+    Mat,
 }
 
 impl Format {
@@ -136,9 +139,10 @@ impl Format {
         match ending(path).as_deref() {
             Some("csv") => Ok(Self::Csv),
             Some("parquet") => Ok(Self::Parquet),
+            Some("mat") => Ok(Self::Mat),
             _ => Err(Failure::input(
                 format!("`{}` does not say how to write the run", path.display()),
-                "end its name with .csv or .parquet",
+                "end its name with .csv, .parquet or .mat",
             )),
         }
     }
@@ -170,6 +174,7 @@ pub struct Writer<W: Write + Send> {
 enum Form<W: Write + Send> {
     Csv(Box<csv::Rows<W>>),
     Parquet(Box<parquet::Rows<W>>),
+    Mat(Box<mat::Rows<W>>),
 }
 
 impl<W: Write + Send> Writer<W> {
@@ -203,6 +208,11 @@ impl<W: Write + Send> Writer<W> {
                 let (columns, shown) = units::columns(columns);
                 Ok(Self { shown, ..Self::parquet(columns, layout, path, sink)? })
             }
+            Format::Mat => {
+                let (columns, shown) = units::columns(columns);
+                let form = mat::Rows::begin(&columns, sink).map_err(|error| Failure::output(path, error))?;
+                Ok(Self { path: path.to_owned(), columns, shown, rows: 0, form: Form::Mat(Box::new(form)) })
+            }
         }
     }
 
@@ -224,6 +234,7 @@ impl<W: Write + Send> Writer<W> {
         match &mut self.form {
             Form::Csv(form) => form.row(cells).map_err(|error| Failure::output(&self.path, error)),
             Form::Parquet(form) => form.row(cells).map_err(|error| Failure::output(&self.path, error)),
+            Form::Mat(form) => form.row(cells).map_err(|error| Failure::output(&self.path, error)),
         }
     }
 
@@ -237,6 +248,7 @@ impl<W: Write + Send> Writer<W> {
         let all = || [notes, &[("mckibben.units".to_owned(), units_of(&columns))]].concat();
         match form {
             Form::Csv(form) => form.finish().map_err(|error| Failure::output(&path, error)),
+            Form::Mat(form) => form.finish(&all()).map_err(|error| Failure::output(&path, error)),
             Form::Parquet(form) => form.finish(&all()).map_err(|error| Failure::output(&path, error)),
         }
     }

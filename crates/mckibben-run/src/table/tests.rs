@@ -92,6 +92,31 @@ fn parquet_gives_every_cell_back_to_the_bit_in_groups_of_rows_under_a_checksum()
     std::fs::remove_dir_all(folder).unwrap();
 }
 
+/// Read back by SciPy in the tests of the Python package; here what a reader looks at first, and names that MATLAB has not.
+#[test]
+fn a_mat_file_has_a_header_without_a_date_and_names_of_matlab() {
+    let bytes = written(Format::Mat);
+    assert!(bytes.starts_with(b"MATLAB 5.0 MAT-file") && &bytes[124..128] == b"\0\x01IM");
+    assert_eq!(bytes, written(Format::Mat));
+    let has = |name: &[u8]| bytes.windows(name.len()).any(|window| window == name);
+    assert!(has(b"load___mass_") && has(b"angle_rad") && has(b"mckibben_units"));
+    // Elements fill the file to its last byte.
+    let mut at = 128;
+    let mut count = 0;
+    while at < bytes.len() {
+        let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) as usize;
+        assert_eq!(word(at), 14);
+        at += 8 + word(at + 4).next_multiple_of(8);
+        count += 1;
+    }
+    assert_eq!((at, count), (bytes.len(), 7));
+    for names in [["a.b", "a_b"], ["a", &"x".repeat(64)]] {
+        let columns = names.map(|name| Column::number(name, "")).to_vec();
+        let refused = Writer::begin(Format::Mat, columns, SEALED, Path::new("test.mat"), Vec::new()).unwrap_err();
+        assert!(refused.to_string().contains(".parquet"), "{refused}");
+    }
+}
+
 #[test]
 fn a_file_without_a_checksum_says_so() {
     let folder = folder("unsealed");
@@ -112,7 +137,7 @@ fn a_cell_that_is_none_of_its_column_is_refused() {
         writer.row(&rows()[0]).unwrap();
         writer.row(cells).unwrap_err().to_string()
     };
-    for format in [Format::Csv, Format::Parquet] {
+    for format in [Format::Csv, Format::Parquet, Format::Mat] {
         let with = |place: usize, cell| {
             let mut row = rows()[0];
             row[place] = cell;
@@ -130,7 +155,7 @@ fn a_cell_that_is_none_of_its_column_is_refused() {
 #[test]
 fn an_older_file_stays_whole_when_writing_fails() {
     let folder = folder("older");
-    for (name, format) in [("run.csv", Format::Csv), ("run.parquet", Format::Parquet)] {
+    for (name, format) in [("run.csv", Format::Csv), ("run.parquet", Format::Parquet), ("run.mat", Format::Mat)] {
         let path = folder.join(name);
         std::fs::write(&path, "old").unwrap();
         let mut writer = Writer::begin(format, columns(), SEALED, &path, Pending::create(&path).unwrap()).unwrap();
@@ -140,6 +165,6 @@ fn an_older_file_stays_whole_when_writing_fails() {
         drop(writer);
         assert_eq!(std::fs::read(&path).unwrap(), b"old");
     }
-    assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 2);
+    assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 3);
     std::fs::remove_dir_all(folder).unwrap();
 }

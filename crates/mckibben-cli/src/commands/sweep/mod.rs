@@ -65,7 +65,7 @@ pub struct SweepArguments {
     /// The scenario file with a section `[sweep]`, or - for standard input.
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
-    /// Write the runs: into a folder of Parquet parts, or one file .csv or .parquet.
+    /// Write the runs: into a folder of Parquet parts, or one file .csv, .parquet or .mat.
     #[arg(short, long, value_name = "FOLDER or FILE")]
     pub output: Option<PathBuf>,
     /// Draw the reductions: .svg, .png or .pdf. One varied key gives lines, a grid of two gives maps, more give scatter plots.
@@ -166,7 +166,7 @@ impl<'a> Target<'a> {
                 Ok(format) => Self::File(path, format),
                 Err(_) => {
                     let title = format!("`{}` does not say how to write the runs", path.display());
-                    let help = "end the name of --output with .csv or .parquet for one file, or give a folder";
+                    let help = "end the name of --output with .csv, .parquet or .mat for one file, or give a folder";
                     return Err(Failure::input(title, help));
                 }
             },
