@@ -83,6 +83,8 @@ fn draw(view: &View<'_>, input: Option<&str>) -> Result<Figure, Failure> {
     }
     phase.y =
         phase.y.starting_at((least / 90.0).floor() * 90.0 - 15.0).ending_at((greatest / 90.0).ceil() * 90.0 + 15.0);
+    let title = format!("Frequency response to {}: magnitude and phase", words(name));
+    let figure = figure.title(title);
     Ok(figure.panel(lines(view, phase, false).legend(Legend::Above)).size_mm(120.0, 40.0).caption(view.caption.clone()))
 }
 

@@ -134,7 +134,8 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
     let elapsed = started.elapsed();
 
     if let Some((path, format)) = figure {
-        let title = arguments.file.file_stem().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        let set: Vec<String> = arguments.set.iter().map(ToString::to_string).collect();
+        let title = mckibben_run::figure::title::of(&document, &set);
         let bytes = chart::draw(sweep, &tally, &title, (path, format))?;
         output::write(path, &bytes)?;
     }
