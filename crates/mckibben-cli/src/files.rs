@@ -37,11 +37,12 @@ pub(crate) fn ending(path: &Path, option: &str, endings: &[&str]) -> Result<Stri
 /// The figure that `--plot` asks for, if it does.
 ///
 /// # Errors
-/// [`Failure::input`] for another ending than .svg, .png and .pdf.
+/// [`Failure::input`] for another ending than .svg, .png, .pdf and .html.
 pub(crate) fn figure(path: Option<&Path>) -> Result<Option<(&Path, Format)>, Failure> {
     let of = |path| {
-        let format = Format::of(path)
-            .map_err(|error| Failure::input(error.to_string(), "end the name of --plot with .svg, .png or .pdf"))?;
+        let format = Format::of(path).map_err(|error| {
+            Failure::input(error.to_string(), "end the name of --plot with .svg, .png, .pdf or .html")
+        })?;
         Ok((path, format))
     };
     path.map(of).transpose()

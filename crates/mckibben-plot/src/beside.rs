@@ -48,6 +48,9 @@ impl SideBySide {
     /// # Errors
     /// As [`Figure::to_svg`].
     pub fn bytes(&self, format: Format) -> Result<Vec<u8>, PlotError> {
+        if format == Format::Html {
+            return Ok(super::page::page(&self.title, &[&self.note, &self.caption], &self.figures)?.into_bytes());
+        }
         super::bytes(&self.scene()?, format)
     }
 

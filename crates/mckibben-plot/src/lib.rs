@@ -13,6 +13,7 @@
 //! | `layout`, `legend`, `draw`, `field`, `beside` | where everything goes |
 //! | `scene`, `theme`, `scale` | the primitives and their colours |
 //! | `svg`, `raster`, `pdf` | the three back ends |
+//! | `page`, `page.js` | a page for a browser, with zoom, cursor and curves that can be taken away |
 //!
 //! What holds for every figure, and the tests that hold it:
 //!
@@ -41,6 +42,7 @@ mod field;
 mod figure;
 mod layout;
 mod legend;
+mod page;
 mod pdf;
 mod range;
 mod raster;
@@ -109,7 +111,7 @@ pub enum PlotError {
         end: f64,
     },
     /// The name of the file does not say which format to write.
-    #[error("`{path}` does not say how to draw the figure: its name ends with none of .svg, .png and .pdf")]
+    #[error("`{path}` does not say how to draw the figure: its name ends with none of .svg, .png, .pdf and .html")]
     Ending {
         /// The file that was asked for.
         path: PathBuf,
@@ -160,6 +162,9 @@ impl Figure {
     /// # Errors
     /// As [`Figure::to_svg`].
     pub fn bytes(&self, format: Format) -> Result<Vec<u8>, PlotError> {
+        if format == Format::Html {
+            return Ok(page::page(&self.title, &[&self.note, &self.caption], std::slice::from_ref(self))?.into_bytes());
+        }
         bytes(&layout::scene(self)?, format)
     }
 }
@@ -173,6 +178,8 @@ pub enum Format {
     Png,
     /// A page as large as the figure.
     Pdf,
+    /// A page for a browser, with zoom and cursor.
+    Html,
 }
 
 impl Format {
@@ -186,6 +193,7 @@ impl Format {
             Some("svg") => Ok(Self::Svg),
             Some("png") => Ok(Self::Png),
             Some("pdf") => Ok(Self::Pdf),
+            Some("html") => Ok(Self::Html),
             _ => Err(PlotError::Ending { path: path.to_path_buf() }),
         }
     }
@@ -194,7 +202,8 @@ impl Format {
 /// A scene as a file.
 fn bytes(scene: &scene::Scene, format: Format) -> Result<Vec<u8>, PlotError> {
     match format {
-        Format::Svg => Ok(svg::document(scene, Theme::Light).into_bytes()),
+        // A page is made from figures, not from a scene.
+        Format::Svg | Format::Html => Ok(svg::document(scene, Theme::Light).into_bytes()),
         Format::Png => raster::png(scene, Theme::Light, PRINT_SCALE),
         Format::Pdf => pdf::document(scene, Theme::Light),
     }

@@ -34,7 +34,7 @@ pub struct CurvesArguments {
     /// Write the curves as a table: .csv.
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
-    /// Draw the curves: .svg, .png or .pdf.
+    /// Draw the curves: .svg, .png, .pdf, or .html for a page to zoom in.
     #[arg(short, long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
     /// What the figure is drawn over.

@@ -69,7 +69,7 @@ pub struct LinearizeArguments {
     /// Write the model: .json, or .m for MATLAB and Octave.
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
-    /// Draw the frequency response: .svg, .png or .pdf.
+    /// Draw the frequency response: .svg, .png, .pdf, or .html for a page to zoom in.
     #[arg(short, long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
     /// The input of the figure: duty, mass_flow or force, of a joint agonist_duty and so on; the valve's unless given.

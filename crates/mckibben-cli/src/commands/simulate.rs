@@ -56,7 +56,7 @@ pub struct SimulateArguments {
     /// Write the run, one row for each sample interval: .csv, .parquet or .mat.
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
-    /// Draw the run: .svg, .png or .pdf.
+    /// Draw the run: .svg, .png, .pdf, or .html for a page to zoom in.
     #[arg(short, long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
     /// What the figure is drawn over.

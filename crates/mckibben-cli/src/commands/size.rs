@@ -60,7 +60,7 @@ pub struct SizeArguments {
     /// Write the candidates as a table: .csv.
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
-    /// Draw the forces over the shortening: .svg, .png or .pdf.
+    /// Draw the forces over the shortening: .svg, .png, .pdf, or .html for a page to zoom in.
     #[arg(short, long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
     /// Write a scenario file of the muscle that is picked: .toml.

@@ -68,7 +68,7 @@ pub struct SweepArguments {
     /// Write the runs: into a folder of Parquet parts, or one file .csv, .parquet or .mat.
     #[arg(short, long, value_name = "FOLDER or FILE")]
     pub output: Option<PathBuf>,
-    /// Draw the reductions: .svg, .png or .pdf. One varied key gives lines, a grid of two gives maps, more give scatter plots.
+    /// Draw the reductions: .svg, .png, .pdf, or .html for a page to zoom in. One varied key gives lines, a grid of two gives maps, more give scatter plots.
     #[arg(short, long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
     /// Set a value of the scenario, such as `command.duty=0.3` or `sweep.rows=1000`; can be given again.
