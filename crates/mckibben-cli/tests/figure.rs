@@ -130,7 +130,7 @@ fn no_event_is_dropped_silently() {
                     .sum()
             };
             let marked: usize = named.map_or(0, marked);
-            let noted = note.contains(&format!("× {kind}"));
+            let noted = note.contains(&format!("×\u{a0}{kind}"));
             assert!(
                 marked == count || noted || (kind == "valve" && strips > 0),
                 "{name}: {kind} {count} {marked} {note}"
@@ -213,4 +213,16 @@ fn several_files_are_drawn_over_each_other() {
     assert!(folder.path("curves.svg").exists());
     let output = folder.mckibben().args(["curves", "light.toml", "heavy.toml", "-o", "c.csv"]).output().expect("runs");
     assert_eq!(output.status.code(), Some(2));
+}
+
+#[test]
+fn a_page_for_a_browser_is_one_file() {
+    let folder = Folder::new("page");
+    folder.file("muscle.toml", PULSED);
+    let output =
+        folder.mckibben().args(["simulate", "muscle.toml", "-q", "--plot", "run.html"]).output().expect("runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let page = std::fs::read_to_string(folder.path("run.html")).expect("a page");
+    assert!(page.contains("A muscle under a 2.268 kg load, pulsed at 10 Hz and 40 %") && page.contains("\"panels\":["));
+    assert!(!page.contains("src=") && !page.contains("href="), "it loads nothing");
 }
