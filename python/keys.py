@@ -37,6 +37,16 @@ def parts_of(description: str) -> dict[str, str]:
     return {"": pieces[0].strip(), "Only": condition[0] if condition else ""} | named
 
 
+def resolved(value: typing.Any, definitions: Node) -> typing.Any:
+    """Return a part of a schema with what its references refer to."""
+    if isinstance(value, dict):
+        reference = value.get("$ref", "")
+        if reference.startswith("#/$defs/shared-"):
+            return resolved(definitions[reference.rsplit("/", 1)[1]], definitions)
+        return {name: resolved(inner, definitions) for name, inner in value.items()}
+    return [resolved(inner, definitions) for inner in value] if isinstance(value, list) else value
+
+
 def rows(node: Node, path: str) -> typing.Iterator[str]:
     """Yield a row of the table for every key below a section."""
     for name, inner in node.get("properties", {}).items():
@@ -56,14 +66,15 @@ def rows(node: Node, path: str) -> typing.Iterator[str]:
 def page(schema: Node) -> str:
     """Return the text of the page."""
     text = HEAD
-    for name, section in schema["properties"].items():
+    sections = resolved(schema["properties"], schema["$defs"])
+    for name, section in sections.items():
         if name in REPEATED:
             continue
         text += f"\n## `[{name}]`\n\n{section['description']}\n\n"
         text += "| key | unit | range | default | meaning |\n|---|---|---|---|---|\n"
         text += "\n".join(rows(section, "")) + "\n"
     text += "\n## Sections that repeat the others\n\n| section | meaning |\n|---|---|\n"
-    repeated = (f"| `[{name}]` | {schema['properties'][name]['description']} |" for name in REPEATED)
+    repeated = (f"| `[{name}]` | {sections[name]['description']} |" for name in REPEATED)
     return text + "\n".join(repeated) + "\n"
 
 

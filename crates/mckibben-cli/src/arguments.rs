@@ -9,6 +9,7 @@ use crate::commands::fmu::FmuArguments;
 use crate::commands::gallery::GalleryArguments;
 use crate::commands::identify::IdentifyArguments;
 use crate::commands::init::InitArguments;
+use crate::commands::keys::KeysArguments;
 use crate::commands::linearize::LinearizeArguments;
 use crate::commands::man::ManArguments;
 use crate::commands::presets::PresetsArguments;
@@ -73,6 +74,8 @@ pub enum Command {
     Init(InitArguments),
     /// Show the named actuators and valves: values, sources, what is assumed
     Presets(PresetsArguments),
+    /// Tell what a key of a scenario file means, with unit, range, default and source
+    Keys(KeysArguments),
     /// Print the JSON Schema of scenario files, for editors
     Schema(SchemaArguments),
     /// Draw static curves of an actuator

@@ -51,12 +51,9 @@ pub fn print_error(text: &str) {
 
 /// The width of the terminal in characters, within reason; 100 where there is none.
 pub fn width() -> usize {
-    console_width().unwrap_or(100).clamp(60, 120)
-}
-
-/// What the shell says about the width, which it does not always export.
-fn console_width() -> Option<usize> {
-    std::env::var("COLUMNS").ok()?.parse().ok()
+    let by_shell = || std::env::var("COLUMNS").ok()?.parse().ok();
+    let by_terminal = || terminal_size::terminal_size().map(|(width, _)| usize::from(width.0));
+    by_shell().or_else(by_terminal).unwrap_or(100).clamp(60, 120)
 }
 
 /// Breaks text into the lines of the terminal, each after `indent`.

@@ -114,7 +114,8 @@ fn a_wrong_unit() {
 
 #[test]
 fn a_number_without_its_unit() {
-    refused("number", "\"5 lb\"", "5", "15:8", &["`load.mass` is a mass and needs a unit", "write \"5 kg\""]);
+    let help = "write the unit that it is in, as \"5 lb\" or \"5 kg\"";
+    refused("number", "\"5 lb\"", "5", "15:8", &["`load.mass` is a mass and needs a unit", help]);
 }
 
 #[test]
@@ -166,6 +167,21 @@ fn a_three_way_valve_cannot_hold() {
     refused("hold", COMMAND, "[command]\nkind = \"hold\"\n", "10:8", &["hold", "three-way", "fill-hold-exhaust"]);
 }
 
+/// A hint has the unit that the key is usually written in, not any of its dimension: Kv is a flow of water in m³/h.
+#[test]
+fn a_hint_never_crosses_dimensions() {
+    let folder = Folder::new("hints");
+    folder.file("muscle.toml", GOOD);
+    for (setting, hint) in [
+        ("valve.kv=0.5", "as \"0.5 m^3/h\" or \"0.5 m^3/s\""),
+        ("command.duty=30", "write \"30 %\" if 30 percent are meant"),
+        ("supply.gauge_pressure=6", "as \"6 psi\" or \"6 Pa\""),
+    ] {
+        let message = fails(&folder, &["simulate", "muscle.toml", "--set", setting], 2);
+        assert!(message.contains(hint), "{setting}: {message}");
+    }
+}
+
 #[test]
 fn a_command_without_a_valve() {
     refused("command", VALVE, "", "6:2", &["[command] but no [valve]", "add a section `[valve]`"]);
@@ -184,7 +200,7 @@ fn mistakes_on_the_command_line() {
     let folder = Folder::new("arguments");
     folder.file("muscle.toml", GOOD);
     let message = fails(&folder, &["simulate", "muscle.toml", "--set", "load.mass=5"], 2);
-    assert!(message.contains("--set:1:13") && message.contains("write \"5 kg\""), "{message}");
+    assert!(message.contains("--set:1:13") && message.contains("as \"5 lb\" or \"5 kg\""), "{message}");
     let message = fails(&folder, &["simulate", "muscle.toml", "--set", "load.mas=5 lb"], 2);
     assert!(message.contains("did you mean `mass`?"), "{message}");
     let run = |arguments: &[&str]| folder.mckibben().args(arguments).output().expect("the program runs");
@@ -204,6 +220,25 @@ fn mistakes_on_the_command_line() {
         assert!(String::from_utf8_lossy(&output.stderr).starts_with("error: "), "{arguments:?}");
         assert_eq!(folder.names(), ["muscle.toml"], "{arguments:?}");
     }
+}
+
+#[test]
+fn keys_are_told_from_the_table() {
+    let folder = Folder::new("keys");
+    let told = |path: &[&str]| {
+        let output = folder.mckibben().arg("keys").args(path).output().expect("the program runs");
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).expect("UTF-8")
+    };
+    assert!(told(&[]).contains("[actuator.friction]") && told(&[]).contains("[mechanism.joints.*]"));
+    assert!(told(&["valve"]).contains("closing_delay") && told(&["actuator"]).contains("actuator.friction"));
+    let key = told(&["valve.kv"]);
+    for part in ["Kv", "m^3/s", "greater than 0", "IEC 60534-2-1", "0.05 m^3/h"] {
+        assert!(key.contains(part), "{part}: {key}");
+    }
+    assert!(told(&["valve.kind"]).contains("fill-hold-exhaust"));
+    let message = fails(&folder, &["keys", "valve.knd"], 2);
+    assert!(message.contains("did you mean `valve.kind`?"), "{message}");
 }
 
 #[test]

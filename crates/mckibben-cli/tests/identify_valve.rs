@@ -474,7 +474,7 @@ fn tanks_that_cannot_be_are_refused() {
         .collect::<String>();
     folder.file("run.csv", &long);
     let told = refused(&folder, &good);
-    assert!(told.contains("but the surroundings to which it is discharged have 101.3 kPa"), "{told}");
+    assert!(told.contains("but the surroundings to which it is discharged have 1.013 bar"), "{told}");
     assert!(told.contains("name its column `gauge_pressure`"), "{told}");
     // A sensor that ends at 5 bar.
     folder.file("run.csv", &shifted(0.0, 5e5));

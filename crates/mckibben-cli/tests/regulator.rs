@@ -12,7 +12,7 @@ fn example() -> String {
 fn the_file_shows_set_point_and_regulated_pressure() {
     let folder = Folder::new("regulator");
     let file = example();
-    let arguments = ["simulate", file.as_str(), "-o", "run.csv", "-p", "run.svg"];
+    let arguments = ["simulate", "--verbose", file.as_str(), "-o", "run.csv", "-p", "run.svg"];
     let output = folder.mckibben().args(arguments).output().expect("the program runs");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let told = String::from_utf8_lossy(&output.stdout).into_owned();

@@ -68,7 +68,7 @@ fn linearize_and_simulate_agree_on_the_ripple() {
     run(&folder, &[&["linearize", "muscle.toml", "--output", "model.json"][..], &set[..]].concat());
     let model = std::fs::read_to_string(folder.path("model.json")).expect("a file");
     let model: serde_json::Value = serde_json::from_str(&model).expect("JSON");
-    let linear = of(&model["validity"], "length_ripple_m");
+    let linear = of(&model["pwm"]["validity"], "length_ripple_m");
     assert!((linear - orbit).abs() < 0.1 * orbit, "{linear} m by the model, {orbit} m on the orbit");
 }
 
@@ -76,7 +76,7 @@ fn linearize_and_simulate_agree_on_the_ripple() {
 fn what_comes_to_rest_settles_at_an_equilibrium_and_files_end_where_they_did() {
     let folder = Folder::new("rest");
     folder.file("muscle.toml", PULSES);
-    let still = ["--set", "command.kind=constant", "--set", "command.state=fill", "--set", "run.duration=50 ms"];
+    let still = ["--set", "command.kind=fill", "--set", "run.duration=50 ms"];
     let text = PULSES.lines().filter(|line| !line.starts_with("frequency") && !line.starts_with("duty"));
     folder.file("still.toml", &text.collect::<Vec<_>>().join("\n"));
     let arguments = ["simulate", "still.toml", "--settle", "--format", "json", "--output", "run.csv"];

@@ -135,7 +135,7 @@ fn a_turnover_that_is_rounding_is_called_so() {
     let folder = Folder::new("rounding");
     let held = "[load]\nkind = \"isometric\"\n[initial]\nlength = \"3.5 in\"\ngauge_pressure = \"3 bar\"\n";
     folder.file("held.toml", &format!("{held}[run]\nduration = \"0.2 s\""));
-    let done = simulate(&folder, &["held.toml"]);
+    let done = simulate(&folder, &["held.toml", "--verbose"]);
     let words = said(&done);
     assert!(done.status.success() && words.contains("within rounding, which may leave"), "{words}");
     assert!(!words.contains("of the turnover") && !words.contains("last bit"), "{words}");

@@ -122,6 +122,13 @@ pub struct Ripple {
     pub settled: bool,
 }
 
+impl Ripple {
+    /// Whether it is more than rounding.
+    pub fn is_seen(&self) -> bool {
+        self.peak_to_peak > ROUNDING * self.mean.abs()
+    }
+}
+
 /// What is known of a run once it has come to its end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ended {

@@ -132,6 +132,8 @@ fn read<T>(
             row.greatest = row.greatest.max(value);
         }
     }
+    // A mean of equal values may miss them by a rounding.
+    rows.iter_mut().for_each(|row| row.mean = row.mean.clamp(row.least, row.greatest));
     Ok(Settled { orbit, rows })
 }
 

@@ -8,6 +8,7 @@
 mod json;
 
 use crate::closed_loop::Goal;
+use crate::failure::Failure;
 use crate::joint::{self, NAMES};
 use crate::observation::{self, AirUse, Ended, Range};
 use crate::plant::PlantFigures;
@@ -48,6 +49,17 @@ impl Figures {
 }
 
 impl Summary {
+    /// Checks that every number is finite.
+    ///
+    /// # Errors
+    /// [`Failure::not_finite`] with the name of the first that is not.
+    pub fn check(&self) -> Result<(), Failure> {
+        match self.numbers.iter().find(|number| !number.value.is_finite()) {
+            None => Ok(()),
+            Some(number) => Err(Failure::not_finite(&format!("{} = {}", number.name, number.value))),
+        }
+    }
+
     fn put(&mut self, name: impl Into<String>, unit: &'static str, value: f64) {
         self.numbers.push(Number { name: name.into(), unit, value });
     }

@@ -3,7 +3,7 @@
 //! | quantity | SI unit | `metric` | `si` | `imperial` |
 //! |---|---|---|---|---|
 //! | `length` | m | mm, µm, … | mm, µm, … | in |
-//! | `pressure` | Pa | bar | kPa, … | psi |
+//! | `pressure` | Pa | bar, below 0.01 bar Pa | kPa, … | psi |
 //! | `force` | N | N | N | lbf |
 //! | `mass` | kg | g, mg, … | g, mg, … | lb |
 //! | `angle` | rad | degree | rad | degree |
@@ -37,14 +37,14 @@ pub enum System {
 /// A quantity: its name, its SI units as this project writes them, and its units in the systems, metric, SI and imperial.
 type Row = (&'static str, &'static str, [&'static str; 3]);
 
-/// The quantities. A unit after `~` takes prefixes.
+/// The quantities. A unit after `~` takes prefixes; one behind `|` is for values below a hundredth of the unit before it.
 const ROWS: [Row; 24] = [
     ("length", "m", ["~m", "~m", "in"]),
     ("area", "m^2", ["mm^2", "m^2", "in^2"]),
     ("volume", "m^3", ["~L", "m^3", "in^3"]),
     ("velocity", "m/s", ["~m/s", "~m/s", "in/s"]),
     ("acceleration", "m/s^2", ["~m/s^2", "~m/s^2", "in/s^2"]),
-    ("pressure", "Pa", ["bar", "~Pa", "psi"]),
+    ("pressure", "Pa", ["bar|~Pa", "~Pa", "psi"]),
     ("force", "N", ["~N", "~N", "lbf"]),
     ("mass", "kg", ["~g", "~g", "lb"]),
     ("mass-flow", "kg/s", ["~g/s", "~g/s", "lb/s"]),
@@ -76,6 +76,8 @@ pub struct Unit {
     zero: f64,
     /// Whether it takes the prefix that puts a number between 1 and 1000.
     prefixes: bool,
+    /// The unit for values below a hundredth of this one, where that has another.
+    small: Option<Box<Unit>>,
 }
 
 /// A unit with its prefix, and what makes the number in it of one in SI: `factor · value − zero`.
@@ -105,6 +107,18 @@ pub fn units() -> &'static Units {
     CHOSEN.get().unwrap_or(&USUAL)
 }
 
+/// The size in SI below which a value is rounding and nothing that was simulated or measured: a picometre, a billionth of the
+/// atmosphere's pressure.
+pub fn rounding(si: &str) -> f64 {
+    match si {
+        "m" | "m/s" | "rad" | "rad/s" => 1e-12,
+        "Pa" => 1e-4,
+        "N" | "N*m" => 1e-10,
+        "kg" | "kg/s" | "J" => 1e-15,
+        _ => 0.0,
+    }
+}
+
 /// The columns of a file in the units that were chosen, and what makes their numbers; nothing where no choice was made and they stay
 /// in SI.
 pub(crate) fn columns(columns: Vec<Column>) -> (Vec<Column>, Vec<Shown>) {
@@ -123,17 +137,22 @@ pub(crate) fn unit_of(name: &str) -> &'static str {
 impl Unit {
     /// A unit of the table: `~` before a symbol lets it take prefixes.
     fn of(symbol: &str) -> Result<Self, String> {
+        let (symbol, small) = symbol.split_once('|').map_or((symbol, None), |(symbol, small)| (symbol, Some(small)));
+        let small = small.map(|small| Self::of(small).map(Box::new)).transpose()?;
         let (symbol, prefixes) = symbol.strip_prefix('~').map_or((symbol, false), |symbol| (symbol, true));
         let at = |number: &str| quantity::parse(&format!("{number} {symbol}")).map_err(|error| error.to_string());
         // Of a scale with a zero of its own, two points tell size and zero.
         let (none, one) = (at("0")?.value, at("1")?.value);
         let size = one - none;
         let exact = if none == 0.0 { one } else { size };
-        Ok(Self { symbol: symbol.to_owned(), size: exact, zero: none / exact, prefixes })
+        Ok(Self { symbol: symbol.to_owned(), size: exact, zero: none / exact, prefixes, small })
     }
 
     fn shown(&self, largest: f64) -> Shown {
         let size = largest / self.size;
+        if let Some(small) = self.small.as_ref().filter(|_| size > 0.0 && size < 0.01) {
+            return small.shown(largest);
+        }
         let (scaled, prefix) = if self.prefixes { prefixed(size) } else { (size, "") };
         let factor = if size.is_finite() && size != 0.0 { scaled / size / self.size } else { 1.0 / self.size };
         Shown { text: format!("{prefix}{}", readable(&self.symbol)), factor, zero: self.zero }
@@ -175,7 +194,7 @@ impl Units {
     /// The unit for values in an SI unit of which the largest size is given; another unit than those of the table is itself.
     pub fn shown(&self, si: &str, largest: f64) -> Shown {
         let found = self.0.iter().find(|((_, unit, _), _)| *unit == si).map(|(_, unit)| unit.clone());
-        let own = || Unit { symbol: si.to_owned(), size: 1.0, zero: 0.0, prefixes: !si.is_empty() };
+        let own = || Unit { symbol: si.to_owned(), size: 1.0, zero: 0.0, prefixes: !si.is_empty(), small: None };
         found.unwrap_or_else(own).shown(largest)
     }
 
@@ -185,8 +204,9 @@ impl Units {
         self.shown(si, largest.fold(0.0, |largest: f64, value| largest.max(value.abs())))
     }
 
-    /// A value with its unit: four significant digits.
+    /// A value with its unit: four significant digits, and zero for what is no more than rounding.
     pub fn quantity(&self, value: f64, si: &str) -> String {
+        let value = if value.abs() < rounding(si) { 0.0 } else { value };
         // Nobody counts in kiloseconds.
         let shown = self.shown(si, if si == "s" { value.abs().min(1.0) } else { value.abs() });
         let number = shown.number(value);
@@ -296,7 +316,8 @@ mod tests {
                 for value in [273.15_f64, -0.012_34, 1e-9, 5.1e6] {
                     let shown = units.shown(si, value.abs());
                     let back = (shown.number(value) + shown.zero) / shown.factor;
-                    assert!((back - value).abs() <= 1e-12 * value.abs(), "{system:?}: {value} {si} as {}", shown.text);
+                    let size = value.abs().max((shown.zero / shown.factor).abs());
+                    assert!((back - value).abs() <= 1e-12 * size, "{system:?}: {value} {si} as {}", shown.text);
                 }
             }
         }
@@ -306,6 +327,7 @@ mod tests {
     fn a_quantity_is_told_in_the_units_of_its_system() {
         let told = |system: &str, value: f64, si: &str| system.parse::<Units>().unwrap().quantity(value, si);
         assert_eq!(told("metric", 413_685.438, "Pa"), "4.137 bar");
+        assert_eq!(told("metric", 45.58, "Pa"), "45.58 Pa");
         assert_eq!(told("imperial", 413_685.438, "Pa"), "60.00 psi");
         assert_eq!(told("si", 413_685.438, "Pa"), "413.7 kPa");
         assert_eq!(told("metric", 20f64.to_radians(), "rad"), "20.00°");
@@ -330,8 +352,8 @@ mod tests {
         assert_eq!(named("torque_n_m", "N*m"), "torque_lbf_in");
         assert_eq!(named("contraction", ""), "contraction");
         let units =
-            ["length_m", "torque_n_m", "sonic_conductance_m3_s_pa", "damping_n_s_m", "contraction"].map(unit_of);
-        assert_eq!(units, ["m", "N*m", "m^3/(s*Pa)", "N*s/m", ""]);
+            ["length_m", "stiffness_n_m", "sonic_conductance_m3_s_pa", "damping_n_s_m", "contraction"].map(unit_of);
+        assert_eq!(units, ["m", "N/m", "m^3/(s*Pa)", "N*s/m", ""]);
     }
 
     #[test]

@@ -212,8 +212,6 @@ mod tests {
             "actuator.effectiveness.constant",
             "actuator.limit.stiffness",
             "actuator.limit.damping",
-            "actuator.friction.viscous",
-            "actuator.friction.coulomb_width",
         ];
         assert_eq!(found, expected);
     }
@@ -221,7 +219,8 @@ mod tests {
     #[test]
     fn silence_about_friction_and_delays_is_an_assumption() {
         let friction = |keys: &str| {
-            let found = keys_of(&format!("[actuator.friction]\n{keys}"));
+            let own = "thread_length = \"11 cm\"\nturns = 2.5\nmax_length = \"9 cm\"";
+            let found = keys_of(&format!("[actuator]\n{own}\n[actuator.friction]\n{keys}"));
             ["viscous", "coulomb_width"].map(|key| found.contains(&format!("actuator.friction.{key}").as_str()))
         };
         assert_eq!(friction(""), [true, true]);
@@ -238,14 +237,22 @@ mod tests {
     fn what_the_file_gives_is_not_assumed() {
         let own = "[actuator]\nthread_length = \"11 cm\"\nturns = 2.5\nmax_length = \"9 cm\"\nexternal_volume = \"1 mL\"\n\
                    [actuator.effectiveness]\npolynomial = [1.0]\n[actuator.limit]\nstiffness = \"1e5 N/m\"";
-        assert_eq!(keys_of(own), ["actuator.min_length", "actuator.limit.damping"]);
+        assert_eq!(
+            keys_of(own),
+            [
+                "actuator.min_length",
+                "actuator.friction.viscous",
+                "actuator.friction.coulomb_width",
+                "actuator.limit.damping",
+            ]
+        );
     }
 
     #[test]
     fn lengths_that_a_muscle_at_rest_leaves_open_are_assumed() {
         let rest = "[actuator]\nlength = \"200 mm\"\ndiameter = \"10 mm\"\nbraid_angle = \"60 deg\"\n\
                     external_volume = \"1 mL\"\neffectiveness.constant = 1\nlimit.stiffness = \"1e5 N/m\"\n\
-                    limit.damping = \"1 N*s/m\"";
+                    limit.damping = \"1 N*s/m\"\nfriction.viscous = \"0 N*s/m\"\nfriction.coulomb_width = \"0 m\"";
         let document = Document::parse(rest, "muscle.toml").expect("TOML");
         let found: Vec<_> = document.assumed().into_iter().map(|of| (of.parameter.key, of.text, of.source)).collect();
         let expected = [

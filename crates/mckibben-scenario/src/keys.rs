@@ -13,6 +13,7 @@ use crate::choice::{
     BladderForm, Choice, CommandKind, CommandState, ControllerKind, DesignKind, Engine, ExhaustTemperature, ForceLaw,
     HoseKind, HysteresisLaw, LoadKind, Method, PressurePlace, ProcessKind, RecordKind, SetPointTable, ValveKind,
 };
+use crate::nearest::nearest;
 use crate::presets;
 use crate::sweep::{MOST_ROWS, Reduction};
 use mckibben::parameter::{self as p, Parameter, Range};
@@ -665,8 +666,13 @@ pub fn all_keys() -> impl Iterator<Item = &'static Key> {
 }
 
 /// Every section, those of a plant last.
-pub(crate) fn all_sections() -> impl Iterator<Item = &'static Section> {
+pub fn all_sections() -> impl Iterator<Item = &'static Section> {
     SECTIONS.iter().chain(PLANT_SECTIONS)
+}
+
+/// The section or key with the name nearest to a misspelt one, where there is one that may be meant.
+pub fn nearest_path(path: &str) -> Option<&'static str> {
+    nearest(path, all_sections().map(|section| section.path).chain(all_keys().map(|key| key.path)))
 }
 
 /// The keys and subsections that may stand in a section (`""` for the file itself) of a file of one actuator, by name.

@@ -36,7 +36,7 @@
 //! | [`sweep`] | many scenarios from one file: what varies, by which design, and what is recorded |
 //! | [`Place`], [`Seeds`] | one number by its path, to be set and to be differentiated by |
 //! | [`PlantPlace`], [`AdjustedPlant`] | the same of a file in which actuators have names |
-//! | [`schema`], [`starter`] | the JSON Schema and the first file of a newcomer, both made from the keys |
+//! | [`schema`], [`Starter`] | the JSON Schema and the first file of a newcomer, both made from the keys |
 
 #![forbid(unsafe_code)]
 
@@ -93,7 +93,7 @@ pub use scenario::{
     Taper, Tendon, TonduLopezCoefficients, Valve, Viscoelastic,
 };
 pub use schema::schema;
-pub use starter::starter;
+pub use starter::{Starter, default_of};
 pub use sweep::{
     Axis, AxisKind, AxisValue, PlantReduced, PlantReduction, Record, ReducedColumn, Reduction, RowError, Sweep,
 };

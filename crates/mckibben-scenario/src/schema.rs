@@ -4,6 +4,8 @@
 //! range, default and source. It accepts every valid file; it cannot judge what takes units or other keys' values (a
 //! length below the thread length), which the reading does.
 
+mod shared;
+
 use crate::choice::{Choice, Spacing};
 use crate::keys::{
     ACTUATORS, ANTAGONIST, CONTROLLER, COUNT, FACTOR, KEYS, Key, Kind, MECHANISM, MECHANISMS, OF_ACTUATOR, OF_SUPPLY,
@@ -44,7 +46,7 @@ pub fn schema() -> Value {
     }
     names.extend(of_plant());
     let is_plant: Vec<Value> = PLANT.iter().map(|section| json!({ "required": [section] })).collect();
-    json!({
+    shared::shared(json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "mckibben scenario",
         "description": "One experiment with braided pneumatic actuators. Quantities are strings with units.",
@@ -60,7 +62,7 @@ pub fn schema() -> Value {
         },
         "additionalProperties": false,
         "$defs": definitions,
-    })
+    }))
 }
 
 /// The sections that make a file one of a plant.

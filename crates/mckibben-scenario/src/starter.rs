@@ -6,6 +6,7 @@
 
 use crate::keys::{ANTAGONIST, KEYS, Key, Kind, SECTIONS, VARY};
 use crate::presets::{ACTUATORS, VALVES};
+use crate::quantity;
 use std::fmt::Write;
 
 /// The keys that the experiment sets; every other key is a comment.
@@ -48,32 +49,87 @@ const SECOND: &str = "\
 ";
 
 /// A complete scenario file to start from.
-pub fn starter() -> String {
-    let mut text = String::from(
-        "# A scenario of mckibben: what is built, what drives it, what is recorded.\n\
-         #\n\
-         # A quantity with a dimension is a string with its unit (\"60 psi\", \"3.85 in\", \"0.02 lbf*s/in\"); pure\n\
-         # numbers have none. Lines that begin with `#` are not in force; remove the `#` from a key to set it.\n",
-    );
-    for section in SECTIONS {
-        let keys = || KEYS.iter().filter(|key| key.section() == section.path);
-        let set = keys().any(|key| SET.contains(&key.path));
-        let mark = if set { "" } else { "# " };
-        // Writing to a string cannot fail.
-        let _ = writeln!(text, "\n# {}\n{mark}[{}]", section.meaning, section.path);
-        for key in keys() {
-            let mark = if SET.contains(&key.path) { "" } else { "# " };
-            let line = format!("{mark}{} = {}", key.name(), key.example);
-            let _ = writeln!(text, "{line:<44}# {}", remark(key));
+#[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
+pub struct Starter {
+    /// Whether the file has only the keys that are in force; without it every other key stands as a comment.
+    pub minimal: bool,
+    /// Whether quantities are metric, with two digits; without it they are in the units of the paper.
+    pub metric: bool,
+}
+
+impl Starter {
+    /// The text of the file.
+    pub fn text(self) -> String {
+        let mut text = String::from(
+            "#:schema mckibben.schema.json\n\
+             # A scenario of mckibben: what is built, what drives it, what is recorded. Editors complete keys by the schema that\n\
+             # `mckibben schema > mckibben.schema.json` writes; `mckibben keys PATH` tells what a key means.\n\
+             #\n\
+             # A quantity with a dimension is a string with its unit (\"60 psi\", \"3.85 in\", \"0.02 lbf*s/in\"); pure\n\
+             # numbers have none.",
+        );
+        if !self.minimal {
+            text.push_str(" Lines that begin with `#` are not in force; remove the `#` from a key to set it.");
         }
-        if section.path == ANTAGONIST {
-            text.push_str(SECOND);
+        if self.metric {
+            text.push_str("\n# The numbers are those of the paper's experiment, rounded to two digits.");
         }
-        if section.path == VARY {
-            text.push_str(VARIED);
+        text.push('\n');
+        for section in SECTIONS {
+            let keys = || KEYS.iter().filter(|key| key.section() == section.path);
+            let set = keys().any(|key| SET.contains(&key.path));
+            if self.minimal && !set {
+                continue;
+            }
+            let mark = if set { "" } else { "# " };
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "\n# {}\n{mark}[{}]", section.meaning, section.path);
+            for key in keys().filter(|key| !self.minimal || SET.contains(&key.path)) {
+                let mark = if SET.contains(&key.path) { "" } else { "# " };
+                let line = format!("{mark}{} = {}", key.name(), self.written(key.example));
+                let _ = writeln!(text, "{line:<44}# {}", remark(key));
+            }
+            if section.path == ANTAGONIST {
+                text.push_str(&self.written(SECOND));
+            }
+            if section.path == VARY {
+                text.push_str(&self.written(VARIED));
+            }
         }
+        text
     }
-    text
+
+    /// A text with its quantities in quotes as they are to be written.
+    fn written(self, text: &str) -> String {
+        if !self.metric {
+            return text.to_owned();
+        }
+        // What stands between two quotes has an odd place.
+        let parts = text.split('"').enumerate();
+        let part = |(place, part): (usize, &str)| match place % 2 {
+            1 => metric(part).unwrap_or_else(|| part.to_owned()),
+            _ => part.to_owned(),
+        };
+        parts.map(part).collect::<Vec<_>>().join("\"")
+    }
+}
+
+/// Metric units of quantities that the paper has in others, each with a unit of the dimension.
+const METRIC: [&str; 9] = ["mm", "bar", "N", "kg", "N*s/m", "mm^2", "K", "cm^3", "L/min"];
+
+/// A quantity in a metric unit with two digits; none of what is no quantity or is metric already.
+fn metric(text: &str) -> Option<String> {
+    const IMPERIAL: [&str; 6] = ["in", "ft", "psi", "lb", "lbf", "cfm"];
+    let (_, unit) = text.split_once(' ')?;
+    if !unit.split(['*', '/', '^', ' ']).any(|factor| IMPERIAL.contains(&factor)) {
+        return None;
+    }
+    let read = quantity::parse(text).ok()?;
+    let fits = |unit: &&&str| quantity::parse_unit(unit).is_ok_and(|(dimension, _)| dimension == read.dimension);
+    let unit = METRIC.iter().find(fits)?;
+    let number = read.value / quantity::parse_unit(unit).ok()?.1;
+    let rounded: f64 = format!("{number:.1e}").parse().ok()?;
+    Some(format!("{rounded} {unit}"))
 }
 
 /// What is said behind a key: its sentence, symbol, words and default.
@@ -110,7 +166,7 @@ pub(crate) fn preset_may_give(key: &Key) -> bool {
 }
 
 /// The value that stands in for an absent key, as text.
-pub(crate) fn default_of(key: &Key) -> Option<String> {
-    let number = || key.parameter().and_then(|row| Some(crate::quantity::format(row.default?, row.unit)));
+pub fn default_of(key: &Key) -> Option<String> {
+    let number = || key.parameter().and_then(|row| Some(quantity::format(row.default?, row.unit)));
     key.default.map(str::to_owned).or_else(number)
 }

@@ -3,7 +3,7 @@
 
 use mckibben_scenario::{
     Command, CommandState, Document, Effectiveness, Engine, FlowPath, InitialLength, Load, Method, MomentArm, Motion,
-    PressurePlace, PressureSeries, Process, Scenario, ValveKind, starter,
+    PressurePlace, PressureSeries, Process, Scenario, Starter, ValveKind,
 };
 use proptest::prelude::*;
 
@@ -100,7 +100,24 @@ fn the_specification_s_example() {
 fn the_starter_is_the_experiment_of_the_specification() {
     let mut expected = read(EXAMPLE);
     expected.actuator.effectiveness = Effectiveness::Constant(1.0);
-    assert_eq!(read(&starter()), expected);
+    assert_eq!(read(&Starter::default().text()), expected);
+    let minimal = Starter { minimal: true, ..Starter::default() }.text();
+    assert_eq!(read(&minimal), expected);
+    assert!(minimal.lines().count() < 60, "{minimal}");
+    // Two digits are within 5 %, and no unit of the paper is left.
+    let metric = Starter { minimal: true, metric: true }.text();
+    let numbers: String = metric.lines().filter(|line| !line.starts_with('#')).collect::<Vec<_>>().join("\n");
+    assert!(
+        !["psi", " in\"", "lb", "ft"].iter().any(|unit| numbers.replace("lbf*s/in", "").contains(unit)),
+        "{numbers}"
+    );
+    let (read, expected) = (read(&metric), expected);
+    let gauge = |of: &Scenario| of.supply.as_ref().map_or(f64::NAN, |supply| supply.gauge_pressure);
+    assert!((gauge(&read) / gauge(&expected) - 1.0).abs() < 0.05);
+    let (Load::HangingMass { mass, .. }, Load::HangingMass { mass: own, .. }) = (read.load, expected.load) else {
+        panic!("other loads");
+    };
+    assert!((mass / own - 1.0).abs() < 0.05, "{mass}");
 }
 
 #[test]

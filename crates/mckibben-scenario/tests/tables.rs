@@ -4,7 +4,7 @@
 use mckibben::parameter::{self as p, TABLE};
 use mckibben_scenario::keys::{KEYS, Kind, SECTIONS, key_at};
 use mckibben_scenario::presets::{ACTUATORS, COLBRUNN_2001, VALVES};
-use mckibben_scenario::{Document, quantity, schema, starter};
+use mckibben_scenario::{Document, Starter, quantity, schema};
 use serde_json::{Value, json};
 
 #[test]
@@ -353,7 +353,7 @@ fn the_schema_accepts_every_way_to_vary() {
 
 #[test]
 fn the_starter_is_a_scenario_that_the_schema_accepts() {
-    let text = starter();
+    let text = Starter::default().text();
     let document = Document::parse(&text, "starter.toml").unwrap_or_else(|error| panic!("{error}"));
     let scenario = document.scenario().unwrap_or_else(|error| panic!("{error}"));
     let table: toml::Table = text.parse().expect("parsed before");

@@ -105,8 +105,12 @@ fn what_is_assumed_of_a_passage_is_told_while_it_is_in_force() {
         of(&format!("{preset}flow_area = \"1 mm^2\"\nopening_delay = \"5 ms\"")),
         ["valve.closing_delay", "valve.laminar_ratio"]
     );
-    assert_eq!(of("kind = \"two-way\"\nkv = \"1 m^3/h\""), ["valve.pressure_drop_ratio", "valve.laminar_ratio"]);
-    assert_eq!(of("kind = \"two-way\"\nflow_area = \"1 mm^2\""), ["valve.laminar_ratio"]);
+    assert_eq!(
+        of("kind = \"two-way\"\nkv = \"1 m^3/h\""),
+        ["valve.pressure_drop_ratio", "valve.opening_delay", "valve.closing_delay", "valve.laminar_ratio"]
+    );
+    let delays = "opening_delay = \"4 ms\"\nclosing_delay = \"1 ms\"";
+    assert_eq!(of(&format!("kind = \"two-way\"\nflow_area = \"1 mm^2\"\n{delays}")), ["valve.laminar_ratio"]);
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use crate::terminal;
 use mckibben_run::failure::Failure;
 use mckibben_run::output;
+use mckibben_scenario::Starter;
 use std::path::{Path, PathBuf};
 
 /// What `mckibben init` is asked.
@@ -11,6 +12,7 @@ use std::path::{Path, PathBuf};
 Examples:
   mckibben init                     write scenario.toml
   mckibben init muscle.toml         write muscle.toml
+  mckibben init --minimal --metric  the shortest file, in mm, bar and kg
   mckibben init - | less            look at it first
 
 Exit codes: 0 done; 2 the file is there already; 4 it could not be written.")]
@@ -18,6 +20,12 @@ pub struct InitArguments {
     /// The file to write; `-` for standard output.
     #[arg(value_name = "FILE", default_value = "scenario.toml")]
     pub file: PathBuf,
+    /// Write only the keys that are in force; without it every other key stands as a comment.
+    #[arg(long)]
+    pub minimal: bool,
+    /// Write metric quantities; without it they are in the units of the paper.
+    #[arg(long)]
+    pub metric: bool,
     /// Replace a file that is there already.
     #[arg(short, long)]
     pub force: bool,
@@ -28,7 +36,7 @@ pub struct InitArguments {
 /// # Errors
 /// [`Failure::input`] when the file exists; [`Failure::output`] when it cannot be written.
 pub fn run(arguments: &InitArguments) -> Result<(), Failure> {
-    let text = mckibben_scenario::starter();
+    let text = Starter { minimal: arguments.minimal, metric: arguments.metric }.text();
     let path = arguments.file.as_path();
     if path == Path::new("-") {
         return terminal::print(&text);

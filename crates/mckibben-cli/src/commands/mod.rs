@@ -8,6 +8,7 @@ pub mod fmu;
 pub mod gallery;
 pub mod identify;
 pub mod init;
+pub mod keys;
 pub mod linearize;
 pub mod man;
 pub mod presets;
@@ -31,6 +32,7 @@ pub fn run(command: &Command) -> Result<(), Failure> {
         Command::Check(arguments) => check::run(arguments),
         Command::Init(arguments) => init::run(arguments),
         Command::Presets(arguments) => presets::run(arguments),
+        Command::Keys(arguments) => keys::run(arguments),
         Command::Schema(arguments) => schema::run(arguments),
         Command::Curves(arguments) => curves::run(arguments),
         Command::Identify(arguments) => identify::run(arguments),

@@ -68,8 +68,8 @@ impl Summary<'_> {
         }
         if page.verbose {
             page.line("air", &describe::air(&scenario.air.process));
-            self.common.cost(page, &self.observation.ended, &scenario.run);
         }
+        self.common.cost(page, &self.observation.ended, &scenario.run);
     }
 
     fn states(&self, page: &Page) {

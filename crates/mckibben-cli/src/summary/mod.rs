@@ -16,7 +16,7 @@ use mckibben_run::observation::{Ended, Observation, Range, Ripple, Steps};
 use mckibben_run::quantities::{self, count, given};
 use mckibben_run::settle::{Settled, Settling};
 use mckibben_run::text::{Alignment, Side};
-use mckibben_run::units::units;
+use mckibben_run::units::{rounding, units};
 use mckibben_scenario::{Assumed, Load, Muscle, Run, Scenario};
 use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
@@ -108,8 +108,8 @@ impl Summary<'_> {
         page.line("drive", &describe::drive(self.scenario));
         if page.verbose {
             page.line("air", &describe::air(&self.scenario.air.process));
-            self.common.cost(page, &self.observation.ended, run);
         }
+        self.common.cost(page, &self.observation.ended, run);
     }
 
     fn states(&self, page: &Page) {
@@ -167,10 +167,9 @@ impl Summary<'_> {
         let said = |mass: f64| format!("{}, {} ANR", page.quantity(mass, "kg"), page.volume(mass / REFERENCE_DENSITY));
         page.heading("Air");
         page.line("from supply", &said(air.from_supply));
-        if !page.verbose {
-            return;
+        if page.verbose {
+            page.line("to exhaust", &said(air.to_surroundings));
         }
-        page.line("to exhaust", &said(air.to_surroundings));
         // Flow against the usual direction is worth a line only where there is any.
         for (name, mass) in [("to supply", air.to_supply), ("from exhaust", air.from_surroundings)] {
             if page.sound(mass) > 1e-12 * (air.from_supply + air.to_surroundings) {
@@ -186,13 +185,17 @@ impl Common<'_> {
         page.heading(&format!("{}  {}", self.name, styled(FAINT, given(run.duration, "s"))));
     }
 
-    /// The engine and what the run cost, at fixed steps with their length and what that was chosen for.
+    /// The engine and what the run cost; at fixed steps always their length and what that was chosen for.
     pub(crate) fn cost(&self, page: &Page, ended: &Ended, run: &Run) {
-        page.line("engine", &describe::engine(run));
+        if page.verbose {
+            page.line("engine", &describe::engine(run));
+        }
         if let Some(Steps { step, chosen, .. }) = ended.steps {
             page.line("step", &step_of(page, step, chosen, run));
         }
-        page.line("cost", &format!("{}, {}", work(ended.counts), page.quantity(self.elapsed.as_secs_f64(), "s")));
+        if page.verbose {
+            page.line("cost", &format!("{}, {}", work(ended.counts), page.quantity(self.elapsed.as_secs_f64(), "s")));
+        }
     }
 
     /// The closing note about numbers that nobody states.
@@ -288,12 +291,12 @@ fn under_pwm(page: &Page, ripple: &Ripple, contraction: f64) -> String {
             drift.unwrap_or_default(),
         );
     }
-    format!(
-        "settled: mean length {} (contraction {}), ripple {} peak to peak",
-        page.quantity(ripple.mean, "m"),
-        page.percent(contraction),
-        page.quantity(ripple.peak_to_peak, "m"),
-    )
+    let told = match ripple.is_seen() {
+        true => format!("ripple {} peak to peak", page.quantity(ripple.peak_to_peak, "m")),
+        false => "no ripple".to_owned(),
+    };
+    let mean = page.quantity(ripple.mean, "m");
+    format!("settled: mean length {mean} (contraction {}), {told}", page.percent(contraction))
 }
 
 /// What does not close of a sum, the turnover, and what rounding may leave.
@@ -541,6 +544,7 @@ impl Page {
     fn values(&self, name: &str, values: [f64; 3], unit: &str) {
         let shown = units().common(unit, values);
         let fine = 1e-9 * values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+        let fine = fine.max(rounding(unit));
         let said = |value: f64| {
             let number = shown.number(self.sound(if value.abs() < fine { 0.0 } else { value }));
             shown.with(&if unit == "K" { format!("{number:.1}") } else { quantities::digits(number) })

@@ -59,9 +59,7 @@ impl Summary<'_> {
         if !supplies.is_empty() {
             page.line("supplies", &supplies.join(", "));
         }
-        if page.verbose {
-            self.common.cost(page, &self.run.observation.ended, &of.run);
-        }
+        self.common.cost(page, &self.run.observation.ended, &of.run);
     }
 
     /// The states; in short what moves and the pressures, each in a line.

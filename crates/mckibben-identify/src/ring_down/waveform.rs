@@ -206,9 +206,9 @@ fn check(rig: &Rig) -> Result<f64, RingDownError> {
         _ if rig.actuator().valve().is_some() => {
             lack("its valve would change the air; leave the valve and its command out")
         }
-        _ if !rig.actuator().friction().has_coulomb() => {
-            lack("it has no Coulomb friction to begin with; give it a width above zero")
-        }
+        _ if !rig.actuator().friction().has_coulomb() => lack(
+            "it has no Coulomb friction to begin with; set actuator.friction.coulomb_width above zero, such as 0.1 mm",
+        ),
         None => lack("nothing moves by itself; hang a mass on it"),
         Some(inertia) => Ok(inertia.mass),
     }

@@ -33,10 +33,8 @@ impl Summary {
         warnings: &[Warning],
     ) -> Result<String, Failure> {
         let mut numbers = Map::new();
+        self.check()?;
         for number in &self.numbers {
-            if !number.value.is_finite() {
-                return Err(Failure::not_finite(&format!("{} = {}", number.name, number.value)));
-            }
             numbers.insert(column_of(&number.name, number.unit), json!(number.value));
         }
         let events: Map<String, Value> =

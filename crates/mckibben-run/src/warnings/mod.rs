@@ -263,7 +263,7 @@ mod tests {
         document.set_text("supply.gauge_pressure", "\"55 psi\"").unwrap();
         let found = Ready::of(&document).unwrap().warnings();
         assert_eq!(found.iter().map(|of| of.code).collect::<Vec<_>>(), ["supply-exceeded"]);
-        assert!(found[0].text.contains("413.7 kPa exceeds supply.gauge_pressure = 379.2 kPa"), "{}", found[0]);
+        assert!(found[0].text.contains("4.137 bar exceeds supply.gauge_pressure = 3.792 bar"), "{}", found[0]);
     }
 
     #[test]
