@@ -70,8 +70,8 @@ impl<S: Scalar, const K: usize> Dual<S, K> {
         Self { value, slope }
     }
 
-    /// Derivatives of derivatives are more numbers than there are registers: in functions of their own they take no longer, and the
-    /// engines half as long to compile.
+    /// Derivatives of derivatives are more numbers than there are registers: in separate functions they take no longer,
+    /// and the engines half as long to compile.
     #[inline(never)]
     fn zip_apart(&self, other: &Self, value: S, combine: impl Fn(S, S) -> S) -> Self {
         self.zip_here(other, value, combine)

@@ -55,7 +55,7 @@ pub struct Orbit {
     pub period: f64,
     /// Periods that were simulated.
     pub periods: u64,
-    /// How many of them began at a guess; none where the plant went there by itself.
+    /// How many of them began at a guess; none where the plant went there without one.
     pub guesses: u64,
     /// The largest change of a state over the last period, over the size by which the engine measures errors.
     pub residual: f64,
@@ -193,7 +193,7 @@ impl Past {
 
 impl PlantRun {
     /// Goes on, period by period, until the states return; `watch` is called with the time in s behind each period, and may end it
-    /// by an error. A plant that has no period of its own is looked at in steps of `usual` s.
+    /// by an error. A plant that has no period is evaluated in steps of `usual` s.
     ///
     /// After `most` periods it stops where it is, and says that it has not settled.
     ///

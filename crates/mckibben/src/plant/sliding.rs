@@ -18,10 +18,11 @@
 //! | z | normal of a facet of the zonotope | – |
 //!
 //! Each facet gives two guards, smooth while the mode lasts. With one coordinate there is one facet: the least and the
-//! largest force that can be held. Actuators that share no coordinate are blocks of their own.
+//! largest force that can be held. Actuators that share no coordinate are separate blocks.
 //!
 //! Source: the complementarity problem of set-valued friction, after Moreau (see [`holding`]). Checked by
-//! `tests/plant_reference.rs`, against a program that decides by brute force who sticks, and by `tests/joint.rs`.
+//! `tests/plant_reference.rs`, against a program that decides by brute force which actuators stick, and by
+//! `tests/joint.rs`.
 
 use super::Mounted;
 use super::dense::{dot, factor, solve};
@@ -288,7 +289,7 @@ impl<R: Real> System<R> {
         self.plant.actuators[i].coupling.spans(self.plant.places.mechanisms[m].coordinates)
     }
 
-    /// Decides anew which forces of a mechanism's actuators are kept from pushing.
+    /// Decides again which forces of a mechanism's actuators are kept from pushing.
     pub(crate) fn clamp_all(&self, m: usize, time: R, state: &[R], mode: &mut PlantMode<R>, at: &mut Evaluation<R>) {
         self.enter_distances(time, state, mode, at);
         for &i in &self.plant.places.members[m] {
@@ -527,7 +528,7 @@ fn facets(
     facets
 }
 
-/// Those of some actuators that pull in directions of their own: of all about one and the same joint alone the one that is
+/// Those of some actuators that pull in different directions: of all about one and the same joint alone the one that is
 /// `larger` than the others.
 fn directions(
     actuators: &[usize],

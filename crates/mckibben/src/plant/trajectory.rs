@@ -181,7 +181,7 @@ impl<R: Instantiate> PlantTrajectory<R> {
         Ok(())
     }
 
-    /// The plant that was simulated; the commands of valves that a driver had are the tables of all that it asked for.
+    /// The plant that was simulated; the commands of valves that a driver had are the tables of all its requests.
     pub fn plant(&self) -> &Plant<R> {
         &self.plant
     }

@@ -24,7 +24,7 @@ pub struct Sample<R = f64> {
     pub tension: R,
     /// Net mass flow into the actuator in kg/s.
     pub mass_flow: R,
-    /// Which passages of the valve are open, as the actuator sees it: a lumped hose shows it late.
+    /// Which flow paths of the valve are open, as the actuator sees it: late behind a lumped hose.
     pub ports: Ports,
     /// Absolute pressure at the valve's end of the hose; the actuator's own without a hose.
     pub hose_pressure: AbsolutePressure<R>,

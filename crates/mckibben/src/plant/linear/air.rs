@@ -77,7 +77,7 @@ struct Unknown {
 enum UnknownKind {
     /// Pressure of an actuator, whose air mass goes with it where the process ties it.
     Pressure(usize),
-    /// A state by itself; whether it is a pressure.
+    /// A single state; whether it is a pressure.
     Slot(usize, bool),
     /// What drives a valve.
     Drive(usize),
@@ -297,7 +297,7 @@ impl AirSolver<'_> {
                 }
                 _ => most,
             });
-            // A shorter step, not a part of a long one: where pressures go by themselves at first, that leads elsewhere.
+            // A shorter step, not a part of a long one: where pressures move freely at first, that leads elsewhere.
             if largest > 1.0 && step > SHORTEST {
                 step /= 2.0;
                 continue;

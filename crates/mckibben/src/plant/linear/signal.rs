@@ -185,7 +185,7 @@ pub enum PlantOutput {
         /// Its coordinate.
         coordinate: usize,
     },
-    /// Absolute pressure in Pa of a node whose pressure is a state of its own.
+    /// Absolute pressure in Pa of a node whose pressure is a state.
     NodePressure {
         /// The node.
         node: usize,

@@ -297,7 +297,7 @@ impl<R: Instantiate> Part<'_, '_, R> {
                 Method::Rk4 => {
                     let [first, last] = stages.slopes_at_ends(system, time, end, self.mode, at);
                     arc.set_cubic([self.state, first], [end, last]);
-                    // Far beyond its stability the method has no smooth course to show.
+                    // Far beyond its stability the method has no smooth trajectory.
                     if !system.holds_air(arc) {
                         arc.set_line(self.state, end);
                     }

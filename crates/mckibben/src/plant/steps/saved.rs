@@ -1,4 +1,4 @@
-//! Where steps are, as numbers in the caller's memory: for a host that keeps states in arrays of its own, in a file, or
+//! Where steps are, as numbers in the caller's memory: for a host that keeps states in its own arrays, in a file, or
 //! in another process.
 //!
 //! Checked by `tests/plant_saved.rs`: what is restored goes on to the same bits.
