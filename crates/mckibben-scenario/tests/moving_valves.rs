@@ -57,7 +57,7 @@ fn a_spool_is_read_built_and_written() {
     assert!(read.rig().expect("a rig").actuation().expect("driven").solenoid.spool().is_some());
     assert!(!read.to_toml().contains("opening_delay"));
     assert_eq!(read_again(&read), read);
-    // A passage of its own to the surroundings, and fixed steps.
+    // A separate flow path to the atmosphere, and fixed steps.
     let own = SPOOL.replace("spool.damping", "exhaust.flow_area = \"2 mm^2\"\nspool.damping");
     let around = AROUND.replace("[run]\n", "[run]\nengine = \"fixed-step\"\nstep = \"1 ms\"\n");
     let text = [around.as_str(), &own, POSITIONS].concat();

@@ -289,7 +289,7 @@ fn what_makes_no_sense_is_refused_with_its_reason() {
             "nothing leads air into the supply `m`",
         ),
         (format!("{base}[supplies.m]\nfrom = \"supply\"\n"), "neither reservoir nor regulator"),
-        (format!("{base}[supplies.m]\nfrom = \"m\"\nlag = \"1 s\"\n"), "is fed by itself"),
+        (format!("{base}[supplies.m]\nfrom = \"m\"\nlag = \"1 s\"\n"), "feeds itself"),
         (format!("{base}[supplies.m]\ngauge_pressure = \"1 bar\"\ninlet.flow_area = \"1 mm^2\"\n"), "nothing feeds it"),
         (
             base.replace("kind = \"chain\"", "kind = \"fixed\"\nposition = \"9 cm\""),

@@ -687,7 +687,7 @@ fn mistakes_of_distributions() {
         "supply.temperature = { normal = { mean = \"20 degC\", deviation = \"2 degC\" } }",
         Class::BadQuantity,
         68,
-        &["zero of its own", "write `K`"],
+        &["an offset zero", "write `K`"],
     );
     in_draw(
         "load.mass = { log-normal = { median = \"5 kg\", factor = 1 } }",
