@@ -77,7 +77,7 @@ impl Model {
         &self.plant
     }
 
-    /// What tells this unit from others: of scenario, options and version.
+    /// The identity of this unit: of scenario, options and version.
     pub fn token(&self) -> &str {
         &self.token
     }
