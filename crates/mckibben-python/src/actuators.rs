@@ -304,7 +304,7 @@ impl Actuators {
             Err(TryLockError::Poisoned(rows)) => Ok(rows.into_inner()),
             Err(TryLockError::WouldBlock) => Err(exception(&Failure::input(
                 "these Actuators are being stepped by another thread",
-                "give each thread Actuators of its own, or wait for the other",
+                "give each thread separate Actuators, or wait for the other",
             ))),
         }
     }
@@ -397,7 +397,7 @@ impl Actuators {
     /// Ctrl-C ends a step of many parts; then all actuators are in their states before the step.
     #[pyo3(signature = (length, velocity, command, dt, tension, *, per_length = None, per_velocity = None, absolute_pressure = None,
         max_step = None))]
-    #[expect(clippy::too_many_arguments, reason = "each is an array of its own")]
+    #[expect(clippy::too_many_arguments, reason = "each is a separate array")]
     fn step<'py>(
         &self,
         py: Python<'py>,

@@ -47,7 +47,7 @@ fn pool() -> Result<&'static Pool, Failure> {
     let pool = match POOL.compare_exchange(known, made, Ordering::AcqRel, Ordering::Acquire) {
         Ok(_) => made,
         Err(first) => {
-            // SAFETY: another thread of this process was faster, so nobody else has seen this one.
+            // SAFETY: another thread of this process was faster, so no other code has seen this one.
             drop(unsafe { Box::from_raw(made) });
             first
         }
