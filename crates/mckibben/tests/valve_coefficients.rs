@@ -1,4 +1,4 @@
-//! Flow through valves stated by Kv or Cv, what manufacturers say of both, and a passage of its own for the exhaust.
+//! Flow through valves stated by Kv or Cv, what manufacturers say of both, and a separate flow path for the exhaust.
 
 use crate::common::{ATMOSPHERE, Paper, ROOM, assert_close, assert_within, slope};
 use mckibben::air::{Air, Chamber, Process};
@@ -185,7 +185,7 @@ fn an_exhaust_of_its_own_serves_its_port_alone() {
     assert_eq!(own.open_flow(&chamber, false, true), own.flow(Port::Exhaust, &chamber));
     assert_eq!(own.open_flow(&chamber, false, false).net(), 0.0);
 
-    // And in the actuator's answer, with the rows of the two passages told apart.
+    // And in the actuator's answer, with the rows of the two flow paths told apart.
     let actuator = paper.actuator().with_valve(own);
     let state = ActuatorState::new(AbsolutePressure(3e5), 1e-4, 0.08);
     let vented = |actuator: &mckibben::Actuator| {
