@@ -1,6 +1,6 @@
 //! A scenario some of whose numbers are looked for: set to values, and differentiated by them.
 //!
-//! Derivatives are exact and come in blocks of [`WIDTH`] directions, each a pass of its own.
+//! Derivatives are exact and come in blocks of [`WIDTH`] directions, each a separate pass.
 
 pub use mckibben::{DIRECTIONS as WIDTH, Seeded};
 use mckibben::{Error, parameter};
@@ -35,7 +35,7 @@ impl Adjustable {
         Self { base, places, thread }
     }
 
-    /// The same at these values, with only the numbers of these indices looked for.
+    /// The subject at these values, with only the parameters of these indices unknown.
     ///
     /// # Errors
     /// As [`Adjustable::at`].

@@ -55,7 +55,9 @@ pub struct Loop {
 #[derive(Clone, Debug, PartialEq, ThisError)]
 pub enum LoopError {
     /// The length does not turn.
-    #[error("the length of the run `{name}` does not turn: hysteresis shows only where it does; record it to and fro")]
+    #[error(
+        "the length of the run `{name}` does not reverse: hysteresis appears only where it does; record it to and fro"
+    )]
     NoTurn {
         /// The run.
         name: String,
@@ -239,7 +241,7 @@ impl Model for LoopTask {
     }
 }
 
-/// Tensions in N of an actuator at the samples that count, with the place of each: what a figure shows.
+/// Tensions in N of an actuator at the samples that count, with the place of each, for a figure.
 pub fn tensions(of: &Loop, actuator: &Actuator) -> Vec<(Sample, f64)> {
     let mut found = Vec::new();
     of.tensions(actuator, |place, tension| found.push((of.samples[place], tension)));

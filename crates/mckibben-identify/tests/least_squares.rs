@@ -212,7 +212,7 @@ fn too_few_points_and_a_start_outside_the_bounds_have_their_messages() {
     let curve = Curve { points: vec![[0.0, 1.0], [1.0, 2.0]], curve: line };
     let names = unknowns(&["offset", "slope"]);
     let few = fit(&curve, &names, &Search::default()).expect_err("too few");
-    assert!(few.to_string().contains("2 measurements cannot tell 2 unknowns"), "{few}");
+    assert!(few.to_string().contains("2 measurements cannot determine 2 unknowns"), "{few}");
     let outside = [names[0].clone().between(2.0, 3.0), names[1].clone()];
     let more = Curve { points: vec![[0.0, 1.0], [1.0, 2.0], [2.0, 3.0]], curve: line };
     let outside = fit(&more, &outside, &Search::default()).expect_err("outside");

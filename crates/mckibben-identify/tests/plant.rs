@@ -274,7 +274,7 @@ fn what_is_shared_is_one_parameter() {
     check(&identified(&task), &truths, 0.05);
 }
 
-/// The same joint as a plant's file and by itself, from the same records.
+/// A joint as a plant's file and as a joint's, from the same records.
 #[test]
 fn a_plant_of_one_joint_is_that_joint() {
     let command =

@@ -17,7 +17,7 @@ fn scenario(supply: f64) -> Scenario {
     pulsed(supply, 12.0, 0.45)
 }
 
-/// The same at a frequency in Hz and a duty cycle.
+/// A scenario under pulses at a frequency in Hz and a duty cycle.
 fn pulsed(supply: f64, frequency: f64, duty: f64) -> Scenario {
     let text = format!(
         "[actuator]\npreset = \"colbrunn-2001\"\n[supply]\ngauge_pressure = \"{supply} psi\"\n[valve]\npreset = \"matrix-eight-channel\"\n\

@@ -1,4 +1,4 @@
-//! Multiple shooting: each run in segments, each from a state of its own, which must join.
+//! Multiple shooting: each run in segments, each from its own initial state, which must join.
 //!
 //! ```text
 //! r = (y(t; θ, s) − y)/σ                   readings, each within its segment
