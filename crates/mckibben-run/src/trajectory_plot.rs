@@ -49,7 +49,7 @@ struct Curves {
     supply: Bands,
 }
 
-/// Intervals in which the passage to the supply is open.
+/// Intervals in which the flow path to the supply is open.
 #[derive(Debug, Default)]
 pub(crate) struct Bands {
     pub(crate) intervals: Vec<(f64, f64)>,
@@ -78,7 +78,7 @@ fn courses(run: &Kept<RigPlant>, title: &str) -> Figure {
 
     let mut length = Panel::new(Axis::new("length", "mm"));
     let (least, greatest) = range(&curves.length);
-    // A limit is shown where the curve comes near it; further away it would only flatten the curve.
+    // A limit is drawn where the curve comes near it; further away it would only flatten the curve.
     let near = 0.15 * (greatest - least).max(1e-3);
     for (value, name) in [(limits.max_length(), "max length"), (limits.min_length(), "min length")] {
         if (least - near..=greatest + near).contains(&value) {
@@ -172,7 +172,7 @@ fn curves(run: &Kept<RigPlant>) -> Curves {
             curves.regulated.push(regulated.0 - atmosphere);
         }
     }
-    // The passage of a regulator is open all the time.
+    // The flow path of a regulator is open all the time.
     curves.supply.see(0.0, !regulates && trajectory.at(0.0).ports.supply);
     for event in trajectory.events().iter().filter(|event| event.kind == EventKind::Valve) {
         curves.supply.see(event.time, event.after.ports.supply);

@@ -46,9 +46,9 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     warnings.extend(minima.words());
     if let Some(every) = found.segments {
         warnings.push(format!(
-            "{WARNED}the runs are too sensitive to be fitted whole: a small change of a number is another course in the end. They were \
+            "{WARNED}the runs are too sensitive to be fitted whole: a small change of a parameter gives another trajectory in the end. They were \
              fitted in segments of {} that join, and are drawn so; a simulation of the whole run with the values found leaves the \
-             measured course after a while.",
+             measured trajectory after a while.",
             quantity(every, "s")
         ));
     }

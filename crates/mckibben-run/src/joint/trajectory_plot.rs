@@ -27,7 +27,7 @@ pub(crate) fn figure(run: &Kept<JointPlant>, title: &str) -> Figure {
     let mut angle = Panel::new(Axis::new("angle", "deg"));
     let degrees: Vec<f64> = samples.iter().map(|sample| sample.angle.to_degrees()).collect();
     let (least, greatest) = degrees.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
-    // A stop is shown where the curve comes near it; further away it would only flatten the curve.
+    // A stop is drawn where the curve comes near it; further away it would only flatten the curve.
     let near = 0.15 * (greatest - least).max(0.1);
     for (stop, name) in rig.joint().stops().ends.into_iter().zip(["lower stop", "upper stop"]) {
         if let Some(stop) = stop.map(f64::to_degrees).filter(|stop| (least - near..=greatest + near).contains(stop)) {

@@ -11,10 +11,10 @@ use std::f64::consts::{PI, TAU};
 
 /// Points in each decade of frequency.
 const POINTS: f64 = 120.0;
-/// Decades shown beyond the slowest and the fastest pole, and at most in all.
+/// Decades drawn beyond the slowest and the fastest pole, and at most in all.
 const BEYOND: (f64, f64) = (1.0, 6.0);
 
-/// What a figure shows of a model.
+/// What a figure of a model has.
 struct View<'m> {
     system: &'m StateSpace,
     poles: &'m [Pole],

@@ -4,7 +4,7 @@
 //!
 //! | code | when | known |
 //! |---|---|---|
-//! | `valve-never-opens` | under PWM, a path that the command asks for stays shut: the pulse is shorter than the delay | before |
+//! | `valve-never-opens` | under PWM, a path that the command requests stays shut: the pulse is shorter than the delay | before |
 //! | `valve-never-closes` | under PWM, a path stays open: the pause is shorter than the delay | before |
 //! | `supply-exceeded` | the pressure that a controller aims for is above that of the supply; of linear models, that of the point | before |
 //! | `starts-slack` | an actuator starts shorter than `actuator.min_length` | before |
