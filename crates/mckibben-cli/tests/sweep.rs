@@ -647,7 +647,7 @@ fn joint() -> String {
         .replace("kind = \"hanging-mass\"\nmass = \"5 lb\"", joint)
 }
 
-/// The same under a controller of both valves.
+/// A joint under a controller of both valves.
 fn joint_under_control(controller: &str) -> String {
     joint()
         .replace(

@@ -188,7 +188,7 @@ pub(crate) fn chosen(step: &Chosen) -> String {
 const HEAD: &str = "\
 # Accuracy of the fixed-step engine
 
-Made by `cargo xtask accuracy`; a test measures every figure of its tables anew. They are differences between the two
+Made by `cargo xtask accuracy`; a test measures every figure of its tables again. They are differences between the two
 engines of this program, not between the model and a muscle.
 
 Each case is run by the event-located engine at a relative tolerance of 1e-12, and by the fixed-step engine at steps from
