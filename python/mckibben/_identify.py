@@ -48,7 +48,7 @@ class Run:
     ----------
     data : mapping of arrays, pandas or Polars data frame, or a sequence of them
         Columns by their names. Columns that were read at other times stand in another table of the sequence, with a column of
-        times of its own.
+        its own times.
     name : str, optional
         Name of the run in results; `run-1`, `run-2` and so on unless given.
     set : mapping, optional
@@ -333,7 +333,7 @@ class Identification(collections.abc.Mapping[str, Estimate]):
     notes: list[str]
     #: What casts doubt on the estimates. `identify` raises each as a `UserWarning` too.
     warnings: list[str]
-    #: What was found in the data beside that.
+    #: What was found in the data in addition.
     remarks: list[str]
     #: The scenarios with the estimated values, by the names of their files.
     scenarios: dict[str, Scenario]
