@@ -219,7 +219,7 @@ fn the_audits_close() {
     assert_close(flowed, audit.air_gain, 1e-6);
 }
 
-/// The same with a tenth of the flow path: the pressure is far from settled when the run ends.
+/// A tenth of the flow area: the pressure is far from settled when the run ends.
 fn slow(paper: Paper) -> Paper {
     paper.with(|rig| rig.standard = FlowStandard::Orifice { flow_area: 1.67e-7 })
 }
