@@ -155,7 +155,7 @@ fn end_of(rows: &[Row], method: Method, width: Width) -> Vec<End> {
     ends(&mut batch)
 }
 
-/// The same of a row alone.
+/// The end of a row stepped alone.
 fn alone(row: &Row, method: Method) -> End {
     let mut stepper = row.steps(method)?;
     let mut from = 0.0;

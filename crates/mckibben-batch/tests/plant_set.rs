@@ -128,7 +128,7 @@ fn known(index: usize, tells: Tells, at: impl Fn(usize) -> f64) -> Command {
     .expect("a command")
 }
 
-/// The same rig under another command.
+/// A rig under another command.
 fn under(rig: &Rig, command: Command) -> Rig {
     let Actuation { solenoid, .. } = rig.actuation().expect("a valve");
     let actuation = Some(Actuation { solenoid: *solenoid, command });
