@@ -148,14 +148,14 @@ class Study:
 
     def _fit(self) -> dict[str, dict[str, typing.Any]]:
         fit = {}
-        for path, sought in self.fit.items():
-            if isinstance(sought, collections.abc.Mapping):
-                fit[path] = dict(sought)
+        for path, wanted in self.fit.items():
+            if isinstance(wanted, collections.abc.Mapping):
+                fit[path] = dict(wanted)
                 continue
             try:
-                low, high = sought
+                low, high = wanted
             except (TypeError, ValueError):
-                raise InputError(f"fit: `{path}` is {sought!r}; give its bounds as (low, high), or a dictionary") from None
+                raise InputError(f"fit: `{path}` is {wanted!r}; give its bounds as (low, high), or a dictionary") from None
             fit[path] = {"from": low, "to": high}
         return fit
 

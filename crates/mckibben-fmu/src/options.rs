@@ -133,7 +133,7 @@ mod tests {
         };
         assert_eq!(UnitOptions::from_text(&options.to_text()), Ok(options));
         assert_eq!(UnitOptions::from_text("motion = host\n"), Ok(UnitOptions::default()));
-        for wrong in ["motion", "motion = nobody", "speed = 3", "max_step = soon"] {
+        for wrong in ["motion", "motion = nothing", "speed = 3", "max_step = soon"] {
             assert!(UnitOptions::from_text(wrong).is_err(), "{wrong}");
         }
     }

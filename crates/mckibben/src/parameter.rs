@@ -102,8 +102,8 @@ impl Parameter {
 
 /// The most samples, steps, pulses, sampling instants or periods of a motion that one run may have.
 ///
-/// At a microsecond each it is a quarter of an hour of computing and as samples about a hundred gigabytes of text: whoever
-/// requests more has most likely mistaken a unit.
+/// At a microsecond each it is a quarter of an hour of computing and as samples about a hundred gigabytes of text: a
+/// file that requests more has most likely mistaken a unit.
 pub const MAX_COUNT: f64 = 1e9;
 
 impl Parameter {

@@ -22,7 +22,7 @@ pub enum Kind {
     Hysteresis,
     /// Friction from a mass that swings.
     RingDown,
-    /// Any numbers of a scenario from courses in time.
+    /// Any parameters of a scenario from time series.
     Trajectories,
     /// C and b of a valve from steady flow over the pressure ratio.
     FlowCurve,

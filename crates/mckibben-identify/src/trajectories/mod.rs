@@ -75,7 +75,7 @@ pub struct Recorded {
     pub subject: Subject,
     /// Which unknown each of these numbers is.
     pub unknowns: Vec<usize>,
-    /// Its courses.
+    /// Its time series.
     pub courses: Vec<TimeSeries>,
 }
 
@@ -293,7 +293,8 @@ impl Runs<'_> {
     }
 }
 
-/// The quantities of which there are courses: those of one actuator or joint in their order, then columns in that of the runs.
+/// The quantities of which there are time series: those of one actuator or joint in their order, then columns in that
+/// of the runs.
 fn observed_in(runs: &[Recorded]) -> Vec<Observed> {
     let mut found: Vec<Observed> = Vec::new();
     for course in runs.iter().flat_map(|run| &run.courses) {

@@ -55,7 +55,7 @@ impl Task {
         found.left.iter().filter_map(of).collect()
     }
 
-    /// The courses whose residuals drift from the first reading to the last.
+    /// The time series whose residuals drift from the first reading to the last.
     pub fn drifts(&self, found: &Identified) -> Vec<Drift> {
         let runs = Runs::whole(&self.runs, Vec::new(), self.tolerance, &self.search.monitor);
         let values = found.found.fit.values();

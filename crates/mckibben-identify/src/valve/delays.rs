@@ -279,7 +279,7 @@ impl Bend<'_> {
         (clear && deviation.is_finite()).then_some([onset, deviation])
     }
 
-    /// The two courses that fit best about an onset; without it they are linear in what is unknown.
+    /// The two cubics that fit best about an onset; without it they are linear in what is unknown.
     fn courses(&self, onset: f64) -> Option<Courses> {
         let count = self.time.len();
         let span = self.time[count - 1] - self.time[0];

@@ -3,7 +3,7 @@
 //! | file | its idea |
 //! |---|---|
 //! | `force_map` | laws of static force from tensions at held pressures and lengths |
-//! | `trajectories` | any numbers of a scenario from courses in time |
+//! | `trajectories` | any parameters of a scenario from time series |
 //! | `plant` | the runs of trajectories of a plant, whose parts have names |
 //! | `loops` | friction and hysteresis from tension over length to and fro |
 //! | `rings` | friction from ring-downs, by every estimator |

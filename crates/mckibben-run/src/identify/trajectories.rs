@@ -1,4 +1,4 @@
-//! Courses in time to numbers of a scenario: tables, figures and words.
+//! Parameters of a scenario from time series: tables, figures and words.
 
 use super::outcome::{self, Outcome, Stems, WARNED};
 use super::prediction::Prediction;
@@ -62,7 +62,7 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     let table = left(&found, &held_out);
     let sections = sections(&task, &found, [&numbers, &table, &responses, &minima.table], &scenarios);
     Ok(Outcome {
-        title: format!("{} from courses in time", material.name()),
+        title: format!("{} from time series", material.name()),
         introduction: introduction(&task, &found),
         sections,
         table,
@@ -299,7 +299,7 @@ fn unexplained(rest: &Unexplained, has_intervals: bool) -> String {
     let (words, unit) = (rest.observed.words(), rest.observed.unit());
     format!(
         "{WARNED}what the model leaves of the {words}, {}, is more than its readings scatter from one to the next, {}: the scenario \
-         lacks something, or the search has ended beside the best values (`more_starts`, `horizon` or `segments` in [search] help \
+         lacks something, or the search has ended away from the best values (`more_starts`, `horizon` or `segments` in [search] help \
          there).{doubt}",
         quantity(rest.left, unit),
         quantity(rest.noise, unit)

@@ -15,7 +15,7 @@ use crate::numbered::Row;
 use crate::scalar::Real;
 use crate::valve::{Request, is_due};
 
-/// Where the modulation stands. It belongs to whoever steps time.
+/// The state of the modulation. It belongs to the time stepper.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Modulator<R = f64> {
     drive: Option<Drive<R>>,

@@ -257,7 +257,7 @@ impl<R: Instantiate> PlantRun<R> {
         &self.system.plant
     }
 
-    /// The plant, shared with whoever evaluates it.
+    /// The plant, shared with its evaluation.
     pub(crate) fn shared_plant(&self) -> &Arc<Plant<R>> {
         &self.system.plant
     }

@@ -186,7 +186,7 @@ impl<R: Instantiate> PlantTrajectory<R> {
         &self.plant
     }
 
-    /// The plant, shared with whoever evaluates it.
+    /// The plant, shared with its evaluation.
     pub(crate) fn shared_plant(&self) -> &Arc<Plant<R>> {
         &self.plant
     }

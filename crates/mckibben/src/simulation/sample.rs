@@ -49,8 +49,8 @@ pub struct SampleTimes {
 
 impl SampleTimes {
     /// The times of a run of `duration` s sampled every `interval` s, both above zero. An end that differs from a whole
-    /// number of intervals by rounding is one of them. Whoever takes the interval from outside checks the count first, by
-    /// [`Parameter::check_count`](crate::parameter::Parameter::check_count).
+    /// number of intervals by rounding is one of them. A caller that takes the interval from outside checks the count
+    /// first, by [`Parameter::check_count`](crate::parameter::Parameter::check_count).
     pub fn new(duration: f64, interval: f64) -> Self {
         let whole = (duration / interval * (1.0 + SIMULTANEOUS)) as u64;
         let rest = duration - whole as f64 * interval;

@@ -320,7 +320,7 @@ impl<S: Scalar> Solenoid<S> {
     }
 }
 
-/// Where the coils and seats stand and what moves next: the valve's discrete state, owned by whoever steps time.
+/// Positions of coils and poppets and what moves next: the valve's discrete state, owned by the time stepper.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SeatClock<S = f64> {
     next_change: u64,

@@ -185,7 +185,7 @@ fn with_delays(
     }
     if valve.opening_time > 0.0 || valve.closing_time > 0.0 {
         warnings.push(format!(
-            "{WARNED}the scenario’s seat takes its time: an onset is where two courses cross, somewhat behind the delay."
+            "{WARNED}the scenario’s seat takes its time: an onset is where two curves cross, somewhat behind the delay."
         ));
     }
     for (row, delay) in rows.iter().zip(delays) {

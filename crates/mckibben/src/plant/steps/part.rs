@@ -323,7 +323,7 @@ impl<R: Instantiate> Part<'_, '_, R> {
         }
     }
 
-    /// Hands the part that has been made to whoever keeps it.
+    /// Hands the finished part to its owner.
     fn hand_on(&mut self, kind: Option<PlantEventKind>) -> Result<(), Error> {
         match &mut self.keep {
             None => Ok(()),
