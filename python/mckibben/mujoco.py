@@ -158,7 +158,7 @@ def muscle_mjcf(
 class Driver:
     """Steps the muscles of a scenario and MuJoCo together, in a model with a motor for each muscle.
 
-    For those who keep the loop in Python, for versions of MuJoCo that the plugin does not know, and for many worlds of one
+    For users who keep the loop in Python, for versions of MuJoCo that the plugin does not know, and for many worlds of one
     model. A step is in the order that is stable: tensions at t, MuJoCo's step, then the air and the valves to the new lengths.
 
     Parameters

@@ -44,7 +44,7 @@ impl Interfaces {
 /// How a scenario becomes a plant that a host steps.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct UnitOptions {
-    /// Who moves the ends of the actuators.
+    /// What moves the ends of the actuators.
     pub motion: Motion,
     /// What the numbers are that valves are commanded by; each valve's own where none is chosen.
     pub command_mode: Option<String>,

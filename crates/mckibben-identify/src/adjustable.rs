@@ -96,7 +96,7 @@ impl Adjustable {
     }
 }
 
-/// Puts the derivatives by the unknowns from `first` on into the row of a residual, each times a factor.
+/// Puts the derivatives with respect to the unknowns from `first` on into the row of a residual, each times a factor.
 pub(crate) fn spread(first: usize, slope: &[f64; WIDTH], factor: f64, row: &mut [f64]) {
     for (into, slope) in row.iter_mut().skip(first).zip(slope) {
         *into = factor * slope;

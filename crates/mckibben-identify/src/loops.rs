@@ -7,7 +7,7 @@
 //! Length and pressure are taken as they were measured, so the tension follows at once: statics, effectiveness,
 //! viscous and dry friction, and a hysteresis whose memory goes with the length from sample to sample, which is exact
 //! while the length goes one way between two of them; viscoelastic branches relax exactly along the straight line between two
-//! samples. Its derivatives by the numbers that are looked for are exact. A
+//! samples. Its derivatives with respect to the unknowns are exact. A
 //! loop starts relaxed, which its first turn forgets: the readings before the first turn of the length do not count.
 //!
 //! The velocity is that of the straight line from the sample before; where it is zero, dry friction has no direction
@@ -178,7 +178,7 @@ pub struct LoopFit {
     pub found: Found,
     /// The scenario with these values.
     pub scenario: Scenario,
-    /// Root mean square of what is left of the tension, in N.
+    /// Root mean square of the residual tension, in N.
     pub left: f64,
 }
 

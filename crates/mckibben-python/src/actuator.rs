@@ -38,7 +38,7 @@ const ELSEWHERE: &[&str] = &["command", "controller", "initial", "load", "run", 
 
 /// Rates of change of a length in m/s beyond which nothing is believed.
 const SWIFTEST: f64 = 1e6;
-/// Parts of a step that go on without a look at Ctrl-C.
+/// Parts of a step between two checks for Ctrl-C.
 pub(crate) const UNHEARD: f64 = 2e4;
 /// What a state of an actuator has before the numbers of the plant: mark, count, time, length, pressure, air mass, open ports.
 const HEAD: usize = 7;
@@ -215,7 +215,7 @@ fn mark(text: &str) -> f64 {
 
 /// Refuses a duration that no step can have.
 pub(crate) fn check_dt(dt: f64) -> Result<(), Failure> {
-    let title = format!("dt = {dt:?} s is no time to go on by: nothing moves back in time, in no time or for ever");
+    let title = format!("dt = {dt:?} s is no step in time: it must be above zero and finite");
     if dt > 0.0 && dt.is_finite() {
         Ok(())
     } else {

@@ -1,7 +1,7 @@
 //! The threads that share one calculation: a pool for each process, made when it is first used there.
 //!
 //! After `fork` a child has the one thread that forked and none of a pool's, but the pool's memory looks as if they were there:
-//! a thread that waits for them waits for ever. So a pool belongs to the process that made it, and a child that was
+//! a thread that waits for them never returns. So a pool belongs to the process that made it, and a child that was
 //! forked, as by `multiprocessing`, makes its own. Nothing here holds a lock while it is made, for a lock that another
 //! thread held when the process forked stays shut in the child.
 

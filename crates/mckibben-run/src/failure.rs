@@ -42,7 +42,7 @@ impl Reason {
 pub struct Failure {
     reason: Reason,
     message: Message,
-    /// What is left behind all the same, where output could not be written.
+    /// What remains all the same, where output could not be written.
     stays: Option<String>,
 }
 

@@ -142,7 +142,7 @@ fn asked(run: &Kept<RigPlant>, factor: f64) -> Series {
 pub(crate) fn wanted(goal: &Goal, factor: f64) -> Series {
     let target: Vec<f64> = goal.target.iter().map(|target| target * factor).collect();
     let rests = target.windows(2).filter(|pair| pair[0] == pair[1]).count();
-    // What is another at most sampling instants is a curve to look at.
+    // What changes at most sampling instants is drawn as a curve.
     let draw = if 2 * rests < target.len() { Series::line } else { Series::steps };
     draw("set point", goal.time.clone(), target).dash(Dash::Dashed)
 }

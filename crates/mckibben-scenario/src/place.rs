@@ -372,7 +372,8 @@ impl PartialEq for Place {
     }
 }
 
-/// Seeds of derivatives by some numbers, for the functions `map` of the core's parts: give each part once.
+/// Seeds of derivatives with respect to some parameters, for the functions `map` of the core's parts: give each part
+/// once.
 #[derive(Clone, Debug)]
 pub struct Seeds {
     places: Vec<Place>,

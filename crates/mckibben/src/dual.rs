@@ -10,7 +10,7 @@
 //! assert_eq!((square.value, square.slope[0]), (9.0, 6.0));
 //! ```
 //!
-//! Comparisons look at the value alone, and a choice takes the derivative of the branch that was chosen. The scalar
+//! Comparisons use the value alone, and a choice takes the derivative of the branch that was chosen. The scalar
 //! underneath may itself be dual (second derivatives) or a vector of lanes.
 
 use crate::scalar::{Function, Over, Real, Scalar, Work};

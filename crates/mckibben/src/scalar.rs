@@ -69,7 +69,7 @@ pub trait Scalar:
     /// The answer of a comparison.
     type Mask: Mask;
 
-    /// Whether it is one number: what only a few rows of a batch need is left out of the code for all of its lanes.
+    /// Whether it is one number: what only a few elements of a batch need is left out of the code for all of its lanes.
     const IS_ONE: bool = false;
 
     /// A number known when the program is written, the same in every lane.

@@ -21,7 +21,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock};
 /// References and values in one call at most: beyond lies no list, but a count that was never set.
 const MOST: usize = 1 << 24;
 
-/// What hosts hold, by the numbers that they have for it.
+/// The instances of hosts, by their handles.
 struct Table<T> {
     next: usize,
     entries: Option<HashMap<usize, T>>,

@@ -214,7 +214,7 @@ fn check(rig: &Rig) -> Result<f64, RingDownError> {
     }
 }
 
-/// The rig's length over time, by the unknowns.
+/// The rig's length over time, as a function of the unknowns.
 struct Trajectory<'a> {
     rig: &'a Rig,
     start: &'a Initial,

@@ -13,7 +13,7 @@ pub struct HeldOutRun {
     pub simulated: Simulated,
     /// Values of all unknowns by which they predict it.
     pub values: Vec<f64>,
-    /// Root mean square of what is left of each quantity, in its SI unit: with the run in the fit, and without.
+    /// Root mean square residual of each quantity, in its SI unit: with the run in the fit, and without.
     pub errors: Vec<(Observed, [f64; 2])>,
 }
 

@@ -185,8 +185,8 @@ impl Runs<'_> {
         self.scales.iter().find(|(of, _)| of == observed).map_or(1.0, |(_, scale)| *scale)
     }
 
-    /// Residuals of one run and their derivatives by its own unknowns, in the order of [`Recorded::all_unknowns`]; what has no
-    /// value is not a number.
+    /// Residuals of one run and their derivatives with respect to its own unknowns, in the order of
+    /// [`Recorded::all_unknowns`]; what has no value is not a number.
     fn of_run(&self, run: &Recorded, own: &[usize], values: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let (count, width) = (self.readings(run).count(), own.len());
         let (mut residuals, mut slopes) = (vec![f64::NAN; count], vec![0.0; count * width]);
@@ -249,7 +249,8 @@ impl Runs<'_> {
         Ok(())
     }
 
-    /// Visits each reading, by its index in the run, with its residual and the derivatives of that by the unknowns of its sensor.
+    /// Visits each reading, by its index in the run, with its residual and its derivatives with respect to the unknowns
+    /// of its sensor.
     fn compare<R: Instantiate>(
         &self,
         run: &Recorded,

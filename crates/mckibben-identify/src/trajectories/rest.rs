@@ -33,7 +33,7 @@ pub struct Drift {
 pub struct Unexplained {
     /// What was read.
     pub observed: Observed,
-    /// Root mean square of what is left, in the SI unit.
+    /// Root mean square of the residuals, in the SI unit.
     pub left: f64,
     /// Standard deviation of the noise of a reading.
     pub noise: f64,

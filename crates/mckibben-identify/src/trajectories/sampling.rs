@@ -1,4 +1,4 @@
-//! Quantities of a run at given times, with their exact derivatives by numbers of its scenario.
+//! Quantities of a run at given times, with their exact derivatives with respect to parameters of its scenario.
 //!
 //! ```text
 //! y_q(t_k; θ)        ∂y_q(t_k; θ)/∂θ_p        forward, through every stick, slip and switching of the valve

@@ -103,7 +103,7 @@ pub(super) struct KnownSensor {
     sought: [bool; 5],
 }
 
-/// A reading with its derivatives by the numbers of the sensor, in the order of [`AMOUNTS`].
+/// A reading with its derivatives with respect to the parameters of the sensor, in the order of [`AMOUNTS`].
 pub(super) struct Reading<R> {
     pub(super) value: R,
     pub(super) by_amounts: [f64; 5],
@@ -135,7 +135,8 @@ impl KnownSensor {
         taken - self.shift
     }
 
-    /// Readings of a quantity at times that do not fall, each with its derivatives by the numbers of the sensor.
+    /// Readings of a quantity at times that do not fall, each with its derivatives with respect to the parameters of
+    /// the sensor.
     pub(super) fn read<R: Instantiate>(
         &self,
         simulated: &Simulated<R>,

@@ -311,7 +311,7 @@ fn terms(u: f64) -> [f64; UNKNOWNS - 1] {
     [1.0, u, after, before.powi(2), after.powi(2), before.powi(3), after.powi(3)]
 }
 
-/// The derivatives of these by the time.
+/// The derivatives of these with respect to time.
 fn rates(u: f64) -> [f64; UNKNOWNS - 1] {
     let (before, after) = (u.min(0.0), u.max(0.0));
     let bent = f64::from(u8::from(u >= 0.0));

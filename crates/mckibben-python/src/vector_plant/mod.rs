@@ -100,7 +100,7 @@ pub(crate) struct VectorPlant {
 
 /// A step of a control period that is this much longer than the longest is as long.
 const ROUNDING: f64 = 1e-9;
-/// Steps and edges of pulses of all plants together that go on without a look at Ctrl-C.
+/// Steps and edges of pulses of all plants together between two checks for Ctrl-C.
 const UNHEARD: f64 = 1e6;
 
 impl VectorPlant {

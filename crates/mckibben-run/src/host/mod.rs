@@ -67,7 +67,7 @@ const TOLERANCE: f64 = 1e-9;
 /// Part of a step by which a time may miss its end and be there.
 const ROUNDING: f64 = 1e-9;
 
-/// Who moves the ends of the actuators.
+/// What moves the ends of the actuators.
 #[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
 pub enum Motion {
     /// The host: each actuator has a distance between its ends.
@@ -80,7 +80,7 @@ pub enum Motion {
 /// What a host chooses.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct HostOptions<'o> {
-    /// Who moves the ends.
+    /// What moves the ends.
     pub motion: Motion,
     /// What the numbers are that valves are commanded by, by name; each valve's own where none is chosen.
     pub command_mode: Option<&'o str>,
@@ -222,7 +222,7 @@ impl HostPlant {
         &self.experiment.names.actuators
     }
 
-    /// Who moves the ends.
+    /// What moves the ends.
     pub fn motion(&self) -> Motion {
         self.motion
     }

@@ -306,7 +306,7 @@ fn unexplained(rest: &Unexplained, has_intervals: bool) -> String {
     )
 }
 
-/// What is left of each quantity over all runs, and of each run with and without it in the fit.
+/// Residuals of each quantity over all runs, and of each run with and without it in the fit.
 fn left(found: &Identified, held_out: &[HeldOutRun]) -> Table {
     let row = |(left, scale): (&(Observed, f64), &(Observed, f64))| {
         let (words, unit) = (left.0.words(), left.0.unit());
@@ -323,7 +323,7 @@ fn left(found: &Identified, held_out: &[HeldOutRun]) -> Table {
         of.errors.iter().map(row).collect()
     };
     let mut head = vec!["run", "quantity", "left", "scale"];
-    let mut caption = "What is left of each quantity, root mean square, and by what it was weighed.".to_owned();
+    let mut caption = "Residual of each quantity, root mean square, and the scale by which it was weighed.".to_owned();
     if !held_out.is_empty() {
         head.push("held out");
         caption.push_str(" Held out: each run in turn is left out of the fit, and the error is taken there.");

@@ -184,7 +184,7 @@ fn resting(estimate: &Estimate, unknown: Option<&Unknown>) -> String {
                      load that the scenario lacks; weigh it, and hold it at that"
                 }
                 _ if least <= 0.0 && (last.ends_with("_delay") || last == "dead_time") => {
-                    "the readings answer at once, or before the command: look at the clocks of both, or hold the delay"
+                    "the readings respond at once, or before the command: look at the clocks of both, or hold the delay"
                 }
                 _ => "the data would take it lower: lower `from` in [fit] if it may go there, or hold it",
             };

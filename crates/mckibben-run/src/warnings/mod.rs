@@ -218,7 +218,7 @@ mod tests {
         assert!(of("0.1001").is_empty());
         assert!(of("0.9749").is_empty());
         assert_eq!(of("0.9751"), ["valve-never-closes"]);
-        // The valve that is commanded shut, or open, for ever does what is commanded.
+        // The valve that is commanded shut, or open, at all times does what is commanded.
         assert!(of("0").is_empty() && of("1").is_empty());
     }
 

@@ -178,7 +178,7 @@ impl Document {
             }
             from.push(index);
         }
-        // In the order of the air; what is left feeds itself.
+        // In the order of the air; the rest feeds itself.
         let mut order: Vec<usize> = Vec::new();
         while let Some(next) =
             (0..names.len()).find(|i| !order.contains(i) && from[*i].is_none_or(|feeder| order.contains(&feeder)))

@@ -36,7 +36,7 @@ impl<'d> Reader<'d> {
                 continue;
             }
             match (section, &entry.node.value) {
-                // What varies is named by paths; the reading of a sweep looks at them.
+                // What varies is named by paths; the reading of a sweep checks them.
                 (Some(_), Value::Table(_)) if child == keys::VARY => {}
                 (Some(_), Value::Table(inner)) => self.known(inner, &child),
                 (Some(_), other) => {

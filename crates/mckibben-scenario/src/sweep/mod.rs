@@ -316,7 +316,7 @@ impl Sweep {
     }
 }
 
-/// Refuses what the reading of a file refuses as contradictory and the model does not look at.
+/// Refuses what the reading of a file refuses as contradictory and the model does not check.
 fn consistent(scenario: Scenario) -> Result<Scenario, Error> {
     let (run, velocity) = (scenario.run, scenario.initial.velocity);
     if run.sample_interval > run.duration {

@@ -10,7 +10,7 @@
 //! equilibrium. Each evaluation of Π is a run of one period by the run's own engine, so nothing is averaged or linearised.
 //!
 //! Plain iteration follows the plant as it settles, and never ends for a swing that nothing damps. Anderson's method, above,
-//! weighs the last few periods so that what is left of the residual is least; for a linear Π with n states it is exact after n
+//! weighs the last few periods so that the residual is least; for a linear Π with n states it is exact after n
 //! periods, whether Π contracts or not. What Π conserves must be kept: of (19) that is P (V/m)^n of the air in each actuator, from
 //! which guessed pressures follow. A guess that makes the residual larger is taken back. At the end the plant goes through one
 //! period without a guess, and the states must return.

@@ -1,9 +1,10 @@
 //! Which actuators slide and which stick, and when a sticking one lets go.
 //!
 //! A mechanism whose rates are zero, or some of whose actuators come to rest, is decided by the box problem of [`holding`]:
-//! each actuator at rest can hold any tension between two bounds, and what is left accelerates. Those whose distances do not
-//! accelerate stick. While they do, their tensions are not known one by one, but what they hold together is: a torque
-//! `R = J_Sᵀ F`. It can be held as long as it lies in the zonotope of all `J_Sᵀ F` with tensions within their bounds.
+//! each actuator at rest can hold any tension between two bounds, and the rest accelerates. Those whose distances do
+//! not accelerate stick. While they do, their tensions are not known one by one, but what they hold together is: a
+//! torque `R = J_Sᵀ F`. It can be held as long as it lies in the zonotope of all `J_Sᵀ F` with tensions within their
+//! bounds.
 //!
 //! ```text
 //! facet z:    J_f z = 0 for rank − 1 independent rows f of J_S

@@ -173,7 +173,7 @@ fn with_conductance(
     Ok((scenario, vec![named(conductance, of_conductance), named(ratio, of_ratio)]))
 }
 
-/// Whether the study says of a quantity where its sensor ends: what is left then is meant.
+/// Whether the study says of a quantity where its sensor ends: the rest is then intended.
 fn says_its_end(material: &Material, quantity: Quantity) -> bool {
     material.study.columns.iter().any(|entry| entry.quantity == quantity && entry.rules.saturates.is_some())
 }

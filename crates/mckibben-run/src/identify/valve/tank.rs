@@ -47,7 +47,7 @@ struct Found {
     plates: Vec<Plate>,
     /// Of each run that was simulated.
     predictions: Vec<Prediction>,
-    /// What is left of each run.
+    /// Residual of each run.
     left: Table,
 }
 

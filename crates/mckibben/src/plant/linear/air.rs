@@ -108,7 +108,8 @@ impl AirSolver<'_> {
         }
     }
 
-    /// Mass in kg of an actuator's air at a pressure in Pa and a volume in m³, and its derivative by the pressure.
+    /// Mass in kg of an actuator's air at a pressure in Pa and a volume in m³, and its derivative with respect to the
+    /// pressure.
     pub(super) fn mass(&self, i: usize, pressure: f64, volume: f64) -> [f64; 2] {
         let air = self.plant.actuators[i].actuator.air();
         let at = |temperature: f64| {

@@ -5,7 +5,7 @@
 //! further unknowns, and the condition that each segment ends where the next one starts, this is multiple shooting (Bock,
 //! 1983).
 //!
-//! Checked by `tests/segments.rs`: joints that change nothing, and derivatives by the state at a joint.
+//! Checked by `tests/segments.rs`: joints that change nothing, and derivatives with respect to the state at a joint.
 
 use super::{RigPlant, RigTrajectory};
 use crate::error::Error;

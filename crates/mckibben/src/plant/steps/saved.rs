@@ -38,7 +38,8 @@ impl<R: Instantiate> PlantSteps<R> {
         self.system.save_to(&mut self.reached, numbers, size)
     }
 
-    /// Returns to where steps of an equal plant were, by the numbers that they saved; from there the steps go on bit for bit.
+    /// Returns to where steps of an equal plant were, from the numbers that they saved; from there the steps go on bit
+    /// for bit.
     ///
     /// # Errors
     /// [`Error::Misuse`] for numbers that are no state of the plant; [`Error::NotImplemented`] where drivers command valves. The

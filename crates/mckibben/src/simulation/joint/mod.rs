@@ -134,7 +134,7 @@ impl JointRig {
     ///
     /// # Errors
     /// [`Error::Misuse`] when an actuator has a valve and nothing drives it, the other way round, or the valve cannot
-    /// do what the command asks; [`Error::Inconsistent`] when no angle leaves both braids shorter than their threads.
+    /// carry out the command; [`Error::Inconsistent`] when no angle leaves both braids shorter than their threads.
     pub fn new(driven: [Driven; 2], joint: Joint) -> Result<Self, Error> {
         Self { driven, joint, fittings: [Fittings::NONE; 2], supply: JointSupply::Separate }.checked()
     }
