@@ -156,7 +156,7 @@ fn no_std(root: &Path) -> Result<Counts, String> {
     rust_tests(core("test", "libm,alloc").args(["--test", "parts"]))
 }
 
-/// The independent reference trajectories, computed anew.
+/// The independent reference trajectories, computed again.
 fn reference(root: &Path) -> Result<Counts, String> {
     python::reference(root).map(|()| Counts::NONE)
 }

@@ -142,7 +142,7 @@ fn ends(batch: &mut PlantBatch) -> Vec<End> {
     (0..batch.len()).map(|row| batch.row(row).map(end)).collect()
 }
 
-/// What is known of a row, in digits that tell any two numbers apart.
+/// What is known of a row, in digits that distinguish any two numbers.
 fn end(steps: &PlantSteps) -> String {
     format!("{:?} {:?}", steps.state(), steps.sample())
 }

@@ -516,7 +516,7 @@ fn pulse_trains_give_the_delays_and_the_effective_duty() {
     holds(&folder, "valve.closing_delay", 1e-3, 0.2);
     there(&folder, &["index.html", "pulses-1.svg", "pulses-3.png", "duty.svg", "duty.csv"]);
     runs(&folder, "scenario.toml", &["opening_delay", "closing_delay"]);
-    // 0.5 − 3 ms · 40 Hz = 0.38; the paper's way tells the difference of the delays.
+    // 0.5 − 3 ms · 40 Hz = 0.38; the paper's way gives the difference of the delays.
     let duty = read(&folder, "out/duty.csv");
     let forty = duty.lines().last().expect("a line").split(',').nth(2).and_then(|cell| cell.parse::<f64>().ok());
     assert!((forty.expect("a number") - 0.38).abs() < 3e-3, "{duty}");

@@ -271,7 +271,8 @@ fn what_ends_a_search_is_said_in_words() {
     }
 }
 
-/// Rosenbrock's valley as residuals, which takes many steps, and one more residual so that there is something to tell.
+/// Rosenbrock's valley as residuals, which takes many steps, and one more residual so that there is a degree of
+/// freedom.
 fn rosenbrock() -> Curve<Plain> {
     let curve = |which: f64, of: &[f64]| match which as u8 {
         0 => (10.0 * (of[1] - of[0] * of[0]), vec![-20.0 * of[0], 10.0]),

@@ -235,7 +235,7 @@ fn intervals_by_windows_of_an_isothermal_tank_hold_c_and_b_in_95_of_100_trials()
     });
     println!("windows: C, b of a charge, C, b of a discharge {hits:?}");
     assert!(hits.iter().all(|hits| HITS.contains(hits)), "{hits:?}");
-    // The trajectory tells more.
+    // The trajectory determines more.
     let guess = TankUnknown::Valve { sonic_conductance: 1e-8, critical_ratio: 0.5 };
     for run in &runs {
         let record = record(run, 1);

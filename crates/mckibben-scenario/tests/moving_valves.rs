@@ -40,7 +40,7 @@ fn seats_that_take_their_time_are_read_built_and_written() {
     // Both outputs of a five-way valve are such.
     let five = scenario(&[&SEATS.replace("three-way", "five-way"), FILL]);
     assert_eq!(five.rig().expect("a rig").actuation().expect("driven").solenoid.ramp().times(), [3e-3, 5e-3]);
-    // Left out they jump, and nobody has to be told.
+    // Left out they jump, without a message.
     let plain = document(&["[valve]\nkind = \"three-way\"\nflow_area = \"1 mm^2\"\n", FILL]);
     assert_eq!(plain.scenario().expect("a scenario").valve.map(|valve| valve.opening_time), Some(0.0));
     assert!(!plain.assumed().iter().any(|value| value.parameter.key.ends_with("ing_time")));

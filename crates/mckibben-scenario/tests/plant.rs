@@ -97,7 +97,8 @@ fn six_alike_are_the_same_short_as_long() {
     assert_eq!(end(&short), end(&long));
 }
 
-/// Every shipped file of one actuator, with a name for it and nothing else added, is the plant of its rig to the last bit.
+/// Every shipped file of one actuator, with a name for it and nothing else added, is bit-identical to the plant of its
+/// rig.
 #[test]
 fn one_actuator_is_what_it_is_without_a_name() {
     let mut tried = 0;

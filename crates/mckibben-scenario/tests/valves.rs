@@ -118,7 +118,7 @@ fn every_way_reads_back_as_it_was_written() {
         "preset = \"smc-vt307\"",
         "kind = \"five-way-closed\"\nflow_area = \"1 mm^2\"\nexhaust.kv = \"2 L/min\"",
     ] {
-        // A valve of two positions without exhaust cannot be told to vent, so all are told to fill.
+        // A valve of two positions without exhaust cannot vent, so all are commanded to fill.
         let first = scenario(text);
         let again = Scenario::from_str(&first.to_toml(), "again.toml").unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(first, again, "{text}");

@@ -64,7 +64,7 @@ fn valve_events(run: &RigTrajectory) -> Vec<f64> {
 }
 
 /// A spool that rings over its dead zone, meets a stop and turns: motion, edges and air by the classical Runge–Kutta method
-/// in steps that are small beside everything.
+/// in steps that are small relative to everything.
 #[test]
 fn it_agrees_with_an_independent_integration() {
     for (zeta, overlap) in [(0.2, 0.08), (0.7, -0.15), (1.6, 0.05)] {
@@ -102,7 +102,7 @@ fn it_agrees_with_an_independent_integration() {
     }
 }
 
-/// A spool that is fast beside the air stands where it is told: `P = P₀ exp(−λ C ρ₀ T₀ R t/V)` while choked.
+/// A spool that is fast relative to the air stands where it is commanded: `P = P₀ exp(−λ C ρ₀ T₀ R t/V)` while choked.
 #[test]
 fn half_open_it_empties_half_as_fast() {
     let paper = held().gauge(7e5);

@@ -297,7 +297,7 @@ pub(crate) fn runge_kutta<const N: usize>(
     std::array::from_fn(|i| state[i] + step / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]))
 }
 
-/// Root of a function that changes sign between two places, by bisection to the last bit.
+/// Root of a function that changes sign between two places, by bisection to rounding.
 pub(crate) fn bisect(mut low: f64, mut high: f64, function: impl Fn(f64) -> f64) -> f64 {
     let rises = function(high) > 0.0;
     for _ in 0..200 {
