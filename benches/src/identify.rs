@@ -6,8 +6,8 @@
 //! with noise. Their load neither bounces nor goes slack: else no search of whole runs would find anything from afar. Both fit
 //! viscous damping, Coulomb width, flow area, external volume, load and thread length, from the same start within the same
 //! bounds, on two cores. The turns are known: with them, forces, masses, volumes and flow would share a factor that neither length
-//! nor pressure tells. The benchmark fails when the two optima lie further apart than [`APART`] standard deviations, or their sums of squares
-//! differ.
+//! nor pressure determines. The benchmark fails when the two optima lie further apart than [`APART`] standard
+//! deviations, or their sums of squares differ.
 
 #[expect(dead_code, reason = "the benchmark of single runs holds their errors to it")]
 #[path = "problem.rs"]

@@ -1,4 +1,5 @@
-//! What a law costs: the scenario files of the command line in batches and by the event-located engine, beside the first.
+//! What a law costs: the scenario files of the command line in batches and by the event-located engine, relative to the
+//! first.
 //!
 //! `cargo run --release --bin laws -- ../examples/paper/fig-12.toml ../examples/friction/stribeck.toml`
 //!

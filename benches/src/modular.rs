@@ -44,7 +44,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// What is asked of a row, and where its ends go: the same in `benches/python/overhead.py`.
+/// The command to a row, and where its ends go: the same in `benches/python/overhead.py`.
 struct Row {
     demand: RuntimeCommand,
     length: [f64; 2],
@@ -64,7 +64,7 @@ impl Row {
     }
 }
 
-/// Nanoseconds for a row's step; for a row alone also where somebody else keeps its state.
+/// Nanoseconds for a row's step; for a row alone also where the caller keeps its state.
 fn measure(file: &str, count: usize, steps: usize) -> Result<(f64, Option<f64>), String> {
     let document = Document::load(Path::new(file)).map_err(|error| error.to_string())?;
     let experiment = document.experiment().map_err(|error| error.to_string())?;
@@ -106,7 +106,7 @@ fn measure(file: &str, count: usize, steps: usize) -> Result<(f64, Option<f64>),
     Ok((least, kept))
 }
 
-/// The same of one actuator whose state somebody else keeps.
+/// Nanoseconds for a step of one actuator whose state the caller keeps.
 fn with_snapshots(actuator: &PlantSteps, row: &Row, steps: usize) -> Result<f64, mckibben::Error> {
     let mut least = f64::INFINITY;
     for _ in 0..REPEATS {

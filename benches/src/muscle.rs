@@ -254,7 +254,7 @@ impl Muscle {
         acceleration > 0.0 && state[1] * state[1] <= 2.0 * acceleration * self.band * self.max_length
     }
 
-    /// Opens a passage.
+    /// Opens a flow path.
     pub fn open(&self, port: Port, mode: &mut Mode, state: &State) {
         mode.port = port;
         mode.zone = match port {

@@ -12,14 +12,14 @@ pub const SAMPLE_INTERVAL: f64 = 1e-3;
 /// Tolerance of the run that stands for the truth.
 pub const REFERENCE_TOLERANCE: f64 = 1e-12;
 
-/// A passage of the three-way valve, as the peers number them.
+/// A flow path of the three-way valve, as the peers number them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Port {
     /// Sealed.
     Closed = -1,
     /// Joined to the supply.
     Supply = 0,
-    /// Joined to the surroundings.
+    /// Joined to the atmosphere.
     Exhaust = 1,
 }
 
@@ -29,9 +29,9 @@ pub struct Problem {
     pub experiment: Experiment,
     /// The same in SI.
     pub scenario: Scenario,
-    /// The passage that is open at first.
+    /// The flow path that is open at first.
     pub initial_port: Port,
-    /// Instants in s at which the seat moves, and the passage that is open from then on.
+    /// Instants in s at which the seat moves, and the flow path that is open from then on.
     pub edges: Vec<(f64, Port)>,
     /// Length and pressure at each sample, from a run at [`REFERENCE_TOLERANCE`].
     reference: Vec<[f64; 2]>,
@@ -156,7 +156,7 @@ impl Problem {
     }
 }
 
-/// The first open passage and the instants at which the seat of a three-way valve moves under PWM.
+/// The first open flow path and the instants at which the seat of a three-way valve moves under PWM.
 fn edges(scenario: &Scenario) -> Result<(Port, Vec<(f64, Port)>), String> {
     let Some(valve) = &scenario.valve else { return Ok((Port::Closed, Vec::new())) };
     let Some(Command::Pwm { frequency, duty, pulse: CommandState::Fill, rest: CommandState::Exhaust }) =

@@ -48,7 +48,7 @@ class Run:
     ----------
     data : mapping of arrays, pandas or Polars data frame, or a sequence of them
         Columns by their names. Columns that were read at other times stand in another table of the sequence, with a column of
-        times of its own.
+        its own times.
     name : str, optional
         Name of the run in results; `run-1`, `run-2` and so on unless given.
     set : mapping, optional
@@ -148,14 +148,14 @@ class Study:
 
     def _fit(self) -> dict[str, dict[str, typing.Any]]:
         fit = {}
-        for path, sought in self.fit.items():
-            if isinstance(sought, collections.abc.Mapping):
-                fit[path] = dict(sought)
+        for path, wanted in self.fit.items():
+            if isinstance(wanted, collections.abc.Mapping):
+                fit[path] = dict(wanted)
                 continue
             try:
-                low, high = sought
+                low, high = wanted
             except (TypeError, ValueError):
-                raise InputError(f"fit: `{path}` is {sought!r}; give its bounds as (low, high), or a dictionary") from None
+                raise InputError(f"fit: `{path}` is {wanted!r}; give its bounds as (low, high), or a dictionary") from None
             fit[path] = {"from": low, "to": high}
         return fit
 
@@ -333,7 +333,7 @@ class Identification(collections.abc.Mapping[str, Estimate]):
     notes: list[str]
     #: What casts doubt on the estimates. `identify` raises each as a `UserWarning` too.
     warnings: list[str]
-    #: What was found in the data beside that.
+    #: What was found in the data in addition.
     remarks: list[str]
     #: The scenarios with the estimated values, by the names of their files.
     scenarios: dict[str, Scenario]

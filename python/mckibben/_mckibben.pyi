@@ -772,7 +772,7 @@ class HostedPlant:
     Plants of a scenario whose ends a simulator of your own moves: distances and commands in, tensions and pressures out.
 
     All actuators of the scenario, with the air network that they share, are one plant. The loads and mechanisms of the scenario
-    are not used: the simulator moves the ends. `count` plants, each with a state of its own, are stepped together on all cores.
+    are not used: the simulator moves the ends. `count` plants, each with its own state, are stepped together on all cores.
 
     Parameters
     ----------
@@ -1014,7 +1014,7 @@ class LinearModel:
         Returns
         -------
         Modes
-            A list of `Mode`; `print` shows it as a table. A pair of conjugate poles is one mode.
+            A list of `Mode`; `print` writes it as a table. A pair of conjugate poles is one mode.
         """
     @property
     def details(self, /) -> dict[str, Any]:

@@ -19,7 +19,7 @@ class Summary(collections.abc.Mapping[str, float]):
     """Figures of a run: numbers by their names, such as `summary["length.final"]` or `summary["air.used"]`.
 
     A name is that of a reduction of a sweep where there is one. Of several actuators with names it begins with that of the
-    part, as in `flexor.tension.max`. Energies and exergies are in J. `print` shows a table.
+    part, as in `flexor.tension.max`. Energies and exergies are in J. `print` writes a table.
 
     Attributes
     ----------
@@ -115,7 +115,7 @@ class Settled(collections.abc.Mapping[str, Settling]):
     """What a run settles to: columns by their names without units, such as `settled["length"].ripple`.
 
     Of several actuators with names each name begins with that of the part, as in `flexor.gauge_pressure`. Empty where the run
-    has not settled. `print` shows a table.
+    has not settled. `print` writes a table.
 
     Attributes
     ----------
@@ -126,7 +126,7 @@ class Settled(collections.abc.Mapping[str, Settling]):
     periods : int
         Count of periods that were simulated behind the end of the run.
     guesses : int
-        Count of those that began at a guess; zero where the run went there by itself.
+        Count of those that began at a guess; zero where the run went there without one.
     columns : dict of str to Settling
         Columns by their names.
     """
@@ -196,7 +196,7 @@ class Mode:
 
 
 class Modes(list[Mode]):
-    """Modes of a linear model, the slowest first; `print` shows a table."""
+    """Modes of a linear model, the slowest first; `print` writes a table."""
 
     def __str__(self) -> str:
         rows = [f"{'pole (1/s)':>24}{'frequency (Hz)':>16}{'damping':>10}{'time constant (s)':>19}"]

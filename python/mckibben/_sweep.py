@@ -22,7 +22,7 @@ if typing.TYPE_CHECKING:
     import pandas
     import polars
 
-#: Parts that are computed or wait to be, where nobody says how many workers there are.
+#: Parts that are computed or wait to be, where the number of workers is not known.
 _AHEAD = 64
 
 #: Called with the parts that are finished and all there are.
@@ -266,7 +266,7 @@ def sweep(
     if executor is None:
         todo.run(folder, jobs, progress)
     elif jobs is not None:
-        raise InputError("`jobs` are threads of this process; an executor has workers of its own: leave `jobs` out")
+        raise InputError("`jobs` are threads of this process; an executor has its own workers: leave `jobs` out")
     elif executor == "ray":
         _on_ray(todo, missing, put)
     elif isinstance(executor, str):
@@ -307,7 +307,7 @@ def _on_executor(executor: concurrent.futures.Executor, todo: Sweep, missing: li
             try:
                 data = future.result()
             except Exception as error:
-                # Whether it is the executor's fault or the part's shows when this process computes the part.
+                # Whether the executor or the part is at fault appears when this process computes the part.
                 reason, broken = error, broken or isinstance(error, concurrent.futures.BrokenExecutor)
                 lost.append(part)
             else:

@@ -158,7 +158,7 @@ def muscle_mjcf(
 class Driver:
     """Steps the muscles of a scenario and MuJoCo together, in a model with a motor for each muscle.
 
-    For those who keep the loop in Python, for versions of MuJoCo that the plugin does not know, and for many worlds of one
+    For users who keep the loop in Python, for versions of MuJoCo that the plugin does not know, and for many worlds of one
     model. A step is in the order that is stable: tensions at t, MuJoCo's step, then the air and the valves to the new lengths.
 
     Parameters
@@ -168,7 +168,7 @@ class Driver:
     scenario : Scenario
         Scenario of any kind; the names of its actuators are those of the motors, and a muscle alone may have any name.
     worlds : int, optional
-        Number of worlds, each with an `MjData` of its own; 1 by default.
+        Number of worlds, each with its own `MjData`; 1 by default.
     length_offset : float or sequence of float, optional
         What is added to the lengths of MuJoCo for the distances between the ends of the muscles, in m.
     command_mode, pulse_frequency, max_step
@@ -301,7 +301,7 @@ def _mujoco() -> types.ModuleType:
 
 
 def _actuators(model: Any) -> int:
-    """Number of actuators of a model, which has had a name of its own since 3.11."""
+    """Number of actuators of a model, which has had a separate name since 3.11."""
     return int(getattr(model, "nactuator", model.nu))
 
 

@@ -195,7 +195,7 @@ def test_what_cannot_be_is_refused() -> None:
         plants.step(np.array([[0.5], [1.5]]), 1e-3, shown, stopped)
     with pytest.raises(mckibben.InputError, match="another shape"):
         plants.step(np.zeros((3, 1)), 1e-3, shown, stopped)
-    with pytest.raises(mckibben.InputError, match="no time to go on by"):
+    with pytest.raises(mckibben.InputError, match="no step in time"):
         plants.step(np.zeros((2, 1)), -1e-3, shown, stopped)
     with pytest.raises(mckibben.InputError, match="plant is meant that there is not"):
         plants.restart(np.array([2]))

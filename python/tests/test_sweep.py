@@ -234,7 +234,7 @@ def test_what_cannot_be_is_told(swing, swept, tmp_path):
         mckibben.sweep(swept.with_values({"sweep.part_rows": 10}), tmp_path)
     with pytest.raises(mckibben.InputError, match="no executor"):
         mckibben.sweep(swept, tmp_path, executor="slurm")
-    with pytest.raises(mckibben.InputError, match="workers of its own"):
+    with pytest.raises(mckibben.InputError, match="its own workers"):
         mckibben.sweep(swept, tmp_path, executor="ray", jobs=2)
     with pytest.raises(mckibben.InputError, match="no part 8"):
         mckibben.Sweep(swept).part(8)

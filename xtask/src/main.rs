@@ -10,6 +10,7 @@ mod counts;
 mod dist;
 mod python;
 mod steps;
+mod words;
 
 use std::process::ExitCode;
 

@@ -8,7 +8,7 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The stubs of what is compiled of the package: made from it, and kept beside it for who installs the package.
+/// The stubs of what is compiled of the package: made from it, and kept with it for users who install the package.
 const STUBS: &str = "python/mckibben/_mckibben.pyi";
 /// The oldest MuJoCo that is tested.
 const OLDEST_MUJOCO: &str = "3.2.7";

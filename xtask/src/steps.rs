@@ -4,6 +4,7 @@ use crate::book;
 use crate::c;
 use crate::counts::{Counts, rust_tests};
 use crate::python;
+use crate::words as vocabulary;
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
@@ -124,6 +125,7 @@ fn format(root: &Path) -> Result<Counts, String> {
 }
 
 fn lint(root: &Path) -> Result<Counts, String> {
+    vocabulary::check(root)?;
     let mut command = cargo(root);
     command.args(["clippy", "--workspace", "--all-targets", "--locked", "--", "--deny", "warnings"]);
     succeed(&mut command)?;
@@ -154,7 +156,7 @@ fn no_std(root: &Path) -> Result<Counts, String> {
     rust_tests(core("test", "libm,alloc").args(["--test", "parts"]))
 }
 
-/// The independent reference trajectories, computed anew.
+/// The independent reference trajectories, computed again.
 fn reference(root: &Path) -> Result<Counts, String> {
     python::reference(root).map(|()| Counts::NONE)
 }

@@ -13,7 +13,7 @@ pub const ROWS: usize = 1024;
 /// Rows, the first ones, whose answers are compared.
 pub const CHECKED: usize = 64;
 /// Errors up to which a peer's answer is the same answer. A heavy mass that bounces on the taut braid magnifies any
-/// difference, so the worst row tells only that nobody took leave of the others.
+/// difference, so the worst row says only that none left the others.
 const AGREEMENT: Error = Error { median: 1e-5, worst: 1e-2 };
 /// How much larger than ours an error is that still counts as equal.
 const EQUAL: f64 = 1.1;

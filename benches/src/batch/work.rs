@@ -48,7 +48,7 @@ pub struct Part {
     pub time: f64,
     /// Its length in s.
     pub step: f64,
-    /// Whether the passage to the supply is open; else that to the surroundings is.
+    /// Whether the flow path to the supply is open; else that to the atmosphere is.
     pub filling: bool,
 }
 

@@ -16,7 +16,7 @@ use mckibben::valve::RuntimeCommand;
 use mckibben::{Error, parameter};
 use rayon::prelude::*;
 
-/// Rows that a thread takes together where they go by themselves.
+/// Elements that a thread takes together where they are stepped individually.
 const BY_THEMSELVES: usize = 8;
 
 /// Plants that are stepped together, in numbers of `f64`.
@@ -53,7 +53,7 @@ pub struct PlantBatch {
 #[derive(Debug)]
 struct Group {
     rows: Vec<Row>,
-    /// None where every row goes by itself.
+    /// None where every element is stepped individually.
     lanes: Option<Box<dyn Lanes>>,
 }
 
@@ -63,9 +63,9 @@ const NO_ROW: Error = Error::Misuse {
     remedy: "count the rows from zero and stay below their number",
 };
 
-/// A row is begun anew with a plant that does not fit the others.
+/// An element is reset with a plant that does not fit the others.
 const OTHER_STRUCTURE: Error = Error::Misuse {
-    what: "a row of a batch is begun anew with a plant of another structure: with other parts or laws",
+    what: "an element of a batch is reset with a plant of another structure: with other parts or laws",
     remedy: "give it a plant that differs in numbers alone, or make another batch for plants of that structure",
 };
 
@@ -144,7 +144,7 @@ impl PlantBatch {
         }
         if state.len() != row.steps.state().len() {
             return Err(Error::Misuse {
-                what: "the states of a row are asked for in a place that has not one number for each",
+                what: "the states of an element are requested in a slice whose length is not their number",
                 remedy: "give as many numbers as the plant has states",
             });
         }
@@ -185,7 +185,7 @@ impl PlantBatch {
         let old = &rows[lane].steps;
         if steps.time() != self.time || steps.method() != old.method() {
             return Err(Error::Misuse {
-                what: "a row is begun anew at another time than the batch has reached, or with another method",
+                what: "an element is reset at another time than the batch has reached, or with another method",
                 remedy: "give it the time of the batch, and its method",
             });
         }
@@ -286,7 +286,7 @@ impl Group {
     }
 }
 
-/// Deals rows to groups: those of equal structure side by side, all others by themselves.
+/// Deals rows to groups: those of equal structure side by side, all others individually.
 fn arrange(rows: Vec<PlantSteps>, width: Width) -> (Vec<Group>, Vec<[usize; 2]>) {
     let most = if width.rows() > 1 { width.rows() } else { BY_THEMSELVES };
     let mut groups: Vec<(Group, Option<Plant>)> = Vec::new();

@@ -2,7 +2,8 @@
 //!
 //! A step of all rows is one step of the method in lanes, after which [`Watch`] says which rows have kept their mode. A row that
 //! has not, or for which something is due within the step, takes the step again alone, from where it was: so each row goes the
-//! way of [`PlantSteps`], bit for bit. What a row alone is asked for is its mode, and only where that changes.
+//! way of [`PlantSteps`], bit for bit. What is evaluated individually is the mode of each element, and only where that
+//! changes.
 
 use crate::deal::{Blank, Deal, List};
 use crate::held::{self, Held};
@@ -47,7 +48,7 @@ pub(crate) fn structure(plant: &Plant) -> Plant {
     without_commands(plant).convert(&mut Blank)
 }
 
-/// Commands differ from row to row, and no stage asks for them.
+/// Commands differ from row to row, and no stage needs them.
 fn without_commands(plant: &Plant) -> Plant {
     let valves: Vec<usize> = (0..plant.network().valves.len()).collect();
     plant.clone().without_commands(&valves)

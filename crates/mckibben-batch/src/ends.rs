@@ -41,7 +41,7 @@ pub(crate) struct Ends<W> {
     ends: Vec<EndRanges<W>>,
 }
 
-/// Looks at all of them, compiled once.
+/// Evaluates all of them, compiled once.
 struct Hold<'a, W: Wide> {
     ends: &'a Ends<W>,
     system: &'a System<W>,

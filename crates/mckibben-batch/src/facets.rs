@@ -38,7 +38,7 @@ pub(crate) struct Facets<W> {
     any: bool,
 }
 
-/// The look at all facets at the end of a step, in a function of its own: few steps need it.
+/// The check of all facets at the end of a step, in a separate function: few steps need it.
 struct Look<'a, W: Wide> {
     facets: &'a mut Facets<W>,
     system: &'a System<W>,

@@ -107,7 +107,7 @@ impl<W: Wide> FlowFormulas<W> for HeldFlows<W> {
         }
         let (critical, laminar) = (T::of(orifice.law.critical_ratio()), T::of(orifice.law.laminar_ratio()));
         let is_inward = far.le(near);
-        // No closures: they would be compiled by themselves, without the instructions of a batch.
+        // No closures: they would be compiled separately, without the instructions of a batch.
         let flow = if !(!is_inward).any() {
             ends.inwards(orifice, [critical, laminar])
         } else if is_inward.any() {

@@ -1,7 +1,7 @@
 //! The discrete state of several plants side by side, as masks.
 //!
-//! Where a border lies between pieces of a law that agree there, each lane takes the piece of its own state by a select. The
-//! formulas are those that a [`PlantMode`] names, so that a lane has the numbers of its plant alone, bit for bit.
+//! Where a border lies between pieces of a law that agree there, each lane takes the piece of its state by a select.
+//! The formulas are those that a [`PlantMode`] names, so that a lane has the numbers of its plant alone, bit for bit.
 
 use crate::flows::HeldFlows;
 use crate::wide::{Number, Wide};
@@ -33,7 +33,7 @@ struct HeldActuator<W: Scalar> {
     branch: Branch<W>,
 }
 
-/// The same as numbers, 1 where something holds and 0 elsewhere, so that one lane is entered without the others.
+/// Flags as numbers, 1 where something holds and 0 elsewhere, so that one lane is entered without the others.
 #[derive(Clone, Copy, Debug)]
 struct Flags<W> {
     slack: W,

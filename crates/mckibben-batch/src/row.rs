@@ -1,4 +1,4 @@
-//! A row of a batch: a plant that goes on, or why it has stopped.
+//! An element of a batch: a plant that goes on, or why it has stopped.
 
 use crate::span::Span;
 use mckibben::Error;

@@ -96,7 +96,7 @@ pub(crate) struct Watch<W: Wide> {
     /// What is watched of each actuator in any lane, and which mechanisms are held in any.
     watched: Vec<Watched>,
     held: Vec<bool>,
-    /// The same lane by lane.
+    /// Watched guards lane by lane.
     of_lanes: Vec<Vec<Watched>>,
 }
 

@@ -1,8 +1,8 @@
-//! Vectors of lanes: several rows of a batch as one scalar, in one register.
+//! Vectors of lanes: several elements of a batch as one scalar, in one register.
 //!
 //! A vector carries the proof that its instructions exist on this machine, a value without size; an operation is one
-//! instruction, and rounds like the same operation on one number. A constant is made from nothing, so it asks the thread
-//! for the proof, which was left there by [`compiled`].
+//! instruction, and rounds like the same operation on one number. A constant has no operand, so it takes from the
+//! thread for the proof, which was left there by [`compiled`].
 
 use mckibben::scalar::{Mask, Real, Scalar, Work};
 use pulp::bytemuck::{cast_slice, cast_slice_mut};
@@ -41,7 +41,7 @@ pub(crate) trait Wide: Scalar<Mask: Send + Sync> + Send + Sync {
     }
 }
 
-/// Vector instructions that a thread can be told of.
+/// Vector instructions that a thread can be set to.
 pub(crate) trait Instructions: Simd {
     /// A value without size that stands where a register would: at an address that it loads from at once.
     type Place: Copy + Debug + Default + Send + Sync + 'static;

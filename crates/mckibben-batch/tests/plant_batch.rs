@@ -232,7 +232,7 @@ fn rows_on_bottles_whose_ends_hosts_move_are_those_alone() {
     }
 }
 
-/// A row that is set, and one that begins anew with other numbers, go on as they would alone.
+/// A row that is set, and one that is reset with other parameters, go on as they would alone.
 #[test]
 fn rows_are_set_and_begun_anew() {
     let (plant, start) = as_plant(&Paper::pwm(25.0, 0.5).gauge(30.0 * PSI).friction(3.5, 1e-4));
@@ -319,7 +319,7 @@ fn what_does_not_fit_is_refused() {
 const STEPPED: u32 = 60;
 
 /// Whatever plants are made of, those of a batch are those alone, to the bit. Some of these have parts that lanes leave out, so
-/// that their rows go by themselves beside each other.
+/// that their rows are stepped individually.
 #[test]
 fn random_plants_in_a_batch_are_those_alone() {
     let count = std::cell::Cell::new(0);

@@ -142,7 +142,7 @@ fn ends(batch: &mut PlantBatch) -> Vec<End> {
     (0..batch.len()).map(|row| batch.row(row).map(end)).collect()
 }
 
-/// What is known of a row, in digits that tell any two numbers apart.
+/// What is known of a row, in digits that distinguish any two numbers.
 fn end(steps: &PlantSteps) -> String {
     format!("{:?} {:?}", steps.state(), steps.sample())
 }
@@ -155,7 +155,7 @@ fn end_of(rows: &[Row], method: Method, width: Width) -> Vec<End> {
     ends(&mut batch)
 }
 
-/// The same of a row alone.
+/// The end of a row stepped alone.
 fn alone(row: &Row, method: Method) -> End {
     let mut stepper = row.steps(method)?;
     let mut from = 0.0;

@@ -29,9 +29,9 @@ impl Row {
     }
 }
 
-/// Steps between two instants at which something is told.
+/// Steps between two commands.
 const STEPS: u64 = 4;
-/// How often something is told.
+/// How many commands there are.
 const TOLD: usize = 120;
 
 /// What a valve of a row is set to at an instant.
@@ -64,8 +64,9 @@ fn with_solenoid(paper: &Paper, solenoid: Solenoid, command: Command) -> Rig {
     Rig::new(actuator, Some(Actuation { solenoid, command }), paper.load.clone()).expect("a rig")
 }
 
-/// Rows of many kinds and what they are told: delays longer than the time between two instants, a hose behind which everything
-/// is seen later still, seats that take their time, seats that jump at once, dry friction, spools, regulators, tendons.
+/// Rows of many kinds and their commands: delays longer than the time between two instants, a hose behind which
+/// everything is seen later still, seats that take their time, seats that jump at once, dry friction, spools,
+/// regulators, tendons.
 fn row(index: usize) -> (Row, Tells) {
     let paper = paper(index);
     let hold = |kind: &Paper| kind.clone().with(|rig| rig.kind = ValveKind::FillHoldExhaust);
@@ -106,8 +107,8 @@ fn row(index: usize) -> (Row, Tells) {
     (Row { rig, start }, tells)
 }
 
-/// All that a row is told, as a command known beforehand. A request that is told again asks nothing new: left in, its instant
-/// could meet that of a seat and stand for it, a rounding beside.
+/// All commands to a row, as a command known beforehand. A request that is repeated changes nothing: left in, its
+/// instant could meet that of a seat and stand for it, a rounding beside.
 fn known(index: usize, tells: Tells, at: impl Fn(usize) -> f64) -> Command {
     let mut told: Vec<(f64, RuntimeCommand)> = (0..TOLD).map(|count| (at(count), tells(index, count))).collect();
     told.dedup_by(|(_, next), (_, before)| matches!(next, RuntimeCommand::Request(_)) && next == before);
@@ -128,7 +129,7 @@ fn known(index: usize, tells: Tells, at: impl Fn(usize) -> f64) -> Command {
     .expect("a command")
 }
 
-/// The same rig under another command.
+/// A rig under another command.
 fn under(rig: &Rig, command: Command) -> Rig {
     let Actuation { solenoid, .. } = rig.actuation().expect("a valve");
     let actuation = Some(Actuation { solenoid: *solenoid, command });
@@ -147,7 +148,7 @@ fn millisecond(count: usize) -> f64 {
     count as f64 * 1e-3
 }
 
-/// All that is known of a row, in digits that tell any two numbers apart.
+/// All that is known of a row, in digits that distinguish any two numbers.
 fn end(steps: &PlantSteps) -> String {
     format!("{:?} {:?}", steps.state(), steps.sample().actuators)
 }

@@ -423,7 +423,7 @@ enum mckibben_status mckibben_restore(struct mckibben_plant *plant,
  * independent: where one fails, the others go on, its status says why, and its responses and outputs are not numbers (NaN); valves
  * may then have been commanded, but its time has not changed. `statuses` has one status for each plant, or is NULL. Returns the
  * status of the first plant that failed, with its text. Allocates. The caller may as well call `mckibben_command` and
- * `mckibben_advance` from threads of its own: the numbers are the same.
+ * `mckibben_advance` from separate threads: the numbers are the same.
  */
 enum mckibben_status mckibben_step_all(struct mckibben_plant *const *plants,
                                        size_t plant_count,

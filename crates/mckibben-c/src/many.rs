@@ -104,7 +104,7 @@ fn row_mut<'a, T>(left: &mut &'a mut [T], each: usize) -> &'a mut [T] {
 /// independent: where one fails, the others go on, its status says why, and its responses and outputs are not numbers (NaN); valves
 /// may then have been commanded, but its time has not changed. `statuses` has one status for each plant, or is NULL. Returns the
 /// status of the first plant that failed, with its text. Allocates. The caller may as well call `mckibben_command` and
-/// `mckibben_advance` from threads of its own: the numbers are the same.
+/// `mckibben_advance` from separate threads: the numbers are the same.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mckibben_step_all(
     plants: *const *mut Plant,

@@ -34,7 +34,7 @@ fn check_array<T>(pointer: *const T, count: usize, name: &str) -> Result<(), Ref
 /// What a pointer points to.
 ///
 /// # Safety
-/// Unless it is NULL or misaligned, it points to a live `T` that nobody writes during `'a`.
+/// Unless it is NULL or misaligned, it points to a live `T` that no other code writes during `'a`.
 pub(crate) unsafe fn reference<'a, T>(pointer: *const T, name: &str) -> Result<&'a T, Refusal> {
     check(pointer, name)?;
     // SAFETY: neither NULL nor misaligned, and live by the caller's promise.
@@ -44,7 +44,7 @@ pub(crate) unsafe fn reference<'a, T>(pointer: *const T, name: &str) -> Result<&
 /// An array that is read; empty for a count of zero, whatever the pointer.
 ///
 /// # Safety
-/// Unless it is NULL or misaligned, it points to `count` elements that nobody writes during `'a`.
+/// Unless it is NULL or misaligned, it points to `count` elements that no other code writes during `'a`.
 pub(crate) unsafe fn array<'a, T>(pointer: *const T, count: usize, name: &str) -> Result<&'a [T], Refusal> {
     if count == 0 {
         return Ok(&[]);
@@ -57,7 +57,7 @@ pub(crate) unsafe fn array<'a, T>(pointer: *const T, count: usize, name: &str) -
 /// An array that is written; empty for a count of zero, whatever the pointer.
 ///
 /// # Safety
-/// Unless it is NULL or misaligned, it points to `count` elements, of any value, that nobody else uses during `'a`.
+/// Unless it is NULL or misaligned, it points to `count` elements, of any value, that no other code uses during `'a`.
 pub(crate) unsafe fn array_mut<'a, T: Plain>(
     pointer: *mut T,
     count: usize,
@@ -67,8 +67,8 @@ pub(crate) unsafe fn array_mut<'a, T: Plain>(
         return Ok(&mut []);
     }
     check_array(pointer, count, name)?;
-    // SAFETY: neither NULL nor misaligned, no longer than memory, and so many elements, used by nobody else, by the caller's
-    // promise; any bits are a value of a `Plain` type.
+    // SAFETY: neither NULL nor misaligned, no longer than memory, and so many elements, used by no other code, by the
+    // caller's promise; any bits are a value of a `Plain` type.
     Ok(unsafe { std::slice::from_raw_parts_mut(pointer, count) })
 }
 
@@ -81,7 +81,7 @@ impl Plain for crate::step::Response {}
 /// Writes a result to where the caller wants it.
 ///
 /// # Safety
-/// Unless it is NULL or misaligned, it points to memory for a `T` that nobody else uses.
+/// Unless it is NULL or misaligned, it points to memory for a `T` that no other code uses.
 pub(crate) unsafe fn write<T>(pointer: *mut T, name: &str, result: T) -> Result<(), Refusal> {
     check(pointer, name)?;
     // SAFETY: neither NULL nor misaligned, and memory for a `T` by the caller's promise.
@@ -92,7 +92,7 @@ pub(crate) unsafe fn write<T>(pointer: *mut T, name: &str, result: T) -> Result<
 /// Text in UTF-8.
 ///
 /// # Safety
-/// Unless it is NULL, it points to text with a zero byte at its end that nobody writes during `'a`.
+/// Unless it is NULL, it points to text with a zero byte at its end that no other code writes during `'a`.
 pub(crate) unsafe fn text<'a>(pointer: *const c_char, name: &str) -> Result<&'a str, Refusal> {
     check(pointer, name)?;
     // SAFETY: not NULL, and text with a zero byte at its end by the caller's promise.

@@ -1,6 +1,6 @@
 //! Reading, copying and freeing a plant; its names, units and counts.
 //!
-//! What never changes (names, counts) lies beside what moves, and is read without a lock.
+//! What never changes (names, counts) lies apart from what changes, and is read without a lock.
 //!
 //! Checked by `tests/interface/boundary.rs`.
 
@@ -136,7 +136,7 @@ impl Plant {
             Ok(mut moving) => work(&mut moving),
             Err(TryLockError::WouldBlock) => Err(Refusal::new(
                 Status::Busy,
-                "error: another thread uses the plant\n = help: give each thread plants of its own, or wait",
+                "error: another thread uses the plant\n = help: give each thread separate plants, or wait",
             )),
             Err(TryLockError::Poisoned(_)) => Err(Refusal::new(
                 Status::Defect,

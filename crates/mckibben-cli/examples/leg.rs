@@ -1,11 +1,11 @@
-//! The leg of `examples/plant/leg.toml` with pulsed valves, stepped by a loop of one's own: six of the paper's actuators, each valve
-//! under PWM, and a belt under the foot.
+//! The leg of `examples/plant/leg.toml` with pulsed valves, stepped by a custom loop: six of the paper's actuators,
+//! each valve under PWM, and a belt under the foot.
 //!
 //! ```text
 //! cargo run --release --example leg -- FOLDER [svg|png]
 //! ```
 //!
-//! writes `leg.svg`, the courses over time, and `leg-sticks.svg`, the leg in one stride, into a folder. Nobody measures
+//! writes `leg.svg`, the time series, and `leg-sticks.svg`, the leg in one stride, into a folder. Nothing measures
 //! anything: the duty cycles are a table over the stride. The leg's numbers are assumed, of the size of a small dog's.
 
 use mckibben::mechanism::{Chain, Mechanism};
@@ -66,7 +66,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The leg of the file with the paper's valves in place of pressure regulators, and no command of its own.
+/// The leg of the file with the paper's valves in place of pressure regulators, and no command.
 fn pulsed() -> Result<Document, Box<dyn Error>> {
     let mut leg = Document::load(FILE)?;
     leg.remove("valve");

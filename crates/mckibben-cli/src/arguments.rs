@@ -1,6 +1,6 @@
 //! The command line.
 //!
-//! Mistakes in it are shown by `clap`, with exit code 2, as every other mistake in the input.
+//! Mistakes in it are reported by `clap`, with exit code 2, as every other mistake in the input.
 
 use crate::commands::check::CheckArguments;
 use crate::commands::completions::CompletionsArguments;
@@ -42,7 +42,7 @@ Exit codes:
   129, 130, 143  stopped by SIGHUP, SIGINT, SIGTERM: what was under way was removed, what was finished stays"
 )]
 pub struct Arguments {
-    /// Units of what is shown and written: metric, si or imperial, and units for single quantities, as in
+    /// Units of what is printed and written: metric, si or imperial, and units for single quantities, as in
     /// `imperial` or `pressure=psi,angle=rad`. Without it, summaries and figures are metric and files in SI.
     #[arg(long, global = true, value_name = "UNITS", long_help = units_help())]
     pub units: Option<Units>,
@@ -54,7 +54,7 @@ pub struct Arguments {
 /// The help of `--units`, with the quantities that it knows.
 fn units_help() -> String {
     format!(
-        "Units of what is shown and written: metric, si or imperial, and units for single quantities, as in `imperial` or \
+        "Units of what is printed and written: metric, si or imperial, and units for single quantities, as in `imperial` or \
          `pressure=psi,angle=rad`. Summaries, figures, reports and the columns of files follow. Without it, summaries and \
          figures are metric and files in SI; parts of a sweep in a folder are always in SI. Quantities: {}",
         Units::names()

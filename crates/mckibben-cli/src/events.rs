@@ -10,7 +10,7 @@ const OF: [&str; 2] = ["actuator", "part"];
 /// The log, with what holds after each event for whom it happened to.
 pub(crate) fn table(log: &Log) -> String {
     let of = log.columns.iter().position(|column| OF.contains(&column.as_str()));
-    // The column of whom it happened to is there where the log tells it.
+    // The column of the actuator is there where the log names it.
     let row = |time: String, event: &str, part: &str, then: String| -> Vec<String> {
         let part = of.map(|_| part.to_owned());
         [time, event.to_owned()].into_iter().chain(part).chain([then]).collect()
@@ -35,7 +35,7 @@ pub(crate) fn table(log: &Log) -> String {
     head.chain(rows.iter().map(|row| columns.line(row))).map(|line| line + "\n").collect()
 }
 
-/// Whose a column is, of several actuators in one log: `agonist` of `agonist_valve`; empty where it says nobody.
+/// Whose a column is, of several actuators in one log: `agonist` of `agonist_valve`; empty where it names none.
 fn prefix(column: &str) -> &str {
     let owner = |name: &&str| column.strip_suffix(name)?.strip_suffix('_');
     OF_ACTUATOR.iter().find_map(owner).unwrap_or("")

@@ -1,4 +1,5 @@
-//! Files that arguments and options name: the scenario, what the ending of a name asks for, and files that are written together.
+//! Files that arguments and options name: the scenario, what the ending of a name stands for, and files that are
+//! written together.
 
 use mckibben_plot::Format;
 use mckibben_run::failure::Failure;
@@ -34,7 +35,7 @@ pub(crate) fn ending(path: &Path, option: &str, endings: &[&str]) -> Result<Stri
     })
 }
 
-/// The figure that `--plot` asks for, if it does.
+/// The figure that `--plot` requests, if any.
 ///
 /// # Errors
 /// [`Failure::input`] for another ending than .svg, .png, .pdf and .html.

@@ -71,7 +71,7 @@ pub fn listen() {
                 continue;
             }
             ending = true;
-            // Not on this thread: a file system that does not answer must not keep a second signal from being heard.
+            // Not on this thread: a file system that does not answer must not block a second signal.
             std::thread::spawn(move || end(signal, name));
         }
     });
@@ -109,7 +109,7 @@ pub(crate) fn on_end(words: impl Fn() -> String + Send + Sync + 'static) {
     let _ = STAYS.set(Box::new(words));
 }
 
-/// What stays when this program ends now, so many files of its own being finished; `None` for nothing.
+/// What stays when this program ends now, so many of its files being finished; `None` for nothing.
 pub(crate) fn stays(finished: u64) -> Option<String> {
     match (STAYS.get(), finished) {
         (Some(words), _) => Some(words()),

@@ -6,10 +6,10 @@ use std::sync::Arc;
 use std::sync::mpsc::{self, RecvTimeoutError, Sender};
 use std::time::Duration;
 
-/// How long work may take before anything is shown.
+/// How long work may take before a bar appears.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// Shows a bar for each piece of work.
+/// Draws a bar for each piece of work.
 #[derive(Clone, Copy, Debug)]
 pub struct Bars;
 
@@ -40,7 +40,7 @@ impl Bar {
             ProgressBar::with_draw_target(parts, ProgressDrawTarget::hidden()).with_style(style).with_message(name);
         let (done, wait) = mpsc::channel::<()>();
         let shown = bar.clone();
-        // A thread shows the bar, because the work may be one call that does not return for minutes.
+        // A thread draws the bar, because the work may be one call that does not return for minutes.
         std::thread::spawn(move || {
             if wait.recv_timeout(PATIENCE) == Err(RecvTimeoutError::Timeout) {
                 shown.set_draw_target(ProgressDrawTarget::stderr());
@@ -56,7 +56,7 @@ impl Watcher for Bar {
         self.bar.set_position(parts);
     }
 
-    /// On standard error, above the bar if one is shown.
+    /// On standard error, above the bar if there is one.
     fn say(&self, line: &str) {
         self.bar.suspend(|| crate::terminal::print_error(&format!("{line}\n")));
     }

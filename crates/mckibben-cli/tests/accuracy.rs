@@ -1,4 +1,4 @@
-//! `docs/accuracy.md` and its figure say what the engines do: every figure on the page is measured anew.
+//! `docs/accuracy.md` and its figure say what the engines do: every figure on the page is measured again.
 //!
 //! `cargo xtask accuracy` writes both; it is this test with `MCKIBBEN_WRITE` set.
 

@@ -62,7 +62,7 @@ fn every_equation_leads_to_a_function_and_a_test() {
     for number in 1..=32 {
         assert!(labels.contains(&format!("({number})")), "({number}) of the paper is not on the page");
     }
-    // The search itself tells a test from a function, and both from nothing.
+    // The search itself distinguishes a test, a function and nothing.
     let file = "crates/mckibben/src/braid.rs";
     assert!(defines(file, "volume", false) && !defines(file, "volume", true) && !defines(file, "volum", false));
 }

@@ -98,7 +98,7 @@ fn the_fixed_step_engine_closes_the_loop_of_a_joint() {
     let fixed = ["--set", "run.engine=fixed-step", "--set", "run.step=0.1 ms"];
     let (summary, stepped) = run(&folder, "joint-bang-bang", &fixed);
     assert_eq!(located["set_point_rad"], stepped["set_point_rad"]);
-    assert!(summary.contains("rms error") && summary.contains("changes of what the valve is asked"), "{summary}");
+    assert!(summary.contains("rms error") && summary.contains("changes of the valve's command"), "{summary}");
     let difference =
         |name: &str| located[name].iter().zip(&stepped[name]).map(|(a, b)| (a - b).abs()).fold(0.0f64, f64::max);
     // Far below a count of the sensor, 1.7 mrad.

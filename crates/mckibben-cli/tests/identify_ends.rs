@@ -201,8 +201,8 @@ fn an_interrupted_search_writes_the_best_values() {
     }
 }
 
-/// A swing that comes to rest has an overshoot, a frequency and a settling time, measured beside predicted, and a run that was left out
-/// has those that the other predicts.
+/// A swing that comes to rest has an overshoot, a frequency and a settling time, measured and predicted, and a run that
+/// was left out has those that the other predicts.
 #[test]
 fn step_like_runs_have_what_an_owner_looks_at() {
     let folder = Folder::new("ends-responses");

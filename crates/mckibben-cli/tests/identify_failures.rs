@@ -149,7 +149,7 @@ fn one_bad_cell_of_a_force_map_is_named_or_harmless() {
 fn a_study_that_fails_leaves_a_report_with_what_was_measured() {
     let folder = Folder::new("identify-nothing");
     folder.file("m.toml", "[load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n[initial]\ngauge_pressure = \"60 psi\"\n[run]\nduration = \"0.1 s\"\n");
-    // Two readings and two unknowns: nothing is left to tell them apart.
+    // Two readings and two unknowns: no degree of freedom is left.
     folder.file("d.csv", "t,L\n0,0.09\n0.05,0.091\n");
     folder.file(
         "study.toml",

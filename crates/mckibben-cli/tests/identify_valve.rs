@@ -449,14 +449,14 @@ fn tanks_that_cannot_be_are_refused() {
         (good.clone() + "begins = \"5 s\"\n", "there are 0 samples"),
         (good.clone() + "length = \"90 mm\"\n", "`tank.length` is of a volume that is found"),
         (good.clone() + "temperature = \"20 bar\"\n", "`tank.temperature` is \"20 bar\": that is a pressure"),
-        (good.clone() + "heat = true\n", "heat transfer is sought of air whose process has none"),
+        (good.clone() + "heat = true\n", "heat transfer is to be estimated for air whose process has none"),
         (good.replace("discharge", "charge"), "the pressure does not rise, but the study says charge"),
     ] {
         let told = refused(&folder, &text);
         let words = words.split("; give").next().expect("a part");
         assert!(told.contains(words), "`{words}` is not in\n{told}");
     }
-    // The same pressures as gauge pressures under the name of absolute ones: below the surroundings'.
+    // The same pressures as gauge pressures under the name of absolute ones: below the atmosphere's.
     let shifted = |by: f64, end: f64| {
         let line = |(time, pressure): (&str, &str)| {
             format!("{time},{:.1}\n", (pressure.parse::<f64>().expect("a number") + by).min(end))
@@ -474,7 +474,7 @@ fn tanks_that_cannot_be_are_refused() {
         .collect::<String>();
     folder.file("run.csv", &long);
     let told = refused(&folder, &good);
-    assert!(told.contains("but the surroundings to which it is discharged have 1.013 bar"), "{told}");
+    assert!(told.contains("but the atmosphere to which it is discharged has 1.013 bar"), "{told}");
     assert!(told.contains("name its column `gauge_pressure`"), "{told}");
     // A sensor that ends at 5 bar.
     folder.file("run.csv", &shifted(0.0, 5e5));
@@ -516,7 +516,7 @@ fn pulse_trains_give_the_delays_and_the_effective_duty() {
     holds(&folder, "valve.closing_delay", 1e-3, 0.2);
     there(&folder, &["index.html", "pulses-1.svg", "pulses-3.png", "duty.svg", "duty.csv"]);
     runs(&folder, "scenario.toml", &["opening_delay", "closing_delay"]);
-    // 0.5 − 3 ms · 40 Hz = 0.38; the paper's way tells the difference of the delays.
+    // 0.5 − 3 ms · 40 Hz = 0.38; the paper's way gives the difference of the delays.
     let duty = read(&folder, "out/duty.csv");
     let forty = duty.lines().last().expect("a line").split(',').nth(2).and_then(|cell| cell.parse::<f64>().ok());
     assert!((forty.expect("a number") - 0.38).abs() < 3e-3, "{duty}");

@@ -1,4 +1,4 @@
-//! `mckibben simulate` on a pressure regulator: its columns, what is told, its figure, and mistakes.
+//! `mckibben simulate` on a pressure regulator: its columns, its summary, its figure, and mistakes.
 
 mod common;
 

@@ -1,4 +1,5 @@
-//! `mckibben simulate --settle`: what a run settles to, with what `linearize` says of it, and that a swing is told from a ripple.
+//! `mckibben simulate --settle`: what a run settles to, with what `linearize` says of it, and that a swing is
+//! distinguished from a ripple.
 
 mod common;
 

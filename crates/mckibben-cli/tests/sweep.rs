@@ -309,7 +309,7 @@ fn a_killed_sweep_goes_on_and_ends_with_the_same_bytes() {
     assert!(told.contains("wrote killed, 3 parts"), "{told}");
     assert_eq!(bytes(&folder.path("killed")), whole);
     assert_eq!(folder.path("killed/part-00003.parquet").metadata().expect("there").modified().expect("a time"), kept);
-    // A finished sweep has nothing to do, tells the same, and draws.
+    // A finished sweep has nothing to do, prints the same, and draws.
     let again = run(&folder, &["sweep", "muscle.toml", "-o", "killed", "-p", "all.svg"]);
     let table =
         |text: &str| text.split("Reductions").nth(1).and_then(|rest| rest.split("\n\n").next()).map(str::to_owned);
@@ -376,7 +376,7 @@ part_rows = 4
         csv_lines(&folder.path("good.csv")).iter().map(|line| line["length_final_m"].clone()).collect();
     let seen: Vec<String> = lines.iter().step_by(2).map(|line| line["length_final_m"].clone()).collect();
     assert_eq!(seen, good);
-    // The parts know how many of their runs failed, so a finished sweep tells it too.
+    // The parts know how many of their runs failed, so a finished sweep reports it too.
     let again = run(&folder, &["sweep", "muscle.toml", "-o", "out"]);
     assert!(again.contains("4 of 8 runs failed"), "{again}");
     // With nothing but failures there is no result.
@@ -425,7 +425,7 @@ fn check_reads_the_sweep_too() {
     folder.file("muscle.toml", &format!("{}{GRID}", BASE.replace("mass = \"5 lb\"\n", "")));
     let told = run(&folder, &["check", "muscle.toml"]);
     assert!(told.contains("sweep of 12 runs"), "{told}");
-    // Mistakes within the section and outside it are told together, each once.
+    // Mistakes within the section and outside it are reported together, each once.
     let wrong = GRID.replace("\"15 lb\"", "\"15 lbf\"").replace("length.ripple", "length.riple");
     folder.file("muscle.toml", &format!("{}{wrong}", BASE.replace("\"100 psi\"", "\"100 N\"")));
     let message = fails(&folder, &["check", "muscle.toml"], 2);
@@ -647,7 +647,7 @@ fn joint() -> String {
         .replace("kind = \"hanging-mass\"\nmass = \"5 lb\"", joint)
 }
 
-/// The same under a controller of both valves.
+/// A joint under a controller of both valves.
 fn joint_under_control(controller: &str) -> String {
     joint()
         .replace(
@@ -876,7 +876,7 @@ fn without_a_step_the_sweep_takes_the_least_that_the_rows_tried_need() {
             format!("run.step={} s", chosen["longest_s"]),
         ];
         let simulate = ["simulate", "muscle.toml", "-o", "run.csv", "-s", &set[0], "-s", &set[1], "-s"];
-        // `simulate` tells the step that each needs.
+        // `simulate` prints the step that each needs.
         let told = run(&folder, &[&simulate[..], &["run.engine=fixed-step"]].concat());
         let step = told.split("at most ").nth(1).and_then(|rest| rest.split(" µs").next()).expect("a step in µs");
         least = least.min(step.parse::<f64>().expect("a number") * 1e-6);
@@ -917,7 +917,7 @@ fn every_shard_and_whoever_goes_on_takes_the_same_step() {
     assert_eq!(bytes(&folder.path("shards")), whole);
     let message = fails(&folder, &["sweep", "muscle.toml", "-o", "whole", "-s", "run.accuracy=1e-2"], 2);
     assert!(message.contains("another sweep") && message.contains("accuracy"), "{message}");
-    // One that is given is nobody's choice.
+    // One that is given is no choice of the program.
     sweep(&["-o", "given", "-s", "run.step=0.2 ms"]);
     assert_eq!(step_of(&folder.path("given")), serde_json::Value::Null);
 }

@@ -108,7 +108,7 @@ fn a_live_temporary_file_of_another_process_is_not_touched() {
     let folder = Folder::new("folder-live");
     folder.file("sweep.toml", SWEEP);
     std::fs::create_dir(folder.path("out")).expect("made");
-    // Of another machine, of an earlier version, and of nobody.
+    // Of another machine, of an earlier version, and without an owner.
     let names =
         [".sweep.json.0123456789abcdef-1-99999-0.tmp", ".part-00003.parquet.4242.tmp", ".part-00003.parquet.x-1-0.tmp"];
     names.iter().for_each(|name| std::fs::write(folder.path("out").join(name), "half").expect("written"));

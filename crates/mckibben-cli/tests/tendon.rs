@@ -1,4 +1,4 @@
-//! `mckibben simulate` and `mckibben sweep` with a tendon in series: columns, what is told, the figure, a sweep's rows.
+//! `mckibben simulate` and `mckibben sweep` with a tendon in series: columns, the summary, the figure, a sweep's rows.
 
 mod common;
 

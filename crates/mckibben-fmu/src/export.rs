@@ -53,7 +53,7 @@ impl Library {
             }
         }
         Err(Failure::input(
-            format!("the library `{LIBRARY}` that a unit carries is not beside the program"),
+            format!("the library `{LIBRARY}` that a unit carries is not in the folder of the program"),
             "run cargo build --release --package mckibben-fmu, or take both from the archive of a release",
         ))
     }

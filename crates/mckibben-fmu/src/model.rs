@@ -22,7 +22,7 @@ pub struct Model {
     document: Document,
     options: UnitOptions,
     variables: Variables,
-    /// The plant by the numbers of the scenario.
+    /// The plant with the parameters of the scenario.
     plant: HostPlant,
     token: String,
 }
@@ -72,12 +72,12 @@ impl Model {
         &self.variables
     }
 
-    /// The plant by the numbers of the scenario, at its start.
+    /// The plant with the parameters of the scenario, at its start.
     pub fn plant(&self) -> &HostPlant {
         &self.plant
     }
 
-    /// What tells this unit from others: of scenario, options and version.
+    /// The identity of this unit: of scenario, options and version.
     pub fn token(&self) -> &str {
         &self.token
     }

@@ -44,7 +44,7 @@ impl Interfaces {
 /// How a scenario becomes a plant that a host steps.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct UnitOptions {
-    /// Who moves the ends of the actuators.
+    /// What moves the ends of the actuators.
     pub motion: Motion,
     /// What the numbers are that valves are commanded by; each valve's own where none is chosen.
     pub command_mode: Option<String>,
@@ -133,7 +133,7 @@ mod tests {
         };
         assert_eq!(UnitOptions::from_text(&options.to_text()), Ok(options));
         assert_eq!(UnitOptions::from_text("motion = host\n"), Ok(UnitOptions::default()));
-        for wrong in ["motion", "motion = nobody", "speed = 3", "max_step = soon"] {
+        for wrong in ["motion", "motion = nothing", "speed = 3", "max_step = soon"] {
             assert!(UnitOptions::from_text(wrong).is_err(), "{wrong}");
         }
     }

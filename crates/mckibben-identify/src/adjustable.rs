@@ -1,6 +1,6 @@
 //! A scenario some of whose numbers are looked for: set to values, and differentiated by them.
 //!
-//! Derivatives are exact and come in blocks of [`WIDTH`] directions, each a pass of its own.
+//! Derivatives are exact and come in blocks of [`WIDTH`] directions, each a separate pass.
 
 pub use mckibben::{DIRECTIONS as WIDTH, Seeded};
 use mckibben::{Error, parameter};
@@ -35,7 +35,7 @@ impl Adjustable {
         Self { base, places, thread }
     }
 
-    /// The same at these values, with only the numbers of these indices looked for.
+    /// The subject at these values, with only the parameters of these indices unknown.
     ///
     /// # Errors
     /// As [`Adjustable::at`].
@@ -96,7 +96,7 @@ impl Adjustable {
     }
 }
 
-/// Puts the derivatives by the unknowns from `first` on into the row of a residual, each times a factor.
+/// Puts the derivatives with respect to the unknowns from `first` on into the row of a residual, each times a factor.
 pub(crate) fn spread(first: usize, slope: &[f64; WIDTH], factor: f64, row: &mut [f64]) {
     for (into, slope) in row.iter_mut().skip(first).zip(slope) {
         *into = factor * slope;

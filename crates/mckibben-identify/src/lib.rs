@@ -6,8 +6,8 @@
 //! | [`study`] | measured data: what was measured, and what is wrong with it |
 //! | [`statics`] | force maps to any law of static force, with errors where the fit has not looked |
 //! | [`loops`] | tension over length to and fro: friction and hysteresis |
-//! | [`trajectories`] | courses in time to any numbers of a scenario |
-//! | [`least_squares`] | the values that fit best, how sure they are, and what the data cannot tell apart |
+//! | [`trajectories`] | any parameters of a scenario from time series |
+//! | [`least_squares`] | the values that fit best, how certain they are, and what is not identifiable from the data |
 //! | [`ring_down`] | friction from a ring-down, by four estimators |
 //! | [`valve`] | flow coefficients of a valve, volume of a tank, delays of a seat |
 #![forbid(unsafe_code)]

@@ -7,7 +7,7 @@
 //! Length and pressure are taken as they were measured, so the tension follows at once: statics, effectiveness,
 //! viscous and dry friction, and a hysteresis whose memory goes with the length from sample to sample, which is exact
 //! while the length goes one way between two of them; viscoelastic branches relax exactly along the straight line between two
-//! samples. Its derivatives by the numbers that are looked for are exact. A
+//! samples. Its derivatives with respect to the unknowns are exact. A
 //! loop starts relaxed, which its first turn forgets: the readings before the first turn of the length do not count.
 //!
 //! The velocity is that of the straight line from the sample before; where it is zero, dry friction has no direction
@@ -55,7 +55,9 @@ pub struct Loop {
 #[derive(Clone, Debug, PartialEq, ThisError)]
 pub enum LoopError {
     /// The length does not turn.
-    #[error("the length of the run `{name}` does not turn: hysteresis shows only where it does; record it to and fro")]
+    #[error(
+        "the length of the run `{name}` does not reverse: hysteresis appears only where it does; record it to and fro"
+    )]
     NoTurn {
         /// The run.
         name: String,
@@ -176,7 +178,7 @@ pub struct LoopFit {
     pub found: Found,
     /// The scenario with these values.
     pub scenario: Scenario,
-    /// Root mean square of what is left of the tension, in N.
+    /// Root mean square of the residual tension, in N.
     pub left: f64,
 }
 
@@ -239,7 +241,7 @@ impl Model for LoopTask {
     }
 }
 
-/// Tensions in N of an actuator at the samples that count, with the place of each: what a figure shows.
+/// Tensions in N of an actuator at the samples that count, with the place of each, for a figure.
 pub fn tensions(of: &Loop, actuator: &Actuator) -> Vec<(Sample, f64)> {
     let mut found = Vec::new();
     of.tensions(actuator, |place, tension| found.push((of.samples[place], tension)));

@@ -1,4 +1,4 @@
-//! What outliers do not move: the median, and the deviation that it tells.
+//! Robust estimates: the median, and the deviation from the median of the distances to it.
 
 /// A standard deviation over the median distance from the middle, of normal errors: one over the median of |z|.
 const OVER_MEDIAN_DISTANCE: f64 = 1.482_602_218_505_602;

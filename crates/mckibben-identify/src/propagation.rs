@@ -4,7 +4,7 @@ use crate::least_squares::Estimate;
 use mckibben::Dual;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-/// A number that carries its derivative by one measured number.
+/// A number that carries its derivative with respect to one measured number.
 pub(crate) type Slope = Dual<f64, 1>;
 
 /// Numbers that are independent of each other, each with its standard deviation.

@@ -135,7 +135,7 @@ pub(crate) struct Polynomial {
 }
 
 impl Polynomial {
-    /// Of a degree, about a time; `None` when the samples do not tell it.
+    /// Of a degree, about a time; `None` when the samples do not determine it.
     pub(crate) fn fit(time: &[f64], value: &[f64], about: f64, degree: usize) -> Option<Self> {
         let (count, terms) = (time.len(), degree + 1);
         if count < terms {
@@ -192,11 +192,11 @@ mod tests {
 
     #[test]
     fn the_steps_of_a_sensor_are_noise() {
-        // Steps of 70 µm on a course that moves by many of them, without other noise: q/√12.
+        // Steps of 70 µm on a time series that moves by many of them, without other noise: q/√12.
         let (time, step) = (times(2000), 70e-6);
         let value: Vec<f64> = time.iter().map(|t| step * ((3e-3 * (7.0 * t).sin()) / step).round()).collect();
         assert!((noise(&time, &value) / (step / 12.0_f64.sqrt()) - 1.0).abs() < 0.3, "{}", noise(&time, &value));
-        // At rest it shows no noise at all, and has it.
+        // At rest no noise is visible at all, and there is some.
         let still: Vec<f64> =
             time.iter().map(|t| if ((t * 50.0) as u32).is_multiple_of(2) { 0.0 } else { step }).collect();
         assert!(noise(&time, &still) >= 0.99 * step / 12.0_f64.sqrt());

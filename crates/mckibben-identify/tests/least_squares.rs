@@ -212,7 +212,7 @@ fn too_few_points_and_a_start_outside_the_bounds_have_their_messages() {
     let curve = Curve { points: vec![[0.0, 1.0], [1.0, 2.0]], curve: line };
     let names = unknowns(&["offset", "slope"]);
     let few = fit(&curve, &names, &Search::default()).expect_err("too few");
-    assert!(few.to_string().contains("2 measurements cannot tell 2 unknowns"), "{few}");
+    assert!(few.to_string().contains("2 measurements cannot determine 2 unknowns"), "{few}");
     let outside = [names[0].clone().between(2.0, 3.0), names[1].clone()];
     let more = Curve { points: vec![[0.0, 1.0], [1.0, 2.0], [2.0, 3.0]], curve: line };
     let outside = fit(&more, &outside, &Search::default()).expect_err("outside");
@@ -271,7 +271,8 @@ fn what_ends_a_search_is_said_in_words() {
     }
 }
 
-/// Rosenbrock's valley as residuals, which takes many steps, and one more residual so that there is something to tell.
+/// Rosenbrock's valley as residuals, which takes many steps, and one more residual so that there is a degree of
+/// freedom.
 fn rosenbrock() -> Curve<Plain> {
     let curve = |which: f64, of: &[f64]| match which as u8 {
         0 => (10.0 * (of[1] - of[0] * of[0]), vec![-20.0 * of[0], 10.0]),

@@ -211,7 +211,7 @@ fn an_arm_gives_back_its_parts() {
         assert!(*observed == column(&documents[0], name), "{observed:?}");
         assert!((left / deviation - 1.0).abs() < 0.12, "{name}: {left}, not {deviation}");
     }
-    // What is written runs with these values, and each run is foretold by the other.
+    // What is written runs with these values, and each run is predicted from the other.
     for (described, simulated) in found.scenarios.iter().zip(&found.simulated) {
         let again = document(&described.to_toml()).plant_experiment().expect("a file that runs").expect("a plant");
         let run = simulate_plant(&again.plant, &again.start, 0.4, 1e-9).expect("a run").sample(0.3);
@@ -221,7 +221,7 @@ fn an_arm_gives_back_its_parts() {
     let held_out = task.held_out(&found);
     assert_eq!(held_out.len(), 2);
     for (run, left_out) in held_out.iter().enumerate() {
-        // What is foretold is off by the noise, and by at most what twice the deviations of the parameters come to.
+        // Predictions are off by the noise, and by at most what twice the deviations of the parameters come to.
         let other = identified(&Task { runs: vec![task.runs[1 - run].clone()], ..task.clone() }).found.fit;
         let courses = &task.runs[run].courses;
         let sampling = Sampling {
@@ -274,7 +274,7 @@ fn what_is_shared_is_one_parameter() {
     check(&identified(&task), &truths, 0.05);
 }
 
-/// The same joint as a plant's file and by itself, from the same records.
+/// A joint as a plant's file and as a joint's, from the same records.
 #[test]
 fn a_plant_of_one_joint_is_that_joint() {
     let command =

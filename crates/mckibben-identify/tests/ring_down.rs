@@ -230,7 +230,7 @@ fn estimators_of_one_muscle_agree_as_far_as_they_can() {
         let [low, high] = row.coulomb_width.confidence_interval.expect("it is told");
         high - low
     };
-    // All samples tell more than the turns.
+    // All samples are more certain than the turns alone.
     assert!(size(waveform) < 0.5 * size(exact) && size(waveform) < 0.5 * size(all));
     close(waveform.scatter.expect("a scatter"), 2e-5, 0.1, "the noise");
     assert!(all.scatter < exact.scatter && exact.scatter < paper.scatter);

@@ -268,7 +268,7 @@ fn bad_maps_are_refused() {
     let base = muscle(0.3, 0.02);
     let candidate = named(candidates::all(&base, &map).expect("places"), "sarosi");
     let error = candidate.fit(&map, None, &Search::default()).expect_err("too few").to_string();
-    assert!(error.contains("2 measurements cannot tell 6 unknowns"), "{error}");
+    assert!(error.contains("2 measurements cannot determine 6 unknowns"), "{error}");
 }
 
 #[test]

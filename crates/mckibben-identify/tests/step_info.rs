@@ -40,7 +40,8 @@ fn an_oscillation_has_the_numbers_of_its_closed_form() {
             assert!((found.overshoot - overshoot).abs() < 1e-2, "{} is not {overshoot}", found.overshoot);
             assert!((found.first_peak.expect("one") / peak - 1.0).abs() < 2e-2, "{found:?}, not {peak}");
             assert!((found.frequency.expect("one") / frequency - 1.0).abs() < 2e-2, "{found:?}, not {frequency}");
-            // The envelope is within 5 % of the stroke from ln(20/root)/(ζω) on, and the course a half swing before that at most.
+            // The envelope is within 5 % of the stroke from ln(20/root)/(ζω) on, and the time series a half swing
+            // before that at most.
             let envelope = (20.0 / root).ln() / (damping * NATURAL);
             assert!(found.settling <= envelope + 1e-3, "{found:?}");
             assert!(found.settling >= envelope - 0.5 / frequency, "{found:?}, not {envelope}");

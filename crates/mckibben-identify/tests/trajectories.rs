@@ -1,4 +1,4 @@
-//! Courses in time: numbers put in come back out, with honest intervals, and what cannot be found says so.
+//! Time series: parameters put in come back out, with honest intervals, and what cannot be found says so.
 
 mod noise;
 
@@ -17,7 +17,7 @@ fn scenario(supply: f64) -> Scenario {
     pulsed(supply, 12.0, 0.45)
 }
 
-/// The same at a frequency in Hz and a duty cycle.
+/// A scenario under pulses at a frequency in Hz and a duty cycle.
 fn pulsed(supply: f64, frequency: f64, duty: f64) -> Scenario {
     let text = format!(
         "[actuator]\npreset = \"colbrunn-2001\"\n[supply]\ngauge_pressure = \"{supply} psi\"\n[valve]\npreset = \"matrix-eight-channel\"\n\
@@ -123,7 +123,8 @@ fn noise_is_told_apart_by_quantity_and_the_truth_is_within_reach() {
     }
 }
 
-/// Length and pressure alone do not tell mass, turns, flow and friction: all of them scale with 1/n² together.
+/// Mass, turns, flow and friction are not identifiable from length and pressure alone: all of them scale with 1/n²
+/// together.
 #[test]
 fn what_scales_together_is_named() {
     let sought = ["load.mass", "actuator.turns", "actuator.friction.viscous", "valve.flow_area"];
@@ -231,7 +232,8 @@ fn an_interrupted_search_has_values_no_worse_than_its_start() {
     }
 }
 
-/// A load that goes slack and bounces at every pulse: a change of its mass by 10⁻⁴ is another course after a second.
+/// A load that goes slack and bounces at every pulse: a change of its mass by 10⁻⁴ gives another trajectory after a
+/// second.
 fn bouncing() -> Recorded {
     let truth = pulsed(100.0, 10.0, 0.35);
     let deviations = [1e-4, 1.5e3];
@@ -292,7 +294,7 @@ fn a_run_that_was_left_out_is_foretold() {
     assert_eq!(held_out.len(), 3);
     for (observed, [inside, outside]) in held_out.iter().flat_map(|run| &run.errors) {
         let noise = deviations[observed.index().expect("one of two")];
-        // Noise of 200 readings has a deviation of 5 %; a run that was not seen is not foretold better than its noise.
+        // Noise of 200 readings has a deviation of 5 %; a run that was left out is not predicted better than its noise.
         assert!((0.8..1.2).contains(&(inside / noise)), "{observed:?} {inside}");
         assert!((0.8..1.5).contains(&(outside / noise)), "{observed:?} {outside}");
     }
@@ -361,7 +363,7 @@ fn each_run_may_have_a_number_of_its_own() {
     for (scenario, mass) in found.scenarios.iter().zip(&found.found.fit.values()[1..]) {
         assert!(matches!(&scenario.scenario().expect("one").load, Load::HangingMass { mass: own, .. } if own == mass));
     }
-    // A run that was left out tells its own mass, and the others tell the friction.
+    // A run that was left out determines its own mass, and the others the friction.
     let held_out = task.held_out(&found);
     assert_eq!(held_out.len(), 3);
     for (observed, [_, outside]) in held_out.iter().flat_map(|run| &run.errors) {
@@ -461,7 +463,7 @@ fn a_joint_gives_back_its_limb_and_both_braids() {
         assert!((simulated.read(&Observed::AntagonistLength, 0.4) - again.actuators[1].length).abs() < 1e-8);
         assert!((simulated.read(&Observed::Torque, 0.4) - again.torque).abs() < 1e-5);
     }
-    // Each run is foretold by the numbers of the other and its own pressure at the start.
+    // Each run is predicted from the parameters of the other and its own pressure at the start.
     let held_out = task.held_out(&found);
     assert_eq!(held_out.len(), 2);
     for (observed, [_, outside]) in held_out.iter().flat_map(|run| &run.errors) {

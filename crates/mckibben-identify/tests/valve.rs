@@ -128,9 +128,9 @@ fn curves_that_do_not_tell_are_refused_with_a_remedy() {
     };
     for seed in 0..20 {
         let choked = refused(&of(&[0.05, 0.1, 0.15, 0.2, 0.22, 0.25, 0.3], seed));
-        assert!(choked.contains("b is not told") && choked.contains("0.3"), "{choked}");
+        assert!(choked.contains("b is not identifiable") && choked.contains("0.3"), "{choked}");
         let subsonic = refused(&of(&[0.5, 0.55, 0.6, 0.65, 0.7, 0.75, 0.8, 0.85, 0.9], seed));
-        assert!(subsonic.contains("C is not told") && subsonic.contains("0.5"), "{subsonic}");
+        assert!(subsonic.contains("C is not identifiable") && subsonic.contains("0.5"), "{subsonic}");
     }
     let few = refused(&of(&[0.1, 0.5, 0.9], 1));
     assert!(few.contains("3 points") && few.contains("at least 5"), "{few}");
@@ -235,7 +235,7 @@ fn intervals_by_windows_of_an_isothermal_tank_hold_c_and_b_in_95_of_100_trials()
     });
     println!("windows: C, b of a charge, C, b of a discharge {hits:?}");
     assert!(hits.iter().all(|hits| HITS.contains(hits)), "{hits:?}");
-    // The trajectory tells more.
+    // The trajectory determines more.
     let guess = TankUnknown::Valve { sonic_conductance: 1e-8, critical_ratio: 0.5 };
     for run in &runs {
         let record = record(run, 1);

@@ -9,7 +9,7 @@
 //! sensordata                  ←   an output by the sensor's name       ←   read_outputs
 //! ```
 //!
-//! An instance is one plant: a muscle of its own, or the actuators of a scenario file with their common tank, manifold and
+//! An instance is one plant: a single muscle, or the actuators of a scenario file with their common tank, manifold and
 //! hoses. There is no physics here, and nothing global: what an instance needs lies in its `mjData`.
 //!
 //! | module | what it holds |

@@ -107,7 +107,7 @@ impl Library {
     }
 }
 
-/// The library of MuJoCo among those that are loaded: whoever loaded it need not have made its names global.
+/// The library of MuJoCo among those that are loaded: its loader need not have made its names global.
 fn loaded() -> Result<*mut c_void, String> {
     let maps = std::fs::read_to_string("/proc/self/maps").unwrap_or_default();
     let mut paths = maps.lines().filter_map(|line| line.find('/').map(|at| &line[at..]));

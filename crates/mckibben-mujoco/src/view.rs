@@ -113,7 +113,8 @@ impl Model {
 
 impl Data {
     /// # Safety
-    /// `at` is an `mjData` of the version of `layout` for the model that its users name, and nobody else uses it meanwhile.
+    /// `at` is an `mjData` of the version of `layout` for the model that its users name, and no other code uses it
+    /// meanwhile.
     pub(crate) unsafe fn new(at: *mut c_void, layout: &'static Layout) -> Self {
         Self { at: at.cast(), layout }
     }

@@ -38,7 +38,7 @@ const ELSEWHERE: &[&str] = &["command", "controller", "initial", "load", "run", 
 
 /// Rates of change of a length in m/s beyond which nothing is believed.
 const SWIFTEST: f64 = 1e6;
-/// Parts of a step that go on without a look at Ctrl-C.
+/// Parts of a step between two checks for Ctrl-C.
 pub(crate) const UNHEARD: f64 = 2e4;
 /// What a state of an actuator has before the numbers of the plant: mark, count, time, length, pressure, air mass, open ports.
 const HEAD: usize = 7;
@@ -81,7 +81,7 @@ impl Model {
     pub(crate) fn demand(&self, name: &str, asked: &Asked) -> Result<RuntimeCommand, Failure> {
         let Some(valve) = self.steps.plant().network().valves.first() else {
             return Err(Failure::input(
-                "something is asked of a valve, but the actuator has none",
+                "there is a command to a valve, but the actuator has none",
                 "give the actuator a valve, or leave it sealed",
             ));
         };
@@ -148,7 +148,7 @@ pub(crate) fn check_length(of: &PlantSteps, name: &str, length: f64) -> Result<(
     Err(Failure::stopped(format!("{longer}: keep the ends closer together")))
 }
 
-/// One actuator of a joint as a scenario of its own, its ends held where the joint starts.
+/// One actuator of a joint as a separate scenario, its ends held where the joint starts.
 fn member(scenario: &Scenario, name: &str) -> Result<mckibben_scenario::Scenario, Failure> {
     let Some(of) = scenario.understood() else {
         return Err(Failure::input(
@@ -204,7 +204,7 @@ pub(crate) fn respond(steps: &mut PlantSteps, velocity: f64) -> Result<mckibben:
     Ok(response[0])
 }
 
-/// A number that tells texts from each other, exact as a float.
+/// A number that identifies a text, exact as a float.
 fn mark(text: &str) -> f64 {
     // FNV-1a.
     let hash = text
@@ -215,7 +215,7 @@ fn mark(text: &str) -> f64 {
 
 /// Refuses a duration that no step can have.
 pub(crate) fn check_dt(dt: f64) -> Result<(), Failure> {
-    let title = format!("dt = {dt:?} s is no time to go on by: nothing moves back in time, in no time or for ever");
+    let title = format!("dt = {dt:?} s is no step in time: it must be above zero and finite");
     if dt > 0.0 && dt.is_finite() {
         Ok(())
     } else {
@@ -304,7 +304,7 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Asked {
             "hold" => Ok(Self::Request(Request::Hold)),
             "exhaust" => Ok(Self::Request(Request::Exhaust)),
             other => Err(exception(&Failure::input(
-                format!("command = {other:?} is nothing that a valve can be asked"),
+                format!("command = {other:?} is no command that a valve can have"),
                 "give a duty cycle from 0 to 1, or \"fill\", \"hold\" or \"exhaust\"",
             ))),
         }

@@ -24,7 +24,7 @@ use std::sync::{Mutex, MutexGuard, TryLockError};
 const ALONE: usize = 128;
 /// Rows up to which one thread takes them.
 const TOGETHER: usize = 32;
-/// Parts of one row, and of all together, that go on without a look at Ctrl-C and a copy to go back to.
+/// Parts of one row, and of all together, between two checks for Ctrl-C and copies to go back to.
 const UNHEARD: [f64; 2] = [2e4, 2e7];
 
 /// Bytes that one of them takes, about: states, mode, and what a step computes with.
@@ -218,7 +218,7 @@ fn of_row(failure: Failure, row: usize) -> Failure {
 /// Arrays that the rows' answers are written to.
 struct Answers<'py>([Option<PyReadwriteArray1<'py, f64>>; 4]);
 
-/// Those arrays as they are given: the tension, its derivatives by length and velocity, and the pressure.
+/// Those arrays as they are given: the tension, its derivatives with respect to length and velocity, and the pressure.
 type Targets<'py> = [Option<Given<'py>>; 4];
 
 impl<'py> Answers<'py> {
@@ -304,7 +304,7 @@ impl Actuators {
             Err(TryLockError::Poisoned(rows)) => Ok(rows.into_inner()),
             Err(TryLockError::WouldBlock) => Err(exception(&Failure::input(
                 "these Actuators are being stepped by another thread",
-                "give each thread Actuators of its own, or wait for the other",
+                "give each thread separate Actuators, or wait for the other",
             ))),
         }
     }
@@ -397,7 +397,7 @@ impl Actuators {
     /// Ctrl-C ends a step of many parts; then all actuators are in their states before the step.
     #[pyo3(signature = (length, velocity, command, dt, tension, *, per_length = None, per_velocity = None, absolute_pressure = None,
         max_step = None))]
-    #[expect(clippy::too_many_arguments, reason = "each is an array of its own")]
+    #[expect(clippy::too_many_arguments, reason = "each is a separate array")]
     fn step<'py>(
         &self,
         py: Python<'py>,

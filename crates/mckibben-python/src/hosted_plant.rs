@@ -22,7 +22,8 @@ pub(crate) fn _register_mujoco() -> PyResult<()> {
 /// Plants of a scenario whose ends a simulator of your own moves: distances and commands in, tensions and pressures out.
 ///
 /// All actuators of the scenario, with the air network that they share, are one plant. The loads and mechanisms of the scenario
-/// are not used: the simulator moves the ends. `count` plants, each with a state of its own, are stepped together on all cores.
+/// are not used: the simulator moves the ends. `count` plants, each with its own state, are stepped together on all
+/// cores.
 ///
 /// Parameters
 /// ----------

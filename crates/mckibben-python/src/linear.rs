@@ -152,7 +152,7 @@ impl LinearModel {
         let system = found.system();
         let [states, inputs, outputs] = [&system.states, &system.inputs, &system.outputs];
         let matrix = |rows: &[Vec<f64>], height: usize, width: usize| {
-            // NumPy cannot tell the width of a matrix without rows.
+            // NumPy does not know the width of a matrix without rows.
             let values = PyArray1::from_vec(py, rows.concat()).reshape([height, width])?;
             Ok::<_, PyErr>(values.readwrite().make_nonwriteable().as_any().cast::<PyArray2<f64>>()?.clone().unbind())
         };
@@ -348,7 +348,7 @@ impl LinearModel {
     /// Returns
     /// -------
     /// Modes
-    ///     A list of `Mode`; `print` shows it as a table. A pair of conjugate poles is one mode.
+    ///     A list of `Mode`; `print` writes it as a table. A pair of conjugate poles is one mode.
     fn damp<'py>(model: &Bound<'py, Self>) -> PyResult<Modes<'py>> {
         python::call(model.py(), ("_results", "modes"), (model,)).map(Modes)
     }

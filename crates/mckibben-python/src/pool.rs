@@ -1,9 +1,9 @@
 //! The threads that share one calculation: a pool for each process, made when it is first used there.
 //!
 //! After `fork` a child has the one thread that forked and none of a pool's, but the pool's memory looks as if they were there:
-//! whoever waits for them waits for ever. So a pool belongs to the process that made it, and a child that was forked, as by
-//! `multiprocessing`, makes its own. Nothing here holds a lock while it is made, for a lock that another thread held when the
-//! process forked stays shut in the child.
+//! a thread that waits for them never returns. So a pool belongs to the process that made it, and a child that was
+//! forked, as by `multiprocessing`, makes its own. Nothing here holds a lock while it is made, for a lock that another
+//! thread held when the process forked stays shut in the child.
 
 use mckibben_run::failure::Failure;
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -47,7 +47,7 @@ fn pool() -> Result<&'static Pool, Failure> {
     let pool = match POOL.compare_exchange(known, made, Ordering::AcqRel, Ordering::Acquire) {
         Ok(_) => made,
         Err(first) => {
-            // SAFETY: another thread of this process was faster, so nobody else has seen this one.
+            // SAFETY: another thread of this process was faster, so no other code has seen this one.
             drop(unsafe { Box::from_raw(made) });
             first
         }

@@ -77,7 +77,7 @@ impl Scenario {
             document.set_in_si(SET, key, value).raised()?;
         }
         if document.is_plant() {
-            // What is wrong is found now; a sweep may give what is missing beside it.
+            // What is wrong is found now; a sweep may give what is missing.
             match document.sweep().raised()? {
                 Some(_) => {}
                 None => drop(document.plant_experiment().raised()?),
@@ -85,7 +85,7 @@ impl Scenario {
             let (name, text) = (document.source().name().to_owned(), document.source().text().to_owned());
             return Ok(Self { name, text, in_si, set, document, understood: None, sections: PyOnceLock::new() });
         }
-        // What a sweep varies need not be said beside it: then the first run stands for all.
+        // What a sweep varies need not be given in the file: then the first run stands for all.
         let first = |error| match document.sweep()? {
             Some(sweep) => sweep.scenario(0).map_err(|_| error),
             None => Err(error),
@@ -120,7 +120,7 @@ impl Scenario {
         values::dict_of(py, &table)
     }
 
-    /// The dictionary of the sections that all attributes share. Nobody changes it.
+    /// The dictionary of the sections that all attributes share. It is never changed.
     fn sections<'py>(&self, py: Python<'py>) -> PyResult<&Bound<'py, PyDict>> {
         self.sections.get_or_try_init(py, || self.dictionary(py).map(Bound::unbind)).map(|sections| sections.bind(py))
     }

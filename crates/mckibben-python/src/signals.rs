@@ -13,11 +13,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
-/// Between two looks at the clock work goes on as often as this, and between two at Python's signals so long.
+/// How often work goes on between two checks of the clock, and how long between two checks of Python's signals.
 const HEARD: u32 = 16;
 const PATIENCE: Duration = Duration::from_millis(50);
 
-/// Looks at Python's signals from the thread that works, while the interpreter is released, and reports progress.
+/// Checks Python's signals from the working thread, while the interpreter is released, and reports progress.
 #[derive(Default)]
 pub(crate) struct Watch {
     calls: u32,
@@ -63,7 +63,7 @@ impl Watch {
 /// What work on the pool's threads calls now and then with the time in s that it has reached; an error ends it.
 pub(crate) type Heard<'a> = dyn Fn(f64) -> Result<(), Error> + Sync + 'a;
 
-/// Does work on the threads of this process, while the caller's thread looks at signals.
+/// Does work on the threads of this process, while the caller's thread checks signals.
 pub(crate) fn heard<T: Send>(py: Python<'_>, work: impl FnOnce(&Heard<'_>) -> T + Send) -> PyResult<T> {
     let stop = AtomicBool::new(false);
     let watch = |time: f64| match stop.load(Ordering::Relaxed) {
@@ -73,8 +73,8 @@ pub(crate) fn heard<T: Send>(py: Python<'_>, work: impl FnOnce(&Heard<'_>) -> T 
     followed(py, |_| Ok(()), || stop.store(true, Ordering::Relaxed), || work(&watch))
 }
 
-/// Does work on the threads of this process, while the caller's thread looks at signals and calls `report` now and then. What
-/// one of them raises calls `stop`, and is raised when the work has ended.
+/// Does work on the threads of this process, while the caller's thread checks signals and calls `report` now and then.
+/// What one of them raises calls `stop`, and is raised when the work has ended.
 pub(crate) fn followed<T: Send>(
     py: Python<'_>,
     report: impl Fn(Python<'_>) -> PyResult<()> + Sync,

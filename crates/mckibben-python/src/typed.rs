@@ -221,7 +221,7 @@ impl<'py, T: Entry, D: Dimension> Given<'py, T, D> {
             ),
             _ => Failure::input(
                 format!("`{name}` shares memory with another argument, or another thread works on it"),
-                "give each argument, and each thread, an array of its own",
+                "give each argument, and each thread, a separate array",
             ),
         })
     }

@@ -239,7 +239,7 @@ impl Way {
     }
 }
 
-/// Parts of a run that its bar shows.
+/// Parts of a run that its progress bar counts.
 const PARTS: f64 = 1000.0;
 
 fn gigabytes(bytes: f64) -> String {

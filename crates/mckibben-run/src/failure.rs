@@ -42,7 +42,7 @@ impl Reason {
 pub struct Failure {
     reason: Reason,
     message: Message,
-    /// What is left behind all the same, where output could not be written.
+    /// What remains all the same, where output could not be written.
     stays: Option<String>,
 }
 
@@ -56,12 +56,12 @@ enum Message {
 }
 
 impl Failure {
-    /// The input is wrong, and no place in a file can be shown.
+    /// The input is wrong, with no place in a file.
     pub fn input(title: impl Into<String>, help: impl Into<String>) -> Self {
         Self::words(Reason::Input, title.into(), Some(help.into()))
     }
 
-    /// The simulation could not go on, and no place in a file can be shown.
+    /// The simulation could not go on, with no place in a file.
     pub fn stopped(title: impl Into<String>) -> Self {
         Self::words(Reason::Stopped, title.into(), None)
     }
@@ -74,7 +74,7 @@ impl Failure {
         Self::words(Reason::Stopped, title, Some(help.into()))
     }
 
-    /// An error of the core, shown in the scenario that led to it.
+    /// An error of the core, located in the scenario that led to it.
     pub fn of_core(error: &mckibben::Error, document: &Document) -> Self {
         Self::places(Reason::of(error), document.diagnose(error).into())
     }
@@ -86,8 +86,8 @@ impl Failure {
         Self::words(Reason::Output, title, Some(help.into()))
     }
 
-    /// The same with what was finished before and stays, as in `3 files stay`; of output that could not be written, and unless
-    /// that is said already.
+    /// Adds what was finished before and stays, as in `3 files stay`; only for output that could not be written, and
+    /// unless that is said already.
     #[must_use]
     pub fn staying(self, what: impl FnOnce() -> String) -> Self {
         match self.reason {
@@ -104,7 +104,7 @@ impl Failure {
         Self { reason, message: Message::Places(places), stays: None }
     }
 
-    /// The same of one thing among several, such as `actuator 7`; places in a file say it themselves.
+    /// Names one thing among several, such as `actuator 7`, as the origin; places in a file say it themselves.
     pub fn of(self, whose: &str) -> Self {
         match self.message {
             Message::Words { title, help } => {
@@ -155,7 +155,7 @@ impl Failure {
     }
 }
 
-/// An error of the core where no scenario is at hand to show it in; [`Failure::of_core`] shows it.
+/// An error of the core without a scenario to locate it in; [`Failure::of_core`] locates it.
 impl From<mckibben::Error> for Failure {
     fn from(error: mckibben::Error) -> Self {
         Self::words(Reason::of(&error), error.to_string(), None)

@@ -96,7 +96,7 @@ impl AirUse {
         self.see(weight, [supply, surroundings]);
     }
 
-    /// Adds the flows to the supply and to the surroundings at a point of a quadrature with its weight in s.
+    /// Adds the flows to the supply and to the atmosphere at a point of a quadrature with its weight in s.
     pub fn see(&mut self, weight: f64, [supply, surroundings]: [Flow; 2]) {
         self.from_supply += weight * supply.inward;
         self.to_supply += weight * supply.outward;

@@ -180,7 +180,7 @@ impl Write for Pending {
 mod tests {
     use super::*;
 
-    /// A folder of its own for a test.
+    /// A separate folder for a test.
     fn folder(name: &str) -> PathBuf {
         let folder = std::env::temp_dir().join(format!("mckibben-output-{name}-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();

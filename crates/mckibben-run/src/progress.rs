@@ -1,13 +1,13 @@
-//! Work that takes a while tells how far it is, to whoever listens.
+//! Progress of long work, reported to a listener.
 //!
-//! Nobody does unless a host says so, for the calls that it makes within [`with_listener`]: the program draws bars, Python calls
-//! back. What is told changes no result.
+//! There is none unless a host sets it, for the calls that it makes within [`with_listener`]: the program draws bars,
+//! Python calls back. Reports change no result.
 
 use std::cell::RefCell;
 use std::fmt;
 use std::sync::Arc;
 
-/// What work tells about itself.
+/// The description of a piece of work.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub struct Work {
     /// What is done, such as `simulating`.
@@ -18,7 +18,7 @@ pub struct Work {
     pub is_counted: bool,
 }
 
-/// A host that wants to know how far work is. It may be told from any thread.
+/// A host that receives progress. Its methods may be called from any thread.
 pub trait Listener: Send + Sync {
     /// Work begins.
     fn begin(&self, work: Work) -> Arc<dyn Watcher>;

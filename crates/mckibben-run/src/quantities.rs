@@ -8,12 +8,12 @@ pub fn quantity(value: f64, unit: &str) -> String {
     units().quantity(value, unit)
 }
 
-/// A value that somebody gave: as [`quantity()`], without zeros that say nothing.
+/// A value that a user gave: as [`quantity()`], without zeros that say nothing.
 pub fn given(value: f64, unit: &str) -> String {
     units().given(value, unit)
 }
 
-/// A ratio that somebody gave, in percent.
+/// A ratio that a user gave, in percent.
 pub fn given_percent(value: f64) -> String {
     format!("{} %", plain(&digits(value * 100.0)))
 }
@@ -79,7 +79,7 @@ pub fn digits(value: f64) -> String {
     if text.trim_start_matches(['-', '0', '.']).is_empty() { "0".to_owned() } else { text }
 }
 
-/// A quantity with a unit as somebody writes it, in the SI unit that it must have the dimension of.
+/// A quantity with a unit as users write it, in the SI unit that it must have the dimension of.
 ///
 /// # Errors
 /// What is wrong, in words, with `what` it should be and an `example` of it.

@@ -253,7 +253,8 @@ mod tests {
     use std::collections::BTreeSet;
     use std::path::Path;
 
-    /// Of one actuator, a joint, a plant with controllers: every number is finite and has a name of its own, and the energy closes.
+    /// Of one actuator, a joint, a plant with controllers: every number is finite and has a unique name, and the energy
+    /// closes.
     #[test]
     fn every_kind_of_run_has_numbers_with_names() {
         let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");

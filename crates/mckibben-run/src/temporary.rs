@@ -10,8 +10,8 @@
 //! | `RANDOM` | characters that make the name unique: the file is created exclusively |
 //!
 //! The process that writes it holds a lock on it, which ends with the process. So a file is abandoned where its name says that it
-//! was begun on this machine and nobody holds its lock. Locks of other machines on a network file system may not be visible, so
-//! their files stay.
+//! was begun on this machine and no process holds its lock. Locks of other machines on a network file system may not be
+//! visible, so their files stay.
 //!
 //! Checked by the tests below, and by those of the program, `tests/output.rs` and `tests/sweep_folder.rs`.
 
@@ -123,7 +123,7 @@ pub fn abandon_all() -> u64 {
     let mut ledger = ledger();
     ledger.under_way.clear();
     let finished = ledger.finished;
-    // Never released: whoever asks for it waits for the end.
+    // Never released: every other caller waits for the end.
     std::mem::forget(ledger);
     finished
 }
@@ -146,8 +146,8 @@ pub(crate) fn clear_abandoned(folder: &Path, of: impl Fn(&str) -> bool) {
     }
 }
 
-/// Locks a new file; whether it is still there and nobody else has taken the lock to remove it. Where files cannot be locked,
-/// nobody removes them.
+/// Locks a new file; whether it is still there and no other process has taken the lock to remove it. Where files cannot
+/// be locked, they are never removed.
 fn is_claimed(file: &File, path: &Path) -> bool {
     machine().is_none() || (!matches!(file.try_lock(), Err(TryLockError::WouldBlock)) && path.exists())
 }

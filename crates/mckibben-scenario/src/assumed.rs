@@ -1,7 +1,7 @@
-//! Which numbers of a scenario nobody states: those of presets that are marked as assumed, and defaults whose source
+//! Assumed parameters of a scenario: those of presets that are marked as assumed, and defaults whose source
 //! says so, where the file does not give its own.
 //!
-//! A program that shows results lists them beside the results. Checked by the tests below.
+//! A program that prints results lists them with the results. Checked by the tests below.
 
 use crate::choice::{LoadKind, ValveKind};
 use crate::document::{Document, Value};
@@ -53,7 +53,7 @@ impl Document {
     }
 
     /// The named actuator that gives what the file leaves out: the one it names, or the default where the file does
-    /// not describe a braid of its own.
+    /// not describe a braid.
     pub fn actuator_preset(&self) -> Option<&'static Preset> {
         match self.said("actuator.preset") {
             Some(name) => presets::actuator(name),
@@ -129,8 +129,8 @@ impl Document {
         }
     }
 
-    /// Whether a key of the valve that is not given belongs to the way in which its passages are stated: by the file, or as
-    /// a whole by the preset.
+    /// Whether a key of the valve that is not given belongs to the way in which its flow paths are stated: by the file,
+    /// or as a whole by the preset.
     fn is_in_force(&self, path: &str) -> bool {
         let given = |row: &Parameter| self.contains(row.key);
         let preset = |row: &Parameter| self.valve_preset().is_some_and(|preset| preset.get(row).is_some());
@@ -151,7 +151,7 @@ impl Document {
     /// The greatest or least length where nothing states it.
     fn range(&self, row: &'static Parameter, at: usize, source: &'static str) -> Option<Assumed> {
         let value = self.muscle()?.assumed()[at]?;
-        // Six digits tell a length; it is computed from the file's.
+        // Six digits suffice for a length; it is computed from the file's.
         let short = format!("{value:.5e}").parse().unwrap_or(value);
         Some(Assumed { parameter: row, text: quantity::format(short, row.unit), source, preset: None })
     }

@@ -47,7 +47,7 @@ words! {
     ProcessKind {
         Isentropic = "isentropic", "No heat passes the wall, with the paper's temperature of the inflowing air.";
         Isothermal = "isothermal", "The air keeps its temperature.";
-        Polytropic = "polytropic", "Between the two, with an exponent of its own.";
+        Polytropic = "polytropic", "Between the two, with a given exponent.";
         EnergyBalance = "energy-balance", "The first law, with the supply's temperature and heat through the wall.";
     }
     /// What the actuators of a plant move.
@@ -111,7 +111,7 @@ words! {
         FiveWayExhausted = "five-way-exhausted", "5/3 that exhausts both outputs when neither coil is energised.";
         FiveWayPressurised = "five-way-pressurised", "5/3 that fills both outputs when neither coil is energised.";
         FillHoldExhaust = "fill-hold-exhaust", "A pair of two-way valves that can also close.";
-        ProportionalSpool = "proportional-spool", "A spool that follows commanded positions and uncovers each passage by its share.";
+        ProportionalSpool = "proportional-spool", "A spool that follows commanded positions and uncovers each flow path by its share.";
         PressureRegulator = "pressure-regulator", "A proportional pressure regulator: open all the time to a pressure that follows set points.";
     }
     /// How finely a hose is resolved.
@@ -124,7 +124,7 @@ words! {
         Actuator = "actuator", "The actuator's own temperature.";
         Ambient = "ambient", "The temperature of the supply, as the paper writes it.";
     }
-    /// What a valve is told to do.
+    /// The kinds of command to a valve.
     CommandState {
         Fill = "fill", "Join the actuator to the supply.";
         Hold = "hold", "Close the actuator; not with a three-way valve.";

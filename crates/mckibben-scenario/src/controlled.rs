@@ -16,7 +16,7 @@ use mckibben::{Actuator, Error, GaugePressure};
 /// A scenario with a controller ready to run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ControlledExperiment {
-    /// What is controlled; nothing is asked of its valve but by the controller.
+    /// What is controlled; its valve has no command but the controller's.
     pub experiment: Experiment,
     /// The controller.
     pub law: ControlLaw,
@@ -102,7 +102,7 @@ impl Scenario {
         }
     }
 
-    /// The same with nothing asked of the valve where a controller would ask.
+    /// The scenario without its controller: the valve has no command where the controller would give one.
     pub fn open_loop(&self) -> Self {
         let mut open = self.clone();
         let still = |command: &mut Option<Command>| {
@@ -122,7 +122,8 @@ impl Document {
     /// Reads the scenario and builds what it describes and its controller, or `None` when it has none, or one of a joint.
     ///
     /// # Errors
-    /// Every mistake in the file; then, if there is none, the first contradiction that the model finds, shown in the file.
+    /// Every mistake in the file; then, if there is none, the first contradiction that the model finds, with its place
+    /// in the file.
     pub fn controlled_experiment(&self) -> Result<Option<ControlledExperiment>, Diagnostics> {
         self.scenario()?.controlled_experiment().map_err(|error| self.diagnose(&error).into())
     }
@@ -195,7 +196,7 @@ fn without_joint() -> Error {
     Error::Misuse { what: "an aim of a joint is given, but there is no joint", remedy: "choose another load.kind" }
 }
 
-/// What a valve can be asked by a relay and by a PID controller.
+/// What a relay and a PID controller can command a valve to do.
 pub(crate) fn ways(scenario: &Scenario) -> Result<(Between, Output), Error> {
     match scenario.valve.map(|valve| valve.kind) {
         Some(ValveKind::ThreeWay | ValveKind::ThreeWayNormallyOpen) => Ok((Between::Keep, Output::FillExhaust)),

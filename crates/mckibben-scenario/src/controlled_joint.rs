@@ -17,7 +17,7 @@ use mckibben::{Error, GaugePressure};
 /// A joint with a controller ready to run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ControlledJointExperiment {
-    /// What is controlled; nothing is asked of its valves but by the controller.
+    /// What is controlled; its valves have no commands but the controller's.
     pub experiment: JointExperiment,
     /// The controller.
     pub law: JointLaw,
@@ -108,7 +108,8 @@ impl Document {
     /// Reads the scenario and builds its joint and its controller, or `None` when it has not both.
     ///
     /// # Errors
-    /// Every mistake in the file; then, if there is none, the first contradiction that the model finds, shown in the file.
+    /// Every mistake in the file; then, if there is none, the first contradiction that the model finds, with its place
+    /// in the file.
     pub fn controlled_joint_experiment(&self) -> Result<Option<ControlledJointExperiment>, Diagnostics> {
         let scenario = self.scenario()?;
         let (Load::AntagonisticJoint(_), Some(Command::Controller(of))) = (&scenario.load, &scenario.command) else {

@@ -1,9 +1,9 @@
-//! Shows an error of the core in the scenario file.
+//! Locates an error of the core in the scenario file.
 //!
 //! The core names the parameter at fault by its scenario key. The place is the value at that key; where the file does
 //! not give it, the description of a muscle at rest that it follows from, else the preset that did, else the section it
 //! belongs to, else the file. The other side of a contradiction
-//! is shown too when the file gives it.
+//! is located too when the file gives it.
 
 use crate::diagnostic::{Class, Diagnostic, Place};
 use crate::document::{Document, Value};
@@ -61,7 +61,7 @@ impl Document {
                 Diagnostic::whole(Class::NotApplicable, self.source().name(), *what).help(*remedy)
             }
             Error::Stopped { remedy, .. } => {
-                // The remedy is shown as help and need not stand in the title as well.
+                // The remedy is printed as help and need not stand in the title as well.
                 let text = error.to_string();
                 let title = text.strip_suffix(&format!("; {remedy}")).unwrap_or(&text);
                 Diagnostic::whole(Class::Stopped, self.source().name(), title).help(*remedy)

@@ -199,7 +199,7 @@ impl Diagnostic {
         self
     }
 
-    /// The same with each path between backticks as `name` has it.
+    /// Renames each path between backticks as `name` has it.
     pub(crate) fn renamed(mut self, name: impl Fn(&str) -> Option<String>) -> Self {
         let texts = [&mut self.title, &mut self.label].into_iter().chain(&mut self.help);
         for text in texts {

@@ -2,7 +2,7 @@
 //!
 //! The `toml` crate parses; this module keeps what a reading needs: owned values with their bytes in the text, look-up
 //! by path (`valve.efficiency`), and values set from outside (a sweep, a command-line option), which carry a small
-//! text of their own so that an error about them shows what was set.
+//! separate text so that an error about them prints what was set.
 //!
 //! Checked by `tests/scenario.rs and tests/diagnostics.rs`.
 
@@ -127,7 +127,8 @@ impl Document {
         &self.source
     }
 
-    /// Sets the value at a path such as `valve.efficiency`, in place of the file's own or beside the other keys.
+    /// Sets the value at a path such as `valve.efficiency`, in place of the file's own or in addition to the other
+    /// keys.
     ///
     /// Sections on the way are made when absent. The value is checked when the scenario is read; until then any
     /// path is accepted.
@@ -160,7 +161,7 @@ impl Document {
     /// # Errors
     /// When the path is no path, as for [`Document::set`].
     pub fn set_plain_from(&mut self, name: &str, path: &str, value: &str) -> Result<(), Diagnostics> {
-        // A line end could begin a second key, which TOML would read and nobody would see.
+        // A line end could begin a second key, which TOML would read without notice.
         if !value.contains('\n') {
             let mut changed = self.clone();
             if changed.set_text_from(name, path, value).is_ok() {
@@ -202,8 +203,8 @@ impl Document {
         graft(&mut self.root, root, &names)
     }
 
-    /// That a path leads through a part that the document does not name beside those that it does: a value there would add
-    /// that part.
+    /// That a path leads through a part that the document does not name among those that it does: a value there would
+    /// add that part.
     pub(crate) fn nameless(&self, path: &str, place: &Place) -> Option<Diagnostic> {
         let names: Vec<&str> = path.split('.').collect();
         let fault = (1..names.len()).find(|end| {
@@ -350,7 +351,7 @@ fn table_of(source: &Arc<Source>) -> Result<Table, Diagnostics> {
     let (parsed, errors) = DeTable::parse_recoverable(source.text());
     let found = errors.into_iter().map(|error| {
         let mut span = error.span().unwrap_or(0..0);
-        // An error at a line's end is shown on that line, not below it.
+        // An error at a line's end is printed on that line, not below it.
         if span.is_empty() || source.text().get(span.clone()) == Some("\n") {
             span.end = span.start;
         }

@@ -125,13 +125,13 @@ pub struct Section {
     pub required: bool,
 }
 
-/// The word of `initial.length` that asks for the length at which the load is balanced.
+/// The word of `initial.length` that stands for the length at which the load is balanced.
 pub const EQUILIBRIUM: Choice = Choice {
     name: "equilibrium",
     meaning: "Where the actuator balances the load at the initial pressure, on the taut braid if need be.",
 };
 
-/// The word of `initial.angle` that asks for the angle at which the torques balance.
+/// The word of `initial.angle` that stands for the angle at which the torques balance.
 pub const BALANCED: Choice = Choice {
     name: "equilibrium",
     meaning: "Where the torques of both actuators and the load balance at the initial pressures.",
@@ -252,12 +252,12 @@ pub static SECTIONS: &[Section] = &[
     section("valve", "The valve; without it the actuator is sealed.", false),
     section(
         "valve.exhaust",
-        "The valve's passage to the surroundings, where it differs from the one to the supply.",
+        "The valve's flow path to the atmosphere, where it differs from the one to the supply.",
         false,
     ),
     section("valve.spool", "The proportional spool; given exactly when `valve.kind` is `proportional-spool`.", false),
     section("hose", "The hose from the valve to the actuator; none when absent.", false),
-    section("command", "What the valve is told; given exactly when there is a valve.", false),
+    section("command", "The command to the valve; given exactly when there is a valve.", false),
     section(CONTROLLER, "The controller; given exactly when `command.kind` is `controllers`.", false),
     section(
         "pressure",
@@ -556,7 +556,7 @@ pub static KEYS: &[Key] = &[
     ),
     regulated(
         "controller.dead_band",
-        "Error, either way, within which a bang-bang controller asks for nothing.",
+        "Error, either way, within which a bang-bang controller requests nothing.",
         "\"50 mbar\"",
     )
     .when(CONTROL, RELAYS),

@@ -15,7 +15,7 @@
 //! let scenario = Scenario::from_str(text, "muscle.toml")?;
 //! assert_eq!(scenario.actuator.max_length, 0.09779); // the default preset's 3.85 in
 //!
-//! // A sweep sets values by path, and mistakes are shown where they are.
+//! // A sweep sets values by path, and mistakes are located.
 //! let mut document = Document::parse(text, "muscle.toml")?;
 //! document.set("load.mass", &"5 lbf".into())?;
 //! let mistakes = document.scenario().unwrap_err();
@@ -29,7 +29,7 @@
 //! | [`keys`] | the one table of sections and keys, over the core's table of parameters |
 //! | [`presets`] | named actuators and valves, each number with its source |
 //! | [`diagnostic`] | errors that show file, line, column and remedy |
-//! | [`Document`] | a file as parsed, with values set from outside, and the core's errors shown in it |
+//! | [`Document`] | a file as parsed, with values set from outside, and the core's errors located in it |
 //! | [`Muscle`] | the braid at rest, from whichever of its numbers a file states |
 //! | [`Assumed`] | the numbers in force that no source states |
 //! | [`Scenario`] | what a file says, as plain SI values; `to_toml` writes it back |

@@ -61,7 +61,8 @@ impl Document {
     /// Reads the scenario and builds what it describes.
     ///
     /// # Errors
-    /// Every mistake in the file; then, if there is none, the first contradiction that the model finds, shown in the file.
+    /// Every mistake in the file; then, if there is none, the first contradiction that the model finds, with its place
+    /// in the file.
     pub fn experiment(&self) -> Result<Experiment, Diagnostics> {
         let scenario = self.scenario()?;
         scenario.experiment().map_err(|error| self.diagnose(&error).into())
@@ -109,7 +110,8 @@ impl Document {
     /// Reads the scenario and builds the joint that it describes, or `None` when its load is another.
     ///
     /// # Errors
-    /// Every mistake in the file; then, if there is none, the first contradiction that the model finds, shown in the file.
+    /// Every mistake in the file; then, if there is none, the first contradiction that the model finds, with its place
+    /// in the file.
     pub fn joint_experiment(&self) -> Result<Option<JointExperiment>, Diagnostics> {
         self.joint_of(&self.scenario()?)
     }
@@ -165,7 +167,7 @@ impl Scenario {
         Ok(Some(JointExperiment { rig, start, run: self.run }))
     }
 
-    /// What the actuator of a joint has beside its valve.
+    /// What the actuator of a joint has in addition to its valve.
     fn fittings(&self, air: &air::Air) -> Result<Fittings, Error> {
         Ok(Fittings { line: self.core_line(air)?, tendon: self.core_tendon()?, pressure: self.core_pressure()? })
     }
@@ -240,7 +242,7 @@ fn opposite_output(first: &Scenario, second: &Scenario) -> Result<usize, Error> 
     let kind = |scenario: &Scenario| scenario.valve.map(|valve| valve.kind);
     if kind(first) != kind(second) || first.command != second.command {
         return Err(Error::Misuse {
-            what: "one five-way valve drives both actuators of a joint, and the antagonist is given another of its own",
+            what: "one five-way valve drives both actuators of a joint, and the antagonist is given another valve",
             remedy: "remove the kind from [antagonist.valve] and the section [antagonist.command], or give the antagonist a \
                      valve of another kind",
         });
@@ -411,7 +413,7 @@ impl Scenario {
         self.driven_by(0)
     }
 
-    /// The same by one output of the valve, 0 or 1: only a five-way valve has the second.
+    /// The actuator as driven by one output of the valve, 0 or 1: only a five-way valve has the second.
     pub(crate) fn driven_by(&self, output: usize) -> Result<Driven, Error> {
         let air = core_air(&self.air)?;
         let mut actuator = self.core_actuator(air)?;
@@ -664,7 +666,7 @@ impl FlowPath {
         }
     }
 
-    /// The same passage that lets through `factor` times as much.
+    /// Scales the flow path: it lets through `factor` times as much.
     #[must_use]
     pub fn scaled(self, factor: f64) -> Self {
         match self {

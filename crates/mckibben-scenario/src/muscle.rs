@@ -246,7 +246,7 @@ impl Stated {
     }
 }
 
-/// Whether keys determine a braid by themselves.
+/// Whether keys determine a braid without others.
 pub(crate) fn determine(given: impl Fn(&Parameter) -> bool) -> bool {
     Stated::new(|row| given(row).then_some(1.0)).set().is_some()
 }

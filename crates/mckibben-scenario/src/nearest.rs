@@ -4,7 +4,7 @@
 //! alignment). Case and the choice between `_` and `-` cost less than a letter, so that `PSI` finds `psi` and
 //! `gauge-pressure` finds `gauge_pressure`.
 
-/// Words longer than this are not compared: nobody mistypes a unit in 64 letters, and the cost grows with the square.
+/// Words longer than this are not compared: no mistyped unit has 64 letters, and the cost grows with the square.
 const LONGEST: usize = 64;
 
 /// Cost of one wrong letter. Costs are whole numbers; a wrong case costs 1.

@@ -262,7 +262,7 @@ impl Place {
         Self { parameter, at, of: [true, !is_of_antagonist(parameter.key)] }
     }
 
-    /// The same number of both actuators of a joint, which then have one value.
+    /// The parameter of both actuators of a joint, which then have one value.
     #[must_use]
     pub fn of_both(self) -> Self {
         Self { of: [true; 2], ..self }
@@ -325,8 +325,8 @@ impl Place {
 }
 
 impl Document {
-    /// The number at a path in its scenario, which is looked for with `others` beside it: what it says of both actuators of a
-    /// joint is one number of both, unless the antagonist's is among these by itself.
+    /// The number at a path in its scenario, which is estimated together with `others`: what it says of both actuators
+    /// of a joint is one number of both, unless the antagonist's is among these separately.
     ///
     /// # Errors
     /// As [`Place::find`].
@@ -372,7 +372,8 @@ impl PartialEq for Place {
     }
 }
 
-/// Seeds of derivatives by some numbers, for the functions `map` of the core's parts: give each part once.
+/// Seeds of derivatives with respect to some parameters, for the functions `map` of the core's parts: give each part
+/// once.
 #[derive(Clone, Debug)]
 pub struct Seeds {
     places: Vec<Place>,
@@ -391,7 +392,7 @@ impl Seeds {
         Self { passed: vec![[0; 2]; places.len()], met: vec![false; places.len()], followers: Vec::new(), places }
     }
 
-    /// The same where a parameter of an actuator, 0 or of a joint's second 1, follows from one of the places, at a rate.
+    /// Makes a parameter of an actuator, 0 or of a joint's second 1, follow from one of the places, at a rate.
     #[must_use]
     pub fn with_follower(mut self, parameter: &'static Parameter, actuator: usize, place: usize, rate: f64) -> Self {
         self.followers.push((parameter, actuator, place, rate));
@@ -409,7 +410,7 @@ impl Seeds {
         self.over_of(None, parameter, value)
     }
 
-    /// The same of a joint's first or second actuator, 0 or 1, or of the joint itself.
+    /// Dual numbers for a parameter of a joint's first or second actuator, 0 or 1, or of the joint itself.
     pub fn over_of<const K: usize>(
         &mut self,
         actuator: Option<usize>,

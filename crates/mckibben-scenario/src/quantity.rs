@@ -9,7 +9,7 @@
 //! ```
 //!
 //! Products and quotients go from left to right, so `J/kg*K` is `(J/kg)*K`, and a space after a `/` is refused because
-//! readers differ about it. `degC` and `degF` have a zero of their own and stand alone. `ANR`, the reference atmosphere
+//! readers differ about it. `degC` and `degF` have an offset zero and stand alone. `ANR`, the reference atmosphere
 //! of ISO 6358, is allowed after a volume flow or a conductance, where it says which air is counted.
 //!
 //! Values are computed in whole numbers and rounded to `f64` once. What overflows 128 bits (high powers of imperial
@@ -77,7 +77,7 @@ pub fn parse(text: &str) -> Result<Quantity, QuantityError> {
 /// Reads a unit expression such as `"N*s/m"`: its dimension, and its size in SI. The empty text is a pure number.
 ///
 /// # Errors
-/// When the text is no unit, or is a temperature scale with a zero of its own.
+/// When the text is no unit, or is a temperature scale with an offset zero.
 pub fn parse_unit(text: &str) -> Result<(Dimension, f64), QuantityError> {
     let mut parser = Parser { text, at: 0 };
     parser.spaces();
@@ -102,7 +102,7 @@ pub(crate) fn with_own_zero(text: &str) -> Option<QuantityError> {
     parser.unit_to_the_end().ok()?.zero?;
     let linear = if text.contains(['F', '℉']) { "degR" } else { "K" };
     Some(QuantityError {
-        message: format!("`{}` has a zero of its own, but a difference is due", &text[unit.clone()]),
+        message: format!("`{}` has an offset zero, but a difference is due", &text[unit.clone()]),
         help: Some(format!("write `{linear}`, which is the same difference of temperature")),
         span: unit,
     })
@@ -133,7 +133,7 @@ fn own_zero(symbol: &str, span: Range<usize>) -> QuantityError {
     let linear = if symbol.contains(['F', '℉']) { "degR" } else { "K" };
     QuantityError {
         span,
-        message: format!("`{symbol}` has a zero of its own and cannot be part of a compound unit"),
+        message: format!("`{symbol}` has an offset zero and cannot be part of a compound unit"),
         help: Some(format!("write `{linear}`, which is the same difference of temperature")),
     }
 }
@@ -193,7 +193,7 @@ fn divided(mantissa: u128, exponent: i32, scale: &Scale) -> Option<f64> {
     if denominator == 1 {
         return format!("{numerator}e{exponent}").parse().ok();
     }
-    // Shift decimal digits in until 128 bits are full; the quotient then has more digits than any f64 can tell apart,
+    // Shift decimal digits in until 128 bits are full; the quotient then has more digits than any f64 can represent,
     // and a last digit 1 in place of a remainder keeps ties from being rounded as such.
     while let Some(shifted) = numerator.checked_mul(10).filter(|_| numerator != 0) {
         numerator = shifted;

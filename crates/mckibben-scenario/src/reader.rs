@@ -123,7 +123,7 @@ impl<'d> Reader<'d> {
         self.note(example.into_iter().fold(diagnostic, Diagnostic::help));
     }
 
-    /// Notes that a whole section is absent, at the section that asks for it or at the end.
+    /// Notes that a whole section is absent, at the section that requires it or at the end.
     pub(crate) fn missing_section(&mut self, section: &str, wanted_by: Option<&str>) {
         if self.meant.iter().any(|meant| meant == section) {
             return;
@@ -513,7 +513,7 @@ fn inside(place: &Place, value: &str, span: std::ops::Range<usize>) -> Place {
     if !plain {
         return place.clone();
     }
-    // Something missing at the end is shown at the closing quote.
+    // Something missing at the end is reported at the closing quote.
     let start = place.span().start + 1;
     let end = if span.is_empty() { span.start + 1 } else { span.end };
     place.narrowed(start + span.start..start + end)

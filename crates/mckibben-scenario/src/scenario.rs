@@ -3,7 +3,7 @@
 //! Units, presets and defaults are resolved: every field is a number in the unit its sentence names, or one of a few
 //! choices. Each number is within the range of its row in the core's parameter table. What takes the model to judge
 //! (whether the braid's lengths fit each other, say) is judged by the constructors of the core, whose errors
-//! [`Document::diagnose`](crate::Document::diagnose) shows in the file.
+//! [`Document::diagnose`](crate::Document::diagnose) locates in the file.
 
 use crate::choice::{
     BladderForm, CommandState, Engine, ExhaustTemperature, HoseKind, Method, PressurePlace, ValveKind,
@@ -27,7 +27,7 @@ pub struct Scenario {
     pub valve: Option<Valve>,
     /// The hose from the valve to the actuator; there only with a valve.
     pub hose: Option<Hose>,
-    /// What the valve is told; there exactly when `valve` is.
+    /// The command to the valve; there exactly when `valve` is.
     pub command: Option<Command>,
     /// The pressure in the actuator over time, where it is given; in place of a valve.
     pub pressure: Option<PressureSeries>,
@@ -52,7 +52,7 @@ pub struct Actuator {
     pub max_length: f64,
     /// Length L_min in m of full contraction.
     pub min_length: f64,
-    /// Volume V_ext of hose and fittings in m³; a [`Hose`] has its volume beside it.
+    /// Volume V_ext of hose and fittings in m³; a [`Hose`] has its volume in addition.
     pub external_volume: f64,
     /// Conductance k of a leak in m³/(s·Pa), if there is one.
     pub leakage: Option<f64>,
@@ -165,7 +165,7 @@ pub struct Bladder {
 /// Measured force over ideal force, as a law over gauge pressure.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Effectiveness {
-    /// The same ratio at every pressure.
+    /// A ratio that is constant over pressure.
     Constant(f64),
     /// Coefficients e_k of Eff = Σ e_k Pg^k, with the gauge pressure Pg in Pa; e_k is in Pa^-k.
     Polynomial(Vec<f64>),
@@ -262,7 +262,7 @@ pub struct Limit {
 pub struct Air {
     /// How the actuator's air changes its state.
     pub process: Process,
-    /// Absolute pressure of the surroundings P_atm in Pa.
+    /// Absolute pressure of the atmosphere P_atm in Pa.
     pub atmospheric_pressure: f64,
     /// Specific gas constant R in J/(kg·K).
     pub gas_constant: f64,
@@ -277,7 +277,7 @@ pub enum Process {
     Isentropic,
     /// Constant temperature.
     Isothermal,
-    /// An exponent of its own.
+    /// A given exponent.
     Polytropic {
         /// The exponent κ.
         index: f64,
@@ -296,7 +296,7 @@ pub enum Process {
 pub struct Supply {
     /// Gauge pressure in Pa.
     pub gauge_pressure: f64,
-    /// Temperature in K of the supply's air and the surroundings.
+    /// Temperature in K of the supply's air and the atmosphere.
     pub temperature: f64,
     /// A reservoir that sags; without one the air has no end.
     pub reservoir: Option<Reservoir>,
@@ -387,13 +387,13 @@ pub struct Valve {
     pub kind: ValveKind,
     /// How much it lets through.
     pub passage: FlowPath,
-    /// How much the passage to the surroundings lets through, where it differs.
+    /// How much the flow path to the atmosphere lets through, where it differs.
     pub exhaust: Option<FlowPath>,
     /// Factor η on the calculated mass flow.
     pub efficiency: f64,
-    /// What makes the pressure beyond the passage, exactly of a pressure regulator.
+    /// What makes the pressure beyond the flow path, exactly of a pressure regulator.
     pub regulator: Option<ProportionalRegulator>,
-    /// What uncovers the passages, exactly of a proportional spool.
+    /// What uncovers the flow paths, exactly of a proportional spool.
     pub spool: Option<Spool>,
     /// Dead time in s by which the command acts late, whatever the kind of valve.
     pub dead_time: f64,
@@ -461,7 +461,7 @@ pub enum FlowPath {
     },
 }
 
-/// What the valve is told.
+/// The command to the valve.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
     /// Pulse-width modulation.
@@ -475,7 +475,7 @@ pub enum Command {
         /// State between pulses.
         rest: CommandState,
     },
-    /// The same all the time.
+    /// Constant over time.
     Constant(CommandState),
     /// A list of changes; before the first the coils are released.
     Table {
@@ -571,7 +571,7 @@ impl Aim {
 pub enum Regulator {
     /// Bang-bang with a dead band.
     Relay {
-        /// Error within which nothing is asked.
+        /// Error within which nothing is requested.
         dead_band: f64,
         /// Part of it that the error must come back.
         hysteresis: f64,
@@ -696,11 +696,11 @@ pub struct Antagonist {
     pub supply: Option<Supply>,
     /// The valve.
     pub valve: Option<Valve>,
-    /// Whether it draws from a supply of its own, which the file then describes for it; else both draw from one.
+    /// Whether it draws from a separate supply, which the file then describes for it; else both draw from one.
     pub has_own_supply: bool,
     /// The hose from its valve.
     pub hose: Option<Hose>,
-    /// What the valve is told.
+    /// The command to the valve.
     pub command: Option<Command>,
     /// The pressure over time, where it is given; in place of a valve.
     pub pressure: Option<PressureSeries>,

@@ -258,7 +258,7 @@ fn of_antagonist(section: &str, meaning: &str) -> Value {
     json!({ "description": meaning, "type": "object", "properties": properties, "additionalProperties": false })
 }
 
-/// For each word of a choice: the keys that it asks for and those that have no meaning with it.
+/// For each word of a choice: the keys that it requires and those that have no meaning with it.
 fn rules(selector: &Key, keys: &[&Key]) -> Vec<Value> {
     let Kind::Choice(choices) = selector.kind else { return Vec::new() };
     let ruled: Vec<(&Key, &[&str])> = keys

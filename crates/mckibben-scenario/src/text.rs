@@ -15,7 +15,7 @@ use std::io::Read;
 /// Bytes that a scenario has at most: a force map of the largest size takes a few megabytes.
 const MOST: u64 = 64 << 20;
 
-/// Mistakes in the syntax that are shown one by one; a text with more is no scenario.
+/// Mistakes in the syntax that are reported one by one; a text with more is no scenario.
 pub(crate) const MANY: usize = 20;
 
 /// What to give in place of something else.
@@ -110,7 +110,7 @@ mod tests {
         }
     }
 
-    /// Mistakes in what is meant as a scenario are shown one by one, also where a list stands on lines of its own.
+    /// Mistakes in what is meant as a scenario are reported one by one, also where a list stands on separate lines.
     #[test]
     fn mistakes_in_a_scenario_keep_their_places() {
         let found = Document::parse("[load]\nkind = = 1\n[run]\nduration = = 2\n", "muscle.toml").unwrap_err();

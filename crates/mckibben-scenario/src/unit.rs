@@ -88,7 +88,7 @@ pub(crate) struct Unit {
     pub(crate) symbol: &'static str,
     pub(crate) dimension: Dimension,
     pub(crate) scale: Scale,
-    /// Kelvin is `(value + zero) · scale` for the two scales that have a zero of their own; in hundredths.
+    /// Kelvin is `(value + zero) · scale` for the two scales that have an offset zero; in hundredths.
     pub(crate) zero: Option<u32>,
     prefixes: bool,
 }
@@ -110,7 +110,7 @@ const fn turned(symbol: &'static str, dimension: Dimension, numerator: u128, den
     Unit { scale, ..unit(symbol, dimension, 1, 1, 0) }
 }
 
-/// A temperature scale with a zero of its own, given in hundredths of a degree above absolute zero.
+/// A temperature scale with an offset zero, given in hundredths of a degree above absolute zero.
 const fn affine(symbol: &'static str, numerator: u128, denominator: u128, zero: u32) -> Unit {
     Unit { zero: Some(zero), ..unit(symbol, Dimension::TEMPERATURE, numerator, denominator, 0) }
 }

@@ -205,7 +205,7 @@ fn keys_that_exclude_each_other() {
     let two = "[actuator.effectiveness]\nconstant = 0.9\npolynomial = [1]\npressure_unit = \"psi\"\n[supply]";
     check("[supply]", two, Class::Conflict, (7, 1), &["[actuator.effectiveness]"]);
     let half = "sonic_conductance = \"1 L/(s*bar)\"";
-    check("flow_area = \"1.8e-5 ft^2\"", half, Class::Missing, (7, 2), &["`valve.critical_ratio`", "beside it"]);
+    check("flow_area = \"1.8e-5 ft^2\"", half, Class::Missing, (7, 2), &["`valve.critical_ratio`", "in addition"]);
 }
 
 #[test]

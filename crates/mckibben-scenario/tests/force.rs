@@ -127,7 +127,7 @@ fn what_is_missing_or_out_of_place_is_said() {
             "[actuator.force]\nend_factor = 1.1",
             "`actuator.force.end_factor` has no meaning with `actuator.force.law` = \"ideal-braid\"",
         ),
-        ("[actuator.force]\nlaw = \"tondu-lopez\"\na = 12", "which `a` needs beside it"),
+        ("[actuator.force]\nlaw = \"tondu-lopez\"\na = 12", "which `a` needs in addition"),
         ("[actuator.force]\nlaw = \"tondu-lopez\"\nend_factor = 0", "end_factor"),
         ("[actuator.force]\nlaw = \"sarosi\"", "`actuator.force.coefficients` (a_i) is missing"),
         (

@@ -206,7 +206,8 @@ fn both_draw_from_one_tank_unless_the_antagonist_has_its_own() {
     assert_eq!((tanks(&one), tanks(&two)), (1, 2));
 }
 
-/// Whatever an actuator of a joint has beside its valve goes through time at fixed steps too, near the other engine.
+/// Whatever an actuator of a joint has in addition to its valve goes through time at fixed steps too, near the other
+/// engine.
 #[test]
 fn all_of_them_run_at_fixed_steps() {
     for case in cases().iter().skip(1) {

@@ -40,7 +40,7 @@ fn seats_that_take_their_time_are_read_built_and_written() {
     // Both outputs of a five-way valve are such.
     let five = scenario(&[&SEATS.replace("three-way", "five-way"), FILL]);
     assert_eq!(five.rig().expect("a rig").actuation().expect("driven").solenoid.ramp().times(), [3e-3, 5e-3]);
-    // Left out they jump, and nobody has to be told.
+    // Left out they jump, without a message.
     let plain = document(&["[valve]\nkind = \"three-way\"\nflow_area = \"1 mm^2\"\n", FILL]);
     assert_eq!(plain.scenario().expect("a scenario").valve.map(|valve| valve.opening_time), Some(0.0));
     assert!(!plain.assumed().iter().any(|value| value.parameter.key.ends_with("ing_time")));
@@ -57,7 +57,7 @@ fn a_spool_is_read_built_and_written() {
     assert!(read.rig().expect("a rig").actuation().expect("driven").solenoid.spool().is_some());
     assert!(!read.to_toml().contains("opening_delay"));
     assert_eq!(read_again(&read), read);
-    // A passage of its own to the surroundings, and fixed steps.
+    // A separate flow path to the atmosphere, and fixed steps.
     let own = SPOOL.replace("spool.damping", "exhaust.flow_area = \"2 mm^2\"\nspool.damping");
     let around = AROUND.replace("[run]\n", "[run]\nengine = \"fixed-step\"\nstep = \"1 ms\"\n");
     let text = [around.as_str(), &own, POSITIONS].concat();

@@ -107,7 +107,7 @@ fn too_little_is_refused_with_what_would_do() {
         &[],
     );
     of(&[3, 4], &["add one of `thread_length`, `turns`, `length`"], &[]);
-    // The angle says nothing of the turns beside thread and length.
+    // The angle says nothing of the turns in addition to thread and length.
     of(&[0, 2], &["add one of `turns`, `diameter`"], &["`braid_angle`"]);
     of(&[0, 2, 4], &["add one of `turns`, `diameter`"], &[]);
     of(&[3], &["add two of `thread_length`, `turns`, `length`, `braid_angle`"], &[]);

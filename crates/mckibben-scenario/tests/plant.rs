@@ -97,7 +97,8 @@ fn six_alike_are_the_same_short_as_long() {
     assert_eq!(end(&short), end(&long));
 }
 
-/// Every shipped file of one actuator, with a name for it and nothing else added, is the plant of its rig to the last bit.
+/// Every shipped file of one actuator, with a name for it and nothing else added, is bit-identical to the plant of its
+/// rig.
 #[test]
 fn one_actuator_is_what_it_is_without_a_name() {
     let mut tried = 0;
@@ -289,7 +290,7 @@ fn what_makes_no_sense_is_refused_with_its_reason() {
             "nothing leads air into the supply `m`",
         ),
         (format!("{base}[supplies.m]\nfrom = \"supply\"\n"), "neither reservoir nor regulator"),
-        (format!("{base}[supplies.m]\nfrom = \"m\"\nlag = \"1 s\"\n"), "is fed by itself"),
+        (format!("{base}[supplies.m]\nfrom = \"m\"\nlag = \"1 s\"\n"), "feeds itself"),
         (format!("{base}[supplies.m]\ngauge_pressure = \"1 bar\"\ninlet.flow_area = \"1 mm^2\"\n"), "nothing feeds it"),
         (
             base.replace("kind = \"chain\"", "kind = \"fixed\"\nposition = \"9 cm\""),

@@ -70,7 +70,7 @@ fn mistakes_are_told() {
             "is for a pressure regulator",
         ),
         (mistakes(&[SUPPLY, &with("opening_delay = \"1 ms\"\n"), COMMAND]), "no seats"),
-        (mistakes(&[SUPPLY, &with("[valve.exhaust]\nflow_area = \"1 mm^2\"\n"), COMMAND]), "one passage"),
+        (mistakes(&[SUPPLY, &with("[valve.exhaust]\nflow_area = \"1 mm^2\"\n"), COMMAND]), "one flow path"),
         (mistakes(&[SUPPLY, "reservoir_volume = \"1 L\"\n", VALVE, COMMAND]), "behind a reservoir or a regulator"),
     ];
     for (said, word) in cases {

@@ -152,7 +152,7 @@ fn named_valve() {
     let text = format!("{drive}[valve]\npreset = \"matrix-eight-channel\"\n{LEAST}");
     let valve = read(&text).valve.expect("a valve");
     assert_eq!((valve.kind, valve.efficiency, valve.opening_delay), (ValveKind::ThreeWay, 0.85, 0.004));
-    // Another way to state the passage takes the place of the preset's.
+    // Another way to state the flow path takes the place of the preset's.
     let iso = text.replace("[load]", "sonic_conductance = \"0.5 L/(s*bar) ANR\"\ncritical_ratio = 0.3\n[load]");
     let passage = read(&iso).valve.map(|valve| valve.passage);
     assert_eq!(passage, Some(FlowPath::Iso6358 { sonic_conductance: 5e-9, critical_ratio: 0.3 }));

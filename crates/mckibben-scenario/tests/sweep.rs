@@ -159,7 +159,7 @@ const JOINT_ALONE: &[&str] = &[
     "initial.angular_velocity",
 ];
 
-/// The same file with a joint for its load.
+/// A file with a joint for its load.
 fn with_joint(text: &str) -> String {
     let mass = "kind = \"hanging-mass\"\nmass = \"5 lb\"";
     let joint = "kind = \"antagonistic-joint\"\nmass = \"1 kg\"\ndistance = \"10 cm\"\npulley_radius = \"15 mm\"\n\
@@ -687,7 +687,7 @@ fn mistakes_of_distributions() {
         "supply.temperature = { normal = { mean = \"20 degC\", deviation = \"2 degC\" } }",
         Class::BadQuantity,
         68,
-        &["zero of its own", "write `K`"],
+        &["an offset zero", "write `K`"],
     );
     in_draw(
         "load.mass = { log-normal = { median = \"5 kg\", factor = 1 } }",

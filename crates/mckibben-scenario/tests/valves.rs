@@ -1,4 +1,4 @@
-//! The section `[valve]`: the ways to state its passages, presets and what overrides them, and every kind of valve.
+//! The section `[valve]`: the ways to state its flow paths, presets and what overrides them, and every kind of valve.
 
 use mckibben::valve::{Ports, SeatClock};
 use mckibben_scenario::{Command, CommandState, Document, FlowPath, Scenario, Valve, ValveKind};
@@ -122,7 +122,7 @@ fn every_way_reads_back_as_it_was_written() {
         "preset = \"smc-vt307\"",
         "kind = \"five-way-closed\"\nflow_area = \"1 mm^2\"\nexhaust.kv = \"2 L/min\"",
     ] {
-        // A valve of two positions without exhaust cannot be told to vent, so all are told to fill.
+        // A valve of two positions without exhaust cannot vent, so all are commanded to fill.
         let first = scenario(text);
         let again = Scenario::from_str(&first.to_toml(), "again.toml").unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(first, again, "{text}");
@@ -176,7 +176,7 @@ fn a_five_way_valve_drives_both_actuators_of_a_joint() {
         let (a, b) = (of_a.ports(&a.solenoid), of_b.ports(&b.solenoid));
         assert_eq!((a.supply, a.exhaust), (b.exhaust, b.supply), "at {time}");
     }
-    // Its passage may be throttled on one side; a command of its own is a contradiction.
+    // Its flow path may be throttled on one side; a command of its own is a contradiction.
     let with =
         |extra: &str| Document::parse(&format!("{JOINT}{extra}"), "joint.toml").expect("TOML").joint_experiment();
     assert!(with("[antagonist.valve]\nkv = \"0.02 m^3/h\"\n").is_ok());

@@ -1,4 +1,4 @@
-//! A controller of one's own: pulses in proportion to the error of the length, that fill where the load hangs too low and
+//! A custom controller: pulses in proportion to the error of the length, that fill where the load hangs too low and
 //! let air out where it hangs too high.
 
 use mckibben::air::{Air, Process};

@@ -1,8 +1,8 @@
 //! The modular actuator: valve state in, force out.
 //!
 //! Everything that one actuator is, composed: a law of static force with effectiveness (9), friction (12), length limits
-//! (10)(14), air (19) and valve (21). Parameters are immutable; the state, and whether the passages are open, belong to
-//! the caller. A robot simulator needs one call:
+//! (10)(14), air (19) and valve (21). Parameters are immutable; the state, and whether the flow paths are open, belong
+//! to the caller. A robot simulator needs one call:
 //!
 //! ```text
 //! F = F_s + F_limit + c v + Q k_sec sgn(v),  never below zero,  zero when slack     (12)
@@ -17,7 +17,8 @@
 //! | c, Q, k_sec | viscous damping, friction length, secant stiffness (13) | N·s/m, m, N/m |
 //! | L, v, P | length, its rate, absolute pressure | m, m/s, Pa |
 //!
-//! The other functions are the pieces of that call, for those who step time and keep track of the branches themselves.
+//! The other functions are the pieces of that call, for callers that step time and keep track of the branches
+//! themselves.
 //!
 //! Source: Colbrunn, Nelson & Quinn (2001), sections 2 and 3.
 //! Checked by `tests/actuator.rs`: transcription of (12), derivatives against finite differences, both stiffnesses.
@@ -44,7 +45,7 @@ pub struct Actuator<S = f64> {
     valve: Option<Valve<S>>,
 }
 
-/// The state of an actuator beside its ends; it belongs to the caller.
+/// The state of an actuator, without that of its ends; it belongs to the caller.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ActuatorState<S = f64> {
     /// Absolute pressure.
@@ -100,7 +101,7 @@ impl Actuator {
         Ok(Self { law, limits, friction, external_volume, air, valve: None })
     }
 
-    /// The same actuator with a valve.
+    /// Adds a valve to the actuator.
     pub fn with_valve(self, valve: Valve) -> Self {
         Self { valve: Some(valve), ..self }
     }
@@ -112,7 +113,7 @@ impl<S: Scalar> Actuator<S> {
         Self { valve: None, ..self }
     }
 
-    /// The same actuator over another scalar; `function` is told which parameter each number is.
+    /// Converts the actuator to another scalar type; `function` receives each number with its parameter.
     pub fn map<T: Scalar>(&self, function: impl FnMut(&'static Parameter, S) -> T) -> Actuator<T> {
         self.convert(&mut Anew(function))
     }
@@ -214,8 +215,8 @@ impl<S: Scalar> Actuator<S> {
         (least, (middle + bound).larger(T::zero()))
     }
 
-    /// The sum of (12) as the threads rub, for a given taut branch, and effectiveness and force of the law (N), before it is
-    /// kept from pushing.
+    /// The sum of (12) for a given sliding state, for a given taut branch, and effectiveness and force of the law (N),
+    /// before it is kept from pushing.
     #[inline(always)]
     pub fn signed_force<T: Over<S>>(
         &self,
@@ -247,7 +248,7 @@ impl<S: Scalar> Actuator<S> {
     /// such a law.
     #[inline(always)]
     pub fn width<T: Over<S>>(&self, memory: &Memory<S>, distance: T, velocity: T) -> Option<T> {
-        // No closure: it would be compiled by itself, without the instructions of a batch.
+        // No closure: it would be compiled separately, without the instructions of a batch.
         match self.friction.hysteresis() {
             Some(hysteresis) => Some(hysteresis.width(memory, self.limits.actuator_length(distance), velocity)),
             None => None,
@@ -269,7 +270,7 @@ impl<S: Scalar> Actuator<S> {
         self.tension_sliding(distance, velocity, pressure, velocity.sign())
     }
 
-    /// Tension in N as the threads rub, for those who hold the direction of sliding over a step.
+    /// Tension in N for a given sliding state, for methods that keep the direction of sliding over a step.
     #[inline(always)]
     pub fn tension_sliding<T: Over<S>>(
         &self,
@@ -308,7 +309,7 @@ impl<S: Scalar> Actuator<S> {
         self.air.pressure_rate(chamber, flow, inflow)
     }
 
-    /// Flow through the passages whose masks are set.
+    /// Flow through the paths whose masks are set.
     #[inline(always)]
     pub fn flow<T: Over<S>>(&self, chamber: &Chamber<T>, supply: S::Mask, exhaust: S::Mask) -> Flow<T> {
         let Some(valve) = &self.valve else { return Flow::none() };
@@ -316,7 +317,7 @@ impl<S: Scalar> Actuator<S> {
     }
 
     /// The modular actuator: its tension, the tension's derivatives, and the rates of its state, for the ends at
-    /// `distance` (m) moving apart at `velocity` (m/s) with the passages of `ports` open.
+    /// `distance` (m) moving apart at `velocity` (m/s) with the flow paths of `ports` open.
     ///
     /// At rest the Coulomb force is set-valued; this returns its middle, zero. The memory of a hysteresis is taken on by
     /// [`Actuator::remember`] once the ends have moved. Viscoelastic branches, which are states of a

@@ -52,7 +52,7 @@ pub enum Process<S = f64> {
     },
 }
 
-/// A perfect gas, its surroundings and its process.
+/// A perfect gas, the atmosphere and the process.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Air<S = f64> {
     gas_constant: S,
@@ -120,7 +120,7 @@ impl<T: Scalar> Flow<T> {
         Self { inward: self.inward + other.inward, outward: self.outward + other.outward }
     }
 
-    /// The flow where a passage is open, none where it is shut.
+    /// The flow where a flow path is open, none where it is shut.
     #[inline(always)]
     pub fn where_open(self, open: T::Mask) -> Self {
         Self { inward: T::select(open, self.inward, T::zero()), outward: T::select(open, self.outward, T::zero()) }
@@ -134,7 +134,7 @@ impl<T: Scalar> Flow<T> {
 }
 
 impl Air {
-    /// A gas with `gas_constant` R in J/(kg·K) and `heat_capacity_ratio` γ, in surroundings at `atmospheric_pressure`.
+    /// A gas with `gas_constant` R in J/(kg·K) and `heat_capacity_ratio` γ, in an atmosphere at `atmospheric_pressure`.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a number outside its range.
@@ -172,7 +172,7 @@ impl Air {
 }
 
 impl<S: Scalar> Air<S> {
-    /// The same gas over another scalar.
+    /// Converts the gas to another scalar type.
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Air<T> {
         let gas_constant = convert.parameter(&parameter::GAS_CONSTANT, self.gas_constant);
         let per_gas_constant = match convert.carry() {
@@ -208,7 +208,7 @@ impl<S: Scalar> Air<S> {
         self.heat_capacity_ratio
     }
 
-    /// Pressure of the surroundings.
+    /// Pressure of the atmosphere.
     #[inline(always)]
     pub fn atmosphere(&self) -> AbsolutePressure<S> {
         AbsolutePressure(self.atmospheric_pressure)
@@ -240,7 +240,7 @@ impl<S: Scalar> Air<S> {
     }
 
     /// The net flow into a chamber in kg/s with which its pressure changes at a rate in Pa/s, when what comes in is as warm as
-    /// the air inside: [`Air::pressure_rate`] turned round.
+    /// the air inside: [`Air::pressure_rate`] inverted.
     pub fn flow_for<T: Over<S>>(&self, chamber: &Chamber<T>, pressure_rate: T) -> T {
         let Chamber { pressure, mass, volume, volume_rate, .. } = *chamber;
         match self.process {
@@ -262,7 +262,7 @@ impl<S: Scalar> Air<S> {
     }
 
     /// `dP/dt` in Pa/s of a chamber with a flow whose parts that come in bring `warmth`, the sum of `T ṁ` in K·kg/s, which only
-    /// an energy balance asks for.
+    /// an energy balance needs.
     #[inline(always)]
     pub fn pressure_rate_by<T: Over<S>>(&self, chamber: &Chamber<T>, flow: &Flow<T>, warmth: impl FnOnce() -> T) -> T {
         let Chamber { pressure, mass, volume, volume_rate, per_content, .. } = *chamber;

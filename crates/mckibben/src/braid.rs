@@ -54,7 +54,7 @@ impl<S: Scalar> Braid<S> {
         Self { thread_length, turns, per_turns }
     }
 
-    /// The same braid over another scalar.
+    /// Converts the braid to another scalar type.
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Braid<T> {
         let thread_length = convert.parameter(&parameter::THREAD_LENGTH, self.thread_length);
         let turns = convert.parameter(&parameter::TURNS, self.turns);

@@ -1,7 +1,7 @@
 //! From one scalar to another: the numbers of a rig, one by one.
 //!
 //! Every struct of parameters hands its numbers to a [`Convert`] in a fixed order and builds itself again from what comes
-//! back. Numbers that follow from parameters (a reciprocal, the polynomial of the flow law) are computed anew, so that
+//! back. Numbers that follow from parameters (a reciprocal, the polynomial of the flow law) are computed again, so that
 //! derivatives with respect to a parameter pass through them, or carried over as they are.
 
 use crate::parameter::Parameter;
@@ -14,7 +14,7 @@ pub trait Convert<S, T> {
     /// A parameter's number.
     fn parameter(&mut self, parameter: &'static Parameter, value: S) -> T;
 
-    /// How numbers that follow from parameters are carried over; `None` when they are to be computed anew.
+    /// How numbers that follow from parameters are carried over; `None` when they are to be computed again.
     fn carry(&mut self) -> Option<impl FnMut(S) -> T>;
 
     /// What follows belongs to this part, or to none.
@@ -22,10 +22,10 @@ pub trait Convert<S, T> {
     fn turn_to(&mut self, _part: Option<Part>) {}
 }
 
-/// A function of parameters; what follows from them is computed anew.
+/// A function of parameters; what follows from them is computed again.
 pub(crate) struct Anew<F>(pub(crate) F);
 
-/// The same of a plant or a joint, with the part that a parameter belongs to.
+/// Applies a function to the parameters of a plant or a joint, each with the part that it belongs to.
 #[cfg(feature = "alloc")]
 pub(crate) struct AnewOfEach<F> {
     pub(crate) function: F,

@@ -10,7 +10,7 @@
 //! assert_eq!((square.value, square.slope[0]), (9.0, 6.0));
 //! ```
 //!
-//! Comparisons look at the value alone, and a choice takes the derivative of the branch that was chosen. The scalar
+//! Comparisons use the value alone, and a choice takes the derivative of the branch that was chosen. The scalar
 //! underneath may itself be dual (second derivatives) or a vector of lanes.
 
 use crate::scalar::{Function, Over, Real, Scalar, Work};
@@ -70,8 +70,8 @@ impl<S: Scalar, const K: usize> Dual<S, K> {
         Self { value, slope }
     }
 
-    /// Derivatives of derivatives are more numbers than there are registers: in functions of their own they take no longer, and the
-    /// engines half as long to compile.
+    /// Derivatives of derivatives are more numbers than there are registers: in separate functions they take no longer,
+    /// and the engines half as long to compile.
     #[inline(never)]
     fn zip_apart(&self, other: &Self, value: S, combine: impl Fn(S, S) -> S) -> Self {
         self.zip_here(other, value, combine)

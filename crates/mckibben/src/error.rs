@@ -31,7 +31,7 @@ pub enum Error {
         /// What to do about it.
         remedy: &'static str,
     },
-    /// A parameter asks for more samples, steps or pulses than a run may have.
+    /// A parameter requests more samples, steps or pulses than a run may have.
     #[error("{name} = {value} {unit} makes {} {counted}, more than {}; {remedy}", Count(*.count), Count(parameter::MAX_COUNT),
         name = .parameter.key, unit = .parameter.unit)]
     TooMany {
@@ -61,7 +61,7 @@ pub enum Error {
     /// What has no meaning, such as `hold` on a three-way valve or a part that is not there.
     #[error("{what}; {remedy}")]
     Misuse {
-        /// What was asked for and why it cannot be.
+        /// What was requested and why it cannot be.
         what: &'static str,
         /// What to ask for instead.
         remedy: &'static str,
@@ -69,10 +69,10 @@ pub enum Error {
     /// Two features that make sense together and do not work together yet.
     #[error("{0}")]
     NotImplemented(&'static crate::limit::Limit),
-    /// What is asked for has no solution, such as an equilibrium of a plant that has none.
+    /// The requested state has no solution, such as an equilibrium of a plant that has none.
     #[error("{what}; {remedy}")]
     NoSolution {
-        /// What was asked for and why there is none.
+        /// What was requested and why there is none.
         what: &'static str,
         /// What to ask for instead.
         remedy: &'static str,
@@ -84,7 +84,7 @@ pub enum Error {
         time: f64,
         /// Why.
         reason: &'static str,
-        /// The quantity that shows it.
+        /// The quantity in which it appears.
         quantity: &'static str,
         /// Its value.
         value: f64,
@@ -93,7 +93,7 @@ pub enum Error {
         /// What to change.
         remedy: &'static str,
     },
-    /// Who watched the simulation wanted no more of it.
+    /// The observer of the simulation ended it.
     #[error("the simulation was interrupted at t = {time} s")]
     Interrupted {
         /// When, in s.

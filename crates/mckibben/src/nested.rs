@@ -1,10 +1,10 @@
 //! One derivative more than a number has.
 //!
 //! Where a rate follows from a balance, it is a derivative of the balance's forces; its own derivatives, which a Jacobian or a
-//! parameter asks for, are then second ones. A dual number over a dual number carries both. It is a type of its own, so that a
-//! dual number's parameters stay those that it is over.
+//! parameter needs, are then second ones. A dual number over a dual number carries both. It is a separate type, so that
+//! a dual number's parameters stay those that it is over.
 //!
-//! Checked by `tests/tendon_located.rs`: derivatives by parameters, through balances.
+//! Checked by `tests/tendon_located.rs`: derivatives with respect to parameters, through balances.
 
 use crate::dual::Dual;
 use crate::scalar::{Differentiable, Function, Over, Scalar, Work};

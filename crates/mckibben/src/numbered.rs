@@ -110,7 +110,7 @@ pub(crate) trait Row<R: Real> {
         *option = is_some.then_some(choice);
     }
 
-    /// What is asked of a valve.
+    /// The command to a valve.
     fn request(&mut self, request: &mut Request) {
         self.choice(request, [Request::Fill, Request::Hold, Request::Exhaust]);
     }

@@ -102,12 +102,13 @@ impl Parameter {
 
 /// The most samples, steps, pulses, sampling instants or periods of a motion that one run may have.
 ///
-/// At a microsecond each it is a quarter of an hour of computing and as samples about a hundred gigabytes of text: whoever
-/// asks for more has most likely mistaken a unit.
+/// At a microsecond each it is a quarter of an hour of computing and as samples about a hundred gigabytes of text: a
+/// file that requests more has most likely mistaken a unit.
 pub const MAX_COUNT: f64 = 1e9;
 
 impl Parameter {
-    /// Returns `value` if what it asks for in a run is not more than [`MAX_COUNT`]: `count` of what is `counted`, in the plural.
+    /// Returns `value` if what it requests in a run is not more than [`MAX_COUNT`]: `count` of what is `counted`, in
+    /// the plural.
     ///
     /// # Errors
     /// [`Error::TooMany`] otherwise; it names the parameter, its value, the count and what to do.
@@ -323,7 +324,7 @@ parameters! {
         "Temperature of the wall in the energy balance.",
         "textbook", "give an absolute temperature above zero, such as 20 degC";
     ATMOSPHERIC_PRESSURE = "air.atmospheric_pressure", "P_atm", "Pa", Range::POSITIVE, Some(101_325.0),
-        "Absolute pressure of the surroundings, zero of every gauge pressure.",
+        "Absolute pressure of the atmosphere, zero of every gauge pressure.",
         "standard atmosphere", "give an absolute pressure above zero";
     GAS_CONSTANT = "air.gas_constant", "R", "J/(kg*K)", Range::POSITIVE, Some(286.99),
         "Specific gas constant.",
@@ -335,7 +336,7 @@ parameters! {
         "Gauge pressure of the supply; below zero for a vacuum.",
         "paper, section 3.3: 100 psi", "give a gauge pressure above minus the atmospheric pressure";
     SUPPLY_TEMPERATURE = "supply.temperature", "T_am", "K", Range::POSITIVE, Some(293.15),
-        "Temperature of the supply's air and of the surroundings.",
+        "Temperature of the supply's air and of the atmosphere.",
         "paper, (21); the value is assumed", "give an absolute temperature above zero, such as 20 degC";
     RESERVOIR_VOLUME = "supply.reservoir_volume", "V_r", "m^3", Range::POSITIVE, None,
         "Volume of a reservoir that feeds the valve and sags; a supply of constant pressure when absent.",
@@ -371,7 +372,7 @@ parameters! {
         "How many actuators, or joints of two, all alike, draw from the reservoir or the regulator.",
         "choice of the experiment", "give a number of one or more";
     FLOW_AREA = "valve.flow_area", "A_p C_q", "m^2", Range::POSITIVE, None,
-        "Effective area of the valve's passage, area times flow coefficient.",
+        "Effective area of the valve's flow path, area times flow coefficient.",
         "paper, section 3.2: 1.8e-5 ft^2", "give an area such as 1.8e-5 ft^2";
     SONIC_CONDUCTANCE = "valve.sonic_conductance", "C", "m^3/(s*Pa)", Range::POSITIVE, None,
         "Sonic conductance of the valve at the reference atmosphere.",
@@ -389,22 +390,22 @@ parameters! {
         "Pressure drop over upstream pressure at which air chokes in a valve stated by Kv or Cv.",
         "IEC 60534-2-1; the value is assumed, from the usual 0.6 to 0.8", "give a ratio such as 0.7";
     EXHAUST_FLOW_AREA = "valve.exhaust.flow_area", "A_p C_q", "m^2", Range::POSITIVE, None,
-        "Effective area of the passage to the surroundings, where it differs.",
+        "Effective area of the flow path to the atmosphere, where it differs.",
         "paper, section 3.2", "give an area such as 1.8e-5 ft^2";
     EXHAUST_SONIC_CONDUCTANCE = "valve.exhaust.sonic_conductance", "C", "m^3/(s*Pa)", Range::POSITIVE, None,
-        "Sonic conductance of the passage to the surroundings, where it differs.",
+        "Sonic conductance of the flow path to the atmosphere, where it differs.",
         "ISO 6358-1", "give a conductance such as 0.5 L/(s*bar)";
     EXHAUST_CRITICAL_RATIO = "valve.exhaust.critical_ratio", "b", "", Range { low: 0.0, low_included: true, high: 1.0, high_included: false }, None,
-        "Critical back-pressure ratio of the passage to the surroundings.",
+        "Critical back-pressure ratio of the flow path to the atmosphere.",
         "ISO 6358-1", "give a ratio such as 0.3";
     EXHAUST_KV = "valve.exhaust.kv", "Kv", "m^3/s", Range::POSITIVE, None,
-        "Flow coefficient Kv of the passage to the surroundings, where it differs.",
+        "Flow coefficient Kv of the flow path to the atmosphere, where it differs.",
         "IEC 60534-2-1", "give a flow of water with its unit, such as 0.05 m^3/h or 0.8 L/min";
     EXHAUST_CV = "valve.exhaust.cv", "Cv", "", Range::POSITIVE, None,
-        "Flow coefficient Cv of the passage to the surroundings, where it differs.",
+        "Flow coefficient Cv of the flow path to the atmosphere, where it differs.",
         "ISA-75.01", "give the number of the data sheet, such as 0.05";
     EXHAUST_PRESSURE_DROP_RATIO = "valve.exhaust.pressure_drop_ratio", "x_T", "", Range::open(0.0, 1.0), Some(0.7),
-        "Pressure drop over upstream pressure at which air chokes in the passage to the surroundings.",
+        "Pressure drop over upstream pressure at which air chokes in the flow path to the atmosphere.",
         "IEC 60534-2-1; the value is assumed, from the usual 0.6 to 0.8", "give a ratio such as 0.7";
     SPOOL_FREQUENCY = "valve.spool.natural_frequency", "f_n", "Hz", Range::POSITIVE, None,
         "Undamped natural frequency of the spool with its drive.",
@@ -663,7 +664,7 @@ parameters! {
         "Output of the controller at no error before its integral has moved.",
         "choice of the experiment", "give a number from -1 to 1";
     HIGHEST_GAUGE_PRESSURE = "controller.highest_gauge_pressure", "P_g,max", "Pa", Range::POSITIVE, None,
-        "Highest gauge pressure that a model in the controller asks for.",
+        "Highest gauge pressure that a model in the controller requests.",
         "choice of the experiment", "give at most the gauge pressure of the supply";
     PULLEY_ARM = "controller.arm", "r", "m", Range::POSITIVE, None,
         "Radius of the pulley from which an actuator turns the joint.",

@@ -1,7 +1,7 @@
 //! Gauge and absolute pressure as two types.
 //!
-//! Force follows the gauge pressure `P_g = P − P_atm`, gas follows the absolute pressure `P`. No unit tells the two
-//! apart, and confusing them is this field's commonest mistake, so the compiler keeps them apart.
+//! Force follows the gauge pressure `P_g = P − P_atm`, gas follows the absolute pressure `P`. No unit distinguishes the
+//! two apart, and confusing them is this field's commonest mistake, so the compiler keeps them apart.
 //!
 //! ```
 //! use mckibben::{AbsolutePressure, GaugePressure};
@@ -13,7 +13,7 @@
 
 use crate::scalar::Scalar;
 
-/// Pressure above the surroundings, in Pa; below zero for a vacuum.
+/// Pressure above that of the atmosphere, in Pa; below zero for a vacuum.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 pub struct GaugePressure<S = f64>(pub S);
 

@@ -1,4 +1,4 @@
-//! Damping from a ring-down: viscous and Coulomb friction told apart by how the peaks shrink.
+//! Damping from a ring-down: viscous and Coulomb friction separated by how the peaks shrink.
 //!
 //! A mass on a spring loses a share of its amplitude to viscous friction and a constant length to Coulomb friction.
 //! With same-side amplitudes `X₁ > X₂ > …`, measured from the rest position, and the drop `Δx = X − X⁺` from one to
@@ -38,7 +38,7 @@
 //!
 //! Valid for a linear spring, underdamped, with `X > 2Q` at the last peak (friction has not yet stopped it). On the
 //! muscle the spring that the mass feels is the tangent stiffness `k_t` with the valve shut, while the friction of
-//! (12) is `Q k_sec`: what a ring-down shows is `Q k_sec/k_t`, not the Q of (12). A β above 1 or a Q below 0 is what
+//! (12) is `Q k_sec`: what a ring-down yields is `Q k_sec/k_t`, not the Q of (12). A β above 1 or a Q below 0 is what
 //! noise or a wrong rest position gives; it is returned as it is.
 //!
 //! Source: Colbrunn, Nelson & Quinn (2001), section 3.3; exact form: piecewise solution of the damped oscillator.
@@ -68,7 +68,7 @@ pub struct Cycle<S = f64> {
     pub next: S,
 }
 
-/// What a ring-down shows.
+/// What a ring-down yields.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Damping<S = f64> {
     /// The factor β by which viscous friction alone would shrink the amplitude in one period.

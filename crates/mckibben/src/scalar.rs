@@ -22,7 +22,7 @@ use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 /// The answer of a comparison, one truth value for each lane.
 pub trait Mask: Copy + Debug + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
-    /// The same truth value in every lane.
+    /// One truth value in every lane.
     fn splat(value: bool) -> Self;
     /// Whether it holds in at least one lane.
     fn any(self) -> bool;
@@ -69,7 +69,7 @@ pub trait Scalar:
     /// The answer of a comparison.
     type Mask: Mask;
 
-    /// Whether it is one number: what only a few rows of a batch need is left out of the code for all of its lanes.
+    /// Whether it is one number: what only a few elements of a batch need is left out of the code for all of its lanes.
     const IS_ONE: bool = false;
 
     /// A number known when the program is written, the same in every lane.
@@ -93,7 +93,7 @@ pub trait Scalar:
     /// `yes` where the mask holds, `no` elsewhere. What is not chosen may be anything, NaN included.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
 
-    /// Does work on such numbers in a function of its own: what only some actuators need is compiled once, not into every
+    /// Does work on such numbers in a separate function: what only some actuators need is compiled once, not into every
     /// stage of every engine. Lanes have it compiled for their instructions.
     #[inline(never)]
     fn apart<W: Work>(work: W) -> W::Output {

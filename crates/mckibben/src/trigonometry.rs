@@ -48,7 +48,7 @@ pub fn cosine<S: Scalar>(angle: S) -> S {
     S::select(is_negative, -magnitude, magnitude)
 }
 
-/// Sine and cosine of what is left of an angle in its quadrant, and the quadrant: 0, 1, 2 or 3.
+/// Sine and cosine of the remainder of an angle in its quadrant, and the quadrant: 0, 1, 2 or 3.
 #[inline(always)]
 fn reduced<S: Scalar>(angle: S) -> ([S; 2], S) {
     let whole = nearest(angle * S::constant(core::f64::consts::FRAC_2_PI));

@@ -10,7 +10,7 @@ use mckibben::valve::{Command, Request};
 const GAS_CONSTANT: f64 = 286.99;
 const HEAT_CAPACITY: f64 = 3.5 * GAS_CONSTANT;
 
-/// A muscle held at one length that fills from the surroundings' pressure; its volume, end pressure and audit.
+/// A muscle held at one length that fills from the atmosphere's pressure; its volume, end pressure and audit.
 fn fill(process: Process, duration: f64) -> (f64, f64, Circuit) {
     let paper = Paper::driven(Command::Constant(Request::Fill)).isometric(3.5 * INCH).process(process);
     let run = paper.run(duration, 1e-10);

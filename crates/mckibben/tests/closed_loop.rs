@@ -12,7 +12,7 @@ use mckibben::valve::{Command, FlowStandard, Request, ValveKind};
 use mckibben::{Error, Over};
 use std::fmt::Debug;
 
-/// The same command always.
+/// A constant command.
 #[derive(Clone, Debug)]
 struct Fixed(Drive);
 

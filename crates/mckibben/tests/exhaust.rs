@@ -1,4 +1,4 @@
-//! A passage of its own to the surroundings, in both engines.
+//! A separate flow path to the atmosphere, in both engines.
 
 use crate::common::steps::RigSteps;
 use crate::common::{ATMOSPHERE, INCH, Paper, ROOM, assert_close, assert_within};
@@ -9,7 +9,7 @@ use mckibben::valve::{Command, FlowStandard, Request};
 /// Sonic conductance of the exhaust in m³/(s·Pa).
 const CONDUCTANCE: f64 = 3e-9;
 
-/// A held actuator at 7 bar that vents through its own exhaust, which is not the passage that fills it.
+/// A held actuator at 7 bar that vents through its own exhaust, which is not the flow path that fills it.
 fn venting() -> Paper {
     let paper = Paper::driven(Command::Constant(Request::Exhaust)).isometric(3.5 * INCH).process(Process::Isothermal);
     paper.gauge(7e5).with(|rig| {
@@ -63,7 +63,7 @@ fn both_engines_agree_under_pwm() {
     assert_within(near.length, exact.length, 1e-7);
     assert_close(near.pressure.0, exact.pressure.0, 1e-5);
     assert_close(near.air_mass, exact.air_mass, 1e-5);
-    // And the passages do differ: a plain valve ends elsewhere.
+    // And the flow paths do differ: a plain valve ends elsewhere.
     let plain = paper.with(|rig| rig.exhaust = None);
     let other = simulate(&plain.rig(), plain.start(), 0.3, 1e-8).expect("a run").at(0.3);
     assert!((other.pressure.0 / exact.pressure.0 - 1.0).abs() > 0.02);

@@ -10,7 +10,7 @@ const CLOSE: f64 = 1e-3;
 const SUPPLY: Ports = Ports { supply: true, exhaust: false };
 const EXHAUST: Ports = Ports { supply: false, exhaust: true };
 
-/// Instants at which the passages change up to `until`, each with the passages from then on; before them the first.
+/// Instants at which the flow paths change up to `until`, each with the flow paths from then on; before them the first.
 fn motions(solenoid: &Solenoid, command: &Command, until: f64) -> Vec<(f64, Ports)> {
     let mut clock = SeatClock::released();
     let first = (0.0, clock.ports(solenoid));

@@ -1,4 +1,4 @@
-//! Hysteresis by elastic elements that slip, and dry friction beside Coulomb's.
+//! Hysteresis by elastic elements that slip, and dry friction other than Coulomb's.
 //!
 //! The pressure is that of a chamber so large that it does not change, so that the static force and the secant stiffness
 //! depend on the length alone and every loop has a closed form.

@@ -1,4 +1,4 @@
-//! The static model turned round: (3) solved for the pressure, round trips, implicit derivatives, the joint's stiffness
+//! The static model inverted: (3) solved for the pressure, round trips, implicit derivatives, the joint's stiffness
 //! against a displaced joint, and what is refused.
 
 use crate::common::laws as of_force;

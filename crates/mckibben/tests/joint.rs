@@ -34,7 +34,7 @@ fn a_symmetric_pair_stays_at_zero() {
     }
 }
 
-/// Stiffness in N/m of a sealed ideal actuator, (7) and the first term of (5), written out anew.
+/// Stiffness in N/m of a sealed ideal actuator, (7) and the first term of (5), written out again.
 fn sealed_stiffness(paper: &Paper, length: f64) -> f64 {
     let (b, n) = (paper.thread_length, paper.turns);
     let area = 4.0 * PI * n * n;

@@ -62,7 +62,7 @@ fn pulsed() -> Pair {
     })
 }
 
-/// The same on tendons, which take 30 mm more.
+/// A pulsed pair on tendons, which take 30 mm more.
 fn pulsed_on_tendons() -> Pair {
     pulsed().with(|pair| pair.tendons.iter_mut().for_each(|over| over.rest_length += 0.03))
 }

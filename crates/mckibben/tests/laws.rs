@@ -1,5 +1,5 @@
-//! The laws of force beside the paper's: transcriptions, limiting cases, virtual work, energy, derivatives, secants, and
-//! both engines on each.
+//! The laws of force other than the paper's: transcriptions, limiting cases, virtual work, energy, derivatives,
+//! secants, and both engines on each.
 
 use crate::common;
 use crate::common::laws;
@@ -506,8 +506,9 @@ fn virtual_work_and_a_bladder_lose_nothing_and_other_laws_do() {
     }
 }
 
-/// Around a rectangle in pressure and length, whose corners are apart by two isobars, the work of a law beside virtual work
-/// differs from the gas's by the integral of the difference: here in closed form for the end factor.
+/// Around a rectangle in pressure and length, whose corners are apart by two isobars, the work of a law that does not
+/// follow from virtual work differs from the gas's by the integral of the difference: here in closed form for the end
+/// factor.
 #[test]
 fn a_cycle_of_tondu_and_lopez_takes_what_the_difference_of_the_volumes_says() {
     let paper = Paper::sealed();

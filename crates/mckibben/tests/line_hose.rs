@@ -106,7 +106,7 @@ fn wave_speed_and_attenuation_are_those_of_the_line_but_for_the_square_of_a_cell
     assert_close(phase, diffusive, 1e-4);
 }
 
-/// Pressure at the far end, before a volume, over that at the near end: from the far end back, cell by cell.
+/// Pressure at the outlet, before a volume, over that at the inlet: from the outlet back, cell by cell.
 fn ladder(hose: &Hose, frequency: f64, end: f64) -> Complex {
     let [series, shunt] = cell(hose, frequency);
     let (mut pressure, mut flow) = ([1.0, 0.0], [0.0, frequency * end]);
@@ -145,7 +145,7 @@ fn a_steady_flow_loses_in_the_cells_what_it_loses_in_the_whole() {
     let whole = hose(HoseKind::Lumped, 1.0);
     for (from, to) in [(5e5, 4.9e5), (6e5, 3e5)] {
         let flow: f64 = whole.flow(from, to);
-        // From the far end back: each cell's loss at its own mean pressure keeps the flow steady.
+        // From the outlet back: each cell's loss at its own mean pressure keeps the flow steady.
         let hose = cells(MAX_CELLS);
         let mut pressure = to;
         for _ in 0..MAX_CELLS {

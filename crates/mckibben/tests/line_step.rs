@@ -299,8 +299,8 @@ fn larger(size: f64) -> FlowStandard {
     FlowStandard::Orifice { flow_area: size * 1.8e-5 * 0.3048 * 0.3048 }
 }
 
-/// A valve so large that a step empties the actuator many times over: the air goes down to what the surroundings leave of
-/// it, `m P_atm/P` at constant temperature, and never below.
+/// A valve so large that a step empties the actuator many times over: the air goes down to what the atmosphere leaves
+/// of it, `m P_atm/P` at constant temperature, and never below.
 #[test]
 fn a_step_takes_no_more_air_than_there_is() {
     let emptying = Paper::driven(Command::Constant(Request::Exhaust)).isometric(3.5 * INCH).gauge(6.9e5);

@@ -1,5 +1,5 @@
 //! What a hose explains of the paper's flow efficiency of 0.85 and of the damping that it missed: every figure of the tables
-//! in `docs/air-line.md` is computed anew. With `MCKIBBEN_WRITE` set the rows are printed instead.
+//! in `docs/air-line.md` is computed again. With `MCKIBBEN_WRITE` set the rows are printed instead.
 
 use crate::common::{ATMOSPHERE, INCH, LB, LBF, PSI, Paper, ROOM, bisect};
 use mckibben::AbsolutePressure;
@@ -45,7 +45,7 @@ fn check(label: &str, numbers: &[f64], digits: usize) {
 }
 
 /// The part of the flow that the friction leaves: how much longer a held actuator takes from 20 to 80 psi than one with the
-/// hose's volume beside it and no friction, at constant temperature.
+/// hose's volume in addition and no friction, at constant temperature.
 fn efficiency(kind: HoseKind, [length, bore]: [f64; 2]) -> f64 {
     let paper = filling().process(Process::Isothermal).isometric(3.5 * INCH);
     let beside = paper.clone().with(|rig| rig.external_volume += PI / 4.0 * bore * bore * length);

@@ -86,7 +86,7 @@ fn follow(a: &[Vec<f64>], start: &[f64], duration: f64) -> Vec<f64> {
     })
 }
 
-/// Sizes of disturbances that a run tells from its own errors, in the unit of each state.
+/// Sizes of disturbances that a run distinguishes from its own errors, in the unit of each state.
 fn usual(name: &str) -> f64 {
     match name {
         name if name.contains("flow") => 1e-7,

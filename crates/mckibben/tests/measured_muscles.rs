@@ -35,7 +35,7 @@ const DMSP_20_300: &[(f64, &[f64])] = &[
     (675_000.0, &[1653.5, 1164.3, 840.7, 535.8, 253.3]),
 ];
 
-/// The same of the thinner muscle.
+/// Measured forces of the thinner muscle.
 const DMSP_10_250: &[(f64, &[f64])] = &[
     (68_750.0, &[32.1667]),
     (132_500.0, &[84.8333]),
@@ -111,7 +111,7 @@ impl Muscle {
         self.errors_at(law, |_| true)
     }
 
-    /// The same at the lengths that are kept.
+    /// Errors at the lengths that are kept.
     fn errors_at(&self, law: &impl StaticForce<f64>, keep: impl Fn(f64) -> bool) -> [f64; 2] {
         let (mut largest, mut worst, mut squares, mut count) = (0.0_f64, 0.0_f64, 0.0, 0.0);
         for (gauge, tensions) in self.tensions {
@@ -170,7 +170,7 @@ fn a_fit_of_the_modulus_is_the_one_of_an_independent_solver() {
     assert_close(errors[1], 0.019_608_696_221_104_414, 1e-7);
 }
 
-/// A law of every other kind, fitted by SciPy, with the errors that SciPy finds for it: figures of docs/force-laws.md.
+/// A law of every other kind, fitted by SciPy, with the errors that SciPy finds for it: figures of docs/validation.md.
 #[test]
 fn other_laws_are_as_near_as_an_independent_solver_finds() {
     let sarosi = |muscle: &Muscle, [a1, a2, a3, a4, a5, a6]: [f64; 6]| {
@@ -229,7 +229,7 @@ fn other_laws_are_as_near_as_an_independent_solver_finds() {
     }
 }
 
-/// Fits without one length, held to that length: figures of docs/force-laws.md.
+/// Fits without one length, held to that length: figures of docs/validation.md.
 struct HeldOut {
     length: f64,
     /// Coefficients of the pressure's polynomial over bar, and passive ones in N.

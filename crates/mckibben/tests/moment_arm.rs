@@ -177,7 +177,7 @@ fn torque_is_arm_times_tension_and_energy_closes() {
     assert_within(work.residual, 0.0, 1e-8 * work.turnover);
 }
 
-/// Static torque written out anew, with the pressures kept or following their volumes.
+/// Static torque written out again, with the pressures kept or following their volumes.
 fn torque(pair: &Pair, angle: f64, from: f64, gauge: [f64; 2], held: Held) -> f64 {
     let at = |i: usize| {
         let (paper, tendon) = (&pair.papers[i], &pair.tendons[i]);

@@ -477,7 +477,7 @@ fn what_makes_no_sense_is_refused() {
     assert!(matches!(driven.advance_to(1.0), Err(Error::TooMany { .. })));
     // A run that is refused stays where it was.
     assert_eq!(driven.state(), at.state());
-    // A driver that asks for what its valve cannot do ends the run.
+    // A driver that requests what its valve cannot do ends the run.
     let mut wrong = run(vec![steady(RuntimeCommand::Position(0.1), &[0])]).expect("a run");
     assert!(wrong.advance_to(0.1).expect_err("refused").to_string().contains("spool"));
     assert!(matches!(driven.advance_to(f64::NAN), Err(Error::OutOfRange { .. })));

@@ -143,8 +143,8 @@ fn a_linear_model_needs_viscous_friction() {
     model(5.0).expect("a model");
 }
 
-/// One actuator on a tendon, its pressure and the motion of the tendon's far end both given: the tendon's tension is the braid's and the
-/// viscous friction's at every time.
+/// One actuator on a tendon, its pressure and the motion of the tendon's load end both given: the tendon's tension is
+/// the braid's and the viscous friction's at every time.
 #[test]
 fn one_actuator_follows_a_pressure_and_a_motion() {
     let (viscous, amplitude, frequency) = (3.0, 1e-3, 3.0);

@@ -394,7 +394,7 @@ fn a_joint_with_hoses_swings_as_the_simulated_joint_does() {
     }
 }
 
-/// The same joint under PWM of two frequencies: the mean pressures of simulated cycles are those of the point. The bottle
+/// A joint under PWM of two frequencies: the mean pressures of simulated cycles are those of the point. The bottle
 /// gives what the point says it must be given, and so loses it.
 #[test]
 fn simulated_pulses_lie_about_the_point_of_a_joint_on_a_bottle() {

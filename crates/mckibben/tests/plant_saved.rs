@@ -277,7 +277,7 @@ fn what_numbers_cannot_hold_is_named() {
     assert!(said.to_string().contains("drivers"), "{said}");
 }
 
-/// What a host asks beside its steps.
+/// What a host requests in addition to its steps.
 #[test]
 fn rates_tensions_at_other_rates_and_the_way_back_to_the_start() {
     let (plant, start, takes) = plants().swap_remove(1);

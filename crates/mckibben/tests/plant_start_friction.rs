@@ -150,7 +150,7 @@ fn a_mass_that_friction_balances_stays() {
         run.state()[0] - LENGTH
     };
     assert_within(moved(InitialFriction::Held(held), 0.5), 0.0, 1e-9);
-    // What is not balanced accelerates it: ½ ΔF/M t², before the spring of the actuator tells.
+    // What is not balanced accelerates it: ½ ΔF/M t², before the spring of the actuator has an effect.
     let (mass, time) = (2.0, 1e-3);
     let way = |force: f64| 0.5 * force / mass * time * time;
     assert_close(moved(InitialFriction::Relaxed, time), way(held), 0.01);
@@ -175,7 +175,7 @@ fn what_remembers_nothing_is_refused() {
     assert!(matches!(error, Error::OutOfRange { .. }), "{error}");
     let error = refused(&paper(Some(law), 0.0), vec![InitialFriction::Relaxed; 2]);
     assert!(matches!(error, Error::Table { .. }), "{error}");
-    // Beside dry friction the hysteresis has its start.
+    // In addition to dry friction the hysteresis has its start.
     let both = paper(Some(law), 0.0).with(|paper| paper.coulomb = Coulomb::new(1e-4).ok());
     PlantRun::new(&plant(&both, Mechanism::Fixed), &start(InitialFriction::Loading), 1e-9).expect("a run");
 }

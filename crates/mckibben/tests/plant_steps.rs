@@ -63,7 +63,7 @@ fn as_plant(paper: &Paper) -> (Plant, PlantStart) {
 }
 
 /// A rig whose flow is choked throughout, so that the rates are smooth between edges: a big volume between a strong
-/// supply and the surroundings, moving between its limits.
+/// supply and the atmosphere, moving between its limits.
 fn smooth(coulomb_width: f64) -> Paper {
     Paper::pwm(20.0, 0.5).gauge(45.0 * PSI).friction(3.5, coulomb_width).with(|rig| {
         rig.external_volume = 1e-3;

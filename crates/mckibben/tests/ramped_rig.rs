@@ -75,7 +75,7 @@ fn an_opening_seat_empties_by_the_exponential_of_a_parabola() {
     }
 }
 
-/// Three-way: while the seat is under way air goes from the supply to the surroundings too. ISO 6358 written out, by the
+/// Three-way: while the seat is under way air goes from the supply to the atmosphere too. ISO 6358 written out, by the
 /// classical Runge–Kutta method in small steps between the corners of the opening.
 #[test]
 fn both_passages_of_a_three_way_valve_agree_with_an_independent_integration() {
@@ -158,7 +158,7 @@ fn a_pulse_passes_as_much_as_one_half_a_ramp_late() {
 #[test]
 fn fixed_steps_come_to_the_event_located_run_at_their_order() {
     for process in [Process::Isentropic, Process::Isothermal] {
-        // Both passages stay choked, so that the flow has no corner of its own.
+        // Both flow paths stay choked, so that the flow has no corner of its own.
         let paper = slow(Paper::pwm(20.0, 0.6)).isometric(3.5 * INCH).process(process).gauge(2e5);
         // All instants lie on the grid of the longest step, so that half the step halves every part.
         let paper = paper.with(|rig| rig.delays = (5e-3, 5e-3));
@@ -219,7 +219,7 @@ fn the_audits_close() {
     assert_close(flowed, audit.air_gain, 1e-6);
 }
 
-/// The same with a tenth of the passage: the pressure is far from settled when the run ends.
+/// A tenth of the flow area: the pressure is far from settled when the run ends.
 fn slow(paper: Paper) -> Paper {
     paper.with(|rig| rig.standard = FlowStandard::Orifice { flow_area: 1.67e-7 })
 }

@@ -1,5 +1,5 @@
-//! A rig on a proportional pressure regulator: its pressure against the closed form, rest, dead time, rate, passage, audit,
-//! the orders of fixed steps, a batch.
+//! A rig on a proportional pressure regulator: its pressure against the closed form, rest, dead time, rate, flow path,
+//! audit, the orders of fixed steps, a batch.
 
 use crate::common::accounts::Audited;
 use crate::common::regulated::{Regulated, TimeSeries};
@@ -46,7 +46,7 @@ fn held() -> Paper {
     Paper::sealed().isometric(3.5 * INCH)
 }
 
-/// As [`held`], with a passage through which the actuator follows at once.
+/// As [`held`], with a flow path through which the actuator follows at once.
 fn wide() -> Paper {
     held().with(|rig| rig.standard = FlowStandard::Orifice { flow_area: 2e-4 })
 }
@@ -79,7 +79,7 @@ fn the_pressure_follows_the_closed_form() {
             let time = course.time + (until - course.time) * f64::from(n) / 50.0;
             let expected = CLOSED_FORM.pressure(&course, time);
             assert_close(regulated(&run, time), expected, 1e-9);
-            // The passage is two thousand times as fast as the regulator.
+            // The flow path is two thousand times as fast as the regulator.
             assert_within(run.at(time).pressure.0, expected, 2e-3 * ATMOSPHERE);
         }
     }
@@ -179,7 +179,7 @@ fn the_audits_close() {
     assert!(circuit.exergy.residual.abs() < 1e-6 * circuit.exergy.turnover, "{circuit:?}");
     assert!(audit.residual().abs() < 1e-6 * audit.turnover());
     assert!(audit.air_residual().abs() < 1e-7 * audit.air_in);
-    // What went out went to the surroundings: nothing comes back into the supply.
+    // What went out went to the atmosphere: nothing comes back into the supply.
     let supply = 100.0 * PSI + ATMOSPHERE;
     let each = 286.99 * crate::common::ROOM * (supply / ATMOSPHERE).ln();
     assert_close(circuit.total.drawn, audit.air_in * each, 1e-6);
@@ -292,7 +292,7 @@ fn fixed_steps_agree_where_a_mass_bounces() {
     }
 }
 
-/// With steps far beyond what the passage needs, from both sides.
+/// With steps far beyond what the flow path needs, from both sides.
 #[test]
 fn long_stable_steps_never_overshoot() {
     for gauge in [0.0, 5e5] {

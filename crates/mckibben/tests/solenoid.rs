@@ -26,7 +26,7 @@ fn table(time: &[f64], request: &[Request]) -> Command {
     Command::table(time.to_vec(), request.to_vec()).expect("a command")
 }
 
-/// The passages at t = 0 and each motion until `until`.
+/// The flow paths at t = 0 and each motion until `until`.
 fn motions(solenoid: &Solenoid, command: &Command, until: f64) -> Vec<(f64, Ports)> {
     let mut clock = SeatClock::released();
     clock.advance(0.0, solenoid, command);
@@ -186,7 +186,7 @@ fn two_seats_overlap_or_leave_a_gap_as_their_delays_say() {
 
 #[test]
 fn an_overlap_lets_the_supply_blow_through() {
-    // With both passages open the pressure settles where inflow and outflow are equal, between the two ports.
+    // With both flow paths open the pressure settles where inflow and outflow are equal, between the two ports.
     let command = table(&[0.0, 0.1], &[Request::Fill, Request::Exhaust]);
     let paper = Paper::driven(command)
         .with(|rig| (rig.kind, rig.delays) = (ValveKind::FillHoldExhaust, (0.0, 0.2)))

@@ -57,7 +57,7 @@ fn a_step_overshoots_as_the_textbook_says() {
         assert_close(position, 0.5 * (1.0 + overshoot), 1e-12);
         assert_within(velocity, 0.0, 1e-9 * TAU * FREQUENCY);
     }
-    // Long after, it is where it was told to be.
+    // Long after, it is where it was commanded.
     for zeta in [0.1, 1.0, 3.0] {
         assert_close(spool(zeta).at(&step(0.5), 2.0_f64)[0], 0.5, 1e-12);
     }
@@ -82,7 +82,7 @@ fn a_swing_beyond_the_stroke_meets_the_stop() {
     let other = spool(0.2).meets_stop(&back).expect("the other stop");
     assert_within(spool(0.2).at(&back, other)[0], -1.0, 1e-12);
     assert!(other > 1.0);
-    // What is told to stay stays; what creeps does not swing; what is thrown hits.
+    // What is commanded to stay stays; what creeps does not swing; what is thrown hits.
     assert_eq!(spool(0.2).meets_stop(&SpoolMotion { command: 1.0, ..back }), None);
     assert_eq!(spool(1.5).meets_stop(&back), None);
     let thrown = SpoolMotion { time: 0.0, position: 0.9, velocity: 5e3, command: 0.0 };

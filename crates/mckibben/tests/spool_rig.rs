@@ -64,7 +64,7 @@ fn valve_events(run: &RigTrajectory) -> Vec<f64> {
 }
 
 /// A spool that rings over its dead zone, meets a stop and turns: motion, edges and air by the classical Runge–Kutta method
-/// in steps that are small beside everything.
+/// in steps that are small relative to everything.
 #[test]
 fn it_agrees_with_an_independent_integration() {
     for (zeta, overlap) in [(0.2, 0.08), (0.7, -0.15), (1.6, 0.05)] {
@@ -102,7 +102,7 @@ fn it_agrees_with_an_independent_integration() {
     }
 }
 
-/// A spool that is fast beside the air stands where it is told: `P = P₀ exp(−λ C ρ₀ T₀ R t/V)` while choked.
+/// A spool that is fast relative to the air stands where it is commanded: `P = P₀ exp(−λ C ρ₀ T₀ R t/V)` while choked.
 #[test]
 fn half_open_it_empties_half_as_fast() {
     let paper = held().gauge(7e5);
@@ -151,7 +151,7 @@ fn thrown_from_stop_to_stop_it_is_a_three_way_valve() {
 
 #[test]
 fn fixed_steps_come_to_the_event_located_run_at_their_order() {
-    // Both passages stay choked, so that the flow has no corner of its own.
+    // Both flow paths stay choked, so that the flow has no corner of its own.
     let paper = held();
     let rig = rig(&paper, spool(12.0, 0.5, 0.0), positions(&[0.0], &[0.4]));
     let exact = simulate(&rig, start(&rig, &paper), 0.04, 1e-12).expect("a run");

@@ -53,7 +53,7 @@ fn a_small_chamber_with_its_passage_open_costs_little_and_is_right() {
 
 #[test]
 fn a_breathing_muscle_at_equal_pressure_costs_little_and_is_right() {
-    // The load swings on the paper's muscle while the passage stays open and the chamber is near the port's pressure.
+    // The load swings on the paper's muscle while the flow path stays open and the chamber is near the port's pressure.
     for process in PROCESSES {
         for external in [1e-8, 1e-7, 3e-6] {
             let paper = Paper::driven(Command::Constant(Request::Exhaust))
@@ -107,7 +107,7 @@ fn the_implicit_method_takes_over_where_the_pressure_is_settled() {
 
 #[test]
 fn the_settling_follows_its_exponential() {
-    // On the straight line near equal pressure, isothermal at the surroundings' temperature and with the outflow's
+    // On the straight line near equal pressure, isothermal at the atmosphere's temperature and with the outflow's
     // temperature constant: dP/dt = −(R T/V) G ψ_lam/(1 − r_lam) (P − P_atm)/√T, an exponential.
     let paper =
         tiny(0.1, 1e-8, Command::Constant(Request::Exhaust)).process(Process::Isothermal).isometric(8.5e-3).gauge(60.0);

@@ -34,7 +34,7 @@ fn clause_6_an_exhaust_at_equal_pressure_does_not_chatter() {
         // Emptied from 7 bar: choked, subsonic, near equal.
         let run = exhaust.clone().gauge(6e5).isometric(0.085).run(10.0, 1e-8);
         assert!((2..=6).contains(&run.statistics().events), "{process:?}: {:?}", run.events());
-        // The muscle hangs on its taut braid and swings, with its passage open.
+        // The muscle hangs on its taut braid and swings, with its flow path open.
         let run = exhaust.clone().run(10.0, 1e-8);
         assert!(run.statistics().events <= 10, "{process:?}: {:?}", run.statistics());
         assert!(run.statistics().evaluations < 50_000, "{process:?}: {:?}", run.statistics());

@@ -93,7 +93,7 @@ fn what_was_asked_for_gives_the_same_run_without_the_controller() {
         assert_close(closed.at(sample.time).length, sample.length, 1e-6);
         assert_close(closed.at(sample.time).load_distance, sample.load_distance, 1e-6);
     }
-    // At fixed steps which the samples divide no further, to the last bit.
+    // At fixed steps which the samples divide no further, bit for bit.
     let closed = stepped((&rig, &paper), length(), set_up(50.0, 0), 300);
     let span = TimeStepping::Fixed { method: Method::Stable, step: DURATION / 300.0 };
     let open = RigPlant::new(closed.rig()).simulate(&paper.start(), DURATION, span).expect("a run");

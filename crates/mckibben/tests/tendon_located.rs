@@ -36,7 +36,7 @@ fn two_springs_in_series_swing_at_their_frequency() {
     let at_rest = start.length + REST + MASS * GRAVITY / STIFFNESS;
     for sample in trajectory.samples(0.1 / omega) {
         let (angle, part) = (omega * sample.time, STIFFNESS / (STIFFNESS + own));
-        // A swing of some 0.2 µm, beside the curvature of the muscle's force.
+        // A swing of some 0.2 µm, relative to the curvature of the muscle's force.
         assert_within(sample.load_distance - at_rest, velocity / omega * angle.sin(), 4e-5 * velocity / omega);
         assert_within(sample.length - start.length, part * velocity / omega * angle.sin(), 4e-5 * velocity / omega);
         assert_within(sample.velocity, part * velocity * angle.cos(), 2e-4 * velocity);

@@ -42,7 +42,7 @@ fn two_springs_in_series_swing_at_their_frequency() {
     assert_close(samples[0].load_distance, at_rest, 1e-12);
     for sample in samples {
         let (swing, part) = (velocity / omega * (omega * sample.time).sin(), STIFFNESS / (STIFFNESS + own));
-        // A swing of some 20 µm is not quite small beside the curvature of the muscle's force.
+        // A swing of some 20 µm is not quite small relative to the curvature of the muscle's force.
         assert_within(sample.load_distance - at_rest, swing, 2e-3 * velocity / omega);
         assert_within(sample.length - start.length, part * swing, 2e-3 * velocity / omega);
     }
@@ -91,7 +91,7 @@ fn without_friction_the_energy_stays() {
     }
 }
 
-/// Mass and tendon swing by themselves, and the muscle stays to the last bit: held by dry friction, or on its shortest length.
+/// Mass and tendon swing alone, and the muscle stays exactly: held by dry friction, or on its shortest length.
 #[test]
 fn what_holds_the_muscle_leaves_the_tendon_to_swing() {
     let rough = Paper::sealed().friction(5.0, 2e-3).gauge(3e5);
@@ -196,7 +196,7 @@ fn derivatives_are_those_of_finite_differences() {
     }
 }
 
-/// The tendon's far end on a given motion, at fixed steps: near the event-located engine, by the order of the method.
+/// The tendon's load end on a given motion, at fixed steps: near the event-located engine, by the order of the method.
 #[test]
 fn its_far_end_is_moved_at_fixed_steps() {
     let paper = smooth();

@@ -1,4 +1,4 @@
-//! The valve's passage: (21)(23) transcribed, ISO 6358, continuity, both directions.
+//! The valve's flow path: (21)(23) transcribed, ISO 6358, continuity, both directions.
 
 use crate::common::{ATMOSPHERE, INCH, LB, LBF, Paper, ROOM, assert_close, assert_within, slope};
 use mckibben::air::{Air, Chamber, Process};

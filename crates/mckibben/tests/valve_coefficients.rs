@@ -1,4 +1,4 @@
-//! Flow through valves stated by Kv or Cv, what manufacturers say of both, and a passage of its own for the exhaust.
+//! Flow through valves stated by Kv or Cv, what manufacturers say of both, and a separate flow path for the exhaust.
 
 use crate::common::{ATMOSPHERE, Paper, ROOM, assert_close, assert_within, slope};
 use mckibben::air::{Air, Chamber, Process};
@@ -111,7 +111,7 @@ fn c_from_cv_is_within_a_quarter_of_what_a_catalogue_states() {
     let stated = [(1.1, 0.29), (2.8, 0.90), (4.5, 1.4), (10.0, 2.5)];
     let ratios =
         stated.map(|(c, cv)| sonic_conductance(&law(FlowStandard::Cv { cv, pressure_drop_ratio: 0.7 }, &air)) / c);
-    // What `docs/valves.md` tells the reader.
+    // What `docs/valves.md` says.
     for (ratio, told) in ratios.into_iter().zip([1.03, 1.25, 1.21, 0.98]) {
         assert_within(ratio, told, 0.006);
     }
@@ -185,7 +185,7 @@ fn an_exhaust_of_its_own_serves_its_port_alone() {
     assert_eq!(own.open_flow(&chamber, false, true), own.flow(Port::Exhaust, &chamber));
     assert_eq!(own.open_flow(&chamber, false, false).net(), 0.0);
 
-    // And in the actuator's answer, with the rows of the two passages told apart.
+    // And in the actuator's answer, with the rows of the two flow paths distinguished.
     let actuator = paper.actuator().with_valve(own);
     let state = ActuatorState::new(AbsolutePressure(3e5), 1e-4, 0.08);
     let vented = |actuator: &mckibben::Actuator| {

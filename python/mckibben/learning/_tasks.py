@@ -90,7 +90,7 @@ def task(name: str, scenario: Scenario | None = None, targets: Ranges | None = N
     Parameters
     ----------
     name
-        "HangingMass", "Joint", "Leg" or "Arm"; or "Scenario", which has no plant of its own.
+        "HangingMass", "Joint", "Leg" or "Arm"; or "Scenario", which has no predefined plant.
     scenario
         The plant, where it is not the task's own. It must have the columns of the task's targets.
     targets

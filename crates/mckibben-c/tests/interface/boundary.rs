@@ -106,7 +106,7 @@ fn a_state_is_saved_copied_and_left() {
         distance = 0.0;
         assert_eq!(mckibben_distances(other.0, &raw mut distance, 1), Status::Ok);
         assert_eq!(distance, 0.085);
-        // Saved where it began anew, too.
+        // Saved where it was reset, too.
         assert_eq!(mckibben_save(other.0, numbers.as_mut_ptr(), numbers.len()), Status::Ok);
     }
 }

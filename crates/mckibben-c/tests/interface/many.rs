@@ -107,7 +107,7 @@ fn a_plant_that_fails_leaves_the_others() {
     assert_eq!(times.collect::<Vec<_>>(), [1e-3, 0.0, 1e-3]);
 }
 
-/// The same plant twice, no plant, and arrays of the wrong size.
+/// One plant twice, no plant, and arrays of the wrong size.
 #[test]
 fn wrong_arrays_are_refused() {
     let plant = muscle();

@@ -11,10 +11,10 @@ use mckibben_run::joint::observation::Observation;
 use mckibben_run::observation::{AirUse, Range};
 use mckibben_scenario::Scenario;
 
-/// Everything that the summary tells about.
+/// What the summary describes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Summary<'a> {
-    /// What every summary tells.
+    /// What every summary prints.
     pub common: Common<'a>,
     /// The scenario as it was understood, and as it stands for the antagonist.
     pub scenarios: [&'a Scenario; 2],

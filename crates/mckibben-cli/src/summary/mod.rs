@@ -36,7 +36,7 @@ const MOST_NAMES: usize = 40;
 /// A column of values.
 const VALUE: (Side, usize) = (Side::Right, 14);
 
-/// What every summary tells, whatever ran.
+/// What every summary prints, whatever ran.
 #[derive(Clone, Copy, Debug)]
 pub struct Common<'a> {
     /// The name of the scenario file.
@@ -47,16 +47,16 @@ pub struct Common<'a> {
     pub muscles: &'a [(String, Muscle)],
     /// The assumed values in force.
     pub assumed: &'a [Assumed],
-    /// What the run settles to, where that was asked for.
+    /// What the run settles to, where that was requested.
     pub settled: Option<&'a Settled>,
-    /// Whether everything is told, not only the ten lines that matter most.
+    /// Whether everything is printed, not only the ten lines that matter most.
     pub verbose: bool,
 }
 
-/// Everything that the summary of one actuator tells about.
+/// What the summary of one actuator describes.
 #[derive(Clone, Copy, Debug)]
 pub struct Summary<'a> {
-    /// What every summary tells.
+    /// What every summary prints.
     pub common: Common<'a>,
     /// The scenario as it was understood.
     pub scenario: &'a Scenario,
@@ -198,7 +198,7 @@ impl Common<'_> {
         }
     }
 
-    /// The closing note about numbers that nobody states.
+    /// The closing note about assumed parameters.
     pub(crate) fn assumptions(&self) -> String {
         assumptions(self.assumed)
     }
@@ -234,7 +234,7 @@ pub(crate) fn goals_by_name<'g>(page: &Page, goals: impl IntoIterator<Item = (St
 pub(crate) fn effort(page: &Page, closed: &Closed, air: f64) {
     page.line("samples", &format!("{}; errors are as measured then", count(closed.samples as u64)));
     let requests: Vec<String> = closed.requests.iter().map(|requests| count(*requests as u64)).collect();
-    page.line("requests", &format!("{} changes of what the valve is asked", requests.join(" and ")));
+    page.line("requests", &format!("{} changes of the valve's command", requests.join(" and ")));
     page.line("air used", &format!("{} from the supply", page.quantity(air, "kg")));
 }
 
@@ -280,7 +280,8 @@ fn step_of(page: &Page, step: f64, chosen: Option<[f64; 2]>, run: &Run) -> Strin
     )
 }
 
-/// The length under PWM in words; of a run that has not settled no ripple is told, since it would be that of the swing.
+/// The length under PWM in words; of a run that has not settled no ripple is printed, since it would be that of the
+/// swing.
 fn under_pwm(page: &Page, ripple: &Ripple, contraction: f64) -> String {
     let drift = ripple.drift.map(|drift| format!(", and its mean moves by {} a period", page.quantity(drift, "m")));
     if !ripple.settled {
@@ -326,7 +327,7 @@ fn energy(page: &Page, ledger: &PlantLedger) {
         (
             "effectiveness",
             audit.effectiveness_loss,
-            "taken by an effectiveness other than 1, or a law beside virtual work",
+            "taken by an effectiveness other than 1, or a law that does not follow from virtual work",
         ),
     ];
     page.energies(&named, work.turnover);
@@ -397,7 +398,7 @@ pub(crate) fn circuit(page: &Page, of: &Exergy, process: Process, sums: [f64; 3]
     }
 }
 
-/// The closing note about numbers that nobody states.
+/// The closing note about assumed parameters.
 pub(crate) fn assumptions(assumed: &[Assumed]) -> String {
     if assumed.is_empty() {
         return String::new();
@@ -429,7 +430,7 @@ fn keep_numbers(text: &str) -> String {
 /// Text with a column of names. A number that is not finite is remembered with the name of its line.
 #[derive(Debug, Default)]
 pub(crate) struct Page {
-    /// Whether everything is told.
+    /// Whether everything is printed.
     pub(crate) verbose: bool,
     /// How much wider than usual the column of names is, for names from a file.
     wider: Cell<usize>,

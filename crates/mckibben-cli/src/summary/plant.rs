@@ -9,12 +9,12 @@ use mckibben_run::failure::Failure;
 use mckibben_run::plant::{PlantFigures, control};
 use mckibben_run::quantities::{count, given};
 
-/// Said behind the name of a part whose gauge pressure a line tells.
+/// Printed behind the name of a part whose gauge pressure is on a line.
 const GAUGE: &str = ", gauge";
 
-/// Everything that the summary tells about.
+/// What the summary describes.
 pub(crate) struct Summary<'a> {
-    /// What every summary tells.
+    /// What every summary prints.
     pub(crate) common: Common<'a>,
     pub(crate) run: &'a PlantFigures,
 }

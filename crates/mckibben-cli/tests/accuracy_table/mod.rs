@@ -18,7 +18,7 @@ pub(crate) const METHODS: [(Method, &str); 2] = [(Method::Rk4, "RK4"), (Method::
 const INTERVAL: f64 = 1e-3;
 /// Relative tolerance of the event-located runs.
 const TOLERANCE: f64 = 1e-12;
-/// Errors below this are not told apart from those of the reference.
+/// Errors below this are not distinguished from those of the reference.
 pub(crate) const RESOLVED: f64 = 1e-8;
 
 /// A scenario of the page: a file of the repository and what is set in it.
@@ -149,7 +149,7 @@ pub(crate) fn milliseconds(step: f64) -> String {
     format!("{} ms", mckibben_run::quantities::digits(step * 1e3).trim_end_matches('0').trim_end_matches('.'))
 }
 
-/// The order between two rows, where both errors are resolved and small enough to be told apart from chance.
+/// The order between two rows, where both errors are resolved and small enough to be distinguished from chance.
 fn order(rows: &[Measured], index: usize) -> String {
     let (Some(Ok(before)), Ok(here)) = (index.checked_sub(1).and_then(|before| rows.get(before)), &rows[index]) else {
         return String::new();
@@ -188,7 +188,7 @@ pub(crate) fn chosen(step: &Chosen) -> String {
 const HEAD: &str = "\
 # Accuracy of the fixed-step engine
 
-Made by `cargo xtask accuracy`; a test measures every figure of its tables anew. They are differences between the two
+Made by `cargo xtask accuracy`; a test measures every figure of its tables again. They are differences between the two
 engines of this program, not between the model and a muscle.
 
 Each case is run by the event-located engine at a relative tolerance of 1e-12, and by the fixed-step engine at steps from

@@ -17,7 +17,7 @@ pub(crate) struct Case<'a> {
     pub(crate) pieces: Vec<&'a str>,
     /// What is set over it.
     pub(crate) before: Vec<Setting>,
-    /// The same with another value of the key.
+    /// Settings with another value of the key.
     pub(crate) after: Vec<Setting>,
 }
 
@@ -220,7 +220,7 @@ rest_length = "3.3 in"
 gauge_pressure = "2 bar"
 angle = "2 deg"
 "#;
-/// The same where the pressure at the start is given over time.
+/// The load of a joint whose pressure at the start is given over time.
 pub(crate) const GIVEN_JOINT_LOAD: &str = r#"[load]
 kind = "antagonistic-joint"
 mass = "0.3 kg"

@@ -180,7 +180,7 @@ fn controllers_have_what_they_drive() {
         &format!(
             "{CONTROLLED}[controller]\nkind = \"bang-bang\"\ngauge_pressure = \"1 bar\"\nrate = \"10 Hz\"\ndead_band = \"0.1 bar\"\n"
         ),
-        "the command of no actuator asks for it",
+        "the command of no actuator refers to it",
     );
     refused(&CONTROLLED.replace("angle = [\"0 deg\", \"15 deg\"]", "length = \"9 cm\""), "has no meaning for a joint");
 }

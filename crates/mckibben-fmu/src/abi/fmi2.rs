@@ -327,7 +327,7 @@ lists! {
 
 #[unsafe(no_mangle)]
 extern "C" fn fmi2DoStep(handle: Handle, time: f64, step: f64, _no_set_state: c_int) -> c_int {
-    // A discarded step asks a host of FMI 2.0 to try a shorter one; many do not, and would try the same step without end.
+    // A discarded step makes a host of FMI 2.0 try a shorter one; many do not, and would try the same step without end.
     let refused = |refusal: Refusal| Refusal::error(refusal.message);
     call(handle, "fmi2DoStep", |instance| instance.do_step(time, step).map(drop).map_err(refused))
 }

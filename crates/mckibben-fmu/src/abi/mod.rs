@@ -21,7 +21,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock};
 /// References and values in one call at most: beyond lies no list, but a count that was never set.
 const MOST: usize = 1 << 24;
 
-/// What hosts hold, by the numbers that they have for it.
+/// The instances of hosts, by their handles.
 struct Table<T> {
     next: usize,
     entries: Option<HashMap<usize, T>>,
@@ -137,7 +137,7 @@ fn free_saved(handle: *mut c_void) {
 /// The elements of a host's array.
 ///
 /// # Safety
-/// Unless it is null, `pointer` points to `count` elements that nobody writes to during the call.
+/// Unless it is null, `pointer` points to `count` elements that no other code writes to during the call.
 unsafe fn list<'a, T>(pointer: *const T, count: usize) -> Result<&'a [T], Refusal> {
     check(pointer, count)?;
     if count == 0 {
@@ -150,7 +150,7 @@ unsafe fn list<'a, T>(pointer: *const T, count: usize) -> Result<&'a [T], Refusa
 /// The elements of a host's array, to be written.
 ///
 /// # Safety
-/// Unless it is null, `pointer` points to `count` initialised elements that nobody else uses during the call.
+/// Unless it is null, `pointer` points to `count` initialised elements that no other code uses during the call.
 unsafe fn list_mut<'a, T>(pointer: *mut T, count: usize) -> Result<&'a mut [T], Refusal> {
     check(pointer, count)?;
     if count == 0 {

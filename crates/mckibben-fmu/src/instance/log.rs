@@ -1,4 +1,4 @@
-//! What an instance tells its host: never by standard output, which is not its own.
+//! Messages of an instance to its host: never by standard output, which belongs to the host.
 
 use super::Status;
 use std::fmt;

@@ -170,7 +170,7 @@ impl Instance {
     }
 }
 
-/// That no pulse of a state is long overdue: bytes that were changed may say so, and laying them out would take for ever.
+/// That no pulse of a state is long overdue: bytes that were changed may say so, and laying them out would never end.
 fn check_pulses(plant: &HostPlant) -> Result<(), Refusal> {
     let (edge, time) = (plant.steps().pulse_edge(), plant.steps().time());
     if edge.is_finite() && edge < time - 1.0 {

@@ -1,4 +1,4 @@
-//! The values that fit best, how sure they are, and what the data cannot tell apart.
+//! The values that fit best, how certain they are, and what is not identifiable from the data.
 //!
 //! ```text
 //! minimise  ½ Σ ρ(rᵢ²)  over the unknowns within their bounds        rᵢ = (modelᵢ − measuredᵢ)/scaleᵢ
@@ -7,7 +7,7 @@
 //! with the loss ρ of [`Loss`]. Where the scales are not known, a loss that spares outliers takes its measure from the
 //! residuals themselves: from the median of their sizes, first by squares and then by the loss until it stays. A prior is one
 //! more residual. The steps are a trust-region reflective method's (the crate `basin`), in unknowns divided by their own
-//! size, from several starts if asked; what is made of the minimum is [`Fit`]'s.
+//! size, from several starts on request; what is made of the minimum is [`Fit`]'s.
 //!
 //! A sum of squares may have kinks, as at a stop, at sticking or at slack, where derivatives lead no further. With
 //! [`Search::any_end`] steps without derivatives go on from there, and the best values are returned wherever a search ends:
@@ -38,7 +38,8 @@ pub use statistics::{Direction, Estimate, Fit};
 use crate::median;
 use thiserror::Error;
 
-/// How often the deviation of the residuals is taken anew where it is not known: it settles at once where outliers are few.
+/// How often the deviation of the residuals is estimated again where it is not known: it settles at once where outliers
+/// are few.
 const PASSES: usize = 3;
 
 /// A model of measurements: how far it is from each of them.
@@ -61,7 +62,8 @@ pub trait Model {
         1e-16
     }
 
-    /// How exact the derivatives are, as a part of their size: a direction that is told less than that is not told.
+    /// How exact the derivatives are, as a part of their size: a direction with a smaller singular value is not
+    /// identifiable.
     fn precision(&self) -> f64 {
         1e-9
     }
@@ -97,7 +99,7 @@ impl Unknown {
         Self { name: name.into(), unit, start, bounds: [f64::NEG_INFINITY, f64::INFINITY], prior: None }
     }
 
-    /// The same between two values.
+    /// Bounds the unknown by two values.
     pub fn between(self, least: f64, largest: f64) -> Self {
         Self { bounds: [least, largest], ..self }
     }
@@ -119,7 +121,7 @@ impl Unknown {
     }
 }
 
-/// The same unknowns, each starting at a value.
+/// The unknowns, each starting at a given value.
 pub(crate) fn starting_at(unknowns: &[Unknown], values: &[f64]) -> Vec<Unknown> {
     unknowns.iter().zip(values).map(|(unknown, start)| Unknown { start: *start, ..unknown.clone() }).collect()
 }
@@ -204,7 +206,7 @@ impl Default for Search {
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum FitError {
     /// Fewer measurements than unknowns.
-    #[error("{measurements} measurements cannot tell {unknowns} unknowns; measure more, or fix some of them")]
+    #[error("{measurements} measurements cannot determine {unknowns} unknowns; measure more, or fix some of them")]
     TooFew {
         /// How many measurements there are.
         measurements: usize,
@@ -228,7 +230,9 @@ pub enum FitError {
     #[error("the search was interrupted, or its time was over, before it had a result")]
     Interrupted,
     /// The search did not end at a minimum.
-    #[error("the search found no minimum: {why}; start nearer to it, give bounds, or fix what the data cannot tell")]
+    #[error(
+        "the search found no minimum: {why}; start nearer to it, give bounds, or fix what the data cannot determine"
+    )]
     NoMinimum {
         /// What ended it.
         why: Ending,
@@ -283,7 +287,7 @@ pub fn fit(model: &impl Model, unknowns: &[Unknown], search: &Search) -> Result<
     let mut found = solver::fit(model, unknowns, &squares)?;
     for _ in 0..PASSES {
         let deviation = median::deviation(found.residuals.iter().copied());
-        // Half of the measurements are met exactly: nothing tells how far off an outlier would be.
+        // Half of the measurements are met exactly: there is no scale for an outlier.
         if deviation == 0.0 || search.monitor.is_stopped() {
             break;
         }

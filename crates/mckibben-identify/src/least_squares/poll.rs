@@ -6,7 +6,8 @@
 //! ```
 //!
 //! So one unit of every z is a standard error, in whichever combination of unknowns, as far as the derivatives on one side of
-//! the kink tell. The poll ends where its steps are a thousandth of that. Values beyond a bound are taken to it.
+//! the kink determine it. The poll ends where its steps are a thousandth of that. Values beyond a bound are taken to
+//! it.
 //!
 //! The method converges on functions with kinks (Audet & Dennis 2006, SIAM J. Optim. 17, 188–217; Abramson, Audet, Dennis & Le
 //! Digabel 2009, SIAM J. Optim. 20, 948–966), where a simplex may collapse. It needs no random numbers.
@@ -18,7 +19,7 @@ use std::convert::Infallible;
 
 /// The first and the last size of a poll, in standard errors; a poll that succeeds is followed by one of twice the size.
 const POLLS: [f64; 2] = [0.25, 1e-4];
-/// The most that a standard error is, in sizes of the unknowns: where the data hardly tell a direction.
+/// The most that a standard error is, in sizes of the unknowns: where the data hardly determine a direction.
 const MOST: f64 = 1.0;
 /// Evaluations for each unknown.
 const EVALUATIONS: u64 = 150;
@@ -54,8 +55,9 @@ impl<F: Fn(&[f64]) -> f64> CostFunction for Polled<'_, F> {
     }
 }
 
-/// Polls about a place for a smaller cost, which sees every place that it is asked for; what it finds is the caller's to keep.
-/// `there` are the residuals with their derivatives at the place, each unknown divided by its size, as the place is.
+/// Polls about a place for a smaller cost, which sees every place that it evaluates; what it finds is the caller's to
+/// keep. `there` are the residuals with their derivatives at the place, each unknown divided by its size, as the place
+/// is.
 pub(super) fn around(origin: &[f64], there: &Evaluation, most_steps: u64, cost: impl Fn(&[f64]) -> f64) {
     if origin.is_empty() {
         return;
@@ -87,7 +89,7 @@ pub(super) fn onwards(before: &[f64], (after, least): (&[f64], f64), cost: impl 
     }
 }
 
-/// A standard error in every direction that the data tell, and no more than a part of the sizes in the others.
+/// A standard error in every direction that the data determine, and no more than a part of the sizes in the others.
 fn directions(unknowns: usize, there: &Evaluation) -> DMatrix<f64> {
     let plain = || DMatrix::identity(unknowns, unknowns) * MOST;
     let rows = there.residuals.len();

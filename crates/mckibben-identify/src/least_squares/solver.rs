@@ -12,7 +12,7 @@ use std::convert::Infallible;
 
 /// Change of an unknown, over its size, below which a search has come to its end.
 const RESOLVED: f64 = 1e-13;
-/// The cosine between residuals and the derivative by an unknown above which the place is no minimum.
+/// The cosine between residuals and the derivative with respect to an unknown above which the place is no minimum.
 const STATIONARY: f64 = 1e-5;
 /// The step that is left to an unknown, over its size, below which the place is one all the same.
 const STEP_RESOLVED: f64 = 1e-7;

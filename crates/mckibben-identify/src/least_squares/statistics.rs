@@ -1,4 +1,5 @@
-//! How sure a fit is: deviations, intervals, correlations, and what the data cannot tell apart.
+//! How certain a fit is: standard errors, confidence intervals, correlations, and what is not identifiable from the
+//! data.
 //!
 //! ```text
 //! C  = s² (JᵀWJ)⁻¹          J: derivatives of the residuals by the free unknowns at the minimum, W: weights of the loss
@@ -7,7 +8,7 @@
 //! ```
 //!
 //! It is exact for a model that is linear in its unknowns and normal errors, and good where the model is nearly
-//! linear over the interval. The singular values of J, its columns times the size of each unknown, tell which
+//! linear over the interval. The singular values of J, its columns times the size of each unknown, decide which
 //! combinations of unknowns the data hardly change: below the model's precision, as a part of the largest, is
 //! nothing. An unknown with a share in such a combination has no interval; one that rests on a bound has none either
 //! and takes no part.
@@ -38,16 +39,16 @@ pub struct Estimate {
     pub on_bound: bool,
 }
 
-/// A combination of unknowns and how well the data tell it.
+/// A combination of unknowns and how well the data determine it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Direction {
     /// Its singular value over the largest.
     pub told: f64,
-    /// The unknowns in it with their shares, each of its own size; those above a tenth.
+    /// The unknowns in it with their shares, each relative to the unknown's size; those above a tenth.
     pub shares: Vec<(String, f64)>,
 }
 
-/// Values that fit best, and how sure they are.
+/// Values that fit best, and how certain they are.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fit {
     /// The unknowns in their order.
@@ -60,11 +61,11 @@ pub struct Fit {
     pub degrees_of_freedom: usize,
     /// Standard deviation of a residual: 1 would be its scale.
     pub scatter: f64,
-    /// Correlations of the unknowns, row by row; NaN never: zero where there is none to tell.
+    /// Correlations of the unknowns, row by row; NaN never: zero where there is none.
     pub correlations: Vec<Vec<f64>>,
     /// Largest over least singular value of the derivatives, each by the size of its unknown; infinite when one is zero.
     pub condition: f64,
-    /// What the data do not tell.
+    /// The combinations that are not identifiable.
     pub untold: Vec<Direction>,
     /// Where the search has ended; only a minimum has intervals.
     pub ending: Ending,
@@ -80,8 +81,8 @@ impl Fit {
         Self::of_eliminated(model, unknowns, search, at, 0)
     }
 
-    /// The same where so many unknowns more were found, of which nothing is told: the derivatives are those that
-    /// remain when these others follow.
+    /// As [`Fit::new`], with `others` unknowns more that are eliminated and not reported: the derivatives are those
+    /// that remain when these others follow.
     pub(crate) fn of_eliminated(
         model: &impl Model,
         unknowns: &[Unknown],
@@ -218,7 +219,7 @@ impl Told {
         self.values[direction] > self.least * self.largest()
     }
 
-    /// Covariance of two unknowns, in their sizes, by the directions that are told.
+    /// Covariance of two unknowns, in their sizes, by the directions that are identifiable.
     fn covariance(&self, i: usize, j: usize) -> f64 {
         let part = |k: usize| (self.directions[(k, i)] / self.values[k]) * (self.directions[(k, j)] / self.values[k]);
         (0..self.values.len()).filter(|k| self.is_told(*k)).map(part).sum()

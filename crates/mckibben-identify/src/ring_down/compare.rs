@@ -1,4 +1,4 @@
-//! The estimators of a ring-down beside each other.
+//! A comparison of the estimators of a ring-down.
 
 use super::record::Record;
 use super::turns::Turns;
@@ -16,7 +16,7 @@ const MOST_BEFORE: f64 = 0.6;
 pub enum Estimator {
     /// The first and the last cycle by the paper's (25)–(31).
     PaperTwoCycles,
-    /// The same cycles by the exact recursion.
+    /// The first and the last cycle by the exact recursion.
     ExactTwoCycles,
     /// All turns by least squares.
     AllTurns,

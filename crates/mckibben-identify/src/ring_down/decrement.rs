@@ -133,7 +133,7 @@ impl Turns {
         Ok(Decrement { decay, coulomb_width: width, viscous, damping_ratio, rest, fit: Some(fit) })
     }
 
-    /// How far both sides of a swing are moved, over its square, where there are turns enough to tell.
+    /// How far both sides of a swing are moved, over its square, where there are enough reversals.
     fn curvature(&self) -> Option<Unknown> {
         let most = 1.0 / self.half_swings()[0];
         (self.turns.len() >= CURVED).then(|| Unknown::new("curvature", "1/m", 0.0).between(-most, most))

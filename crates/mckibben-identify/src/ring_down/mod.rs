@@ -46,7 +46,7 @@ use crate::least_squares::FitError;
 use crate::series::SeriesError;
 use thiserror::Error;
 
-/// Why a ring-down tells no friction.
+/// Why no friction can be estimated from a ring-down.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum RingDownError {
     /// The samples are no series.
@@ -67,7 +67,7 @@ pub enum RingDownError {
     },
     /// The record has less than two cycles.
     #[error(
-        "the record shows {turns} peaks and troughs, and two cycles have {least}; record longer, or release the mass farther \
+        "the record has {turns} peaks and troughs, and two cycles have {least}; record longer, or release the mass farther \
          out so that the swings stand out from the noise"
     )]
     TooFewTurns {

@@ -25,8 +25,8 @@ const RESOLVED: f64 = 1e-4;
 const AT_REST: f64 = 0.05;
 /// Samples of a parabola, and on either side of its vertex.
 const LEAST_SAMPLES: [usize; 2] = [5, 2];
-/// How often the lesser fall goes into the greater beside a turn at most: friction alone makes it three, `(X + Q)/(X − Q)`
-/// with X > 2Q, and the rest is for noise.
+/// How often the lesser fall goes into the greater next to a velocity reversal at most: friction alone makes it three,
+/// `(X + Q)/(X − Q)` with X > 2Q, and the rest is for noise.
 const MOST_UNEVEN: f64 = 5.0;
 /// Deviations by which a fall stands out from noise.
 const CLEAR: f64 = 3.0;
@@ -169,7 +169,7 @@ fn reversals(values: &[f64], swing: f64) -> Vec<usize> {
     places
 }
 
-/// Lengths by parabolas through their surroundings, where these are whole.
+/// Lengths by parabolas through their neighbouring samples, where these are complete.
 struct Smoothed {
     /// Place of the first in the record.
     first: usize,

@@ -1,8 +1,8 @@
 //! Friction from every sample of a ring-down: the simulated trajectory that fits best.
 //!
 //! The rig is simulated with every stick and slip located, over dual numbers, so that its derivatives are exact.
-//! Unknown are Q and c of (12), the length at the first sample, and, if asked, the velocity there and the sealed pressure. The
-//! mass of the air is no unknown: in a sealed chamber without heat transfer only P Vᵏ counts.
+//! Unknown are Q and c of (12), the length at the first sample, and, on request, the velocity there and the sealed
+//! pressure. The mass of the air is no unknown: in a sealed chamber without heat transfer only P Vᵏ counts.
 //!
 //! Intervals are those of [`least_squares`](crate::least_squares), from the scatter of the samples about the trajectory: they hold
 //! the noise, and are as true as the model. A scatter well above [`Record::noise`] says that the model is not.
@@ -24,7 +24,7 @@ const FIRST_PART: f64 = 0.3;
 /// Samples that a start is taken from.
 const START: usize = 5;
 
-/// What else is unknown at the first sample beside the length.
+/// What is unknown at the first sample in addition to the length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Free {
     /// The velocity; otherwise it is the start's.
@@ -52,7 +52,7 @@ pub struct Waveform {
     /// Standard deviation of a sample about the trajectory in m. Well above [`Record::noise`], it says that the model is not the
     /// actuator's, and then the intervals are too narrow.
     pub scatter: f64,
-    /// The least squares behind it: all unknowns, correlations, and what the record does not tell.
+    /// The least squares behind it: all unknowns, correlations, and what is not identifiable from the record.
     pub fit: Fit,
 }
 
@@ -95,7 +95,7 @@ impl Restoring {
         Ok(Self::of(rig, length, pressure))
     }
 
-    /// The Q of (12) in m of what a ring-down shows: `Q k_t/k_sec`.
+    /// The Q of (12) in m from that of a ring-down: `Q k_t/k_sec`.
     pub fn law_width(&self, shown: &Estimate) -> Estimate {
         scaled(shown, self.tangent / self.secant)
     }
@@ -209,12 +209,12 @@ fn check(rig: &Rig) -> Result<f64, RingDownError> {
         _ if !rig.actuator().friction().has_coulomb() => lack(
             "it has no Coulomb friction to begin with; set actuator.friction.coulomb_width above zero, such as 0.1 mm",
         ),
-        None => lack("nothing moves by itself; hang a mass on it"),
+        None => lack("nothing moves freely; hang a mass on it"),
         Some(inertia) => Ok(inertia.mass),
     }
 }
 
-/// The rig's length over time, by the unknowns.
+/// The rig's length over time, as a function of the unknowns.
 struct Trajectory<'a> {
     rig: &'a Rig,
     start: &'a Initial,

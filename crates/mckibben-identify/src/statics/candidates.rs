@@ -1,8 +1,8 @@
-//! Every law of static force with the numbers of it that a force map tells.
+//! Every law of static force with the parameters that are identifiable from a force map.
 //!
-//! What a map cannot tell apart is not looked for apart: the radius of Tondu & Lopez stands before both of its
-//! coefficients, so it keeps the value that the geometry gives it; the effectiveness stands before 1/n², so either
-//! the turns are looked for or the effectiveness.
+//! What is not separately identifiable from a map is not estimated separately: the radius of Tondu & Lopez stands
+//! before both of its coefficients, so it keeps the value that the geometry gives it; the effectiveness stands before
+//! 1/n², so either the turns are looked for or the effectiveness.
 //!
 //! | candidate | looked for |
 //! |---|---|
@@ -18,7 +18,7 @@
 //! | `sarosi` | six coefficients |
 //! | `polynomial` | coefficients of two polynomials in contraction, as many as the lengths carry |
 //!
-//! A map that is drawn through the points has none of its own to look for and is no candidate.
+//! A map that is drawn through the points has no parameter to estimate and is no candidate.
 
 use super::{Candidate, ForceMap};
 use crate::adjustable::Adjustable;

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! which is least squares of one unknown, with its 95 % interval by the scatter about it. It goes with the geometry
-//! as it was given: a braid of fitted turns has a factor `1/n²` in it and leaves none to be told.
+//! as it was given: a braid of fitted turns has a factor `1/n²` in it and leaves no effectiveness to estimate.
 
 use super::held_out::Grouping;
 use super::{ForceMap, force};

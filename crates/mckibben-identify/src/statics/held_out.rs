@@ -2,8 +2,8 @@
 //! others is held to it.
 //!
 //! Groups are lengths, pressures or runs. Up to 24 different lengths or pressures are a group each; more are cut into
-//! five ranges with as many points each. What a law says between measured lengths is shown by leaving out one in the
-//! middle, and what it says beyond them by leaving out the first or the last.
+//! five ranges with as many points each. How a law predicts between measured lengths is tested by leaving out one in
+//! the middle, and what it says beyond them by leaving out the first or the last.
 
 use super::{Candidate, Errors, ForceMap, Point};
 use crate::least_squares::Search;

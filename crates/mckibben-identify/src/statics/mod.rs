@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! r_i = (F(L_i, P_i) − F_i)/s             where the muscle held a tension
-//! r_i = max(F(L_i, P_i), 0)/s             where it was slack: the law may not pull there, and how far below zero it is, nobody knows
+//! r_i = max(F(L_i, P_i), 0)/s             where it was slack: the law may not pull there; how far below zero it is, is
+//! unknown
 //! ```
 //!
 //! Slack points are censored in this one-sided way: one where the law pushes counts for nothing, neither in the sum
@@ -11,7 +12,7 @@
 //! | module | what it holds |
 //! |---|---|
 //! | this | points, the fit of one candidate, its errors |
-//! | [`candidates`] | every law with the combinations of its numbers that a force map tells |
+//! | [`candidates`] | every law with the combinations of its parameters that are identifiable from a force map |
 //! | [`held_out`] | errors at lengths, pressures or runs that the fit has not seen |
 //! | [`effectiveness`] | measured over ideal force at each pressure (9) |
 //! | [`units`] | whether the tensions are those of the muscle in other units |

@@ -12,7 +12,7 @@ use mckibben_scenario::{Force, Scenario};
 
 /// Median of measured over ideal force of muscles as they are: outside it something is wrong.
 const USUAL: [f64; 2] = [0.4, 1.7];
-/// The same where a unit has been put right: what convinces.
+/// That median where a unit has been put right: within it the correction convinces.
 const CONVINCING: [f64; 2] = [0.6, 1.4];
 
 /// Units that are taken for another, and the factor by which the true value is the larger.

@@ -1,22 +1,22 @@
-//! The rules for dirty data. Whatever is done is told in a [`Note`]; what cannot be put right by rule is refused.
+//! The rules for dirty data. Whatever is done is reported in a [`Note`]; what cannot be put right by rule is refused.
 //!
 //! | found | done |
 //! |---|---|
 //! | no reading in a cell | the cell is left out; more than half of a column is refused |
 //! | no reading in any cell of a row | the row is left out |
-//! | one time twice | readings are averaged, each column by itself |
+//! | one time twice | readings are averaged, each column separately |
 //! | a time that goes back | refused: sort the table, or make it two runs |
 //! | an offset that was given | taken off |
 //! | one span of `zero` | the mean over it, less its value, is taken off as an offset |
 //! | two spans of `zero` | the straight line through both is taken off: offset and drift |
 //! | readings at or beyond `saturates` | left out |
 //! | the same extreme value many times on end, nothing said about it | refused: say `saturates`, or that it does not with a larger one |
-//! | a reading 8 robust deviations from the median of the 8 beside it | told; left out with `drop_outliers` |
+//! | a reading 8 robust deviations from the median of its 8 neighbours | reported; left out with `drop_outliers` |
 //! | few readings a hundred times as large as all others; of lengths and temperatures ten times as large or as small; one reading over time a thousand times | refused; left out with `drop_outliers` |
 //! | a length or a temperature that is not above zero | refused; left out with `drop_outliers` |
 //! | a step in time a thousand times as long as all others together | refused |
-//! | uneven steps, gaps | told: nothing is resampled, every reading is compared at its own time |
-//! | a gauge pressure below the atmosphere, of a muscle that is not evacuated | told as a likely offset |
+//! | uneven steps, gaps | reported: nothing is resampled, every reading is compared at its own time |
+//! | a gauge pressure below the atmosphere, of a muscle that is not evacuated | reported as a likely offset |
 
 use super::file::ColumnEntry;
 use super::table::Table;
@@ -138,7 +138,7 @@ pub(super) fn sheet(
 fn apart(sizes: &[(usize, f64)], factor: f64, timed: bool) -> Vec<(usize, f64)> {
     let most = (sizes.len() / SLIPS).max(1).min(sizes.len().saturating_sub(OTHERS));
     let ratio = |few: usize| (sizes[few - 1].1 / sizes[few].1).max(sizes[few].1 / sizes[few - 1].1);
-    // Beside zeros alone no size says anything.
+    // Among zeros alone no size means anything.
     let stands = |few: &usize| sizes[*few].1 > 0.0 && sizes[few - 1].1 > 0.0 && ratio(*few) >= factor;
     let Some(few) = (1..=most).rev().find(stands) else { return Vec::new() };
     let rows: Vec<usize> = sizes[..few].iter().map(|(row, _)| *row).collect();
@@ -354,7 +354,7 @@ impl Work<'_> {
                 .fold((0.0, 0.0, 0.0), |(sum, at, count), (time, reading)| (sum + reading, at + time, count + 1.0));
             if count == 0.0 {
                 let (of, [from, to]) = (column.words(), span);
-                let what = format!("there is no reading of the {of} from {from} s to {to} s, where `zero` asks for it");
+                let what = format!("there is no reading of the {of} from {from} s to {to} s, where `zero` needs it");
                 return Err(self.refuse(None, what, "choose a span within the recording"));
             }
             known.push((at / count, sum / count - value));

@@ -22,7 +22,7 @@ pub enum Kind {
     Hysteresis,
     /// Friction from a mass that swings.
     RingDown,
-    /// Any numbers of a scenario from courses in time.
+    /// Any parameters of a scenario from time series.
     Trajectories,
     /// C and b of a valve from steady flow over the pressure ratio.
     FlowCurve,
@@ -112,7 +112,7 @@ pub struct ColumnEntry {
     pub scale: f64,
     /// What 0 of its unit is in SI: zero but of degC and degF.
     pub zero: f64,
-    /// The rules of its own.
+    /// Its rules.
     pub rules: Rules,
     /// What is known of its sensor.
     pub sensor: SensorEntry,
@@ -146,9 +146,9 @@ pub struct FitEntry {
     pub to: Option<String>,
     /// Mean and standard deviation of what is known beforehand.
     pub prior: Option<[String; 2]>,
-    /// Whether each run has a value of its own.
+    /// Whether each run has its own value.
     pub per_run: bool,
-    /// Whether each session has a value of its own.
+    /// Whether each session has its own value.
     pub per_session: bool,
 }
 
@@ -415,12 +415,12 @@ pub(super) fn in_si(numbers_are_si: bool, text: &str) -> Option<f64> {
     numbers_are_si.then(|| text.parse().ok()).flatten()
 }
 
-/// A path beside a file.
+/// A path in the folder of a file.
 fn beside(file: &Path, path: &Path) -> PathBuf {
     file.parent().map_or_else(|| path.to_path_buf(), |folder| folder.join(path))
 }
 
-/// A text whose mistakes are told with their lines.
+/// A text whose mistakes are reported with their lines.
 pub(super) struct Within<'a> {
     path: &'a Path,
     text: &'a str,
@@ -463,11 +463,11 @@ impl Within<'_> {
         text.map(|text| self.si(text, of)).transpose()
     }
 
-    /// A difference of two values; degC and degF have a zero of their own, and none is meant.
+    /// A difference of two values; degC and degF have an offset zero, which is not meant.
     fn difference(&self, text: Option<&Spanned<String>>, of: Quantity) -> Result<Option<f64>, StudyError> {
         match text.filter(|text| of == Quantity::Temperature && text.as_ref().contains(['C', 'F', '℃', '℉'])) {
             Some(text) => {
-                let what = format!("\"{}\" has a zero of its own, but a difference is due", text.as_ref());
+                let what = format!("\"{}\" has an offset zero, but a difference is due", text.as_ref());
                 Err(self.fault(Some(text.span().start), what, "give it in K or degR"))
             }
             None => self.maybe(text, of),
@@ -478,7 +478,7 @@ impl Within<'_> {
     fn unit(&self, quantity: Quantity, text: &Spanned<String>) -> Result<(f64, f64), StudyError> {
         let (at, unit) = (Some(text.span().start), text.as_ref());
         let such = || format!("give a unit such as {}", quantity.unit());
-        // What a number of this unit is; of degC and degF one alone does not tell it.
+        // What a number of this unit is; of degC and degF one alone does not determine it.
         let of = |number: &str| {
             quantity::parse(&format!("{number} {unit}"))
                 .map_err(|error| self.fault(at, error.message, error.help.unwrap_or_else(such)))

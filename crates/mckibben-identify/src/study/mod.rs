@@ -61,7 +61,8 @@ pub enum Quantity {
     Time,
     /// Gauge pressure in the actuator or the tank, in Pa.
     GaugePressure,
-    /// The same as an absolute pressure in Pa; the scenario's atmosphere is between the two.
+    /// Absolute pressure in the actuator or the tank, in Pa: the gauge pressure plus the scenario's atmospheric
+    /// pressure.
     AbsolutePressure,
     /// Distance between the attachments in m.
     Length,
@@ -75,7 +76,7 @@ pub enum Quantity {
     Torque,
     /// Gauge pressure in a joint's antagonist in Pa; the quantities of one actuator are the agonist's.
     AntagonistGaugePressure,
-    /// The same as an absolute pressure.
+    /// Absolute pressure in a joint's antagonist, in Pa.
     AntagonistAbsolutePressure,
     /// Distance between the antagonist's attachments in m.
     AntagonistLength,
@@ -83,11 +84,11 @@ pub enum Quantity {
     AntagonistTension,
     /// Gauge pressure before the valve, in Pa.
     UpstreamGaugePressure,
-    /// The same as an absolute pressure.
+    /// Absolute pressure before the valve, in Pa.
     UpstreamAbsolutePressure,
     /// Gauge pressure behind the valve, in Pa.
     DownstreamGaugePressure,
-    /// The same as an absolute pressure.
+    /// Absolute pressure behind the valve, in Pa.
     DownstreamAbsolutePressure,
     /// Temperature of the air before the valve, in K.
     Temperature,
@@ -95,7 +96,7 @@ pub enum Quantity {
     MassFlow,
     /// Volume flow in m³/s, counted as air of the reference atmosphere (ANR).
     VolumeFlow,
-    /// What the coil is told, a number: it is energised while this is above a threshold.
+    /// The command to the coil, a number: it is energised while this is above a threshold.
     Command,
     /// Velocity of lengthening of an actuator, or rate of a mechanism's position, in m/s; this and what follows of a plant's part.
     Velocity,

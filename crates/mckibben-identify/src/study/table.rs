@@ -35,7 +35,7 @@ impl Table {
                 &file,
                 None,
                 what,
-                "give columns of one length; others stand in a table of their own",
+                "give columns of one length; others stand in a separate table",
             ));
         }
         Ok(Self { file, columns, lines: (1..=rows).collect() })
@@ -125,7 +125,7 @@ fn read_parquet(file: &Path) -> Result<Table, StudyError> {
                 Field::Float(value) => f64::from(*value),
                 Field::Int(value) => f64::from(*value),
                 Field::Long(value) => *value as f64,
-                // Words stand beside the numbers: events, names. They are no readings.
+                // Columns may hold words, such as events and names. They are no readings.
                 _ => f64::NAN,
             };
             columns[column].1.push(if value.is_finite() { value } else { f64::NAN });

@@ -8,8 +8,8 @@
 //!
 //! [tank]                        # of "tank"
 //! find = "valve"                # or "volume"
-//! transfer = "discharge"        # to the surroundings, or "charge" from the supply
-//! volume = "0.5 L"              # line included; where it is sought, a guess
+//! transfer = "discharge"        # to the atmosphere, or "charge" from the supply
+//! volume = "0.5 L"              # line included; where it is unknown, a guess
 //! temperature = "20 degC"       # of the air at the start and of the wall; else the scenario's at its start
 //! begins = "0.1 s"              # when the valve opens; else the first reading
 //! ends = "1.5 s"                # up to which readings count; else the last
@@ -29,7 +29,7 @@ use mckibben_scenario::Dimension;
 use serde::Deserialize;
 use toml::Spanned;
 
-/// Which of two passages, or the way through it.
+/// Which of two flow paths, or the direction of flow through it.
 #[derive(Clone, Copy, Debug, Default, Deserialize, Eq, PartialEq)]
 #[serde(rename_all = "kebab-case")]
 pub enum Direction {
@@ -37,17 +37,17 @@ pub enum Direction {
     #[default]
     #[serde(alias = "charge")]
     Supply,
-    /// To the surroundings: a discharge.
+    /// To the atmosphere: a discharge.
     #[serde(alias = "discharge")]
     Exhaust,
 }
 
-/// `[flow]`: steady flow through a passage.
+/// `[flow]`: steady flow through a flow path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlowEntry {
     /// How the scatter of the flow goes with its size.
     pub scatter: Scatter,
-    /// The passage.
+    /// The flow path.
     pub passage: Direction,
     /// Its area A_p in m², whose flow coefficient is found.
     pub area: Option<f64>,
@@ -209,7 +209,7 @@ impl Within<'_> {
         }
     }
 
-    /// The same of one that is above zero.
+    /// A quantity in SI that must be above zero.
     fn positive(&self, key: &str, text: &Spanned<String>, sort: Sort) -> Result<f64, StudyError> {
         match self.number(key, text, sort)? {
             value if value > 0.0 => Ok(value),

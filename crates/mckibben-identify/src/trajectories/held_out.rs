@@ -13,14 +13,14 @@ pub struct HeldOutRun {
     pub simulated: Simulated,
     /// Values of all unknowns by which they predict it.
     pub values: Vec<f64>,
-    /// Root mean square of what is left of each quantity, in its SI unit: with the run in the fit, and without.
+    /// Root mean square residual of each quantity, in its SI unit: with the run in the fit, and without.
     pub errors: Vec<(Observed, [f64; 2])>,
 }
 
 impl Task {
-    /// The errors of each run when the others alone tell the numbers, from the values that all of them told. Empty for a
-    /// single run, for runs in segments, which cannot be predicted, and once the monitor has ended the search; a run without which
-    /// the numbers are not found is left out.
+    /// The errors of each run when the parameters are estimated from the others alone, from the values estimated from
+    /// all. Empty for a single run, for runs in segments, which cannot be predicted, and once the monitor has ended the
+    /// search; a run without which the numbers are not found is left out.
     pub fn held_out(&self, found: &Identified) -> Vec<HeldOutRun> {
         if self.runs.len() < 2 || found.segments.is_some() || self.search.monitor.is_stopped() {
             return Vec::new();
@@ -29,7 +29,7 @@ impl Task {
         let values = found.found.fit.values();
         let from = least_squares::starting_at(&self.unknowns, &values);
         let few = Search { most_steps: self.search.most_steps.min(50), any_end: true, ..self.search.clone() };
-        // The unknowns that count, as these runs tell them from these values.
+        // The unknowns that count, estimated from these runs from these values on.
         let told = |runs: &[Recorded], of: &[usize], values: &mut [f64]| {
             let runs: Vec<Recorded> = runs.iter().map(|run| run.only(of, values)).collect::<Result<_, _>>().ok()?;
             let from: Vec<Unknown> = of.iter().map(|unknown| from[*unknown].clone()).collect();

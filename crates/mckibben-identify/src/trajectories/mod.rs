@@ -1,12 +1,12 @@
-//! Any numbers of a scenario from courses in time: length, gauge pressure and tension as a rig recorded them, of a joint
+//! Any parameters of a scenario from time series: length, gauge pressure and tension as a rig recorded them, of a joint
 //! angle, angular velocity, torque, and those of both actuators.
 //!
 //! ```text
-//! r = (y(t_k; θ) − y_k)/s_y        for each reading y_k of each course, at its own time t_k
+//! r = (y(t_k; θ) − y_k)/s_y        for each reading y_k of each time series, at its time t_k
 //! ```
 //!
-//! A run is of a plant: one actuator with its load, a joint, or any that a file gives names. The course y(t; θ) is the
-//! event-located engine's, and its derivatives by θ are exact: they come with the run in
+//! A run is of a plant: one actuator with its load, a joint, or any that a file gives names. The trajectory y(t; θ) is
+//! the event-located engine's, and its derivatives with respect to θ are exact: they come with the run in
 //! dual numbers, through every stick, slip and switching of the valve. Runs go side by side on all cores.
 //!
 //! The scale s of a quantity is the deviation of its readings where that is known. Else a first fit weighs each
@@ -20,9 +20,9 @@
 //! Where an oscillation is so sensitive that a whole run is of no use, [`Horizon::Segments`] fits it in short segments that
 //! must join.
 //!
-//! Checked by `tests/trajectories.rs`: numbers put in come back out of noisy courses, several runs, what cannot be told
-//! apart, and a start from which the growing horizon finds what the whole does not. That derivatives are those of
-//! differences is held by the scenario crate's `tests/place.rs`.
+//! Checked by `tests/trajectories.rs`: parameters put in come back out of noisy time series, several runs, what is not
+//! identifiable, and a start from which the growing horizon finds what the whole does not. That derivatives are those
+//! of differences is held by the scenario crate's `tests/place.rs`.
 
 mod held_out;
 mod observed;
@@ -75,7 +75,7 @@ pub struct Recorded {
     pub subject: Subject,
     /// Which unknown each of these numbers is.
     pub unknowns: Vec<usize>,
-    /// Its courses.
+    /// Its time series.
     pub courses: Vec<TimeSeries>,
 }
 
@@ -111,7 +111,8 @@ impl Recorded {
         all
     }
 
-    /// What a simulated run with values of all unknowns says that the sensor of a course reads at times that do not fall.
+    /// What a simulated run with values of all unknowns says that the sensor of a time series reads at times that do
+    /// not fall.
     pub fn readings(&self, course: &TimeSeries, (simulated, values): (&Simulated, &[f64]), times: &[f64]) -> Vec<f64> {
         let mut readings = Vec::with_capacity(times.len());
         let sensor = course.sensor.at(values);
@@ -154,7 +155,7 @@ impl Recorded {
         TrajectoryError::AtStart { run: self.name.clone(), error: error.into() }
     }
 
-    /// Values of its own numbers out of those of all unknowns.
+    /// Values of its parameters out of those of all unknowns.
     fn own(&self, values: &[f64]) -> Vec<f64> {
         self.unknowns.iter().map(|unknown| values[*unknown]).collect()
     }
@@ -168,12 +169,12 @@ impl<'a> Runs<'a> {
 }
 
 impl Runs<'_> {
-    /// Times and values of the readings of a run, course by course.
+    /// Times and values of the readings of a run, time series by time series.
     fn readings<'r>(&'r self, run: &'r Recorded) -> impl Iterator<Item = (f64, f64)> + 'r {
         run.courses.iter().flat_map(|course| self.within(course))
     }
 
-    /// Times and values of the readings of a course.
+    /// Times and values of the readings of a time series.
     fn within<'r>(&'r self, course: &'r TimeSeries) -> impl Iterator<Item = (f64, f64)> + 'r {
         let readings = course.times.iter().copied().zip(course.values.iter().copied());
         readings.filter(|(time, _)| *time <= self.until)
@@ -184,8 +185,8 @@ impl Runs<'_> {
         self.scales.iter().find(|(of, _)| of == observed).map_or(1.0, |(_, scale)| *scale)
     }
 
-    /// Residuals of one run and their derivatives by its own unknowns, in the order of [`Recorded::all_unknowns`]; what has no
-    /// value is not a number.
+    /// Residuals of one run and their derivatives with respect to its own unknowns, in the order of
+    /// [`Recorded::all_unknowns`]; what has no value is not a number.
     fn of_run(&self, run: &Recorded, own: &[usize], values: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let (count, width) = (self.readings(run).count(), own.len());
         let (mut residuals, mut slopes) = (vec![f64::NAN; count], vec![0.0; count * width]);
@@ -248,7 +249,8 @@ impl Runs<'_> {
         Ok(())
     }
 
-    /// Visits each reading, by its index in the run, with its residual and the derivatives of that by the unknowns of its sensor.
+    /// Visits each reading, by its index in the run, with its residual and its derivatives with respect to the unknowns
+    /// of its sensor.
     fn compare<R: Instantiate>(
         &self,
         run: &Recorded,
@@ -292,7 +294,8 @@ impl Runs<'_> {
     }
 }
 
-/// The quantities of which there are courses: those of one actuator or joint in their order, then columns in that of the runs.
+/// The quantities of which there are time series: those of one actuator or joint in their order, then columns in that
+/// of the runs.
 fn observed_in(runs: &[Recorded]) -> Vec<Observed> {
     let mut found: Vec<Observed> = Vec::new();
     for course in runs.iter().flat_map(|run| &run.courses) {

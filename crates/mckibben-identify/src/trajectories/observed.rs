@@ -8,7 +8,7 @@ use mckibben::plant::Plant;
 use mckibben_scenario::{PlantExperiment, PlantQuantity};
 use std::sync::Arc;
 
-/// A quantity that a course is of; length, pressure and tension of a joint are its agonist's.
+/// The quantity of a time series; length, pressure and tension of a joint are its agonist's.
 #[derive(Clone, Debug, Eq, Hash, PartialEq)]
 pub enum Observed {
     /// Distance between the attachments in m.

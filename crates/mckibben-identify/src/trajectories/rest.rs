@@ -1,21 +1,21 @@
-//! What is left of the courses: whether it goes one way, and whether it is more than the noise of the readings.
+//! The residuals of the time series: whether they drift, and whether they are more than the noise of the readings.
 //!
 //! A sensor drifts, the scenario lacks a part of the rig, or the search has ended in a valley that is not the deepest: each
-//! leaves residuals that are no noise, and makes intervals that are too short. The noise of a reading is told by its
-//! neighbours, whatever the model: by how far it lies from a parabola through three of them.
+//! leaves residuals that are no noise, and makes intervals that are too short. The noise of a reading is estimated from
+//! its neighbours, whatever the model: by how far it lies from a parabola through three of them.
 
 use super::{Identified, Observed, Runs, Task};
 use crate::series::{self, Polynomial};
 
-/// Deviations of its slope from zero above which what is left of a course drifts.
+/// Deviations of its slope from zero above which the residual of a time series drifts.
 const TOLD: f64 = 8.0;
-/// Change over the course, in scatters of a reading about the line, below which nobody need know.
+/// Change over the time series, in scatters of a reading about the line, below which it is not reported.
 const SIZE: f64 = 1.0;
 
 /// Residuals over noise above which they are no noise.
 const BEYOND_NOISE: f64 = 3.0;
 
-/// A course whose residuals go one way.
+/// A time series whose residuals drift.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drift {
     /// The run.
@@ -33,7 +33,7 @@ pub struct Drift {
 pub struct Unexplained {
     /// What was read.
     pub observed: Observed,
-    /// Root mean square of what is left, in the SI unit.
+    /// Root mean square of the residuals, in the SI unit.
     pub left: f64,
     /// Standard deviation of the noise of a reading.
     pub noise: f64,
@@ -55,7 +55,7 @@ impl Task {
         found.left.iter().filter_map(of).collect()
     }
 
-    /// The courses whose residuals drift from the first reading to the last.
+    /// The time series whose residuals drift from the first reading to the last.
     pub fn drifts(&self, found: &Identified) -> Vec<Drift> {
         let runs = Runs::whole(&self.runs, Vec::new(), self.tolerance, &self.search.monitor);
         let values = found.found.fit.values();

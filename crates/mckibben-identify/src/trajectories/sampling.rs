@@ -1,4 +1,4 @@
-//! Quantities of a run at given times, with their exact derivatives by numbers of its scenario.
+//! Quantities of a run at given times, with their exact derivatives with respect to parameters of its scenario.
 //!
 //! ```text
 //! y_q(t_k; θ)        ∂y_q(t_k; θ)/∂θ_p        forward, through every stick, slip and switching of the valve
@@ -13,7 +13,7 @@ use mckibben::Error;
 use mckibben::Instantiate;
 use rayon::prelude::*;
 
-/// What a run is asked for: quantities, the times in s, and the relative tolerance of each step.
+/// What a run is sampled for: quantities, the times in s, and the relative tolerance of each step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sampling {
     /// The quantities; all that the scenario's kind of load, or the plant, has.
@@ -34,7 +34,7 @@ impl Sampling {
         Ok(self.read(&self.run(&of.built(values)?.ready()?, watch)?).collect())
     }
 
-    /// The same with the derivatives of each by the numbers, `[time][quantity][number]` in one row.
+    /// The quantities and their derivatives with respect to the parameters, `[time][quantity][number]` in one row.
     ///
     /// # Errors
     /// As [`Sampling::values`].

@@ -45,7 +45,7 @@ pub struct Identified {
     pub found: Found,
     /// What each run is of, with these values.
     pub scenarios: Vec<Described>,
-    /// Root mean square of what is left of each quantity, in its unit.
+    /// Root mean square residual of each quantity, in its unit.
     pub left: Vec<(Observed, f64)>,
     /// Scale by which each quantity was weighed.
     pub scales: Vec<(Observed, f64)>,
@@ -195,12 +195,12 @@ impl Task {
             found.0 = Found { fit: found.0.fit, ..first };
         }
         if !all_known && !search.monitor.is_stopped() {
-            // Weigh each quantity by what is left of it, and go on from there.
+            // Weigh each quantity by its residual, and go on from there.
             let scatter = runs.scatter(&found.0.fit.residuals);
             let rough = runs.scales.clone();
             for ((of, scale), _) in runs.scales.iter_mut().zip(&spans).filter(|(_, (_, (_, known)))| !known) {
                 let left = scatter.iter().find(|(other, _)| other == of).map_or(1.0, |(_, left)| *left);
-                // What is left of noiseless data says nothing: its scale is the span's rounding.
+                // The residual of noiseless data says nothing: its scale is the span's rounding.
                 *scale *= left.max(1e-9);
             }
             unknowns = least_squares::starting_at(&unknowns, &found.0.fit.values());

@@ -49,7 +49,7 @@ pub struct Sensor {
 }
 
 impl Default for Sensor {
-    /// One that shows what there is.
+    /// An exact sensor.
     fn default() -> Self {
         let zero = Amount::Known(0.0);
         Self { offset: zero, drift: zero, scale: Amount::Known(1.0), shift: zero, lag: zero, hold: None, base: 0.0 }
@@ -103,13 +103,13 @@ pub(super) struct KnownSensor {
     sought: [bool; 5],
 }
 
-/// A reading with its derivatives by the numbers of the sensor, in the order of [`AMOUNTS`].
+/// A reading with its derivatives with respect to the parameters of the sensor, in the order of [`AMOUNTS`].
 pub(super) struct Reading<R> {
     pub(super) value: R,
     pub(super) by_amounts: [f64; 5],
 }
 
-/// Half of the span in s over which a course is differenced in time.
+/// Half of the span in s over which a time series is differenced in time.
 const HALF_SPAN: f64 = 1e-5;
 /// Part of a lag by which it is differenced.
 const LAG_PART: f64 = 1e-4;
@@ -135,7 +135,8 @@ impl KnownSensor {
         taken - self.shift
     }
 
-    /// Readings of a quantity at times that do not fall, each with its derivatives by the numbers of the sensor.
+    /// Readings of a quantity at times that do not fall, each with its derivatives with respect to the parameters of
+    /// the sensor.
     pub(super) fn read<R: Instantiate>(
         &self,
         simulated: &Simulated<R>,

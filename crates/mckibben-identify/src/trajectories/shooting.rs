@@ -1,4 +1,4 @@
-//! Multiple shooting: each run in segments, each from a state of its own, which must join.
+//! Multiple shooting: each run in segments, each from its own initial state, which must join.
 //!
 //! ```text
 //! r = (y(t; θ, s) − y)/σ                   readings, each within its segment
@@ -11,8 +11,8 @@
 //! lack falls from stage to stage, S being the span of each state, until the segments are one run to within
 //! the last of [`STAGES`].
 //!
-//! The derivatives are exact: those by θ as in a whole run, those by the states at all joints in one more pass, since a
-//! segment depends on one joint only: four seeds and four others in turn.
+//! The derivatives are exact: those with respect to θ as in a whole run, those with respect to the states at all joints
+//! in one more pass, since a segment depends on one joint only: four seeds and four others in turn.
 //!
 //! Source: Bock (1983), Recent advances in parameter identification techniques for ODE.
 
@@ -28,7 +28,8 @@ use rayon::prelude::*;
 
 /// What the segments may lack at a joint, in spans of each state, stage by stage, and the steps that a stage may take.
 const STAGES: [(f64, u64); 4] = [(1e-1, 30), (1e-2, 30), (1e-3, 30), (1e-4, 60)];
-/// The relative change of the sum of squares at which a stage ends: what is left is the next one's, or the whole run's.
+/// The relative change of the sum of squares at which a stage ends: the rest is left to the next one, or to the whole
+/// run.
 const SETTLED: f64 = 1e-4;
 /// States at a joint.
 const STATES: usize = 4;
@@ -152,8 +153,9 @@ impl Segments<'_> {
         }
     }
 
-    /// The numbers with their uncertainty, the states at the joints being found with them: the derivatives by the numbers
-    /// are taken less what a change of those states makes of them. A loss that spares outliers is taken as squares there.
+    /// The parameters with their standard errors, the states at the joints being estimated with them: the derivatives
+    /// with respect to the parameters are taken less what a change of those states makes of them. A loss that spares
+    /// outliers is taken as squares there.
     fn found(
         &self,
         unknowns: &[Unknown],
@@ -202,7 +204,7 @@ impl Segments<'_> {
         self.runs.readings(run).count() + STATES * chain.joints.len()
     }
 
-    /// Residuals of one run, and their derivatives by all unknowns.
+    /// Residuals of one run, and their derivatives with respect to all unknowns.
     fn of_run(&self, run: &Recorded, chain: &Chain, values: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let (count, width) = (self.count(run, chain), values.len());
         let nothing = || (vec![f64::NAN; count], vec![0.0; count * width]);

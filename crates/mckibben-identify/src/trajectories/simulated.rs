@@ -69,7 +69,7 @@ impl Built {
         }
     }
 
-    /// One actuator or a joint over dual numbers; `seed` is told of which actuator of a joint a parameter is.
+    /// One actuator or a joint over dual numbers; `seed` receives the actuator of a joint that a parameter belongs to.
     pub(super) fn over(
         &self,
         mut seed: impl FnMut(Option<usize>, &'static Parameter, f64) -> Seeded,

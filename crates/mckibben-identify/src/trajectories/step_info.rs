@@ -1,16 +1,16 @@
-//! What a rig's owner looks at in a step-like run: overshoot, first peak, frequency and settling, each of the readings and of the
+//! Characteristics of a step-like run: overshoot, first peak, frequency and settling, each of the readings and of the
 //! model.
 //!
 //! ```text
 //! stroke     Y = y₁ − y₀        y₀: the median of the first readings, y₁: that of the last tenth
 //! overshoot  (y_p − y₁)/Y       y_p: the first extreme beyond y₁, by a parabola about it
-//! frequency  (n − 1)/(2 (t_n − t_1))       t_1 … t_n: where the course passes y₁ for good, by straight lines
+//! frequency  (n − 1)/(2 (t_n − t_1))       t_1 … t_n: where the time series passes y₁ for good, by straight lines
 //! settling   the last time at which |y − y₁| > 0.05 |Y|
 //! ```
 //!
-//! A run is step-like where its course comes to rest: where the last tenth stays within 3 % of the stroke, and the stroke is many
-//! times the noise. A course passes y₁ for good where it goes on to leave a band about it, of three deviations of the noise or a
-//! hundredth of the stroke, so that noise about the end is no oscillation.
+//! A run is step-like where its time series comes to rest: where the last tenth stays within 3 % of the stroke, and the
+//! stroke is many times the noise. A time series passes y₁ for good where it goes on to leave a band about it, of three
+//! deviations of the noise or a hundredth of the stroke, so that noise about the end is no oscillation.
 //!
 //! Checked by `tests/step_info.rs`: the closed form of a damped oscillation, and of one that is damped beyond it.
 
@@ -20,19 +20,19 @@ use crate::series::{self, Polynomial};
 const AT_REST: f64 = 0.03;
 /// Deviations of the noise that a stroke has at least.
 const STROKE: f64 = 20.0;
-/// Of the stroke: the band in which a course has settled.
+/// Of the stroke: the band in which a time series has settled.
 const SETTLED: f64 = 0.05;
 /// The band about the end that an oscillation leaves: in deviations of the noise, and in parts of the stroke.
 const BAND: [f64; 2] = [3.0, 0.01];
-/// Readings that tell the first level at most: a step may begin with the first of them.
+/// Readings that determine the first level at most: a step may begin with the first of them.
 const FIRST: usize = 3;
 /// Readings that a step-like run has at least.
 const LEAST: usize = 20;
 
-/// A course that goes from one level to another.
+/// A time series that goes from one level to another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepInfo {
-    /// From the first level to the last, in the SI unit of the course.
+    /// From the first level to the last, in the SI unit of the time series.
     pub stroke: f64,
     /// How far the first extreme lies beyond the last level, in parts of the stroke; zero where none does.
     pub overshoot: f64,
@@ -40,7 +40,7 @@ pub struct StepInfo {
     pub first_peak: Option<f64>,
     /// The frequency of the oscillation about the last level in Hz, where it passes that three times.
     pub frequency: Option<f64>,
-    /// When the course last leaves the band of 5 % of the stroke about its last level, in s.
+    /// When the time series last leaves the band of 5 % of the stroke about its last level, in s.
     pub settling: f64,
 }
 
@@ -87,7 +87,7 @@ impl StepInfo {
     }
 }
 
-/// The first and the last level of a course, and its last tenth.
+/// The first and the last level of a time series, and its last tenth.
 fn levels(values: &[f64]) -> Option<([f64; 2], &[f64])> {
     let last = values.get(values.len() - values.len() / 10..).filter(|last| !last.is_empty())?;
     let first = values.get(..(values.len() / 100).clamp(1, FIRST))?;
@@ -100,10 +100,10 @@ fn median(values: &[f64]) -> f64 {
     0.5 * (sorted[sorted.len() / 2] + sorted[(sorted.len() - 1) / 2])
 }
 
-/// When a course passes a level for good: from beyond the band on one side to beyond the band on the other.
+/// When a time series passes a level for good: from beyond the band on one side to beyond the band on the other.
 fn passes(times: &[f64], values: &[f64], level: f64, band: f64) -> Vec<f64> {
     let mut passes = Vec::new();
-    // The side that the course has last been on, and the last time that it has left the level on it.
+    // The side that the time series has last been on, and the last time that it has left the level on it.
     let mut side = 0.0;
     let mut crossed = None;
     for place in 0..values.len() {

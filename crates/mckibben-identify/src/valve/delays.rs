@@ -9,12 +9,12 @@
 //!
 //! Each onset is found by least squares to a fraction of the sample interval, from the samples between the middle of the
 //! pause before the edge and the next edge, then once more from the nearer half of them, so that cubics are enough. A delay
-//! longer than half of the pause is not seen. An edge where the course does not change by four deviations counts as missed: a
-//! pulse shorter than `t_open` does not open the valve.
+//! longer than half of the pause is not seen. An edge where the pressure does not change by four deviations counts as
+//! missed: a pulse shorter than `t_open` does not open the valve.
 //!
 //! Intervals are those of the mean over the pulses, from their scatter; of a single pulse, those of its fit with the fewest
-//! samples. The paper's way tells only the difference of the delays. A seat that takes its time makes an onset where the two
-//! courses cross.
+//! samples. The paper's way gives only the difference of the delays. A poppet with a travel time makes an onset where
+//! the two curves cross.
 //!
 //! Source: Colbrunn, Nelson & Quinn (2001), section 3.3 and Fig. 10; the solenoid is [`mckibben::valve::Solenoid`]. Checked by
 //! `tests/valve.rs`.
@@ -25,11 +25,11 @@ use crate::propagation;
 use crate::series;
 use nalgebra::{DMatrix, DVector};
 
-/// The onset, the pressure there, and two courses of third degree.
+/// The onset, the pressure there, and two cubics.
 const UNKNOWNS: usize = 8;
-/// Which of the seven beside the onset is the change of slope.
+/// Which of the seven other than the onset is the change of slope.
 const CHANGE: usize = 2;
-/// Samples about an edge: the unknowns, and some to tell the scatter.
+/// Samples about an edge: the unknowns, and some for the scatter.
 const LEAST_SAMPLES: usize = 16;
 /// Of these on either side of the onset.
 const ON_A_SIDE: usize = 5;
@@ -103,7 +103,7 @@ impl PulseTrain {
         }
     }
 
-    /// The same pulses `later` by a time in s, as far as they lie within a span of time in s.
+    /// Shifts the pulses by `later` s, and keeps those within a span of time in s.
     #[must_use]
     pub fn within(mut self, later: f64, [from, to]: [f64; 2]) -> Self {
         self.edges.iter_mut().for_each(|edge| edge.0 += later);
@@ -111,7 +111,7 @@ impl PulseTrain {
         self
     }
 
-    /// The same edges where the coil is energised when it was released, as that of a normally open valve is.
+    /// Exchanges energised and released, as for the coil of a normally open valve.
     #[must_use]
     pub fn turned(mut self) -> Self {
         self.edges.iter_mut().for_each(|edge| edge.1 = !edge.1);
@@ -134,14 +134,14 @@ impl PulseTrain {
     }
 }
 
-/// When the pressure began to change its course.
+/// When the pressure began to change.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Onset {
     /// When the coil was energised or released, in s.
     pub edge: f64,
     /// Whether it was energised.
     pub energised: bool,
-    /// When the course changed, in s.
+    /// When the pressure changed, in s.
     pub time: f64,
     /// Standard deviation of that in s.
     pub deviation: f64,
@@ -245,7 +245,7 @@ fn onset(time: &[f64], pressure: &[f64], [from, edge, to]: [f64; 3]) -> Option<[
     found
 }
 
-/// Samples whose course changes once.
+/// Samples whose slope changes once.
 struct Bend<'a> {
     time: &'a [f64],
     pressure: &'a [f64],
@@ -265,7 +265,7 @@ impl Bend<'_> {
         let onset = least(self.time[best - 2], self.time[best + 1], squares);
         let found = self.courses(onset)?;
         let variance = found.squares / (count - UNKNOWNS) as f64;
-        // The derivative by the onset beside those by the five numbers.
+        // The derivative with respect to the onset in addition to those with respect to the five numbers.
         let slopes = DMatrix::from_fn(count, UNKNOWNS, |row, column| {
             let u = (self.time[row] - onset) / found.span;
             match column.checked_sub(1) {
@@ -279,7 +279,7 @@ impl Bend<'_> {
         (clear && deviation.is_finite()).then_some([onset, deviation])
     }
 
-    /// The two courses that fit best about an onset; without it they are linear in what is unknown.
+    /// The two cubics that fit best about an onset; without it they are linear in what is unknown.
     fn courses(&self, onset: f64) -> Option<Courses> {
         let count = self.time.len();
         let span = self.time[count - 1] - self.time[0];
@@ -311,7 +311,7 @@ fn terms(u: f64) -> [f64; UNKNOWNS - 1] {
     [1.0, u, after, before.powi(2), after.powi(2), before.powi(3), after.powi(3)]
 }
 
-/// The derivatives of these by the time.
+/// The derivatives of these with respect to time.
 fn rates(u: f64) -> [f64; UNKNOWNS - 1] {
     let (before, after) = (u.min(0.0), u.max(0.0));
     let bent = f64::from(u8::from(u >= 0.0));

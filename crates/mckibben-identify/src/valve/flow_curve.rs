@@ -16,23 +16,23 @@ use mckibben::parameter;
 use mckibben::valve::{FlowLaw, FlowStandard};
 use mckibben::{Dual, Over};
 
-/// Points that it takes: two unknowns, and some to tell the scatter.
+/// Points that it takes: two unknowns, and some for the scatter.
 const LEAST_POINTS: usize = 5;
 /// Where the search for b begins.
 const STARTS: [f64; 4] = [0.15, 0.3, 0.45, 0.6];
-/// Between which it stays: somewhat beyond what a passage can have, so that wrong units show.
+/// Between which it stays: somewhat beyond what a flow path can have, so that wrong units are noticed.
 const RATIOS: [f64; 2] = [-1.0, 0.98];
 /// Gain in the sum of squares by a b, over the variance, below which it may be chance (about once in a thousand).
 const GAIN: f64 = 12.0;
 /// Part of the flows below which the scatter is rounding.
 const EXACT: f64 = 1e-9;
 
-/// C and b of a passage.
+/// C and b of a flow path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlowCurve {
     /// C in m³/(s·Pa) of the reference atmosphere, from all points.
     pub sonic_conductance: Estimate,
-    /// b, from all points. A passage with a b near zero may come out below zero, as far as its interval reaches zero.
+    /// b, from all points. A flow path with a b near zero may come out below zero, as far as its interval reaches zero.
     pub critical_ratio: Estimate,
     /// C from the choked points alone; without an interval when there is only one.
     pub choked_conductance: Estimate,

@@ -29,7 +29,7 @@ use crate::least_squares::FitError;
 use crate::series::SeriesError;
 use thiserror::Error;
 
-/// Why measurements tell nothing of a valve.
+/// Why nothing of a valve can be estimated from measurements.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum ValveError {
     /// The samples are no series.
@@ -61,7 +61,7 @@ pub enum ValveError {
     },
     /// No point at or below the critical ratio.
     #[error(
-        "no point is choked: the least pressure ratio is {least}, the critical one about {critical}; C is not told. Measure with a \
+        "no point is choked: the least pressure ratio is {least}, the critical one about {critical}; C is not identifiable. Measure with a \
          higher upstream or a lower downstream pressure"
     )]
     NoChoked {
@@ -73,13 +73,13 @@ pub enum ValveError {
     /// No point where the downstream pressure counts.
     #[error(
         "all points are choked: the flow over the upstream pressure is the same up to the largest pressure ratio, {largest}; \
-         b is not told. Measure with a higher downstream pressure"
+         b is not identifiable. Measure with a higher downstream pressure"
     )]
     NoSubsonic {
         /// The largest ratio of downstream to upstream pressure.
         largest: f64,
     },
-    /// A critical ratio that no passage has.
+    /// A critical ratio that no flow path has.
     #[error(
         "the critical ratio comes out as {value}, outside 0 to 1; check the units, and that both pressures are absolute: a gauge \
          pressure lacks the atmosphere's{}",
@@ -91,7 +91,7 @@ pub enum ValveError {
     },
     /// The pressure does not answer to the coil.
     #[error(
-        "the pressure changes its course after none of {edges} times the coil was {coil}; check the times of the command, that \
+        "the pressure does not respond after any of {edges} times the coil was {coil}; check the times of the command, that \
          the pulses are longer than the delay, and the noise"
     )]
     NoOnset {
@@ -103,7 +103,7 @@ pub enum ValveError {
     /// A request that has no answer.
     #[error("{what}; {remedy}")]
     Misuse {
-        /// What was asked for.
+        /// What was requested.
         what: &'static str,
         /// What to do instead.
         remedy: &'static str,

@@ -55,7 +55,7 @@ impl SteadyPoint {
         self.mass_flow / (REFERENCE_DENSITY * self.upstream.0) * (self.temperature / REFERENCE_TEMPERATURE).sqrt()
     }
 
-    /// `P²/T` before the valve in Pa²/K and the gap `1 − r`: what a flow law asks for.
+    /// `P²/T` before the valve in Pa²/K and the gap `1 − r`: what a flow law needs.
     pub(super) fn drive(&self) -> [f64; 2] {
         [self.upstream.0 * self.upstream.0 / self.temperature, 1.0 - self.ratio()]
     }
@@ -150,7 +150,7 @@ pub fn efficiency(points: &[SteadyPoint], law: &FlowLaw, scatter: Scatter) -> Re
     factor(points, law, scatter, "efficiency")
 }
 
-/// The flow coefficient C_q of (22) of a passage with an area A_p in m².
+/// The flow coefficient C_q of (22) of a flow path with an area A_p in m².
 ///
 /// # Errors
 /// As [`efficiency`], and [`ValveError::Physics`] for an area that is not above zero.

@@ -7,7 +7,7 @@
 //! ```
 //!
 //! Several records are fitted together by [`Tank::fit_together`]: they need not begin at the same pressure, and a charge goes
-//! with a discharge where the passage is the same.
+//! with a discharge where the flow path is the same.
 //!
 //! [`Tank::isothermal_flow`] makes points of steady flow for [`FlowCurve`](super::FlowCurve): the slope of a cubic through
 //! the samples of each of a number of windows that share none, so that their errors are independent. [`Tank::fit`] fits the
@@ -39,12 +39,12 @@ use mckibben::{AbsolutePressure, Actuator, Braid, GaugePressure, Over, Scalar};
 const LEAST_SAMPLES: usize = 8;
 /// Samples of a window, for a cubic and some to spare.
 const LEAST_IN_WINDOW: usize = 6;
-/// Where the search begins beside the guesses when b and the heat transfer are sought, which can stand in for each other: b,
-/// and parts of the guess of the heat transfer.
+/// Where the search begins in addition to the guesses when b and the heat transfer are unknown, which can stand in for
+/// each other: b, and parts of the guess of the heat transfer.
 const STARTS: ([f64; 4], [f64; 3]) = ([0.15, 0.3, 0.45, 0.6], [0.3, 1.0, 3.0]);
 /// Relative tolerance of the trajectories.
 const TOLERANCE: f64 = 1e-9;
-/// A braid so thin that it is nothing beside the tank: thread length and length in m, turns.
+/// A braid so thin that it is negligible relative to the tank: thread length and length in m, turns.
 const BRAID: (f64, f64, f64) = (0.1, 0.08, 1e4);
 
 /// Pressure over time in a tank, from the valve's opening on.
@@ -79,24 +79,24 @@ pub enum Transfer {
         /// Its temperature in K.
         temperature: f64,
     },
-    /// To the surroundings of the air.
+    /// To the atmosphere.
     Discharge,
 }
 
 /// A rigid volume behind a valve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tank {
-    /// Volume in m³, the line to the valve included; where it is sought, a guess.
+    /// Volume in m³, the line to the valve included; where it is unknown, a guess.
     pub volume: f64,
     /// Temperature of the air in K when the valve opens.
     pub temperature: f64,
-    /// The gas, its surroundings, and how heat goes between it and the wall.
+    /// The gas, the atmosphere, and how heat goes between it and the wall.
     pub air: Air,
     /// What happens.
     pub transfer: Transfer,
 }
 
-/// What is unknown beside the pressure at the first sample.
+/// What is unknown in addition to the pressure at the first sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TankUnknown {
     /// C and b of the valve, from guesses in m³/(s·Pa) and 1.
@@ -118,17 +118,17 @@ pub enum TankUnknown {
 /// The trajectories that fit best.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TankFit {
-    /// C in m³/(s·Pa), where it was sought.
+    /// C in m³/(s·Pa), where it was unknown.
     pub sonic_conductance: Option<Estimate>,
-    /// b, where it was sought.
+    /// b, where it was unknown.
     pub critical_ratio: Option<Estimate>,
-    /// Volume in m³, where it was sought.
+    /// Volume in m³, where it was unknown.
     pub volume: Option<Estimate>,
-    /// Heat transfer h A in W/K, where it was sought.
+    /// Heat transfer h A in W/K, where it was unknown.
     pub heat_transfer: Option<Estimate>,
     /// Standard deviation of a sample about the trajectory in Pa, over all records.
     pub scatter: f64,
-    /// Of each record: the same in Pa, and the noise of its samples as their neighbours tell it.
+    /// Of each record: that standard deviation in Pa, and the noise of its samples, estimated from their neighbours.
     pub of_records: Vec<[f64; 2]>,
     /// The least squares behind it.
     pub fit: Fit,
@@ -177,9 +177,9 @@ impl Tank {
         Self::fit_together(&[(*self, record)], sought, heat)
     }
 
-    /// The same over several records, of discharges and charges from any pressures: what is sought is common to all of them,
-    /// the pressure at the first sample is each one's own, and each is weighed by the noise of its samples. Guesses of
-    /// volume and heat transfer are those of the first tank.
+    /// Fits several records, of discharges and charges from any pressures: the unknowns are common to all of them,
+    /// the pressure at the first sample is separate for each, and each is weighed by the noise of its samples. Guesses
+    /// of volume and heat transfer are those of the first tank.
     ///
     /// # Errors
     /// [`ValveError::Misuse`] for heat without an energy balance or no record at all, [`ValveError::CriticalRatio`] for a
@@ -211,7 +211,7 @@ impl Tank {
         if heat {
             let Process::EnergyBalance { heat_transfer, .. } = first.air.process() else {
                 return Err(ValveError::Misuse {
-                    what: "heat transfer is sought of air whose process has none",
+                    what: "heat transfer is to be estimated for air whose process has none",
                     remedy: "give the air an energy balance with a guess of h A",
                 });
             };
@@ -298,7 +298,7 @@ impl Tank {
     }
 }
 
-/// More starts than the guesses: of a valve whose heat transfer is sought too.
+/// More starts than the guesses: of a valve whose heat transfer is unknown too.
 fn starts(unknowns: &[Unknown]) -> Vec<Vec<f64>> {
     let place = |name: &str| unknowns.iter().position(|unknown| unknown.name == name);
     let Some((ratio, heat)) = place("critical_ratio").zip(place("heat_transfer")) else { return Vec::new() };

@@ -144,7 +144,7 @@ impl Fleet {
     /// Writes the columns of one; nothing where it has stopped.
     pub(super) fn observe(&mut self, row: usize, into: &mut [f64]) {
         let Self { file, batch, state, .. } = self;
-        // What has stopped shows nothing.
+        // What has stopped has no observation.
         let _ = columns::write(&file.columns, (batch, row), state, into);
     }
 }

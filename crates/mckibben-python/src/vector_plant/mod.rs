@@ -100,7 +100,7 @@ pub(crate) struct VectorPlant {
 
 /// A step of a control period that is this much longer than the longest is as long.
 const ROUNDING: f64 = 1e-9;
-/// Steps and edges of pulses of all plants together that go on without a look at Ctrl-C.
+/// Steps and edges of pulses of all plants together between two checks for Ctrl-C.
 const UNHEARD: f64 = 1e6;
 
 impl VectorPlant {
@@ -181,7 +181,7 @@ type Valued<'a> = (&'a mut Fleet, Vec<&'a [f64]>);
 /// The plants, unless another thread works on them.
 fn mine<'py>(this: &Bound<'py, VectorPlant>) -> PyResult<PyRefMut<'py, VectorPlant>> {
     this.try_borrow_mut().map_err(|_| {
-        let remedy = "give each thread VectorPlant of its own, or wait for the other";
+        let remedy = "give each thread a separate VectorPlant, or wait for the other";
         exception(&Failure::input("these VectorPlant are being stepped by another thread", remedy))
     })
 }
@@ -325,7 +325,7 @@ impl VectorPlant {
         let (observations, stopped) = (observations.as_slice_mut()?, stopped.as_slice_mut()?);
         shaped("observations", Some(observations.len()), (count, width)).raised()?;
         shaped("stopped", Some(stopped.len()), (count, 1)).raised()?;
-        // Between spans Ctrl-C is heard; commands that are repeated meanwhile change nothing.
+        // Between spans Ctrl-C is handled; commands that are repeated meanwhile change nothing.
         let spans = (parts * count as f64 / UNHEARD).ceil().max(1.0);
         let span = Span { duration: dt / spans, steps: (steps / spans).ceil() as u64 };
         for number in 0..spans as u64 {

@@ -9,7 +9,7 @@ use mckibben_scenario::{Document, Engine, MechanismNames, PlantExperiment, Plant
 /// The plant that a scenario of any kind describes; of one actuator or of a joint as [`experiment_of_one`] has it.
 ///
 /// # Errors
-/// Every mistake in the scenario, shown in it.
+/// Every mistake in the scenario, with its place.
 pub fn experiment_of(document: &Document) -> Result<PlantExperiment, Failure> {
     if let Some(experiment) = document.plant_experiment()? {
         return Ok(experiment);

@@ -11,10 +11,11 @@
 //! ```
 //!
 //! A plug-in of a robot's simulator, a functional mock-up unit and a library for C are adapters over this: they hold no physics,
-//! and each shows by a test that its trajectory is this one's. Nothing here is global, and once begun no step allocates.
+//! and a test of each proves that its trajectory is this one's. Nothing here is global, and once begun no step
+//! allocates.
 //!
-//! The ends are either the host's ([`Motion::Host`]): it owns masses, joints and contacts, tells distances and takes tensions;
-//! or the scenario's ([`Motion::Scenario`]): then loads and mechanisms move as the file says.
+//! The ends are either the host's ([`Motion::Host`]): it owns masses, joints and contacts, gives distances and takes
+//! tensions; or the scenario's ([`Motion::Scenario`]): then loads and mechanisms move as the file says.
 //!
 //! ```
 //! use mckibben_run::host::{HostOptions, HostPlant};
@@ -66,7 +67,7 @@ const TOLERANCE: f64 = 1e-9;
 /// Part of a step by which a time may miss its end and be there.
 const ROUNDING: f64 = 1e-9;
 
-/// Who moves the ends of the actuators.
+/// What moves the ends of the actuators.
 #[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
 pub enum Motion {
     /// The host: each actuator has a distance between its ends.
@@ -79,7 +80,7 @@ pub enum Motion {
 /// What a host chooses.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct HostOptions<'o> {
-    /// Who moves the ends.
+    /// What moves the ends.
     pub motion: Motion,
     /// What the numbers are that valves are commanded by, by name; each valve's own where none is chosen.
     pub command_mode: Option<&'o str>,
@@ -144,7 +145,8 @@ impl HostPlant {
     /// Reads the plant of a scenario. The actuators' own commands and the controllers are not used; supplies follow theirs.
     ///
     /// # Errors
-    /// Every mistake in the scenario, shown in it; a mode that a valve does not take; an option that is out of range.
+    /// Every mistake in the scenario, with its place; a mode that a valve does not take; an option that is out of
+    /// range.
     pub fn read(document: &Document, options: &HostOptions<'_>) -> Result<Self, Failure> {
         let failed = |error: mckibben::Error| Failure::of_core(&error, document);
         let experiment = experiment_of(document)?;
@@ -220,7 +222,7 @@ impl HostPlant {
         &self.experiment.names.actuators
     }
 
-    /// Who moves the ends.
+    /// What moves the ends.
     pub fn motion(&self) -> Motion {
         self.motion
     }
@@ -338,7 +340,7 @@ impl HostPlant {
         let kept = self.steps.save_to(&mut self.before).is_err().then(|| self.steps.save());
         while self.steps.time() < until {
             let mut end = self.stepping.step_end(self.steps.time(), until);
-            // What is left up to the end is no step of its own.
+            // The rest up to the end is no separate step.
             if until - end < ROUNDING * (end - self.steps.time()) {
                 end = until;
             }
@@ -450,7 +452,7 @@ fn method_of(stepping: TimeStepping) -> Method {
 fn inputs(experiment: &PlantExperiment, options: &HostOptions<'_>) -> Result<Vec<CommandInput>, Failure> {
     let network = experiment.plant.network();
     let mut inputs: Vec<CommandInput> = Vec::new();
-    // A valve without pulses of its own is pulsed as often as the first that has some.
+    // A valve without its own pulse frequency has that of the first valve with one.
     let pulsed = experiment.names.valves.iter().flatten().map(|valve| &network.valves[*valve].command);
     let pulsed = pulsed.clone().find(|command| matches!(command, mckibben::valve::Command::Pwm { .. }));
     for (actuator, valve) in experiment.names.valves.iter().enumerate() {

@@ -141,7 +141,7 @@ fn deviation(recordings: &[Recording]) -> Option<f64> {
     recordings.first()?.column(Quantity::Tension)?.deviation
 }
 
-/// Refuses units that explain themselves, and tells what is odd.
+/// Refuses readings that a wrong unit explains, and reports what is odd.
 fn units(material: &Material, map: &ForceMap, base: &Scenario, warnings: &mut Vec<String>) -> Result<(), Failure> {
     let failed = |error: mckibben::Error| Failure::of_core(&error, &material.document);
     let Some(found) = suspect(map, base).map_err(failed)?.filter(|_| !material.study.units_are_right) else {
@@ -377,7 +377,7 @@ fn comparison(judged: &[Judged], by: Option<Grouping>) -> Table {
         row.push(if of.fit.fit.untold.is_empty() {
             format!("{:.1e}", of.fit.fit.condition)
         } else {
-            "– not told".to_owned()
+            "– not identifiable".to_owned()
         });
         row
     };
@@ -386,10 +386,12 @@ fn comparison(judged: &[Judged], by: Option<Grouping>) -> Table {
         None => "the root mean square in sample".to_owned(),
     };
     let caption = "Errors in percent of the largest tension. Held out: each length, pressure or run in turn is left out of the fit, and the \
-                   error is taken there; – where the others do not determine the law. Between: the same without the first and the last of \
+                   error is taken there; – where the others do not determine the law. Between: likewise without the first and the last of \
                    them, which lie beyond the others. Condition: of the numbers, each over its size."
         .to_owned();
-    let caption = format!("{caption} In the order of {order}; laws whose numbers the data do not tell come last.");
+    let caption = format!(
+        "{caption} In the order of {order}; laws whose parameters are not identifiable from the data come last."
+    );
     Table { caption, head, rows: judged.iter().map(row).collect() }
 }
 
@@ -453,7 +455,7 @@ fn sections(
     sections
 }
 
-/// The largest error in percent that a figure shows, so that one law gone astray does not press all others into a corner.
+/// The largest error in percent in a figure, so that one law gone astray does not press all others into a corner.
 const EDGE: f64 = 30.0;
 const BEYOND: &str = "What lies beyond 30 % is drawn there; the tables have the numbers.";
 

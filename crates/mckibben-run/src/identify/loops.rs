@@ -47,7 +47,7 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     let predictions = predictions(&task, &found)?;
     let readings = found.found.fit.residuals.len();
     let introduction = format!(
-        "{} numbers from {readings} tensions of {} loops, length and pressure taken as they were measured. What is left of the tension: {} root mean square.",
+        "{} parameters from {readings} tensions of {} loops, length and pressure taken as they were measured. Residual of the tension: {} root mean square.",
         task.unknowns.len(),
         task.loops.len(),
         quantity(found.left, "N")

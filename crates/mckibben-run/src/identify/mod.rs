@@ -3,16 +3,16 @@
 //! | file | its idea |
 //! |---|---|
 //! | `force_map` | laws of static force from tensions at held pressures and lengths |
-//! | `trajectories` | any numbers of a scenario from courses in time |
+//! | `trajectories` | any parameters of a scenario from time series |
 //! | `plant` | the runs of trajectories of a plant, whose parts have names |
 //! | `loops` | friction and hysteresis from tension over length to and fro |
 //! | `rings` | friction from ring-downs, by every estimator |
 //! | `valve` | a valve from steady flow, a tank, or the pressure under a pulse train |
-//! | `sought` | the numbers that a study looks for |
+//! | `sought` | the unknowns of a study |
 //! | `values` | numbers with their intervals, as tables |
 //! | `responses` | overshoot, first peak, frequency and settling of step-like runs |
 //! | `minima` | the other minima that searches from several starts led to |
-//! | `prediction` | measurements beside what the fitted model predicts |
+//! | `prediction` | measurements compared with what the fitted model predicts |
 //! | `outcome` | what every kind of study comes to, and the files that are written of it |
 //!
 //! Everything is computed by the crate `mckibben-identify`. Checked by the tests of the program, `tests/identify.rs` and
@@ -93,8 +93,9 @@ impl Request {
     }
 }
 
-/// Fits what a study asks for. Where that fails, the outcome has what there is, and [`Outcome::verdict`] says so; `folder` is
-/// where it is to be written, if it is. Where the monitor of the request ends the search, the outcome has the best values so far.
+/// Fits the unknowns of a study. Where that fails, the outcome has what there is, and [`Outcome::verdict`] says so;
+/// `folder` is where it is to be written, if it is. Where the monitor of the request ends the search, the outcome has
+/// the best values so far.
 ///
 /// # Errors
 /// The input is wrong; also where the folder is one in which a file that is read would be written over.
@@ -142,7 +143,7 @@ impl Material {
         Path::new(path).file_name().and_then(|name| name.to_str()).unwrap_or(path)
     }
 
-    /// The scenario of a run: the file's, with what the run says of its own.
+    /// The scenario of a run: the file's, with what the run changes.
     fn document_of(&self, recording: &Recording) -> Result<Document, Failure> {
         let mut document = self.document.clone();
         for (key, value) in &recording.set {
@@ -188,7 +189,7 @@ fn pressure_over_time(recording: &Recording) -> Result<(Quantity, Vec<f64>, Vec<
     pressure_of(recording, [Quantity::GaugePressure, Quantity::AbsolutePressure])
 }
 
-/// The same of a gauge or an absolute pressure of somebody.
+/// The gauge or the absolute pressure of one actuator or port over time, with its times in s and values in Pa.
 fn pressure_of(
     recording: &Recording,
     [gauge, absolute]: [Quantity; 2],

@@ -13,7 +13,7 @@ use mckibben_plot::{Axis, Figure, Legend, Panel, Series};
 use mckibben_scenario::Scenario;
 use std::path::{Path, PathBuf};
 
-/// What the figures of six runs are called; a page shows no more.
+/// Names of the figures of six runs; a page has no more.
 pub(super) type Stems = [&'static str; 6];
 
 /// The measurements of a study in which nothing was found.
@@ -112,7 +112,7 @@ pub struct Outcome {
     pub(super) minima: Table,
     /// The other ends as numbers, the nearest to the measurements first.
     pub other_minima: Vec<OtherMinimum>,
-    /// Overshoot, first peak, frequency and settling of step-like runs, measured beside predicted.
+    /// Overshoot, first peak, frequency and settling of step-like runs, measured and predicted.
     pub responses: Table,
     /// Likewise as numbers.
     pub step_responses: Vec<StepResponse>,
@@ -129,7 +129,7 @@ pub struct Outcome {
     pub(super) failed: Vec<Failure>,
 }
 
-/// What runs came to, each by itself, where one or more came to something.
+/// Results of runs individually, where there are any.
 pub(super) fn of_each<'a, T>(
     runs: impl Iterator<Item = &'a Recording>,
     warnings: &mut Vec<String>,
@@ -179,7 +179,7 @@ impl Outcome {
     /// That all was found.
     ///
     /// # Errors
-    /// [`Failure::stopped`], which says what was not; `page` shows the rest. [`Failure::not_finite`] for an estimate.
+    /// [`Failure::stopped`], which says what was not; the rest is on `page`. [`Failure::not_finite`] for an estimate.
     pub fn verdict(&self, page: Option<&Path>) -> Result<(), Failure> {
         self.check_finite()?;
         let Some(first) = self.failed.first() else { return Ok(()) };
@@ -187,7 +187,7 @@ impl Outcome {
             1 => String::new(),
             many => format!(" (and {} more)", many - 1),
         };
-        let shows = page.map(|page| format!("; {} shows what there is", page.display())).unwrap_or_default();
+        let shows = page.map(|page| format!("; the results so far are in {}", page.display())).unwrap_or_default();
         Err(Failure::stopped(format!("{}{others}{shows}", first.sentence())))
     }
 

@@ -1,4 +1,4 @@
-//! The runs of trajectories of a plant: its file with what a run says of its own, and columns behind the names of parts.
+//! The runs of trajectories of a plant: its file with what a run changes, and columns behind the names of parts.
 
 use super::Material;
 use super::sensors::{self, OfSensor};
@@ -47,7 +47,7 @@ fn read(document: &Document) -> Result<PlantExperiment, Failure> {
         .ok_or_else(|| Failure::input("the scenario names no actuators", "add `[actuators.NAME]`"))
 }
 
-/// The courses of a run; a pressure that is given is no course.
+/// The time series of a run; a pressure that is given is none.
 fn courses(
     material: &Material,
     (recording, sensors): (&Recording, &[(OfSensor, usize)]),

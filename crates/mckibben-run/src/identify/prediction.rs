@@ -1,4 +1,4 @@
-//! Measurements beside what the fitted model predicts for them.
+//! Measurements compared with what the fitted model predicts for them.
 
 /// The readings of one quantity in one run, with the predictions of the fitted model.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -1,4 +1,4 @@
-//! What a rig's owner looks at in step-like runs, measured beside predicted: overshoot, first peak, frequency, settling, and the root
+//! Characteristics of step-like runs, measured and predicted: overshoot, first peak, frequency, settling, and the root
 //! mean square error in parts of the stroke.
 
 use crate::quantities::quantity;
@@ -46,7 +46,7 @@ pub(super) fn table(all: &[StepResponse]) -> Table {
         row
     });
     Table {
-        caption: "Runs that come to rest, measured beside predicted. Overshoot and error are in percent of the stroke; settled: from when on \
+        caption: "Runs that come to rest, measured and predicted. Overshoot and error are in percent of the stroke; settled: from when on \
                   the quantity stays within 5 % of the stroke about its end."
             .to_owned(),
         rows: rows.collect(),

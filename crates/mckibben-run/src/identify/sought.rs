@@ -180,7 +180,7 @@ pub(super) fn read(
     Ok(Unknown { prior: prior.map(|(mean, deviation)| [mean, deviation]), ..unknown })
 }
 
-/// So many starts, spread evenly in the ranges of [`spread`]: a sequence of its own for each unknown.
+/// So many starts, spread evenly in the ranges of [`spread`]: a separate sequence for each unknown.
 pub(super) fn more_starts(study: &Study, unknowns: &[Unknown], count: usize) -> Vec<Vec<f64>> {
     let primes: [f64; 8] = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0];
     let start = |row: usize| {

@@ -1,4 +1,4 @@
-//! Courses in time to numbers of a scenario: tables, figures and words.
+//! Parameters of a scenario from time series: tables, figures and words.
 
 use super::outcome::{self, Outcome, Stems, WARNED};
 use super::prediction::Prediction;
@@ -46,9 +46,9 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     warnings.extend(minima.words());
     if let Some(every) = found.segments {
         warnings.push(format!(
-            "{WARNED}the runs are too sensitive to be fitted whole: a small change of a number is another course in the end. They were \
+            "{WARNED}the runs are too sensitive to be fitted whole: a small change of a parameter gives another trajectory in the end. They were \
              fitted in segments of {} that join, and are drawn so; a simulation of the whole run with the values found leaves the \
-             measured course after a while.",
+             measured trajectory after a while.",
             quantity(every, "s")
         ));
     }
@@ -62,7 +62,7 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     let table = left(&found, &held_out);
     let sections = sections(&task, &found, [&numbers, &table, &responses, &minima.table], &scenarios);
     Ok(Outcome {
-        title: format!("{} from courses in time", material.name()),
+        title: format!("{} from time series", material.name()),
         introduction: introduction(&task, &found),
         sections,
         table,
@@ -299,14 +299,14 @@ fn unexplained(rest: &Unexplained, has_intervals: bool) -> String {
     let (words, unit) = (rest.observed.words(), rest.observed.unit());
     format!(
         "{WARNED}what the model leaves of the {words}, {}, is more than its readings scatter from one to the next, {}: the scenario \
-         lacks something, or the search has ended beside the best values (`more_starts`, `horizon` or `segments` in [search] help \
+         lacks something, or the search has ended away from the best values (`more_starts`, `horizon` or `segments` in [search] help \
          there).{doubt}",
         quantity(rest.left, unit),
         quantity(rest.noise, unit)
     )
 }
 
-/// What is left of each quantity over all runs, and of each run with and without it in the fit.
+/// Residuals of each quantity over all runs, and of each run with and without it in the fit.
 fn left(found: &Identified, held_out: &[HeldOutRun]) -> Table {
     let row = |(left, scale): (&(Observed, f64), &(Observed, f64))| {
         let (words, unit) = (left.0.words(), left.0.unit());
@@ -323,7 +323,7 @@ fn left(found: &Identified, held_out: &[HeldOutRun]) -> Table {
         of.errors.iter().map(row).collect()
     };
     let mut head = vec!["run", "quantity", "left", "scale"];
-    let mut caption = "What is left of each quantity, root mean square, and by what it was weighed.".to_owned();
+    let mut caption = "Residual of each quantity, root mean square, and the scale by which it was weighed.".to_owned();
     if !held_out.is_empty() {
         head.push("held out");
         caption.push_str(" Held out: each run in turn is left out of the fit, and the error is taken there.");

@@ -6,7 +6,7 @@ use crate::report::Table;
 use mckibben_identify::least_squares::{Direction, Ending, Estimate, Fit, Unknown};
 use mckibben_scenario::keys::in_antagonist;
 
-/// A value rounded to what its deviation lets it tell: two digits of the deviation, six where there is none.
+/// A value rounded to the digits that its standard error supports: two digits of the error, six where there is none.
 pub(super) fn rounded(value: f64, deviation: Option<f64>) -> String {
     match deviation.filter(|deviation| *deviation > 0.0 && deviation.is_finite()) {
         Some(deviation) => with_last_digit(value, deviation.log10().floor() as i32 - 1),
@@ -37,7 +37,7 @@ pub(super) fn give_or_take(estimate: &Estimate, factor: f64) -> String {
 
 /// Why a number has no interval.
 fn silence(estimate: &Estimate) -> &'static str {
-    if estimate.on_bound { "on its bound" } else { "not told by the data" }
+    if estimate.on_bound { "on its bound" } else { "not identifiable" }
 }
 
 /// The values of a fit as a table.
@@ -117,7 +117,7 @@ pub(super) fn correlations(fit: &Fit) -> Table {
         std::iter::once(name.clone()).chain(cells).collect()
     };
     Table {
-        caption: "Correlations: near 1 or −1 two numbers can hardly be told apart.".to_owned(),
+        caption: "Correlations: near 1 or −1 two parameters are hardly identifiable separately.".to_owned(),
         head: std::iter::once(String::new()).chain(names.iter().cloned()).collect(),
         rows: names.iter().zip(&fit.correlations).map(row).collect(),
     }
@@ -184,7 +184,7 @@ fn resting(estimate: &Estimate, unknown: Option<&Unknown>) -> String {
                      load that the scenario lacks; weigh it, and hold it at that"
                 }
                 _ if least <= 0.0 && (last.ends_with("_delay") || last == "dead_time") => {
-                    "the readings answer at once, or before the command: look at the clocks of both, or hold the delay"
+                    "the readings respond at once, or before the command: look at the clocks of both, or hold the delay"
                 }
                 _ => "the data would take it lower: lower `from` in [fit] if it may go there, or hold it",
             };
@@ -212,7 +212,7 @@ fn not_identifiable(direction: &Direction) -> String {
         ),
         [(name, _)] => format!("`{name}` changes no reading there. Hold it at a value that you know."),
         shares => format!(
-            "the data do not tell {}: all but this combination of them, each over its size, is told. Hold one of them at a value that \
+            "{} are not identifiable: this combination of them, each over its size, changes no reading. Hold one of them at a value that \
              you know.",
             shares.iter().map(share).collect::<Vec<_>>().join(" and ")
         ),
@@ -232,15 +232,17 @@ pub(super) fn warnings(fit: &Fit, unknowns: &[Unknown]) -> Vec<String> {
     for estimate in fit.estimates.iter().filter(wide).filter(|estimate| !entry(estimate)) {
         warnings.push(match is_of_a_body(&estimate.name) {
             true => format!(
-                "the interval of `{}` contains zero, which no body has: the data hardly tell it. Weigh it, and hold it at that.",
+                "the interval of `{}` contains zero, which no body has: it is hardly identifiable from the data. Weigh it, and hold it at that.",
                 estimate.name
             ),
-            false => format!("the interval of `{}` contains zero: the data hardly tell it.", estimate.name),
+            false => format!("the interval of `{}` contains zero: it is hardly identifiable from the data.", estimate.name),
         });
     }
     if fit.ending == Ending::Minimum && fit.condition > 1e6 && fit.untold.is_empty() {
-        warnings
-            .push(format!("the condition number is {:.1e}: the numbers are told, but only together.", fit.condition));
+        warnings.push(format!(
+            "the condition number is {:.1e}: the parameters are identifiable, but only together.",
+            fit.condition
+        ));
     }
     warnings.into_iter().map(|warning| format!("{WARNED}{warning}")).collect()
 }

@@ -14,7 +14,7 @@ use mckibben::simulation::State;
 use mckibben::valve::Ports;
 use std::f64::consts::TAU;
 
-/// What is told of a model.
+/// What is printed of a model.
 #[derive(Clone, Debug, Default)]
 pub struct Account {
     /// The scenario's name, and how its valves are taken.
@@ -170,7 +170,7 @@ pub(super) fn pwm(averaged: &ValveAverage, poles: &[Pole], swings: Vec<String>) 
         lines.push(Line::new("", format!("of the outputs, peak to peak: {}", swings.join(", "))));
     }
     if let Some(ratio) = over_fastest(averaged, poles) {
-        let slow = "slow: the model tells nothing of what happens within a period";
+        let slow = "slow: the model does not describe what happens within a period";
         let ratio_told = format!("{} times the fastest pole", digits(ratio));
         lines.push(Line::new("frequency", ratio_told).unless(ratio > 3.0, slow));
     }

@@ -14,10 +14,10 @@ const POINTS: f64 = 120.0;
 /// A factor of ten in dB, and labels of an axis of levels at most.
 const DECADE: f64 = 20.0;
 const MOST_LEVELS: f64 = 6.0;
-/// Decades shown beyond the slowest and the fastest pole, and at most in all.
+/// Decades drawn beyond the slowest and the fastest pole, and at most in all.
 const BEYOND: (f64, f64) = (1.0, 6.0);
 
-/// What a figure shows of a model.
+/// What a figure of a model has.
 struct View<'m> {
     system: &'m StateSpace,
     poles: &'m [Pole],

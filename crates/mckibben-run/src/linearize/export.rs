@@ -127,7 +127,7 @@ fn controllability(input: &str, reach: &Controllability) -> Value {
     })
 }
 
-/// A valve under PWM on average; how far outputs swing under its pulses stands beside its validity.
+/// A valve under PWM on average; how far outputs swing under its pulses is part of its validity.
 fn pwm(averaged: &ValveAverage, poles: &[Pole], ripples: &[(&str, Option<f64>)]) -> Value {
     let intervals = averaged.intervals.iter();
     let intervals: Vec<Value> =
@@ -251,7 +251,7 @@ pub(super) fn script(name: &str, kind: &str, point: &[(String, f64)], system: &S
     text
 }
 
-/// Values with names of their own.
+/// Values with their names.
 pub(super) fn owned(values: Vec<(&'static str, f64)>) -> Vec<(String, f64)> {
     values.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
 }

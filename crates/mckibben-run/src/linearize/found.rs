@@ -18,7 +18,7 @@ enum Kind {
 }
 
 impl LinearModel {
-    /// The model that a request asks for, of a scenario whose file has a name.
+    /// The requested model, of a scenario whose file has a name.
     ///
     /// # Errors
     /// The scenario is wrong, or it has no such point.
@@ -58,7 +58,7 @@ impl LinearModel {
         }
     }
 
-    /// The matrices, of all states or of those that are needed, as was asked.
+    /// The matrices, of all states or of those that are needed, as requested.
     pub fn system(&self) -> &StateSpace {
         match &self.0 {
             Kind::Actuator(model) => &model.system,

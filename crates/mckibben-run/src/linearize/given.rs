@@ -1,4 +1,4 @@
-//! The operating point that a request asks for.
+//! The requested operating point.
 
 use super::{Measure, Request};
 use crate::failure::Failure;
@@ -8,7 +8,7 @@ use mckibben::load::Load;
 use mckibben::simulation::Rig;
 use mckibben_scenario::Experiment;
 
-/// The linear model that a request asks for.
+/// The requested linear model.
 pub(super) fn linearization(request: &Request, experiment: &Experiment) -> Result<Linearization, Failure> {
     let rig = match request.load {
         Some(load) => loaded(&experiment.rig, load)?,

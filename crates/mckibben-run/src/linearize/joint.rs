@@ -1,6 +1,6 @@
 //! The linear model of an antagonistic joint: its point, in words, as JSON and as a script.
 //!
-//! | asked for | the valves | the point |
+//! | requested | the valves | the point |
 //! |---|---|---|
 //! | `angle` with `stiffness` | held shut | there; the pressures follow |
 //! | pulses, set points or positions of a spool | by their commands, pulses on average | the balance at the pressures that they make |
@@ -35,7 +35,7 @@ pub(super) struct JointModel {
 }
 
 impl JointModel {
-    /// The model that a request asks for.
+    /// The requested model.
     pub(super) fn new(
         name: &str,
         experiment: &JointExperiment,
@@ -178,7 +178,7 @@ impl JointModel {
     }
 }
 
-/// Refuses what is asked of one actuator alone.
+/// Refuses options of one actuator alone.
 fn refuse(request: &Request) -> Result<(), Failure> {
     match request.first_beyond(&["angle"]) {
         None => Ok(()),

@@ -3,7 +3,7 @@
 //! | part | what |
 //! |---|---|
 //! | `found` | the model of whatever the scenario describes |
-//! | `given` | the point that a request asks for |
+//! | `given` | the requested point |
 //! | `account` | the model in words and tables |
 //! | `export` | the model as JSON and as a MATLAB or Octave script |
 //! | `bode` | the figure |
@@ -27,7 +27,7 @@ pub use found::LinearModel;
 use mckibben::linearize::{Controllability, Linearization, Pole, StateSpace};
 use mckibben_scenario::Assumed;
 
-/// Which linear model is asked for. What is not given is that of the scenario.
+/// Which linear model is requested. What is not given is that of the scenario.
 ///
 /// Two of gauge pressure, length and load give the third. A duty gives the pressure by the valve's mean flow; so does the
 /// scenario's own PWM where neither pressure nor length is given.
@@ -65,7 +65,7 @@ pub enum Measure {
 }
 
 impl Measure {
-    /// A mass or a force as somebody writes it, such as `10 lb` or `40 N`.
+    /// A mass or a force as users write it, such as `10 lb` or `40 N`.
     ///
     /// # Errors
     /// What is wrong, in words.

@@ -1,6 +1,6 @@
 //! The linear model of a file of many actuators: its point, in words, as JSON and as a script, with the names of the file.
 //!
-//! | asked for | the valves | the point |
+//! | requested | the valves | the point |
 //! |---|---|---|
 //! | nothing, with pulsed or proportional valves | by their commands, pulses on average | where all is balanced under these |
 //! | `pwm` | by the commands that hold the initial gauge pressures | the balance at these |
@@ -34,7 +34,7 @@ pub(super) struct PlantModel {
 }
 
 impl PlantModel {
-    /// The model that a request asks for.
+    /// The requested model.
     pub(super) fn new(
         name: &str,
         of: &PlantExperiment,
@@ -188,7 +188,7 @@ impl PlantModel {
     }
 }
 
-/// Refuses what is asked of one actuator or of one joint alone.
+/// Refuses options of one actuator or of one joint alone.
 fn refuse(request: &Request) -> Result<(), Failure> {
     match request.first_beyond(&["pwm", "amplitude"]) {
         None => Ok(()),

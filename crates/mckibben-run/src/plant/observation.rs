@@ -20,7 +20,7 @@ const LEAST_SAMPLES: f64 = 2000.0;
 pub struct Observation {
     /// How many events of each kind there were.
     pub events: BTreeMap<EventKind, u64>,
-    /// What the table of states shows.
+    /// The columns of the table of states.
     pub rows: Vec<Row>,
     /// What each actuator reached, for the warnings.
     pub(crate) reached: Vec<Reached>,

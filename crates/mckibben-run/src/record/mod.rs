@@ -8,7 +8,7 @@
 //! | `mckibben.units` | JSON: the unit of each column of numbers |
 //! | `mckibben.scenario_file` | name of the scenario file |
 //! | `mckibben.scenario` | its text |
-//! | `mckibben.set` | JSON: what was set on the command line beside it |
+//! | `mckibben.set` | JSON: what was set on the command line in addition to it |
 //! | `mckibben.resolved` | the scenario as it was understood: every value in SI, no preset, no default; not of a plant |
 
 mod field;
@@ -42,7 +42,7 @@ pub struct Provenance<'a> {
 /// Hands every sample of a run to what it is given.
 pub(crate) type Rows<'r, S> = &'r mut dyn FnMut(&mut dyn FnMut(&S) -> Result<(), Failure>) -> Result<(), Failure>;
 
-/// Where the columns of a run are written, and what stands beside them.
+/// Where the columns of a run are written, and what is stored with them.
 pub struct Target<'t> {
     /// What the file says about itself.
     pub provenance: &'t Provenance<'t>,
@@ -65,7 +65,7 @@ impl Provenance<'_> {
 /// What every file of results says about the scenario that it comes from.
 pub(crate) fn notes(document: &Document, set: &[String]) -> Vec<(String, String)> {
     let source = document.source();
-    // Only the file's name: where it lies on the machine is nobody else's business and would change the bytes.
+    // Only the file's name: where it lies on the machine is private and would change the bytes.
     let name = Path::new(source.name()).file_name();
     let pairs = [
         ("mckibben.version", env!("CARGO_PKG_VERSION").to_owned()),

@@ -1,7 +1,7 @@
 //! The page: one HTML file that needs nothing else, with its figures as inline SVG.
 //!
 //! Figures and page follow the reader's light or dark setting together. Links lead within the page and to the files
-//! that are written beside it; nothing is loaded from anywhere.
+//! that are written to the same folder; nothing is loaded from anywhere.
 
 use super::{Finding, Plate, Report, Section, Table, Verdict};
 use mckibben_plot::{PlotError, Theme};
@@ -241,7 +241,7 @@ fn subscripts(out: &mut String, words: &str) {
     out.push_str(&escaped(rest));
 }
 
-/// Text as HTML shows it.
+/// Text escaped for HTML.
 pub fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

@@ -68,7 +68,7 @@ pub struct Section {
 pub struct Plate {
     /// The name of its files, without an ending.
     pub stem: &'static str,
-    /// What it shows.
+    /// Its caption.
     pub caption: String,
     /// The figure.
     pub figure: Figure,
@@ -88,7 +88,7 @@ pub struct Data {
 /// A small table of words.
 #[derive(Clone, Debug, Default)]
 pub struct Table {
-    /// What it shows.
+    /// Its caption.
     pub caption: String,
     /// The heads of the columns.
     pub head: Vec<String>,
@@ -159,7 +159,7 @@ impl Finding {
         Self { quantity: quantity.into(), value, decimals, unit, stated: String::new(), verdict }
     }
 
-    /// The same number beside what the source states, with the verdict.
+    /// Adds what the source states, and the verdict.
     #[must_use]
     pub fn against(self, stated: impl Into<String>, verdict: Verdict) -> Self {
         Self { stated: stated.into(), verdict, ..self }

@@ -76,8 +76,8 @@ impl Table {
         self.to_text_within(usize::MAX)
     }
 
-    /// The same in lines of at most so many characters, as far as words can be broken: the heads first, then the words of the
-    /// widest column.
+    /// The table as text in lines of at most so many characters, as far as words can be broken: the heads first, then
+    /// the words of the widest column.
     pub fn to_text_within(&self, wide: usize) -> String {
         if self.head.is_empty() {
             return String::new();
@@ -124,7 +124,7 @@ impl Table {
         widths
     }
 
-    /// The caption on a line of its own, then the columns.
+    /// The caption on a separate line, then the columns.
     pub fn to_text_with_caption(&self) -> String {
         format!("{}\n\n{}", plain(&self.caption), self.to_text())
     }

@@ -77,7 +77,7 @@ pub(super) fn braid(requirement: &Requirement, angle: f64) -> Result<(usize, Str
 mod tests {
     use super::*;
 
-    /// By the definition: the derivative of ε (3 u² c² − 1) is zero there, and a little beside it there is less.
+    /// By the definition: the derivative of ε (3 u² c² − 1) is zero there, and a little off it there is less.
     #[test]
     fn the_least_air_is_where_the_work_of_a_volume_is_greatest() {
         for degrees in [10.0_f64, 20.0, 25.0, 30.0, 45.0] {

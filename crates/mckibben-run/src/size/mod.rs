@@ -84,7 +84,7 @@ pub struct Candidate {
     pub force_at_rest: f64,
     /// Mass in kg of the air that a stroke takes, all muscles together.
     pub air: f64,
-    /// How quick a valve makes it, where a time was asked for.
+    /// How quick a valve makes it, where a time was requested.
     pub quickness: Option<Quickness>,
     /// The scenario of one of them, without a valve.
     scenario: String,
@@ -186,7 +186,7 @@ impl Sizes {
     /// What hoses of a length (m) ask of the valve of a candidate: the widest first.
     ///
     /// # Errors
-    /// There is no such candidate, or no time was asked for.
+    /// There is no such candidate, or no time was requested.
     pub fn hoses(&self, place: usize, length: f64) -> Result<Vec<Hose>, Failure> {
         let candidate = self.candidate(place)?;
         let time = self.time()?;
@@ -196,7 +196,7 @@ impl Sizes {
     /// How quick valves that can be bought make a candidate.
     ///
     /// # Errors
-    /// There is no such candidate, or no time was asked for.
+    /// There is no such candidate, or no time was requested.
     pub fn valves(&self, place: usize) -> Result<Vec<ValveTime>, Failure> {
         let candidate = self.candidate(place)?;
         valve::of_presets(&candidate.scenario, &self.requirement, self.time()?)
@@ -330,7 +330,7 @@ impl Candidate {
         let rig = document
             .scenario()?
             .rig()
-            .map_err(|error| Failure::input(format!("{name}: {error}"), "change what is asked"))?;
+            .map_err(|error| Failure::input(format!("{name}: {error}"), "change the request"))?;
         let actuator = rig.actuator().clone();
         let atmosphere = actuator.air().atmosphere();
         let limits = *actuator.limits();

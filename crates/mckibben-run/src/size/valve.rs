@@ -35,7 +35,7 @@ pub enum Quickness {
     NoStart,
 }
 
-/// What a hose asks of the valve.
+/// What a hose requires of the valve.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hose {
     /// Inner diameter in m.

@@ -10,8 +10,9 @@
 //! | [`Cell::Word`] | the word, in quotes where it has a comma, a quote or a line end | `BYTE_ARRAY`, UTF-8 | text in a cell array |
 //! | [`Cell::Nothing`] | an empty field | null | NaN, an empty text |
 //!
-//! Every number in a file is finite. Equal rows give equal bytes. A table that people asked for as a file is in the units that they
-//! chose ([`crate::units`]): [`Writer::begin`] and [`Writer::csv`]. The parts of a sweep in a folder are read back, and stay in SI.
+//! Every number in a file is finite. Equal rows give equal bytes. A table that users request as a file is in the units
+//! that they chose ([`crate::units`]): [`Writer::begin`] and [`Writer::csv`]. The parts of a sweep in a folder are read
+//! back, and stay in SI.
 
 mod csv;
 mod mat;
@@ -131,7 +132,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// The format that a file's ending asks for.
+    /// The format that a file's ending stands for.
     ///
     /// # Errors
     /// [`Failure::input`] for another ending.

@@ -1,8 +1,9 @@
 //! A checksum over all bytes of a file, in the file.
 //!
-//! A Parquet file has checksums of its own for some pages, if for any, and none for its footer. Here the footer holds, as the value
-//! of [`CHECKSUM`], the CRC-32 of the whole file in eight hexadecimal digits, counted with zeros in their place. It finds every
-//! error within 32 bits on end, so every byte that is damaged, and of any other damage all but a part of 2⁻³².
+//! A Parquet file has checksums for some pages, if for any, and none for its footer. Here the footer holds, as the
+//! value of [`CHECKSUM`], the CRC-32 of the whole file in eight hexadecimal digits, counted with zeros in their place.
+//! It finds every error within 32 bits on end, so every byte that is damaged, and of any other damage all but a part of
+//! 2⁻³².
 //!
 //! The footer is written last, so it is kept in memory until the checksum of what stands before it is known.
 //!

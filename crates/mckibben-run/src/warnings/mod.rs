@@ -4,7 +4,7 @@
 //!
 //! | code | when | known |
 //! |---|---|---|
-//! | `valve-never-opens` | under PWM, a path that the command asks for stays shut: the pulse is shorter than the delay | before |
+//! | `valve-never-opens` | under PWM, a path that the command requests stays shut: the pulse is shorter than the delay | before |
 //! | `valve-never-closes` | under PWM, a path stays open: the pause is shorter than the delay | before |
 //! | `supply-exceeded` | the pressure that a controller aims for is above that of the supply; of linear models, that of the point | before |
 //! | `starts-slack` | an actuator starts shorter than `actuator.min_length` | before |
@@ -218,7 +218,7 @@ mod tests {
         assert!(of("0.1001").is_empty());
         assert!(of("0.9749").is_empty());
         assert_eq!(of("0.9751"), ["valve-never-closes"]);
-        // The valve that is commanded shut, or open, for ever does what is commanded.
+        // The valve that is commanded shut, or open, at all times does what is commanded.
         assert!(of("0").is_empty() && of("1").is_empty());
     }
 

@@ -1,7 +1,7 @@
 //! Valves that never open or never close under PWM.
 //!
-//! A path that the command asks for is open a share of each period; the core's [`actual_duty_cycle`] says which, delays and
-//! ramps included. A share of zero is a path that never opens, a share of one a path that never closes.
+//! A path that the command requests is open a share of each period; the core's [`actual_duty_cycle`] says which, delays
+//! and ramps included. A share of zero is a path that never opens, a share of one a path that never closes.
 
 use super::{Parts, Warning};
 use crate::quantities::given;

@@ -227,7 +227,8 @@ impl Document {
                 }
                 _ => node,
             };
-            // The default preset that a file means without a word goes on beside a braid's number of its own.
+            // The default preset that a file means without a word still applies where the file gives one number of the
+            // braid.
             if describes_braid(|path| path == place.key) {
                 document.name_default_preset(self, &at);
             }
@@ -256,7 +257,7 @@ impl AdjustedPlant {
     /// for each of up to `K`.
     ///
     /// # Errors
-    /// When the file can say no value beside one of these.
+    /// When the file can say no value together with one of these.
     pub fn seeded<const K: usize>(&self, first: usize) -> Result<PlantOver<Dual<f64, K>>, Diagnostics> {
         let (labels, here) = numbers_of(&self.experiment);
         let mut slopes = vec![[0.0; K]; here.len()];

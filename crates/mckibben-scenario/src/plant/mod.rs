@@ -130,7 +130,7 @@ pub(crate) struct Store {
     pub(crate) hose: Option<Hose>,
 }
 
-/// A fixed passage.
+/// A fixed flow path.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Inlet {
     pub(crate) one_way: bool,
@@ -185,7 +185,8 @@ impl Document {
     /// Reads the plant that the document describes and builds it, or `None` when it describes no plant.
     ///
     /// # Errors
-    /// Every mistake in the file; then, if there is none, the first contradiction that the model finds, shown in the file.
+    /// Every mistake in the file; then, if there is none, the first contradiction that the model finds, with its place
+    /// in the file.
     pub fn plant_experiment(&self) -> Result<Option<PlantExperiment>, Diagnostics> {
         if !self.is_plant() {
             return Ok(None);

@@ -16,7 +16,7 @@ pub(super) struct Builder<'s> {
     pub(super) network: Network,
     stores: &'s [Store],
     nodes: Vec<SupplyNodes>,
-    /// Nodes of the atmosphere, by the temperature in K of the surroundings.
+    /// Nodes of the atmosphere, by its temperature in K.
     outside: Vec<(f64, usize)>,
 }
 
@@ -83,7 +83,7 @@ impl<'s> Builder<'s> {
         Ok(())
     }
 
-    /// A passage that is always open, or open one way.
+    /// A flow path that is always open, or open one way.
     fn inlet(&mut self, inlet: &Inlet, [from, to]: [usize; 2], air: &Air) -> Result<(), Error> {
         let standard = inlet.passage.standard();
         let law = FlowLaw::of_flow_path(Port::Supply, standard, inlet.efficiency, inlet.laminar_ratio, air)?;

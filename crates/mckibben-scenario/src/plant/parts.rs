@@ -1,7 +1,7 @@
 //! The document as it stands for one part of a plant.
 //!
 //! Each part is read from a separate document: what the file says of all, with what it says of that part laid over it. So one
-//! reading serves a file of one actuator and each actuator of a plant, and a mistake is shown where it stands.
+//! reading serves a file of one actuator and each actuator of a plant, and a mistake is reported where it stands.
 
 use crate::diagnostic::Place;
 use crate::document::{Document, Entry, Node, Table, Value};

@@ -1,9 +1,9 @@
 //! Named valves, each number with the data sheet, catalogue or publication that states it.
 //!
 //! Data sheets seldom give all that a simulation needs. What they leave out is marked as assumed, with the ground; a program
-//! lists it beside its results, and a file's own key takes its place. A flow "from 6 to 5 bar" is a maker's nominal flow,
-//! turned into a sonic conductance by ISO 6358 with the critical ratio that stands beside it. A five-way valve appears here
-//! by one of its outputs.
+//! lists it with its results, and a file's own key takes its place. A flow "from 6 to 5 bar" is a maker's nominal flow,
+//! turned into a sonic conductance by ISO 6358 with the critical ratio that is stated with it. A five-way valve appears
+//! here by one of its outputs.
 //!
 //! Checked by `tests/tables.rs` with the other presets.
 
@@ -124,9 +124,9 @@ static SMC_VT307: Preset = Preset {
     meaning: "SMC VT307, direct-operated poppet, Rc 1/4.",
     words: THREE_WAY,
     values: &[
-        stated(&p::CV, "0.19", "SMC, catalogue ES11-107A, passage P to A"),
+        stated(&p::CV, "0.19", "SMC, catalogue ES11-107A, flow path P to A"),
         assumed(&p::PRESSURE_DROP_RATIO, "0.7", "assumed: the usual 0.6 to 0.8"),
-        stated(&p::EXHAUST_SONIC_CONDUCTANCE, "0.71 L/(s*bar)", "SMC, catalogue page of the VT307, passage 2 to 3"),
+        stated(&p::EXHAUST_SONIC_CONDUCTANCE, "0.71 L/(s*bar)", "SMC, catalogue page of the VT307, flow path 2 to 3"),
         assumed(&p::EXHAUST_CRITICAL_RATIO, "0.3", "assumed: the source gives none; small valves have 0.2 to 0.4"),
         assumed(&p::OPENING_DELAY, "20 ms", "assumed: no source at hand"),
         assumed(&p::CLOSING_DELAY, "20 ms", "assumed: no source at hand"),

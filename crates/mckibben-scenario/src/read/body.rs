@@ -18,12 +18,12 @@ use crate::reader::{Reader, list_of};
 use crate::scenario::{Actuator, Air, Bladder, Effectiveness, Force, Limit, Process, Taper, TonduLopezCoefficients};
 use mckibben::parameter::{self as p, Parameter};
 
-/// Whether some key describes a braid; none asks for the default preset.
+/// Whether some key describes a braid; none stands for the default preset.
 pub(crate) fn describes_braid(has: impl Fn(&str) -> bool) -> bool {
     BRAID.iter().chain([&&p::MAX_LENGTH]).any(|row| has(row.key))
 }
 
-/// Whether keys describe a whole braid, so that no preset is meant beside them.
+/// Whether keys describe a whole braid, so that no preset is meant in addition.
 pub(crate) fn describes_whole_braid(has: impl Fn(&Parameter) -> bool) -> bool {
     AT_REST.iter().any(|row| has(row)) || [&p::THREAD_LENGTH, &p::TURNS, &p::MAX_LENGTH].into_iter().all(has)
 }
@@ -65,7 +65,7 @@ fn braid(r: &mut Reader<'_>, preset: Option<&Preset>) -> [f64; 4] {
         let min_length = stated.get(&p::MIN_LENGTH).unwrap_or(thread_length / 3_f64.sqrt());
         return [thread_length, turns, max_length, min_length];
     }
-    // A key with a mistake of its own says nothing about the others.
+    // A key that is mistaken itself says nothing about the others.
     let unread = |row: &&Parameter| (r.has(row.key) && stated.get(row).is_none()) || r.is_meant(row.key);
     if BRAID.iter().any(unread) {
         return [1.0; 4];
@@ -302,7 +302,7 @@ fn coefficients<const N: usize>(r: &mut Reader<'_>, row: &'static Parameter, cou
     })
 }
 
-/// Units that must be named, each like the one beside it, as their size in SI.
+/// Units that must be named, as their size in SI.
 fn units(r: &mut Reader<'_>, units: [(&str, &str); 2]) -> [f64; 2] {
     units.map(|(path, like)| {
         if !r.has(path) {

@@ -9,7 +9,7 @@ use crate::scenario::{Aim, Controller, Regulator};
 use mckibben::control::{Quantity, Rows, SetPoint};
 use mckibben::parameter::{self as p, Parameter};
 
-/// What one actuator can be told to reach.
+/// Quantities of one actuator that can have a set point.
 const OF_ACTUATOR: [Quantity; 4] = [Quantity::Pressure, Quantity::Length, Quantity::AirMass, Quantity::Force];
 
 /// What a controller regulates, by its keys alone: `is` says whether a key holds a word, `has` whether it is there.
@@ -98,7 +98,7 @@ fn set_point(r: &mut Reader<'_>, quantity: Quantity, may_swing: bool) -> SetPoin
     let row = rows.set_point;
     if matches!(r.entry(row.key).map(|entry| &entry.node.value), Some(Value::List(_))) {
         if !r.has(p::SET_TIME.key) {
-            r.missing(p::SET_TIME.key, ", which a list needs beside it");
+            r.missing(p::SET_TIME.key, ", which a list needs in addition");
         }
         let (time, value) = (r.list(&p::SET_TIME), r.list(row));
         let (time, value) = columns(r, &p::SET_TIME, time, row.key, value);

@@ -124,7 +124,7 @@ static OF_LOAD: MotionRows = MotionRows {
 pub(super) fn motion_of(r: &mut Reader<'_>, rows: &MotionRows) -> Motion {
     let wave = [rows.length, rows.amplitude, rows.frequency, rows.phase].map(|row| row.key);
     let table = [rows.time.key, rows.table_length.key];
-    // The phase has a default, so the alternative is told by the other three and completed by `value`.
+    // The phase has a default, so the alternative is recognised by the other three and completed by `value`.
     let wave_keys = if wave[..3].iter().any(|path| r.has(path)) { &wave[..3] } else { &wave[..] };
     if alternative(r, &[wave_keys, &table]) == Some(1) {
         let time = r.list(rows.time);

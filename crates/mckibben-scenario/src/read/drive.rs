@@ -149,10 +149,10 @@ fn spool(r: &mut Reader<'_>) -> Spool {
     }
 }
 
-/// A pressure regulator has no seats, and one passage.
+/// A pressure regulator has no seats, and one flow path.
 fn regulator(r: &mut Reader<'_>) -> ProportionalRegulator {
     let (kind, help) = (
-        "a pressure regulator, which has no seats and one passage",
+        "a pressure regulator, which has no seats and one flow path",
         "remove it; the delay of a regulator is `valve.dead_time`",
     );
     not_of(r, SEATS, kind, help);
@@ -273,7 +273,7 @@ fn wrong_kind(r: &mut Reader<'_>, own: Option<CommandKind>, kind: Option<Command
     let (title, label, help) = if own == Some(CommandKind::Positions) {
         (
             "a proportional spool takes positions",
-            "asks for something else",
+            "commands something else",
             "set `command.kind` to `positions`, or `valve.kind` to `three-way`",
         )
     } else if kind == Some(CommandKind::Positions) {
@@ -285,7 +285,7 @@ fn wrong_kind(r: &mut Reader<'_>, own: Option<CommandKind>, kind: Option<Command
     } else if own == Some(CommandKind::SetPoints) {
         (
             "a pressure regulator takes set points of pressure",
-            "asks for seats to move",
+            "commands poppets to move",
             "set `command.kind` to `set-points`, or `valve.kind` to `three-way`",
         )
     } else {
@@ -330,7 +330,7 @@ fn cannot(r: &mut Reader<'_>, place: Place, valve: ValveKind) {
     let chosen = r.value_place("valve.kind").or_else(|| r.value_place("valve.preset"));
     let (title, label, kind, help) = if valve == ValveKind::TwoWay {
         let help = "set `valve.kind` to `three-way` or `fill-hold-exhaust`, or command `fill` and `hold` only";
-        ("a two-way valve cannot exhaust", "needs a passage to the exhaust", "two-way valve", help)
+        ("a two-way valve cannot exhaust", "needs a flow path to the exhaust", "two-way valve", help)
     } else if valve == ValveKind::FiveWay {
         let help = "set `valve.kind` to `five-way-closed`, or command `fill` and `exhaust` only";
         ("a 5/2 valve cannot hold", "needs a valve that closes", "five-way valve of two positions", help)

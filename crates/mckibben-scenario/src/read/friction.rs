@@ -33,7 +33,7 @@ fn viscoelastic(r: &mut Reader<'_>) -> Viscoelastic {
     let rises = relaxation_time.as_ref().is_none_or(|times| times.is_sorted_by(|one, other| one < other));
     let mut of = |row: &'static Parameter, is_first: bool| {
         let list = r.list(row);
-        // Times that do not increase are told of once.
+        // Times that do not increase are reported once.
         if list.is_some() && (is_first || rises) {
             return columns(r, time, relaxation_time.clone(), row.key, list).1;
         }

@@ -2,9 +2,9 @@
 //!
 //! The second actuator is read from the same document with the keys of `[antagonist]` laid over its own, so whatever is not
 //! said of it is as of the first; of the supply, both draw from one unless `[antagonist.supply]` describes another. What is said in several keys is taken whole: an effectiveness; a valve or command that
-//! names its `kind` or `preset`; how much a valve's passage lets through; an actuator that names its `preset`; a force that
-//! names its `law`, a bladder its `form`; a braid that is described at rest in place of one described otherwise; a moment arm, by
-//! radius or by table. A table holds as it stands: it is not mirrored.
+//! names its `kind` or `preset`; how much a valve's flow path lets through; an actuator that names its `preset`; a
+//! force that names its `law`, a bladder its `form`; a braid that is described at rest in place of one described
+//! otherwise; a moment arm, by radius or by table. A table holds as it stands: it is not mirrored.
 
 use super::{alternative, body, columns, course, drive, line, passage};
 use crate::choice::PressurePlace;
@@ -131,8 +131,8 @@ impl Document {
         }
     }
 
-    /// Where the actuator of the whole file is the default preset for want of a word, one with keys of its own is that preset
-    /// with its own keys. `place` is where those are.
+    /// Where the actuator of the whole file is the default preset for want of a word, one with its own keys is that
+    /// preset with its own keys. `place` is where those are.
     pub(crate) fn name_default_preset(&mut self, whole: &Self, place: &Place) {
         let unnamed = !whole.contains("actuator.preset") && !body::describes_braid(|path| whole.contains(path));
         if let Some(preset) = presets::ACTUATORS.first().filter(|_| unnamed && !self.contains("actuator.preset")) {

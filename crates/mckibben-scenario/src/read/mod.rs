@@ -9,7 +9,7 @@
 //! | `drive` | supply, valve, command |
 //! | `controller` | controller |
 //! | `line` | hose, reservoir and regulator of the supply |
-//! | `passage` | how much the valve's passages let through |
+//! | `passage` | how much the valve's flow paths let through |
 //! | `course` | pressure, tendon, load, initial, run |
 //! | `joint` | load and antagonist of an antagonistic joint |
 //! | `plant` | actuators and supplies of a plant |
@@ -119,7 +119,7 @@ pub(super) fn alternative(r: &mut Reader<'_>, groups: &[&[&str]]) -> Option<usiz
         }
         for path in group.iter().filter(|path| !r.has(path)).collect::<Vec<_>>() {
             let partner = group.iter().find(|path| r.has(path)).and_then(|path| path.rsplit('.').next());
-            r.missing(path, &format!(", which `{}` needs beside it", partner.unwrap_or_default()));
+            r.missing(path, &format!(", which `{}` needs in addition", partner.unwrap_or_default()));
         }
         chosen = Some((index, place));
     }

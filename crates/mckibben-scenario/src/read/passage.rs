@@ -1,4 +1,4 @@
-//! How much a passage lets through, stated in one of four ways: by the file, else by the preset.
+//! How much a flow path lets through, stated in one of four ways: by the file, else by the preset.
 
 use super::alternative;
 use crate::diagnostic::{Class, Diagnostic};
@@ -7,7 +7,7 @@ use crate::reader::Reader;
 use crate::scenario::FlowPath;
 use mckibben::parameter::{self as p, Parameter};
 
-/// The rows that state a passage.
+/// The rows that state a flow path.
 pub(crate) struct Rows {
     pub(crate) flow_area: &'static Parameter,
     pub(crate) sonic_conductance: &'static Parameter,
@@ -17,7 +17,7 @@ pub(crate) struct Rows {
     pub(crate) pressure_drop_ratio: &'static Parameter,
 }
 
-/// Of the passage to the supply, and of both where the exhaust has none of its own.
+/// Of the flow path to the supply, and of both where the exhaust has no separate one.
 pub(crate) static SUPPLY: Rows = Rows {
     flow_area: &p::FLOW_AREA,
     sonic_conductance: &p::SONIC_CONDUCTANCE,
@@ -26,7 +26,7 @@ pub(crate) static SUPPLY: Rows = Rows {
     cv: &p::CV,
     pressure_drop_ratio: &p::PRESSURE_DROP_RATIO,
 };
-/// Of the passage to the surroundings.
+/// Of the flow path to the atmosphere.
 pub(crate) static EXHAUST: Rows = Rows {
     flow_area: &p::EXHAUST_FLOW_AREA,
     sonic_conductance: &p::EXHAUST_SONIC_CONDUCTANCE,
@@ -37,7 +37,7 @@ pub(crate) static EXHAUST: Rows = Rows {
 };
 
 impl Rows {
-    /// The ways to state a passage, each by the rows that must be given.
+    /// The ways to state a flow path, each by the rows that must be given.
     pub(crate) fn ways(&self) -> [Vec<&'static Parameter>; 4] {
         [vec![self.flow_area], vec![self.sonic_conductance, self.critical_ratio], vec![self.kv], vec![self.cv]]
     }
@@ -48,7 +48,7 @@ impl Rows {
     }
 }
 
-/// The passage, or `None` when neither the file nor the preset states it.
+/// The flow path, or `None` when neither the file nor the preset states it.
 pub(super) fn passage(r: &mut Reader<'_>, rows: &Rows, preset: Option<&Preset>) -> Option<FlowPath> {
     let by_preset = |row: &Parameter| preset.is_some_and(|preset| preset.get(row).is_some());
     let ways = rows.ways();

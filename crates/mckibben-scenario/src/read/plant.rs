@@ -15,7 +15,7 @@ use crate::scenario::{Air, Command, Initial, InitialLength, Load, PressureSeries
 use mckibben::parameter as p;
 use std::collections::HashMap;
 
-/// The passage of an inlet.
+/// The flow path of an inlet.
 static INLET: passage::Rows = passage::Rows {
     flow_area: &keys::INLET_FLOW_AREA,
     sonic_conductance: &keys::INLET_SONIC_CONDUCTANCE,
@@ -64,7 +64,7 @@ impl Document {
                         && !self.contains(&format!("{ACTUATORS}.{}.{CONTROLLER}.kind", member.name))
                 };
                 if let Some(place) = r.key_place(CONTROLLER).filter(|_| !members.iter().any(asks)) {
-                    let title = "there is a [controller], but the command of no actuator asks for it";
+                    let title = "there is a [controller], but the command of no actuator refers to it";
                     let found = Diagnostic::at(Class::NotApplicable, place, title, "drives no valve");
                     return Err(found.help("set `command.kind` to `controllers`, or remove the section").into());
                 }
@@ -136,7 +136,7 @@ impl Document {
                 document.put_word("command.kind", &place, CommandKind::Controllers.name());
             }
         } else if !document.is_word("command.kind", CommandKind::Controllers.name()) {
-            // What is said of all is of those whose command asks for it.
+            // What is said of all is of those whose command refers to it.
             document.remove(CONTROLLER);
         }
     }
@@ -178,7 +178,7 @@ impl Document {
             }
             from.push(index);
         }
-        // In the order of the air; what is left feeds itself.
+        // In the order of the air; the rest feeds itself.
         let mut order: Vec<usize> = Vec::new();
         while let Some(next) =
             (0..names.len()).find(|i| !order.contains(i) && from[*i].is_none_or(|feeder| order.contains(&feeder)))
@@ -187,7 +187,7 @@ impl Document {
         }
         if let Some(left) = (0..names.len()).find(|i| !order.contains(i)) {
             if let Some(place) = r.value_place(&format!("{SUPPLIES}.{}.from", names[left])) {
-                let title = format!("the supply `{}` is fed by itself", names[left]);
+                let title = format!("the supply `{}` feeds itself", names[left]);
                 r.note(
                     Diagnostic::at(Class::Inconsistent, place, title, "leads round in a circle")
                         .help("let the first of them be fed by none, or by another"),
@@ -329,7 +329,7 @@ impl Document {
         // The whole plant has one atmosphere and one gas; each actuator its own process.
         for row in [&p::ATMOSPHERIC_PRESSURE, &p::GAS_CONSTANT, &p::HEAT_CAPACITY_RATIO] {
             let path = format!("{ACTUATORS}.{name}.{}", row.key);
-            refuse(r, &path, "the gas and the surroundings are those of the whole plant", "give it in [air]");
+            refuse(r, &path, "the gas and the atmosphere are those of the whole plant", "give it in [air]");
         }
         let has_load = r.has(&own("load")) || frames.is_empty();
         if has_load && !document.contains("load") {
@@ -381,7 +381,7 @@ impl Document {
                 );
             }
         } else {
-            // It stands in for the mechanism, of which nothing here asks.
+            // It stands in for the mechanism, which is not used here.
             load = Some(Load::Isometric);
             initial = on_mechanism(of, tendon.is_some(), pressure.as_ref(), &air);
             mount = mechanism::mount(of, &document, name, place, frames);
@@ -476,7 +476,7 @@ fn inlet(r: &mut Reader<'_>) -> Option<Inlet> {
     if passage.is_none() {
         let title = "the inlet does not say how much it lets through";
         r.note(Diagnostic::at(Class::Missing, place, title, "`flow_area` is expected here").help(
-            "add for instance `flow_area = \"10 mm^2\"`; the other ways to state a valve's passage would do as well",
+            "add for instance `flow_area = \"10 mm^2\"`; the other ways to state a valve's flow path would do as well",
         ));
     }
     let efficiency = r.value(&keys::INLET_EFFICIENCY, None);

@@ -1,4 +1,4 @@
-//! Whether every section and key is known, and has a meaning beside what else is chosen.
+//! Whether every section and key is known, and has a meaning with what else is chosen.
 
 use super::{Reader, list_of};
 use crate::choice::LoadKind;
@@ -36,13 +36,13 @@ impl<'d> Reader<'d> {
                 continue;
             }
             match (section, &entry.node.value) {
-                // What varies is named by paths; the reading of a sweep looks at them.
+                // What varies is named by paths; the reading of a sweep checks them.
                 (Some(_), Value::Table(_)) if child == keys::VARY => {}
                 (Some(_), Value::Table(inner)) => self.known(inner, &child),
                 (Some(_), other) => {
                     let title = format!("`{child}` is a section, not {}", other.noun());
                     let place = entry.node.place.clone();
-                    let help = format!("write `[{child}]` on a line of its own and its keys below");
+                    let help = format!("write `[{child}]` on a separate line and its keys below");
                     self.note(Diagnostic::at(Class::WrongType, place, title, "a section is expected").help(help));
                 }
                 (None, _) => self.unknown(entry, path),
@@ -122,7 +122,7 @@ impl<'d> Reader<'d> {
                     of_preset.or_else(|| keys::key_at(when.key).and_then(|selector| selector.default))
                 }
             };
-            // A choice that is absent or no valid word is a mistake of its own and says nothing about this key.
+            // A choice that is absent or no valid word is a separate mistake and says nothing about this key.
             let valid = |word: &&str| match keys::key_at(when.key).map(|selector| selector.kind) {
                 Some(keys::Kind::Choice(choices)) => choices.iter().any(|choice| choice.name == *word),
                 _ => false,

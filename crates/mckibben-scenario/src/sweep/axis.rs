@@ -18,7 +18,7 @@ pub struct Axis {
     pub kind: AxisKind,
     pub(super) values: Values,
     pub(super) sampler: Sampler,
-    /// Whether the scenario is read anew for each value.
+    /// Whether the scenario is read again for each value.
     pub(super) read_anew: bool,
     pub(super) target: Option<Target>,
 }
@@ -127,12 +127,12 @@ impl Axis {
         self.values.at(self.sampler.draw(row))
     }
 
-    /// Which value a row takes, counted from 0, when the scenario is read anew for each.
+    /// Which value a row takes, counted from 0, when the scenario is read again for each.
     pub(super) fn base(&self, row: u64) -> Option<u64> {
         self.read_anew.then(|| self.values.step(self.sampler.draw(row)))
     }
 
-    /// The axis as a line of text that tells it from every other.
+    /// The axis as a line of text that identifies it.
     pub(super) fn fingerprint(&self, text: &mut String) {
         let unit = match &self.kind {
             AxisKind::Quantity { unit, .. } => *unit,

@@ -1,4 +1,4 @@
-//! Sweeps: many rows, each the scenario of the file with some keys set anew.
+//! Sweeps: many rows, each the scenario of the file with some keys set to other values.
 //!
 //! `[sweep]` says how many rows there are and what is recorded of each, `[sweep.vary]` what varies: lists, ranges and
 //! distributions, combined by a design. A row is a function of its number alone, so rows can be computed in any order, on
@@ -149,7 +149,7 @@ impl Sweep {
         &self.axes
     }
 
-    /// The value of an axis in a row, at a cost that depends on neither. From [`Sweep::rows`] on the rows begin anew.
+    /// The value of an axis in a row, at a cost that depends on neither. From [`Sweep::rows`] on the rows begin again.
     ///
     /// # Panics
     /// When there is no such axis, as a slice does.
@@ -316,7 +316,7 @@ impl Sweep {
     }
 }
 
-/// Refuses what the reading of a file refuses as contradictory and the model does not look at.
+/// Refuses what the reading of a file refuses as contradictory and the model does not check.
 fn consistent(scenario: Scenario) -> Result<Scenario, Error> {
     let (run, velocity) = (scenario.run, scenario.initial.velocity);
     if run.sample_interval > run.duration {

@@ -104,7 +104,7 @@ impl Swept {
         }
     }
 
-    /// What tells it from every other: the keys of the file with their values.
+    /// What identifies it: the keys of the file with their values.
     pub(super) fn text(&self) -> String {
         self.document.to_toml()
     }

@@ -24,7 +24,7 @@ impl Stream {
         name.bytes().fold(Self(mixed(seed.wrapping_add(GAMMA))), |stream, byte| stream.split(u64::from(byte)))
     }
 
-    /// A stream of its own for a number.
+    /// A separate random stream for a number.
     pub(super) fn split(self, number: u64) -> Self {
         Self(self.bits(number))
     }

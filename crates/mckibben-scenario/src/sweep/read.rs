@@ -1,8 +1,8 @@
 //! Reads `[sweep]`: how the rows are chosen, what is recorded, and the scenarios that the rows start from.
 //!
 //! The scenario is read with the first value of every key in place, once for each combination of words and whole numbers, so
-//! that a key which only the sweep gives is not missing and a contradiction is shown where the value stands. Its other values
-//! are numbers within the range that the key has, and need no text.
+//! that a key which only the sweep gives is not missing and a contradiction is reported where the value stands. Its
+//! other values are numbers within the range that the key has, and need no text.
 
 use super::axis::Axis;
 use super::design::{MOST_ROWS, Sampler};
@@ -34,7 +34,7 @@ const COLUMNS: [f64; 2] = [10.0, 22.0];
 const ROWS_IN_PART: f64 = 4096.0;
 
 impl Document {
-    /// Reads the section `[sweep]`, and the scenarios that it asks for; `None` when there is none.
+    /// Reads the section `[sweep]`, and the scenarios that it needs; `None` when there is none.
     ///
     /// # Errors
     /// Every mistake in the section; then, if there is none, every mistake in the scenario with the first value of each

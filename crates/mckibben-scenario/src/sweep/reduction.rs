@@ -359,7 +359,7 @@ pub(super) const DEFAULT: &[Reduction] = {
     ]
 };
 
-/// The same of a joint.
+/// The reductions of a joint by default.
 pub(super) const DEFAULT_OF_JOINT: &[Reduction] = {
     use Quantity::{Air, Angle, AngularVelocity, AntagonistGaugePressure, GaugePressure, Stiffness, Torque};
     use Statistic::{Final, Max, Mean, Min, Overshoot, Peak, Ripple, SettlingTime, Used};

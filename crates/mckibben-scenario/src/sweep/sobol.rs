@@ -65,7 +65,7 @@ impl Dimension {
     fn scrambled(&self, digits: u64) -> u64 {
         (0..BITS).fold(digits, |scrambled, place| {
             let shift = BITS - 1 - place;
-            // The digits before this one, after a one that tells 01 from 001.
+            // The digits before this one, after a one that distinguishes 01 from 001.
             let before = (digits >> shift >> 1) | (1 << place);
             scrambled ^ ((self.flips.bits(before) >> 63) << shift)
         })

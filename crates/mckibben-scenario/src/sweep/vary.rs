@@ -35,7 +35,7 @@ impl<'d> Varied<'d> {
         self.nodes[0]
     }
 
-    /// How many values there are for each of which the scenario is read anew: words, and whole numbers.
+    /// How many values there are for each of which the scenario is read again: words, and whole numbers.
     pub(super) fn read_anew(&self) -> Option<u64> {
         let whole = matches!(self.row.kind, Kind::Whole(_));
         (whole || matches!(self.values, Values::Words(_))).then_some(self.nodes.len() as u64)
@@ -299,7 +299,7 @@ fn spread<'d>(
     let others = table.0.iter().filter(|entry| entry.name != kind.name);
     let others: Vec<Diagnostic> = others
         .map(|entry| {
-            let title = format!("`{}` cannot stand beside `{}`", entry.name, kind.name);
+            let title = format!("`{}` cannot stand together with `{}`", entry.name, kind.name);
             Diagnostic::at(Class::Conflict, entry.key.clone(), title, "one too many")
                 .related(Some(kind.key.clone()), "the distribution")
                 .help("keep one distribution, or the range alone")

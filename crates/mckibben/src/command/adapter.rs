@@ -56,7 +56,7 @@ where
     Box::new(WithMemory { controller: Arc::new(controller), memory })
 }
 
-/// What a drive asks of a valve whose pulses have a frequency in Hz.
+/// The command of a drive to a valve whose pulses have a frequency in Hz.
 fn demand<R: Real>(drive: Drive<R>, frequency: R) -> RuntimeCommand<R> {
     match drive {
         Drive::Steady(request) => RuntimeCommand::Request(request),

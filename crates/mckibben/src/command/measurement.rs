@@ -40,7 +40,7 @@ impl<R: Real> PlantMeasurement<R> {
 /// Sensors of a coordinate of a mechanism and of its rate.
 type OfCoordinate<R> = ((usize, usize), [Sensor<R>; 2]);
 
-/// The sensors of a driver; what has none is shown as it is.
+/// The sensors of a driver; a quantity without a sensor is measured exactly.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlantSensors<R = f64> {
     actuators: Vec<(usize, Sensors<R>)>,

@@ -7,11 +7,11 @@
 //! | run time | [`PlantRun::set`](crate::plant::PlantRun::set), between two calls of `advance_to` |
 //!
 //! All of them say what a valve is to do as a [`RuntimeCommand`]: a request of seats, pulses, a set point of a pressure regulator or
-//! a position of a spool. A valve has one source: a driver takes the place of its schedule, and a demand at run time takes
-//! the place of the rest of it.
+//! a position of a spool. A valve has one source: a driver takes the place of its schedule, and a command at run time
+//! takes the place of the rest of it.
 //!
 //! ```text
-//! measurement at t = k/f_s  →  sensors (step, range)  →  controller  →  demands from t = (k + d)/f_s on
+//! measurement at t = k/f_s  →  sensors (step, range)  →  controller  →  commands from t = (k + d)/f_s on
 //! ```
 //!
 //! A driver commands one valve or several, and any number of drivers run side by side, each with its own sampling. Sampling
@@ -26,7 +26,7 @@
 //! | [`Driver::new`] | any [`PlantController`] |
 //!
 //! Checked by `tests/plant_control.rs`: against the engine of one actuator and fixed steps of a joint, and against the schedule that a
-//! controller has asked for.
+//! controller has requested.
 
 mod adapter;
 mod measurement;

@@ -25,7 +25,7 @@ use crate::error::Error;
 use crate::parameter;
 use crate::scalar::Real;
 
-/// Brings about the mass of air that a model asks for.
+/// Brings about the mass of air that a model requests.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AirMass<Aim = StaticAim, S = f64> {
     pub(super) aim: Aim,
@@ -44,7 +44,7 @@ impl<Aim> AirMass<Aim> {
 }
 
 impl<R: Real> AirMass<StaticAim<R>, R> {
-    /// The mass of air in kg that the model asks for.
+    /// The mass of air in kg that the model requests.
     pub fn mass(&self, seen: &Measurement<R>) -> R {
         let aim = &self.aim;
         aim.actuator().air_mass(aim.pressure(seen), aim.length(seen), self.temperature)

@@ -1,7 +1,7 @@
 //! Feed-forward: the pressure that the static model needs, and a regulator that brings it about.
 //!
 //! ```text
-//! P_set = P(F_set, L)      the static model turned round, between 0 and P_max
+//! P_set = P(F_set, L)      the static model inverted, between 0 and P_max
 //! ```
 //!
 //! | symbol | name in code | unit |
@@ -13,9 +13,9 @@
 //! With the length that is wanted and the load that hangs there this is control of position without a length sensor; with
 //! the length that is measured, control of force without a force sensor. Either is as good as the model: friction, a wrong
 //! effectiveness and a load that is not as heavy as it should be are errors that stay. Where no pressure up to P_max gives
-//! the force, P_max is asked for.
+//! the force, P_max is commanded.
 //!
-//! Source: Colbrunn, Nelson & Quinn (2001), (3) and (9), turned round. Checked by `tests/control.rs`.
+//! Source: Colbrunn, Nelson & Quinn (2001), (3) and (9), inverted. Checked by `tests/control.rs`.
 
 use super::{Controller, Drive, Measurement, Quantity, Regulator, RegulatorMemory, SetPoint};
 use crate::actuator::Actuator;
@@ -74,16 +74,16 @@ impl<R: Real> StaticAim<R> {
         self.length.at(seen.time, seen.length)
     }
 
-    /// The gauge pressure that the model asks for.
+    /// The gauge pressure that the model requests.
     pub fn pressure(&self, seen: &Measurement<R>) -> GaugePressure<R> {
         self.actuator.holding_pressure_within(self.force.at(seen.time), self.length(seen), self.highest)
     }
 }
 
-/// Brings about the pressure that a model asks for.
+/// Brings about the pressure that a model requests.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FeedForward<Aim = StaticAim, S = f64> {
-    /// The model and what it is asked.
+    /// The model and its set point.
     pub aim: Aim,
     /// From the error of the pressure to what the valve is to do.
     pub regulator: Regulator<S>,

@@ -1,4 +1,4 @@
-//! The static model turned round: the pressure that holds a force at a length.
+//! The static model inverted: the pressure that holds a force at a length.
 //!
 //! ```text
 //! F = Eff(P_g) P_g A(L) + F_limit(L)          A = −dV/dL = (3L² − b²)/(4πn²)          (3)(9)(10)
@@ -8,7 +8,7 @@
 //! With a constant effectiveness that is the answer. With another law of pressure the least pressure that gives it is
 //! bracketed, walking upwards, and a Newton step polishes it and carries the derivatives, which are those of the implicit
 //! function: `∂P/∂F = 1/(∂F/∂P)`, `∂P/∂L = −(∂F/∂L)/(∂F/∂P)`. A law of force other than the ideal braid's, or one with wall or
-//! bladder, is turned round as a whole in the same way.
+//! bladder, is inverted as a whole in the same way.
 //!
 //! | symbol | name in code | unit |
 //! |---|---|---|
@@ -109,7 +109,8 @@ impl<R: Real> Actuator<R> {
         Ok(GaugePressure(if step.value().abs() < 1e-9 * root.value() { root - step } else { root }))
     }
 
-    /// The same between none and `highest`, which is asked for where no pressure below gives the force.
+    /// The gauge pressure between zero and `highest` that holds a force; `highest` where no pressure below it gives the
+    /// force.
     pub fn holding_pressure_within(&self, force: R, length: R, highest: GaugePressure<R>) -> GaugePressure<R> {
         let none = GaugePressure(R::zero());
         let rest = force - self.limits().force(length, R::zero());

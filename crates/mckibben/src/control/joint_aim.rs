@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! τ = M g d sin(θ − θ₀) − W        what the actuators must hold at θ
-//! (P₁, P₂) from τ and K            the pair turned round, between 0 and P_max
+//! (P₁, P₂) from τ and K            the pair inverted, between 0 and P_max
 //! m = P V(L)/(R T)                 of each, at its length at θ
 //! ```
 //!
@@ -71,7 +71,7 @@ impl<R: Real> JointAim<R> {
         pair.with_arm_slopes(leverage.arms.map(|arm| arm.slope[0]))
     }
 
-    /// The gauge pressures of agonist and antagonist that the model asks for at a time in s.
+    /// The gauge pressures of agonist and antagonist that the model requests at a time in s.
     pub fn pressures(&self, time: R, held: Held) -> [GaugePressure<R>; 2] {
         let angle = self.angle.at(time);
         let torque = -self.joint.other_torque(angle, R::zero());
@@ -82,7 +82,7 @@ impl<R: Real> JointAim<R> {
         }
     }
 
-    /// The masses of air in kg that the model asks for at a time in s, at a temperature in K.
+    /// The masses of air in kg that the model requests at a time in s, at a temperature in K.
     pub fn masses(&self, time: R, temperature: R) -> [R; 2] {
         let (pressures, lengths) = (self.pressures(time, Held::AirMasses), self.joint.lengths(self.angle.at(time)));
         [0, 1].map(|i| self.actuators[i].air_mass(pressures[i], lengths[i], temperature))

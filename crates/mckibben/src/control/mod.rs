@@ -39,7 +39,7 @@
 //! | law | what it does |
 //! |---|---|
 //! | [`Tracker`] | keeps pressure, length, air mass or tension at a [`SetPoint`] |
-//! | [`JointTracker`] | keeps a joint at an angle: the agonist as asked, the antagonist the other way round |
+//! | [`JointTracker`] | keeps a joint at an angle: the agonist follows the request, the antagonist the opposite one |
 //! | [`FeedForward`] | gives the pressure that a static model needs for a force at a length |
 //! | [`AirMass`] | gives the mass of air that the model needs there |
 //!
@@ -92,7 +92,7 @@ pub struct Measurement<R = f64> {
     pub length: R,
     /// Its rate in m/s, positive when the actuator lengthens.
     pub velocity: R,
-    /// Gauge pressure: what a transducer shows.
+    /// Gauge pressure, as a transducer measures it.
     pub pressure: GaugePressure<R>,
     /// Mass of the air in kg.
     pub air_mass: R,
@@ -116,11 +116,11 @@ pub struct JointMeasurement<R = f64> {
 /// What the valve is to do until the next command takes effect.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Drive<R = f64> {
-    /// The same request all the while.
+    /// A constant request.
     Steady(Request),
     /// Pulse-width modulation; the pulse starts each period.
     Pulses {
-        /// Share of each period in which `pulse` is asked for, 0 to 1.
+        /// Share of each period in which `pulse` is requested, 0 to 1.
         duty: R,
         /// The request during the pulse.
         pulse: Request,

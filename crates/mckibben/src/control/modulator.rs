@@ -1,4 +1,4 @@
-//! The modulator: what is asked of the valve at every instant, from commands that arrive on sampling instants.
+//! The modulator: the request to the valve at every instant, from commands that arrive on sampling instants.
 //!
 //! ```text
 //! steady    the request at once, and until the next command
@@ -15,7 +15,7 @@ use crate::numbered::Row;
 use crate::scalar::Real;
 use crate::valve::{Request, is_due};
 
-/// Where the modulation stands. It belongs to whoever steps time.
+/// The state of the modulation. It belongs to the time stepper.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Modulator<R = f64> {
     drive: Option<Drive<R>>,
@@ -60,7 +60,7 @@ impl<R: Real> Modulator<R> {
         self.next_period = first_period(time, frequency);
     }
 
-    /// The next instant in s at which the request changes by itself.
+    /// The next instant in s at which the request changes without a new command.
     pub fn next(&self, frequency: R) -> Option<R> {
         let period = matches!(self.drive, Some(Drive::Pulses { .. })).then(|| begin(self.next_period, frequency));
         [period, self.end.map(|(time, _)| time)].into_iter().flatten().min_by(|a, b| a.value().total_cmp(&b.value()))

@@ -1,4 +1,4 @@
-//! The static model of an antagonistic pair turned round: two pressures from torque and stiffness of the joint.
+//! The static model of an antagonistic pair inverted: two pressures from torque and stiffness of the joint.
 //!
 //! ```text
 //! τ = r₁ F₁ − r₂ F₂                F = Eff(P_g) P_g A(L)                                  (3)(9)
@@ -61,7 +61,7 @@ pub struct AntagonisticPair<'a, R = f64> {
 enum Line<R> {
     /// From the one to the other.
     Between(R, R),
-    /// The torque asks for more than the highest pressure of one of them: that pair comes nearest.
+    /// The torque needs more than the highest pressure of one of them: that pair comes nearest.
     Beyond([R; 2]),
 }
 
@@ -97,7 +97,7 @@ impl<'a, R: Real> AntagonisticPair<'a, R> {
         Ok(Self { actuators, length, arm, arm_slope: [R::zero(); 2], top })
     }
 
-    /// The same with moment arms that change with the angle, by so many m/rad.
+    /// Gives the moment arms a slope over the angle, in m/rad.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a slope that is not finite; [`Error::NoSolution`] where the arms change so fast that more
@@ -186,8 +186,8 @@ impl<'a, R: Real> AntagonisticPair<'a, R> {
         Ok(self.solve(torque, stiffness, held, [low, high]))
     }
 
-    /// The same between none and `highest`, coming as near as they can: to the torque first, to the stiffness as far as the
-    /// torque leaves it free.
+    /// Gauge pressures between zero and `highest` that come as near as they can: to the torque first, to the stiffness
+    /// as far as the torque leaves it free.
     pub fn pressures_within(
         &self,
         torque: R,

@@ -89,7 +89,7 @@ impl Pid {
         })
     }
 
-    /// The same with integral action of this time in s. It is drawn back from a limit in the time √(T_i T_d), or T_i
+    /// Adds integral action with this time in s. It is drawn back from a limit in the time √(T_i T_d), or T_i
     /// without derivative, until [`Pid::with_tracking`] says otherwise.
     ///
     /// # Errors
@@ -98,7 +98,7 @@ impl Pid {
         Ok(Self { integral_time: Some(parameter::INTEGRAL_TIME.check(time)?), ..self })
     }
 
-    /// The same with derivative action of this time in s, filtered with the time constant `time/filter`.
+    /// Adds derivative action with this time in s, filtered with the time constant `time/filter`.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a negative time or a filter that is not above zero.
@@ -107,7 +107,7 @@ impl Pid {
         Ok(Self { derivative_time, derivative_filter: parameter::DERIVATIVE_FILTER.check(filter)?, ..self })
     }
 
-    /// The same with this time in s in which the integral is drawn back from a limit.
+    /// Sets the time in s in which the integral is drawn back from a limit.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] unless it is above zero.
@@ -115,7 +115,7 @@ impl Pid {
         Ok(Self { tracking_time: Some(parameter::TRACKING_TIME.check(time)?), ..self })
     }
 
-    /// The same whose proportional action sees this share, 0 to 1, of the set point.
+    /// Sets the share, 0 to 1, of the set point that the proportional action sees.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a share outside its range.
@@ -123,7 +123,7 @@ impl Pid {
         Ok(Self { set_point_weight: parameter::SET_POINT_WEIGHT.check(weight)?, ..self })
     }
 
-    /// The same with this output at no error.
+    /// Sets the output at zero error.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for an output below −1 or above 1.
@@ -133,7 +133,8 @@ impl Pid {
 }
 
 impl<S: Scalar> Pid<S> {
-    /// The same for an error of `quantity` over another scalar; `function` is told which parameter each number is.
+    /// Converts the controller for an error of `quantity` to another scalar type; `function` receives each number with
+    /// its parameter.
     pub fn map<T: Scalar>(&self, quantity: Quantity, function: impl FnMut(&'static Parameter, S) -> T) -> Pid<T> {
         let mut convert = Anew(function);
         let mut number = |row, value| convert.parameter(row, value);

@@ -63,7 +63,7 @@ const fn rows(set_point: &'static Parameter) -> Rows {
             [
                 "controller.dead_band",
                 "delta",
-                "Error, either way, within which a bang-bang controller asks for nothing.",
+                "Error, either way, within which a bang-bang controller requests nothing.",
                 "give a band above what one sample at full flow moves",
             ],
             unit,
@@ -154,7 +154,7 @@ impl Quantity {
         self != Self::Length
     }
 
-    /// Its value in a measurement of a joint; `None` for what each actuator has, or nobody measures.
+    /// Its value in a measurement of a joint; `None` for a quantity of each actuator, or one that is not measured.
     pub fn of_joint<R: Copy>(self, seen: &JointMeasurement<R>) -> Option<R> {
         (self == Self::Angle).then_some(seen.angle)
     }

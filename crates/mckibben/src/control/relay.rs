@@ -4,7 +4,7 @@
 //! e = w − y
 //! fill      once e > δ,    until e ≤ δ − h
 //! exhaust   once e < −δ,   until e ≥ h − δ
-//! else      hold, or with a three-way valve what was asked before
+//! else      hold, or with a three-way valve the previous request
 //! ```
 //!
 //! | symbol | name in code | unit |
@@ -22,12 +22,12 @@ use crate::parameter::Parameter;
 use crate::scalar::{Real, Scalar};
 use crate::valve::Request;
 
-/// What a relay asks for inside its dead band.
+/// What a relay requests inside its dead band.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Between {
     /// Hold; for a fill-hold-exhaust valve.
     Hold,
-    /// What it asked for before; for a three-way valve, which cannot hold.
+    /// The previous request; for a three-way valve, which cannot hold.
     Keep,
 }
 
@@ -67,7 +67,8 @@ impl Relay {
 }
 
 impl<S: Scalar> Relay<S> {
-    /// The same relay for an error of `quantity` over another scalar; `function` is told which parameter each number is.
+    /// Converts the relay for an error of `quantity` to another scalar type; `function` receives each number with its
+    /// parameter.
     pub fn map<T: Scalar>(&self, quantity: Quantity, mut function: impl FnMut(&'static Parameter, S) -> T) -> Relay<T> {
         let rows = quantity.rows();
         Relay {
@@ -77,12 +78,12 @@ impl<S: Scalar> Relay<S> {
         }
     }
 
-    /// What it asks for inside the dead band.
+    /// The request inside the dead band.
     pub fn between(&self) -> Between {
         self.between
     }
 
-    /// What it has asked for before the first sample.
+    /// The request before the first sample.
     pub fn begin(&self) -> Request {
         match self.between {
             Between::Hold => Request::Hold,
@@ -92,7 +93,7 @@ impl<S: Scalar> Relay<S> {
 }
 
 impl<R: Real> Relay<R> {
-    /// What to ask for at an error, after what was asked before.
+    /// The request at an error, after the previous request.
     pub fn decide(&self, error: R, before: Request) -> Request {
         let release = self.dead_band - self.hysteresis;
         let beyond = |error: R, already: bool| {

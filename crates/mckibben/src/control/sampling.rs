@@ -12,7 +12,7 @@
 //! | f | `pulse_frequency` of the modulation that follows a duty cycle | Hz |
 //!
 //! Instants come from their index and are never summed: the millionth is as exact as the first. Until decision 0 takes
-//! effect nothing is asked of the valve and its coils stay released.
+//! effect the valve has no command and its coils stay released.
 
 use crate::convert::{Anew, Convert};
 use crate::error::Error;
@@ -41,7 +41,7 @@ impl Sampling {
         Ok(Self { rate, delay, pulse_frequency: rate })
     }
 
-    /// The same with pulses at a frequency of their own in Hz.
+    /// Sets the frequency of the pulses in Hz, apart from that of the samples.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] unless it is above zero.
@@ -51,7 +51,7 @@ impl Sampling {
 }
 
 impl<S: Scalar> Sampling<S> {
-    /// The same over another scalar; `function` is told which parameter each number is.
+    /// Converts the sampling to another scalar type; `function` receives each number with its parameter.
     pub fn map<T: Scalar>(&self, function: impl FnMut(&'static Parameter, S) -> T) -> Sampling<T> {
         let mut convert = Anew(function);
         Sampling {

@@ -25,7 +25,8 @@ pub struct Sensor<S = f64> {
 }
 
 impl Sensor {
-    /// A sensor that shows whole multiples of `step` (zero for any value) inside `range`, in the unit of its quantity.
+    /// A sensor that reports whole multiples of `step` (zero for any value) inside `range`, in the unit of its
+    /// quantity.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a step that is negative or a number that is not finite; [`Error::Inconsistent`] when the
@@ -55,19 +56,19 @@ impl Sensor {
 }
 
 impl<S: Scalar> Sensor<S> {
-    /// A sensor that shows everything as it is.
+    /// A sensor that reports every value unchanged.
     pub fn perfect() -> Self {
         Self { step: S::zero(), range: None }
     }
 
-    /// The same sensor over another scalar.
+    /// Converts the sensor to another scalar type.
     pub fn map<T: Scalar>(&self, mut function: impl FnMut(S) -> T) -> Sensor<T> {
         Sensor { step: function(self.step), range: self.range.map(|(low, high)| (function(low), function(high))) }
     }
 }
 
 impl<R: Real> Sensor<R> {
-    /// What the sensor shows of a value.
+    /// The sensor's reading of a value.
     pub fn show(&self, value: R) -> R {
         let step = self.step.value();
         let shown = if step > 0.0 { self.step * R::constant(nearest_whole(value.value() / step)) } else { value };

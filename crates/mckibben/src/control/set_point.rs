@@ -7,8 +7,8 @@
 //! steps      each value from its time on, the first one before it
 //! ```
 //!
-//! A set point is looked at on sampling instants only. Two times that differ by the rounding of their own computation are
-//! one: a step at a sampling instant is seen at that instant.
+//! A set point is evaluated on sampling instants only. Two times that differ by the rounding of their own computation
+//! are one: a step at a sampling instant is seen at that instant.
 
 use super::Quantity;
 use crate::convert::{Anew, Convert};
@@ -20,7 +20,7 @@ use core::f64::consts::TAU;
 /// What is wanted, as a function of time, in the unit of its quantity.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SetPoint<S = f64> {
-    /// The same at all times.
+    /// Constant over time.
     Constant(S),
     /// `mean + amplitude · sin(2π · frequency · t + phase)`.
     Sinusoid {
@@ -52,7 +52,7 @@ pub enum SetPoint<S = f64> {
 }
 
 impl SetPoint {
-    /// The same value of a quantity at all times.
+    /// A constant set point of a quantity.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a value that the quantity cannot have.
@@ -112,7 +112,7 @@ fn check_table(quantity: Quantity, time: &[f64], value: &[f64]) -> Result<(), Er
 }
 
 impl<S: Scalar> SetPoint<S> {
-    /// The same set point of a quantity over another scalar; `function` is told which parameter each number is.
+    /// Converts the set point of a quantity to another scalar type; `function` receives each number with its parameter.
     pub fn map<T: Scalar>(&self, quantity: Quantity, function: impl FnMut(&'static Parameter, S) -> T) -> SetPoint<T> {
         let (rows, mut convert) = (quantity.rows(), Anew(function));
         let mut number = |row, value: &S| convert.parameter(row, *value);

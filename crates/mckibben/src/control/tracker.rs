@@ -1,7 +1,7 @@
 //! Tracking: a quantity is kept at its set point.
 //!
 //! What is wanted and what is measured go to a [`Regulator`]. More air makes a muscle shorter and everything else more:
-//! for a length both change their sign first, so that an error above zero always asks for air.
+//! for a length both change their sign first, so that an error above zero always requests air.
 
 use super::{
     Controller, Drive, JointController, JointMeasurement, Measurement, Pid, PidMemory, Quantity, Relay, SetPoint,
@@ -23,14 +23,15 @@ pub enum Regulator<S = f64> {
 /// What a regulator remembers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RegulatorMemory<R = f64> {
-    /// What the relay asked for last.
+    /// The last request of the relay.
     Relay(Request),
     /// Integral and derivative.
     Pid(PidMemory<R>),
 }
 
 impl<S: Scalar> Regulator<S> {
-    /// The same for an error of `quantity` over another scalar; `function` is told which parameter each number is.
+    /// Converts the regulator for an error of `quantity` to another scalar type; `function` receives each number with
+    /// its parameter.
     pub fn map<T: Scalar>(&self, quantity: Quantity, function: impl FnMut(&'static Parameter, S) -> T) -> Regulator<T> {
         match self {
             Self::Relay(relay) => Regulator::Relay(relay.map(quantity, function)),
@@ -49,7 +50,7 @@ impl<S: Scalar> Regulator<S> {
 
 impl<R: Real> Regulator<R> {
     /// What the valve is to do at `time` in s, when `measured` is to become `target` and more air makes more of it exactly
-    /// if `rises`. A memory of another regulator is begun anew.
+    /// if `rises`. A memory of another regulator is reset.
     pub fn regulate(
         &self,
         time: R,
@@ -100,7 +101,7 @@ impl<S: Scalar> Tracker<S> {
         }
     }
 
-    /// The same over another scalar; `function` is told which parameter each number is.
+    /// Converts the tracker to another scalar type; `function` receives each number with its parameter.
     pub fn map<T: Scalar>(&self, mut function: impl FnMut(&'static Parameter, S) -> T) -> Tracker<T> {
         Tracker {
             quantity: self.quantity,

@@ -3,7 +3,7 @@
 //! # The contract
 //!
 //! 1. **Interval.** A mode lasts from the event that began it, excluded, to the event that ends it, included. A sample at
-//!    the instant of an event shows what holds after it. An event at the final time is found, logged and crossed.
+//!    the instant of an event reports what holds after it. An event at the final time is found, logged and crossed.
 //! 2. **Side.** A guard is positive while its mode lasts. Which side is armed is the mode's knowledge; it is never read off
 //!    the sign at the start, which is zero after every reset and may be off by a rounding.
 //! 3. **Direction.** A guard fires where it comes down through zero and goes below. Touching zero and leaving again is none.
@@ -152,7 +152,7 @@ fn is_far_from_zero<R: Real, S: Hybrid<R>>(
 /// Brackets the first descent of a guard that is not linear in the state, between two places in the step.
 ///
 /// The guard is taken as the polynomial through eight of its values. Where that shows a descent and the guard itself is not
-/// below zero after it, the polynomial errs, and each half is searched by itself.
+/// below zero after it, the polynomial errs, and each half is searched separately.
 fn descent_between(
     low: f64,
     high: f64,

@@ -44,7 +44,7 @@ pub struct Piece<'i, R, M, K> {
     pub event: Option<(K, &'i M)>,
 }
 
-/// How a run was going where it paused: what it needs beside state and mode to go on as if it had not.
+/// How a run was going where it paused: what it needs in addition to state and mode to go on as if it had not.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pace {
     /// Length of the next step in s; none before the first.
@@ -110,7 +110,7 @@ const STIFF_RATIO: f64 = 4.0;
 const GROWING: u32 = 6;
 
 /// Attempted steps in which time must advance by [`LEAST_ADVANCE`] s, so that no run goes on without progress: the air of
-/// a hose of a millimetre asks for about 10⁶ steps in a second.
+/// a hose of a millimetre needs about 10⁶ steps in a second.
 const CRAWL_STEPS: u64 = 100_000;
 const LEAST_ADVANCE: f64 = 1e-4;
 

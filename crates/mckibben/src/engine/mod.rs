@@ -42,7 +42,7 @@ pub enum GuardForm {
         /// The bound in the state's unit.
         bound: f64,
     },
-    /// [`Hybrid::guard`], which is asked.
+    /// [`Hybrid::guard`], which is evaluated.
     Function,
 }
 
@@ -73,13 +73,13 @@ pub trait Hybrid<R: Real> {
         rates: &mut [T],
     );
 
-    /// The fastest rate in 1/s at which a state settles by itself; `work` holds the evaluation at the state.
+    /// The fastest rate in 1/s at which a state settles; `work` holds the evaluation at the state.
     fn settling_rate(&self, state: &[R], mode: &Self::Mode, work: &mut Self::Work<R>) -> f64;
 
     /// Scales of the states, above zero.
     fn scales(&self, state: &[R], mode: &Self::Mode, scales: &mut [f64]);
 
-    /// The next instant in s, up to and with `until`, at which `mode` ends by itself.
+    /// The next instant in s, up to and with `until`, at which `mode` ends without an event of a guard.
     fn next_instant(&self, mode: &Self::Mode, until: R) -> Option<R>;
 
     /// Passes what is due at an instant.

@@ -1,4 +1,4 @@
-//! The bladder: rubber that resists contraction with an elastic energy of its own.
+//! The bladder: rubber that resists contraction with its elastic energy.
 //!
 //! ```text
 //! form            tension                    stored energy
@@ -65,7 +65,7 @@ impl Bladder {
 }
 
 impl<S: Scalar> Bladder<S> {
-    /// The same bladder over another scalar.
+    /// Converts the bladder to another scalar type.
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Bladder<T> {
         Bladder {
             form: self.form,

@@ -5,10 +5,10 @@
 //! V = the braid's volume, less the wall's and what the ends lack of a cylinder
 //! ```
 //!
-//! The air needs a volume whatever the law, so the braid stands beside it. Virtual work, `F = −P_g dV/dL`, ties the two
-//! together for the ideal braid, with or without wall and taper; bladder and membrane add an energy of their own. The other laws are
-//! measured forces, or fitted ones, that follow no volume: over a cycle in pressure and length they take another work from
-//! the muscle than the air puts in.
+//! The air needs a volume whatever the law, so the braid is kept in addition to it. Virtual work, `F = −P_g dV/dL`,
+//! ties the two together for the ideal braid, with or without wall and taper; bladder and membrane add an elastic
+//! energy. The other laws are measured forces, or fitted ones, that follow no volume: over a cycle in pressure and
+//! length they take another work from the muscle than the air puts in.
 //!
 //! | law | parameters | gradient of `P_g V` |
 //! |---|---|---|
@@ -16,7 +16,7 @@
 //! | [`Law::TonduLopez`] | end factor; a, b, r₀ | with `k = 1` and the braid's coefficients |
 //! | [`Law::Sarosi`] | six coefficients | no |
 //! | [`Law::MartensBoblan`] | membrane: thickness, modulus | yes, and the membrane's energy |
-//! | [`Law::ExtensibleBraid`] | stiffness of the threads | with a volume of its own, which depends on pressure |
+//! | [`Law::ExtensibleBraid`] | stiffness of the threads | with a separate volume, which depends on pressure |
 //! | [`Law::Bolen`] | largest force, pressure and contraction; shape | no |
 //! | [`Law::Polynomial`] | coefficients of pressure, and passive ones | with the ideal braid's; its passive part stores energy |
 //! | `Law::Map` | measured tensions | no |
@@ -72,7 +72,7 @@ pub struct Piece {
 pub struct Characteristic<S = f64> {
     /// The braid's geometry.
     pub braid: Braid<S>,
-    /// What makes it more than the ideal braid: one test tells.
+    /// What makes it more than the ideal braid: one test decides.
     beyond: Option<Beyond<S>>,
 }
 
@@ -102,7 +102,7 @@ impl Characteristic {
         (self.braid, self.beyond.unwrap_or(none))
     }
 
-    /// The same with a wall of `thickness` (m) whose bore is open up to `max_length` (m); the volume is the gas's, and so
+    /// Adds a wall of `thickness` (m) whose bore is open up to `max_length` (m); the volume is the gas's, and so
     /// is the force of the ideal braid. None, if the thickness is zero.
     ///
     /// # Errors
@@ -115,7 +115,7 @@ impl Characteristic {
         Ok(Self::assemble(braid, Beyond { wall, taper, ..beyond }))
     }
 
-    /// The same with ends that taper to `end_radius` (m) in cones `length_ratio` times as long as they widen, for lengths from
+    /// Adds ends that taper to `end_radius` (m) in cones `length_ratio` times as long as they widen, for lengths from
     /// `min_length` to `max_length` (m); the volume is the gas's, and so is the force of the ideal braid. None, if the cones have
     /// no length.
     ///
@@ -128,7 +128,7 @@ impl Characteristic {
         Ok(Self::assemble(braid, Beyond { taper, ..beyond }))
     }
 
-    /// The same with a bladder.
+    /// Adds a bladder.
     pub fn with_bladder(self, bladder: Bladder) -> Self {
         let (braid, beyond) = self.into_parts();
         Self::assemble(braid, Beyond { bladder: Some(bladder), ..beyond })
@@ -142,7 +142,7 @@ impl<S> From<IdealBraid<S>> for Characteristic<S> {
 }
 
 impl<S: Scalar> Characteristic<S> {
-    /// The same over another scalar.
+    /// Converts the characteristic to another scalar type.
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Characteristic<T> {
         let braid = self.braid.convert(convert);
         let beyond = self.beyond.as_ref().map(|Beyond { law, wall, taper, bladder }| {
@@ -234,7 +234,7 @@ impl<S: Scalar> Characteristic<S> {
         }
     }
 
-    /// Energy in J that the rubber holds at a length in m: the bladder, and what a law has of its own.
+    /// Energy in J that the rubber holds at a length in m: the bladder, and the elastic energy of the law.
     pub fn stored_energy<T: Over<S>>(&self, length: T) -> T {
         let of_law = match self.law() {
             Law::MartensBoblan(law) => law.stored_energy(length),

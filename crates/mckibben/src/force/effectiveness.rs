@@ -33,7 +33,7 @@ pub const MAX_KNOTS: usize = 16;
 /// Measured force over ideal force.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Effectiveness<S = f64> {
-    /// The same at every pressure.
+    /// Constant over pressure.
     Constant(S),
     /// Coefficients of rising powers of the gauge pressure in Pa; unused ones are zero.
     Polynomial([S; MAX_COEFFICIENTS]),
@@ -51,7 +51,7 @@ pub struct Table<S = f64> {
 }
 
 impl Effectiveness {
-    /// The same ratio at every pressure, zero or more.
+    /// A ratio that is constant over pressure, zero or more.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] when it is negative or not finite.
@@ -152,7 +152,7 @@ impl<S: Scalar> Effectiveness<S> {
         (piece.checked_sub(1).and_then(knot), knot(piece))
     }
 
-    /// The same law over another scalar.
+    /// Converts the law to another scalar type.
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Effectiveness<T> {
         match self {
             Self::Constant(ratio) => Effectiveness::Constant(convert.parameter(&parameter::EFFECTIVENESS, *ratio)),

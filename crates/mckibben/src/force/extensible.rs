@@ -59,7 +59,7 @@ impl<S: Scalar> ExtensibleBraid<S> {
         Self { braid, thread_stiffness, per_pressure }
     }
 
-    /// The same law over another scalar, on the braid that has been converted before.
+    /// Converts the law to another scalar type, on the braid that has been converted before.
     pub(crate) fn convert<T: Scalar>(&self, braid: &Braid<T>, convert: &mut impl Convert<S, T>) -> ExtensibleBraid<T> {
         let thread_stiffness = convert.parameter(&parameter::THREAD_STIFFNESS, self.thread_stiffness);
         match convert.carry() {

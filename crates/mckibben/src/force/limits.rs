@@ -105,7 +105,7 @@ impl<S: Scalar> LengthLimits<S> {
 }
 
 impl<S: Scalar> LengthLimits<S> {
-    /// The same limits over another scalar.
+    /// Converts the limits to another scalar type.
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> LengthLimits<T> {
         LengthLimits {
             min_length: convert.parameter(&parameter::MIN_LENGTH, self.min_length),

@@ -13,11 +13,12 @@
 //! The surface is bicubic, goes through every measured value and has continuous slopes. Those at the nodes are
 //! the monotone ones along each row and column, and smaller where a cell needs it: where the values rise (or fall) along
 //! both edges of a cell, the surface does so all over the cell. The condition is the one that makes a cubic monotone,
-//! slopes of at most three secants, asked of the Bernstein coefficients of both sides over the other variable.
+//! slopes of at most three secants, checked by the Bernstein coefficients of both sides over the other variable.
 //!
 //! **Outside its hull** nothing was measured, and the map says so: it goes on as a plane with the slopes of its border,
-//! each row of the grid is a border between pieces, so that the event log of a run shows where it leaves the map, and
-//! [`ForceMap::covers`] tells of any place. Zeros that mean a slack muscle are no measured tensions: leave such rows out.
+//! each row of the grid is a border between pieces, so that the event log of a run records where it leaves the map, and
+//! [`ForceMap::covers`] answers for any place. Zeros that mean a slack muscle are no measured tensions: leave such rows
+//! out.
 //!
 //! A measured map is the gradient of no volume of the gas: the energy audit says what it takes, or gives.
 //!
@@ -152,7 +153,7 @@ fn rising(name: &'static str, list: &[f64]) -> Result<(), Error> {
 }
 
 /// Whether the surface over a cell is monotone along its first variable, if its edges are. Corners as value, slope along
-/// and slope across: near and far end of the first edge, then of the second.
+/// and slope across: both ends of the first edge, then of the second.
 fn monotone([a, b, c, d]: [[f64; 3]; 4], along: f64, across: f64) -> bool {
     let rise = [b[0] - a[0], d[0] - c[0]];
     let sign = if rise[0] + rise[1] < 0.0 { -1.0 } else { 1.0 };
@@ -193,7 +194,7 @@ impl<S: Scalar> ForceMap<S> {
         Self { pressures, lengths, nodes, shares }
     }
 
-    /// The same map over another scalar.
+    /// Converts the map to another scalar type.
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> ForceMap<T> {
         let pressures = self.pressures.iter().map(|&p| convert.parameter(&parameter::MAP_PRESSURE, p)).collect();
         let lengths = self.lengths.iter().map(|&length| convert.parameter(&parameter::MAP_LENGTH, length)).collect();

@@ -91,7 +91,7 @@ impl<S: Scalar> MartensBoblan<S> {
         Self { rest_length, thickness, modulus, squared_thread, per_rest, per_turn: thickness / braid.turns() }
     }
 
-    /// The same membrane over another scalar, on the braid that has been converted before.
+    /// Converts the membrane to another scalar type, on the braid that has been converted before.
     pub(crate) fn convert<T: Scalar>(&self, braid: &Braid<T>, convert: &mut impl Convert<S, T>) -> MartensBoblan<T> {
         let rest_length = convert.parameter(&parameter::MAX_LENGTH, self.rest_length);
         let thickness = convert.parameter(&parameter::MEMBRANE_THICKNESS, self.thickness);

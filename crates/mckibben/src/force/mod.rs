@@ -80,7 +80,7 @@ pub trait Statics<S: Scalar>: StaticForce<S> {
 /// `(e^z − 1)/z`, which is 1 at zero: what a secant of an exponential is made of.
 #[inline(always)]
 pub(crate) fn relative_exponential<S: Scalar>(z: S) -> S {
-    // Below a half the series is exact to the last bit after fifteen terms, and so are its derivatives.
+    // Below a half the series is exact to rounding after fifteen terms, and so are its derivatives.
     const TERMS: usize = 15;
     let mut series = S::one();
     for term in (2..=TERMS).rev() {

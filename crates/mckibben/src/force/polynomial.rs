@@ -10,9 +10,9 @@
 //! | aᵢ | `pressure_coefficients[i]`, of what the pressure pulls | m² |
 //! | bⱼ | `passive_coefficients[j]`, of what resists without pressure | N |
 //!
-//! The passive part depends on the length alone: it stores energy and gives it back. The other follows a volume of its own,
-//! and is the gas's where it is the braid's: the ideal braid is `a = [3L₀² − b², −6L₀², 3L₀²]/(4πn²)`. Any other takes or
-//! gains energy against the air in a cycle of pressure and length, and the energy audit says how much.
+//! The passive part depends on the length alone: it stores energy and gives it back. The other follows a separate
+//! volume, and is the gas's where it is the braid's: the ideal braid is `a = [3L₀² − b², −6L₀², 3L₀²]/(4πn²)`. Any
+//! other takes or gains energy against the air in a cycle of pressure and length, and the energy audit says how much.
 //!
 //! Holds for the contractions that it was fitted to, and no further: of all laws polynomials fit best where there are
 //! measurements and go astray most where there are none.
@@ -85,7 +85,7 @@ fn padded(row: &'static Parameter, list: &[f64]) -> Result<[f64; MAX_POWERS], Er
 }
 
 impl<S: Scalar> Polynomial<S> {
-    /// The same law over another scalar.
+    /// Converts the law to another scalar type.
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Polynomial<T> {
         Polynomial {
             initial_length: convert.parameter(&parameter::MAX_LENGTH, self.initial_length),

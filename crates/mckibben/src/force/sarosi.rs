@@ -53,7 +53,7 @@ impl Sarosi {
 }
 
 impl<S: Scalar> Sarosi<S> {
-    /// The same law over another scalar.
+    /// Converts the law to another scalar type.
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Sarosi<T> {
         Sarosi {
             initial_length: convert.parameter(&parameter::MAX_LENGTH, self.initial_length),

@@ -15,10 +15,10 @@
 //!
 //! Assumed: the middle has the radius of a braid that is a cylinder all along, the cones keep their angle, and a wall keeps its
 //! thickness in them. The force is the gradient of `P_g (V − ΔV)`: virtual work holds, and without cones, `c = 0`, it is the
-//! force of the ideal braid to the last bit. To first order in contraction from an unswollen end, `r_e` that of the braid at
-//! `L_max`, the taper is an end factor `k = 1 + (2/3) c (r_e/L_max)/tan² θ₀` in Tondu & Lopez's law.
+//! force of the ideal braid bit for bit. To first order in contraction from an unswollen end, `r_e` that of the braid
+//! at `L_max`, the taper is an end factor `k = 1 + (2/3) c (r_e/L_max)/tan² θ₀` in Tondu & Lopez's law.
 //!
-//! Holds while the braid is wider than its fittings, `r ≥ r_e`, which is asked for at the longest length; a muscle that is
+//! Holds while the braid is wider than its fittings, `r ≥ r_e`, which must hold at the longest length; a muscle that is
 //! pulled longer goes on by the same formulas until the radius of the bore is half that in the fittings, where the model ends.
 //! The cones drawn out to their tips must fit into the shortest muscle. The gas's volume is then above zero everywhere.
 //!
@@ -93,7 +93,7 @@ impl Taper {
         Self::assemble(end_radius, length_ratio, braid, None).beside(braid, wall)
     }
 
-    /// The same around a bore that a wall narrows.
+    /// The taper around a bore that a wall narrows.
     ///
     /// # Errors
     /// [`Error::Inconsistent`] when the wall fills the fittings.
@@ -124,7 +124,7 @@ impl<S: Scalar> Taper<S> {
         Self { end_radius, length_ratio, end_length: squared.sqrt() }
     }
 
-    /// The same taper over another scalar, in the braid and the wall that have been converted before.
+    /// Converts the taper to another scalar type, in the braid and the wall that have been converted before.
     pub(crate) fn convert<T: Scalar>(
         &self,
         braid: &Braid<T>,

@@ -22,7 +22,7 @@
 //!
 //! Where the coefficients are not given they are those of the braid: `π r₀² a = 3 L₀²/(4πn²)`, `π r₀² b = b²/(4πn²)`.
 //!
-//! It is the gradient of `P_g` times a volume of its own, `V(L₀ (1 − k ε))/k`, not of the braid's: with `k ≠ 1` a cycle
+//! It is the gradient of `P_g` times a separate volume, `V(L₀ (1 − k ε))/k`, not the braid's: with `k ≠ 1` a cycle
 //! in pressure and length gains or loses energy against the air, and the energy audit says how much.
 //!
 //! Source: B. Tondu & P. Lopez, "Modeling and control of McKibben artificial muscle robot actuators", IEEE Control
@@ -51,7 +51,7 @@ pub struct EndFactor<S = f64> {
 }
 
 impl EndFactor {
-    /// The same at every pressure, above zero.
+    /// A limit that is constant over pressure, above zero.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] when it is not a positive number.
@@ -167,7 +167,7 @@ impl<S: Scalar> TonduLopez<S> {
         Self { initial_length, end_factor, given, pull, push }
     }
 
-    /// The same law over another scalar, on the braid that has been converted before.
+    /// Converts the law to another scalar type, on the braid that has been converted before.
     pub(crate) fn convert<T: Scalar>(&self, braid: &Braid<T>, convert: &mut impl Convert<S, T>) -> TonduLopez<T> {
         let initial_length = convert.parameter(&parameter::MAX_LENGTH, self.initial_length);
         let end_factor = self.end_factor.convert(convert);

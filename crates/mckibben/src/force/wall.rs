@@ -74,7 +74,7 @@ impl<S: Scalar> Wall<S> {
         Self { thickness, closed: squared.sqrt() }
     }
 
-    /// The same wall over another scalar, in the braid that has been converted before.
+    /// Converts the wall to another scalar type, in the braid that has been converted before.
     pub(crate) fn convert<T: Scalar>(&self, braid: &Braid<T>, convert: &mut impl Convert<S, T>) -> Wall<T> {
         let thickness = convert.parameter(&parameter::WALL_THICKNESS, self.thickness);
         match convert.carry() {

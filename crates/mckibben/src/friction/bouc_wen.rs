@@ -151,7 +151,7 @@ fn along<T: Scalar>(from: T, factor: T, way: T) -> T {
 /// How far it is from a deflection of `−depth` to zero: `ln(1 + μ depth)/μ`.
 #[inline(always)]
 fn way_back<T: Scalar>(depth: T, factor: T) -> T {
-    // With u = y/(2 + y) it is 2 artanh(u)/μ, whose series is exact to the last bit after this many terms up to y = 1/2.
+    // With u = y/(2 + y) it is 2 artanh(u)/μ, whose series is exact to rounding after this many terms up to y = 1/2.
     const TERMS: usize = 12;
     let y = factor * depth;
     let u = y / (T::constant(2.0) + y);

@@ -16,7 +16,7 @@
 //! | v_s | `stribeck_velocity`, over which the force falls from the one to the other | m/s |
 //!
 //! `x⁺` is the larger of x and zero: with the bladder sucked off the braid nothing presses the threads together.
-//! `sgn` is set-valued at zero: who steps time decides which way it slides, or that it sticks.
+//! `sgn` is set-valued at zero: the time stepper decides which way it slides, or that it sticks.
 //!
 //! A force that falls with velocity feeds a load on a spring: below the velocity at which c outweighs the fall,
 //! `c < −F_c s′(v)`, motion is by stick and slip.
@@ -51,7 +51,7 @@ impl Coulomb {
         Ok(Self { width, beside: None, stribeck: None, acts: width > 0.0 })
     }
 
-    /// The same with a force in N and one for the gauge pressure in m², both zero or more.
+    /// Adds a force in N and one for the gauge pressure in m², both zero or more.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] when one is negative or not finite.
@@ -63,7 +63,7 @@ impl Coulomb {
         Ok(Self { beside, acts: self.width > 0.0 || is_there, ..self })
     }
 
-    /// The same with a force at break-away that is `static_ratio` (1 or more) times that in motion, and falls to it over
+    /// Adds a force at break-away that is `static_ratio` (1 or more) times that in motion, and falls to it over
     /// `stribeck_velocity` in m/s.
     ///
     /// # Errors
@@ -79,7 +79,7 @@ impl Coulomb {
 }
 
 impl<S: Scalar> Coulomb<S> {
-    /// The same over another scalar.
+    /// Converts the Coulomb friction to another scalar type.
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Coulomb<T> {
         let width = convert.parameter(&parameter::COULOMB_WIDTH, self.width);
         let beside = self.beside.map(|[force, per_pressure]| {

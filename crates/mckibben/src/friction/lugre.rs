@@ -24,7 +24,7 @@
 //! `k_sec (W/r) (|v| z²/r(v) + τ(v) v² − τ(v) |v| v z/r(v))`, a quadratic form in z that is never negative where
 //! `τ(v) |v| ≤ 4 r(v)`. With a τ that does not fall, the bound fails in fast sliding: the bristles that give way while it
 //! speeds up push forwards, and only a viscous `c ≥ (ρ − 1) σ₁` makes up for it. With the falling one it holds at any velocity
-//! when `τ ≤ 4 √(2e) r/v_s`, which is asked of the numbers.
+//! when `τ ≤ 4 √(2e) r/v_s`, which the parameters must satisfy.
 //!
 //! **Steps.** Between two velocities the fixed-step engine takes the mean of their 1/r(v) for the whole way, which errs by the
 //! cube of a step; z decays by the way and not by the time, so that no step is too long, however stiff the bristles. The
@@ -72,7 +72,7 @@ impl LuGre {
         Ok(Self { width, reach, excess: 0.0, stribeck_velocity: 1.0, damping_time: 0.0 })
     }
 
-    /// The same with a force in the slowest sliding that is `static_ratio` (1 or more) times that in fast sliding, and falls
+    /// Adds a force in the slowest sliding that is `static_ratio` (1 or more) times that in fast sliding, and falls
     /// to it over `stribeck_velocity` (m/s, above zero); and a `damping_time` (s, zero or more), which falls to zero over the
     /// same velocity.
     ///

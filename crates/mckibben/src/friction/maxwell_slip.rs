@@ -171,7 +171,7 @@ impl<R: Real> MaxwellSlip<R> {
 
     pub(super) fn slip(&self, memory: &mut Memory<R>, direction: f64, length: R) {
         let Some(nearest) = self.nearest(memory, direction) else { return };
-        // Two elements that the length cannot tell apart slip together.
+        // Two elements whose lengths differ by rounding only slip together.
         let together = nearest.value() + 4.0 * f64::EPSILON * memory.at.value().abs();
         let slips: [bool; MAX_ELEMENTS] = core::array::from_fn(|element| {
             element < self.count && self.left(element, memory, direction).value() <= together

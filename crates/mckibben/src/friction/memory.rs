@@ -2,8 +2,8 @@
 //!
 //! The memory is a value that belongs to the caller, as pressure and air mass do. It says what the elements of the law were
 //! at an actuator length, and every law can say what they are when the length has moved on from there in one direction:
-//! a step of any length is stable, and one that goes in one direction is exact. LuGre's law asks for the velocity too, and its
-//! error falls with the square of the step.
+//! a step of any length is stable, and one that goes in one direction is exact. LuGre's law needs the velocity too, and
+//! its error falls with the square of the step.
 
 use super::bouc_wen::BoucWen;
 use super::lugre::LuGre;
@@ -58,7 +58,7 @@ pub struct Branch<S = f64> {
     pub decay: S,
     /// The part of the width that slips, in magnitude: what dissipates.
     pub slipping: S,
-    /// What dissipates beside, over the square of the width, in 1/m.
+    /// What dissipates in addition, over the square of the width, in 1/m.
     pub wear: S,
     /// The actuator length in m at which it ends, if it does.
     pub end: Option<S>,
@@ -156,7 +156,7 @@ impl<S: Scalar> Hysteresis<S> {
     }
 
     /// The force over the secant stiffness in m, at an actuator length in m that has been reached from the memory's in one
-    /// direction, and a velocity in m/s, which only LuGre's law asks for; positive when it adds to the tension.
+    /// direction, and a velocity in m/s, which only LuGre's law needs; positive when it adds to the tension.
     #[inline(always)]
     pub fn width<T: Over<S>>(&self, memory: &Memory<S>, length: T, velocity: T) -> T {
         match self {
@@ -166,7 +166,8 @@ impl<S: Scalar> Hysteresis<S> {
         }
     }
 
-    /// Takes the memory on to an actuator length in m in one direction, and a velocity in m/s, which only LuGre's law asks for.
+    /// Takes the memory on to an actuator length in m in one direction, and a velocity in m/s, which only LuGre's law
+    /// needs.
     #[inline(always)]
     pub fn moved(&self, memory: &mut Memory<S>, length: S, velocity: S) {
         match self {

@@ -11,10 +11,10 @@
 //! | Q = μN/k | width of [`Coulomb`] | m |
 //! | k_sec | `secant_stiffness` | N/m |
 //!
-//! That is the paper's law, and the default. Beside it stand what other authors put in place of its last term: a force that
-//! falls with velocity or has another scale ([`Coulomb`]), and hysteresis that remembers ([`Hysteresis`]). Two losses are added
-//! that measured muscles show: a damping in proportion to the stiffness ([`Friction::with_structural_damping`]) and
-//! viscoelastic branches ([`Viscoelastic`]).
+//! That is the paper's law, and the default. The alternatives are what other authors put in place of its last term: a
+//! force that falls with velocity or has another scale ([`Coulomb`]), and hysteresis that remembers ([`Hysteresis`]).
+//! Two losses are added that measured muscles show: a damping in proportion to the stiffness
+//! ([`Friction::with_structural_damping`]) and viscoelastic branches ([`Viscoelastic`]).
 //!
 //! Source: Colbrunn, Nelson & Quinn (2001), section 3; Q and c are averages of its ring-down tests.
 //! Checked by `tests/friction.rs`: decrement 4Q per cycle, exponential decay, never negative dissipation; and
@@ -103,7 +103,7 @@ impl<T: Scalar> Deflections<T> {
     }
 }
 
-/// What friction depends on beside the state of the actuator: how it slides, and what it remembers.
+/// What friction depends on in addition to the state of the actuator: how it slides, and what it remembers.
 #[derive(Clone, Copy, Debug)]
 pub struct SlidingState<T> {
     /// Direction of sliding: −1 shortening, 0 at rest, +1 lengthening.
@@ -116,7 +116,7 @@ pub struct SlidingState<T> {
     pub touch: ThreadContact,
 }
 
-/// Whether the gas presses the threads together: with the bladder sucked off the braid they do not rub.
+/// Whether the gas presses the threads together: with the bladder sucked off the braid there is no friction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ThreadContact {
     /// Where the gauge pressure is above zero.
@@ -220,7 +220,7 @@ impl Friction {
         Ok(Self { viscous: parameter::VISCOUS.check(viscous)?, coulomb, ..Self::NONE })
     }
 
-    /// The same with a law of hysteresis beside.
+    /// Adds a law of hysteresis.
     pub fn with_hysteresis(self, hysteresis: Hysteresis) -> Self {
         Self { hysteresis: Some(hysteresis), ..self }
     }
@@ -245,7 +245,7 @@ impl Friction {
 }
 
 impl<S: Scalar> Friction<S> {
-    /// The same friction over another scalar.
+    /// Converts the friction to another scalar type.
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Friction<T> {
         Friction {
             viscous: convert.parameter(&parameter::VISCOUS, self.viscous),

@@ -94,7 +94,7 @@ impl Viscoelastic {
     }
 
     /// Starts runs with springs that are stretched by so much in m, one entry for each branch, positive where it adds to the
-    /// tension: what is left of the history before. Without it, or with an empty list, branches start relaxed.
+    /// tension: the remainder of the history before. Without it, or with an empty list, branches start relaxed.
     ///
     /// # Errors
     /// [`Error::Table`] unless there is one entry for each branch, or none; [`Error::OutOfRange`] for one that is not finite.

@@ -25,7 +25,7 @@
 //! a long tube alone, and lies within 8 % of the isothermal flow with friction and acceleration for L/d from 100 on.
 //!
 //! Given σ the flow is known (a lumped hose); given the flow, σ is (a distributed one). The laws have continuous slopes and
-//! each is the other's inverse: the rational quadratic between them rises where its slopes do, and is turned round by one
+//! each is the other's inverse: the rational quadratic between them rises where its slopes do, and is inverted by one
 //! root. Blasius' law holds to Re = 10⁵; beyond it the loss is too low (by 3 % at 2·10⁵).
 //!
 //! Source: textbook fluid mechanics (F. M. White, Fluid Mechanics; H. Blasius 1913). The bounds 2300 and 4000 are the usual
@@ -154,7 +154,7 @@ impl<S: Scalar> Tube<S> {
         Self { length, diameter, viscosity, gas_constant, temperature, heat_capacity_ratio, shape }
     }
 
-    /// The same tube over another scalar.
+    /// Converts the tube to another scalar type.
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Tube<T> {
         let length = convert.parameter(&parameter::HOSE_LENGTH, self.length);
         let diameter = convert.parameter(&parameter::HOSE_DIAMETER, self.diameter);
@@ -230,7 +230,7 @@ impl<S: Scalar> Tube<S> {
         T::select(drive.lt(T::zero()), -size, size)
     }
 
-    /// The same by the formula of one piece, continued beyond its bounds by polynomials.
+    /// Mass flow by the formula of one piece, continued beyond its bounds by polynomials.
     #[inline(always)]
     pub fn flow_in<T: Over<S>>(&self, regime: FlowRegime, from: T, to: T) -> T {
         let drive = self.drive(from, to);
@@ -321,7 +321,7 @@ pub fn reynolds_at<T: Scalar>(drive: T) -> T {
     let mut reynolds = drive * number(1.0 / 32.0);
     // What no lane needs is not computed.
     if (!is_laminar).any() {
-        // Beyond its own range each formula is asked for nothing worse than the value at its end.
+        // Beyond its own range each formula is evaluated at the end of its range at worst.
         let transition = transition_at(drive.larger(number(LAMINAR_DRIVE)).smaller(number(TURBULENT_DRIVE)));
         reynolds = T::select(is_laminar, reynolds, transition);
         let is_below = drive.lt(number(TURBULENT_DRIVE));

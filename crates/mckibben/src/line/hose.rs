@@ -104,7 +104,7 @@ impl<S: Scalar> Hose<S> {
         Self { tube, kind, polytropic_index, stiffness: squared / tube.volume(), wave_speed: squared.sqrt(), density }
     }
 
-    /// The same hose over another scalar.
+    /// Converts the hose to another scalar type.
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Hose<T> {
         // The parameter is the whole length, of which a cell is a part.
         let cells = self.cells() as f64;

@@ -1,16 +1,17 @@
-//! A leak of the actuator to the surroundings: air that seeps through walls and past fittings.
+//! A leak of the actuator to the atmosphere: air that seeps through walls and past fittings.
 //!
 //! ```text
-//! ṁ = k ρ (P² − P_atm²)/(2P)        ρ = m/V
+//! ṁ = k (P² − P_atm²)/(2 R T_up)
 //! ```
 //!
 //! | symbol | name in code | unit |
 //! |---|---|---|
 //! | k | `conductance`: flow of volume, at the mean pressure, over the difference of pressure | m³/(s·Pa) |
-//! | P, P_atm | absolute pressures of the actuator and of the surroundings | Pa |
+//! | P, P_atm | absolute pressures of the actuator and of the atmosphere | Pa |
+//! | R, T_up | gas constant; temperature of the air upstream: the chamber's for a flow outwards, the atmosphere's inwards | J/(kg·K), K |
 //!
-//! It is the laminar law of [`Tube`](super::Tube) for a passage whose shape is not known: a narrow one, since a leak that is
-//! worth modelling is slow. Below atmospheric pressure air seeps in.
+//! It is the laminar law of [`Tube`](super::Tube) for a flow path whose shape is not known: a narrow one, since a leak
+//! that is worth modelling is slow. Below atmospheric pressure air seeps in.
 //!
 //! Source: Hagen–Poiseuille with the mean density, textbook. Checked by `tests/line_rig.rs`: the decay of a fixed volume.
 
@@ -37,7 +38,7 @@ impl Leakage {
 }
 
 impl<S: Scalar> Leakage<S> {
-    /// The same leak over another scalar.
+    /// Converts the leak to another scalar type.
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Leakage<T> {
         Leakage { conductance: convert.parameter(&parameter::LEAKAGE, self.conductance) }
     }
@@ -48,7 +49,8 @@ impl<S: Scalar> Leakage<S> {
         T::of(self.conductance) * T::constant(0.5) * (from - to) * (from + to) / content
     }
 
-    /// Flow into a chamber from surroundings at `atmosphere` Pa; it is outward above that pressure.
+    /// Flow into a chamber from an atmosphere at `atmosphere` Pa; it is outward above that pressure. The air has the
+    /// chamber's temperature in both directions, as in an isothermal process at ambient temperature.
     #[inline(always)]
     pub fn flow<T: Over<S>>(&self, chamber: &Chamber<T>, atmosphere: T) -> Flow<T> {
         let pressure = chamber.pressure;

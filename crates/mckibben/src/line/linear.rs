@@ -14,7 +14,7 @@
 //! |---|---|---|
 //! | α | `attenuation` | 1/m |
 //! | β | `phase_constant` | rad/m |
-//! | P_L/P₀ | `response` with a volume at the far end | – |
+//! | P_L/P₀ | `response` with a volume at the outlet | – |
 //!
 //! Source: theory of transmission lines, for pneumatic lines in Rohmann & Grogan, "On the dynamics of pneumatic
 //! transmission lines", Trans. ASME 79 (1957). The steady laminar resistance is taken at every frequency.
@@ -57,7 +57,7 @@ impl LinearLine {
         root(times([self.resistance, frequency * self.inertance], shunt))
     }
 
-    /// `P_L/P₀` at an angular frequency in rad/s above zero with a volume of `end_capacitance` kg/Pa at the far end.
+    /// `P_L/P₀` at an angular frequency in rad/s above zero with a volume of `end_capacitance` kg/Pa at the outlet.
     pub fn response(&self, frequency: f64, end_capacitance: f64) -> Complex {
         let series = [self.resistance, frequency * self.inertance];
         let gamma = self.propagation(frequency);

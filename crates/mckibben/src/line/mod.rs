@@ -10,7 +10,7 @@
 //! |---|---|---|
 //! | [`Hose`], lumped | a second volume, a friction loss, a delay: one state | both engines, batches |
 //! | [`Hose`], distributed | waves: two states for each cell | both engines, batches |
-//! | [`Leakage`] | a laminar flow from the actuator to the surroundings | both engines, batches |
+//! | [`Leakage`] | a laminar flow from the actuator to the atmosphere | both engines, batches |
 //! | [`Reservoir`], [`Compressor`] | a supply that sags, and is filled up between two pressures: one state | both engines, batches |
 //! | [`Regulator`] | droop, dead band and lag: one state | both engines, batches |
 //!
@@ -60,7 +60,7 @@ impl<S> Line<S> {
 }
 
 impl<S: Scalar> Line<S> {
-    /// The same over another scalar.
+    /// Converts the air line to another scalar type.
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Line<T> {
         Line {
             hose: self.hose.as_ref().map(|hose| hose.convert(convert)),

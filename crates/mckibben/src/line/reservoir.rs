@@ -99,7 +99,7 @@ impl<S: Scalar> Compressor<S> {
         }
     }
 
-    /// Volumetric efficiency at a ratio of the delivery's absolute pressure to the surroundings'.
+    /// Volumetric efficiency at a ratio of the delivery's absolute pressure to that of the atmosphere.
     #[inline(always)]
     pub fn efficiency<T: Over<S>>(&self, ratio: T) -> T {
         let expanded = ratio.power(T::one() / T::of(self.heat_capacity_ratio));

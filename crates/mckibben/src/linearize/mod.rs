@@ -11,8 +11,8 @@
 //! | symbol | name in code | unit |
 //! |---|---|---|
 //! | L, v, P, m | the four states, as differences from the operating point | m, m/s, Pa, kg |
-//! | ṁ | `mass_flow`, into the actuator, beside that of the valve | kg/s |
-//! | W | `force` or `torque`, on the load, beside its own pull; a force is positive when it stretches the actuator | N, N·m |
+//! | ṁ | `mass_flow`, into the actuator, in addition to that of the valve | kg/s |
+//! | W | `force` or `torque`, on the load, in addition to its own pull; a force is positive when it stretches the actuator | N, N·m |
 //! | d | `duty`, as commanded: the first input of a pulsed valve | – |
 //! | F, τ | `tension`; torque of both actuators | N, N·m |
 //! | Q k_sec | `coulomb_bound` | N |
@@ -22,7 +22,7 @@
 //! file says of hoses, leaks, supplies, regulators, tendons, spools and given pressures, in the words of one actuator or of
 //! agonist and antagonist. What those add stands behind the states, inputs and outputs above. This module says where the point
 //! is: two of pressure, length and load give the third, a stiffness gives a joint's pressures, a command what it makes of both.
-//! How far a pulsed valve is told by its mean flow, [`ValveAverage`](crate::plant::ValveAverage) says.
+//! How far a pulsed valve is described by its mean flow, [`ValveAverage`](crate::plant::ValveAverage) says.
 //!
 //! Every process but the energy balance keeps `P (V/m)^κ`, whatever the valve does. That is a pole at zero in the four
 //! states, which no input reaches; without the air mass as a state it is gone. With the valve held the air itself is

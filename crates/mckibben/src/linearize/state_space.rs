@@ -15,7 +15,7 @@ pub struct Signal {
 }
 
 impl Signal {
-    /// A signal without a symbol of its own.
+    /// A signal without its own symbol.
     pub fn new(name: impl Into<String>, unit: &'static str) -> Self {
         let name = name.into();
         Self { symbol: name.clone(), name, unit }

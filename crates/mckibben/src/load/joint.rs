@@ -161,7 +161,7 @@ impl Joint {
 pub(crate) const SIGN: [f64; 2] = [-1.0, 1.0];
 
 impl<S: Scalar> Joint<S> {
-    /// The same joint over another scalar.
+    /// Converts the joint to another scalar type.
     #[cfg(feature = "alloc")]
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Joint<T> {
         let limb = &self.limb;

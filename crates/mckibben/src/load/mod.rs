@@ -57,7 +57,7 @@ pub enum Load<S = f64> {
     Prescribed(Motion<S>),
 }
 
-/// The inertia and the pull of a load that moves by itself.
+/// The inertia and the pull of a load that moves freely.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inertia<S = f64> {
     /// Mass in kg.
@@ -93,7 +93,7 @@ impl Load {
 }
 
 impl<S: Scalar> Load<S> {
-    /// The same load over another scalar.
+    /// Converts the load to another scalar type.
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Load<T> {
         match self {
             Self::HangingMass { mass, gravity } => Load::HangingMass {

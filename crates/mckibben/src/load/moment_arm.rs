@@ -87,7 +87,7 @@ impl MomentArm {
         if let Some(row) = angle.windows(2).position(|pair| pair[1] <= pair[0]) {
             return fault(of_angles, "the angles do not rise", row + 2, "sort the rows by angle and drop repeats");
         }
-        // Rows that are not there repeat the last, and are never asked.
+        // Rows that are not there repeat the last, and are never evaluated.
         let padded = |list: &[f64]| core::array::from_fn(|row| list[row.min(rows - 1)]);
         Ok(Self::Table(ArmTable::assemble(rows, padded(angle), padded(arm))))
     }
@@ -140,8 +140,9 @@ impl<S: Scalar> MomentArm<S> {
         }
     }
 
-    /// The same by the formula of one piece, smoothly continued beyond its ends. A table of n rows has the pieces 0 (before
-    /// the first row), 1 to n − 1 (the cubics) and n (behind the last); a pulley has the piece 0 alone.
+    /// Moment arm and its derivative by the formula of one piece, smoothly continued beyond its ends. A table of n rows
+    /// has the pieces 0 (before the first row), 1 to n − 1 (the cubics) and n (behind the last); a pulley has the piece
+    /// 0 alone.
     #[inline(always)]
     pub fn in_piece<T: Over<S>>(&self, piece: usize, angle: T) -> [T; 2] {
         match self {

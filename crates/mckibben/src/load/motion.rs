@@ -120,7 +120,7 @@ impl<S: Real> Motion<S> {
 }
 
 impl<S: Scalar> Motion<S> {
-    /// The same motion over another scalar.
+    /// Converts the motion to another scalar type.
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Motion<T> {
         match self {
             Self::Sinusoid { length, amplitude, frequency, phase } => Motion::Sinusoid {

@@ -58,7 +58,7 @@ impl<S: Scalar> SeriesTendon<S> {
         self.stiffness * (distance - self.rest_length).larger(S::zero())
     }
 
-    /// The same over another scalar.
+    /// Converts the tendon to another scalar type.
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> SeriesTendon<T> {
         SeriesTendon {
             stiffness: convert.parameter(&parameter::TENDON_STIFFNESS, self.stiffness),

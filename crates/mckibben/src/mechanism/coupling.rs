@@ -50,8 +50,8 @@ pub struct Attachment<S = f64> {
     pub place: [S; 2],
 }
 
-/// The pieces of moment arms that hold. A trait, not a function: that would be compiled by itself, without the instructions of a
-/// batch.
+/// The pieces of moment arms that hold. A trait, not a function: that would be compiled separately, without the
+/// instructions of a batch.
 pub(crate) trait ArmPieces<S: Scalar> {
     /// Arm in m and excursion in m of a moment arm, by its number, at an angle in rad.
     fn arm<T: Over<S>>(&self, number: usize, arm: &MomentArm<S>, angle: T) -> [T; 2];

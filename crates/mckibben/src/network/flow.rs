@@ -333,7 +333,7 @@ pub struct OrificeEnds<'a, T, D> {
 }
 
 impl<T: Scalar, D: SquaredDrive<T>> OrificeEnds<'_, T, D> {
-    /// Flow in kg/s inwards, each lane by the zone of its own pressures, whose ratios are given.
+    /// Flow in kg/s inwards, each lane by the zone of its pressures, whose ratios are given.
     #[inline(always)]
     pub fn inwards<S: Scalar>(&self, orifice: &Orifice<S>, [critical, laminar]: [T; 2]) -> T
     where

@@ -27,7 +27,7 @@ pub enum NetworkGuard {
     Zone {
         /// Which branch.
         branch: usize,
-        /// Towards the larger pressure at its far end.
+        /// Whether the pressure at the second node rises out of the zone, not falls.
         up: bool,
     },
     /// The drive through a lumped hose leaves its regime.

@@ -20,7 +20,7 @@
 //!
 //! What goes out of a regulator's outlet goes out of its inlet. All of a, b, χ and 1/τ are zero or more: no division can fail,
 //! and a flow moves no pressure beyond another. A branch that closes a ring counts for its two nodes, not between them; the
-//! method that asks is of its order whatever matrix it has.
+//! method that uses it keeps its order whatever the matrix.
 
 use super::flow::{Densities, NetworkState, OrificeEnds, Surroundings};
 use super::formulas::FlowFormulas;
@@ -60,7 +60,7 @@ struct Row<R> {
     /// Of the whole row, inverted, and how its pressure answers to its parent's.
     per_pivot: R,
     by_parent: R,
-    /// What O and the pressure are beside that, for one right side.
+    /// The constant part of O and of the pressure, for one right side.
     outflow: R,
     pressure: R,
 }
@@ -101,8 +101,8 @@ pub struct RegulatedResponse<R> {
     pub by_inlet: R,
 }
 
-/// A plant at an instant, as the system asks for it. A trait, not functions: those would be compiled by themselves, without the
-/// instructions of a batch.
+/// A plant at an instant, as the system needs it. A trait, not functions: those would be compiled separately, without
+/// the instructions of a batch.
 pub(crate) trait Answers<R> {
     /// How a node answers.
     fn node(&self, node: usize) -> NodeResponse<R>;

@@ -53,7 +53,7 @@ use alloc::vec::Vec;
 /// What determines the pressure of a node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum NodeKind<S = f64> {
-    /// The surroundings.
+    /// The atmosphere.
     Atmosphere,
     /// Mains or a tank without end.
     Source,
@@ -274,7 +274,7 @@ impl<S: Scalar> Network<S> {
     }
 
     /// Lets the valves that open into a lumped hose, and pressures that are given there, take effect by its delay later: a
-    /// lumped hose has none of its own. Of several such hoses behind one valve, the longest delay counts.
+    /// lumped hose has none. Of several such hoses behind one valve, the longest delay counts.
     pub(crate) fn seen_late(mut self) -> Self {
         for branch in &self.branches {
             if let BranchKind::Path { valve, .. } = branch.kind

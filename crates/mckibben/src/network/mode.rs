@@ -46,7 +46,7 @@ pub struct ValveMode<R> {
     pub(crate) progress: Progress<R>,
     /// How far its ports are open until the next instant.
     pub openings: Openings<R>,
-    /// What it has been set to during the run, in place of its own command.
+    /// The setting made during the run, in place of its own command.
     pub(crate) setting: Option<alloc::boxed::Box<Setting<R>>>,
 }
 

@@ -29,7 +29,7 @@ impl<S: Real> Progress<S> {
         }
     }
 
-    /// Passes everything up to and with `time` (s); which passages are open then.
+    /// Passes everything up to and with `time` (s); which flow paths are open then.
     pub(crate) fn pass(&mut self, Actuation { solenoid, command }: &Actuation<S>, time: S) -> Ports {
         match solenoid.spool() {
             None => {
@@ -43,7 +43,7 @@ impl<S: Real> Progress<S> {
         }
     }
 
-    /// How far the passages are open, until the next instant.
+    /// How far the flow paths are open, until the next instant.
     pub(crate) fn openings(&self, Actuation { solenoid, .. }: &Actuation<S>) -> Openings<S> {
         match solenoid.spool() {
             None => self.clock.openings(solenoid),

@@ -1,16 +1,17 @@
-//! A valve that is told what to do while time goes on.
+//! A valve that receives commands at run time.
 //!
-//! What is told becomes the continuation of the valve's own command: the run is that of the command which would have been known
-//! beforehand, seats move at the same exact instants, and no step is divided where something is only asked. What has been
-//! passed of the command is dropped, so that it holds what is still on its way and no more, however often something is told.
+//! A command at run time becomes the continuation of the valve's own command: the run is that of the command which
+//! would have been known beforehand, seats move at the same exact instants, and no step is divided where a command only
+//! arrives. What has been passed of the command is dropped, so that it holds what is still on its way and no more,
+//! however many commands arrive.
 //!
-//! | told at t | effect |
+//! | command at t | effect |
 //! |---|---|
 //! | request, set point, position | takes the place of all that was to come from t on |
 //! | pulses, while others go on | the pulse under way ends as it was to; the next period has the new duty |
-//! | pulses, while none go on | what was asked before t goes on until a period begins |
+//! | pulses, while none go on | the previous command goes on until a period begins |
 //!
-//! Of two in one instant the later counts.
+//! Of two commands at one instant the later counts.
 //!
 //! Checked by `crates/mckibben-batch/tests/plant_set.rs`: against the command known beforehand, bit for bit.
 
@@ -22,15 +23,15 @@ use crate::scalar::Real;
 use crate::simulation::Actuation;
 use crate::valve::{Request, RuntimeCommand, Solenoid, is_due};
 
-/// What a valve has been told.
+/// The commands that a valve has received at run time.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Told<R> {
     last: Option<RuntimeCommand<R>>,
     modulator: Modulator<R>,
     pulse_frequency: R,
-    /// When in s the modulator asks for something by itself next; infinite when it does not.
+    /// When in s the modulator next changes its request without a command; infinite when it does not.
     edge: R,
-    /// Something has been told since it was last heard.
+    /// A command has arrived since the last one took effect.
     unheard: bool,
 }
 
@@ -63,7 +64,7 @@ impl<R: Real> Told<R> {
         }
     }
 
-    /// Tells a valve that has come to `time` in s what it is to do from then on, which is something that it can do.
+    /// Commands a valve that has come to `time` in s from then on; the valve can carry out the command.
     #[inline]
     pub(crate) fn tell(
         &mut self,
@@ -107,13 +108,14 @@ impl<R: Real> Told<R> {
         self.edge = self.modulator.next(self.pulse_frequency).unwrap_or(R::constant(f64::INFINITY));
     }
 
-    /// When in s it asks for something by itself next; infinite when never, and any time where something has not been heard.
+    /// When in s the request changes next without a command; infinite when never, and any time where a command is
+    /// pending.
     pub(crate) fn next_edge(&self) -> R {
         if self.unheard { R::constant(f64::NEG_INFINITY) } else { self.edge }
     }
 
-    /// The next edge of the pulses in s, if it comes before `until`: what is told at `until` comes before a pulse that begins
-    /// or ends there.
+    /// The next edge of the pulses in s, if it comes before `until`: a command at `until` comes before a pulse that
+    /// begins or ends there.
     #[inline]
     fn edge(&self, until: R) -> Option<R> {
         Some(self.edge).filter(|edge| !is_due(until, *edge))

@@ -42,7 +42,7 @@ pub struct PlantEventKind {
 }
 
 impl<R: Real> System<R> {
-    /// The next instant in s, up to and with `until`, at which a mode ends by itself.
+    /// The next instant in s, up to and with `until`, at which a mode ends without an event of a guard.
     pub(crate) fn next_instant(&self, mode: &PlantMode<R>, until: R) -> Option<R> {
         let network = self.plant.network.next_instant(&mode.network, until);
         let corners =
@@ -359,7 +359,7 @@ impl<R: Real> System<R> {
     }
 
     /// Whether an actuator that arrives at its shortest length comes to rest there: it can be held, and it moves too slowly to
-    /// be told from rest, or would bounce less than the tolerance of its length.
+    /// be separated from rest, or would bounce less than the tolerance of its length.
     fn rests_on_the_shortest(
         &self,
         i: usize,

@@ -5,7 +5,7 @@ use crate::scalar::Scalar;
 /// `Σ aᵢ bᵢ`.
 #[inline(always)]
 pub fn dot<T: Scalar>(a: &[T], b: &[T]) -> T {
-    // No closure: it would be compiled by itself, without the instructions of a batch.
+    // No closure: it would be compiled separately, without the instructions of a batch.
     let mut sum = T::zero();
     for (a, b) in a.iter().zip(b) {
         sum = sum + *a * *b;
@@ -32,7 +32,7 @@ pub(crate) fn factor<T: Scalar>(matrix: &mut [T], count: usize) {
     }
 }
 
-/// Whether every pivot of a factored matrix is above a positive bound of its own.
+/// Whether every pivot of a factored matrix is above its positive bound.
 pub(crate) fn pivots_exceed(factors: &[f64], count: usize, bound: impl Fn(usize) -> f64) -> bool {
     (0..count).all(|k| {
         let per_pivot = factors[k * count + k];

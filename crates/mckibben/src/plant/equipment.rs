@@ -12,7 +12,7 @@ use crate::simulation::{Actuation, PressureSeries};
 use crate::valve::{ExhaustTemperature, Port};
 use alloc::vec::Vec;
 
-/// Temperature in K of the surroundings of an actuator without a supply.
+/// Temperature in K of the atmosphere around an actuator without a supply.
 pub(super) const ROOM: f64 = 293.15;
 
 /// Where a supply lies in a network.
@@ -39,12 +39,12 @@ pub(super) struct Equipment<'a, S> {
     pub(super) actuation: Option<&'a Actuation<S>>,
     pub(super) line: &'a Line<S>,
     pub(super) tendon: Option<&'a SeriesTendon<S>>,
-    /// A pressure that is given: at the far end of the hose if there is one.
+    /// A pressure that is given: at the inlet of the hose if there is one.
     pub(super) pressure: Option<&'a PressureSeries<S>>,
 }
 
 impl<S: Scalar> Equipment<'_, S> {
-    /// Adds the actuator to those of a plant and what feeds it to the network, from a supply of its own or from one that is
+    /// Adds the actuator to those of a plant and what feeds it to the network, from its own supply or from one that is
     /// there already.
     pub(super) fn mount(
         self,

@@ -127,7 +127,7 @@ impl<T: Scalar> Evaluation<T> {
     }
 }
 
-/// A plant with what its events are told from rounding by.
+/// A plant with what separates its events from rounding.
 #[derive(Clone, Debug)]
 pub struct System<R: Scalar> {
     /// The plant.
@@ -157,7 +157,8 @@ enum Scope {
     Rates,
 }
 
-/// The way through a plant. There are many callers, and it is long: it is compiled once for each scalar, in a function of its own.
+/// The evaluation of a plant. There are many callers, and it is long: it is compiled once for each scalar, in a
+/// separate function.
 struct Compute<'a, R: Scalar, T: Scalar, F> {
     system: &'a System<R>,
     scope: Scope,
@@ -210,7 +211,7 @@ impl<S: Scalar, F: Formulas<S>> ArmPieces<S> for ArmsOf<'_, F> {
 }
 
 impl<R: Scalar> System<R> {
-    /// Of a plant in lanes, which watch their events by themselves: its borders have no width.
+    /// Of a plant in lanes, which watch their events individually: its borders have no width.
     #[inline(always)]
     pub fn in_lanes(plant: Plant<R>) -> Self {
         let plant = Arc::new(plant);

@@ -1,4 +1,4 @@
-//! Which formulas hold, as an [evaluation](super::evaluation) asks for them.
+//! Which formulas hold, as an [evaluation](super::evaluation) needs them.
 //!
 //! An evaluation puts a plant together; it does not know how the discrete state is kept. In a [`PlantMode`] each law says which
 //! of its pieces holds, smoothly continued beyond its ends, as an integrator of high order wants it. Answers are masks, so that
@@ -17,7 +17,7 @@ use crate::network::mode::NetworkMode;
 use crate::scalar::{Differentiable, Over, Real, Scalar};
 use crate::simulation::{LengthRegime, Sliding};
 
-/// The discrete state of a plant as an evaluation asks for it.
+/// The discrete state of a plant as an evaluation needs it.
 pub trait Formulas<S: Scalar> {
     /// The network's.
     type Flows: FlowFormulas<S>;

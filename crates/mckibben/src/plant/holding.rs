@@ -85,7 +85,7 @@ pub(crate) fn solve(weights: &[f64], pull: &[f64], least: &[f64], most: &[f64]) 
             return Some(Resting { tension, acceleration });
         };
         enter(weights, (least, most), j, left(&tension, j), &mut tension, &mut bound);
-        // What lies between is found anew, so that rounding does not add up.
+        // What lies between is computed again, so that rounding does not add up.
         let free: Vec<usize> = (0..count).filter(|&k| bound[k] == Side::Between).collect();
         let fixed = |k: usize| {
             let others = (0..count).filter(|&l| bound[l] != Side::Between);

@@ -7,7 +7,7 @@
 //! air      Σ in − out = Σ Δm
 //! ```
 //!
-//! Every part has an entry of its own. What is stored follows from the states at the two ends of the run, all else is
+//! Every part has its own entry. What is stored follows from the states at the two ends of the run, all else is
 //! integrated over the dense output; that each sum closes is a test of the run, to its tolerance.
 //!
 //! All flows are those of the branches: what a source gives is what flows out of it, at its own pressure and temperature, and
@@ -18,7 +18,7 @@
 //! |---|---|
 //! | energy balance | `h A (T_wall − T)` |
 //! | isothermal | what keeps the temperature |
-//! | isentropic, polytropic | what the first law asks for: each arriving parcel is given the temperature of the contents |
+//! | isentropic, polytropic | what the first law requires: each arriving parcel is given the temperature of the contents |
 //!
 //! Isothermal volumes of hoses and reservoirs exchange the heat that keeps their temperature; those of another index that of
 //! this index.

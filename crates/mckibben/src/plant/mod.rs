@@ -231,7 +231,7 @@ impl Plant {
     /// A plant of actuators on mechanisms, fed by a network.
     ///
     /// # Errors
-    /// [`Error::Misuse`] for a reference to a part that is not there, an actuator with a valve of its own, a given
+    /// [`Error::Misuse`] for a reference to a part that is not there, an actuator with its own valve, a given
     /// pressure in an actuator that the network feeds, or a command that its valve cannot follow.
     pub fn new(actuators: Vec<Mounted>, network: Network, mechanisms: Vec<Mechanism>) -> Result<Self, Error> {
         let wrong = |what, remedy| Err(Error::Misuse { what, remedy });

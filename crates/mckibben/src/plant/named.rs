@@ -17,7 +17,7 @@ use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
 
-/// Who the actuators of a plant are.
+/// Identities of the actuators of a plant.
 pub(super) struct Words<'a> {
     pub(super) plant: &'a Plant,
     /// What feeds each actuator.

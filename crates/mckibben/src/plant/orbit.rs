@@ -10,7 +10,7 @@
 //! equilibrium. Each evaluation of Π is a run of one period by the run's own engine, so nothing is averaged or linearised.
 //!
 //! Plain iteration follows the plant as it settles, and never ends for a swing that nothing damps. Anderson's method, above,
-//! weighs the last few periods so that what is left of the residual is least; for a linear Π with n states it is exact after n
+//! weighs the last few periods so that the residual is least; for a linear Π with n states it is exact after n
 //! periods, whether Π contracts or not. What Π conserves must be kept: of (19) that is P (V/m)^n of the air in each actuator, from
 //! which guessed pressures follow. A guess that makes the residual larger is taken back. At the end the plant goes through one
 //! period without a guess, and the states must return.
@@ -55,7 +55,7 @@ pub struct Orbit {
     pub period: f64,
     /// Periods that were simulated.
     pub periods: u64,
-    /// How many of them began at a guess; none where the plant went there by itself.
+    /// How many of them began at a guess; none where the plant went there without one.
     pub guesses: u64,
     /// The largest change of a state over the last period, over the size by which the engine measures errors.
     pub residual: f64,
@@ -193,7 +193,7 @@ impl Past {
 
 impl PlantRun {
     /// Goes on, period by period, until the states return; `watch` is called with the time in s behind each period, and may end it
-    /// by an error. A plant that has no period of its own is looked at in steps of `usual` s.
+    /// by an error. A plant that has no period is evaluated in steps of `usual` s.
     ///
     /// After `most` periods it stops where it is, and says that it has not settled.
     ///

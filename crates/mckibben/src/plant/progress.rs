@@ -93,8 +93,7 @@ impl<R: Real> System<R> {
         let is = |at: &Option<usize>| *at == Some(place);
         for here in &places.actuators {
             if is(&here.length) {
-                let remedy =
-                    "give actuator.friction.viscous: an end without a mass has no velocity of its own without it";
+                let remedy = "give actuator.friction.viscous: the velocity of an end without a mass follows from it";
                 return (("the end of an actuator on a tendon changes its length at once", remedy), "length", "m");
             }
             if is(&here.bristles) {

@@ -257,7 +257,7 @@ impl<R: Instantiate> PlantRun<R> {
         &self.system.plant
     }
 
-    /// The plant, shared with whoever evaluates it.
+    /// The plant, shared with its evaluation.
     pub(crate) fn shared_plant(&self) -> &Arc<Plant<R>> {
         &self.system.plant
     }
@@ -337,7 +337,7 @@ impl<R: Instantiate> PlantRun<R> {
     /// Sets what a valve does from now on, in place of all that was to come.
     ///
     /// # Errors
-    /// [`Error::Misuse`] when there is no such valve, it has a driver, or it cannot do what is asked;
+    /// [`Error::Misuse`] when there is no such valve, it has a driver, or it cannot carry out the command;
     /// [`Error::OutOfRange`] for a number outside its range. Then nothing has changed.
     pub fn set(&mut self, valve: usize, demand: impl Into<RuntimeCommand<R>>) -> Result<(), Error> {
         R::set_plant_valve(self, valve, demand.into())
@@ -365,8 +365,8 @@ impl<R: Instantiate> PlantRun<R> {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a time that is not finite; [`Error::Stopped`] when the plant leaves what the model describes
-    /// or no step is short enough; [`Error::TooMany`] for more samples or pulses than a run may have; those of a driver whose valve cannot do what it asks. The run then stays
-    /// where it was.
+    /// or no step is short enough; [`Error::TooMany`] for more samples or pulses than a run may have; those of a driver
+    /// whose valve cannot carry out its commands. The run then stays where it was.
     pub fn advance_to(&mut self, until: R) -> Result<(), Error> {
         R::advance_plant_run(self, until)
     }

@@ -28,7 +28,7 @@ const NO_STATE: Error = Error::Misuse {
 
 impl<R: Instantiate> Plant<R> {
     /// The most facets of what sticking actuators of a mechanism can hold: as many as there are ways to choose actuators for a
-    /// facet, and one for each actuator that is by itself.
+    /// facet, and one for each actuator that is on none.
     fn most_facets(&self, mechanism: usize) -> usize {
         if !self.mechanisms[mechanism].is_dynamic() {
             return 0;

@@ -138,7 +138,7 @@ impl<R: Real> System<R> {
         }
     }
 
-    /// The fastest rate in 1/s at which a state settles by itself, zero when none does; `at` is evaluated at the state.
+    /// The fastest rate in 1/s at which a state settles, zero when none does; `at` is evaluated at the state.
     pub(crate) fn settling_rate(&self, state: &[R], mode: &PlantMode<R>, at: &mut Evaluation<R>) -> f64 {
         let mut fastest = self.network_settling(mode, at);
         for m in 0..self.plant.mechanisms.len() {

@@ -1,9 +1,10 @@
 //! Which actuators slide and which stick, and when a sticking one lets go.
 //!
 //! A mechanism whose rates are zero, or some of whose actuators come to rest, is decided by the box problem of [`holding`]:
-//! each actuator at rest can hold any tension between two bounds, and what is left accelerates. Those whose distances do not
-//! accelerate stick. While they do, their tensions are not known one by one, but what they hold together is: a torque
-//! `R = J_Sᵀ F`. It can be held as long as it lies in the zonotope of all `J_Sᵀ F` with tensions within their bounds.
+//! each actuator at rest can hold any tension between two bounds, and the rest accelerates. Those whose distances do
+//! not accelerate stick. While they do, their tensions are not known one by one, but what they hold together is: a
+//! torque `R = J_Sᵀ F`. It can be held as long as it lies in the zonotope of all `J_Sᵀ F` with tensions within their
+//! bounds.
 //!
 //! ```text
 //! facet z:    J_f z = 0 for rank − 1 independent rows f of J_S
@@ -18,10 +19,11 @@
 //! | z | normal of a facet of the zonotope | – |
 //!
 //! Each facet gives two guards, smooth while the mode lasts. With one coordinate there is one facet: the least and the
-//! largest force that can be held. Actuators that share no coordinate are blocks of their own.
+//! largest force that can be held. Actuators that share no coordinate are separate blocks.
 //!
 //! Source: the complementarity problem of set-valued friction, after Moreau (see [`holding`]). Checked by
-//! `tests/plant_reference.rs`, against a program that decides by brute force who sticks, and by `tests/joint.rs`.
+//! `tests/plant_reference.rs`, against a program that decides by brute force which actuators stick, and by
+//! `tests/joint.rs`.
 
 use super::Mounted;
 use super::dense::{dot, factor, solve};
@@ -288,7 +290,7 @@ impl<R: Real> System<R> {
         self.plant.actuators[i].coupling.spans(self.plant.places.mechanisms[m].coordinates)
     }
 
-    /// Decides anew which forces of a mechanism's actuators are kept from pushing.
+    /// Decides again which forces of a mechanism's actuators are kept from pushing.
     pub(crate) fn clamp_all(&self, m: usize, time: R, state: &[R], mode: &mut PlantMode<R>, at: &mut Evaluation<R>) {
         self.enter_distances(time, state, mode, at);
         for &i in &self.plant.places.members[m] {
@@ -527,7 +529,7 @@ fn facets(
     facets
 }
 
-/// Those of some actuators that pull in directions of their own: of all about one and the same joint alone the one that is
+/// Those of some actuators that pull in different directions: of all about one and the same joint alone the one that is
 /// `larger` than the others.
 fn directions(
     actuators: &[usize],

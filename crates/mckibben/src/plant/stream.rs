@@ -36,7 +36,7 @@ trait ReadsSteps {
     fn read_into(&self, view: PieceView<'_>, time: f64, sample: &mut PlantSample);
 }
 
-/// The plant stands beside what is borrowed while a step is read.
+/// The plant is kept apart from what is borrowed while a step is read.
 struct Shared<'p>(&'p Plant, RefCell<Room>);
 
 impl ReadsSteps for Shared<'_> {

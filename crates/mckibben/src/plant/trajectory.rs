@@ -181,12 +181,12 @@ impl<R: Instantiate> PlantTrajectory<R> {
         Ok(())
     }
 
-    /// The plant that was simulated; the commands of valves that a driver had are the tables of all that it asked for.
+    /// The plant that was simulated; the commands of valves that a driver had are the tables of all its requests.
     pub fn plant(&self) -> &Plant<R> {
         &self.plant
     }
 
-    /// The plant, shared with whoever evaluates it.
+    /// The plant, shared with its evaluation.
     pub(crate) fn shared_plant(&self) -> &Arc<Plant<R>> {
         &self.plant
     }

@@ -32,7 +32,7 @@ pub(crate) enum Span {
 pub struct Wire<R: Scalar> {
     /// Which of the plant.
     pub index: usize,
-    /// The actuator with what its events are told by.
+    /// The actuator with the tolerances of its events.
     pub member: Member<R>,
     /// Where its states are.
     pub places: ActuatorIndices,

@@ -25,7 +25,7 @@ const ROOM_TEMPERATURE: f64 = 293.15;
 /// Part of the stretch under the usual force that a taut length is measured by.
 const TAUT: f64 = 0.5;
 
-/// An actuator with the tolerance to which its events are told from rounding.
+/// An actuator with the tolerance that separates its events from rounding.
 #[derive(Clone, Debug)]
 pub struct Member<R: Scalar> {
     /// The actuator.
@@ -36,7 +36,7 @@ pub struct Member<R: Scalar> {
     pub(crate) air_mass: f64,
     /// Relative width of a border between agreeing formulas.
     pub(crate) band: f64,
-    /// The same as a force in N.
+    /// Width in N of a border between agreeing formulas, as a force.
     pub force_band: f64,
     /// Scale of the length in m while the braid is taut.
     pub(crate) taut_scale: f64,
@@ -92,7 +92,7 @@ impl<R: Real> Trace<R> {
 pub(crate) type LengthGuard<R> = (Guard, R, bool);
 
 impl<S: Scalar> Member<S> {
-    /// An actuator in lanes, where no event is told from rounding.
+    /// An actuator in lanes, where no event is separated from rounding.
     pub(crate) fn in_lanes(actuator: &Actuator<S>) -> Self {
         let actuator = actuator.clone();
         Self { actuator, longest: 0.0, atmosphere: 0.0, air_mass: 0.0, band: 0.0, force_band: 0.0, taut_scale: 0.0 }
@@ -148,7 +148,8 @@ impl<R: Real> Member<R> {
     /// says whether it is at the end of its branch.
     pub(crate) fn follow(&self, trace: &mut Option<Trace<R>>, length: R, sliding: Sliding, slips: bool) {
         let (Some(trace), Some(hysteresis)) = (trace, self.actuator.friction().hysteresis()) else { return };
-        // A branch lasts until it ends or the length turns. Taken anew at its very end, it would end there again by rounding.
+        // A branch lasts until it ends or the length turns. Begun again at its very end, it would end there again by
+        // rounding.
         if !slips && sliding.direction() == trace.direction {
             return;
         }
@@ -168,7 +169,7 @@ impl<R: Real> Member<R> {
         self.actuator.friction().lugre()
     }
 
-    /// How the threads rub at an actuator length and velocity, by what the states and the hysteresis say.
+    /// The sliding state at an actuator length and velocity, by what the states and the hysteresis say.
     #[inline(always)]
     pub(crate) fn rubbing<T: Over<R>>(
         &self,
@@ -196,7 +197,7 @@ impl<R: Real> Member<R> {
         self.signed_force_rubbing(ends, mode, self.rubbing([ends[0], ends[1]], mode, remembered))
     }
 
-    /// The same as the threads rub.
+    /// Force by its sign for a given sliding state.
     #[inline(always)]
     pub(crate) fn signed_force_rubbing<T: Over<R>>(&self, ends: [T; 3], mode: &Mode, rubbing: SlidingState<T>) -> T {
         let actuator = &self.actuator;
@@ -251,7 +252,7 @@ impl<R: Real> Member<R> {
         }
     }
 
-    /// Decides anew whether the force is kept from pushing.
+    /// Decides again whether the force is kept from pushing.
     pub(crate) fn enter_clamp(&self, ends: [R; 3], mode: &mut Mode, remembered: (&Option<Trace<R>>, Deflections<R>)) {
         let moves = mode.extent != LengthRegime::Slack && mode.sliding != Sliding::Stuck;
         mode.clamped = moves && self.signed_force(ends, mode, remembered).value() < 0.0;

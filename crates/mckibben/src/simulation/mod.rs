@@ -8,7 +8,7 @@
 //!   other, and the step that an accuracy needs, is measured by a [`PlantReference`](crate::plant::PlantReference).
 //!
 //! With a [controller](crate::control) that decides the valve's command both take a [driver](crate::plant::RigPlant::driver).
-//! Whoever moves the ends and drives the valve in a loop of his own takes a [plant](crate::plant) whose ends a host
+//! A caller that moves the ends and drives the valve in a custom loop takes a [plant](crate::plant) whose ends a host
 //! [moves](crate::plant::PlantSteps::move_to).
 
 #[cfg(feature = "alloc")]

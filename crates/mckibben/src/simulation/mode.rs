@@ -45,18 +45,19 @@ impl Sliding {
     }
 }
 
-/// Which formulas hold, as an event log shows it.
+/// Which formulas hold, as an event log reports it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Mode {
-    /// Which passages of the valve are open.
+    /// Which flow paths of the valve are open.
     pub ports: Ports,
-    /// The piece of the flow law through the open passage to the supply.
+    /// The piece of the flow law on the open path to the supply.
     pub supply_zone: Option<FlowZone>,
-    /// The piece of the flow law through the open passage to the surroundings.
+    /// The piece of the flow law on the open path to the atmosphere.
     pub exhaust_zone: Option<FlowZone>,
     /// The piece of a tabulated effectiveness; 0 for the other forms.
     pub effectiveness_piece: usize,
-    /// Whether the gauge pressure presses the threads together, so that they rub; yes where there is no dry friction.
+    /// Whether the gauge pressure presses the threads together, so that there is friction; yes where there is no dry
+    /// friction.
     pub pressed: bool,
     /// The piece of a measured force map; none other has any.
     pub force_piece: Piece,
@@ -114,7 +115,7 @@ pub enum EventKind {
     Flow,
     /// The pressure passed a row of a tabulated effectiveness.
     Effectiveness,
-    /// The gauge pressure passed zero: the threads rub from there on, or no longer.
+    /// The gauge pressure passed zero: friction of the threads begins or ends there.
     Press,
     /// The length or the pressure passed a line of a measured force map; the outer ones are its hull.
     ForceMap,

@@ -1,4 +1,4 @@
-//! The pressure in the actuator, or at the far end of its hose, as a given function of time in place of a valve.
+//! The pressure in the actuator, or at the inlet of its hose, as a given function of time in place of a valve.
 //!
 //! ```text
 //! P_g(t)   straight lines between (t, P_g), constant before the first row and after the last
@@ -85,8 +85,8 @@ impl PressureSeries {
         self.rows.last().map_or(0.0, |[time, _]| *time)
     }
 
-    /// That nothing else makes the pressure in an actuator with an air line, or at the far end of its hose, and that it is
-    /// physical.
+    /// Checks that nothing else makes the pressure in an actuator with an air line, or at the inlet of its hose, and
+    /// that it is physical.
     pub(super) fn check(&self, actuator: &Actuator, line: &Line) -> Result<(), Error> {
         let leaks = line.leakage.is_some() && line.hose.is_none();
         if actuator.valve().is_some() || line.supply.is_some() || leaks {
@@ -101,7 +101,7 @@ impl PressureSeries {
 }
 
 impl<S: Scalar> PressureSeries<S> {
-    /// The same over another scalar.
+    /// Converts the pressure series to another scalar type.
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> PressureSeries<T> {
         #[cfg(not(feature = "alloc"))]
         let rows = {

@@ -4,7 +4,7 @@
 //! dL/dt = v
 //! dv/dt = (W − F(L, v, P))/M                         (16)
 //! dP/dt = by the process of the air                  (19)
-//! dm/dt = flow through the open passages             (21)
+//! dm/dt = flow through the open paths             (21)
 //! ```
 //!
 //! | state | name in code | unit |
@@ -32,7 +32,7 @@ use crate::valve::{Command, Regulator, Solenoid, Valve};
 pub struct Actuation<S = f64> {
     /// The solenoid and its delays.
     pub solenoid: Solenoid<S>,
-    /// What is asked of it over time.
+    /// Its command over time.
     pub command: Command<S>,
 }
 
@@ -95,7 +95,7 @@ pub struct Initial<S = f64> {
 }
 
 impl<S: Scalar> Initial<S> {
-    /// The same start over another scalar.
+    /// Converts the start to another scalar type.
     pub fn map<T: Scalar>(&self, mut convert: impl FnMut(&'static Parameter, S) -> T) -> Initial<T> {
         Initial {
             gauge_pressure: GaugePressure(convert(&parameter::INITIAL_GAUGE_PRESSURE, self.gauge_pressure.0)),
@@ -109,7 +109,7 @@ impl<S: Scalar> Initial<S> {
     }
 }
 
-/// That something drives the valve if there is one, and that the valve can do what it is asked.
+/// Checks that something drives the valve if there is one, and that the valve can carry out its command.
 pub(super) fn check_drive(actuator: &Actuator, actuation: Option<&Actuation>) -> Result<(), Error> {
     match (actuation, actuator.valve()) {
         (None, Some(_)) => Err(Error::Misuse {
@@ -190,7 +190,7 @@ impl<S: Real> Rig<S> {
 }
 
 impl<S: Scalar> Actuation<S> {
-    /// The same over another scalar.
+    /// Converts the valve and its command to another scalar type.
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Actuation<T> {
         Actuation { solenoid: self.solenoid.convert(convert), command: self.command.convert(convert) }
     }
@@ -212,13 +212,13 @@ impl Rig {
     ///
     /// # Errors
     /// [`Error::Misuse`] when the actuator has a valve and nothing drives it, the other way round, or the valve
-    /// cannot do what the command asks; [`Error::Inconsistent`] for a set point beyond the supply.
+    /// cannot carry out the command; [`Error::Inconsistent`] for a set point beyond the supply.
     pub fn new(actuator: Actuator, actuation: Option<Actuation>, load: Load) -> Result<Self, Error> {
         check_drive(&actuator, actuation.as_ref())?;
         Ok(Self { actuator, actuation, load, line: Line::NONE, tendon: None, pressure: None })
     }
 
-    /// The same rig with an air line. A lumped hose lets the valve's seats take effect later by its delay.
+    /// Adds an air line to the rig. A lumped hose lets the valve's poppets take effect later by its delay.
     ///
     /// # Errors
     /// [`Error::Misuse`] for a hose with neither a valve nor a given pressure at its end, for a supply line without a valve, and
@@ -244,7 +244,7 @@ impl Rig {
         Self { pressure: Some(course), ..self }
     }
 
-    /// The same rig with another load.
+    /// Replaces the load of the rig.
     pub fn with_load(self, load: Load) -> Self {
         Self { load, ..self }
     }
@@ -253,7 +253,7 @@ impl Rig {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] or [`Error::Inconsistent`] for a start outside the physics; [`Error::Misuse`] when an
-    /// equilibrium is asked for and there is none.
+    /// equilibrium is requested and there is none.
     pub fn start(&self, initial: &Initial) -> Result<State, Error> {
         check_air(&self.actuator, initial.gauge_pressure, initial.temperature)?;
         parameter::INITIAL_VELOCITY.check(initial.velocity)?;
@@ -280,7 +280,7 @@ impl Rig {
 }
 
 impl<S: Scalar> Rig<S> {
-    /// The same rig over another scalar; `function` is told which parameter each number is.
+    /// Converts the rig to another scalar type; `function` receives each number with its parameter.
     pub fn map<T: Scalar>(&self, function: impl FnMut(&'static Parameter, S) -> T) -> Rig<T> {
         self.convert(&mut Anew(function))
     }
@@ -297,7 +297,7 @@ impl<S: Scalar> Rig<S> {
         rig.with_transport()
     }
 
-    /// The same with the seats seen as late as the line makes them.
+    /// Delays the effect of the poppets by the transport delay of the line.
     fn with_transport(mut self) -> Self {
         let transport = self.line.hose.as_ref().map_or(S::zero(), |hose| hose.transport_delay());
         if let Some(actuation) = &mut self.actuation {
@@ -317,7 +317,7 @@ impl<S: Scalar> Rig<S> {
         self.tendon.as_ref()
     }
 
-    /// The gauge pressure over time in the actuator, or at the far end of its hose if it has one, where it is given.
+    /// The gauge pressure over time in the actuator, or at the inlet of its hose if it has one, where it is given.
     #[inline(always)]
     pub fn pressure_course(&self) -> Option<&PressureSeries<S>> {
         self.pressure.as_ref()
@@ -374,7 +374,7 @@ impl<S: Real> Rig<S> {
     /// The state at a start that has been checked, over any scalar with one value.
     ///
     /// # Errors
-    /// [`Error::NoSolution`] when an equilibrium is asked for and there is none.
+    /// [`Error::NoSolution`] when an equilibrium is requested and there is none.
     pub fn begin(&self, initial: &Initial<S>) -> Result<State<S>, Error> {
         let air = self.actuator.air();
         let gauge = match self.pressure.as_ref().filter(|_| self.line.hose.is_none()) {

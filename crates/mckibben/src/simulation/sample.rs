@@ -24,7 +24,7 @@ pub struct Sample<R = f64> {
     pub tension: R,
     /// Net mass flow into the actuator in kg/s.
     pub mass_flow: R,
-    /// Which passages of the valve are open, as the actuator sees it: a lumped hose shows it late.
+    /// Which flow paths of the valve are open, as the actuator sees it: late behind a lumped hose.
     pub ports: Ports,
     /// Absolute pressure at the valve's end of the hose; the actuator's own without a hose.
     pub hose_pressure: AbsolutePressure<R>,
@@ -49,8 +49,8 @@ pub struct SampleTimes {
 
 impl SampleTimes {
     /// The times of a run of `duration` s sampled every `interval` s, both above zero. An end that differs from a whole
-    /// number of intervals by rounding is one of them. Whoever takes the interval from outside checks the count first, by
-    /// [`Parameter::check_count`](crate::parameter::Parameter::check_count).
+    /// number of intervals by rounding is one of them. A caller that takes the interval from outside checks the count
+    /// first, by [`Parameter::check_count`](crate::parameter::Parameter::check_count).
     pub fn new(duration: f64, interval: f64) -> Self {
         let whole = (duration / interval * (1.0 + SIMULTANEOUS)) as u64;
         let rest = duration - whole as f64 * interval;

@@ -1,4 +1,4 @@
-//! What is asked of the valve, as exact instants.
+//! The commands to a valve, as exact instants.
 //!
 //! A command is a sequence of changes `(time, request)`. Times are computed from the index of the change, never summed,
 //! so the millionth pulse of a PWM starts exactly at its period.
@@ -11,14 +11,14 @@ use crate::scalar::{Mask, Real, Scalar};
 use crate::valve::RuntimeCommand;
 use crate::valve::is_due;
 
-/// What the valve is asked to do.
+/// A request to the valve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Request {
     /// Join the actuator to the supply.
     Fill,
-    /// Shut both passages; a two-way and a fill-hold-exhaust valve can.
+    /// Shut both flow paths; a two-way and a fill-hold-exhaust valve can.
     Hold,
-    /// Join the actuator to the surroundings.
+    /// Join the actuator to the atmosphere.
     Exhaust,
 }
 
@@ -33,16 +33,16 @@ impl Request {
     }
 }
 
-/// What is asked of the valve over time, from t = 0.
+/// The command to the valve over time, from t = 0.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command<S = f64> {
-    /// The same request for ever.
+    /// A constant request.
     Constant(Request),
     /// Pulse-width modulation: the pulse starts each period.
     Pwm {
         /// Frequency in Hz.
         frequency: S,
-        /// Commanded share of each period in which `pulse` is asked for.
+        /// Commanded share of each period in which `pulse` is requested.
         duty: S,
         /// The request during the pulse.
         pulse: Request,
@@ -57,7 +57,7 @@ pub enum Command<S = f64> {
         /// The request from each time on.
         request: alloc::vec::Vec<Request>,
     },
-    /// Set points of a pressure regulator, whose passage stays open; it keeps what it had until the first.
+    /// Set points of a pressure regulator, whose flow path stays open; it keeps what it had until the first.
     #[cfg(feature = "alloc")]
     SetPoints {
         /// Times in s, strictly rising, zero or more.
@@ -168,7 +168,7 @@ impl<S: Scalar> Command<S> {
         matches!(self, Self::Pwm { .. } | Self::SetPoints { .. } | Self::Positions { .. })
     }
 
-    /// The same command over another scalar.
+    /// Converts the command to another scalar type.
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Command<T> {
         match self {
             Self::Constant(request) => Command::Constant(*request),
@@ -199,13 +199,13 @@ impl<S: Scalar> Command<S> {
         }
     }
 
-    /// Nothing is ever asked.
+    /// No command at any time.
     #[cfg(feature = "alloc")]
     pub(crate) fn nothing() -> Self {
         Self::Table { time: alloc::vec::Vec::new(), request: alloc::vec::Vec::new() }
     }
 
-    /// Nothing is ever asked, in the kind of command that a valve takes.
+    /// No command at any time, in the kind that a valve takes.
     #[cfg(feature = "alloc")]
     pub(crate) fn nothing_of(solenoid: &crate::valve::Solenoid<S>) -> Self {
         let (time, values) = (alloc::vec::Vec::new(), alloc::vec::Vec::new());
@@ -287,7 +287,7 @@ impl<S: Scalar> Command<S> {
         }
     }
 
-    /// The same command with each request answered by another.
+    /// Replaces each request of the command by another.
     pub fn map_requests(&self, answer: impl Fn(Request) -> Request) -> Self {
         match self.clone() {
             Self::Constant(request) => Self::Constant(answer(request)),
@@ -346,7 +346,8 @@ impl<S: Real> Command<S> {
         }
     }
 
-    /// Takes over what another command of its kind asks from `from` s on, in place of what it asks itself from then on.
+    /// Takes over what another command of its kind requests from `from` s on, in place of its own requests from then
+    /// on.
     pub(crate) fn take_over(&mut self, other: &Self, from: S) {
         self.keep(0, from);
         let later = |at: &S| is_due(from, *at);
@@ -373,7 +374,7 @@ impl<S: Real> Command<S> {
         }
     }
 
-    /// Adds what is asked from `at` s on, later than all before, to a list of its kind. A demand of pulses is none.
+    /// Adds a request from `at` s on, later than all before, to a list of its kind. Pulses are ignored.
     pub(crate) fn append(&mut self, at: S, demand: RuntimeCommand<S>) {
         match (self, demand) {
             (Self::Table { time, request }, RuntimeCommand::Request(asked)) => {

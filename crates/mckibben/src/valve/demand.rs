@@ -1,4 +1,4 @@
-//! What is asked of a valve from outside while time goes on, by somebody who does not know beforehand what he will ask.
+//! Commands to a valve at run time, by a caller that does not know them beforehand.
 //!
 //! It says of one instant what a [`Command`](super::Command) says of all: a request of seats for the present, pulses that
 //! follow a duty cycle, a set point of a pressure regulator, a position of a proportional spool.
@@ -12,17 +12,17 @@ use crate::parameter;
 use crate::pressure::GaugePressure;
 use crate::scalar::Real;
 
-/// What a valve is asked for from now on.
+/// A command to a valve from now on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RuntimeCommand<S = f64> {
-    /// The same request all the while.
+    /// A constant request.
     Request(Request),
-    /// Pulse-width modulation; period p begins at p/f. A duty cycle is taken up when the next period begins; what was asked
-    /// before goes on until then.
+    /// Pulse-width modulation; period p begins at p/f. A duty cycle takes effect when the next period begins; the
+    /// previous command goes on until then.
     Pulses {
         /// Frequency f in Hz, above zero.
         frequency: S,
-        /// Share of each period in which `pulse` is asked for, 0 to 1.
+        /// Share of each period in which `pulse` is requested, 0 to 1.
         duty: S,
         /// The request during the pulse.
         pulse: Request,

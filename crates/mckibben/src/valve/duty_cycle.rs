@@ -32,12 +32,12 @@ pub struct Interval<S = f64> {
     pub ports: Ports,
     /// The part of the period that it lasts.
     pub share: S,
-    /// Mean openings of the paths to the supply and to the surroundings during it, from 0 to 1.
+    /// Mean openings of the flow paths to the supply and to the atmosphere during it, from 0 to 1.
     pub openings: [S; 2],
 }
 
-/// The actual duty cycles of the paths to the supply and to the surroundings, each from 0 to 1: the mean openings over a
-/// period. `None` unless the command is a PWM and the valve has seats.
+/// The actual duty cycles of the flow paths to the supply and to the atmosphere, each from 0 to 1: the mean openings
+/// over a period. `None` unless the command is a PWM and the valve has seats.
 pub fn actual_duty_cycle<S: Real>(solenoid: &Solenoid<S>, command: &Command<S>) -> Option<[S; 2]> {
     let intervals = period(solenoid, command)?;
     Some([0, 1].map(|port| intervals.iter().fold(S::zero(), |sum, part| sum + part.share * part.openings[port])))

@@ -50,7 +50,7 @@ pub struct FiveWay {
     dead_time: f64,
 }
 
-/// One output of a five-way valve: a valve of a simpler kind, and what it is told.
+/// One output of a five-way valve: a valve of a simpler kind, and its command.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FiveWayOutput {
     /// The kind and delays of the output.
@@ -70,7 +70,7 @@ impl FiveWay {
         Ok(Self { rest, opening_delay, closing_delay, dead_time: 0.0 })
     }
 
-    /// The same valve whose command acts `dead_time` s later at both outputs, zero or more.
+    /// Delays the effect of the command by `dead_time` s, zero or more, at both outputs.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a time that is negative or not finite.
@@ -106,7 +106,7 @@ impl FiveWay {
     }
 }
 
-/// What the opposite output is asked.
+/// The request at the opposite output.
 fn mirrored(request: Request) -> Request {
     match request {
         Request::Fill => Request::Exhaust,

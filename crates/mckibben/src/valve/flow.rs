@@ -1,4 +1,4 @@
-//! Mass flow of a gas through a passage: the paper's orifice, ISO 6358, and IEC 60534 for valves stated by Kv or Cv.
+//! Mass flow of a gas through a flow path: the paper's orifice, ISO 6358, and IEC 60534 for valves stated by Kv or Cv.
 //!
 //! ```text
 //! ṁ = G P_up/√T_up · ψ(r)          r = P_down/P_up
@@ -28,8 +28,9 @@
 //! | Y | expansion factor, ⅔ when choked | – |
 //!
 //! Kv and Cv say nothing of where the flow chokes; x_T does, and few data sheets of small valves give it. With the usual 0.7
-//! the sonic conductance that SMC states for its SY3000 to SY9000 beside their Cv is met within 25 % (`docs/valves.md`):
-//! prefer C and b where they are known. The piping around the valve and laminar flow through it are left out, `F_P = F_R = 1`.
+//! the sonic conductance that SMC states for its SY3000 to SY9000 in addition to their Cv is met within 25 %
+//! (`docs/valves.md`): prefer C and b where they are known. The piping around the valve and laminar flow through it are
+//! left out, `F_P = F_R = 1`.
 //!
 //! All forms of ψ are `√(1−r)·g(r)` with g analytic on `[r_c, 1]`, so g is a polynomial fitted when the law is made:
 //! no power is left in the loop, and the difference of two nearly equal powers near r = 1 is gone with it. The largest
@@ -47,7 +48,8 @@
 //! Source: Colbrunn, Nelson & Quinn (2001), section 3.2, after McCloy & Martin (1980); ISO 6358-1:2013; IEC 60534-2-1:2011,
 //! also ISA-75.01.01, N₆ = √ρ_w as the Python package `fluids` has it.
 //! Checked by `tests/valve.rs`: transcription of (23), both limits, continuity and slope, reverse flow; by
-//! `tests/valve_coefficients.rs`: IEC 60534 in its own units, SMC's worked example of ISO 6358, a passage of its own.
+//! `tests/valve_coefficients.rs`: IEC 60534 in its own units, SMC's worked example of ISO 6358, a separate exhaust
+//! path.
 
 use crate::air::Air;
 use crate::convert::{Anew, Convert};
@@ -91,7 +93,7 @@ impl FlowZone {
     }
 }
 
-/// Mass flow through an open passage.
+/// Mass flow through an open flow path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlowLaw<S = f64> {
     standard: FlowStandard<S>,
@@ -122,7 +124,8 @@ struct Shape<S> {
 }
 
 impl FlowLaw {
-    /// A passage for the gas of `air`, with a factor `efficiency` on its flow and a straight line above `laminar_ratio`.
+    /// A flow path for the gas of `air`, with a factor `efficiency` on its flow and a straight line above
+    /// `laminar_ratio`.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a number outside its range; [`Error::Inconsistent`] when the straight line would begin
@@ -131,7 +134,7 @@ impl FlowLaw {
         Self::of_flow_path(Port::Supply, standard, efficiency, laminar_ratio, air)
     }
 
-    /// As [`FlowLaw::new`], for the passage to one port: messages name that passage's keys.
+    /// As [`FlowLaw::new`], for the flow path to one port: messages name the keys of that path.
     ///
     /// # Errors
     /// As [`FlowLaw::new`].
@@ -217,12 +220,12 @@ impl<S: Scalar> FlowLaw<S> {
         Self { standard, efficiency, heat_capacity_ratio, gas_constant, laminar_ratio, shape }
     }
 
-    /// The same law over another scalar; `function` is told which parameter each number is.
+    /// Converts the law to another scalar type; `function` receives each number with its parameter.
     pub fn map<T: Scalar>(&self, function: impl FnMut(&'static Parameter, S) -> T) -> FlowLaw<T> {
         self.convert(Port::Supply, &mut Anew(function))
     }
 
-    /// The same law over another scalar; the passage to `port` is the one that it states.
+    /// Converts the law to another scalar type; the flow path to `port` is the one that it states.
     pub(crate) fn convert<T: Scalar>(&self, port: Port, convert: &mut impl Convert<S, T>) -> FlowLaw<T> {
         let number = |row, value| Ok::<_, Infallible>(convert.parameter(row, value));
         let Ok(standard) = self.standard.try_map(Rows::of(port), number);
@@ -294,7 +297,7 @@ impl<S: Scalar> FlowLaw<S> {
         T::select(choked, T::one(), between)
     }
 
-    /// ψ by the formula of one zone, smoothly continued beyond the zone's bounds; a choked flow asks for no gap.
+    /// ψ by the formula of one zone, smoothly continued beyond the zone's bounds; a choked flow needs no gap.
     #[inline(always)]
     pub fn in_zone<T: Over<S>>(&self, zone: FlowZone, gap: impl FnOnce() -> T) -> T {
         match zone {

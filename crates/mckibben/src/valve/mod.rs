@@ -1,7 +1,7 @@
 //! The valve: how much air flows, and when the seat moves.
 //!
-//! [`FlowLaw`] is the mass flow through an open passage (21)(23), by ISO 6358 or by IEC 60534; [`Valve`] joins it to a
-//! supply and an exhaust; [`Solenoid`] says when the passages open and close after a [`Command`] drives the coil.
+//! [`FlowLaw`] is the mass flow through an open flow path (21)(23), by ISO 6358 or by IEC 60534; [`Valve`] joins it to
+//! a supply and an exhaust; [`Solenoid`] says when the flow paths open and close after a [`Command`] drives the coil.
 //!
 //! | valve | law |
 //! |---|---|
@@ -11,7 +11,8 @@
 //! | a seat that takes its time | [`Ramp`] |
 //! | proportional spool | [`Spool`] |
 //!
-//! How far the passages are open is known beforehand ([`Openings`]): a function of time between instants that are known too.
+//! How far the flow paths are open is known beforehand ([`Openings`]): a function of time between instants that are
+//! known too.
 
 mod command;
 mod demand;
@@ -53,7 +54,7 @@ use crate::parameter::{self, Parameter};
 use crate::pressure::{AbsolutePressure, GaugePressure};
 use crate::scalar::{Mask, Over, Real, Scalar};
 
-/// The air that feeds the valve. Its temperature is also that of the surroundings.
+/// The air that feeds the valve. Its temperature is also that of the atmosphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Supply<S = f64> {
     gauge_pressure: S,
@@ -92,7 +93,7 @@ pub(crate) fn below_vacuum<S: Real>(parameter: &'static Parameter, gauge: GaugeP
             value: air.atmosphere().0.value(),
             unit: parameter::ATMOSPHERIC_PRESSURE.unit,
         },
-        remedy: "a vacuum cannot be deeper than the surroundings' own pressure",
+        remedy: "a vacuum cannot be deeper than the atmospheric pressure",
     }
 }
 
@@ -103,7 +104,7 @@ impl<S: Scalar> Supply<S> {
         Self { gauge_pressure, atmospheric_pressure, temperature, per_root_temperature, per_temperature }
     }
 
-    /// The same supply over another scalar.
+    /// Converts the supply to another scalar type.
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Supply<T> {
         let gauge_pressure = convert.parameter(&parameter::SUPPLY_GAUGE_PRESSURE, self.gauge_pressure);
         let atmospheric_pressure = convert.parameter(&parameter::ATMOSPHERIC_PRESSURE, self.atmospheric_pressure);
@@ -131,7 +132,7 @@ impl<S: Scalar> Supply<S> {
         AbsolutePressure(self.gauge_pressure + self.atmospheric_pressure)
     }
 
-    /// Temperature of the supply and of the surroundings in K.
+    /// Temperature of the supply and of the atmosphere in K.
     #[inline(always)]
     pub fn temperature(&self) -> S {
         self.temperature
@@ -143,23 +144,23 @@ impl<S: Scalar> Supply<S> {
 pub enum ExhaustTemperature {
     /// The actuator's own.
     Actuator,
-    /// The surroundings', as the paper's one `T_am` says.
+    /// That of the atmosphere, as the paper's one `T_am` says.
     Ambient,
 }
 
-/// One side of the valve: what lies beyond the passage.
+/// One side of the valve: what lies beyond the flow path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Port {
     /// The supply.
     Supply,
-    /// The surroundings.
+    /// The atmosphere.
     Exhaust,
 }
 
-/// A passage law between the actuator, a supply and the surroundings.
+/// A flow law between the actuator, a supply and the atmosphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Valve<S = f64> {
-    /// Flow through the open passage to the supply, and through the other unless that has a law of its own.
+    /// Flow through the open flow path to the supply, and through the other unless that has a separate law.
     pub law: FlowLaw<S>,
     exhaust_law: Option<FlowLaw<S>>,
     /// The air that feeds it.
@@ -170,7 +171,7 @@ pub struct Valve<S = f64> {
     beyond_exhaust: Beyond<S>,
 }
 
-/// Air at rest beyond a passage, by what a flow from it needs.
+/// Air at rest beyond a flow path, by what a flow from it needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Beyond<S = f64> {
     /// Absolute pressure in Pa.
@@ -182,12 +183,12 @@ pub struct Beyond<S = f64> {
 }
 
 impl<S: Scalar> Valve<S> {
-    /// A valve with a flow law, fed by `supply`, that exhausts to the surroundings of `air`.
+    /// A valve with a flow law, fed by `supply`, that exhausts to the atmosphere of `air`.
     pub fn new(law: FlowLaw<S>, supply: Supply<S>, exhaust_temperature: ExhaustTemperature, air: &Air<S>) -> Self {
         Self::assemble(law, None, supply, exhaust_temperature, air.atmosphere().0)
     }
 
-    /// The same valve whose passage to the surroundings has a law of its own.
+    /// Gives the flow path to the atmosphere a separate law.
     pub fn with_exhaust(self, law: FlowLaw<S>) -> Self {
         Self { exhaust_law: Some(law), ..self }
     }
@@ -204,7 +205,7 @@ impl<S: Scalar> Valve<S> {
         Self { law, exhaust_law, supply, exhaust_temperature, beyond_supply, beyond_exhaust }
     }
 
-    /// The same valve over another scalar.
+    /// Converts the valve to another scalar type.
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Valve<T> {
         let law = self.law.convert(Port::Supply, convert);
         let exhaust_law = self.exhaust_law.as_ref().map(|law| law.convert(Port::Exhaust, convert));
@@ -224,7 +225,7 @@ impl<S: Scalar> Valve<S> {
         }
     }
 
-    /// Flow through the open passage to a port.
+    /// Flow through the open flow path to a port.
     #[inline(always)]
     pub fn law_of(&self, port: Port) -> &FlowLaw<S> {
         match port {
@@ -256,7 +257,7 @@ impl<S: Scalar> Valve<S> {
         self.flow_in_zone_from(port, &self.beyond(port).over(), zone, chamber)
     }
 
-    /// The same from what lies beyond a port, which may change.
+    /// Flow by the formula of a zone from given conditions beyond a port, which may change.
     #[inline(always)]
     pub(crate) fn flow_in_zone_from<T: Over<S>>(
         &self,
@@ -293,21 +294,21 @@ impl<S: Scalar> Valve<S> {
         self.flow_by(self.law_of(port), &self.beyond(port).over(), chamber)
     }
 
-    /// Flow through the passages whose masks are set, whatever the zone.
+    /// Flow through the flow paths whose masks are set, whatever the zone.
     #[inline(always)]
     pub fn open_flow<T: Over<S>>(&self, chamber: &Chamber<T>, supply: S::Mask, exhaust: S::Mask) -> Flow<T> {
         if self.exhaust_law.is_some() {
             let inlet = self.flow(Port::Supply, chamber).where_open(supply);
             return inlet.and(self.flow(Port::Exhaust, chamber).where_open(exhaust));
         }
-        // One evaluation serves whichever passage is open; a second one only while two seats overlap.
+        // One evaluation serves whichever flow path is open; a second one only while two poppets overlap.
         let one = Beyond::select(supply, self.beyond_supply, self.beyond_exhaust);
         let flow = self.flow_by(&self.law, &one.over(), chamber).where_open(supply | exhaust);
         let both = supply & exhaust;
         if both.any() { flow.and(self.flow(Port::Exhaust, chamber).where_open(both)) } else { flow }
     }
 
-    /// Flow by a law to what lies beyond a passage, whatever the zone: selects instead of branches.
+    /// Flow by a law to what lies beyond a flow path, whatever the zone: selects instead of branches.
     #[inline(always)]
     fn flow_by<T: Over<S>>(&self, law: &FlowLaw<S>, beyond: &Beyond<T>, chamber: &Chamber<T>) -> Flow<T> {
         let pressure = chamber.pressure;
@@ -329,7 +330,7 @@ impl<S: Scalar> Beyond<S> {
         Self { pressure, per_pressure: S::one() / pressure, squared_drive }
     }
 
-    /// The same as constants of a wider scalar.
+    /// Converts the air to constants of a wider scalar type.
     #[inline(always)]
     fn over<T: Over<S>>(&self) -> Beyond<T> {
         let Self { pressure, per_pressure, squared_drive } = *self;

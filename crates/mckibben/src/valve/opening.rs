@@ -1,4 +1,4 @@
-//! How far the passages are open, as a known function of time until the next instant.
+//! How far the flow paths are open, as a known function of time until the next instant.
 //!
 //! ```text
 //! ṁ = λ_supply(t) · ṁ_supply(open) + λ_exhaust(t) · ṁ_exhaust(open)
@@ -15,7 +15,7 @@ use super::solenoid::ValveKind;
 use super::spool::{Spool, SpoolMotion};
 use crate::scalar::{Over, Scalar};
 
-/// How far the passages to the supply and to the surroundings are open.
+/// Openings of the flow paths to the supply and to the atmosphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Openings<S = f64> {
     /// Each wholly or not at all, as the [`Ports`](super::Ports) say.
@@ -24,7 +24,7 @@ pub enum Openings<S = f64> {
     Shares([S; 2]),
     /// By seats, of which at least one is under way.
     Seats {
-        /// How the passages are arranged.
+        /// How the flow paths are arranged.
         kind: ValveKind,
         /// The strokes of both seats; of most kinds the first alone counts.
         strokes: [Stroke<S>; 2],
@@ -39,7 +39,7 @@ pub enum Openings<S = f64> {
 }
 
 impl<S: Scalar> Openings<S> {
-    /// The shares λ of the passages to the supply and to the surroundings at a time in s; none where they are whole.
+    /// The shares λ of the flow paths to the supply and to the atmosphere at a time in s; none where they are whole.
     #[inline(always)]
     pub fn at<T: Over<S>>(&self, time: T) -> Option<[T; 2]> {
         match self {

@@ -1,4 +1,5 @@
-//! How the size of a passage is stated, and what of the [flow law](super::FlowLaw) follows from each way: `G`, r_c and g.
+//! How the size of a flow path is stated, and what of the [flow law](super::FlowLaw) follows from each way: `G`, r_c
+//! and g.
 //!
 //! The equations and their sources are on the page of `flow.rs`.
 
@@ -20,7 +21,7 @@ const KV_PER_CV: f64 = 3.785_411_784e-3 / 60.0;
 /// Pounds-force per square inch in 1 bar.
 const PSI_PER_BAR: f64 = 1e5 * 6.4516e-4 / 4.448_221_615_260_5;
 
-/// The usual ways to state the size of a passage.
+/// The usual ways to state the size of a flow path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FlowStandard<S = f64> {
     /// The paper's orifice (21)(23).
@@ -51,7 +52,7 @@ pub enum FlowStandard<S = f64> {
     },
 }
 
-/// The rows of the parameter table that state a passage.
+/// The rows of the parameter table that state a flow path.
 pub(super) struct Rows {
     flow_area: &'static Parameter,
     sonic_conductance: &'static Parameter,
@@ -61,7 +62,7 @@ pub(super) struct Rows {
     pressure_drop_ratio: &'static Parameter,
 }
 
-/// Of the passage to the supply, and of both where the exhaust has none of its own.
+/// Of the flow path to the supply, and of both where the exhaust has no separate one.
 static SUPPLY: Rows = Rows {
     flow_area: &parameter::FLOW_AREA,
     sonic_conductance: &parameter::SONIC_CONDUCTANCE,
@@ -70,7 +71,7 @@ static SUPPLY: Rows = Rows {
     cv: &parameter::CV,
     pressure_drop_ratio: &parameter::PRESSURE_DROP_RATIO,
 };
-/// Of the passage to the surroundings.
+/// Of the flow path to the atmosphere.
 static EXHAUST: Rows = Rows {
     flow_area: &parameter::EXHAUST_FLOW_AREA,
     sonic_conductance: &parameter::EXHAUST_SONIC_CONDUCTANCE,
@@ -90,7 +91,7 @@ impl Rows {
 }
 
 impl<S: Scalar> FlowStandard<S> {
-    /// The same numbers, each as `number` gives it back.
+    /// Applies `number` to each number.
     pub(super) fn try_map<T, E>(
         self,
         rows: &Rows,

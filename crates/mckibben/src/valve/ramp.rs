@@ -9,7 +9,7 @@
 //!
 //! | symbol | name in code | unit |
 //! |---|---|---|
-//! | λ | `opening`, effective area over that of the open passage | – |
+//! | λ | `opening`, effective area over that of the open flow path | – |
 //! | t_open, t_close | delays of the [`Solenoid`](super::Solenoid) | s |
 //! | t_rise, t_fall | `opening_time`, `closing_time` | s |
 //!
@@ -70,7 +70,7 @@ impl<S: Scalar> Ramp<S> {
         [self.opening_time, self.closing_time]
     }
 
-    /// The same over another scalar.
+    /// Converts the ramp to another scalar type.
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Ramp<T> {
         Ramp {
             opening_time: convert.parameter(&parameter::OPENING_TIME, self.opening_time),

@@ -1,4 +1,5 @@
-//! A proportional pressure regulator: an output pressure that follows a setpoint, behind a passage that is always open.
+//! A proportional pressure regulator: an output pressure that follows a setpoint, behind a flow path that is always
+//! open.
 //!
 //! ```text
 //! dp/dt = max(−q, min(q, (u(t − θ) − p)/τ))             p the regulated pressure, u the setpoint
@@ -12,18 +13,18 @@
 //! | τ | `time_constant` | s |
 //! | q | `rate_limit` | Pa/s |
 //!
-//! The pressure is a state: the rate limit's two ends and what lies between are three [`Approach`]es, each a formula by itself.
-//! Tests know it in closed form while the setpoint stays the same: with `e = p − u`, a straight line for
+//! The pressure is a state: the rate limit's two ends and what lies between are three [`Approach`]es, each with its own
+//! formula. Tests know it in closed form while the setpoint stays the same: with `e = p − u`, a straight line for
 //! `t₁ = max(0, |e₀|/q − τ)`, then `e = ±qτ exp(−(t − t₁)/τ)`, or `e₀ exp(−t/τ)` where the limit is never reached.
 //!
-//! The passage is that of a [`Valve`](super::Valve): a large actuator fills as slowly as C and b let it, and its pressure comes to rest at
-//! p from both sides. The setpoint is kept between the surroundings and the supply, beyond which no regulator can go; the
-//! passage is taken as fed at p whatever the supply, so a supply close to the setpoint is outside the law, as are dead band,
-//! hysteresis and offset under flow.
+//! The flow path is that of a [`Valve`](super::Valve): a large actuator fills as slowly as C and b let it, and its
+//! pressure comes to rest at p from both sides. The setpoint is kept between the atmosphere and the supply, beyond
+//! which no regulator can go; the flow path is taken as fed at p whatever the supply, so a supply close to the setpoint
+//! is outside the law, as are dead band, hysteresis and offset under flow.
 //!
-//! Source: the first-order model with dead time of process control; rate and passage limit it as data sheets state them, by a
-//! rise time into a volume and a flow. Checked by `tests/regulator.rs`: its branches against the closed
-//! form; `tests/regulated_rig.rs`: dead time, rest, passage.
+//! Source: the first-order model with dead time of process control; rate and flow path limit it as data sheets state
+//! them, by a rise time into a volume and a flow. Checked by `tests/regulator.rs`: its branches against the closed
+//! form; `tests/regulated_rig.rs`: dead time, rest, flow path.
 
 use crate::convert::Convert;
 use crate::error::Error;
@@ -64,7 +65,7 @@ impl Regulator {
 }
 
 impl<S: Scalar> Regulator<S> {
-    /// The same over another scalar.
+    /// Converts the regulator to another scalar type.
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Regulator<T> {
         Regulator {
             time_constant: convert.parameter(&parameter::REGULATOR_TIME_CONSTANT, self.time_constant),
@@ -73,7 +74,7 @@ impl<S: Scalar> Regulator<S> {
         }
     }
 
-    /// The same with another dead time in s.
+    /// Replaces the dead time, in s.
     pub(super) fn with_dead_time(self, dead_time: S) -> Self {
         Self { dead_time, ..self }
     }

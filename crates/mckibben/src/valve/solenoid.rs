@@ -15,17 +15,17 @@
 //! | two-way | one | supply | shut |
 //! | three-way | one | supply | exhaust |
 //! | three-way-normally-open | one | exhaust | supply |
-//! | fill-hold-exhaust | two two-way valves | its passage open | its passage shut |
+//! | fill-hold-exhaust | two two-way valves | its flow path open | its flow path shut |
 //!
 //! A dead time t_dead comes before both delays: the command acts t_dead later, whatever its length, so that it shifts a pulse
 //! and never shortens it. It is that of the driver's electronics and of pilot stages.
 //!
 //! A seat may take its time once it moves ([`Ramp`]); the coil acts on it then as before, and it turns where it is.
 //!
-//! A request drives the coil that brings it about: `fill` releases the coil of a normally open valve, so that its passage to
-//! the supply opens after `t_close`. A five-way valve is two of these kinds on the same coils
-//! ([`FiveWay`](super::FiveWay)). A [`Regulator`] takes the place of the coil: its passage is open all the time, to a pressure
-//! that follows set points ([`Solenoid::regulating`]). A proportional [`Spool`] takes the place of the seats
+//! A request drives the coil that brings it about: `fill` releases the coil of a normally open valve, so that its flow
+//! path to the supply opens after `t_close`. A five-way valve is two of these kinds on the same coils
+//! ([`FiveWay`](super::FiveWay)). A [`Regulator`] takes the place of the coil: its flow path is open all the time, to a
+//! pressure that follows set points ([`Solenoid::regulating`]). A proportional [`Spool`] takes the place of the seats
 //! ([`Solenoid::proportional`]).
 //!
 //! Source: Colbrunn, Nelson & Quinn (2001), section 3.3 and Fig. 10. Checked by `tests/solenoid.rs`.
@@ -42,7 +42,7 @@ use crate::numbered::Row;
 use crate::parameter;
 use crate::scalar::{Real, Scalar};
 
-/// How the passages are arranged.
+/// How the flow paths are arranged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ValveKind {
     /// The actuator is joined to the supply when energised and sealed when not.
@@ -56,7 +56,7 @@ pub enum ValveKind {
 }
 
 impl ValveKind {
-    /// How far the passages to the supply and to the surroundings are open, by the openings of the seats.
+    /// Openings of the flow paths to the supply and to the atmosphere, by those of the poppets.
     #[inline(always)]
     pub(super) fn shares<T: Scalar>(self, [first, second]: [T; 2]) -> [T; 2] {
         match self {
@@ -68,41 +68,41 @@ impl ValveKind {
     }
 }
 
-/// A pressure regulator is asked for what only a seat can do.
+/// A pressure regulator has a command that only a poppet can carry out.
 const NO_SEAT: Error = Error::Misuse {
     what: "a pressure regulator neither fills, holds nor exhausts on request: it takes set points of pressure",
     remedy: "set command.kind = \"set-points\", or choose a valve with seats such as valve.kind = \"three-way\"",
 };
 
-/// A proportional spool is asked for what only a seat can do.
+/// A proportional spool has a command that only a poppet can carry out.
 const NO_REQUEST: Error = Error::Misuse {
     what: "a proportional spool neither fills, holds nor exhausts on request: it takes positions",
     remedy: "set command.kind = \"positions\", or choose a valve with seats such as valve.kind = \"three-way\"",
 };
 
-/// A valve is told where to go that only a spool can.
+/// A valve without a spool has a command for a position.
 pub(super) const NO_SPOOL: Error = Error::Misuse {
     what: "positions are given, but the valve is no proportional spool",
     remedy: "set valve.kind = \"proportional-spool\", or ask for fill, hold or exhaust",
 };
 
-/// A valve is told a pressure that only a regulator can keep.
+/// A valve without a regulator has a command for a pressure.
 pub(super) const NO_REGULATOR: Error = Error::Misuse {
     what: "set points of pressure are given, but the valve is no pressure regulator",
     remedy: "set valve.kind = \"pressure-regulator\", or ask for fill, hold or exhaust",
 };
 
-/// Which passages are open.
+/// Which flow paths are open.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ports {
-    /// The passage to the supply.
+    /// The flow path to the supply.
     pub supply: bool,
-    /// The passage to the surroundings.
+    /// The flow path to the atmosphere.
     pub exhaust: bool,
 }
 
 impl Ports {
-    /// Both passages shut.
+    /// Both flow paths shut.
     pub const CLOSED: Self = Self { supply: false, exhaust: false };
 
     /// The name in the `valve` column: `supply`, `exhaust`, `closed`, or `supply+exhaust` while two seats overlap.
@@ -127,7 +127,7 @@ pub struct Solenoid<S = f64> {
     dead_time: S,
     /// By how much the seats take effect late where it counts, in s.
     transport: S,
-    /// What makes the pressure beyond the passage, which then has no seat.
+    /// What makes the pressure beyond the flow path, which then has no poppet.
     regulator: Option<Regulator<S>>,
     /// What moves instead of seats.
     spool: Option<Spool<S>>,
@@ -152,13 +152,13 @@ impl Solenoid {
         })
     }
 
-    /// The same valve with seats that take their time once they move.
+    /// Gives the valve's poppets a travel time.
     pub fn with_ramp(self, ramp: Ramp) -> Self {
         Self { ramp, ..self }
     }
 
-    /// The same valve whose command acts `dead_time` s later, zero or more, whatever the kind of valve; of a pressure
-    /// regulator in place of its own.
+    /// Delays the effect of the command by `dead_time` s, zero or more, whatever the kind of valve; for a pressure
+    /// regulator this replaces its own dead time.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a time that is negative or not finite.
@@ -170,11 +170,11 @@ impl Solenoid {
         })
     }
 
-    /// No solenoid, but a pressure regulator: the passage is open all the time, and air comes from and goes to the pressure
-    /// that follows the set points of a [`Command::SetPoints`].
+    /// No solenoid, but a pressure regulator: the flow path is open all the time, and air comes from and goes to the
+    /// pressure that follows the set points of a [`Command::SetPoints`].
     pub fn regulating(regulator: Regulator) -> Self {
         let regulator = Some(regulator);
-        // Released, its one passage is open.
+        // Released, its one flow path is open.
         let kind = ValveKind::ThreeWayNormallyOpen;
         let (ramp, spool) = (Ramp::none(), None);
         let [opening_delay, closing_delay, dead_time, transport] = [0.0; 4];
@@ -189,7 +189,7 @@ impl Solenoid {
         Self { kind, opening_delay, closing_delay, ramp, dead_time, transport, regulator: None, spool }
     }
 
-    /// Checks that the valve can do what the command asks.
+    /// Checks that the valve can carry out the command.
     ///
     /// # Errors
     /// As [`Solenoid::check_request`]; [`Error::Misuse`] for set points of a valve that is no pressure regulator, for
@@ -213,7 +213,7 @@ impl Solenoid {
 }
 
 impl<S: Scalar> Solenoid<S> {
-    /// Checks that the valve can do what is asked.
+    /// Checks that the valve can carry out the request.
     ///
     /// # Errors
     /// [`Error::Misuse`] for `hold` on a three-way valve, for `exhaust` on a two-way valve, and for any request of a
@@ -241,7 +241,7 @@ impl<S: Scalar> Solenoid<S> {
         if request == impossible { Err(Error::Misuse { what, remedy }) } else { Ok(()) }
     }
 
-    /// The same solenoid over another scalar.
+    /// Converts the solenoid to another scalar type.
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Solenoid<T> {
         Solenoid {
             kind: self.kind,
@@ -289,13 +289,13 @@ impl<S: Scalar> Solenoid<S> {
         self.transport
     }
 
-    /// By how much what is asked takes effect late before anything of the valve moves, in s: the dead time, and by how much
+    /// Delay in s from a command until anything of the valve moves: the dead time, and by how much
     /// it is seen late.
     pub(crate) fn latency(&self) -> S {
         self.dead_time() + self.transport
     }
 
-    /// How the passages are arranged.
+    /// How the flow paths are arranged.
     pub fn kind(&self) -> ValveKind {
         self.kind
     }
@@ -305,7 +305,7 @@ impl<S: Scalar> Solenoid<S> {
         [self.opening_delay, self.closing_delay]
     }
 
-    /// The same valve at the far end of a line: coil and seats are seen `transport` s late.
+    /// The valve as the end of a line opposite to it sees it: coil and poppets act `transport` s late.
     pub(crate) fn seen_late(self, transport: S) -> Self {
         Self { transport, ..self }
     }
@@ -320,7 +320,7 @@ impl<S: Scalar> Solenoid<S> {
     }
 }
 
-/// Where the coils and seats stand and what moves next: the valve's discrete state, owned by whoever steps time.
+/// Positions of coils and poppets and what moves next: the valve's discrete state, owned by the time stepper.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SeatClock<S = f64> {
     next_change: u64,
@@ -339,7 +339,7 @@ impl<S: Real> SeatClock<S> {
         Self { next_change: 0, coil: [false; 2], seat: [false; 2], due: [None; 2], strokes, strokes_counted: 0 }
     }
 
-    /// Which passages are open, those of a seat under way included.
+    /// Which flow paths are open, those of a moving poppet included.
     pub fn ports(&self, solenoid: &Solenoid<S>) -> Ports {
         let [first, second] = [0, 1].map(|side| self.seat[side] || self.strokes[side].end().is_some());
         let back = !self.seat[0] || self.strokes[0].end().is_some();
@@ -357,7 +357,7 @@ impl<S: Real> SeatClock<S> {
         self.strokes_counted
     }
 
-    /// How far the passages are open, until the next motion.
+    /// How far the flow paths are open, until the next motion.
     pub fn openings(&self, solenoid: &Solenoid<S>) -> Openings<S> {
         if self.strokes.iter().all(|stroke| stroke.end().is_none()) {
             return Openings::Whole;
@@ -409,7 +409,7 @@ impl<S: Real> SeatClock<S> {
         upcoming
     }
 
-    /// The next instant in s, up to and with `until`, at which a seat moves or arrives and so the passages change.
+    /// The next instant in s, up to and with `until`, at which a poppet moves or arrives and so the openings change.
     pub fn next_motion(&self, solenoid: &Solenoid<S>, command: &Command<S>, until: S) -> Option<S> {
         let (mut probe, mut upcoming) = (*self, self.next(solenoid, command));
         loop {

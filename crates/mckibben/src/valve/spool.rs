@@ -87,7 +87,7 @@ impl Spool {
 }
 
 impl<S: Scalar> Spool<S> {
-    /// The same over another scalar.
+    /// Converts the spool to another scalar type.
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Spool<T> {
         let frequency = self.angular_frequency / S::constant(TAU);
         Spool {

@@ -3,7 +3,7 @@
 //! | instant | what follows |
 //! |---|---|
 //! | a commanded position takes effect | the closed form goes on from where the spool is, to the new position |
-//! | an edge is passed | its passage opens or shuts |
+//! | an edge is passed | its flow path opens or shuts |
 //! | a stop is met | the spool stands still there, and is drawn back where the command lies inside |
 //! | nothing is left of the motion | the openings stay the same |
 //!
@@ -35,7 +35,7 @@ pub struct SpoolClock<S = f64> {
 /// What ends a piece of the motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Ends {
-    /// The edge of a passage is passed.
+    /// The edge of a flow path is passed.
     Edge(usize),
     /// A stop is met, on the side of +1 or −1.
     Stop(f64),
@@ -57,7 +57,7 @@ impl<S: Real> SpoolClock<S> {
         &mut self.taken
     }
 
-    /// Which passages are open.
+    /// Which flow paths are open.
     pub fn ports(&self, spool: &Spool<S>) -> Ports {
         let [supply, exhaust] = self.open.unwrap_or_else(|| Self::uncovered(spool, self.motion.position));
         Ports { supply, exhaust }
@@ -67,7 +67,7 @@ impl<S: Real> SpoolClock<S> {
         spool.openings(position).map(|share| share.value() > 0.0)
     }
 
-    /// How far the passages are open, until the next instant.
+    /// How far the flow paths are open, until the next instant.
     pub fn openings(&self, spool: &Spool<S>) -> Openings<S> {
         let SpoolMotion { position, velocity, command, .. } = self.motion;
         if velocity.value() != 0.0 || position.value() != command.value() {

@@ -128,38 +128,38 @@ impl Paper {
         Self::driven(Command::pwm(frequency, duty, Request::Fill, Request::Exhaust).expect("a command"))
     }
 
-    /// The same with a change.
+    /// Makes a change.
     pub(crate) fn with(mut self, change: impl FnOnce(&mut Self)) -> Self {
         change(&mut self);
         self
     }
 
-    /// The same with the process of the air.
+    /// Sets the process of the air.
     pub(crate) fn process(self, process: Process) -> Self {
         self.with(|rig| rig.process = process)
     }
 
-    /// The same with viscous friction in N·s/m and Coulomb width in m.
+    /// Sets viscous friction in N·s/m and the Coulomb friction length in m.
     pub(crate) fn friction(self, viscous: f64, coulomb_width: f64) -> Self {
         self.with(|rig| (rig.viscous, rig.coulomb_width) = (viscous, coulomb_width))
     }
 
-    /// The same with a hanging mass in kg.
+    /// Hangs a mass in kg on the actuator.
     pub(crate) fn mass(self, mass: f64) -> Self {
         self.with(|rig| rig.load = Load::HangingMass { mass, gravity: GRAVITY })
     }
 
-    /// The same with both ends held at a length in m.
+    /// Holds both ends at a length in m.
     pub(crate) fn isometric(self, length: f64) -> Self {
         self.with(|rig| (rig.load, rig.length) = (Load::Isometric, InitialLength::At(length)))
     }
 
-    /// The same that starts at a gauge pressure in Pa.
+    /// Starts at a gauge pressure in Pa.
     pub(crate) fn gauge(self, gauge: f64) -> Self {
         self.with(|rig| rig.gauge = gauge)
     }
 
-    /// The same that starts at a length in m with a velocity in m/s.
+    /// Starts at a length in m with a velocity in m/s.
     pub(crate) fn from(self, length: f64, velocity: f64) -> Self {
         self.with(|rig| (rig.length, rig.velocity) = (InitialLength::At(length), velocity))
     }
@@ -297,7 +297,7 @@ pub(crate) fn runge_kutta<const N: usize>(
     std::array::from_fn(|i| state[i] + step / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]))
 }
 
-/// Root of a function that changes sign between two places, by bisection to the last bit.
+/// Root of a function that changes sign between two places, by bisection to rounding.
 pub(crate) fn bisect(mut low: f64, mut high: f64, function: impl Fn(f64) -> f64) -> f64 {
     let rises = function(high) > 0.0;
     for _ in 0..200 {
@@ -317,7 +317,7 @@ pub(crate) fn spread(row: usize, column: usize) -> f64 {
     ((row as f64 + 1.0) * ROOTS[column].sqrt()).fract()
 }
 
-/// The same between two ends.
+/// A number between two ends.
 pub(crate) fn between(row: usize, column: usize, low: f64, high: f64) -> f64 {
     low + (high - low) * spread(row, column)
 }

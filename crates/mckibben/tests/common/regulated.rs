@@ -18,7 +18,7 @@ pub(crate) struct TimeSeries {
 }
 
 impl Regulated {
-    /// The pressure at a time, not before the course begins.
+    /// The pressure at a time, not before the series begins.
     pub(crate) fn pressure(&self, course: &TimeSeries, time: f64) -> f64 {
         let apart = course.pressure - course.set_point;
         let straight = (apart.abs() / self.rate_limit - self.time_constant).max(0.0);

@@ -43,7 +43,7 @@ fn actuator_of(scenario: &Scenario) -> Result<Actuator, Failure> {
     Ok(bare.driven().map_err(|error| Failure::input(error.to_string(), "mend the scenario"))?.actuator)
 }
 
-/// The passage that the air takes.
+/// The flow path that the air takes.
 fn passage_of(valve: &Valve, direction: Direction) -> FlowPath {
     match direction {
         Direction::Supply => valve.passage,
@@ -56,7 +56,7 @@ fn law_of(passage: FlowPath, efficiency: f64, valve: &Valve, actuator: &Actuator
         .map_err(|error| Failure::input(error.to_string(), "mend `[valve]` of the scenario"))
 }
 
-/// Why a run tells nothing.
+/// Why nothing can be estimated from a run.
 fn failed(run: &str, error: &ValveError) -> Failure {
     let title = format!("the run `{run}`: {error}");
     match error {
@@ -105,7 +105,7 @@ fn put(scenario: &mut Scenario, numbers: &[(&Parameter, f64)]) -> Result<(), Fai
     Ok(())
 }
 
-/// The rows of a passage's size: C and b, and the flow area.
+/// The rows of a flow path's size: C and b, and the flow area.
 fn rows(direction: Direction, of: &Valve) -> [&'static Parameter; 3] {
     match direction == Direction::Exhaust && of.exhaust.is_some() {
         true => {
@@ -115,8 +115,9 @@ fn rows(direction: Direction, of: &Valve) -> [&'static Parameter; 3] {
     }
 }
 
-/// The scenario with another passage, whose flow is the measured one: the efficiency is 1, and the passage that stays lets
-/// through what it did. Where the scenario states one for both ways and `split` is not asked for, it is that of both.
+/// The scenario with another flow path, whose flow is the measured one: the efficiency is 1, and the flow path that
+/// stays lets through what it did. Where the scenario states one for both ways and `split` is not requested, it is that
+/// of both.
 fn with_passage(
     scenario: &Scenario,
     direction: Direction,
@@ -135,7 +136,7 @@ fn with_passage(
         _ => {
             if valve.exhaust.is_none() {
                 warnings
-                    .push("the passage is taken for both ways, as the scenario has no `[valve.exhaust]`.".to_owned());
+                    .push("the flow path is taken for both ways, as the scenario has no `[valve.exhaust]`.".to_owned());
             }
             valve.passage = passage;
             valve.exhaust = valve.exhaust.map(|exhaust| exhaust.scaled(efficiency));
@@ -143,7 +144,7 @@ fn with_passage(
     }
     if efficiency != 1.0 {
         warnings.push(format!(
-            "`valve.efficiency` was {efficiency} and is 1 now: what was found is of the measured flow. A passage that was not \
+            "`valve.efficiency` was {efficiency} and is 1 now: what was found is of the measured flow. A flow path that was not \
              measured lets through what it did."
         ));
         put(&mut scenario, &[(&parameter::EFFICIENCY, 1.0)])?;
@@ -151,7 +152,8 @@ fn with_passage(
     Ok(scenario)
 }
 
-/// The scenario with C and b of a passage, and these under their paths. A b below zero is that of a passage with a b near zero.
+/// The scenario with C and b of a flow path, and these under their paths. A b below zero is that of a flow path with a
+/// b near zero.
 fn with_conductance(
     scenario: &Scenario,
     direction: Direction,
@@ -161,7 +163,7 @@ fn with_conductance(
 ) -> Result<(Scenario, Vec<Estimate>), Failure> {
     if ratio.value < 0.0 {
         let told = told(ratio, 1.0, "");
-        warnings.push(format!("{WARNED}b comes out as {told}; the scenario has 0, the least that a passage has."));
+        warnings.push(format!("{WARNED}b comes out as {told}; the scenario has 0, the least that a flow path has."));
     }
     let [sonic_conductance, critical_ratio] = [conductance.value, ratio.value.max(0.0)];
     let passage = FlowPath::Iso6358 { sonic_conductance, critical_ratio };
@@ -171,7 +173,7 @@ fn with_conductance(
     Ok((scenario, vec![named(conductance, of_conductance), named(ratio, of_ratio)]))
 }
 
-/// Whether the study says of a quantity where its sensor ends: what is left then is meant.
+/// Whether the study says of a quantity where its sensor ends: the rest is then intended.
 fn says_its_end(material: &Material, quantity: Quantity) -> bool {
     material.study.columns.iter().any(|entry| entry.quantity == quantity && entry.rules.saturates.is_some())
 }

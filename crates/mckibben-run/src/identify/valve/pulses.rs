@@ -18,7 +18,7 @@ use mckibben_scenario::{Command, CommandState, Scenario, ValveKind};
 pub(super) const STEMS: Stems = ["pulses-1", "pulses-2", "pulses-3", "pulses-4", "pulses-5", "pulses-6"];
 pub(super) const DUTY: &str = "duty";
 
-/// Periods that a figure shows: enough to see the onsets.
+/// Periods in a figure: enough to see the onsets.
 const SHOWN: f64 = 4.0;
 
 /// A run with the edges of its coil and what came of them.
@@ -87,7 +87,7 @@ pub(in super::super) fn pulse_train(material: &Material) -> Result<Outcome, Fail
 fn run<'a>(material: &Material, recording: &'a Recording, warnings: &mut Vec<String>) -> Result<Run<'a>, Failure> {
     let name = recording.name.as_str();
     let scenario = material.document_of(recording)?.scenario()?;
-    // Only the course counts, so either pressure will do as it stands.
+    // Only changes count, so either pressure will do as it stands.
     let (quantity, times, pressures) = pressure_over_time(recording)?;
     let (stuck, largest) = longest_at_the_end(&pressures);
     let silent = !says_its_end(material, quantity);
@@ -99,7 +99,7 @@ fn run<'a>(material: &Material, recording: &'a Recording, warnings: &mut Vec<Str
     if found.missed > 0 {
         let edges = train.edges().len();
         warnings.push(format!(
-            "{WARNED}`{name}`: after {} of {edges} edges the pressure does not change its course; they were left out. A pulse \
+            "{WARNED}`{name}`: after {} of {edges} edges the pressure does not respond; they were left out. A pulse \
              shorter than its delay does not move the seat, and nothing is seen near equal pressures.",
             found.missed
         ));
@@ -149,7 +149,7 @@ fn train(
                     per run by `set`";
         return Err(refused("nothing says when the coil was energised".to_owned(), help));
     };
-    let of_column = "add `[columns.command]` with what the coil was told";
+    let of_column = "add `[columns.command]` with the command to the coil";
     let turned = match (valve_of(scenario)?.kind, pulse, rest) {
         (ValveKind::TwoWay | ValveKind::ThreeWay, CommandState::Fill, _) => false,
         (ValveKind::FillHoldExhaust, CommandState::Fill, CommandState::Hold) => false,
@@ -186,7 +186,7 @@ fn with_delays(
     }
     if valve.opening_time > 0.0 || valve.closing_time > 0.0 {
         warnings.push(format!(
-            "{WARNED}the scenario’s seat takes its time: an onset is where two courses cross, somewhat behind the delay."
+            "{WARNED}the scenario’s seat takes its time: an onset is where two curves cross, somewhat behind the delay."
         ));
     }
     for (row, delay) in rows.iter().zip(delays) {
@@ -211,7 +211,7 @@ fn duties(runs: &[Run<'_>]) -> Vec<DutyPoint> {
     runs.iter().filter_map(point).collect()
 }
 
-/// The delay of each onset of a run, and that over all runs: openings and closings by themselves.
+/// The delay of each onset of a run, and that over all runs: openings and closings separately.
 fn predictions(runs: &[Run<'_>], delays: &[Estimate; 2]) -> Vec<Prediction> {
     let of_run = |run: &Run<'_>| {
         let seats = [("opening delay", true), ("closing delay", false)].into_iter().zip(delays);
@@ -285,7 +285,7 @@ fn onset_plate(run: &Run<'_>, stem: &'static str) -> Plate {
         .iter()
         .map(|onset| vec![onset.edge, f64::from(u8::from(onset.energised)), onset.time, onset.deviation])
         .collect();
-    let caption = format!("`{}`: the first pulses, and when the pressure changes its course.", run.name);
+    let caption = format!("`{}`: the first pulses, and when the pressure begins to change.", run.name);
     let figure = Figure { width_mm: 150.0, x: Axis::new("time", "s"), panels: vec![panel], ..Figure::default() };
     Plate { stem, caption, figure, data }
 }

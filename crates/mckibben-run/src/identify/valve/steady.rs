@@ -33,7 +33,7 @@ struct Points {
 }
 
 impl Points {
-    /// Why they tell nothing; a point is named by its run.
+    /// Why nothing can be estimated from them; a point is named by its run.
     fn failed(&self, error: &ValveError) -> Failure {
         let help = "see docs/identify.md";
         match error {
@@ -115,7 +115,7 @@ pub(in super::super) fn steady_flow(material: &Material) -> Result<Outcome, Fail
             let mut scenario = scenario;
             put(&mut scenario, &[(&parameter::EFFICIENCY, found.factor.value)])?;
             if valve.exhaust.is_some() {
-                let text = "`valve.efficiency` multiplies the flow of both passages, of which one was measured.";
+                let text = "`valve.efficiency` multiplies the flow of both flow paths, of which one was measured.";
                 warnings.push(format!("{WARNED}{text}"));
             }
             let numbers = vec![named(&found.factor, &parameter::EFFICIENCY)];
@@ -155,7 +155,7 @@ pub(in super::super) fn steady_flow(material: &Material) -> Result<Outcome, Fail
             label: "Ratios",
             title: "Measured over calculated flow",
             paragraphs: vec![
-                "A trend over the pressure ratio says that the passage has another law than the calculated one: look at a \
+                "A trend over the pressure ratio says that the flow path has another law than the calculated one: look at a \
                  `flow-curve` then."
                     .to_owned(),
             ],
@@ -262,7 +262,7 @@ fn of_run(
     let least = downstream.iter().copied().fold(f64::INFINITY, f64::min);
     if measured == DownstreamAbsolutePressure && least > 0.0 && least < 0.9 * atmosphere {
         warnings.push(format!(
-            "{WARNED}`{}`: the {} falls to {}, below the surroundings’ {}: a vacuum behind the valve, or a gauge pressure under the \
+            "{WARNED}`{}`: the {} falls to {}, below the atmosphere’s {}: a vacuum behind the valve, or a gauge pressure under the \
              wrong name.",
             recording.name,
             measured.words(),

@@ -20,10 +20,10 @@ use mckibben_scenario::{ExhaustTemperature, Process, Scenario};
 
 /// Largest pressure ratio of a window: nearer to equal pressures the flow falls too fast for its cubic.
 const LARGEST_RATIO: f64 = 0.9;
-/// Deviations of a reading by which a trajectory may be off before it is told.
+/// Deviations of a reading by which a trajectory may be off before it is reported.
 const MISFIT: f64 = 1.5;
 
-/// The files of the runs' pressures; a page shows no more.
+/// The files of the runs' pressures; a page has no more.
 pub(super) const PRESSURES: Stems = ["tank-1", "tank-2", "tank-3", "tank-4", "tank-5", "tank-6"];
 
 /// A run, and the tank that it is of.
@@ -47,7 +47,7 @@ struct Found {
     plates: Vec<Plate>,
     /// Of each run that was simulated.
     predictions: Vec<Prediction>,
-    /// What is left of each run.
+    /// Residual of each run.
     left: Table,
 }
 
@@ -178,7 +178,7 @@ fn possible(
         ),
         Transfer::Discharge if least < 0.9 * atmosphere => refuse(
             format!(
-                "the {words} falls to {} absolute, but the surroundings to which it is discharged have {}",
+                "the {words} falls to {} absolute, but the atmosphere to which it is discharged has {}",
                 quantity(least, "Pa"),
                 quantity(atmosphere, "Pa")
             ),
@@ -211,7 +211,7 @@ fn possible(
         }
         Transfer::Charge { .. } if first < 0.9 * atmosphere => {
             warnings.push(format!(
-                "{WARNED}`{run}`: the tank begins at {} absolute, below the surroundings’ {}: it was evacuated, or {wrong_kind}.",
+                "{WARNED}`{run}`: the tank begins at {} absolute, below the atmosphere’s {}: it was evacuated, or {wrong_kind}.",
                 quantity(first, "Pa"),
                 quantity(atmosphere, "Pa")
             ));
@@ -311,7 +311,7 @@ fn by_trajectory(runs: &[Experiment<'_>], warnings: &mut Vec<String>) -> Result<
     };
     let left = Table {
         caption:
-            "What is left of each run about its trajectory, and the noise of its readings as their neighbours tell it."
+            "Residual of each run about its trajectory, and the noise of its readings, estimated from their neighbours."
                 .to_owned(),
         head: ["run", "readings", "left", "noise"].map(String::from).to_vec(),
         rows: runs.iter().zip(&found.of_records).map(row).collect(),
@@ -332,7 +332,7 @@ fn off(runs: &[Experiment<'_>], found: &TankFit, run: usize) -> Vec<f64> {
     own.iter().map(|residual| residual * found.of_records[run][1]).collect()
 }
 
-/// The scenario of each run with C and b; what is told of it is told once.
+/// The scenario of each run with C and b; its warnings are given once.
 fn with_both(
     runs: &[Experiment<'_>],
     both: [&Estimate; 2],
@@ -361,7 +361,7 @@ fn with_volumes(runs: &[Experiment<'_>], volume: &Estimate) -> Result<(Vec<Scena
     Ok(all)
 }
 
-/// What is unknown; guesses of C and b are those of the scenario's passage.
+/// What is unknown; guesses of C and b are those of the scenario's flow path.
 fn sought(of: &Experiment<'_>) -> Result<TankUnknown, Failure> {
     let valve = valve_of(&of.scenario)?;
     let passage = passage_of(valve, of.entry.transfer);

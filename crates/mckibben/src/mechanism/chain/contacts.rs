@@ -102,7 +102,7 @@ impl<S: Scalar> Chain<S> {
         }
     }
 
-    /// Sines of the segments' inclinations, and their cosines if they are asked for.
+    /// Sines of the segments' inclinations, and their cosines if they are requested.
     #[inline(always)]
     pub(super) fn enter_directions<T: Over<S>>(
         &self,

@@ -490,7 +490,7 @@ impl<S: Scalar> Chain<S> {
 /// The sum of some numbers.
 #[inline(always)]
 fn sum<T: Scalar>(numbers: &[T]) -> T {
-    // No closure: it would be compiled by itself, without the instructions of a batch.
+    // No closure: it would be compiled separately, without the instructions of a batch.
     let mut sum = T::zero();
     for number in numbers {
         sum = sum + *number;

@@ -7,9 +7,9 @@
 //! driven         u = (d₁, d₂, ṁ₁, ṁ₂, W)        each valve by its mean flow over its own period
 //! ```
 //!
-//! ṁ is a mass flow into each actuator beside that of its valve, which your own valve model may supply, W a torque on the
-//! joint beside its own, d the commanded duty of each valve. τ is the torque of both actuators. Behind these stands what hoses,
-//! leaks, supplies, regulators, spools, tendons and given pressures add.
+//! ṁ is a mass flow into each actuator in addition to that of its valve, which a custom valve model may supply, W a
+//! torque on the joint in addition to its own, d the commanded duty of each valve. τ is the torque of both actuators.
+//! Behind these stands what hoses, leaks, supplies, regulators, spools, tendons and given pressures add.
 //!
 //! As for [one actuator](crate::linearize), every process but the energy balance keeps `P (V/m)^κ` of each, so four states serve.
 //! The joint slides without Coulomb friction: within ± [`JointLinearization::coulomb_bound`] it sticks. Neither actuator may be

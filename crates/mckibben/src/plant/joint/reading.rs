@@ -22,7 +22,7 @@ pub enum Turning {
     Frictionless,
 }
 
-/// Which formulas hold, as an event log shows it.
+/// Which formulas hold, as an event log reports it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct JointMode {
     /// The modes of agonist and antagonist.
@@ -77,7 +77,7 @@ impl<R: Instantiate> JointPlant<R> {
     /// The mode of the plant as that of the joint.
     pub fn mode(&self, of: &PlantMode<R>) -> JointMode {
         let actuators = [0, 1].map(|i| self.feeds[i].mode(i, of));
-        // On a tendon an end slides by itself, and its friction does not ask how the joint turns.
+        // On a tendon an end slides independently, and its friction does not depend on the joint's velocity.
         let sliding = |i: usize| match self.plant.actuators()[i].tendon {
             Some(_) => Sliding::Frictionless,
             None => actuators[i].sliding,
@@ -109,7 +109,7 @@ impl<R: Instantiate> JointPlant<R> {
         };
         let actuator = match (of.part, of.kind) {
             (Part::Driver(_), _) => return None,
-            // The end of an actuator on a tendon moves by itself; else one joint turns both.
+            // The end of an actuator on a tendon moves independently; else one joint turns both.
             (Part::Actuator(i), _) if self.plant.actuators()[i].tendon.is_some() => Some(i),
             (_, EventKind::Stick | EventKind::Reversal | EventKind::BreakAway) => None,
             (Part::Actuator(i), _) => Some(i),

@@ -77,7 +77,7 @@ struct Unknown {
 enum UnknownKind {
     /// Pressure of an actuator, whose air mass goes with it where the process ties it.
     Pressure(usize),
-    /// A state by itself; whether it is a pressure.
+    /// A single state; whether it is a pressure.
     Slot(usize, bool),
     /// What drives a valve.
     Drive(usize),
@@ -108,7 +108,8 @@ impl AirSolver<'_> {
         }
     }
 
-    /// Mass in kg of an actuator's air at a pressure in Pa and a volume in m³, and its derivative by the pressure.
+    /// Mass in kg of an actuator's air at a pressure in Pa and a volume in m³, and its derivative with respect to the
+    /// pressure.
     pub(super) fn mass(&self, i: usize, pressure: f64, volume: f64) -> [f64; 2] {
         let air = self.plant.actuators[i].actuator.air();
         let at = |temperature: f64| {
@@ -297,7 +298,7 @@ impl AirSolver<'_> {
                 }
                 _ => most,
             });
-            // A shorter step, not a part of a long one: where pressures go by themselves at first, that leads elsewhere.
+            // A shorter step, not a part of a long one: where pressures move freely at first, that leads elsewhere.
             if largest > 1.0 && step > SHORTEST {
                 step /= 2.0;
                 continue;

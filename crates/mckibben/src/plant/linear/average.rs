@@ -26,7 +26,7 @@ pub struct ValveAverage {
     pub frequency: f64,
     /// Commanded duty d.
     pub duty: f64,
-    /// Actual duty cycles of the flow paths to supply and surroundings: mean openings over a period.
+    /// Actual duty cycles of the flow paths to supply and atmosphere: mean openings over a period.
     pub shares: [f64; 2],
     /// One period of the seats, from the instant at which the pulse is commanded.
     pub intervals: Vec<Interval>,

@@ -29,7 +29,7 @@ const LARGEST_STEP: (f64, f64) = (0.2, 0.05);
 const ROUNDING: f64 = 1e-14;
 /// Part of the usual force below which a residual is rounding.
 const FORCE_ROUNDING: f64 = 1e-13;
-/// Part of its own size that a stiffness is shifted by first, and up to which it is no shift.
+/// Part of its size by which a stiffness is shifted first, and up to which it is no shift.
 const SHIFTS: (f64, f64) = (1e-3, 1e-9);
 
 const NO_BALANCE: Error = Error::NoSolution {

@@ -62,7 +62,7 @@ pub(super) fn fill<'a>(
     for (i, mounted) in plant.actuators.iter().enumerate() {
         let (here, limits) = (plant.places.actuators[i], mounted.actuator.limits());
         if let (Some(slot), Some(tendon), None) = (here.length, &mounted.tendon, start.lengths[i]) {
-            // Without a length of its own it starts between its limits, its tendon straight.
+            // Without a given length it starts between its limits, its tendon straight.
             let longest = limits.max_length();
             state[slot] = (state[slot] - tendon.rest_length()).clamp(limits.min_length(), longest);
         }

@@ -59,7 +59,7 @@ fn states(frame: &Frame) -> Vec<(PlantState, usize)> {
     states
 }
 
-/// The inputs of the model, each with what to differentiate by; forces have a column of their own.
+/// The inputs of the model, each with what to differentiate by; each force has its own column.
 fn inputs(frame: &Frame) -> Vec<(PlantInput, Option<Quantity>)> {
     let Plant { actuators, network, mechanisms, places } = &frame.plant;
     let mut inputs = Vec::new();

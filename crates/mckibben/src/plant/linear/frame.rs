@@ -23,9 +23,9 @@ use alloc::vec::Vec;
 /// A number with one derivative.
 pub(super) type Number = Dual<f64, 1>;
 
-/// To what the events of a run would be told from rounding: no event happens at a point.
+/// Tolerance that separates the events of a run from rounding: no event happens at a point.
 const TOLERANCE: f64 = 1e-10;
-/// Temperature in K of a mass flow into an actuator that has no node of its own.
+/// Temperature in K of a mass flow into an actuator that has no node.
 const ROOM: f64 = 293.15;
 
 /// What determines how far the flow paths of a valve are open.
@@ -37,7 +37,7 @@ pub(super) enum Drive {
     Duty(f64),
     /// The commanded position of a spool.
     Spool(f64),
-    /// The set point of a pressure regulator, as a gauge pressure in Pa, and whether its passage is open.
+    /// The set point of a pressure regulator, as a gauge pressure in Pa, and whether its flow path is open.
     SetPoint(f64, bool),
 }
 

@@ -1,7 +1,7 @@
 //! What the states, inputs and outputs of a plant's linear model are.
 //!
 //! Each is a difference from its value at the operating point. Actuators, mechanisms, nodes, branches and valves are counted
-//! as in the [`Plant`], so that whoever has names for them can name every row and column.
+//! as in the [`Plant`], so that a caller with names for them can name every row and column.
 
 use crate::mechanism::Mechanism;
 use crate::plant::Plant;
@@ -185,7 +185,7 @@ pub enum PlantOutput {
         /// Its coordinate.
         coordinate: usize,
     },
-    /// Absolute pressure in Pa of a node whose pressure is a state of its own.
+    /// Absolute pressure in Pa of a node whose pressure is a state.
     NodePressure {
         /// The node.
         node: usize,

@@ -1,6 +1,6 @@
 //! The linear model of one actuator with its load: the point, and the plant's model in its words.
 //!
-//! | asked for | the valve | the point |
+//! | requested | the valve | the point |
 //! |---|---|---|
 //! | a [`Balance`] | held shut | two of gauge pressure, length and load |
 //! | [`Aim::Duty`], [`Aim::Command`] | by its command, pulses on average | the pressure that it makes, then the length or the load |
@@ -45,7 +45,8 @@ pub struct Linearization {
     /// Where.
     pub point: OperatingPoint,
     /// All states but a length that both tensions of a tendon give: length, velocity, pressure and air mass, as far as they can
-    /// move; on a tendon the load's beside the actuator's; behind these the states of hose, supply, regulator and spool.
+    /// move; on a tendon those of the load in addition to the actuator's; behind these the states of hose, supply,
+    /// regulator and spool.
     pub system: StateSpace,
     /// The model of the rig's plant.
     pub plant: PlantLinearization,

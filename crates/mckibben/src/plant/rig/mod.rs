@@ -4,7 +4,7 @@
 //! dL/dt = v
 //! dv/dt = (W − F(L, v, P))/M                         (16)
 //! dP/dt = by the process of the air                  (19)
-//! dm/dt = flow through the open passages             (21)
+//! dm/dt = flow through the open paths             (21)
 //! ```
 //!
 //! A [`RigPlant`] knows where the rig's parts lie in its plant. Its runs are the plant's, read as those of a rig:

@@ -50,7 +50,7 @@ pub struct OperatingPoint {
 impl OperatingPoint {
     /// The point with the valve held shut.
     ///
-    /// With heat transfer the air at rest has the wall's temperature, whatever `content` says of its own.
+    /// With heat transfer the air at rest has the wall's temperature, whatever temperature `content` has.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] or [`Error::Inconsistent`] for a number outside the physics; [`Error::NoSolution`] when

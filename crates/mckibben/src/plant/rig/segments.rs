@@ -1,11 +1,11 @@
-//! A run in segments: at given instants its four states are set anew, while valve and command go on.
+//! A run in segments: at given instants its four states are reset, while valve and command go on.
 //!
-//! What fits a model to a measured course needs this: over a whole run a small error in a number may grow beyond all
+//! Fitting a model to a measured trajectory needs this: over a whole run a small error in a number may grow beyond all
 //! bounds, as when a load bounces on a taut braid; over a short segment it does not. With the states at the joints as
 //! further unknowns, and the condition that each segment ends where the next one starts, this is multiple shooting (Bock,
 //! 1983).
 //!
-//! Checked by `tests/segments.rs`: joints that change nothing, and derivatives by the state at a joint.
+//! Checked by `tests/segments.rs`: joints that change nothing, and derivatives with respect to the state at a joint.
 
 use super::{RigPlant, RigTrajectory};
 use crate::error::Error;

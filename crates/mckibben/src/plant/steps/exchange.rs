@@ -14,7 +14,7 @@
 //! where its rate brings it there within [`NEAR`]. Once a mode has begun in the same instant its guards may start at zero or
 //! a rounding below; then only those that descend have fired (rule 4 of the contract of events).
 //!
-//! Source: FMI 3.0.2, section 3, for what a host asks. Checked by `tests/plant_exchange.rs`.
+//! Source: FMI 3.0.2, section 3, for what a host requires. Checked by `tests/plant_exchange.rs`.
 
 use super::super::evaluation::{Evaluation, System};
 use super::super::guard::PlantGuard;
@@ -114,7 +114,7 @@ impl PlantExchange {
     }
 
     /// Writes the rates of all states per second in the mode that holds, one for each state. A host tries states far beyond the
-    /// end of a mode, where a law may have no continuation; there each law takes the piece of its own state.
+    /// end of a mode, where a law may have no continuation; there each law takes the piece of its state.
     ///
     /// # Errors
     /// [`Error::Table`] for more or fewer rates.

@@ -1,4 +1,4 @@
-//! The external mechanism in a loop of one's own: where the ends are, in; tensions, out.
+//! The external mechanism in a custom loop: it takes where the ends are, and returns tensions.
 //!
 //! ```text
 //! set       what a valve does from now on
@@ -19,12 +19,12 @@
 //! ```
 //!
 //! A robot's simulator knows how long each actuator is and wants to know how hard it pulls; everything else is kept here, for
-//! any number of actuators with the network that they share. What moves by itself, such as a mass beside them, goes on by its
-//! own forces.
+//! any number of actuators with the network that they share. What moves without the host, such as another mass of the
+//! plant, goes on by its own forces.
 //!
-//! A host asks for the tensions where the ends are, takes its own step with them, and moves the ends to where they are then. A
-//! host that moves first, to where the ends were, has tensions that lag its lengths by a step, which makes a stiff end
-//! unstable.
+//! A host gets the tensions where the ends are, takes its own step with them, and moves the ends to where they are
+//! then. A host that moves first, to where the ends were, has tensions that lag its lengths by a step, which makes a
+//! stiff end unstable.
 //!
 //! ```
 //! use mckibben::plant::{Plant, PlantRun, PlantStart};
@@ -46,7 +46,7 @@
 //! ```
 //!
 //! At rest the dry friction of (12) is set-valued and the response has its middle, zero: a load that it would hold creeps,
-//! until whoever owns the load treats it as stuck. An actuator on an elastic tendon sticks by itself.
+//! until the host treats it as stuck. An actuator on an elastic tendon sticks without the host.
 //!
 //! Source: Colbrunn, Nelson & Quinn (2001), section 4, the modular actuator. Checked by `tests/plant_host.rs` and
 //! `tests/plant_host_pulses.rs`.
@@ -66,19 +66,19 @@ use alloc::vec;
 
 /// What is said of an actuator that is not there.
 pub(super) const NO_ACTUATOR: Error = Error::Misuse {
-    what: "an actuator is asked for that is not there",
+    what: "there is no actuator of this number",
     remedy: "name one of the plant's actuators, counted from zero",
 };
 
-/// Parts of a move, and edges of pulses within it, at most: more would take minutes, and nobody means them.
+/// Parts of a move, and edges of pulses within it, at most: more would take minutes, and is a mistake.
 pub const MOST_PARTS: f64 = 1e7;
 
 /// A part that is this much longer than the longest is as long.
 const ROUNDING: f64 = 1e-9;
 
 impl Plant {
-    /// The plant with one external mechanism in place of all of its own, and its start: a host moves the ends of each
-    /// actuator, whose distance is the coordinate of its index.
+    /// The plant with one external mechanism in place of all its mechanisms, and its start: a host moves the ends of
+    /// each actuator, whose distance is the coordinate of its index.
     ///
     /// # Errors
     /// As [`PlantRun::new`].

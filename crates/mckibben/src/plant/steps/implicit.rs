@@ -41,13 +41,13 @@ use alloc::vec::Vec;
 struct TensionResponse<R> {
     stiffness: R,
     damping: R,
-    /// How the tension answers to what its end or its bristles would do by themselves.
+    /// How the tension responds to what its end or its bristles would do without the rest.
     by_own: R,
     /// `1/(1 − r u_L)` or `1/(1 − r z_z)`, and `r u_x`, `r u_v` or `r z_v`.
     share: R,
     by_distance: R,
     by_rate: R,
-    /// `1/(1 − r z_z)` of bristles beside an end on a tendon.
+    /// `1/(1 − r z_z)` of bristles in addition to an end on a tendon.
     beside: R,
     /// How the tension answers to the sums over viscoelastic branches; zero of an end on a tendon, whose balance has them as they
     /// are.
@@ -249,7 +249,7 @@ impl<R: Scalar> Implicit<R> {
     }
 }
 
-/// Setting the numbers of a stage, in a function of its own: it is long, and every stage asks for it.
+/// Setting the numbers of a stage, in a separate function: it is long, and every stage needs it.
 struct Factor<'a, R: Scalar, F> {
     implicit: &'a mut Implicit<R>,
     system: &'a System<R>,
@@ -312,7 +312,7 @@ impl<R: Scalar, F: Formulas<R>> Work for Solve<'_, R, F> {
     }
 }
 
-/// A plant that has been evaluated, to be asked how its pressures answer.
+/// An evaluated plant, for the response of its pressures.
 struct AtInstant<'a, R: Scalar, F> {
     system: &'a System<R>,
     span: (R, R),
@@ -381,7 +381,8 @@ fn relaxation<R: Scalar>(law: &Viscoelastic<R>, branch: usize, gamma_h: R) -> [R
 }
 
 impl<R: Scalar> System<R> {
-    /// The state of an actuator that answers within a stage beside its mechanism: the length of an end on a tendon, or bristles.
+    /// The state of an actuator that responds within a stage in addition to its mechanism: the length of an end on a
+    /// tendon, or bristles.
     #[inline(always)]
     fn own_place(&self, i: usize) -> Option<usize> {
         let here = &self.plant.places.actuators[i];

@@ -255,7 +255,7 @@ impl<R: Scalar> System<R> {
     #[inline(always)]
     fn is_positive(&self, from: &[R], to: &[R]) -> R::Mask {
         let mut enough = R::Mask::splat(true);
-        // No closures: they would be compiled by themselves, without the instructions of a batch.
+        // No closures: they would be compiled separately, without the instructions of a batch.
         for here in &self.plant.places.actuators {
             enough = enough & (R::constant(LEAST_SHARE) * from[here.pressure]).lt(to[here.pressure]);
             enough = enough & (R::constant(LEAST_SHARE) * from[here.mass()]).lt(to[here.mass()]);

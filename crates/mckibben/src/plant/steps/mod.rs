@@ -8,12 +8,12 @@
 //!
 //! | within a step | |
 //! |---|---|
-//! | borders between pieces of a law that agree there | each stage takes the piece of its own state: [`pieces`] |
+//! | borders between pieces of a law that agree there | each stage takes the piece of its state: [`pieces`] |
 //! | the end of a mode | is located by the method's own step: [`part`] |
 //! | more air than there is | shorter steps by backward Euler: [`method`] |
 //! | what is stiff | a linear system over what it is in: [`implicit`] |
 //! | ends that a host moves | [`host`] |
-//! | a host that integrates by itself | [`exchange`] |
+//! | a host that has its own integrator | [`exchange`] |
 //!
 //! What error a step leaves is in `docs/accuracy.md`.
 //!
@@ -48,9 +48,10 @@ use crate::valve::RuntimeCommand;
 use alloc::vec::Vec;
 use part::Workspace;
 
-/// The relative width of the borders of modes: no step is controlled by an error, so that only rounding is to be told from them.
+/// The relative width of the borders of modes: no step is controlled by an error, so that only rounding lies within
+/// them.
 pub(super) const NARROW: f64 = 1e-12;
-/// Part of a step below which what is left up to the end of a run is no step of its own.
+/// Part of a step below which the rest up to the end of a run is no separate step.
 const SLIVER: f64 = 1e-9;
 
 /// How a run goes through time.

@@ -26,8 +26,8 @@ use alloc::vec::Vec;
 
 /// Events within a part after which the rest of the step is taken as it is: so many for each actuator and mechanism.
 const MOST_EVENTS: usize = 4;
-/// Part of a step by which the last trial may move an event: what is left of its error is far smaller, since each error of the
-/// search is of the order of the product of those before.
+/// Part of a step by which the last trial may move an event: the remaining error is far smaller, since each error of
+/// the search is of the order of the product of those before.
 const LOCATION_TOLERANCE: f64 = 1e-5;
 /// Part of a step after which a guard that begins at zero is first evaluated.
 const FROM_REST: f64 = 1e-3;
@@ -235,7 +235,7 @@ impl<R: Instantiate> Part<'_, '_, R> {
         Ok(())
     }
 
-    /// Takes a step of no length, which carries derivatives by the times of its ends.
+    /// Takes a step of no length, which carries derivatives with respect to the times of its ends.
     fn stretch(&mut self, step: R, until: R) -> Result<(), Error> {
         if !R::HAS_DERIVATIVES || step.lt(R::zero()) {
             return Ok(());
@@ -297,7 +297,7 @@ impl<R: Instantiate> Part<'_, '_, R> {
                 Method::Rk4 => {
                     let [first, last] = stages.slopes_at_ends(system, time, end, self.mode, at);
                     arc.set_cubic([self.state, first], [end, last]);
-                    // Far beyond its stability the method has no smooth course to show.
+                    // Far beyond its stability the method has no smooth trajectory.
                     if !system.holds_air(arc) {
                         arc.set_line(self.state, end);
                     }
@@ -323,7 +323,7 @@ impl<R: Instantiate> Part<'_, '_, R> {
         }
     }
 
-    /// Hands the part that has been made to whoever keeps it.
+    /// Hands the finished part to its owner.
     fn hand_on(&mut self, kind: Option<PlantEventKind>) -> Result<(), Error> {
         match &mut self.keep {
             None => Ok(()),

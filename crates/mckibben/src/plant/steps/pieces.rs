@@ -1,4 +1,4 @@
-//! Borders between pieces of a law that agree there: each stage takes the piece of its own state.
+//! Borders between pieces of a law that agree there: each stage takes the piece of its state.
 //!
 //! In the event-located engine a mode lasts up to such a border, and each step keeps to one piece, smoothly continued. A
 //! fixed step crosses these borders without an event: what it loses there is of the order of its error.

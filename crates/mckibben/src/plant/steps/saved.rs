@@ -1,4 +1,4 @@
-//! Where steps are, as numbers in the caller's memory: for a host that keeps states in arrays of its own, in a file, or
+//! Where steps are, as numbers in the caller's memory: for a host that keeps states in its own arrays, in a file, or
 //! in another process.
 //!
 //! Checked by `tests/plant_saved.rs`: what is restored goes on to the same bits.
@@ -38,7 +38,8 @@ impl<R: Instantiate> PlantSteps<R> {
         self.system.save_to(&mut self.reached, numbers, size)
     }
 
-    /// Returns to where steps of an equal plant were, by the numbers that they saved; from there the steps go on bit for bit.
+    /// Returns to where steps of an equal plant were, from the numbers that they saved; from there the steps go on bit
+    /// for bit.
     ///
     /// # Errors
     /// [`Error::Misuse`] for numbers that are no state of the plant; [`Error::NotImplemented`] where drivers command valves. The

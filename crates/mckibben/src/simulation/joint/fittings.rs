@@ -1,4 +1,5 @@
-//! What an actuator of a joint has beside its valve: its air line, an elastic tendon, a pressure that is given over time.
+//! What an actuator of a joint has in addition to its valve: its air line, an elastic tendon, a pressure that is given
+//! over time.
 //!
 //! A joint with any of these is run as a plant: see [`JointPlant`](crate::plant::JointPlant).
 
@@ -19,14 +20,14 @@ use crate::simulation::pressure_course::PressureSeries;
 #[cfg(feature = "alloc")]
 use crate::simulation::rig::check_line;
 
-/// What an actuator of a joint has beside its valve.
+/// What an actuator of a joint has in addition to its valve.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fittings<S = f64> {
     /// Its hose, its leak, and the reservoir and regulator of its supply.
     pub line: Line<S>,
     /// The elastic tendon between the actuator and the joint.
     pub tendon: Option<SeriesTendon<S>>,
-    /// Its gauge pressure over time, or that at the far end of its hose if it has one, in place of a valve.
+    /// Its gauge pressure over time, or that at the inlet of its hose if it has one, in place of a valve.
     pub pressure: Option<PressureSeries<S>>,
 }
 
@@ -50,7 +51,7 @@ impl<S: Scalar> Fittings<S> {
 /// What the two actuators of a joint draw from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum JointSupply {
-    /// Each has a supply of its own.
+    /// Each has a separate supply.
     Separate,
     /// One reservoir, regulator or both feed the two.
     Shared,
@@ -58,15 +59,15 @@ pub enum JointSupply {
 
 #[cfg(feature = "alloc")]
 impl JointRig {
-    /// A joint with its agonist and its antagonist and what these have beside their valves. The reservoir and regulator of a
-    /// [shared](JointSupply::Shared) supply are the agonist's; with N for its
+    /// A joint with its agonist and its antagonist and what these have in addition to their valves. The reservoir and
+    /// regulator of a [shared](JointSupply::Shared) supply are the agonist's; with N for its
     /// [number of actuators](SupplyLine::actuators), N such joints draw from it.
     ///
     /// # Errors
-    /// As [`JointRig::new`]; [`Error::Misuse`] for a hose or a supply without a valve, a pressure that is given beside a valve
-    /// or a leak, and a shared supply that the antagonist states again or states otherwise; [`Error::Inconsistent`] for a
-    /// pressure below vacuum; [`Error::NotImplemented`] for a reservoir or a regulator before a valve that makes a pressure
-    /// itself.
+    /// As [`JointRig::new`]; [`Error::Misuse`] for a hose or a supply without a valve, a pressure that is given in
+    /// addition to a valve or a leak, and a shared supply that the antagonist states again or states otherwise;
+    /// [`Error::Inconsistent`] for a pressure below vacuum; [`Error::NotImplemented`] for a reservoir or a regulator
+    /// before a valve that makes a pressure itself.
     pub fn fitted(
         driven: [Driven; 2],
         joint: Joint,
@@ -99,7 +100,7 @@ impl JointRig {
     }
 }
 
-/// That somebody draws from a shared supply, and that it has one pressure and one temperature.
+/// Checks that a valve draws from the shared supply, and that it has one pressure and one temperature.
 #[cfg(feature = "alloc")]
 fn check_shared(driven: &[Driven; 2], shared: Option<SupplyLine>) -> Result<(), Error> {
     let valves = || driven.iter().filter_map(|of| Some((of, of.actuator.valve()?)));
@@ -122,7 +123,7 @@ fn check_shared(driven: &[Driven; 2], shared: Option<SupplyLine>) -> Result<(), 
 }
 
 impl<S: Scalar> JointRig<S> {
-    /// What agonist and antagonist have beside their valves.
+    /// What agonist and antagonist have in addition to their valves.
     pub fn fittings(&self) -> &[Fittings<S>; 2] {
         &self.fittings
     }

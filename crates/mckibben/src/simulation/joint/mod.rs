@@ -13,7 +13,7 @@
 //! | P₁, P₂ | `pressure`, absolute | Pa |
 //! | m₁, m₂ | `air_mass` | kg |
 //!
-//! Actuators may have [`Fittings`] beside: an air line, a tendon, a given pressure. These add states of the plant.
+//! Actuators may also have [`Fittings`]: an air line, a tendon, a given pressure. These add states of the plant.
 //!
 //! [`JointPlant`](crate::plant::JointPlant) goes through time. Checked by `tests/joint.rs` and `tests/joint_steps.rs`.
 
@@ -97,8 +97,8 @@ pub struct JointInitial<S = f64> {
 }
 
 impl<S: Scalar> JointInitial<S> {
-    /// The same start over another scalar; `function` is told which parameter each number is, and of which actuator as by
-    /// [`JointRig::map_of_each`].
+    /// Converts the start to another scalar type; `function` receives each number with its parameter and its
+    /// actuator, as by [`JointRig::map_of_each`].
     pub fn map_of_each<T: Scalar>(
         &self,
         mut function: impl FnMut(Option<usize>, &'static Parameter, S) -> T,
@@ -134,12 +134,12 @@ impl JointRig {
     ///
     /// # Errors
     /// [`Error::Misuse`] when an actuator has a valve and nothing drives it, the other way round, or the valve cannot
-    /// do what the command asks; [`Error::Inconsistent`] when no angle leaves both braids shorter than their threads.
+    /// carry out the command; [`Error::Inconsistent`] when no angle leaves both braids shorter than their threads.
     pub fn new(driven: [Driven; 2], joint: Joint) -> Result<Self, Error> {
         Self { driven, joint, fittings: [Fittings::NONE; 2], supply: JointSupply::Separate }.checked()
     }
 
-    /// The same joint, once its parts are seen to fit each other.
+    /// Checks that the parts of the joint fit each other, and returns it.
     fn checked(self) -> Result<Self, Error> {
         let rig = self;
         for Driven { actuator, actuation } in &rig.driven {
@@ -154,7 +154,7 @@ impl JointRig {
             parameter: &parameter::REST_LENGTH,
             value: second.rest_length,
             requirement: Requirement {
-                relation: "must leave an angle at which both actuators are shorter than their threads, beside",
+                relation: "must leave an angle at which both actuators are shorter than their threads, given",
                 other: "the agonist's rest length",
                 value: first.rest_length,
                 unit: "m",
@@ -167,7 +167,7 @@ impl JointRig {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] or [`Error::Inconsistent`] for a start outside the physics; [`Error::Misuse`] when an
-    /// equilibrium is asked for and there is none.
+    /// equilibrium is requested and there is none.
     pub fn start(&self, initial: &JointInitial) -> Result<JointState, Error> {
         for i in 0..2 {
             check_air(&self.driven[i].actuator, initial.gauge_pressure[i], initial.temperature[i])?;
@@ -199,14 +199,15 @@ impl JointRig {
 }
 
 impl<S: Scalar> JointRig<S> {
-    /// The same rig over another scalar; `function` is told which parameter each number is.
+    /// Converts the rig to another scalar type; `function` receives each number with its parameter.
     #[cfg(feature = "alloc")]
     pub fn map<T: Scalar>(&self, mut function: impl FnMut(&'static Parameter, S) -> T) -> JointRig<T> {
         self.map_of_each(|_, parameter, value| function(parameter, value))
     }
 
-    /// The same rig over another scalar; `function` is told of which actuator each number is too: 0 for the agonist, 1 for
-    /// the antagonist, `None` for the joint itself. What leads a tendon over the joint is of its actuator.
+    /// Converts the rig to another scalar type; `function` receives each number with its parameter and its actuator: 0
+    /// for the agonist, 1 for the antagonist, `None` for the joint itself. What leads a tendon over the joint is of its
+    /// actuator.
     #[cfg(feature = "alloc")]
     pub fn map_of_each<T: Scalar>(
         &self,
@@ -311,7 +312,7 @@ impl<S: Real> JointRig<S> {
     /// The state at a start that has been checked, over any scalar with one value.
     ///
     /// # Errors
-    /// [`Error::NoSolution`] when an equilibrium is asked for and there is none.
+    /// [`Error::NoSolution`] when an equilibrium is requested and there is none.
     pub fn begin(&self, initial: &JointInitial<S>) -> Result<JointState<S>, Error> {
         let actuators = self.actuators();
         let pressure = core::array::from_fn(|i| self.first_pressure(i, initial.gauge_pressure[i]));
