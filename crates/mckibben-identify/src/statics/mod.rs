@@ -2,8 +2,7 @@
 //!
 //! ```text
 //! r_i = (F(L_i, P_i) − F_i)/s             where the muscle held a tension
-//! r_i = max(F(L_i, P_i), 0)/s             where it was slack: the law may not pull there; how far below zero it is, is
-//! unknown
+//! r_i = max(F(L_i, P_i), 0)/s             where it was slack: the law may not pull; how far below zero is unknown
 //! ```
 //!
 //! Slack points are censored in this one-sided way: one where the law pushes counts for nothing, neither in the sum

@@ -285,7 +285,7 @@ fn wrong_kind(r: &mut Reader<'_>, own: Option<CommandKind>, kind: Option<Command
     } else if own == Some(CommandKind::SetPoints) {
         (
             "a pressure regulator takes set points of pressure",
-            "commands poppets to move",
+            "commands seats to move",
             "set `command.kind` to `set-points`, or `valve.kind` to `three-way`",
         )
     } else {
