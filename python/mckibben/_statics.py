@@ -260,7 +260,8 @@ def curves(scenario: Scenario, gauge_pressures: ArrayLike | str | None = None) -
     scenario : Scenario
         One actuator.
     gauge_pressures : array_like or str, optional
-        Numbers in Pa, or text such as "35, 45, 55 psi"; those of the paper's Fig. 3 unless given.
+        Numbers in Pa, or text such as "35, 45, 55 psi". By default round ones up to the greatest of the
+        scenario: that of its supply, its given pressure or its start.
 
     Returns
     -------

@@ -6,6 +6,7 @@
 //! | file | its idea |
 //! |---|---|
 //! | `figure`, `axis` | what is to be shown: panels, series, spans, marks, references, over linear or logarithmic axes |
+//! | `convert` | a figure in other units |
 //! | `range` | the interval of an axis, and where a value lies in it |
 //! | `ticks`, `decades` | round tick values of linear and of logarithmic axes, SI prefixes, offsets |
 //! | `decimate` | the fewest points that draw the same curve |
@@ -35,6 +36,7 @@
 
 mod axis;
 mod beside;
+mod convert;
 mod decades;
 mod decimate;
 mod draw;
@@ -55,6 +57,7 @@ mod ticks;
 
 pub use axis::{Axis, Scale};
 pub use beside::SideBySide;
+pub use convert::Conversion;
 pub use figure::{
     Colour, Dash, Extent, Field, Figure, Legend, Marks, Panel, Reference, Series, Span, Strip, Style, Symbol,
 };

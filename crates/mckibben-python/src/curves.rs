@@ -4,7 +4,7 @@ use crate::arguments;
 use crate::raised::Raised;
 use crate::scenario::Scenario;
 use crate::typed::{GaugePressures, Numbered, Sections, Sequence};
-use mckibben_run::curves::{Curves, Pressures, USUAL};
+use mckibben_run::curves::{Curves, Pressures};
 use mckibben_run::failure::Failure;
 use mckibben_scenario::presets::{ACTUATORS, Preset, VALVES};
 use numpy::{PyArray1, PyArrayMethods};
@@ -43,15 +43,16 @@ pub(crate) fn _curves<'py>(
                     )
                 })
             };
-            let pressures: Pressures = match gauge_pressures {
-                None => text(USUAL)?,
-                Some(GaugePressures::Text(list)) => text(&list)?,
+            let pressures: Option<Pressures> = match gauge_pressures {
+                None => None,
+                Some(GaugePressures::Text(list)) => Some(text(&list)?),
                 Some(GaugePressures::Numbers(Sequence(numbers))) => {
                     arguments::finite("gauge_pressures", &numbers)?;
-                    Pressures::of_pascals(&numbers)
+                    Some(Pressures::of_pascals(&numbers))
                 }
             };
-            Ok::<_, Failure>((Curves::of(document, &pressures)?.data()?, pressures.count()))
+            let curves = Curves::of(document, pressures.as_ref())?;
+            Ok::<_, Failure>((curves.data()?, curves.pressures().len()))
         })
         .raised()?;
     let arrays = PyDict::new(py);

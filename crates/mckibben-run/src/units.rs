@@ -17,6 +17,7 @@
 
 use crate::quantities::{digits, plain, prefixed};
 use crate::table::{Column, Kind};
+use mckibben_plot::{Conversion, Figure};
 use mckibben_scenario::quantity;
 use std::fmt::Write as _;
 use std::str::FromStr;
@@ -128,6 +129,13 @@ pub(crate) fn columns(columns: Vec<Column>) -> (Vec<Column>, Vec<Shown>) {
     }
 }
 
+/// A figure in the units of this process. Without a choice axes in SI become metric, and others, such as those of the paper's
+/// figures, stay.
+pub fn drawn(figure: Figure) -> Figure {
+    let is_chosen = CHOSEN.get().is_some();
+    figure.converted(&|unit, largest| units().conversion(unit, largest, is_chosen))
+}
+
 /// The SI unit that the name of a column ends with; empty where it ends with none.
 pub(crate) fn unit_of(name: &str) -> &'static str {
     let units = ROWS.iter().map(|(_, si, _)| *si).filter(|si| name.ends_with(&ending(si)));
@@ -219,6 +227,27 @@ impl Units {
         let told = self.quantity(value, si);
         let end = told.find(|c: char| !(c.is_ascii_digit() || "+-.e".contains(c))).unwrap_or(told.len());
         format!("{}{}", plain(&told[..end]), &told[end..])
+    }
+
+    /// What makes the number in these units of one in a unit as people read it. Units that are not of the table stay, and others than
+    /// SI unless `all`.
+    fn conversion(&self, unit: &str, largest: f64, all: bool) -> Option<Conversion> {
+        let symbol = [("°", "deg"), ("·", "*"), ("²", "^2"), ("³", "^3")];
+        let symbol = symbol.iter().fold(unit.to_owned(), |text, (from, to)| text.replace(from, to));
+        let is_si = self.0.iter().any(|((_, si, _), _)| *si == symbol);
+        if symbol.is_empty() || !(is_si || all) {
+            return None;
+        }
+        let read = quantity::parse(&format!("1 {symbol}")).ok()?;
+        let of = |((_, si, _), _): &&(Row, Unit)| {
+            quantity::parse_unit(si).is_ok_and(|(dimension, _)| dimension == read.dimension)
+        };
+        // Torque and energy have one dimension; a torque has the unit of a force in its own.
+        let found = self.0.iter().filter(of).find(|((_, si, _), _)| symbol.contains('J') == si.contains('J'))?;
+        // A scale with a zero of its own is no factor.
+        let factor = quantity::parse_unit(&symbol).ok()?.1;
+        let shown = self.shown(found.0.1, largest * factor);
+        Some(Conversion { unit: shown.text, factor: shown.factor * factor, zero: shown.zero })
     }
 
     /// A column in these units, without prefixes, and what makes its numbers. Its name ends with the unit.
@@ -340,6 +369,24 @@ mod tests {
         assert_eq!(told("metric", 3000.0, "s"), "3000 s");
         assert_eq!("metric".parse::<Units>().unwrap().given(20f64.to_radians(), "rad"), "20°");
         assert_eq!("imperial".parse::<Units>().unwrap().given(413_685.438, "Pa"), "60 psi");
+    }
+
+    #[test]
+    fn axes_are_converted_from_any_unit_to_the_chosen_one() {
+        let of = |system: &str, unit: &str, all| {
+            let conversion = system.parse::<Units>().unwrap().conversion(unit, 1.0, all)?;
+            Some((conversion.unit, (1e6 * conversion.factor).round() / 1e6))
+        };
+        let some = |unit: &str, factor: f64| Some((unit.to_owned(), factor));
+        assert_eq!(of("metric", "Pa", false), some("Pa", 1.0));
+        assert_eq!(of("imperial", "mm", true), some("in", 0.03937));
+        assert_eq!(of("imperial", "bar", true), some("psi", 14.503774));
+        assert_eq!(of("si", "°", true), some("mrad", 17.453293));
+        // Without a choice the paper's units stay, and what is no unit stays always.
+        assert_eq!(of("metric", "psi", false), None);
+        assert_eq!(of("imperial", "10⁻³ in", true), None);
+        assert_eq!(of("imperial", "%", true), None);
+        assert_eq!(of("imperial", "", true), None);
     }
 
     #[test]

@@ -112,7 +112,13 @@ pub(super) fn curves(arguments: &CurvesArguments) -> Result<(), Failure> {
     let help = "give --plot a name of its own";
     output::distinct(arguments.files.iter().map(PathBuf::as_path), arguments.plot.as_deref(), help)?;
     let documents = documents(&arguments.files, &arguments.set)?;
-    let of = |document: &Document| Curves::of(document, &arguments.gauge_pressures);
+    // One list of pressures for all: the first file's where none is given.
+    let pressures = match (&arguments.gauge_pressures, documents.first()) {
+        (Some(given), _) => Some(given.clone()),
+        (None, Some(first)) => Some(Pressures::of_scenario(&first.scenario()?)),
+        (None, None) => None,
+    };
+    let of = |document: &Document| Curves::of(document, pressures.as_ref());
     let curves = documents.iter().map(of).collect::<Result<Vec<Curves>, Failure>>()?;
     let mut text = String::new();
     for (document, curves) in documents.iter().zip(&curves) {

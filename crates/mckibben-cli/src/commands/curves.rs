@@ -11,7 +11,7 @@ use crate::files;
 use crate::settings::{Setting, axis};
 use crate::terminal;
 use mckibben_run::axis::CurveAxis;
-use mckibben_run::curves::{Curves, Pressures, USUAL};
+use mckibben_run::curves::{Curves, Pressures};
 use mckibben_run::failure::Failure;
 use mckibben_run::output;
 use std::path::PathBuf;
@@ -28,9 +28,10 @@ pub struct CurvesArguments {
     /// compared: --plot draws their curves over each other.
     #[arg(value_name = "FILE", required = true)]
     pub files: Vec<PathBuf>,
-    /// Gauge pressures, as in `35,45,55psi`; a number without a unit has that of the next.
-    #[arg(long, value_name = "LIST", default_value = USUAL)]
-    pub gauge_pressures: Pressures,
+    /// Gauge pressures, as in `35,45,55psi`; a number without a unit has that of the next. Without it, round ones up to the greatest of
+    /// the scenario: that of its supply, its given pressure or its start.
+    #[arg(long, value_name = "LIST")]
+    pub gauge_pressures: Option<Pressures>,
     /// Write the curves as a table: .csv.
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
@@ -56,7 +57,7 @@ pub fn run(arguments: &CurvesArguments) -> Result<(), Failure> {
     let plot = files::figure(arguments.plot.as_deref())?;
     let mut document = files::document(file)?;
     arguments.set.iter().try_for_each(|setting| setting.apply(&mut document))?;
-    let curves = Curves::of(&document, &arguments.gauge_pressures)?;
+    let curves = Curves::of(&document, arguments.gauge_pressures.as_ref())?;
     let data = curves.data()?;
     if let Some(path) = output {
         output::write(path, &data.to_csv(path)?)?;

@@ -11,6 +11,7 @@ use mckibben_run::output;
 use mckibben_run::quantities::given;
 use mckibben_run::report::{Table, number};
 use mckibben_run::size::{Requirement, Sizes, force_of};
+use mckibben_run::units;
 use std::path::PathBuf;
 
 /// What `mckibben size` is asked.
@@ -107,7 +108,7 @@ pub fn run(arguments: &SizeArguments) -> Result<(), Failure> {
         text.push_str(&terminal::wrote(path, ""));
     }
     if let Some((path, format)) = plot {
-        let bytes = sizes.figure().bytes(format).map_err(|error| Failure::output(path, error))?;
+        let bytes = units::drawn(sizes.figure()).bytes(format).map_err(|error| Failure::output(path, error))?;
         output::write(path, &bytes)?;
         text.push_str(&terminal::wrote(path, ""));
     }

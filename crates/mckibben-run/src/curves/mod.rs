@@ -27,8 +27,6 @@ use mckibben_plot::{Axis, Colour, Dash, Figure, Legend, Panel, Series, Span};
 use mckibben_scenario::{Document, Experiment, Force, Scenario};
 pub use pressures::{Pressure, Pressures};
 
-/// The pressures when none are given: those of the paper's Fig. 3.
-pub const USUAL: &str = "35,45,55,65,75,85,95psi";
 /// Intervals of a curve, and every how many stand in the short table.
 const INTERVALS: usize = 120;
 const PRINTED: usize = 12;
@@ -112,15 +110,22 @@ fn below_zero(panel: Panel) -> Panel {
 }
 
 impl Curves {
-    /// Of the actuator that a document describes.
+    /// Of the actuator that a document describes, at given pressures or at those of the scenario: [`Pressures::of_scenario`].
     ///
     /// # Errors
     /// The scenario or a pressure is wrong.
-    pub fn of(document: &Document, pressures: &Pressures) -> Result<Self, Failure> {
+    pub fn of(document: &Document, pressures: Option<&Pressures>) -> Result<Self, Failure> {
         let (scenario, experiment) = (document.scenario()?, built(document)?);
+        let own = pressures.is_none().then(|| Pressures::of_scenario(&scenario));
+        let pressures = pressures.or(own.as_ref()).map_or_else(Pressures::default, Clone::clone);
         let pressures = pressures.above_vacuum(scenario.air.atmospheric_pressure)?.to_vec();
         let notes = notes(&scenario, document);
         Ok(Self { scenario, experiment, pressures, notes })
+    }
+
+    /// The gauge pressures.
+    pub fn pressures(&self) -> &[Pressure] {
+        &self.pressures
     }
 
     /// What a reader of the curves must know, as sentences; empty when there is nothing.

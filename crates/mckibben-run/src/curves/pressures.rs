@@ -2,7 +2,8 @@
 
 use crate::failure::Failure;
 use crate::quantities;
-use mckibben_scenario::quantity;
+use crate::units::units;
+use mckibben_scenario::{Scenario, quantity};
 use std::str::FromStr;
 
 /// One gauge pressure.
@@ -15,7 +16,7 @@ pub struct Pressure {
 }
 
 /// Several gauge pressures.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Pressures(Vec<Pressure>);
 
 impl FromStr for Pressures {
@@ -51,15 +52,46 @@ fn split(item: &str) -> Option<(&str, &str)> {
     Some((item[..end].trim_end(), item[end..].trim_start()))
 }
 
+/// Gauge pressures in psi of the paper's Fig. 3.
+const OF_THE_PAPER: [f64; 7] = [35.0, 45.0, 55.0, 65.0, 75.0, 85.0, 95.0];
+/// A pound-force per square inch in Pa.
+const PSI: f64 = 6_894.757_293_168_361;
+/// Pressures of a scenario at least.
+const LEAST: f64 = 4.0;
+
 impl Pressures {
+    /// Round pressures up to the greatest that a scenario has: that of its supply, else of its given pressure, else that of its
+    /// start. A scenario without any has those of the paper's Fig. 3.
+    pub fn of_scenario(scenario: &Scenario) -> Self {
+        let supply = scenario.supply.as_ref().map(|supply| supply.gauge_pressure);
+        let given =
+            || Some(scenario.pressure.as_ref()?.gauge_pressure.iter().copied().fold(f64::NEG_INFINITY, f64::max));
+        let greatest = supply.or_else(given).unwrap_or(scenario.initial.gauge_pressure);
+        if !(greatest.is_finite() && greatest >= 1.0) {
+            return Self::of_pascals(&OF_THE_PAPER.map(|psi| psi * PSI));
+        }
+        let shown = units().shown("Pa", greatest);
+        let most = shown.number(greatest);
+        // The largest of 1, 2 or 5 times a power of ten that divides the range into enough steps.
+        let ten = 10f64.powf((most / LEAST).log10().floor());
+        let step = [5.0, 2.0, 1.0].map(|factor| factor * ten).into_iter().find(|step| step * LEAST <= most);
+        let step = step.unwrap_or(ten);
+        let count = (most / step * (1.0 + 1e-9)).floor();
+        let mut numbers: Vec<f64> = (1..=count as u32).map(|k| step * f64::from(k)).collect();
+        // The greatest has a curve of its own unless the last is nearly there.
+        if most - step * count > 0.1 * step {
+            numbers.push(most);
+        }
+        let pressure = |number: f64| Pressure {
+            gauge: number / shown.factor,
+            label: shown.with(quantities::plain(&quantities::digits(number))),
+        };
+        Self(numbers.into_iter().map(pressure).collect())
+    }
+
     /// Gauge pressures in Pa.
     pub fn of_pascals(numbers: &[f64]) -> Self {
         Self(numbers.iter().map(|gauge| Pressure { gauge: *gauge, label: quantities::given(*gauge, "Pa") }).collect())
-    }
-
-    /// How many there are.
-    pub fn count(&self) -> usize {
-        self.0.len()
     }
 
     /// The pressures, when all of them are above vacuum in this atmosphere, in Pa.
@@ -87,6 +119,22 @@ mod tests {
         let labels: Vec<&str> = read.0.iter().map(|pressure| pressure.label.as_str()).collect();
         assert_eq!(labels, ["35 psi", "45 psi", "2 bar", "1e5 Pa"]);
         assert!((read.0[0].gauge - 241_316.505).abs() < 0.01 && read.0[2].gauge == 2e5 && read.0[3].gauge == 1e5);
+    }
+
+    #[test]
+    fn a_scenario_has_round_pressures_up_to_its_own() {
+        let of = |gauge: &str| {
+            let text = format!(
+                "[load]\nkind = \"isometric\"\n[initial]\ngauge_pressure = \"{gauge}\"\n[run]\nduration = \"1 s\""
+            );
+            let scenario = mckibben_scenario::Document::parse(&text, "muscle.toml").unwrap().scenario().unwrap();
+            let labels = Pressures::of_scenario(&scenario).0.into_iter().map(|pressure| pressure.label);
+            labels.collect::<Vec<_>>().join(", ")
+        };
+        assert_eq!(of("6 bar"), "1 bar, 2 bar, 3 bar, 4 bar, 5 bar, 6 bar");
+        assert_eq!(of("100 psi"), "1 bar, 2 bar, 3 bar, 4 bar, 5 bar, 6 bar, 6.895 bar");
+        assert_eq!(of("0.5 bar"), "0.1 bar, 0.2 bar, 0.3 bar, 0.4 bar, 0.5 bar");
+        assert_eq!(of("0 bar").split(", ").count(), 7);
     }
 
     #[test]

@@ -4,6 +4,7 @@
 //! that are written to the same folder; nothing is loaded from anywhere.
 
 use super::{Finding, Plate, Report, Section, Table, Verdict};
+use crate::units;
 use mckibben_plot::{PlotError, Theme};
 use std::fmt::Write as _;
 
@@ -129,7 +130,7 @@ fn section(out: &mut String, part: &Section) -> Result<(), PlotError> {
 }
 
 fn figure(out: &mut String, plate: &Plate) -> Result<(), PlotError> {
-    put!(out, "<figure>\n{}", plate.figure.to_svg(Theme::Auto)?);
+    put!(out, "<figure>\n{}", units::drawn(plate.figure.clone()).to_svg(Theme::Auto)?);
     let stem = plate.stem;
     put!(out, "<figcaption>{} <span class=\"files\">", rich(&plate.caption));
     put!(out, "<a href=\"{stem}.svg\">SVG</a> <a href=\"{stem}.png\">PNG</a> <a href=\"{stem}.csv\">CSV</a>");

@@ -236,7 +236,8 @@ impl Plate {
         let at = |ending: &str| folder.join(format!("{}.{ending}", self.stem));
         for (ending, format) in [("svg", Format::Svg), ("png", Format::Png)] {
             let path = at(ending);
-            let bytes = self.figure.bytes(format).map_err(|error| Failure::output(&path, error))?;
+            let bytes =
+                units::drawn(self.figure.clone()).bytes(format).map_err(|error| Failure::output(&path, error))?;
             output::write(&path, &bytes)?;
         }
         let csv = self.data.to_csv(&at("csv"))?;

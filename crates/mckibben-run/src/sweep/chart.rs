@@ -12,11 +12,11 @@
 use super::counts::SweepCounts;
 use crate::failure::Failure;
 use crate::quantities::count;
+use crate::units::units;
 use mckibben::control;
 use mckibben_plot::{Axis, Field, Figure, Format, Legend, Panel, PlotError, Scale, Series, SideBySide, Style, Theme};
 use mckibben_scenario::sweep::{Quantity, Statistic};
 use mckibben_scenario::{AxisKind, AxisValue, PlantReduction, Record, Reduction, Sweep};
-use std::f64::consts::PI;
 use std::path::Path;
 
 /// Panels that a figure has at most, one above the other.
@@ -239,23 +239,10 @@ fn result(reduction: Reduction, at: Vec<f64>) -> Values {
     scaled(label, reduction.unit(), at)
 }
 
-/// Values in the unit that people use for their size. Prefixes of a power of 1000 are the axis's matter.
+/// Values in the unit that is chosen for them, with the prefix of their size.
 fn scaled(label: String, unit: &str, at: Vec<f64>) -> Values {
-    let largest = at.iter().filter(|value| value.is_finite()).fold(0.0, |largest: f64, value| largest.max(value.abs()));
-    let (factor, unit) = match unit {
-        "m" if largest < 1.0 => (1e3, "mm".to_owned()),
-        "m/s" if largest < 0.1 => (1e3, "mm/s".to_owned()),
-        "s" if largest < 0.1 => (1e3, "ms".to_owned()),
-        "rad" => (180.0 / PI, "deg".to_owned()),
-        "rad/s" => (180.0 / PI, "deg/s".to_owned()),
-        "kg" if largest < 1e-3 => (1e6, "mg".to_owned()),
-        "kg" if largest < 0.1 => (1e3, "g".to_owned()),
-        "kg/s" if largest < 0.1 => (1e3, "g/s".to_owned()),
-        "m^3" if largest < 1e-3 => (1e6, "cm³".to_owned()),
-        "m^2" if largest < 1e-4 => (1e6, "mm²".to_owned()),
-        unit => (1.0, unit.replace('*', "·").replace("^2", "²").replace("^3", "³")),
-    };
-    Values { axis: Axis::new(label, unit), at: at.into_iter().map(|value| value * factor).collect() }
+    let shown = units().common(unit, at.iter().copied());
+    Values { axis: Axis::new(label, shown.text.clone()), at: at.into_iter().map(|value| shown.number(value)).collect() }
 }
 
 /// A panel for each reduction over one key.

@@ -4,7 +4,7 @@ use crate::commands::sweep;
 use mckibben::load::Load;
 use mckibben_plot::Theme;
 use mckibben_run::axis::{CurveAxis, TrajectoryAxis};
-use mckibben_run::curves::{Curves, Pressures, USUAL};
+use mckibben_run::curves::Curves;
 use mckibben_run::failure::Failure;
 use mckibben_run::linearize::{LinearModel, Request};
 use mckibben_run::run::{Finished, Ready};
@@ -46,8 +46,7 @@ pub(super) fn of(file: &Path, text: &str) -> Result<Picture, Failure> {
     }
     match first_command(text) {
         Some("curves") => {
-            let usual: Pressures = USUAL.parse().map_err(Failure::stopped)?;
-            let figure = Curves::of(&document, &usual)?.figure(CurveAxis::Length);
+            let figure = Curves::of(&document, None)?.figure(CurveAxis::Length);
             return picture(figure.to_svg(Theme::Auto), "curves", "");
         }
         Some("linearize") => {
