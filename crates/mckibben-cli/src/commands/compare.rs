@@ -8,7 +8,7 @@ use crate::files;
 use crate::settings::Setting;
 use crate::summary::Common;
 use crate::{terminal, warnings};
-use mckibben_run::curves::{Curves, compare};
+use mckibben_run::curves::{Curves, Pressures, compare};
 use mckibben_run::failure::Failure;
 use mckibben_run::figure::{self, Request};
 use mckibben_run::output;
