@@ -7,7 +7,7 @@ use std::process::{Command, Stdio};
 /// How a step's notes on what was tested begin in the output of a Rust test.
 const NOTE: &str = "tested: ";
 
-/// Tests of a step; all zero for a step that runs no tests of its own.
+/// Tests of a step; all zero for a step that runs no tests.
 pub(crate) struct Counts {
     pub(crate) passed: u64,
     pub(crate) failed: u64,

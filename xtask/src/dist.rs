@@ -25,7 +25,7 @@ const SHELLS: [(&str, &str); 5] = [
     ("powershell", "_mckibben.ps1"),
     ("elvish", "mckibben.elv"),
 ];
-/// What lies beside the program.
+/// What lies in the program's folder.
 const BESIDE: [&str; 5] = ["README.md", "CHANGELOG.md", "CITATION.cff", "LICENSE-MIT", "LICENSE-APACHE"];
 
 /// Makes everything that a release carries, in `target/release-files`.

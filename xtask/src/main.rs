@@ -1,6 +1,6 @@
 //! `cargo xtask test`: the whole check, the same on a laptop and in CI.
 //!
-//! It sets up what it needs by itself: a Python environment in `.venv` with SciPy, from which the independent reference
+//! It sets up what it needs: a Python environment in `.venv` with SciPy, from which the independent reference
 //! trajectories are computed, and with the package that is built and tested in it; on Debian and Ubuntu, compilers and Valgrind for
 //! the C library; and for the book mdBook, in `target`. Nothing is skipped because something is missing.
 

@@ -1,4 +1,4 @@
-//! The Python side: an environment of its own, the reference trajectories made in it, and the package with its tests.
+//! The Python side: a separate environment, the reference trajectories made in it, and the package with its tests.
 
 use crate::c;
 use crate::counts::{Counts, pytest};
@@ -66,7 +66,7 @@ pub(crate) fn package(root: &Path) -> Result<Counts, String> {
         "mckibben-python",
     ]);
     succeed(program.args(["--features", "mckibben-python/as-tests"]).envs(AS_TESTS))?;
-    // The plugin as a library of its own, which registers itself; with the package, so that all else is compiled already.
+    // The plugin as a separate library, which registers itself; with the package, so that all else is compiled already.
     let mut plugin = cargo(root);
     plugin.args(["build", "--locked", "--package", "mckibben-mujoco", "--package", "mckibben-python", "--features"]);
     succeed(plugin.arg("mckibben-mujoco/register-on-load,mckibben-python/as-tests").envs(AS_TESTS))?;
@@ -110,7 +110,7 @@ fn oldest_mujoco(root: &Path, python: &Path, tests: &mut Command) -> Result<Coun
     pytest(tests.arg("python/tests/test_mujoco.py").env("PYTHONPATH", &folder))
 }
 
-/// Installs the wheel that lies in a folder into an environment of its own, on a path without Cargo, and tries it there.
+/// Installs the wheel that lies in a folder into a separate environment, on a path without Cargo, and tries it there.
 pub(crate) fn installs(root: &Path, folder: &Path) -> Result<(), String> {
     let entries =
         std::fs::read_dir(folder).map_err(|error| format!("{} could not be read: {error}", folder.display()))?;

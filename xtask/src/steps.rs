@@ -129,7 +129,7 @@ fn lint(root: &Path) -> Result<Counts, String> {
     let mut command = cargo(root);
     command.args(["clippy", "--workspace", "--all-targets", "--locked", "--", "--deny", "warnings"]);
     succeed(&mut command)?;
-    // The benchmark is a workspace of its own; it must go on fitting the core.
+    // The benchmark is a separate workspace; it must go on fitting the core.
     let mut benchmark = cargo(&root.join("benches"));
     benchmark.args(["clippy", "--all-targets", "--locked", "--", "--deny", "warnings"]);
     succeed(benchmark.env("CARGO_TARGET_DIR", root.join("target"))).map(|()| Counts::NONE)
@@ -215,7 +215,8 @@ fn test(root: &Path) -> Result<Counts, String> {
     rust_tests(command.env("CARGO_INCREMENTAL", "0"))
 }
 
-/// Writes the page on the accuracy of the fixed-step engine: the test that holds it to what is measured does so when asked.
+/// Writes the page on the accuracy of the fixed-step engine: the test that holds it to what is measured does so on
+/// request.
 pub(crate) fn accuracy() -> ExitCode {
     let mut command = cargo(&root());
     command.args([

@@ -1,8 +1,8 @@
 //! Vectors of lanes: several elements of a batch as one scalar, in one register.
 //!
 //! A vector carries the proof that its instructions exist on this machine, a value without size; an operation is one
-//! instruction, and rounds like the same operation on one number. A constant has no operand, so it takes from the
-//! thread for the proof, which was left there by [`compiled`].
+//! instruction, and rounds like the same operation on one number. A constant has no operand, so it takes the
+//! proof from the thread, where [`compiled`] has left it.
 
 use mckibben::scalar::{Mask, Real, Scalar, Work};
 use pulp::bytemuck::{cast_slice, cast_slice_mut};

@@ -116,7 +116,7 @@ static ON_LOAD: extern "C" fn() = on_load;
 
 /// Gives MuJoCo a failure in one line.
 fn warn(library: &Library, model: &Model, number: usize, failure: &Failure) {
-    // SAFETY: the model is one, as whoever made the view promised.
+    // SAFETY: the model is one, as the maker of the view promised.
     let name = unsafe { library.name_of(model.pointer(), library.layout.objects[2], number) };
     let of = if name.is_empty() { format!("number {number}") } else { format!("`{name}`") };
     library.warn(&format!("{PLUGIN}, instance {of}: {}", failure.sentence().replace('\n', " | ")));
@@ -183,7 +183,7 @@ unsafe extern "C" fn init(model: *const c_void, data: *mut c_void, number: c_int
 fn wired(library: &Library, model: &Model, number: usize, config: config::Config) -> Result<Instance, Failure> {
     let is_its = |instance: i32| usize::try_from(instance) == Ok(number);
     let [actuator, sensor, _] = library.layout.objects;
-    // SAFETY: the model is one, as whoever made the view promised.
+    // SAFETY: the model is one, as the maker of the view promised.
     let name_of = |kind: i32, id: usize| unsafe { library.name_of(model.pointer(), kind, id) };
     let mut actuators = Vec::new();
     for id in (0..model.actuators()).filter(|id| is_its(model.actuator_instance(*id))) {

@@ -549,7 +549,7 @@ impl Actuator {
         check_length(&self.model.steps, "length", length).raised()?;
         let longest = longest_part(max_step).raised()?;
         let demand = command.map(|asked| self.model.demand("command", &asked)).transpose().raised()?;
-        // It is set to where the state is before anything is done with it, so whoever left it anywhere does no harm.
+        // It is set to where the state is before anything is done with it, so no earlier position does harm.
         let mut actuator = self.desk.lock().unwrap_or_else(PoisonError::into_inner);
         self.model.restore(&mut actuator, state.get()).raised()?;
         demand.map_or(Ok(()), |demand| actuator.set(0, demand)).raised()?;

@@ -122,7 +122,7 @@ mod tests {
             let progress = Progress::counted("runs", 2);
             std::thread::scope(|scope| scope.spawn(|| progress.at(2)).join()).unwrap();
         });
-        Progress::begin("nothing", None).say("nobody");
+        Progress::begin("nothing", None).say("no listener");
         let heard = |of: &Heard| of.0.lock().unwrap().join(", ");
         assert_eq!([heard(&inner), heard(&outer)], ["fitting of None, 1", "runs of Some(2), 2"]);
     }

@@ -1,7 +1,7 @@
 //! Gauge and absolute pressure as two types.
 //!
 //! Force follows the gauge pressure `P_g = P − P_atm`, gas follows the absolute pressure `P`. No unit distinguishes the
-//! two apart, and confusing them is this field's commonest mistake, so the compiler keeps them apart.
+//! two, and confusing them is this field's commonest mistake, so the compiler keeps them apart.
 //!
 //! ```
 //! use mckibben::{AbsolutePressure, GaugePressure};

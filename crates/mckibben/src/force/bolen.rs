@@ -12,8 +12,8 @@
 //! | s₀, s₁, s₂ | `shape` | – |
 //! | L₀ | `initial_length` | m |
 //!
-//! A muscle is described by its largest force and contraction; the shape is that of its diameter: `[0.5822, 4.142,
-//! 0.5368]` for fluidic muscles of 10 mm, `[0.2607, 6.398, 1.303]` of 20 mm, `[0.1224, 10.47, 2.023]` of 40 mm, each
+//! A muscle is described by its largest force and contraction; the shape is that of its diameter:
+//! `[0.5822, 4.142, 0.5368]` for fluidic muscles of 10 mm, `[0.2607, 6.398, 1.303]` of 20 mm, `[0.1224, 10.47, 2.023]` of 40 mm, each
 //! with `P_max = 620 kPa`. At the longest length the force is in proportion to pressure; at any other it is linear in
 //! pressure. The law says nothing of the muscle's volume: a cycle in pressure and length gains or loses energy against
 //! the air, and the energy audit says how much.

@@ -171,7 +171,7 @@ impl<R: Real> MaxwellSlip<R> {
 
     pub(super) fn slip(&self, memory: &mut Memory<R>, direction: f64, length: R) {
         let Some(nearest) = self.nearest(memory, direction) else { return };
-        // Two elements whose lengths differ by rounding only slip together.
+        // Two elements whose lengths differ only by rounding slip together.
         let together = nearest.value() + 4.0 * f64::EPSILON * memory.at.value().abs();
         let slips: [bool; MAX_ELEMENTS] = core::array::from_fn(|element| {
             element < self.count && self.left(element, memory, direction).value() <= together
