@@ -2,7 +2,7 @@
 
 use crate::common::{ATMOSPHERE, GRAVITY, Paper, assert_close, assert_within};
 use mckibben::Error;
-use mckibben::plant::{Orbit, Plant, PlantRun, PlantView, RigPlant};
+use mckibben::plant::{Orbit, Plant, PlantRun, RigPlant};
 use mckibben::valve::{Command, Request};
 
 const TOLERANCE: f64 = 1e-9;

@@ -15,7 +15,7 @@
 //!
 //! Source: Hagen–Poiseuille with the mean density, textbook. Checked by `tests/line_rig.rs`: the decay of a fixed volume.
 
-use crate::air::{Chamber, Flow};
+use crate::air::Flow;
 use crate::convert::Convert;
 use crate::error::Error;
 use crate::parameter;
@@ -47,16 +47,6 @@ impl<S: Scalar> Leakage<S> {
     #[inline(always)]
     pub fn between<T: Over<S>>(&self, from: T, to: T, content: T) -> T {
         T::of(self.conductance) * T::constant(0.5) * (from - to) * (from + to) / content
-    }
-
-    /// Flow into a chamber from an atmosphere at `atmosphere` Pa; it is outward above that pressure. The air has the
-    /// chamber's temperature in both directions, as in an isothermal process at ambient temperature.
-    #[inline(always)]
-    pub fn flow<T: Over<S>>(&self, chamber: &Chamber<T>, atmosphere: T) -> Flow<T> {
-        let pressure = chamber.pressure;
-        let squares = (pressure - atmosphere) * (pressure + atmosphere);
-        let density = T::constant(0.5) * chamber.density() * chamber.per_pressure;
-        split(-(T::of(self.conductance) * density * squares))
     }
 }
 
