@@ -7,8 +7,9 @@ pub(crate) const MOST_PERIODS: usize = 60;
 /// Windows of an envelope at most, and their length in periods at least.
 const WINDOWS: f64 = 128.0;
 const PERIODS_PER_WINDOW: f64 = 1.2;
-/// The mean is taken over this many windows to each side.
-const MEAN_OVER: usize = 2;
+/// The mean is taken over this many turning points to each side, which are whole periods: a window that cuts a period would make a wave
+/// of its own.
+const MEAN_OVER: usize = 6;
 /// The last turning points that a detail shows: six periods.
 const LAST: usize = 12;
 
@@ -60,11 +61,23 @@ pub(crate) fn last_periods(time: &[f64], values: &[f64], range: f64) -> Option<f
 
 /// The envelope of a curve that swings more often than a figure of the whole shows; `range` is that of its panel.
 pub(crate) fn of(time: &[f64], values: &[f64], range: f64) -> Option<Envelope> {
-    let periods = turns(values, SWING * range).len() / 2;
+    let turns = turns(values, SWING * range);
+    let periods = turns.len() / 2;
     (periods > MOST_PERIODS).then(|| {
         let windows = (periods as f64 / PERIODS_PER_WINDOW).min(WINDOWS) as usize;
-        envelope(time, values, windows.max(1))
+        envelope(time, values, (windows.max(1), &turns))
     })
+}
+
+/// The samples from one turning point to another of its kind around a sample: whole periods, about as many to each side where there are.
+fn whole_periods(turns: &[usize], around: usize) -> (usize, usize) {
+    let next = turns.partition_point(|turn| *turn < around);
+    let last = turns.len() - 1;
+    let to = (next + MEAN_OVER).min(last);
+    let from = to.saturating_sub(2 * MEAN_OVER);
+    let to = (from + 2 * MEAN_OVER).min(last);
+    // Turning points of one kind are an even number apart.
+    (turns[from], turns[to - (to - from) % 2])
 }
 
 /// The mean over time, by trapezoids.
@@ -77,7 +90,7 @@ fn mean(time: &[f64], values: &[f64]) -> f64 {
 
 /// The envelope over windows of equally many samples. At the instant between two windows it holds the samples of both, so that the
 /// straight lines between contain every sample.
-fn envelope(time: &[f64], values: &[f64], windows: usize) -> Envelope {
+fn envelope(time: &[f64], values: &[f64], (windows, turns): (usize, &[usize])) -> Envelope {
     let last = values.len().saturating_sub(1);
     let edge = |window: usize| last * window / windows;
     // Neighbours share the sample between them.
@@ -85,12 +98,11 @@ fn envelope(time: &[f64], values: &[f64], windows: usize) -> Envelope {
     let mut found = Envelope { time: Vec::new(), lower: Vec::new(), upper: Vec::new(), mean: Vec::new() };
     for node in 0..=windows {
         let around = of(node.saturating_sub(1), (node + 1).min(windows));
-        let wide = of(node.saturating_sub(MEAN_OVER), (node + MEAN_OVER).min(windows));
         found.time.push(time[edge(node)]);
         found.lower.push(around.iter().copied().fold(f64::INFINITY, f64::min));
         found.upper.push(around.iter().copied().fold(f64::NEG_INFINITY, f64::max));
-        let (from, to) = (edge(node.saturating_sub(MEAN_OVER)), edge((node + MEAN_OVER).min(windows)));
-        found.mean.push(mean(&time[from..=to], wide));
+        let (from, to) = whole_periods(turns, edge(node));
+        found.mean.push(mean(&time[from..=to], &values[from..=to]));
     }
     found
 }
@@ -121,6 +133,17 @@ mod tests {
             assert!(at(&envelope.lower) <= value + 1e-12 && *value <= at(&envelope.upper) + 1e-12, "{t}");
         }
         assert!(envelope.mean.iter().zip(&envelope.time).all(|(mean, t)| (mean - 3.0 * t).abs() < 0.3), "{envelope:?}");
+    }
+
+    /// Teeth of a saw whose periods no window divides: their mean is one line, not a wave of the windows.
+    #[test]
+    fn the_mean_of_a_settled_oscillation_is_constant() {
+        let (periods, samples) = (151.7, 6_000);
+        let time: Vec<f64> = (0..=samples).map(|n| f64::from(n) / f64::from(samples)).collect();
+        let values: Vec<f64> = time.iter().map(|t| (periods * t).fract()).collect();
+        let envelope = of(&time, &values, 1.0).expect("too many to draw");
+        // A period of 40 samples is cut to within one: an eightieth, spread over six periods.
+        assert!(envelope.mean.iter().all(|mean| (mean - 0.5).abs() < 0.01), "{:?}", envelope.mean);
     }
 
     #[test]
