@@ -162,7 +162,7 @@ mod tests {
             assert_eq!(names.len(), settled.rows.len(), "{file}");
             let row = settled.rows.iter().find(|row| row.name == known);
             let row = row.unwrap_or_else(|| panic!("{file}: {names:?}"));
-            assert!(settled.rows.iter().all(|row| row.least <= row.mean && row.mean <= row.greatest), "{file}");
+            assert!(settled.rows.iter().all(|row| (row.least..=row.greatest).contains(&row.mean)), "{file}");
             if known == "tension" {
                 let weight = 5.0 * 0.453_592_37 * 9.80665;
                 assert!((row.mean - weight).abs() < 1e-3 * weight, "{row:?} for {weight} N");

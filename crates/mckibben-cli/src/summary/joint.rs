@@ -35,14 +35,14 @@ impl Summary<'_> {
         let page = &Page::of(self.common.verbose);
         self.what_ran(page);
         self.states(page);
-        page.settled(self.common.settled);
         let Observation { air: used, ended, .. } = self.observation;
+        air(page, *used);
+        page.events(&self.observation.events);
         if let Some(closed) = self.control {
             goals(page, &closed.goals);
             effort(page, closed, used.iter().map(|air| air.from_supply).sum());
         }
-        air(page, *used);
-        page.events(&self.observation.events);
+        page.settled(self.common.settled);
         if page.verbose {
             energy(page, &ended.ledger);
             if ended.draws {
@@ -100,6 +100,10 @@ impl Summary<'_> {
 }
 
 fn air(page: &Page, used: [AirUse; 2]) {
+    if !page.verbose {
+        let all = used.iter().map(|air| air.from_supply).sum();
+        return page.line("air", &format!("{} from the supply", page.quantity(all, "kg")));
+    }
     page.heading("Air");
     for (name, air) in NAMES.into_iter().zip(used) {
         let (from, to) = (page.quantity(air.from_supply, "kg"), page.quantity(air.to_surroundings, "kg"));

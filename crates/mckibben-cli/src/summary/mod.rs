@@ -77,13 +77,13 @@ impl Summary<'_> {
         let page = &Page::of(self.common.verbose);
         self.what_ran(page);
         self.states(page);
-        page.settled(self.common.settled);
+        self.air(page);
+        page.events(&self.observation.events);
         if let Some(closed) = self.control {
             goals(page, &closed.goals);
             effort(page, closed, self.observation.air.from_supply);
         }
-        self.air(page);
-        page.events(&self.observation.events);
+        page.settled(self.common.settled);
         if page.verbose {
             let ended = &self.observation.ended;
             energy(page, &ended.ledger);
@@ -165,10 +165,12 @@ impl Summary<'_> {
             return;
         }
         let said = |mass: f64| format!("{}, {} ANR", page.quantity(mass, "kg"), page.volume(mass / REFERENCE_DENSITY));
-        page.heading("Air");
-        page.line("from supply", &said(air.from_supply));
         if page.verbose {
+            page.heading("Air");
+            page.line("from supply", &said(air.from_supply));
             page.line("to exhaust", &said(air.to_surroundings));
+        } else {
+            page.line("air", &format!("{} from the supply", said(air.from_supply)));
         }
         // Flow against the usual direction is worth a line only where there is any.
         for (name, mass) in [("to supply", air.to_supply), ("from exhaust", air.from_surroundings)] {
@@ -567,10 +569,13 @@ impl Page {
     pub(crate) fn events(&self, counts: &BTreeMap<EventKind, u64>) {
         let kinds = counts.iter().map(|(kind, number)| format!("{}{KEPT}{}", kind.name(), count(*number)));
         let kinds = kinds.collect::<Vec<_>>().join(", ");
-        self.heading("Events");
-        match counts.values().sum() {
-            0 => self.line("", "none"),
-            total => self.line(&count(total), &kinds),
+        let total: u64 = counts.values().sum();
+        let kinds = if total == 0 { "none".to_owned() } else { kinds };
+        if self.verbose {
+            self.heading("Events");
+            self.line(&count(total), &kinds);
+        } else {
+            self.line("events", &kinds);
         }
     }
 

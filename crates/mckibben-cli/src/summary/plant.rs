@@ -6,7 +6,7 @@ use mckibben::mechanism::Mechanism;
 use mckibben::network::NodeKind;
 use mckibben::plant::{ActuatorLedger, Balance, MechanismLedger};
 use mckibben_run::failure::Failure;
-use mckibben_run::plant::{PlantFigures, control};
+use mckibben_run::plant::{PlantFigures, control, observation};
 use mckibben_run::quantities::{count, given};
 
 /// Printed behind the name of a part whose gauge pressure is on a line.
@@ -28,12 +28,12 @@ impl Summary<'_> {
         let page = &Page::of(self.common.verbose);
         self.what_ran(page);
         self.states(page);
-        page.settled(self.common.settled);
+        self.air(page);
+        page.events(&self.run.observation.events);
         if let Some(closed) = &self.run.control {
             self.control(page, closed);
         }
-        self.air(page);
-        page.events(&self.run.observation.events);
+        page.settled(self.common.settled);
         if page.verbose {
             self.energy(page);
             self.exergy(page);
@@ -108,11 +108,15 @@ impl Summary<'_> {
         if ledger.nodes.is_empty() {
             return;
         }
-        page.heading("Air");
         let network = of.plant.network();
         // A remainder of rounding is no mass.
         let fine = 1e-9 * ledger.air().turnover;
         let mass = |mass: f64| page.quantity(if mass.abs() < fine { 0.0 } else { mass }, "kg");
+        if !page.verbose {
+            let used = observation::air_used(of, ledger);
+            return page.line("air", &format!("{} from the supplies", mass(used)));
+        }
+        page.heading("Air");
         for (name, node) in &of.names.nodes {
             let supplied = ledger.nodes[*node].supplied.mass;
             let stores = matches!(network.nodes[*node].kind, NodeKind::Reservoir(_));

@@ -13,7 +13,7 @@
 pub(crate) mod columns;
 pub mod control;
 pub(crate) mod events;
-pub(crate) mod observation;
+pub mod observation;
 
 use crate::closed_loop::Goals;
 use crate::engine::{Stepping, Way};

@@ -148,7 +148,7 @@ fn rows(of: &PlantExperiment) -> Vec<Row> {
 }
 
 /// The air in kg that all sources of a run gave: sources without end, and regulators that no other supply feeds.
-pub(crate) fn air_used(of: &PlantExperiment, ledger: &PlantLedger) -> f64 {
+pub fn air_used(of: &PlantExperiment, ledger: &PlantLedger) -> f64 {
     let kinds = of.plant.network().nodes.iter().map(|node| &node.kind);
     let gives = |kind: &NodeKind| !matches!(kind, NodeKind::Atmosphere);
     kinds.zip(&ledger.nodes).filter(|(kind, _)| gives(kind)).map(|(_, node)| node.supplied.mass).sum()
