@@ -561,7 +561,7 @@ fn the_edges_may_come_from_a_column() {
         ),
         (study.replace("unit = \"\"", "unit = \"bar\""), "`bar` is no unit of command"),
         (by_pwm.replace("[[run]]", "[[run]]\nset = { \"valve.kind\" = \"five-way\" }"), "do not pulse one coil"),
-        (by_pwm.replace("200 ms", "3 s"), "none of 0 times the coil was energised"),
+        (by_pwm.replace("200 ms", "3 s"), "after any of 0 times the coil was energised"),
     ] {
         let told = refused(&folder, &text);
         assert!(told.contains(words), "`{words}` is not in\n{told}");

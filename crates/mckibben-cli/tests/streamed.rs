@@ -124,7 +124,7 @@ fn what_is_not_finite_is_an_error_and_nothing_is_written() {
         let hot = ["muscle.toml", "-s", "supply.temperature=1e300 K", "-o", "run.csv"];
         let failed = simulate(&folder, &[&hot[..], kept].concat());
         assert_eq!(failed.status.code(), Some(3), "{}", said(&failed));
-        assert!(said(&failed).contains("NaN is not a finite number"), "{}", said(&failed));
+        assert!(said(&failed).contains("is not a finite number"), "{}", said(&failed));
         assert_eq!(folder.names(), ["muscle.toml"]);
     }
 }

@@ -971,7 +971,7 @@ fn figures_are_drawn() {
     folder.file("muscle.toml", &format!("{BASE}{GRID}"));
     run(&folder, &["sweep", "muscle.toml", "-p", "map.svg", "-q"]);
     let svg = std::fs::read_to_string(folder.path("map.svg")).expect("drawn");
-    for word in ["load mass (kg)", "supply gauge pressure (kPa)", "final length (mm)", "greatest absolute pressure"] {
+    for word in ["load mass (kg)", "supply gauge pressure (bar)", "final length (mm)", "greatest absolute pressure"] {
         assert!(svg.contains(word), "{word}");
     }
     run(&folder, &["sweep", "muscle.toml", "-p", "map.png", "-q"]);

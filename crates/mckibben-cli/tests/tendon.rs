@@ -21,7 +21,7 @@ fn a_load_on_a_tendon_is_simulated_drawn_and_swept() {
         assert!(told.contains(words), "{words}:\n{told}");
     }
     let svg = std::fs::read_to_string(folder.path("run.svg")).expect("written");
-    assert!(svg.contains("load, less tendon"));
+    assert!(svg.contains("load distance"));
 
     let mut reader = csv::Reader::from_path(folder.path("run.csv")).expect("a CSV file");
     let header = reader.headers().expect("a header").iter().collect::<Vec<_>>().join(",");

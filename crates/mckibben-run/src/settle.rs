@@ -22,8 +22,8 @@ use mckibben_scenario::Document;
 const POINTS: u32 = 1000;
 /// Periods after which the search for an orbit ends.
 pub const MOST_PERIODS: u64 = 3000;
-/// The interval in s at which a plant without pulses is looked at, as a share of the run.
-const LOOK: f64 = 0.02;
+/// The interval in s at which a plant without pulses is looked at.
+const LOOK: f64 = 0.05;
 /// Columns of a run that say nothing about an orbit, or twice.
 const LEFT_OUT: [&str; 2] = ["time", "absolute_pressure"];
 
@@ -100,7 +100,7 @@ fn read<T>(
     run.advance_to(duration)?;
     let progress = Progress::begin("settling", Some(MOST_PERIODS));
     let mut periods = 0;
-    let orbit = run.settle(LOOK * duration, MOST_PERIODS, &mut |_| {
+    let orbit = run.settle(LOOK, MOST_PERIODS, &mut |_| {
         periods += 1;
         progress.at(periods);
         Ok(())

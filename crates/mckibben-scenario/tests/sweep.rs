@@ -703,7 +703,7 @@ fn mistakes_of_distributions() {
     );
     in_draw("load.mass = { normal = 3 }", Class::WrongType, 24, &["a table is expected"]);
     let two = "load.mass = { normal = { mean = \"5 kg\", deviation = \"1 kg\" }, uniform = { from = \"1 kg\", to = \"2 kg\" } }";
-    in_draw(two, Class::Conflict, 63, &["beside `normal`"]);
+    in_draw(two, Class::Conflict, 63, &["together with `normal`"]);
     in_draw(
         "load.mass = { normla = { mean = \"5 kg\", deviation = \"1 kg\" } }",
         Class::UnknownKey,

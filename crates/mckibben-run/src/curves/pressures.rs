@@ -125,7 +125,7 @@ mod tests {
     fn a_scenario_has_round_pressures_up_to_its_own() {
         let of = |gauge: &str| {
             let text = format!(
-                "[load]\nkind = \"isometric\"\n[initial]\ngauge_pressure = \"{gauge}\"\n[run]\nduration = \"1 s\""
+                "[load]\nkind = \"isometric\"\n[initial]\nlength = \"85 mm\"\ngauge_pressure = \"{gauge}\"\n[run]\nduration = \"1 s\""
             );
             let scenario = mckibben_scenario::Document::parse(&text, "muscle.toml").unwrap().scenario().unwrap();
             let labels = Pressures::of_scenario(&scenario).0.into_iter().map(|pressure| pressure.label);

@@ -173,7 +173,7 @@ mod tests {
             let shown = shown(unit, 1.0);
             assert!(shown.factor > 0.0 && !shown.text.contains(['*', '^']), "{name}: {}", shown.text);
         }
-        assert_eq!(tolerance(1e-6, 100.0), 1e-4);
+        assert!((tolerance(1e-6, 100.0) / 1e-4 - 1.0).abs() < 1e-12);
         assert_eq!(tolerance(1e-6, 1e-3), 1e-6);
     }
 }
