@@ -6,10 +6,11 @@
 //! | two keys | the points, coloured by the objective; hollow where a constraint is broken, crossed where the run failed; the way of the best |
 //! | more | the best value over the runs |
 
+use super::Goal;
 use super::outcome::{Outcome, Reached};
 use super::vary::Vary;
 use crate::units::units;
-use mckibben_plot::{Axis, Colour, Figure, Legend, Marks, Panel, Series, Span, Style, Symbol};
+use mckibben_plot::{Axis, Colour, Dash, Figure, Legend, Marks, Panel, Series, Span, Style, Symbol};
 
 /// Panels of constraints at most.
 const PANELS: usize = 7;
@@ -23,7 +24,13 @@ pub(super) fn figure(of: &Outcome) -> Figure {
         _ => over_runs(of),
     };
     let runs = of.points().len();
-    figure.title(format!("Search for the best {}", of.request().objective)).caption(format!("{runs} runs."))
+    let goal = match of.request().goal {
+        Goal::Minimize => "least",
+        Goal::Maximize => "greatest",
+    };
+    let title =
+        format!("Search for the {goal} {}, {runs} {}", of.request().objective, if runs == 1 { "run" } else { "runs" });
+    figure.title(title)
 }
 
 /// The objective, with the name and unit of its axis.
@@ -67,6 +74,9 @@ fn over_one(of: &Outcome, key: &Vary) -> Figure {
     let values = order.iter().map(|place| objective.values[*place]).collect();
     let [low, high] = key.ends;
     let mut figure = Figure::new(axis(key).starting_at(low).ending_at(high)).size_mm(120.0, 40.0);
+    if !shaded.is_empty() {
+        figure = figure.caption("Shaded: a constraint is broken, or the run failed.");
+    }
     figure = figure.panel(panel(objective.axis, values));
     for (place, constraint) in of.request().constraints.iter().enumerate().take(PANELS) {
         let value = |at: &usize| constraint.in_unit(number(&of.points()[*at], place + 1));
@@ -100,7 +110,7 @@ fn over_two(of: &Outcome, first: &Vary, second: &Vary) -> Figure {
     let mut panel =
         Panel::new(axis(second).starting_at(second.ends[0]).ending_at(second.ends[1])).legend(Legend::Above);
     let (x, y) = xy(&of.improvements().iter().map(|place| &of.points()[*place]).collect::<Vec<_>>());
-    panel = panel.series(Series::line("way of the best", x, y).colour(Colour::Neutral));
+    panel = panel.series(Series::line("way of the best", x, y).colour(Colour::Neutral).dash(Dash::Dotted));
     let feasible: Vec<usize> = (0..of.points().len()).filter(|place| of.points()[*place].is_feasible()).collect();
     let values = || feasible.iter().map(|place| objective.values[*place]);
     let [least, greatest] =
@@ -118,7 +128,7 @@ fn over_two(of: &Outcome, first: &Vary, second: &Vary) -> Figure {
         }
         let (x, y) = xy(&points);
         let ends = [colour, colour + 1].map(|step| crate::quantities::digits(least + width * step as f64));
-        let label = format!("{} to {}", ends[0], ends[1]);
+        let label = format!("{} to {} {}", ends[0], ends[1], objective.axis.unit);
         panel = panel.series(Series::points(label, x, y).colour(Colour::Ramp(colour as f64 / (COLOURS - 1) as f64)));
     }
     let (failed, broken): (Vec<&Reached>, Vec<&Reached>) =
@@ -133,10 +143,9 @@ fn over_two(of: &Outcome, first: &Vary, second: &Vary) -> Figure {
     let (x, y) = xy(&[of.best()]);
     panel = panel.marks(Marks::at("best", Symbol::Diamond, x, y).colour(Colour::Category(1)));
     let [low, high] = first.ends;
-    let unit = if objective.axis.unit.is_empty() { String::new() } else { format!(" in {}", objective.axis.unit) };
     Figure::new(axis(first).starting_at(low).ending_at(high))
         .size_mm(130.0, 90.0)
-        .caption(format!("Colours: {}{unit}.", objective.axis.label))
+        .caption(format!("Discs that are filled meet every constraint; their colour is {}.", objective.axis.label))
         .panel(panel)
 }
 
@@ -169,8 +178,8 @@ impl Outcome {
     /// The places of the points that were the best when they were run.
     fn improvements(&self) -> Vec<usize> {
         let sign = match self.request().goal {
-            super::Goal::Minimize => 1.0,
-            super::Goal::Maximize => -1.0,
+            Goal::Minimize => 1.0,
+            Goal::Maximize => -1.0,
         };
         let rank =
             |point: &Reached| if point.is_feasible() { (0.0, sign * number(point, 0)) } else { (point.violation, 0.0) };
