@@ -156,7 +156,8 @@ impl Outcome {
         if failed > 0 {
             search.push_str(&format!(" and {failed} failed and counted as infeasible"));
         }
-        words.push(format!("{search}. A local optimum: there may be a better one."));
+        let local = if self.best().is_feasible() { " A local optimum: there may be a better one." } else { "" };
+        words.push(format!("{search}.{local}"));
         for (reason, count) in failures {
             words.push(format!("{}: {reason}", runs(count)));
         }
