@@ -233,7 +233,13 @@ fn a_plant_is_designed_by_the_keys_of_its_parts() {
     folder.file("bottle.toml", &bottle);
     let asked =
         ["bottle.toml", "--set", "run.duration=0.5 s", "--vary", "actuators.thick.load.mass=20..30 lb", "--vary"];
-    let more = ["command.time[1]=0.2..0.4 s", "--maximize", "thick.length.final", "--subject-to", "thick.gauge_pressure.max>=1.5 bar"];
+    let more = [
+        "command.time[1]=0.2..0.4 s",
+        "--maximize",
+        "thick.length.final",
+        "--subject-to",
+        "thick.gauge_pressure.max>=1.5 bar",
+    ];
     let last = ["--evaluations", "24", "--format", "json", "--output", "best.toml", "--plot", "search.svg"];
     let found = json(&design(&folder, &[&asked[..], &more, &last].concat()));
     assert_eq!((&found["feasible"], &found["unit"]), (&true.into(), &"m".into()));

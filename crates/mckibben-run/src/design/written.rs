@@ -14,9 +14,9 @@ impl Written {
 
     /// The texts of the entries of a list at a path.
     pub(super) fn entries(&self, path: &str) -> Option<Vec<String>> {
-        let names = path.split('.');
-        let item = names.fold(Some(self.0.as_item()), |item, name| item?.as_table_like()?.get(name));
-        Some(item?.as_array()?.iter().map(|entry| entry.to_string().trim().to_owned()).collect())
+        let mut names = path.split('.');
+        let item = names.try_fold(self.0.as_item(), |item, name| item.as_table_like()?.get(name))?;
+        Some(item.as_array()?.iter().map(|entry| entry.to_string().trim().to_owned()).collect())
     }
 
     /// Sets a value of a key: TOML where it reads as one value, and a string where it does not. A comment behind the value stays.
