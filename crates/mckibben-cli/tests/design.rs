@@ -80,7 +80,7 @@ fn the_least_pressure_of_a_tension_is_that_of_the_paper() {
     let constraint = &found["constraints"][0];
     assert!(constraint["met"] == true && constraint["active"] == true && found["values"][0]["at_end"].is_null());
     assert!(constraint["margin"].as_f64().expect("a margin").abs() < 250.0 * 1e-4, "{constraint}");
-    assert!(found["evaluations"].as_u64() <= Some(50) && found["failed"] == 0);
+    assert!(found["evaluations"].as_u64() <= Some(50) && found["failed"] == 0 && found["converged"] == true);
     // The file is the scenario with one value changed, and its run has the number that was found.
     let text = std::fs::read_to_string(folder.path("best.toml")).expect("a scenario");
     let unchanged = |line: &&str| !line.starts_with("gauge_pressure");

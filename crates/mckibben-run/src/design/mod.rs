@@ -188,7 +188,8 @@ impl Design {
             Reached { at: trial.at.clone(), violation: trial.violation(&searched.scales), values, numbers }
         };
         let points = searched.trials.iter().map(reached).collect();
-        Ok(Outcome { document, unit, points, best: searched.best, scales: searched.scales, request })
+        let search::Searched { best, scales, is_converged, .. } = searched;
+        Ok(Outcome { document, unit, points, best, scales, is_converged, request })
     }
 }
 

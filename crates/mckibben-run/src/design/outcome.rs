@@ -59,9 +59,15 @@ pub struct Outcome {
     pub(super) points: Vec<Reached>,
     pub(super) best: usize,
     pub(super) scales: Vec<f64>,
+    pub(super) is_converged: bool,
 }
 
 impl Outcome {
+    /// Whether the search came to its smallest steps before its evaluations were used up.
+    pub fn is_converged(&self) -> bool {
+        self.is_converged
+    }
+
     /// What was asked.
     pub fn request(&self) -> &Request {
         &self.request
@@ -157,7 +163,9 @@ impl Outcome {
             search.push_str(&format!(" and {failed} failed and counted as infeasible"));
         }
         let local = if self.best().is_feasible() { " A local optimum: there may be a better one." } else { "" };
-        words.push(format!("{search}.{local}"));
+        let spent = " The evaluations are used up: give more --evaluations for a closer optimum.";
+        let spent = if self.is_converged { "" } else { spent };
+        words.push(format!("{search}.{local}{spent}"));
         for (reason, count) in failures {
             words.push(format!("{}: {reason}", runs(count)));
         }
@@ -265,6 +273,7 @@ impl Outcome {
             "values": self.request.vary.iter().enumerate().map(value).collect::<Vec<_>>(),
             "constraints": self.request.constraints.iter().enumerate().map(constraint).collect::<Vec<_>>(),
             "evaluations": self.points.len(),
+            "converged": self.is_converged,
             "failed": failures.values().sum::<usize>(),
             "failures": failures,
         });

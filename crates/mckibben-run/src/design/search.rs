@@ -32,9 +32,9 @@ const APART: f64 = 0.15;
 /// The cost of breaking a constraint by its whole spread, in spreads of the cost, where starts are chosen.
 const PENALTY: f64 = 10.0;
 /// The first and the last radius of the last search.
-const LAST_RADII: [f64; 2] = [0.02, 1e-7];
+const LAST_RADII: [f64; 2] = [0.01, 1e-5];
 /// The last radius of a local search.
-const LAST_RADIUS: f64 = 1e-6;
+const LAST_RADIUS: f64 = 1e-4;
 
 /// What a point of the box is worth.
 #[derive(Clone, Debug, PartialEq)]
@@ -77,6 +77,8 @@ pub struct Searched {
     pub best: usize,
     /// What one part of each constraint is.
     pub scales: Vec<f64>,
+    /// Whether the last search came to its last radius before the evaluations were used up.
+    pub is_converged: bool,
 }
 
 /// A problem over the unit box.
@@ -109,13 +111,16 @@ pub fn search(problem: &Problem<'_>, evaluations: usize) -> Searched {
 
     let left = evaluations.saturating_sub(trials.len());
     let best = best(&trials, &scaling.scales);
+    let mut is_converged = false;
     if trials[best].worth.is_some() {
         let start = trials[best].at.clone();
-        trials.extend(cobyla::search(problem, &scaling, &start, LAST_RADII, left));
+        let last = cobyla::search(problem, &scaling, &start, LAST_RADII, left);
+        is_converged = last.len() < left;
+        trials.extend(last);
     }
     let mut seen = HashSet::new();
     trials.retain(|trial| seen.insert(trial.at.iter().map(|x| x.to_bits()).collect::<Vec<_>>()));
-    Searched { best: self::best(&trials, &scaling.scales), trials, scales: scaling.scales }
+    Searched { best: self::best(&trials, &scaling.scales), trials, scales: scaling.scales, is_converged }
 }
 
 /// A point of the R sequence, from 0: the middle of the box.
@@ -245,7 +250,7 @@ mod tests {
         });
         let best = &found.trials[found.best];
         let due = [0.3 - 0.2 / 2f64.sqrt(), 0.6 - 0.2 / 2f64.sqrt()];
-        assert!(best.is_feasible(&found.scales));
+        assert!(best.is_feasible(&found.scales) && found.is_converged);
         assert!(best.at.iter().zip(due).all(|(x, due)| (x - due).abs() < 1e-4), "{best:?}, not {due:?}");
     }
 
@@ -285,6 +290,7 @@ mod tests {
                 pool.install(|| run(2, &[0.3], evaluations, &evaluate))
             });
             assert_eq!(results[0], results[1]);
+            assert!(evaluations > 20 || !results[0].is_converged);
         }
         assert!(run(2, &[0.3], 10, &|_| None).trials.iter().all(|trial| trial.worth.is_none()));
     }
