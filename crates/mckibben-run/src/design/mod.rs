@@ -47,7 +47,7 @@ use vary::Vary;
 const STACK: usize = 16 << 20;
 /// Names that are listed in place of one that no number has.
 const NEAREST: usize = 6;
-/// Points that are tried for one whose run comes to its end and so tells the names of its numbers.
+/// Points that are tried for one whose run comes to its end: it gives the names of the numbers.
 const TRIED: usize = 16;
 /// Keys that may vary: beyond these no search of a few hundred runs finds anything.
 pub const MOST_KEYS: usize = 12;
