@@ -5,6 +5,7 @@
 use crate::commands::check::CheckArguments;
 use crate::commands::completions::CompletionsArguments;
 use crate::commands::curves::CurvesArguments;
+use crate::commands::design::DesignArguments;
 use crate::commands::fmu::FmuArguments;
 use crate::commands::gallery::GalleryArguments;
 use crate::commands::identify::IdentifyArguments;
@@ -82,6 +83,8 @@ pub enum Command {
     Curves(CurvesArguments),
     /// Find muscles, valves and hoses that move a load over a stroke
     Size(SizeArguments),
+    /// Search for the values of keys that make a number of a run least or greatest, under constraints
+    Design(DesignArguments),
     /// Linearise a scenario near an operating point: matrices, poles, Bode plot
     Linearize(LinearizeArguments),
     /// Find the numbers of a muscle from measured data, with their uncertainty

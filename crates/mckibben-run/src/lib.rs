@@ -8,6 +8,7 @@
 //! | [`curves`] | force, stiffness and volume over length |
 //! | [`linearize`] | the linear model at an operating point |
 //! | [`sweep`] | many runs of one scenario |
+//! | [`design`] | a constrained search for the best values of keys |
 //! | [`identify`] | measured data to the numbers of a scenario |
 //! | [`reproduce`] | the paper's experiments as a report |
 //! | [`engine`], [`closed_loop`] | a run by the engine that the scenario names, and a controller's part in it |
@@ -35,6 +36,7 @@ mod alone;
 pub mod axis;
 pub mod closed_loop;
 pub mod curves;
+pub mod design;
 pub mod engine;
 pub mod events;
 pub mod failure;

@@ -655,6 +655,12 @@ pub fn key_at(path: &str) -> Option<&'static Key> {
     all_keys().find(|key| key.path == path)
 }
 
+/// The row of the key that a path in a file stands for: of the second actuator of a joint and of named parts of a plant those of
+/// one actuator.
+pub fn key_for(path: &str) -> Option<&'static Key> {
+    key_at(in_antagonist(path).unwrap_or(path)).or_else(|| key_at(&stands_for(path)))
+}
+
 /// The row of a section, of one actuator or of a plant.
 pub fn section_at(path: &str) -> Option<&'static Section> {
     all_sections().find(|section| section.path == path)

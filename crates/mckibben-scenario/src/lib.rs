@@ -80,6 +80,7 @@ pub use dimension::Dimension;
 pub use document::Document;
 pub use model::{Experiment, JointExperiment};
 pub use muscle::{Muscle, TOLERANCE as MUSCLE_TOLERANCE};
+pub use nearest::nearest_few;
 pub use numbers::DocumentNumber;
 pub use place::{Place, PlaceError, Seeds};
 pub use plant::{

@@ -58,9 +58,28 @@ pub(crate) fn nearest<'c>(word: &str, candidates: impl IntoIterator<Item = &'c s
     best.map(|(_, candidate)| candidate)
 }
 
+/// The candidates nearest to `word`, at most `most` of them, the nearest first: those that contain it before the others.
+pub fn nearest_few<'c>(word: &str, candidates: impl IntoIterator<Item = &'c str>, most: usize) -> Vec<&'c str> {
+    let letters: Vec<char> = word.chars().take(LONGEST).collect();
+    let cost = |candidate: &str| {
+        let others: Vec<char> = candidate.chars().take(LONGEST).collect();
+        (word.is_empty() || !candidate.contains(word), distance(&letters, &others))
+    };
+    let mut ranked: Vec<((bool, usize), &str)> = candidates.into_iter().map(|of| (cost(of), of)).collect();
+    ranked.sort_by_key(|(cost, _)| *cost);
+    ranked.into_iter().take(most).map(|(_, candidate)| candidate).collect()
+}
+
 #[cfg(test)]
 mod tests {
-    use super::nearest;
+    use super::{nearest, nearest_few};
+
+    #[test]
+    fn ranks_what_contains_the_word_first() {
+        let names = ["velocity.max", "length.max", "gauge_pressure.max", "length.final"];
+        assert_eq!(nearest_few("pressure.max", names, 1), ["gauge_pressure.max"]);
+        assert_eq!(nearest_few("lenght.final", names, 2), ["length.final", "length.max"]);
+    }
 
     #[test]
     fn finds_what_was_meant() {

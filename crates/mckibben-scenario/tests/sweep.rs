@@ -3,7 +3,7 @@
 use mckibben::control::Quantity;
 use mckibben_scenario::diagnostic::{Class, Diagnostic};
 use mckibben_scenario::keys::{KEYS, Key, Kind, is_of_antagonist};
-use mckibben_scenario::{AxisKind, AxisValue, Document, Record, Sweep, quantity};
+use mckibben_scenario::{AxisKind, AxisValue, Document, Force, Record, Sweep, quantity};
 use std::path::Path;
 
 const BASE: &str = r#"[supply]
@@ -546,6 +546,30 @@ fn mistakes_of_the_design() {
     check("[sweep]\n", Class::Missing, (1, 2), &["[sweep.vary]"]);
     check("[sweep.vary]\n", Class::Missing, (1, 8), &["is empty"]);
     check("[sweep]\nvary = 3\n", Class::WrongType, (2, 8), &["is a section"]);
+}
+
+/// A law and its own keys vary together: rows of another law leave the keys out, those of the file as well.
+#[test]
+fn rows_leave_out_what_has_no_meaning_under_their_word() {
+    let laws = "[actuator.force]\nend_factor_rise = 0.2\nend_factor_pressure = \"1 bar\"\n[sweep.vary]\n\
+                \"actuator.force.law\" = [\"ideal-braid\", \"tondu-lopez\"]\n\"actuator.force.end_factor\" = [1.1, 1.3]\n";
+    let sweep = sweep(laws);
+    let law = |row| sweep.scenario(row).expect("a scenario").actuator.force;
+    assert_eq!(sweep.rows(), 4);
+    for row in [0, 1] {
+        assert_eq!(law(row), Force::IdealBraid, "row {row}");
+    }
+    for (row, due) in [(2, 1.1), (3, 1.3)] {
+        let Force::TonduLopez { end_factor, end_factor_rise, .. } = law(row) else {
+            panic!("another law in row {row}")
+        };
+        assert_eq!([end_factor, end_factor_rise], [due, 0.2], "row {row}");
+    }
+    // What has no meaning in any row is refused as before.
+    let never =
+        "[sweep.vary]\n\"actuator.force.law\" = [\"ideal-braid\"]\n\"actuator.force.end_factor\" = [1.1, 1.3]\n";
+    let found = document(never).sweep().expect_err("no row has it").to_string();
+    assert!(found.contains("`actuator.force.end_factor` has no meaning"), "{found}");
 }
 
 #[test]

@@ -4,6 +4,7 @@ pub mod check;
 mod compare;
 pub mod completions;
 pub mod curves;
+pub mod design;
 pub mod fmu;
 pub mod gallery;
 pub mod identify;
@@ -37,6 +38,7 @@ pub fn run(command: &Command) -> Result<(), Failure> {
         Command::Curves(arguments) => curves::run(arguments),
         Command::Identify(arguments) => identify::run(arguments),
         Command::Size(arguments) => size::run(arguments),
+        Command::Design(arguments) => design::run(arguments),
         Command::Linearize(arguments) => linearize::run(arguments),
         Command::Fmu(arguments) => fmu::run(arguments),
         Command::Gallery(arguments) => gallery::run(arguments),

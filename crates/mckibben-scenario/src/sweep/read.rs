@@ -4,7 +4,7 @@
 //! that a key which only the sweep gives is not missing and a contradiction is reported where the value stands. Its
 //! other values are numbers within the range that the key has, and need no text.
 
-use super::axis::Axis;
+use super::axis::{Axis, Values};
 use super::design::{MOST_ROWS, Sampler};
 use super::plant::{self, Swept};
 use super::random::Stream;
@@ -197,15 +197,17 @@ fn check_reductions(document: &Document, record: &Record, bases: &[Base]) -> Res
     Err(diagnostic.help(remedy).into())
 }
 
-/// The scenario for each combination of words and whole numbers, with the first value of every other key.
+/// The scenario for each combination of words and whole numbers, with the first value of every other key; without the keys that
+/// have no meaning under a word that varies.
 fn bases(document: &Document, varied: &[Varied<'_>], combinations: u64) -> Result<Vec<Base>, Diagnostics> {
-    let mut document = document.clone();
-    document.remove(SWEEP);
+    let mut whole = document.clone();
+    whole.remove(SWEEP);
     for varied in varied {
-        document.put(&varied.path, &varied.key, varied.first());
+        whole.put(&varied.path, &varied.key, varied.first());
     }
     let mut bases = Vec::new();
     for combination in 0..combinations {
+        let mut document = whole.clone();
         let mut rest = combination;
         let mut chosen = Vec::new();
         for varied in varied.iter().rev() {
@@ -216,6 +218,7 @@ fn bases(document: &Document, varied: &[Varied<'_>], combinations: u64) -> Resul
                 rest /= count;
             }
         }
+        varied.iter().for_each(|varied| leave_out(&mut document, varied));
         let scenario = document.scenario().map_err(|found| match chosen.is_empty() {
             true => found,
             false => {
@@ -226,6 +229,22 @@ fn bases(document: &Document, varied: &[Varied<'_>], combinations: u64) -> Resul
         bases.push(Base::new(&document, scenario, varied));
     }
     Ok(bases)
+}
+
+/// Takes out the keys that have no meaning under the word of a key that varies, if they have one under another of its words.
+fn leave_out(document: &mut Document, varied: &Varied<'_>) {
+    let Values::Words(words) = &varied.values else { return };
+    let (section, chooses) = match keys::in_antagonist(&varied.path) {
+        Some(path) => (format!("{}.", keys::ANTAGONIST), path),
+        None => (String::new(), varied.path.as_str()),
+    };
+    for key in keys::all_keys() {
+        let Some(when) = key.when.filter(|when| when.key == chooses) else { continue };
+        let applies = when.words.iter().any(|word| document.is_word(&varied.path, word));
+        if !applies && words.iter().any(|word| when.words.contains(&word.as_str())) {
+            document.remove(&format!("{section}{}", key.path));
+        }
+    }
 }
 
 impl Base {

@@ -1,0 +1,122 @@
+//! A scenario with values of its keys set, run, as numbers with names.
+//!
+//! The numbers are those of the [summary](crate::summary), and with a search for the orbit behind the run also those of
+//! [`Settled`](crate::settle::Settled): `settled.length.mean`, `settled.length.ripple`, `settled.length.min`, `settled.length.max`.
+
+use super::constraint::Constraint;
+use super::vary::Vary;
+use super::written::Written;
+use crate::failure::Failure;
+use crate::run::Ready;
+use mckibben_scenario::Document;
+
+/// What the names of the numbers of an orbit begin with.
+pub(super) const SETTLED: &str = "settled.";
+
+/// A number with its name.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Named {
+    pub name: String,
+    /// Its unit in SI; empty for a pure number.
+    pub unit: String,
+    pub value: f64,
+}
+
+/// Runs a scenario with values of its keys set.
+#[derive(Debug)]
+pub(super) struct Evaluator {
+    document: Document,
+    vary: Vec<Vary>,
+    /// The texts of the entries of the list of which a key is one.
+    lists: Vec<Option<Vec<String>>>,
+    settle: bool,
+    /// The numbers that are looked at, the objective first; none before they are known.
+    names: Vec<String>,
+}
+
+impl Evaluator {
+    /// Of a document in which everything else is set.
+    ///
+    /// # Errors
+    /// [`Failure::input`] for a place in a list that the document does not have.
+    pub(super) fn new(document: &Document, vary: &[Vary], settle: bool) -> Result<Self, Failure> {
+        let written = Written::of(document.to_toml().as_str());
+        let list = |vary: &Vary| {
+            let Some((list, place)) = vary.entry() else { return Ok(None) };
+            let entries = written.as_ref().and_then(|written| written.entries(list)).unwrap_or_default();
+            if place < entries.len() {
+                return Ok(Some(entries));
+            }
+            let title = format!("--vary: there is no `{}`", vary.key);
+            let help = format!("the scenario gives `{list}` {} entries, counted from 0", entries.len());
+            Err(Failure::input(title, help))
+        };
+        let lists = vary.iter().map(list).collect::<Result<_, _>>()?;
+        Ok(Self { document: document.clone(), vary: vary.to_vec(), lists, settle, names: Vec::new() })
+    }
+
+    /// Looks at the objective and at what the constraints bound, and at nothing else from now on.
+    pub(super) fn want(&mut self, objective: String, constraints: &[Constraint]) {
+        self.names = [objective].into_iter().chain(constraints.iter().map(|of| of.name.clone())).collect();
+    }
+
+    /// The numbers of a run with these values, in the units of their keys.
+    pub(super) fn numbers(&self, values: &[f64]) -> Result<Vec<Named>, Failure> {
+        let document = self.document(values)?;
+        let ready = Ready::of(&document)?;
+        let mut numbers = Vec::new();
+        if self.settle {
+            // Where a run does not settle there are no rows.
+            for row in ready.settle(&document)?.rows {
+                let statistics =
+                    [("mean", row.mean), ("ripple", row.ripple()), ("min", row.least), ("max", row.greatest)];
+                numbers.extend(statistics.map(|(statistic, value)| Named {
+                    name: format!("{SETTLED}{}.{statistic}", row.name),
+                    unit: row.unit.clone(),
+                    value,
+                }));
+            }
+        }
+        if self.names.is_empty() || self.names.iter().any(|name| !name.starts_with(SETTLED)) {
+            let summary = ready.stream(&document, None)?.summary();
+            let named = |of: crate::summary::Number| Named { name: of.name, unit: of.unit.into(), value: of.value };
+            numbers.extend(summary.numbers.into_iter().map(named));
+        }
+        Ok(numbers)
+    }
+
+    /// The values of what is looked at; in words what there is no number of.
+    pub(super) fn wanted(&self, numbers: &[Named]) -> Result<Vec<f64>, String> {
+        let value = |name: &String| match numbers.iter().find(|number| number.name == *name) {
+            Some(number) if number.value.is_finite() => Ok(number.value),
+            Some(number) => Err(format!("{name} = {} is not finite", number.value)),
+            None if name.starts_with(SETTLED) || name.starts_with("length.") => {
+                Err(format!("the run has not settled, and so has no {name}"))
+            }
+            None => Err(format!("the run has no {name}")),
+        };
+        self.names.iter().map(value).collect()
+    }
+
+    /// The document with these values set.
+    fn document(&self, values: &[f64]) -> Result<Document, Failure> {
+        let mut document = self.document.clone();
+        for ((vary, list), value) in self.vary.iter().zip(&self.lists).zip(values) {
+            let text = vary.toml(*value);
+            match (vary.entry(), list) {
+                (Some((path, _)), Some(entries)) => {
+                    // Several entries of one list may vary.
+                    let text = |(place, entry): (usize, &String)| {
+                        let of_entry = |(other, _): &(&Vary, &f64)| other.entry() == Some((path, place));
+                        let found = self.vary.iter().zip(values).find(of_entry);
+                        found.map_or_else(|| entry.clone(), |(other, value)| other.toml(*value))
+                    };
+                    let entries: Vec<String> = entries.iter().enumerate().map(text).collect();
+                    document.set_text_from("--vary", path, &format!("[{}]", entries.join(", ")))?;
+                }
+                _ => document.set_text_from("--vary", &vary.key, &text)?,
+            }
+        }
+        Ok(document)
+    }
+}
