@@ -1,7 +1,7 @@
 //! Axes: what is measured along them, their limits, and their scale.
 //!
 //! The unit of an axis stands apart from its label, so that ticks can choose an SI prefix for it. Values are given in
-//! their own unit whatever the scale: nobody takes a logarithm before drawing.
+//! their own unit whatever the scale: no caller takes a logarithm before drawing.
 
 use super::PlotError;
 
@@ -68,21 +68,21 @@ impl Axis {
         Self { scale: Scale::Logarithmic, ..Self::new(label, unit) }
     }
 
-    /// The same axis with a lower end.
+    /// Returns the axis with a lower end.
     #[must_use]
     pub fn starting_at(mut self, min: f64) -> Self {
         self.min = Some(min);
         self
     }
 
-    /// The same axis with an upper end.
+    /// Returns the axis with an upper end.
     #[must_use]
     pub fn ending_at(mut self, max: f64) -> Self {
         self.max = Some(max);
         self
     }
 
-    /// The same axis with words in place of numbers.
+    /// Returns the axis with words in place of numbers.
     #[must_use]
     pub fn words<S: Into<String>>(mut self, words: impl IntoIterator<Item = (f64, S)>) -> Self {
         self.words = words.into_iter().map(|(at, word)| (at, word.into())).collect();

@@ -133,14 +133,14 @@ impl Series {
         Self { style: Style::Steps, ..Self::line(label, x, y) }
     }
 
-    /// The same series in another colour.
+    /// Returns the series in another colour.
     #[must_use]
     pub fn colour(mut self, colour: Colour) -> Self {
         self.colour = colour;
         self
     }
 
-    /// The same series with its pattern stated.
+    /// Returns the series with its pattern stated.
     #[must_use]
     pub fn dash(mut self, dash: Dash) -> Self {
         self.dash = Some(dash);
@@ -193,7 +193,7 @@ impl Span {
         Self { label: label.into(), extent: Extent::Between { x, lower, upper }, colour: Colour::Category(0) }
     }
 
-    /// The same span in another colour.
+    /// Returns the span in another colour.
     #[must_use]
     pub fn colour(mut self, colour: Colour) -> Self {
         self.colour = colour;
@@ -241,14 +241,14 @@ impl Marks {
         Self { label: label.into(), x, y: Vec::new(), symbol, filled: false, colour: Colour::Neutral }
     }
 
-    /// The same marks with their inside filled.
+    /// Returns the marks with their inside filled.
     #[must_use]
     pub fn filled(mut self) -> Self {
         self.filled = true;
         self
     }
 
-    /// The same marks in another colour.
+    /// Returns the marks in another colour.
     #[must_use]
     pub fn colour(mut self, colour: Colour) -> Self {
         self.colour = colour;
@@ -334,63 +334,63 @@ impl Panel {
         Self { y, ..Self::default() }
     }
 
-    /// The same panel with coloured cells.
+    /// Returns the panel with coloured cells.
     #[must_use]
     pub fn field(mut self, field: Field) -> Self {
         self.field = Some(field);
         self
     }
 
-    /// The same panel with one more series.
+    /// Returns the panel with one more series.
     #[must_use]
     pub fn series(mut self, series: Series) -> Self {
         self.series.push(series);
         self
     }
 
-    /// The same panel with one more shaded part.
+    /// Returns the panel with one more shaded part.
     #[must_use]
     pub fn span(mut self, span: Span) -> Self {
         self.spans.push(span);
         self
     }
 
-    /// The same panel with one more row of bars above the axes.
+    /// Returns the panel with one more row of bars above the axes.
     #[must_use]
     pub fn strip(mut self, strip: Strip) -> Self {
         self.strips.push(strip);
         self
     }
 
-    /// The same panel with one more set of events.
+    /// Returns the panel with one more set of events.
     #[must_use]
     pub fn marks(mut self, marks: Marks) -> Self {
         self.marks.push(marks);
         self
     }
 
-    /// The same panel with a line at a value of y.
+    /// Returns the panel with a line at a value of y.
     #[must_use]
     pub fn horizontal(mut self, y: f64, label: impl Into<String>) -> Self {
         self.references.push(Reference::Horizontal { y, label: label.into() });
         self
     }
 
-    /// The same panel with a line at a value of x.
+    /// Returns the panel with a line at a value of x.
     #[must_use]
     pub fn vertical(mut self, x: f64, label: impl Into<String>) -> Self {
         self.references.push(Reference::Vertical { x, label: label.into() });
         self
     }
 
-    /// The same panel with its names elsewhere.
+    /// Returns the panel with its names elsewhere.
     #[must_use]
     pub fn legend(mut self, legend: Legend) -> Self {
         self.legend = legend;
         self
     }
 
-    /// The same panel with its own height, in mm.
+    /// Returns the panel with its own height, in mm.
     #[must_use]
     pub fn height_mm(mut self, height: f64) -> Self {
         self.height_mm = Some(height);
@@ -438,35 +438,35 @@ impl Figure {
         Self { x, ..Self::default() }
     }
 
-    /// The same figure with words above.
+    /// Returns the figure with words above.
     #[must_use]
     pub fn title(mut self, title: impl Into<String>) -> Self {
         self.title = title.into();
         self
     }
 
-    /// The same figure with smaller words under the title.
+    /// Returns the figure with smaller words under the title.
     #[must_use]
     pub fn note(mut self, note: impl Into<String>) -> Self {
         self.note = note.into();
         self
     }
 
-    /// The same figure with words below.
+    /// Returns the figure with words below.
     #[must_use]
     pub fn caption(mut self, caption: impl Into<String>) -> Self {
         self.caption = caption.into();
         self
     }
 
-    /// The same figure with one more panel at the bottom.
+    /// Returns the figure with one more panel at the bottom.
     #[must_use]
     pub fn panel(mut self, panel: Panel) -> Self {
         self.panels.push(panel);
         self
     }
 
-    /// The same figure in another size, in mm: the whole width, and the height of each panel's axes.
+    /// Returns the figure in another size, in mm: the whole width, and the height of each panel's axes.
     #[must_use]
     pub fn size_mm(mut self, width: f64, panel_height: f64) -> Self {
         (self.width_mm, self.panel_height_mm) = (width, panel_height);

@@ -196,7 +196,7 @@ fn axis_label(scene: &mut Scene, lines: &[String], area: Area, right: f64) {
     }
 }
 
-/// The names that go above a panel: those that nothing has told yet.
+/// The names that go above a panel: those that no other has.
 fn names(panel: &Panel, direct: bool, known: &mut Vec<Entry>) -> Vec<Entry> {
     let mut names = legend::entries(panel);
     match panel.legend {

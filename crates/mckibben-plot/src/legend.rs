@@ -128,7 +128,7 @@ pub(super) fn entries(panel: &Panel) -> Vec<Entry> {
     entries
 }
 
-/// Whether the names of a panel of this height go beside the ends of its curves, which `reach` tells.
+/// Whether the names of a panel of this height go beside the ends of its curves, which `reach` gives.
 pub(super) fn is_direct(panel: &Panel, height: f64, reach: impl Fn(&Series) -> f64) -> bool {
     let named: Vec<&Series> = panel.series.iter().filter(|s| !s.label.trim().is_empty()).collect();
     let room = height / (SIZE + 1.0);

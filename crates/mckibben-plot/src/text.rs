@@ -116,7 +116,7 @@ impl Faces {
         self.walk(text, size, bold, |_| {})
     }
 
-    /// Draws a line, y upwards. Before each glyph `start` tells the pen how far along and how high it begins, and how long a unit of
+    /// Draws a line, y upwards. Before each glyph `start` gives the pen how far along and how high it begins, and how long a unit of
     /// the face is.
     pub(super) fn draw<P: OutlineBuilder>(
         &self,

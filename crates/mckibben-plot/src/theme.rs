@@ -10,7 +10,7 @@ use super::scene::Ink;
 /// How many colours there are before they repeat.
 pub(super) const CATEGORIES: usize = 7;
 
-/// The surroundings that a figure is made for.
+/// The background that a figure is made for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Theme {
     /// White paper.

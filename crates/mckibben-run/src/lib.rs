@@ -22,7 +22,7 @@
 //! | [`figure`], [`axis`] | runs as a figure, and the horizontal axes that figures may have |
 //! | [`report`] | figures, tables and findings as a page |
 //! | [`output`] | files that are whole or not there |
-//! | [`progress`] | how far work is, for whoever listens |
+//! | [`progress`] | how far work is, for a listener |
 //! | [`failure`] | why something could not be done |
 //! | [`units`] | the units in which results are shown |
 //! | [`quantities`], [`text`] | numbers with units, lines and aligned columns, for people |

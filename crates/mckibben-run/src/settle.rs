@@ -1,4 +1,4 @@
-//! Where a run settles: `simulate --settle` goes on behind its end to the periodic orbit, and tells what repeats there.
+//! Where a run settles: `simulate --settle` goes on behind its end to the periodic orbit, and reports what repeats there.
 //!
 //! The orbit is found by [`mckibben::plant::PlantRun::settle`]; here it is read, column by column, over one period. Its mean and
 //! its ripple are those that a run of many hundred periods would come to, without the swing of the start in them.
@@ -155,7 +155,7 @@ mod tests {
         for (file, known) in
             [("paper/fig-12", "tension"), ("antagonistic-joint", "angle"), ("plant/arm", "elbow.angle")]
         {
-            let document = Document::load(&examples.join(format!("{file}.toml"))).unwrap();
+            let document = Document::load(examples.join(format!("{file}.toml"))).unwrap();
             let settled = Ready::of(&document).unwrap().settle(&document).unwrap();
             assert!(settled.orbit.settled, "{file}: {:?}", settled.orbit);
             let names: std::collections::BTreeSet<&str> = settled.rows.iter().map(|row| row.name.as_str()).collect();

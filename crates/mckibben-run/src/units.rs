@@ -1,4 +1,4 @@
-//! Units in which results are shown to people: a system of units, and a unit of one's own for any quantity.
+//! Units in which results are shown to people: a system of units, and a custom unit for any quantity.
 //!
 //! | quantity | SI unit | `metric` | `si` | `imperial` |
 //! |---|---|---|---|---|
@@ -222,7 +222,7 @@ impl Units {
         shown.with(&if si == "K" { format!("{number:.1}") } else { digits(number) })
     }
 
-    /// A value that somebody gave: as [`Units::quantity`], without zeros that say nothing.
+    /// A value that a user gave: as [`Units::quantity`], without zeros that say nothing.
     pub fn given(&self, value: f64, si: &str) -> String {
         let told = self.quantity(value, si);
         let end = told.find(|c: char| !(c.is_ascii_digit() || "+-.e".contains(c))).unwrap_or(told.len());

@@ -63,7 +63,7 @@ impl Starter {
         let mut text = String::from(
             "#:schema mckibben.schema.json\n\
              # A scenario of mckibben: what is built, what drives it, what is recorded. Editors complete keys by the schema that\n\
-             # `mckibben schema > mckibben.schema.json` writes; `mckibben keys PATH` tells what a key means.\n\
+             # `mckibben schema > mckibben.schema.json` writes; `mckibben keys PATH` prints what a key means.\n\
              #\n\
              # A quantity with a dimension is a string with its unit (\"60 psi\", \"3.85 in\", \"0.02 lbf*s/in\"); pure\n\
              # numbers have none.",

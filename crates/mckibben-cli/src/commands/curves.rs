@@ -1,6 +1,6 @@
 //! `mckibben curves`: force, stiffness and volume of a scenario's actuator over length, for a range of pressures.
 //!
-//! How good (6) is, which leaves out what the air's compression adds, is told at the operating point: where the scenario's load
+//! How good (6) is, which leaves out what the air's compression adds, is printed at the operating point: where the scenario's load
 //! balances the actuator at each pressure, with the scenario's volume outside and with one as large as the largest
 //! inside, which the paper holds to be enough.
 //!

@@ -63,8 +63,8 @@ Of a valve:
   kind = \"tank\" finds C and b, or a volume, from absolute_pressure (or gauge_pressure) over time
   [tank]
   find = \"valve\"                          # or \"volume\"
-  transfer = \"discharge\"                  # to the surroundings, or \"charge\" from the scenario's supply
-  volume = \"0.5 L\"                        # line included; where it is sought, a guess
+  transfer = \"discharge\"                  # to the atmosphere, or \"charge\" from the scenario's supply
+  volume = \"0.5 L\"                        # line included; where it is estimated, a guess
   temperature = \"20 degC\"                 # of air and wall at the start; begins, ends, heat, windows, length: docs/identify.md
 
   kind = \"pulse-train\" finds the delays, from the same; the edges are those of [columns.command] or of the scenario's PWM

@@ -1,4 +1,4 @@
-//! `mckibben simulate`: runs a scenario, tells what it came to, and writes what is asked for.
+//! `mckibben simulate`: runs a scenario, prints its results, and writes what is asked for.
 //!
 //! Everything that can be refused is refused before anything is simulated, and every file is complete before any of
 //! them takes its name. A run of which no figure and no events are wanted is written as it is made and not kept.

@@ -6,7 +6,7 @@
 //! k = ∂F/∂L + (∂F/∂P)(dP/dL), valve shut        (5)       dP/dL = −κ P (dV/dL)/V
 //! ```
 //!
-//! How good (6) is, which leaves the second term out, is told at the operating point: where the scenario's load
+//! How good (6) is, which leaves the second term out, is printed at the operating point: where the scenario's load
 //! balances the actuator at each pressure, with the scenario's volume outside and with one as large as the largest
 //! inside, which the paper holds to be enough.
 //!

@@ -93,7 +93,7 @@ pub struct Design {
 }
 
 impl Design {
-    /// Checks what is asked of a scenario, by a run in the middle of the ranges.
+    /// Checks a request, by a run in the middle of the ranges.
     ///
     /// # Errors
     /// [`Failure::input`] for a key that the scenario has no use for, that holds no number, or whose range leaves its admissible

@@ -21,7 +21,7 @@ const COLOURS: usize = 7;
 /// Strips up to this number stand above every panel, more of them above the first alone.
 const STRIPS: usize = 2;
 
-/// How the curves of a figure are told apart.
+/// How the curves of a figure are distinguished.
 #[derive(Clone, Debug)]
 pub(crate) struct Looks<'s> {
     runs: Vec<Run<'s>>,
@@ -90,7 +90,7 @@ impl<'s> Looks<'s> {
         }
     }
 
-    /// The colour of a part that is no actuator, so that nobody takes it for one as long as there are colours left.
+    /// The colour of a part that is no actuator, so that it is not taken for one as long as there are colours left.
     fn other(&self, group: &Group<'_>, number: usize) -> Colour {
         let parts = group.lines.iter().map(|line| line.column.of.part.as_str());
         let others = parts.filter(|part| !self.actuators.contains(part));

@@ -39,7 +39,7 @@ fn file(name: &str) -> Result<(&'static str, &'static str), Failure> {
     known.ok_or_else(|| Failure::stopped(format!("there is no scenario file `{name}`")))
 }
 
-/// The same as a report shows it.
+/// The value as a report shows it.
 pub(super) fn shown(name: &str) -> Result<(Cow<'static, str>, Cow<'static, str>), Failure> {
     file(name).map(|(name, text)| (name.into(), text.into()))
 }

@@ -3,7 +3,7 @@
 //! The ripple is the largest minus the smallest length over the last 0.4 s, which are whole periods at both
 //! frequencies. A light mass is thrown at first, because (10) lets it fly while the tendon is slack. How high and how
 //! often depends on the volume of the hose, which the paper does not give, so that is varied. Were the tendon still
-//! slack in the last 0.4 s, there would be no ripple to speak of, and none would be told.
+//! slack in the last 0.4 s, there would be no ripple to speak of, and none would be reported.
 
 use super::files;
 use super::units::{ALL, INCH, LB, assumed};
@@ -66,7 +66,7 @@ pub(super) fn section() -> Result<Section, Failure> {
         label: "Figs. 11–13",
         title: "A mass moved by a pulsed valve",
         paragraphs: vec![
-            "The valve joins the muscle to 100 psi and to the surroundings in turn, 50 % commanded at 25 Hz, and \
+            "The valve joins the muscle to 100 psi and to the atmosphere in turn, 50 % commanded at 25 Hz, and \
              lifts 1, 5 and 15 lb from rest on the taut braid. Where the paper set the simulated duty to the \
              measured 43 % and 35 %, the delays of the valve do it here (42.5 % and 35 %). The efficiency of the \
              flow is the paper’s 85 %."

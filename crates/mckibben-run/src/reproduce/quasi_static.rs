@@ -41,7 +41,7 @@ impl<'a> SealedMuscle<'a> {
         Self { rig, constant, index, length: start.length }
     }
 
-    /// The same start with another exponent.
+    /// The start with another exponent.
     pub(super) fn with_index(rig: &'a Rig, start: &State, index: f64) -> Self {
         let constant = start.pressure.0 * rig.actuator().volume(start.length).powf(index);
         Self { rig, constant, index, length: start.length }
@@ -89,7 +89,7 @@ impl<'a> SealedMuscle<'a> {
     }
 }
 
-/// The point between two at which `beyond` becomes true, which it is at the upper one, to the last bit.
+/// The point between two at which `beyond` becomes true, which it is at the upper one, by bisection to neighbouring numbers.
 fn bisected(mut low: f64, mut high: f64, beyond: impl Fn(f64) -> bool) -> f64 {
     loop {
         let middle = 0.5 * (low + high);

@@ -1,4 +1,4 @@
-//! What is told and drawn of the runs: how many, why some failed, the range of each reduction.
+//! What is printed and drawn of the runs: how many, why some failed, the range of each reduction.
 //!
 //! Its size does not depend on the number of runs: of many, a figure keeps every second, third, … by its row.
 
@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 
 /// Runs that a figure keeps at most.
 const DRAWN: u64 = 40_000;
-/// Reasons that are told.
+/// Reasons that are printed.
 const TOLD: usize = 3;
 
 /// What has been seen of the runs.

@@ -1,7 +1,7 @@
 //! The folder of a sweep: one file for each part, and `sweep.json`, which says what they are parts of.
 //!
 //! A part appears whole, by renaming, and is never touched again: a process that is killed loses the parts under way and
-//! no other, and whoever starts it again goes on with what is missing, once each part that is there was held to its checksum.
+//! no other, and a user who starts it again goes on with what is missing, once each part that is there was held to its checksum.
 //! `sweep.json` holds the sweep in a form in which equal sweeps are equal texts, so that the parts of two sweeps never come
 //! together. It is created once, whole, by whichever process comes first; all others read it. So any number of processes, on any
 //! number of machines, may begin on one folder at once.

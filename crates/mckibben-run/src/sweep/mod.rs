@@ -19,7 +19,7 @@
 //! | [`destination`] | where the lines go |
 //! | [`folder`] | the parts of a sweep, finished or to be done |
 //! | [`read`] | the reductions of a finished part |
-//! | [`counts`] | what is told and drawn of the runs |
+//! | [`counts`] | what is printed and drawn of the runs |
 //! | [`chart`] | lines, maps and scatter plots of the reductions |
 //!
 //! What a run comes to depends on its row alone: not on the unit, part, shard, thread or engine batch that it is in.

@@ -1,6 +1,6 @@
 //! A sweep that is ready to be done: by the threads of this process, or part by part wherever there is a processor.
 //!
-//! A part follows from the sweep and from the step of its fixed-step engine alone, so whoever computes it gives the same
+//! A part follows from the sweep and from the step of its fixed-step engine alone, so every machine that computes it gives the same
 //! bytes.
 
 use super::counts::SweepCounts;
@@ -27,7 +27,7 @@ pub struct Prepared {
 }
 
 impl Prepared {
-    /// The sweep of a document in which some values were set, told as `KEY=VALUE`; none where it has no section `[sweep]`.
+    /// The sweep of a document in which some values were set, given as `KEY=VALUE`; none where it has no section `[sweep]`.
     ///
     /// One of one actuator or of a joint that names no engine takes fixed steps, save under a controller for which no step is given.
     ///

@@ -14,9 +14,9 @@
 //! | `used` | the air drawn from the supply |
 //! | `rms`, `peak` of an error | of what a controller was to reach less what its sensors showed, at its sampling instants |
 //!
-//! What happens between two samples is not seen. `used` sums the gains of air mass between samples at which the passage
+//! What happens between two samples is not seen. `used` sums the gains of air mass between samples at which the flow path
 //! to the supply is open at either end, as the fixed-step engine's steps keep the balance of the air; of an
-//! event-located run it is the integral of the flow through that passage instead.
+//! event-located run it is the integral of the flow through that flow path instead.
 //!
 //! A reduction without a value (the overshoot of a quantity that ends where it began; a ripple over fewer than two
 //! samples) has none: it is empty, never zero. Only `settling_time` keeps the samples of its quantity.
@@ -108,7 +108,7 @@ pub enum Seen<'a> {
 #[derive(Clone, Copy, Debug)]
 struct Before {
     time: f64,
-    /// Whether each actuator's passage to the supply is open, and the mass of its air in kg.
+    /// Whether each actuator's flow path to the supply is open, and the mass of its air in kg.
     air: [(bool, f64); 2],
 }
 

@@ -38,7 +38,7 @@ pub struct Choice {
 }
 
 impl Choice {
-    /// Tries rows of a sweep on `jobs` threads. `None` when the rows have steps by themselves.
+    /// Tries rows of a sweep on `jobs` threads. `None` when the rows have steps of their own.
     ///
     /// # Errors
     /// As [`schedule::in_order`].
