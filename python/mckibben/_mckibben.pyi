@@ -6,7 +6,7 @@ from _typeshed import Incomplete, SupportsLenAndGetItem
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from mckibben._results import Modes, Summary, Validity
+from mckibben._results import Modes, Settled, Summary, Validity
 from numpy import bool_, complex128, float64, int64, str_
 from numpy.typing import ArrayLike, NDArray
 from os import PathLike
@@ -772,7 +772,8 @@ class HostedPlant:
     Plants of a scenario whose ends a simulator of your own moves: distances and commands in, tensions and pressures out.
 
     All actuators of the scenario, with the air network that they share, are one plant. The loads and mechanisms of the scenario
-    are not used: the simulator moves the ends. `count` plants, each with its own state, are stepped together on all cores.
+    are not used: the simulator moves the ends. `count` plants, each with its own state, are stepped together on all
+    cores.
 
     Parameters
     ----------
@@ -1223,6 +1224,10 @@ class Scenario:
     def __repr__(self, /) -> str: ...
     def __str__(self, /) -> str: ...
     def _repr_html_(self, /) -> Any: ...
+    def _settled(self, /) -> tuple[bool, float, int, int, list[tuple[str, str, list[float]]]]:
+        """
+        Return the orbit and its columns, each with its unit, mean, ripple, least and greatest value.
+        """
     def diff(self, /, other: Scenario) -> dict[str, Any]:
         """
         Return the values in which another scenario differs.
@@ -1305,6 +1310,37 @@ class Scenario:
     def name(self, /) -> str:
         """
         Name of the file, or that given in its place.
+        """
+    def settle(self, /) -> Settled:
+        """
+        Run the scenario and on behind its end to the periodic orbit, or to the equilibrium where nothing is pulsed.
+
+        The orbit is that of the period that all pulses have in common. Where nothing but states is remembered it is found as a
+        fixed point of the map from one period to the next, also where nothing damps the swing of the start.
+
+        Returns
+        -------
+        Settled
+            Mean, ripple, least and greatest value of each column of numbers over a period.
+
+        Raises
+        ------
+        InputError
+            The pulses have no common period of up to a thousand of the fastest.
+        SimulationError
+            The simulation cannot go on.
+
+        Examples
+        --------
+            >>> import mckibben
+            >>> scenario = mckibben.Scenario.from_dict({
+            ...     "load": {"kind": "hanging-mass", "mass": "2 kg"},
+            ...     "initial": {"gauge_pressure": "60 psi", "length": "85 mm"},
+            ...     "run": {"duration": "0.1 s"},
+            ... })
+            >>> settled = scenario.settle()
+            >>> bool(abs(settled["tension"].mean - 2 * 9.80665) < 1e-4)
+            True
         """
     @property
     def text(self, /) -> str:
@@ -1769,6 +1805,22 @@ class Trajectory:
         Returns
         -------
         dict of str to numpy.ndarray
+        """
+    def to_mat(self, /, path: str | PathLike[str]) -> None:
+        """
+        Write the columns as a MAT-file for MATLAB, Octave and SciPy: byte for byte the file of `mckibben simulate --output`.
+
+        Each column is a variable; points in names become underscores.
+
+        Parameters
+        ----------
+        path : str or path
+            File to write.
+
+        Raises
+        ------
+        OutputError
+            The file cannot be written; then none is left behind.
         """
     def to_pandas(self, /) -> DataFrame:
         """
