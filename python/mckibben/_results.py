@@ -157,13 +157,10 @@ class Settled(collections.abc.Mapping[str, Settling]):
 def settled(scenario: Scenario) -> Settled:
     """Return what a run of a scenario settles to."""
     is_settled, period, periods, guesses, columns = scenario._settled()
-    return Settled(
-        is_settled,
-        period,
-        periods,
-        guesses,
-        {name: Settling(*values, unit) for name, unit, values in columns},
-    )
+    found = {}
+    for name, unit, (mean, ripple, least, greatest) in columns:
+        found[name] = Settling(mean, ripple, least, greatest, unit)
+    return Settled(is_settled, period, periods, guesses, found)
 
 
 def events_to_pandas(run: Trajectory) -> pandas.DataFrame:
