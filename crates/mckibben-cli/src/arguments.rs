@@ -75,7 +75,7 @@ pub enum Command {
     Init(InitArguments),
     /// Show the named actuators and valves: values, sources, what is assumed
     Presets(PresetsArguments),
-    /// Tell what a key of a scenario file means, with unit, range, default and source
+    /// Show what a key of a scenario file means: unit, range, default, source
     Keys(KeysArguments),
     /// Print the JSON Schema of scenario files, for editors
     Schema(SchemaArguments),
@@ -83,7 +83,7 @@ pub enum Command {
     Curves(CurvesArguments),
     /// Find muscles, valves and hoses that move a load over a stroke
     Size(SizeArguments),
-    /// Search for the values of keys that make a number of a run least or greatest, under constraints
+    /// Search for the best values of keys under constraints
     Design(DesignArguments),
     /// Linearise a scenario near an operating point: matrices, poles, Bode plot
     Linearize(LinearizeArguments),

@@ -108,7 +108,7 @@ fn the_starter_is_the_experiment_of_the_specification() {
     let metric = Starter { minimal: true, metric: true }.text();
     let numbers: Vec<&str> = metric.lines().filter_map(|line| line.split('#').next()).collect();
     let numbers = numbers.join("\n");
-    assert!(!["psi", " in\"", "lb", "ft"].iter().any(|unit| numbers.contains(unit)), "{numbers}");
+    assert!(![" psi", " in\"", " lb", " ft"].iter().any(|unit| numbers.contains(unit)), "{numbers}");
     let (read, expected) = (read(&metric), expected);
     let gauge = |of: &Scenario| of.supply.as_ref().map_or(f64::NAN, |supply| supply.gauge_pressure);
     assert!((gauge(&read) / gauge(&expected) - 1.0).abs() < 0.05);
