@@ -94,4 +94,4 @@ def test_the_code_of_a_page_runs(page, tmp_path):
     (tmp_path / "page.py").write_text("import matplotlib\nmatplotlib.use('agg')\n" + "\n".join(blocks))
     done = subprocess.run([sys.executable, "page.py"], cwd=tmp_path, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, f"{done.stdout}\n{done.stderr}"
-    assert "length.ripple" in done.stdout and (tmp_path / "run.png").stat().st_size > 10_000
+    assert "length.settled" in done.stdout and (tmp_path / "run.png").stat().st_size > 10_000

@@ -240,6 +240,8 @@ def test_parameters_are_those_of_the_schema(program, tmp_path):
     schema = json.loads(program(tmp_path, "schema").stdout)
 
     def quantities(key: dict, path: str = ""):
+        if key.get("$ref", "").startswith("#/$defs/shared-"):
+            key = schema["$defs"][key["$ref"].rsplit("/", 1)[1]]
         if " Unit: " in key.get("description", ""):
             yield path, key["description"]
         for way in key.get("anyOf", []):

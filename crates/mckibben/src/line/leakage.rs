@@ -15,6 +15,7 @@
 //!
 //! Source: Hagen–Poiseuille with the mean density, textbook. Checked by `tests/line_rig.rs`: the decay of a fixed volume.
 
+#[cfg(feature = "alloc")]
 use crate::air::Flow;
 use crate::convert::Convert;
 use crate::error::Error;
@@ -51,6 +52,7 @@ impl<S: Scalar> Leakage<S> {
 }
 
 /// A net flow by its direction.
+#[cfg(feature = "alloc")]
 #[inline(always)]
 pub(crate) fn split<T: Scalar>(net: T) -> Flow<T> {
     let outwards = net.lt(T::zero());

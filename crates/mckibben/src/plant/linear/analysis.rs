@@ -60,8 +60,8 @@ impl PlantLinearization {
         UsualSize { size, is_rate: of.is_rate() }
     }
 
-    /// How far one output swings, peak to peak, under the switching of a pulsed valve: by the first harmonics of its openings
-    /// through the model, as many as [`HARMONICS`] says. `None` for a valve that is not averaged, or an output that the model has not.
+    /// How far one output swings, peak to peak, under the switching of a pulsed valve: by the first 24 harmonics of its
+    /// openings through the model. `None` for a valve that is not averaged, or an output that the model has not.
     pub fn ripple(&self, valve: usize, output: PlantOutput) -> Option<f64> {
         let average = self.averages.iter().find(|average| average.valve == valve)?;
         let actuation = &self.point.plant.network().valves[valve];
