@@ -11,13 +11,16 @@ use crate::twice::Twice;
 #[cfg(target_arch = "x86_64")]
 use crate::wide::Doubles;
 use crate::width::Width;
+use mckibben::internals::{check_move, part_end, parts_of};
 use mckibben::plant::{Plant, PlantSample, PlantSteps};
 use mckibben::valve::RuntimeCommand;
-use mckibben::{Error, parameter};
+use mckibben::{Error, Response, parameter};
 use rayon::prelude::*;
 
 /// Elements that a thread takes together where they are stepped individually.
 const BY_THEMSELVES: usize = 8;
+/// Groups times steps up to which the caller's own thread takes all: to wake others takes longer.
+const ALONE: usize = 8;
 
 /// Plants that are stepped together, in numbers of `f64`.
 ///
@@ -47,6 +50,14 @@ pub struct PlantBatch {
     groups: Vec<Group>,
     /// The group of each row, and its lane there.
     places: Vec<[usize; 2]>,
+    /// How many coordinates of all rows a host moves.
+    coordinates: usize,
+    /// The longest part of a move in s; infinite where moves are not divided.
+    longest_part: f64,
+    /// Edges of pulses in a second that a row has been set to, at most.
+    edges: f64,
+    /// The ends of the parts of a move.
+    ends: Vec<f64>,
 }
 
 /// Rows that are taken together.
@@ -93,8 +104,10 @@ impl PlantBatch {
                 remedy: "begin all of them at the same time with the same method, or make a batch of those that agree",
             });
         }
-        let (groups, places) = arrange(rows, width);
-        Ok(Self { width, time, groups, places })
+        let edges = rows.iter().map(edges_of).fold(0.0, f64::max);
+        let (groups, places, coordinates) = arrange(rows, width);
+        let (longest_part, ends) = (f64::INFINITY, Vec::new());
+        Ok(Self { width, time, groups, places, coordinates, longest_part, edges, ends })
     }
 
     /// Whether plants of a structure go side by side. Left out are given pressures and motions, and tendons of actuators whose dry
@@ -160,9 +173,125 @@ impl PlantBatch {
     /// # Errors
     /// As [`PlantSteps::set`] and [`PlantBatch::row`].
     pub fn set(&mut self, row: usize, valve: usize, demand: impl Into<RuntimeCommand>) -> Result<(), Error> {
-        let row = self.living(row)?;
-        row.changes(Change::Commands);
-        row.steps.set(valve, demand)
+        let [group, lane] = self.place(row)?;
+        self.edges = self.edges.max(self.groups[group].set(lane, valve, demand.into())?);
+        Ok(())
+    }
+
+    /// Sets what a valve of every living row does from now on, on all cores; rows for which there is no command go on as they are.
+    ///
+    /// # Errors
+    /// The number of the first row whose valve does not take its command, which goes on as it is, as [`PlantBatch::set`] has it.
+    pub fn set_each(
+        &mut self,
+        valve: usize,
+        demand: impl Fn(usize) -> Option<RuntimeCommand> + Sync,
+    ) -> Result<(), (usize, Error)> {
+        let set = |group: &mut Group| {
+            let (mut edges, mut fault): (f64, Option<(usize, Error)>) = (0.0, None);
+            for lane in 0..group.rows.len() {
+                let row = &group.rows[lane];
+                let (index, is_alive) = (row.index, row.is_alive());
+                match demand(index).filter(|_| is_alive).map(|demand| group.set(lane, valve, demand)) {
+                    Some(Ok(its)) => edges = edges.max(its),
+                    Some(Err(error)) => fault = fault.or(Some((index, error))),
+                    None => {}
+                }
+            }
+            (edges, fault)
+        };
+        let first = |one: (f64, Option<(usize, Error)>), other: (f64, Option<(usize, Error)>)| {
+            let fault = match (one.1, other.1) {
+                (Some(one), Some(other)) => Some(if one.0 < other.0 { one } else { other }),
+                (one, other) => one.or(other),
+            };
+            (one.0.max(other.0), fault)
+        };
+        let (edges, fault) = if self.groups.len() <= ALONE {
+            self.groups.iter_mut().map(set).fold((0.0, None), first)
+        } else {
+            self.groups.par_iter_mut().map(set).reduce(|| (0.0, None), first)
+        };
+        self.edges = self.edges.max(edges);
+        fault.map_or(Ok(()), Err)
+    }
+
+    /// Divides every move from now on into equal parts no longer than `longest` in s; infinity leaves moves whole.
+    ///
+    /// # Errors
+    /// As [`PlantSteps::limit_step`].
+    pub fn limit_step(&mut self, longest: f64) -> Result<(), Error> {
+        if longest != f64::INFINITY {
+            parameter::STEP.check(longest)?;
+        }
+        self.longest_part = longest;
+        Ok(())
+    }
+
+    /// Parts that a move to `until` in s takes, counted before they are taken, with the edges of the pulses of the row that has
+    /// the most.
+    pub fn parts_until(&self, until: f64) -> f64 {
+        let span = until - self.time;
+        parts_of(span, self.longest_part) as f64 + self.edges * span
+    }
+
+    /// The ends that a host moves go in straight lines to `distances` in m at `until` in s: one distance for each coordinate of
+    /// each row, row after row. A row that cannot go on, or go there, stops, and touches no other.
+    ///
+    /// # Errors
+    /// As [`PlantSteps::move_to`] for the time and for the number of distances; nothing has changed then.
+    pub fn move_to(&mut self, until: f64, distances: &[f64]) -> Result<(), Error> {
+        let span = until - self.time;
+        check_move(span, || self.parts_until(until))?;
+        self.check_count("distances", distances)?;
+        let mut ends = std::mem::take(&mut self.ends);
+        let parts = parts_of(span, self.longest_part);
+        ends.clear();
+        ends.extend((1..=parts).map(|part| part_end(self.time, span, (part, parts))));
+        self.go(Span { from: self.time, ends: &ends, distances: Some(distances) });
+        self.ends = ends;
+        Ok(())
+    }
+
+    /// Computes what the actuators of every living row answer, with the ends that a host moves at `distances` in m and moving at
+    /// `rates` in m/s: as [`PlantSteps::compute_at`]. [`PlantBatch::responses`] has them.
+    ///
+    /// # Errors
+    /// As there; nothing has been computed then.
+    pub fn compute_at(&mut self, distances: &[f64], rates: &[f64]) -> Result<(), Error> {
+        self.check_count("distances", distances)?;
+        self.check_count("rates", rates)?;
+        distances.iter().try_for_each(|its| parameter::INITIAL_LENGTH.check(*its).map(drop))?;
+        rates.iter().try_for_each(|its| parameter::INITIAL_VELOCITY.check(*its).map(drop))?;
+        let of_group = |group: &mut Group| group.compute_at(distances, rates);
+        if self.groups.len() <= ALONE {
+            self.groups.iter_mut().try_for_each(of_group)
+        } else {
+            self.groups.par_iter_mut().try_for_each(of_group)
+        }
+    }
+
+    /// What the actuators of a row answered when they were last computed; nothing before.
+    ///
+    /// # Errors
+    /// As [`PlantBatch::row`].
+    pub fn responses(&self, row: usize) -> Result<&[Response], Error> {
+        let [group, lane] = self.place(row)?;
+        let row = &self.groups[group].rows[lane];
+        row.fault.clone().map_or(Ok(&row.responses), Err)
+    }
+
+    /// That there is one number for each coordinate that a host moves.
+    fn check_count(&self, name: &'static str, given: &[f64]) -> Result<(), Error> {
+        if given.len() == self.coordinates {
+            return Ok(());
+        }
+        Err(Error::Table {
+            name,
+            problem: "there is not one for each coordinate of the external mechanisms of all rows",
+            entry: given.len().min(self.coordinates) + 1,
+            remedy: "give as many as the external mechanisms of all rows have coordinates, row after row",
+        })
     }
 
     /// Sets the rates (m/s or rad/s) of a mechanism of a row whose motion a host gives.
@@ -193,7 +322,13 @@ impl PlantBatch {
         if lanes.is_some() && !is_same && block::structure(steps.plant()) != block::structure(old.plant()) {
             return Err(OTHER_STRUCTURE);
         }
-        rows[lane] = Row::new(steps);
+        let edges = edges_of(&steps);
+        let begun = Row::new(steps, row, rows[lane].coordinates.start);
+        if begun.coordinates != rows[lane].coordinates {
+            return Err(OTHER_STRUCTURE);
+        }
+        rows[lane] = begun;
+        self.edges = self.edges.max(edges);
         if let (Some(lanes), false) = (lanes, is_same) {
             lanes.gather(rows);
         }
@@ -240,13 +375,18 @@ impl PlantBatch {
             }
             before = *end;
         }
-        let span = Span { from: self.time, ends };
-        match self.groups.as_mut_slice() {
-            [group] => group.advance(span),
-            groups => groups.par_iter_mut().for_each(|group| group.advance(span)),
+        self.go(Span { from: self.time, ends, distances: None });
+        Ok(())
+    }
+
+    /// Takes every living row through a span.
+    fn go(&mut self, span: Span<'_>) {
+        if self.groups.len() * span.ends.len() <= ALONE || self.groups.len() == 1 {
+            self.groups.iter_mut().for_each(|group| group.advance(span));
+        } else {
+            self.groups.par_iter_mut().for_each(|group| group.advance(span));
         }
         self.time = span.until();
-        Ok(())
     }
 
     /// Everything that is known of every row, or why it has stopped.
@@ -276,6 +416,35 @@ impl Group {
         }
     }
 
+    /// Computes what the actuators of the rows answer.
+    fn compute_at(&mut self, distances: &[f64], rates: &[f64]) -> Result<(), Error> {
+        let Self { rows, lanes } = self;
+        rows.iter_mut().for_each(Row::make_room);
+        match lanes {
+            Some(lanes) => lanes.compute_at(rows, distances, rates),
+            None => {
+                let mut living = rows.iter_mut().filter(|row| row.is_alive());
+                living.try_for_each(|row| row.compute_at(distances, rates))
+            }
+        }
+    }
+
+    /// Sets what a valve of a row does from now on; the edges of pulses in a second that it then has.
+    fn set(&mut self, lane: usize, valve: usize, demand: RuntimeCommand) -> Result<f64, Error> {
+        let row = &mut self.rows[lane];
+        if let Some(fault) = &row.fault {
+            return Err(fault.clone());
+        }
+        // Most commands go on with what there is, of which lanes know all.
+        if row.steps.set_on(valve, &demand)? {
+            return Ok(0.0);
+        }
+        let row = self.bring(lane);
+        row.changes(Change::Commands);
+        row.steps.set(valve, demand)?;
+        Ok(edges_of(&row.steps))
+    }
+
     /// Brings a row to where its lane is.
     fn bring(&mut self, lane: usize) -> &mut Row {
         let row = &mut self.rows[lane];
@@ -286,14 +455,22 @@ impl Group {
     }
 }
 
-/// Deals rows to groups: those of equal structure side by side, all others individually.
-fn arrange(rows: Vec<PlantSteps>, width: Width) -> (Vec<Group>, Vec<[usize; 2]>) {
+/// Edges of pulses in a second that the valves of a row have been set to.
+fn edges_of(steps: &PlantSteps) -> f64 {
+    let valves = steps.mode().network.valves.iter();
+    valves.filter_map(|valve| valve.pulse_frequency()).map(|frequency| 2.0 * frequency).sum()
+}
+
+/// Deals rows to groups: those of equal structure side by side, all others individually. The groups, the places of the rows in
+/// them, and how many coordinates a host moves.
+fn arrange(rows: Vec<PlantSteps>, width: Width) -> (Vec<Group>, Vec<[usize; 2]>, usize) {
     let most = if width.rows() > 1 { width.rows() } else { BY_THEMSELVES };
     let mut groups: Vec<(Group, Option<Plant>)> = Vec::new();
     // Of each structure the group that has room.
     let mut open: Vec<usize> = Vec::new();
     let mut places = Vec::with_capacity(rows.len());
-    for steps in rows {
+    let mut coordinates = 0;
+    for (index, steps) in rows.into_iter().enumerate() {
         let side_by_side = width.rows() > 1 && PlantBatch::covers(steps.plant());
         let form = side_by_side.then(|| block::structure(steps.plant()));
         let found = open.iter().position(|group| groups[*group].1 == form && groups[*group].0.rows.len() < most);
@@ -307,7 +484,9 @@ fn arrange(rows: Vec<PlantSteps>, width: Width) -> (Vec<Group>, Vec<[usize; 2]>)
             }
         };
         places.push([group, groups[group].0.rows.len()]);
-        groups[group].0.rows.push(Row::new(steps));
+        let row = Row::new(steps, index, coordinates);
+        coordinates = row.coordinates.end;
+        groups[group].0.rows.push(row);
     }
     let finished = groups.into_iter().map(|(mut group, form)| {
         if form.is_some() {
@@ -315,7 +494,7 @@ fn arrange(rows: Vec<PlantSteps>, width: Width) -> (Vec<Group>, Vec<[usize; 2]>)
         }
         group
     });
-    (finished.collect(), places)
+    (finished.collect(), places, coordinates)
 }
 
 /// Rows of equal structure in lanes.

@@ -7,6 +7,7 @@
 
 use crate::deal::{Blank, Deal, List};
 use crate::held::{self, Held};
+use crate::motion::{self, HostEnds};
 use crate::row::{Change, Row};
 use crate::span::Span;
 use crate::watch::Watch;
@@ -41,6 +42,12 @@ pub(crate) trait Lanes: Debug + Send + Sync {
 
     /// Takes the numbers of the rows again.
     fn gather(&mut self, rows: &mut [Row]);
+
+    /// Computes what the actuators of all rows answer with the ends that a host moves at these distances in m and rates in m/s.
+    ///
+    /// # Errors
+    /// Those of a row.
+    fn compute_at(&mut self, rows: &mut [Row], distances: &[f64], rates: &[f64]) -> Result<(), Error>;
 }
 
 /// A plant with all its numbers zero: two plants of equal structure are equal.
@@ -67,6 +74,7 @@ pub(crate) struct Block<W: Wide<Lane = f64>> {
     end: Vec<W>,
     held: Held<W>,
     watch: Watch<W>,
+    hosts: HostEnds<W>,
     /// 1 in lanes whose row has not stopped, and where it takes its steps with the others; 0 elsewhere.
     lives: W,
     goes: W,
@@ -94,6 +102,9 @@ struct Create<'a, W>(&'a mut [Row], PhantomData<W>);
 /// A block's way through a span.
 struct Advance<'a, W: Wide<Lane = f64>>(&'a mut Block<W>, &'a mut [Row], Span<'a>);
 
+/// What a block's rows answer with their ends at given distances and rates.
+struct Answer<'a, W: Wide<Lane = f64>>(&'a mut Block<W>, &'a mut [Row], [&'a [f64]; 2]);
+
 impl<W: Wide<Lane = f64>> Block<W> {
     /// A block of rows of equal structure, as many as there are lanes at most.
     pub(crate) fn new(rows: &mut [Row]) -> Self {
@@ -107,8 +118,8 @@ impl<W: Wide<Lane = f64>> Lanes for Block<W> {
     }
 
     fn bring(&self, lane: usize, row: &mut Row) {
-        if row.is_alive() && row.steps.time() != self.time {
-            row.steps.put(self.time, |place| self.state[place].lane(lane));
+        if row.is_alive() && (row.is_behind || row.steps.time() != self.time) {
+            row.put(self.time, |place| self.state[place].lane(lane));
         }
     }
 
@@ -122,6 +133,10 @@ impl<W: Wide<Lane = f64>> Lanes for Block<W> {
         }
         // A row that has stopped does not know the time.
         *self = Self { time: self.time, ..Self::new(rows) };
+    }
+
+    fn compute_at(&mut self, rows: &mut [Row], distances: &[f64], rates: &[f64]) -> Result<(), Error> {
+        compiled(Answer(self, rows, [distances, rates]))
     }
 }
 
@@ -157,6 +172,7 @@ impl<W: Wide<Lane = f64>> Compiled for Create<'_, W> {
             end: vec![zero; states],
             held: Held::new(&system),
             watch: Watch::new(&system),
+            hosts: HostEnds::new(&system),
             lives: zero,
             goes: zero,
             looks: vec![false; W::LANES],
@@ -183,13 +199,156 @@ impl<W: Wide<Lane = f64>> Compiled for Advance<'_, W> {
     fn run<S: Simd>(self, _: S) {
         let Self(block, rows, span) = self;
         block.set_out(rows, &span);
+        if let Some(distances) = span.distances {
+            block.set_off(rows, distances, &span);
+        }
         for end in span.ends {
             block.step(rows, *end);
+        }
+        if span.distances.is_some() {
+            block.arrive(rows);
         }
     }
 }
 
+impl<W: Wide<Lane = f64>> Compiled for Answer<'_, W> {
+    type Wide = W;
+    type Output = Result<(), Error>;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, _: S) -> Result<(), Error> {
+        let Self(block, rows, [distances, rates]) = self;
+        block.answer(rows, distances, rates)
+    }
+}
+
 impl<W: Wide<Lane = f64>> Block<W> {
+    /// Sends the ends off that a host moves: where a row keeps its mode in its lane, and else by the row.
+    #[inline(always)]
+    fn set_off(&mut self, rows: &mut [Row], distances: &[f64], span: &Span<'_>) {
+        let (zero, one, length) = (W::zero(), W::one(), span.until() - span.from);
+        self.take_goals(rows, distances);
+        self.update();
+        let Self { system, hosts, state, end, held, at, .. } = self;
+        end.copy_from_slice(state);
+        for ([position, rate], goal) in hosts.places.iter().zip(&hosts.goals) {
+            end[*rate] = (*goal - state[*position]) / W::constant(length);
+        }
+        let keep = hosts.keep_mode(system, (W::constant(span.from), end), held, at) & zero.lt(self.lives);
+        for [_, rate] in &hosts.places {
+            state[*rate] = W::select(keep, end[*rate], state[*rate]);
+        }
+        let kept = W::select(keep, one, zero);
+        self.mark_behind(rows, kept);
+        let alone = zero.lt(self.lives) & !keep;
+        if alone.any() {
+            self.set_off_alone(rows, kept, (distances, length, span.from));
+        }
+    }
+
+    /// Where the ends go that a host moves.
+    fn take_goals(&mut self, rows: &[Row], distances: &[f64]) {
+        for (k, goal) in self.hosts.goals.iter_mut().enumerate() {
+            for (lane, row) in rows.iter().enumerate() {
+                goal.put(lane, distances[row.coordinates.start + k]);
+            }
+        }
+    }
+
+    /// Makes masks of modes that have changed.
+    #[inline(always)]
+    fn update(&mut self) {
+        if self.is_changed {
+            self.held.update();
+            self.is_changed = false;
+        }
+    }
+
+    /// Notes of rows that their lanes have gone on.
+    fn mark_behind(&self, rows: &mut [Row], gone_on: W) {
+        for (lane, row) in rows.iter_mut().enumerate() {
+            row.is_behind |= gone_on.lane(lane) > 0.0;
+        }
+    }
+
+    /// Sends the ends of those rows off that do not keep their mode.
+    #[inline(never)]
+    fn set_off_alone(&mut self, rows: &mut [Row], kept: W, (distances, length, from): (&[f64], f64, f64)) {
+        for (lane, row) in rows.iter_mut().enumerate() {
+            if !row.is_alive() || kept.lane(lane) > 0.0 {
+                continue;
+            }
+            self.bring(lane, row);
+            match row.set_off(length, distances) {
+                Ok(()) => {
+                    write(row.steps.state(), lane, &mut self.state);
+                    self.enter(lane, row, from);
+                }
+                Err(fault) => self.stop(lane, row, fault),
+            }
+        }
+        self.sum_up(rows);
+    }
+
+    /// Puts the ends that a host moves exactly to where they have come.
+    #[inline(always)]
+    fn arrive(&mut self, rows: &mut [Row]) {
+        for ([position, _], goal) in self.hosts.places.iter().zip(&self.hosts.goals) {
+            self.state[*position] = *goal;
+        }
+        self.mark_behind(rows, self.lives);
+    }
+
+    /// What the actuators of all rows answer with their ends at these distances and rates.
+    #[inline(always)]
+    fn answer(&mut self, rows: &mut [Row], distances: &[f64], rates: &[f64]) -> Result<(), Error> {
+        let (zero, one) = (W::zero(), W::one());
+        self.update();
+        let Self { system, hosts, state, end, held, at, .. } = self;
+        end.copy_from_slice(state);
+        for (k, places) in hosts.places.iter().enumerate() {
+            for (lane, row) in rows.iter().enumerate() {
+                end[places[0]].put(lane, distances[row.coordinates.start + k]);
+                end[places[1]].put(lane, rates[row.coordinates.start + k]);
+            }
+        }
+        let time = W::constant(self.time);
+        let mut in_lanes = hosts.can_answer(system, (time, end), held, at) & zero.lt(self.goes);
+        if in_lanes.any() {
+            system.evaluate(time, end, held, at);
+        }
+        let mut come = W::select(in_lanes, one, zero);
+        for (lane, row) in rows.iter().enumerate() {
+            // What has changed since, its lane does not know.
+            if row.change == Change::All {
+                come.put(lane, 0.0);
+            }
+        }
+        in_lanes = zero.lt(come);
+        if in_lanes.any() {
+            for i in 0..system.wires.len() {
+                let answers = motion::answer(system, i, end, held, at);
+                for (lane, row) in rows.iter_mut().enumerate() {
+                    if come.lane(lane) > 0.0 && row.is_alive() {
+                        row.responses[i] = motion::of_lane(&answers, lane);
+                    }
+                }
+            }
+        }
+        self.answer_alone(rows, come, [distances, rates])
+    }
+
+    /// What those rows answer that have not been computed in lanes.
+    fn answer_alone(&mut self, rows: &mut [Row], come: W, [distances, rates]: [&[f64]; 2]) -> Result<(), Error> {
+        for (lane, row) in rows.iter_mut().enumerate() {
+            if row.is_alive() && come.lane(lane) <= 0.0 {
+                self.bring(lane, row);
+                row.compute_at(distances, rates)?;
+            }
+        }
+        Ok(())
+    }
+
     /// One step of all rows to a time in s. Where something is due within it each row goes to its own next instant.
     #[inline(always)]
     fn step(&mut self, rows: &mut [Row], until: f64) {
@@ -202,10 +361,7 @@ impl<W: Wide<Lane = f64>> Block<W> {
             self.goal = W::constant(until);
         }
         loop {
-            if self.is_changed {
-                self.held.update();
-                self.is_changed = false;
-            }
+            self.update();
             let Self { system, stages, at, state, end, held, watch, .. } = self;
             let mut together = zero.lt(self.goes);
             let mut believed = together;
@@ -314,11 +470,11 @@ impl<W: Wide<Lane = f64>> Block<W> {
                     self.arrived[lane] = true;
                     continue;
                 }
-                row.steps.put(self.goal.lane(lane), |place| self.row[place]);
+                row.put(self.goal.lane(lane), |place| self.row[place]);
                 row.steps.pass_on_the_way(until)
             } else {
                 read(&self.state, lane, &mut self.row);
-                row.steps.put(self.from.lane(lane), |place| self.row[place]);
+                row.put(self.from.lane(lane), |place| self.row[place]);
                 row.steps.advance_to(until)
             };
             self.take_back(lane, row, (events, done));

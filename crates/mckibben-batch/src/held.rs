@@ -23,6 +23,9 @@ struct HeldActuator<W: Scalar> {
     taut: W::Mask,
     stuck: W::Mask,
     on_stop: W::Mask,
+    /// Whether it is within its lengths and on no stop, and whether what moves its ends holds them.
+    free: W::Mask,
+    still: W::Mask,
     /// Whether its tendon hangs loose.
     loose: W::Mask,
     /// Whether it has no tension: the sum of its forces is kept from pushing, or it is slack, or it sticks.
@@ -40,6 +43,8 @@ struct Flags<W> {
     taut: W,
     stuck: W,
     on_stop: W,
+    free: W,
+    still: W,
     loose: W,
     idle: W,
     direction: W,
@@ -159,6 +164,8 @@ impl<W: Wide> Held<W> {
             taut: no,
             stuck: no,
             on_stop: no,
+            free: no,
+            still: no,
             loose: no,
             idle: no,
             direction: zero,
@@ -173,8 +180,17 @@ impl<W: Wide> Held<W> {
         for (mechanism, members) in plant.mechanisms().iter().zip(&plant.indices().members) {
             rows.push(HeldRows::new(mechanism.coordinates(), members.len()));
         }
-        let flags =
-            Flags { slack: zero, taut: zero, stuck: zero, on_stop: zero, loose: zero, idle: zero, direction: zero };
+        let flags = Flags {
+            slack: zero,
+            taut: zero,
+            stuck: zero,
+            on_stop: zero,
+            free: zero,
+            still: zero,
+            loose: zero,
+            idle: zero,
+            direction: zero,
+        };
         Self {
             actuators: vec![nothing; plant.actuators().len()],
             frozen: vec![no; plant.mechanisms().len()],
@@ -195,6 +211,8 @@ impl<W: Wide> Held<W> {
             flags.taut.mark(lane, its.mode.extent == LengthRegime::Taut);
             flags.stuck.mark(lane, stuck);
             flags.on_stop.mark(lane, its.on_stop);
+            flags.free.mark(lane, its.mode.extent == LengthRegime::Free && !its.on_stop);
+            flags.still.mark(lane, its.mode.sliding == Sliding::Held);
             flags.loose.mark(lane, its.loose);
             flags.idle.mark(lane, slack || stuck || its.mode.clamped);
             flags.direction.put(lane, W::Lane::constant(its.mode.sliding.direction()));
@@ -233,6 +251,8 @@ impl<W: Wide> Held<W> {
             masks.taut = zero.lt(flags.taut);
             masks.stuck = zero.lt(flags.stuck);
             masks.on_stop = zero.lt(flags.on_stop);
+            masks.free = zero.lt(flags.free);
+            masks.still = zero.lt(flags.still);
             masks.loose = zero.lt(flags.loose);
             masks.idle = zero.lt(flags.idle);
             masks.direction = flags.direction;
@@ -256,6 +276,22 @@ impl<W: Wide> Held<W> {
     #[inline(always)]
     pub(crate) fn is_on_stop(&self, actuator: usize) -> W::Mask {
         self.actuators[actuator].on_stop
+    }
+
+    /// Where an actuator that is within its lengths slides the way that a rate of its distance has.
+    #[inline(always)]
+    pub(crate) fn slides_on(&self, actuator: usize, rate: W) -> W::Mask {
+        let (HeldActuator { free, still, stuck, direction, .. }, zero) = (&self.actuators[actuator], W::zero());
+        let rests = rate.le(zero) & zero.le(rate);
+        let agrees = (direction.le(zero) & zero.le(*direction)) | zero.lt(*direction * rate);
+        *free & ((rests & *still) | (!rests & !*still & !*stuck & agrees))
+    }
+
+    /// Where an actuator that slides is kept from pushing as long as it `pushes`.
+    #[inline(always)]
+    pub(crate) fn is_kept_from_pushing(&self, actuator: usize, pushes: W::Mask) -> W::Mask {
+        let idle = self.actuators[actuator].idle;
+        (pushes & idle) | (!pushes & !idle)
     }
 
     /// How an actuator slides at a length and a velocity.

@@ -10,6 +10,7 @@
 //! | `batch` | rows, dealt to blocks; threads over blocks |
 //! | `block` | rows in lanes, and how they go through time together |
 //! | `held`, `flows` | the discrete states of all lanes, as masks |
+//! | `motion` | ends that a host moves |
 //! | `watch`, `ends`, `facets` | the range that each quantity keeps as long as a mode lasts |
 //! | `wide`, `twice`, `width` | registers as one scalar, and which of them this machine has |
 //! | `deal` | the numbers of plants, dealt to lanes |
@@ -33,6 +34,8 @@ mod facets;
 mod flows;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 mod held;
+#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
+mod motion;
 mod row;
 mod span;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]

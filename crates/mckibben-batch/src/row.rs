@@ -1,8 +1,10 @@
 //! An element of a batch: a plant that goes on, or why it has stopped.
 
 use crate::span::Span;
-use mckibben::Error;
+use mckibben::internals::host_mechanisms;
 use mckibben::plant::PlantSteps;
+use mckibben::{Error, Response};
+use std::ops::Range;
 
 /// What of a row its lane does not know yet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,11 +27,65 @@ pub(crate) struct Row {
     pub(crate) next: f64,
     /// When in s pulses have to be laid out next.
     pub(crate) edge: f64,
+    /// Whether its lane has another state at the time that it has itself.
+    pub(crate) is_behind: bool,
+    /// Its number in the batch, and which of the coordinates are its own that a host moves.
+    pub(crate) index: usize,
+    pub(crate) coordinates: Range<usize>,
+    /// What its actuators answered last.
+    pub(crate) responses: Vec<Response>,
 }
 
 impl Row {
-    pub(crate) fn new(steps: PlantSteps) -> Self {
-        Self { steps, fault: None, change: Change::All, next: f64::INFINITY, edge: f64::NEG_INFINITY }
+    /// A row of this number, whose coordinates that a host moves begin at `first`.
+    pub(crate) fn new(steps: PlantSteps, index: usize, first: usize) -> Self {
+        let own: usize = host_mechanisms(steps.plant()).map(|(_, here)| here.coordinates).sum();
+        Self {
+            steps,
+            fault: None,
+            change: Change::All,
+            next: f64::INFINITY,
+            edge: f64::NEG_INFINITY,
+            is_behind: false,
+            index,
+            coordinates: first..first + own,
+            responses: Vec::new(),
+        }
+    }
+
+    /// Takes on a time in s and a state that its lane has come to.
+    pub(crate) fn put(&mut self, time: f64, state: impl Fn(usize) -> f64) {
+        self.steps.put(time, state);
+        self.is_behind = false;
+    }
+
+    /// Sends its ends off, to where they come within a span in s.
+    pub(crate) fn set_off(&mut self, span: f64, distances: &[f64]) -> Result<(), Error> {
+        let own = &distances[self.coordinates.clone()];
+        self.steps.check_moves(span, own)?;
+        self.steps.begin_move(span, own);
+        Ok(())
+    }
+
+    /// Computes what its actuators answer with the ends at these distances and moving at these rates.
+    pub(crate) fn compute_at(&mut self, distances: &[f64], rates: &[f64]) -> Result<(), Error> {
+        let own = self.coordinates.clone();
+        self.steps.compute_at(&distances[own.clone()], &rates[own], &mut self.responses)
+    }
+
+    /// The room for its answers.
+    pub(crate) fn make_room(&mut self) {
+        const NOTHING: Response = Response {
+            tension: 0.0,
+            per_length: 0.0,
+            per_velocity: 0.0,
+            per_pressure: 0.0,
+            pressure_rate: 0.0,
+            mass_flow: 0.0,
+            temperature: 0.0,
+            volume: 0.0,
+        };
+        self.responses.resize(self.steps.plant().actuators().len(), NOTHING);
     }
 
     pub(crate) fn is_alive(&self) -> bool {
@@ -57,7 +113,18 @@ impl Row {
     /// Goes through a span alone.
     pub(crate) fn advance(&mut self, span: &Span<'_>) {
         if self.is_alive() {
-            self.fault = span.ends.iter().try_for_each(|end| self.steps.advance_to(*end)).err();
+            self.fault = self.go(span).err();
         }
+    }
+
+    fn go(&mut self, span: &Span<'_>) -> Result<(), Error> {
+        if let Some(distances) = span.distances {
+            self.set_off(span.until() - span.from, distances)?;
+        }
+        span.ends.iter().try_for_each(|end| self.steps.advance_to(*end))?;
+        if let Some(distances) = span.distances {
+            self.steps.end_move(&distances[self.coordinates.clone()]);
+        }
+        Ok(())
     }
 }

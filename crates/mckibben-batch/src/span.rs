@@ -6,6 +6,8 @@ pub(crate) struct Span<'s> {
     pub(crate) from: f64,
     /// Rising.
     pub(crate) ends: &'s [f64],
+    /// Where the ends that a host moves go meanwhile, in m: for each coordinate of each row. They stay where none are given.
+    pub(crate) distances: Option<&'s [f64]>,
 }
 
 impl Span<'_> {

@@ -6,5 +6,6 @@
 mod common;
 
 mod plant_batch;
+mod plant_moves;
 mod plant_rows;
 mod plant_set;

@@ -54,6 +54,12 @@ impl<R: Real> Modulator<R> {
         }
     }
 
+    /// Pulses that are under way have another duty cycle from the next period on.
+    #[cfg(feature = "alloc")]
+    pub(crate) fn go_on(&mut self, pulses: Drive<R>) {
+        self.drive = Some(pulses);
+    }
+
     /// From `time` in s on periods have another frequency in Hz. A pulse under way ends as it was to.
     #[cfg(feature = "alloc")]
     pub(crate) fn recount(&mut self, time: R, frequency: R) {

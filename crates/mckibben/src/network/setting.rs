@@ -230,6 +230,22 @@ impl<R: Real> Network<R> {
         Ok(())
     }
 
+    /// Sets a valve that has been set before to what needs nothing of where it is: the request that holds, or another duty cycle
+    /// of the pulses that go on. Whether it is that; else nothing has changed.
+    ///
+    /// # Errors
+    /// As [`Network::set_valve`].
+    pub(crate) fn set_valve_on(
+        &self,
+        valve: usize,
+        demand: &RuntimeCommand<R>,
+        mode: &mut NetworkMode<R>,
+    ) -> Result<bool, Error> {
+        self.valves[valve].solenoid.check_command(demand)?;
+        let setting = &mut mode.valves[valve].setting;
+        Ok(setting.as_mut().is_some_and(|setting| setting.told.follow(demand)))
+    }
+
     /// Drops the set points of a valve that has been set which have taken effect, but for the last, which is still in force.
     fn forget_set_points(&self, valve: usize, mode: &mut NetworkMode<R>) {
         let Some(setting) = &mut mode.valves[valve].setting else { return };

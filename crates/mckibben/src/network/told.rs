@@ -42,10 +42,10 @@ impl<R: Real> Told<R> {
         Self { last: None, modulator: Modulator::idle(), pulse_frequency: R::one(), edge: never, unheard: false }
     }
 
-    /// Takes up at `time` in s what needs nothing of the valve, the request that holds or another duty cycle of the pulses that
+    /// Takes up what needs nothing of the valve and no time, the request that holds or another duty cycle of the pulses that
     /// go on; whether it is that.
     #[inline]
-    fn follow(&mut self, time: R, demand: &RuntimeCommand<R>) -> bool {
+    pub(super) fn follow(&mut self, demand: &RuntimeCommand<R>) -> bool {
         match (&self.last, demand) {
             (Some(RuntimeCommand::Request(before)), RuntimeCommand::Request(request)) => before == request,
             (
@@ -55,8 +55,7 @@ impl<R: Real> Told<R> {
                 let goes_on = before.value() == frequency.value() && (pulse_before, rest_before) == (pulse, rest);
                 if goes_on {
                     self.last = Some(*demand);
-                    let drive = Drive::Pulses { duty: *duty, pulse: *pulse, rest: *rest };
-                    self.modulator.command(drive, time, *frequency);
+                    self.modulator.go_on(Drive::Pulses { duty: *duty, pulse: *pulse, rest: *rest });
                 }
                 goes_on
             }
@@ -73,7 +72,7 @@ impl<R: Real> Told<R> {
         time: R,
         demand: RuntimeCommand<R>,
     ) {
-        if !self.follow(time, &demand) {
+        if !self.follow(&demand) {
             self.change(actuation, progress, time, demand);
         }
     }

@@ -58,9 +58,11 @@ pub struct Unit<T> {
     pub velocity: T,
     /// In N; of a sticking actuator without a tendon not known here.
     pub tension: T,
-    pub(crate) flow: Flow<T>,
+    /// What flows into its chamber and out, in kg/s.
+    pub flow: Flow<T>,
     pub(crate) warmth: T,
-    pub(crate) pressure_rate: T,
+    /// The rate of its pressure in Pa/s.
+    pub pressure_rate: T,
     pub(crate) mass_rate: T,
 }
 

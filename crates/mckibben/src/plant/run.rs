@@ -89,6 +89,18 @@ impl<R: Instantiate> PlantSnapshot<R> {
 
     /// As [`PlantRun::set`].
     pub(super) fn set(&mut self, plant: &Plant<R>, valve: usize, demand: RuntimeCommand<R>) -> Result<(), Error> {
+        self.check_valve(plant, valve)?;
+        plant.network.set_valve(valve, self.time, demand, &mut self.mode.network)
+    }
+
+    /// Sets a valve to what needs nothing of where it is and of the time; whether it is that.
+    pub(super) fn set_on(&mut self, plant: &Plant<R>, valve: usize, demand: &RuntimeCommand<R>) -> Result<bool, Error> {
+        self.check_valve(plant, valve)?;
+        plant.network.set_valve_on(valve, demand, &mut self.mode.network)
+    }
+
+    /// That a valve is there and can be set.
+    fn check_valve(&self, plant: &Plant<R>, valve: usize) -> Result<(), Error> {
         let wrong = |what, remedy| Err(Error::Misuse { what, remedy });
         if valve >= plant.network.valves.len() {
             return wrong("a valve is set that is not there", "name a valve of the network");
@@ -96,7 +108,7 @@ impl<R: Instantiate> PlantSnapshot<R> {
         if self.mode.drivers.iter().any(|driver| driver.valves().contains(&valve)) {
             return wrong("a valve is set that a driver commands", "leave it to the driver, or leave out the driver");
         }
-        plant.network.set_valve(valve, self.time, demand, &mut self.mode.network)
+        Ok(())
     }
 
     /// As [`PlantRun::set_rates`].

@@ -53,7 +53,7 @@
 
 use super::super::run::PlantRun;
 use super::super::sample::ActuatorSample;
-use super::super::{Mounted, Plant, PlantStart};
+use super::super::{MechanismIndices, Mounted, Plant, PlantStart};
 use super::{Method, NARROW, PlantSteps, part};
 use crate::error::Error;
 use crate::force::Statics;
@@ -61,6 +61,7 @@ use crate::instantiate::Instantiate;
 use crate::mechanism::{Coupling, Mechanism};
 use crate::parameter;
 use crate::pressure::GaugePressure;
+use crate::scalar::Scalar;
 use crate::valve::below_vacuum;
 use alloc::vec;
 
@@ -96,6 +97,43 @@ impl Plant {
         let (positions, rates) = (of_each(|its| its.distance), of_each(|its| its.rate));
         Ok((plant, PlantStart { positions, rates, ..start.clone() }))
     }
+}
+
+/// The mechanisms whose ends a host moves, with their numbers.
+pub fn host_mechanisms<R: Scalar>(plant: &Plant<R>) -> impl Iterator<Item = (usize, MechanismIndices)> + '_ {
+    let is_hosts = |m: &usize| matches!(plant.mechanisms()[*m], Mechanism::External { .. });
+    (0..plant.mechanisms().len()).filter(is_hosts).map(|m| (m, plant.indices().mechanisms[m]))
+}
+
+/// Parts of a move of a span in s, none of them longer than `longest` in s.
+pub fn parts_of(span: f64, longest: f64) -> u64 {
+    ((span / longest - ROUNDING) as u64).saturating_add(1)
+}
+
+/// That a move of a span in s can be taken, in so many parts with the edges of pulses.
+///
+/// # Errors
+/// [`Error::Misuse`] for no span and for too many parts; [`Error::OutOfRange`] for one without end.
+pub fn check_move(span: f64, parts: impl FnOnce() -> f64) -> Result<(), Error> {
+    if span <= 0.0 {
+        return Err(Error::Misuse {
+            what: "the ends of actuators cannot be moved back in time or in no time",
+            remedy: "give a time later than the last",
+        });
+    }
+    parameter::DURATION.check(span)?;
+    if parts() > MOST_PARTS {
+        return Err(Error::Misuse {
+            what: "a step has more than ten million parts and edges of pulses",
+            remedy: "take a shorter step, pulses of a lower frequency, or longer parts",
+        });
+    }
+    Ok(())
+}
+
+/// Where a part of a move ends that begins at `from` and takes a span, all in s.
+pub fn part_end<R: Scalar>(from: R, span: R, (part, parts): (u64, u64)) -> R {
+    if part == parts { from + span } else { from + span * R::constant(part as f64 / parts as f64) }
 }
 
 impl<R: Instantiate> Plant<R> {
@@ -142,12 +180,7 @@ impl<R: Instantiate> PlantSteps<R> {
         let span = (until - self.time()).value();
         let valves = self.mode().network.valves.iter();
         let edges: f64 = valves.filter_map(|valve| valve.pulse_frequency()).map(|its| 2.0 * span * its.value()).sum();
-        self.parts_of(until - self.time()) as f64 + edges
-    }
-
-    /// Parts of a span in s without edges of pulses.
-    fn parts_of(&self, span: R) -> u64 {
-        ((span.value() / self.longest_part - ROUNDING) as u64).saturating_add(1)
+        parts_of((until - self.time()).value(), self.longest_part) as f64 + edges
     }
 
     /// The ends of all external mechanisms go in straight lines to `distances` in m at `until` in s: one distance for each
@@ -165,20 +198,8 @@ impl<R: Instantiate> PlantSteps<R> {
     pub(crate) fn generic_move_to(&mut self, until: R, distances: &[R]) -> Result<(), Error> {
         let from = self.time();
         let span = until - from;
-        if !from.lt(until) {
-            return Err(Error::Misuse {
-                what: "the ends of actuators cannot be moved back in time or in no time",
-                remedy: "give a time later than the last",
-            });
-        }
-        parameter::DURATION.check(span.value())?;
-        if self.parts_until(until) > MOST_PARTS {
-            return Err(Error::Misuse {
-                what: "a step has more than ten million parts and edges of pulses",
-                remedy: "take a shorter step, pulses of a lower frequency, or longer parts",
-            });
-        }
-        let parts = self.parts_of(span);
+        check_move(span.value(), || self.parts_until(until))?;
+        let parts = parts_of(span.value(), self.longest_part);
         self.check_moves(span, distances)?;
         self.before.clone_from(&self.reached);
         let moved = self.go_along(from, span, parts, distances);
@@ -190,14 +211,11 @@ impl<R: Instantiate> PlantSteps<R> {
     }
 
     /// That there is one distance for each coordinate that a host moves, and that it can be reached.
-    fn check_moves(&self, span: R, distances: &[R]) -> Result<(), Error> {
-        let places = &self.plant().indices().mechanisms;
+    #[doc(hidden)]
+    pub fn check_moves(&self, span: R, distances: &[R]) -> Result<(), Error> {
         self.check_count("distances", distances.len())?;
         let mut left = distances.iter();
-        for (mechanism, here) in self.plant().mechanisms().iter().zip(places) {
-            if !matches!(mechanism, Mechanism::External { .. }) {
-                continue;
-            }
+        for (_, here) in host_mechanisms(self.plant()) {
             for (k, distance) in (0..here.coordinates).zip(left.by_ref()) {
                 let rate = (*distance - self.state()[here.position(k)]) / span;
                 parameter::INITIAL_VELOCITY.check(rate.value())?;
@@ -208,14 +226,23 @@ impl<R: Instantiate> PlantSteps<R> {
 
     /// Sets all rates and goes on, in so many parts, to where the distances are.
     fn go_along(&mut self, from: R, span: R, parts: u64, distances: &[R]) -> Result<(), Error> {
+        self.begin_move(span, distances);
         let Self { system, method, reached, work, .. } = self;
-        let plant = &*system.plant;
-        let of_host = || {
-            let mechanisms = plant.mechanisms().iter().zip(&plant.indices().mechanisms).enumerate();
-            mechanisms.filter(|(_, (mechanism, _))| matches!(mechanism, Mechanism::External { .. }))
-        };
+        for part in 1..=parts {
+            let end = part_end(from, span, (part, parts));
+            reached.pulse(&system.plant, end)?;
+            part::advance(system, *method, reached, end, work, None)?;
+        }
+        self.end_move(distances);
+        Ok(())
+    }
+
+    /// Sets the rates by which all ends come to where the distances are within a span in s.
+    #[doc(hidden)]
+    pub fn begin_move(&mut self, span: R, distances: &[R]) {
+        let Self { system, reached, work, .. } = self;
         let mut first = 0;
-        for (m, (_, here)) in of_host() {
+        for (m, here) in host_mechanisms(&system.plant) {
             let (time, state, mode) = reached.parts();
             for k in 0..here.coordinates {
                 state[here.rate(k)] = (distances[first + k] - state[here.position(k)]) / span;
@@ -224,29 +251,24 @@ impl<R: Instantiate> PlantSteps<R> {
             system.enter_given_motion(m, *time, state, mode, &mut work.at);
             work.forget_guards();
         }
-        for part in 1..=parts {
-            let end = if part == parts { from + span } else { from + span * R::constant(part as f64 / parts as f64) };
-            reached.pulse(plant, end)?;
-            part::advance(system, *method, reached, end, work, None)?;
-        }
-        // They are there exactly, so that nothing adds up over many steps.
+    }
+
+    /// Puts all ends exactly to where they have come, so that nothing adds up over many steps.
+    #[doc(hidden)]
+    pub fn end_move(&mut self, distances: &[R]) {
+        let Self { system, reached, .. } = self;
         let mut first = 0;
-        for (_, (_, here)) in of_host() {
+        for (_, here) in host_mechanisms(&system.plant) {
             let (_, state, _) = reached.parts();
             state[here.first..here.first + here.coordinates]
                 .copy_from_slice(&distances[first..first + here.coordinates]);
             first += here.coordinates;
         }
-        Ok(())
     }
 
     /// That there is one number for each coordinate that a host moves.
     pub(super) fn check_count(&self, name: &'static str, given: usize) -> Result<(), Error> {
-        let of_host = self.plant().mechanisms().iter().map(|mechanism| match mechanism {
-            Mechanism::External { distances } => *distances,
-            _ => 0,
-        });
-        let count: usize = of_host.sum();
+        let count: usize = host_mechanisms(self.plant()).map(|(_, here)| here.coordinates).sum();
         if count == given {
             return Ok(());
         }

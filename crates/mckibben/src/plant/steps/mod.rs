@@ -32,6 +32,7 @@ mod saved;
 pub use accuracy::{PILOT, PlantReference, PlantStepError, SHORTEST, plant_step_for_accuracy};
 pub use exchange::{EventUpdate, PlantExchange};
 pub use host::MOST_PARTS;
+pub use host::{check_move, host_mechanisms, part_end, parts_of};
 pub use method::Method;
 pub use method::Stages;
 
@@ -302,6 +303,13 @@ impl PlantSteps {
     #[doc(hidden)]
     pub fn lay_out(&mut self, until: f64) -> Result<(), Error> {
         self.reached.pulse(&self.system.plant, until)
+    }
+
+    /// Sets a valve to what needs nothing of where the steps are: the request that holds, or another duty cycle of the pulses that
+    /// go on. Whether it is that; else nothing has changed.
+    #[doc(hidden)]
+    pub fn set_on(&mut self, valve: usize, demand: &RuntimeCommand) -> Result<bool, Error> {
+        self.reached.set_on(&self.system.plant, valve, demand)
     }
 
     /// The next instant in s up to `until`; infinite when there is none.
