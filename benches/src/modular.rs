@@ -1,5 +1,5 @@
-//! What a step of many actuators whose ends a host moves costs in Rust (`PlantSteps::move_to`): what `mckibben.Actuators` of the
-//! Python package is measured beside.
+//! What a step of many actuators whose ends a host moves costs in Rust: each by itself (`PlantSteps::move_to`), and all in lanes
+//! (`PlantBatch::move_to`), which `mckibben.Actuators` of the Python package is measured beside.
 //!
 //! `cargo run --release --bin modular -- ../examples/paper/fig-12.toml 4096 200`
 //!
@@ -11,6 +11,7 @@
 use mckibben::plant::{Plant, PlantRun, PlantSteps};
 use mckibben::simulation::Method;
 use mckibben::valve::{Command, RuntimeCommand};
+use mckibben_batch::PlantBatch;
 use mckibben_scenario::Document;
 use rayon::prelude::*;
 use std::hint::black_box;
@@ -32,9 +33,9 @@ fn main() -> ExitCode {
         return ExitCode::from(2);
     };
     match measure(file, *count, *steps) {
-        Ok((plain, kept)) => {
+        Ok(Measured { plain, lanes, kept }) => {
             let kept = kept.map_or_else(|| "null".into(), |kept| format!("{kept:.3}"));
-            println!("{{\"ns\": {plain:.3}, \"ns_with_snapshots\": {kept}}}");
+            println!("{{\"ns\": {plain:.3}, \"ns_in_lanes\": {lanes:.3}, \"ns_with_snapshots\": {kept}}}");
             ExitCode::SUCCESS
         }
         Err(text) => {
@@ -64,8 +65,14 @@ impl Row {
     }
 }
 
-/// Nanoseconds for a row's step; for a row alone also where the caller keeps its state.
-fn measure(file: &str, count: usize, steps: usize) -> Result<(f64, Option<f64>), String> {
+/// Nanoseconds for a row's step: each row by itself, in lanes, and of a row alone where the caller keeps its state.
+struct Measured {
+    plain: f64,
+    lanes: f64,
+    kept: Option<f64>,
+}
+
+fn measure(file: &str, count: usize, steps: usize) -> Result<Measured, String> {
     let document = Document::load(Path::new(file)).map_err(|error| error.to_string())?;
     let experiment = document.experiment().map_err(|error| error.to_string())?;
     let rig = &experiment.rig;
@@ -78,6 +85,7 @@ fn measure(file: &str, count: usize, steps: usize) -> Result<(f64, Option<f64>),
     let pulses = |duty| RuntimeCommand::Pulses { frequency, duty, pulse, rest };
     let rows: Vec<Row> = (0..count).map(|place| Row::of(place, pulses)).collect();
     let mut least = f64::INFINITY;
+    let mut alone = vec![0.0; count];
     for _ in 0..REPEATS {
         let mut actuators = vec![actuator.clone(); count];
         let mut tension = vec![0.0; count];
@@ -97,13 +105,45 @@ fn measure(file: &str, count: usize, steps: usize) -> Result<(f64, Option<f64>),
         }
         let spent = began.elapsed().as_secs_f64();
         black_box(&tension);
+        alone.copy_from_slice(&tension);
         least = least.min(1e9 * spent / (count * steps) as f64);
     }
+    let (lanes, together) =
+        in_lanes(&vec![actuator.clone(); count], &rows, steps).map_err(|error| error.to_string())?;
+    assert!(alone == together, "lanes have the tensions of rows alone, to the bit");
     let kept = match rows.as_slice() {
         [row] => Some(with_snapshots(&actuator, row, steps).map_err(|error| error.to_string())?),
         _ => None,
     };
-    Ok((least, kept))
+    Ok(Measured { plain: least, lanes, kept })
+}
+
+/// Nanoseconds for a row's step in lanes, and the tensions in N at the end.
+fn in_lanes(actuators: &[PlantSteps], rows: &[Row], steps: usize) -> Result<(f64, Vec<f64>), mckibben::Error> {
+    let (mut least, mut tension) = (f64::INFINITY, vec![0.0; rows.len()]);
+    for _ in 0..REPEATS {
+        let mut batch = PlantBatch::new(actuators.to_vec())?;
+        let (mut distances, mut rates) = (vec![0.0; rows.len()], vec![0.0; rows.len()]);
+        let mut before: Vec<f64> =
+            (0..rows.len()).map(|row| batch.row(row).map(|row| row.state()[0])).collect::<Result<_, _>>()?;
+        let began = Instant::now();
+        for step in 0..steps {
+            let until = batch.time() + STEP;
+            for (row, distance) in distances.iter_mut().enumerate() {
+                *distance = rows[row].length[step % 2];
+                rates[row] = (*distance - before[row]) / (until - batch.time());
+            }
+            batch.set_each(0, |row| Some(rows[row].demand)).map_err(|(_, error)| error)?;
+            batch.move_to(until, &distances)?;
+            batch.compute_at(&distances, &rates)?;
+            for (row, tension) in tension.iter_mut().enumerate() {
+                *tension = batch.responses(row)?[0].tension;
+            }
+            before.copy_from_slice(&distances);
+        }
+        least = least.min(1e9 * began.elapsed().as_secs_f64() / (rows.len() * steps) as f64);
+    }
+    Ok((least, tension))
 }
 
 /// Nanoseconds for a step of one actuator whose state the caller keeps.

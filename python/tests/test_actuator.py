@@ -173,6 +173,33 @@ def test_arrays_that_do_not_fit_are_refused_and_change_nothing(scenario):
     with pytest.raises(mckibben.SimulationError, match="actuator 1"):
         many.step(length, velocity, duty, STEP, tension)
     assert tension[1] == -1.0 and (tension[[0, 2, 3]] >= 0.0).all()
+    # Its ends have stayed, and its valve went on with the others'.
+    length[1] = 0.09
+    many.step(length, velocity, duty, STEP, tension)
+    assert tension[1] >= 0.0
+
+
+def test_an_actuator_that_leaves_the_physics_stops_until_all_are_reset(scenario):
+    """From far out back in within no time to speak of: the sealed air of one is pressed beyond what a step can follow."""
+    many, fresh = mckibben.Actuators(scenario, 3), mckibben.Actuators(scenario, 3)
+    length, velocity, duty, tension = numpy.full(3, 0.09), numpy.zeros(3), numpy.full(3, 0.5), numpy.full(3, -1.0)
+    many.step(length, velocity, duty, STEP, tension)
+    length[1] = 5e-324
+    with pytest.raises(mckibben.SimulationError, match="actuator 1"):
+        many.step(length, velocity, duty, 1e-300, tension)
+    length[1] = 0.09
+    before = tension.copy()
+    with pytest.raises(mckibben.SimulationError, match="actuator 1"):
+        many.step(length, velocity, duty, STEP, tension)
+    assert tension[1] == before[1] and (tension != before)[[0, 2]].all()
+    with pytest.raises(mckibben.SimulationError, match="actuator 1"):
+        many.__getstate__()
+    many.reset()
+    again, found = numpy.zeros(3), numpy.zeros(3)
+    for _ in range(10):
+        many.step(length, velocity, duty, STEP, again)
+        fresh.step(length, velocity, duty, STEP, found)
+    numpy.testing.assert_array_equal(again, found)
 
 
 def test_the_actuators_of_a_joint_are_taken_by_name(examples):

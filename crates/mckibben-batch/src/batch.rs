@@ -43,7 +43,7 @@ const ALONE: usize = 8;
 /// # Ok(())
 /// # }
 /// ```
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct PlantBatch {
     width: Width,
     time: f64,
@@ -58,20 +58,32 @@ pub struct PlantBatch {
     edges: f64,
     /// The ends of the parts of a move.
     ends: Vec<f64>,
+    /// Whether the caller's own thread does all.
+    keeps_to_thread: bool,
 }
 
 /// Rows that are taken together.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Group {
     rows: Vec<Row>,
     /// None where every element is stepped individually.
     lanes: Option<Box<dyn Lanes>>,
+    /// What the actuators of the rows answered last, row after row; nothing before.
+    responses: Vec<Response>,
+    /// What the valves of the rows have been set to, row after row; nothing before.
+    commands: Vec<Option<RuntimeCommand>>,
 }
 
 /// A row is named that the batch has not got.
 const NO_ROW: Error = Error::Misuse {
     what: "a row is meant that the batch has not got",
     remedy: "count the rows from zero and stay below their number",
+};
+
+/// An actuator is named that the plants of the batch have not got.
+const NO_ACTUATOR: Error = Error::Misuse {
+    what: "an actuator is meant that the plant has not got",
+    remedy: "name one of the plant's actuators, counted from zero",
 };
 
 /// An element is reset with a plant that does not fit the others.
@@ -107,11 +119,12 @@ impl PlantBatch {
         let edges = rows.iter().map(edges_of).fold(0.0, f64::max);
         let (groups, places, coordinates) = arrange(rows, width);
         let (longest_part, ends) = (f64::INFINITY, Vec::new());
-        Ok(Self { width, time, groups, places, coordinates, longest_part, edges, ends })
+        let keeps_to_thread = false;
+        Ok(Self { width, time, groups, places, coordinates, longest_part, edges, ends, keeps_to_thread })
     }
 
-    /// Whether plants of a structure go side by side. Left out are given pressures and motions, and tendons of actuators whose dry
-    /// friction falls with velocity: such plants go alone, with the same results.
+    /// Whether plants of a structure go side by side. Left out are tendons of actuators whose dry friction falls with velocity: such
+    /// plants go alone, with the same results.
     pub fn covers(plant: &Plant) -> bool {
         held::covers_structure(plant)
     }
@@ -136,12 +149,33 @@ impl PlantBatch {
         self.width
     }
 
+    /// Whether the caller's own thread does all, also of many rows. Otherwise, as in a new batch, the threads of rayon's current
+    /// pool share what takes longer than to wake them.
+    pub fn keep_to_thread(&mut self, keeps: bool) {
+        self.keeps_to_thread = keeps;
+    }
+
+    /// Whether threads share what every group does so many times.
+    fn is_shared(&self, times: usize) -> bool {
+        !self.keeps_to_thread && self.groups.len() > 1 && self.groups.len() * times > ALONE
+    }
+
+    /// The plants where they are, in the order of their rows; those that have stopped, where they were last well.
+    pub fn into_rows(mut self) -> Vec<PlantSteps> {
+        for [group, lane] in &self.places {
+            self.groups[*group].bring(*lane);
+        }
+        let mut rows: Vec<Row> = self.groups.into_iter().flat_map(|group| group.rows).collect();
+        rows.sort_by_key(|row| row.index);
+        rows.into_iter().map(|row| *row.steps).collect()
+    }
+
     /// A row, as it is now.
     ///
     /// # Errors
     /// [`Error::Misuse`] when there is no such row; what stopped it.
     pub fn row(&mut self, row: usize) -> Result<&PlantSteps, Error> {
-        self.living(row).map(|row| &row.steps)
+        self.living(row).map(|row| &*row.steps)
     }
 
     /// Writes the states of a row, in the places that [`Plant::indices`] says, without bringing more of it up to date.
@@ -150,7 +184,7 @@ impl PlantBatch {
     /// As [`PlantBatch::row`]; [`Error::Misuse`] where there is not one number for each state.
     pub fn read(&self, row: usize, state: &mut [f64]) -> Result<(), Error> {
         let [group, lane] = self.place(row)?;
-        let Group { rows, lanes } = &self.groups[group];
+        let Group { rows, lanes, .. } = &self.groups[group];
         let row = &rows[lane];
         if let Some(fault) = &row.fault {
             return Err(fault.clone());
@@ -190,12 +224,11 @@ impl PlantBatch {
         let set = |group: &mut Group| {
             let (mut edges, mut fault): (f64, Option<(usize, Error)>) = (0.0, None);
             for lane in 0..group.rows.len() {
-                let row = &group.rows[lane];
-                let (index, is_alive) = (row.index, row.is_alive());
-                match demand(index).filter(|_| is_alive).map(|demand| group.set(lane, valve, demand)) {
+                let index = group.rows[lane].index;
+                match demand(index).map(|demand| group.set(lane, valve, demand)) {
                     Some(Ok(its)) => edges = edges.max(its),
-                    Some(Err(error)) => fault = fault.or(Some((index, error))),
-                    None => {}
+                    Some(Err(error)) if group.rows[lane].is_alive() => fault = fault.or(Some((index, error))),
+                    Some(Err(_)) | None => {}
                 }
             }
             (edges, fault)
@@ -207,10 +240,10 @@ impl PlantBatch {
             };
             (one.0.max(other.0), fault)
         };
-        let (edges, fault) = if self.groups.len() <= ALONE {
-            self.groups.iter_mut().map(set).fold((0.0, None), first)
-        } else {
+        let (edges, fault) = if self.is_shared(1) {
             self.groups.par_iter_mut().map(set).reduce(|| (0.0, None), first)
+        } else {
+            self.groups.iter_mut().map(set).fold((0.0, None), first)
         };
         self.edges = self.edges.max(edges);
         fault.map_or(Ok(()), Err)
@@ -263,11 +296,11 @@ impl PlantBatch {
         self.check_count("rates", rates)?;
         distances.iter().try_for_each(|its| parameter::INITIAL_LENGTH.check(*its).map(drop))?;
         rates.iter().try_for_each(|its| parameter::INITIAL_VELOCITY.check(*its).map(drop))?;
-        let of_group = |group: &mut Group| group.compute_at(distances, rates);
-        if self.groups.len() <= ALONE {
-            self.groups.iter_mut().try_for_each(of_group)
-        } else {
+        let of_group = |group: &mut Group| group.compute_at([distances, rates]);
+        if self.is_shared(1) {
             self.groups.par_iter_mut().try_for_each(of_group)
+        } else {
+            self.groups.iter_mut().try_for_each(of_group)
         }
     }
 
@@ -277,8 +310,30 @@ impl PlantBatch {
     /// As [`PlantBatch::row`].
     pub fn responses(&self, row: usize) -> Result<&[Response], Error> {
         let [group, lane] = self.place(row)?;
-        let row = &self.groups[group].rows[lane];
-        row.fault.clone().map_or(Ok(&row.responses), Err)
+        let Group { rows, responses, .. } = &self.groups[group];
+        if let Some(fault) = &rows[lane].fault {
+            return Err(fault.clone());
+        }
+        let count = responses.len() / rows.len();
+        Ok(&responses[count * lane..count * (lane + 1)])
+    }
+
+    /// The absolute pressure in Pa of an actuator of a row.
+    ///
+    /// # Errors
+    /// As [`PlantBatch::row`]; [`Error::Misuse`] when there is no such actuator.
+    pub fn pressure(&self, row: usize, actuator: usize) -> Result<f64, Error> {
+        let [group, lane] = self.place(row)?;
+        let Group { rows, lanes, .. } = &self.groups[group];
+        let row = &rows[lane];
+        if let Some(fault) = &row.fault {
+            return Err(fault.clone());
+        }
+        let Some(here) = row.steps.plant().indices().actuators.get(actuator) else { return Err(NO_ACTUATOR) };
+        Ok(match lanes {
+            Some(lanes) if row.change == Change::None => lanes.read_one(lane, here.pressure),
+            _ => row.steps.state()[here.pressure],
+        })
     }
 
     /// That there is one number for each coordinate that a host moves.
@@ -310,7 +365,7 @@ impl PlantBatch {
     /// [`Error::Misuse`] when there is no such row, for a plant of another structure, method or time. Then nothing has changed.
     pub fn restart(&mut self, row: usize, steps: PlantSteps) -> Result<(), Error> {
         let [group, lane] = self.place(row)?;
-        let Group { rows, lanes } = &mut self.groups[group];
+        let Group { rows, lanes, commands, .. } = &mut self.groups[group];
         let old = &rows[lane].steps;
         if steps.time() != self.time || steps.method() != old.method() {
             return Err(Error::Misuse {
@@ -328,9 +383,13 @@ impl PlantBatch {
             return Err(OTHER_STRUCTURE);
         }
         rows[lane] = begun;
+        commands.clear();
         self.edges = self.edges.max(edges);
-        if let (Some(lanes), false) = (lanes, is_same) {
-            lanes.gather(rows);
+        if let Some(lanes) = lanes {
+            lanes.forget(lane);
+            if !is_same {
+                lanes.gather(rows);
+            }
         }
         Ok(())
     }
@@ -381,10 +440,10 @@ impl PlantBatch {
 
     /// Takes every living row through a span.
     fn go(&mut self, span: Span<'_>) {
-        if self.groups.len() * span.ends.len() <= ALONE || self.groups.len() == 1 {
-            self.groups.iter_mut().for_each(|group| group.advance(span));
-        } else {
+        if self.is_shared(span.ends.len()) {
             self.groups.par_iter_mut().for_each(|group| group.advance(span));
+        } else {
+            self.groups.iter_mut().for_each(|group| group.advance(span));
         }
         self.time = span.until();
     }
@@ -417,42 +476,71 @@ impl Group {
     }
 
     /// Computes what the actuators of the rows answer.
-    fn compute_at(&mut self, distances: &[f64], rates: &[f64]) -> Result<(), Error> {
-        let Self { rows, lanes } = self;
-        rows.iter_mut().for_each(Row::make_room);
-        match lanes {
-            Some(lanes) => lanes.compute_at(rows, distances, rates),
-            None => {
-                let mut living = rows.iter_mut().filter(|row| row.is_alive());
-                living.try_for_each(|row| row.compute_at(distances, rates))
+    fn compute_at(&mut self, ends: [&[f64]; 2]) -> Result<(), Error> {
+        let Self { rows, lanes, responses, .. } = self;
+        let counts = rows.iter().map(|row| row.steps.plant().actuators().len());
+        if responses.is_empty() {
+            responses.resize(counts.sum(), Response::default());
+        }
+        if let Some(lanes) = lanes {
+            return lanes.compute_at(rows, ends, responses);
+        }
+        let count = responses.len() / rows.len();
+        for (row, responses) in rows.iter_mut().zip(responses.chunks_mut(count.max(1))) {
+            if row.is_alive() {
+                row.compute_at(ends, responses)?;
             }
         }
+        Ok(())
     }
 
     /// Sets what a valve of a row does from now on; the edges of pulses in a second that it then has.
     fn set(&mut self, lane: usize, valve: usize, demand: RuntimeCommand) -> Result<f64, Error> {
+        let place = match self.command_place(lane, valve) {
+            // What goes on as it is needs nothing.
+            Some(place) if self.commands[place] == Some(demand) && goes_on(&demand) => return Ok(0.0),
+            place => place,
+        };
         let row = &mut self.rows[lane];
         if let Some(fault) = &row.fault {
             return Err(fault.clone());
         }
+        let mut edges = 0.0;
         // Most commands go on with what there is, of which lanes know all.
-        if row.steps.set_on(valve, &demand)? {
-            return Ok(0.0);
+        if !row.steps.set_on(valve, &demand)? {
+            let row = self.bring(lane);
+            row.changes(Change::Commands);
+            row.steps.set(valve, demand)?;
+            edges = edges_of(&row.steps);
         }
-        let row = self.bring(lane);
-        row.changes(Change::Commands);
-        row.steps.set(valve, demand)?;
-        Ok(edges_of(&row.steps))
+        if let Some(place) = place {
+            self.commands[place] = Some(demand);
+        }
+        Ok(edges)
+    }
+
+    /// Where it is kept what a valve of a row has been set to.
+    fn command_place(&mut self, lane: usize, valve: usize) -> Option<usize> {
+        let valves = self.rows[0].steps.plant().network().valves.len();
+        if self.commands.is_empty() {
+            self.commands.resize(valves * self.rows.len(), None);
+        }
+        (valve < valves).then_some(valves * lane + valve)
     }
 
     /// Brings a row to where its lane is.
     fn bring(&mut self, lane: usize) -> &mut Row {
         let row = &mut self.rows[lane];
-        if let Some(lanes) = &self.lanes {
+        if let Some(lanes) = &mut self.lanes {
             lanes.bring(lane, row);
         }
         row
     }
+}
+
+/// Whether a valve that is set to a command again goes on as it is.
+fn goes_on(command: &RuntimeCommand) -> bool {
+    matches!(command, RuntimeCommand::Request(_) | RuntimeCommand::Pulses { .. })
 }
 
 /// Edges of pulses in a second that the valves of a row have been set to.
@@ -479,7 +567,8 @@ fn arrange(rows: Vec<PlantSteps>, width: Width) -> (Vec<Group>, Vec<[usize; 2]>,
             None => {
                 open.retain(|group| groups[*group].1 != form);
                 open.push(groups.len());
-                groups.push((Group { rows: Vec::new(), lanes: None }, form));
+                groups
+                    .push((Group { rows: Vec::new(), lanes: None, responses: Vec::new(), commands: Vec::new() }, form));
                 groups.len() - 1
             }
         };

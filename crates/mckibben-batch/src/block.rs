@@ -12,12 +12,13 @@ use crate::row::{Change, Row};
 use crate::span::Span;
 use crate::watch::Watch;
 use crate::wide::{Compiled, Wide, compiled};
-use mckibben::Error;
 use mckibben::air::Process;
 use mckibben::internals::{Evaluation, Formulas, Stages, System, is_due};
+use mckibben::mechanism::Mechanism;
 use mckibben::plant::Plant;
 use mckibben::scalar::Mask;
 use mckibben::simulation::Method;
+use mckibben::{Error, Response};
 use pulp::Simd;
 use std::fmt::Debug;
 use std::marker::PhantomData;
@@ -31,23 +32,33 @@ const SPANS_AHEAD: f64 = 64.0;
 
 /// Rows in lanes, whatever the width.
 pub(crate) trait Lanes: Debug + Send + Sync {
+    /// These lanes again.
+    fn copy(&self) -> Box<dyn Lanes>;
+
     /// Takes the rows, whose lanes these are, through a span.
     fn advance(&mut self, rows: &mut [Row], span: Span<'_>);
 
     /// Brings a row to where its lane is.
-    fn bring(&self, lane: usize, row: &mut Row);
+    fn bring(&mut self, lane: usize, row: &mut Row);
+
+    /// Forgets what a lane has, whose row is another.
+    fn forget(&mut self, lane: usize);
 
     /// The states of a lane.
     fn read(&self, lane: usize, state: &mut [f64]);
 
+    /// A state of a lane.
+    fn read_one(&self, lane: usize, place: usize) -> f64;
+
     /// Takes the numbers of the rows again.
     fn gather(&mut self, rows: &mut [Row]);
 
-    /// Computes what the actuators of all rows answer with the ends that a host moves at these distances in m and rates in m/s.
+    /// Computes what the actuators of all rows answer, row after row, with the ends that a host moves at these distances in m and
+    /// rates in m/s.
     ///
     /// # Errors
     /// Those of a row.
-    fn compute_at(&mut self, rows: &mut [Row], distances: &[f64], rates: &[f64]) -> Result<(), Error>;
+    fn compute_at(&mut self, rows: &mut [Row], ends: [&[f64]; 2], responses: &mut [Response]) -> Result<(), Error>;
 }
 
 /// A plant with all its numbers zero: two plants of equal structure are equal.
@@ -61,8 +72,14 @@ fn without_commands(plant: &Plant) -> Plant {
     plant.clone().without_commands(&valves)
 }
 
+impl Clone for Box<dyn Lanes> {
+    fn clone(&self) -> Self {
+        (**self).copy()
+    }
+}
+
 /// Rows in lanes.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Block<W: Wide<Lane = f64>> {
     method: Method,
     /// The time in s that all rows have reached.
@@ -75,6 +92,10 @@ pub(crate) struct Block<W: Wide<Lane = f64>> {
     held: Held<W>,
     watch: Watch<W>,
     hosts: HostEnds<W>,
+    /// Which of the coordinates of all rows that a host moves is the first of each lane.
+    firsts: Vec<usize>,
+    /// 1 in lanes whose row has another state at the time that it has itself.
+    behind: W,
     /// 1 in lanes whose row has not stopped, and where it takes its steps with the others; 0 elsewhere.
     lives: W,
     goes: W,
@@ -103,7 +124,7 @@ struct Create<'a, W>(&'a mut [Row], PhantomData<W>);
 struct Advance<'a, W: Wide<Lane = f64>>(&'a mut Block<W>, &'a mut [Row], Span<'a>);
 
 /// What a block's rows answer with their ends at given distances and rates.
-struct Answer<'a, W: Wide<Lane = f64>>(&'a mut Block<W>, &'a mut [Row], [&'a [f64]; 2]);
+struct Answer<'a, W: Wide<Lane = f64>>(&'a mut Block<W>, &'a mut [Row], [&'a [f64]; 2], &'a mut [Response]);
 
 impl<W: Wide<Lane = f64>> Block<W> {
     /// A block of rows of equal structure, as many as there are lanes at most.
@@ -113,18 +134,31 @@ impl<W: Wide<Lane = f64>> Block<W> {
 }
 
 impl<W: Wide<Lane = f64>> Lanes for Block<W> {
+    fn copy(&self) -> Box<dyn Lanes> {
+        Box::new(self.clone())
+    }
+
     fn advance(&mut self, rows: &mut [Row], span: Span<'_>) {
         compiled(Advance(self, rows, span));
     }
 
-    fn bring(&self, lane: usize, row: &mut Row) {
-        if row.is_alive() && (row.is_behind || row.steps.time() != self.time) {
-            row.put(self.time, |place| self.state[place].lane(lane));
+    fn bring(&mut self, lane: usize, row: &mut Row) {
+        if row.is_alive() && (self.behind.lane(lane) > 0.0 || row.steps.time() != self.time) {
+            read(&self.state, lane, &mut self.row);
+            self.put(lane, row, self.time);
         }
     }
 
     fn read(&self, lane: usize, state: &mut [f64]) {
         read(&self.state, lane, state);
+    }
+
+    fn forget(&mut self, lane: usize) {
+        self.behind.put(lane, 0.0);
+    }
+
+    fn read_one(&self, lane: usize, place: usize) -> f64 {
+        self.state[place].lane(lane)
     }
 
     fn gather(&mut self, rows: &mut [Row]) {
@@ -135,8 +169,8 @@ impl<W: Wide<Lane = f64>> Lanes for Block<W> {
         *self = Self { time: self.time, ..Self::new(rows) };
     }
 
-    fn compute_at(&mut self, rows: &mut [Row], distances: &[f64], rates: &[f64]) -> Result<(), Error> {
-        compiled(Answer(self, rows, [distances, rates]))
+    fn compute_at(&mut self, rows: &mut [Row], ends: [&[f64]; 2], responses: &mut [Response]) -> Result<(), Error> {
+        compiled(Answer(self, rows, ends, responses))
     }
 }
 
@@ -160,8 +194,10 @@ impl<W: Wide<Lane = f64>> Compiled for Create<'_, W> {
         let (states, zero) = (plant.indices().states, W::zero());
         let is_isothermal =
             plant.actuators().iter().any(|mounted| matches!(mounted.actuator.air().process(), Process::Isothermal));
+        let mut firsts = Vec::with_capacity(rows.len());
         for row in rows.iter_mut() {
             row.change = Change::All;
+            firsts.push(row.coordinates.start);
         }
         Block {
             method: rows[0].steps.method(),
@@ -173,6 +209,8 @@ impl<W: Wide<Lane = f64>> Compiled for Create<'_, W> {
             held: Held::new(&system),
             watch: Watch::new(&system),
             hosts: HostEnds::new(&system),
+            firsts,
+            behind: zero,
             lives: zero,
             goes: zero,
             looks: vec![false; W::LANES],
@@ -206,7 +244,7 @@ impl<W: Wide<Lane = f64>> Compiled for Advance<'_, W> {
             block.step(rows, *end);
         }
         if span.distances.is_some() {
-            block.arrive(rows);
+            block.arrive();
         }
     }
 }
@@ -217,8 +255,8 @@ impl<W: Wide<Lane = f64>> Compiled for Answer<'_, W> {
 
     #[inline(always)]
     fn run<S: Simd>(self, _: S) -> Result<(), Error> {
-        let Self(block, rows, [distances, rates]) = self;
-        block.answer(rows, distances, rates)
+        let Self(block, rows, ends, responses) = self;
+        block.answer(rows, ends, responses)
     }
 }
 
@@ -227,31 +265,26 @@ impl<W: Wide<Lane = f64>> Block<W> {
     #[inline(always)]
     fn set_off(&mut self, rows: &mut [Row], distances: &[f64], span: &Span<'_>) {
         let (zero, one, length) = (W::zero(), W::one(), span.until() - span.from);
-        self.take_goals(rows, distances);
         self.update();
-        let Self { system, hosts, state, end, held, at, .. } = self;
+        let Self { system, hosts, firsts, state, end, held, at, lives, behind, .. } = self;
         end.copy_from_slice(state);
-        for ([position, rate], goal) in hosts.places.iter().zip(&hosts.goals) {
+        for (k, ([position, rate], goal)) in hosts.places.iter().zip(&mut hosts.goals).enumerate() {
+            for (lane, first) in firsts.iter().enumerate() {
+                goal.put(lane, distances[first + k]);
+            }
             end[*rate] = (*goal - state[*position]) / W::constant(length);
         }
-        let keep = hosts.keep_mode(system, (W::constant(span.from), end), held, at) & zero.lt(self.lives);
+        let keep = hosts.turn(system, (W::constant(span.from), end), held, at) & zero.lt(*lives);
         for [_, rate] in &hosts.places {
             state[*rate] = W::select(keep, end[*rate], state[*rate]);
         }
-        let kept = W::select(keep, one, zero);
-        self.mark_behind(rows, kept);
+        hosts.enter_turns(keep, held);
+        *behind = W::select(keep, one, *behind);
+        // What is entered is what the masks have, and of the other rows what they had.
+        self.is_changed = true;
         let alone = zero.lt(self.lives) & !keep;
         if alone.any() {
-            self.set_off_alone(rows, kept, (distances, length, span.from));
-        }
-    }
-
-    /// Where the ends go that a host moves.
-    fn take_goals(&mut self, rows: &[Row], distances: &[f64]) {
-        for (k, goal) in self.hosts.goals.iter_mut().enumerate() {
-            for (lane, row) in rows.iter().enumerate() {
-                goal.put(lane, distances[row.coordinates.start + k]);
-            }
+            self.set_off_alone(rows, W::select(alone, one, zero), (distances, length));
         }
     }
 
@@ -264,25 +297,18 @@ impl<W: Wide<Lane = f64>> Block<W> {
         }
     }
 
-    /// Notes of rows that their lanes have gone on.
-    fn mark_behind(&self, rows: &mut [Row], gone_on: W) {
-        for (lane, row) in rows.iter_mut().enumerate() {
-            row.is_behind |= gone_on.lane(lane) > 0.0;
-        }
-    }
-
     /// Sends the ends of those rows off that do not keep their mode.
     #[inline(never)]
-    fn set_off_alone(&mut self, rows: &mut [Row], kept: W, (distances, length, from): (&[f64], f64, f64)) {
+    fn set_off_alone(&mut self, rows: &mut [Row], alone: W, (distances, length): (&[f64], f64)) {
         for (lane, row) in rows.iter_mut().enumerate() {
-            if !row.is_alive() || kept.lane(lane) > 0.0 {
+            if alone.lane(lane) <= 0.0 {
                 continue;
             }
             self.bring(lane, row);
             match row.set_off(length, distances) {
                 Ok(()) => {
                     write(row.steps.state(), lane, &mut self.state);
-                    self.enter(lane, row, from);
+                    self.enter(lane, row);
                 }
                 Err(fault) => self.stop(lane, row, fault),
             }
@@ -292,31 +318,29 @@ impl<W: Wide<Lane = f64>> Block<W> {
 
     /// Puts the ends that a host moves exactly to where they have come.
     #[inline(always)]
-    fn arrive(&mut self, rows: &mut [Row]) {
+    fn arrive(&mut self) {
         for ([position, _], goal) in self.hosts.places.iter().zip(&self.hosts.goals) {
             self.state[*position] = *goal;
         }
-        self.mark_behind(rows, self.lives);
+        self.behind = W::one();
     }
 
     /// What the actuators of all rows answer with their ends at these distances and rates.
     #[inline(always)]
-    fn answer(&mut self, rows: &mut [Row], distances: &[f64], rates: &[f64]) -> Result<(), Error> {
+    fn answer(&mut self, rows: &mut [Row], ends: [&[f64]; 2], responses: &mut [Response]) -> Result<(), Error> {
         let (zero, one) = (W::zero(), W::one());
         self.update();
-        let Self { system, hosts, state, end, held, at, .. } = self;
+        let Self { system, hosts, firsts, state, end, held, at, .. } = self;
         end.copy_from_slice(state);
         for (k, places) in hosts.places.iter().enumerate() {
-            for (lane, row) in rows.iter().enumerate() {
-                end[places[0]].put(lane, distances[row.coordinates.start + k]);
-                end[places[1]].put(lane, rates[row.coordinates.start + k]);
+            for (lane, first) in firsts.iter().enumerate() {
+                end[places[0]].put(lane, ends[0][first + k]);
+                end[places[1]].put(lane, ends[1][first + k]);
             }
         }
-        let time = W::constant(self.time);
-        let mut in_lanes = hosts.can_answer(system, (time, end), held, at) & zero.lt(self.goes);
-        if in_lanes.any() {
-            system.evaluate(time, end, held, at);
-        }
+        let in_lanes = hosts.can_answer(system, (W::constant(self.time), end), held, at) & zero.lt(self.goes);
+        // The masks have the ways of these rates.
+        self.is_changed = true;
         let mut come = W::select(in_lanes, one, zero);
         for (lane, row) in rows.iter().enumerate() {
             // What has changed since, its lane does not know.
@@ -324,29 +348,47 @@ impl<W: Wide<Lane = f64>> Block<W> {
                 come.put(lane, 0.0);
             }
         }
-        in_lanes = zero.lt(come);
-        if in_lanes.any() {
-            for i in 0..system.wires.len() {
+        if zero.lt(come).any() {
+            let count = system.wires.len();
+            system.evaluate(W::constant(self.time), end, held, at);
+            for i in 0..count {
                 let answers = motion::answer(system, i, end, held, at);
-                for (lane, row) in rows.iter_mut().enumerate() {
-                    if come.lane(lane) > 0.0 && row.is_alive() {
-                        row.responses[i] = motion::of_lane(&answers, lane);
+                for lane in 0..firsts.len() {
+                    if come.lane(lane) > 0.0 {
+                        responses[count * lane + i] = motion::of_lane(&answers, lane);
                     }
                 }
             }
         }
-        self.answer_alone(rows, come, [distances, rates])
+        self.answer_alone(rows, come, ends, responses)
     }
 
     /// What those rows answer that have not been computed in lanes.
-    fn answer_alone(&mut self, rows: &mut [Row], come: W, [distances, rates]: [&[f64]; 2]) -> Result<(), Error> {
+    #[inline(never)]
+    fn answer_alone(
+        &mut self,
+        rows: &mut [Row],
+        come: W,
+        ends: [&[f64]; 2],
+        responses: &mut [Response],
+    ) -> Result<(), Error> {
+        let count = self.system.wires.len();
         for (lane, row) in rows.iter_mut().enumerate() {
             if row.is_alive() && come.lane(lane) <= 0.0 {
                 self.bring(lane, row);
-                row.compute_at(distances, rates)?;
+                row.compute_at(ends, &mut responses[count * lane..count * (lane + 1)])?;
             }
         }
         Ok(())
+    }
+
+    /// Takes a row to a time in s and to the state that has been read of its lane.
+    fn put(&mut self, lane: usize, row: &mut Row, time: f64) {
+        row.steps.put(time, |place| self.row[place]);
+        if self.hosts.are_any() {
+            row.steps.turn();
+        }
+        self.behind.put(lane, 0.0);
     }
 
     /// One step of all rows to a time in s. Where something is due within it each row goes to its own next instant.
@@ -368,6 +410,7 @@ impl<W: Wide<Lane = f64>> Block<W> {
             if together.any() {
                 let span = (self.from, self.goal - self.from);
                 believed = believed & stages.take_unchecked(system, self.method, span, state, held, at, end);
+                keep_given(system, self.goal, held, end);
                 keep_rates(system, self.goal, held, at, end);
                 for i in 0..system.wires.len() {
                     system.keep_balance(i, self.goal, end, held, at);
@@ -427,8 +470,7 @@ impl<W: Wide<Lane = f64>> Block<W> {
                 true
             }
             Ok(()) if row.steps.events() != events => {
-                let time = row.steps.time();
-                self.enter(lane, row, time);
+                self.enter(lane, row);
                 true
             }
             Ok(()) => false,
@@ -470,11 +512,11 @@ impl<W: Wide<Lane = f64>> Block<W> {
                     self.arrived[lane] = true;
                     continue;
                 }
-                row.put(self.goal.lane(lane), |place| self.row[place]);
+                self.put(lane, row, self.goal.lane(lane));
                 row.steps.pass_on_the_way(until)
             } else {
                 read(&self.state, lane, &mut self.row);
-                row.put(self.from.lane(lane), |place| self.row[place]);
+                self.put(lane, row, self.from.lane(lane));
                 row.steps.advance_to(until)
             };
             self.take_back(lane, row, (events, done));
@@ -525,7 +567,7 @@ impl<W: Wide<Lane = f64>> Block<W> {
             if row.change == Change::All {
                 write(row.steps.state(), lane, &mut self.state);
                 self.lives.put(lane, 1.0);
-                self.enter(lane, row, span.from);
+                self.enter(lane, row);
             } else {
                 row.look_ahead(self.known_until);
             }
@@ -536,13 +578,13 @@ impl<W: Wide<Lane = f64>> Block<W> {
         }
     }
 
-    /// Enters the mode of a row at a time in s.
-    fn enter(&mut self, lane: usize, row: &mut Row, time: f64) {
+    /// Enters the mode of a row.
+    fn enter(&mut self, lane: usize, row: &mut Row) {
         let Row { steps, .. } = row;
         let (system, mode, guards) = steps.watched();
-        self.looks[lane] = !self.watch.enter(lane, system, mode, guards);
+        self.looks[lane] = !self.watch.enter(lane, (system, mode), guards, &self.hosts);
         self.held.enter(lane, &system.plant, mode);
-        self.goes.put(lane, if held::covers_mode(mode, time) { 1.0 } else { 0.0 });
+        self.goes.put(lane, if held::covers_mode(mode) { 1.0 } else { 0.0 });
         for (content, its) in self.contents.iter_mut().zip(&mode.actuators) {
             content.put(lane, its.isothermal.unwrap_or(0.0));
         }
@@ -570,6 +612,28 @@ fn write<W: Wide<Lane = f64>>(numbers: &[f64], lane: usize, lanes: &mut [W]) {
     }
 }
 
+/// Sets given motions and pressures to what they are at a time in s.
+#[inline(always)]
+fn keep_given<W: Wide>(system: &System<W>, time: W, held: &Held<W>, end: &mut [W]) {
+    let (plant, places) = (&system.plant, system.plant.indices());
+    for (m, mechanism) in plant.mechanisms().iter().enumerate() {
+        if let Mechanism::Prescribed(motion) = mechanism {
+            let [length, velocity, _] = held.motion(m, motion, time);
+            (end[places.mechanisms[m].position(0)], end[places.mechanisms[m].rate(0)]) = (length, velocity);
+        }
+    }
+    for (node, place) in places.nodes.iter().enumerate() {
+        if let (Some(place), Some([pressure, _])) = (place, held.flows().given(plant.network(), node, time)) {
+            end[*place] = pressure;
+        }
+    }
+    for wire in &system.wires {
+        if let Some(pressure) = held.given_pressure(system, wire.index, time) {
+            end[wire.places.pressure] = pressure;
+        }
+    }
+}
+
 /// Sets the rates of chains to where what sticks on them rests.
 #[inline(always)]
 fn keep_rates<W: Wide>(system: &System<W>, time: W, held: &Held<W>, at: &mut Evaluation<W>, end: &mut [W]) {
@@ -593,8 +657,14 @@ fn keep_contents<W: Wide>(
 ) {
     system.enter_distances(time, end, held, at);
     for (wire, content) in system.wires.iter().zip(contents) {
-        let place = wire.places.pressure;
-        let kept = *content * end[place + 1] / at.chambers[wire.index].volume;
-        end[place] = W::select(W::zero().lt(*content), kept, end[place]);
+        let (place, volume) = (wire.places.pressure, at.chambers[wire.index].volume);
+        let is_isothermal = W::zero().lt(*content);
+        if held.is_given(wire.index) {
+            let mass = end[place] * volume / *content;
+            end[place + 1] = W::select(is_isothermal, mass, end[place + 1]);
+        } else {
+            let kept = *content * end[place + 1] / volume;
+            end[place] = W::select(is_isothermal, kept, end[place]);
+        }
     }
 }

@@ -3,10 +3,12 @@
 use crate::wide::Wide;
 use mckibben::internals::{
     Approach, FlowFormulas, NetworkMode, NetworkState, Orifice, OrificeEnds, RegulatedResponse, SquaredDrive,
+    StraightLine,
 };
 use mckibben::line::{Hose, Poppet};
 use mckibben::network::{BranchKind, Network, NodeKind};
 use mckibben::scalar::{Mask, Over, Scalar};
+use mckibben::valve::{Openings, Spool, SpoolMotion, Stroke, ValveKind};
 
 /// Of a regulator's outlet or a regulated port in every lane.
 #[derive(Clone, Copy, Debug)]
@@ -23,12 +25,111 @@ struct HeldNode<W: Scalar> {
     limited_flag: W,
 }
 
-/// Which branches are open, of compressors which run, and what regulators do.
+/// How far the flow paths of a valve are open in every lane.
+#[derive(Clone, Copy, Debug)]
+struct HeldValve<W: Scalar> {
+    kind: ValveKind,
+    spool: Option<Spool<W>>,
+    strokes: [Stroke<W>; 2],
+    motion: SpoolMotion<W>,
+    /// Where nothing moves: the shares that stay, 1 of paths that are wholly open or shut.
+    shares: [W; 2],
+    moves: W::Mask,
+    moves_flag: W,
+    /// Whether it moves in any lane, and whether it has shares in any.
+    moves_in_any: bool,
+    is_partial: bool,
+    partial_flag: W,
+}
+
+impl<W: Wide> HeldValve<W> {
+    /// Whole flow paths.
+    #[inline(always)]
+    fn new(kind: ValveKind, spool: Option<Spool<W>>) -> Self {
+        let (zero, one) = (W::zero(), W::one());
+        Self {
+            kind,
+            spool,
+            strokes: [Stroke { start: zero, end: zero, from: one, to: one }; 2],
+            motion: SpoolMotion { time: zero, position: zero, velocity: zero, command: zero },
+            shares: [one; 2],
+            moves: W::Mask::splat(false),
+            moves_flag: zero,
+            moves_in_any: false,
+            is_partial: false,
+            partial_flag: zero,
+        }
+    }
+
+    fn enter(&mut self, lane: usize, openings: &Openings<W::Lane>) {
+        let one = W::Lane::constant(1.0);
+        let mut shares = [one; 2];
+        match openings {
+            Openings::Whole => {}
+            Openings::Shares(its) => shares = *its,
+            Openings::Seats { strokes, .. } => {
+                for (of_lanes, its) in self.strokes.iter_mut().zip(strokes) {
+                    of_lanes.start.put(lane, its.start);
+                    of_lanes.end.put(lane, its.end);
+                    of_lanes.from.put(lane, its.from);
+                    of_lanes.to.put(lane, its.to);
+                }
+            }
+            Openings::Spool { motion, .. } => {
+                self.motion.time.put(lane, motion.time);
+                self.motion.position.put(lane, motion.position);
+                self.motion.velocity.put(lane, motion.velocity);
+                self.motion.command.put(lane, motion.command);
+            }
+        }
+        for (of_lanes, its) in self.shares.iter_mut().zip(shares) {
+            of_lanes.put(lane, its);
+        }
+        self.moves_flag.mark(lane, matches!(openings, Openings::Seats { .. } | Openings::Spool { .. }));
+        self.partial_flag.mark(lane, !matches!(openings, Openings::Whole));
+    }
+
+    #[inline(always)]
+    fn update(&mut self) {
+        self.moves = W::zero().lt(self.moves_flag);
+        (self.moves_in_any, self.is_partial) = (self.moves.any(), W::zero().lt(self.partial_flag).any());
+    }
+
+    /// The share of a flow path at a time in s; none where all are whole.
+    #[inline(always)]
+    fn share<T: Over<W>>(&self, port: usize, time: T) -> Option<T> {
+        if !self.is_partial {
+            return None;
+        }
+        let stays = T::of(self.shares[port]);
+        if !self.moves_in_any {
+            return Some(stays);
+        }
+        let moving = match &self.spool {
+            Some(spool) => spool.openings(spool.at(&self.motion, time)[0]),
+            None => self.kind.shares([self.strokes[0].opening(time), self.strokes[1].opening(time)]),
+        };
+        Some(T::select(self.moves, moving[port], stays))
+    }
+}
+
+/// Enters a straight line in a lane.
+pub(crate) fn enter_line<W: Wide>(lane: usize, line: &mut StraightLine<W>, its: &StraightLine<W::Lane>) {
+    line.start.put(lane, its.start);
+    line.from.put(lane, its.from);
+    line.slope.put(lane, its.slope);
+}
+
+/// Which branches are open, of compressors which run, how far valves are open, and what regulators do.
 #[derive(Clone, Debug)]
 pub(crate) struct HeldFlows<W: Scalar> {
     open: Vec<W::Mask>,
     open_flags: Vec<W>,
     nodes: Vec<HeldNode<W>>,
+    valves: Vec<HeldValve<W>>,
+    is_partial: bool,
+    /// Of nodes whose pressure is given: the line of gauge pressures, and how much later in s they are there.
+    given: Vec<Option<(StraightLine<W>, W)>>,
 }
 
 impl<W: Wide> HeldFlows<W> {
@@ -38,10 +139,24 @@ impl<W: Wide> HeldFlows<W> {
         let (no, zero) = (W::Mask::splat(false), W::zero());
         let node =
             HeldNode { moves: no, limited: no, direction: zero, set: zero, moves_flag: zero, limited_flag: zero };
+        let mut valves = Vec::with_capacity(network.valves.len());
+        for valve in &network.valves {
+            valves.push(HeldValve::new(valve.solenoid.kind(), valve.solenoid.spool().copied()));
+        }
+        let mut given = Vec::with_capacity(network.nodes.len());
+        for node in &network.nodes {
+            given.push(match node.kind {
+                NodeKind::Given { .. } => Some((StraightLine::constant(zero), zero)),
+                _ => None,
+            });
+        }
         Self {
             open: vec![no; network.branches.len()],
             open_flags: vec![zero; network.branches.len()],
             nodes: vec![node; network.nodes.len()],
+            valves,
+            is_partial: false,
+            given,
         }
     }
 
@@ -50,6 +165,17 @@ impl<W: Wide> HeldFlows<W> {
         for (index, flag) in self.open_flags.iter_mut().enumerate() {
             let rests = matches!(network.branches[index].kind, BranchKind::Compressor) && !mode.branches[index].runs;
             flag.mark(lane, network.is_open(index, mode) && !rests);
+        }
+        for (held, its) in self.valves.iter_mut().zip(&mode.valves) {
+            held.enter(lane, &its.openings);
+        }
+        for (node, held) in self.given.iter_mut().enumerate() {
+            if let Some((line, late)) = held
+                && let Some((its, by)) = network.given_line(node, mode.nodes[node].rows_passed)
+            {
+                enter_line(lane, line, &its);
+                late.put(lane, by);
+            }
         }
         for (index, (held, its)) in self.nodes.iter_mut().zip(&mode.nodes).enumerate() {
             let (moves, direction) = match network.nodes[index].kind {
@@ -76,8 +202,25 @@ impl<W: Wide> HeldFlows<W> {
         for (mask, flag) in self.open.iter_mut().zip(&self.open_flags) {
             *mask = zero.lt(*flag);
         }
+        self.is_partial = false;
+        for valve in &mut self.valves {
+            valve.update();
+            self.is_partial |= valve.is_partial;
+        }
         for node in &mut self.nodes {
             (node.moves, node.limited) = (zero.lt(node.moves_flag), zero.lt(node.limited_flag));
+        }
+    }
+
+    /// The absolute pressure in Pa of a node where it is given, and its rate in Pa/s, at a time in s.
+    #[inline(always)]
+    pub(crate) fn given(&self, network: &Network<W>, node: usize, time: W) -> Option<[W; 2]> {
+        match &self.given[node] {
+            Some((line, late)) => {
+                let [gauge, rate] = line.at(time - *late);
+                Some([network.absolute(gauge), rate])
+            }
+            None => None,
         }
     }
 
@@ -94,7 +237,7 @@ impl<W: Wide> FlowFormulas<W> for HeldFlows<W> {
         &self,
         orifice: &Orifice<W>,
         ends: OrificeEnds<'_, T, impl SquaredDrive<T>>,
-        _: T,
+        time: T,
     ) -> Option<(W::Mask, T)> {
         let mut open = self.open[orifice.branch];
         if !open.any() {
@@ -116,12 +259,19 @@ impl<W: Wide> FlowFormulas<W> for HeldFlows<W> {
         } else {
             ends.outwards(orifice, [critical, laminar])
         };
+        let flow = match orifice.opened {
+            Some((valve, port)) => match self.valves[valve].share(port as usize, time) {
+                Some(share) => flow * share,
+                None => flow,
+            },
+            None => flow,
+        };
         Some((is_inward, T::select(open, flow, T::zero())))
     }
 
     #[inline(always)]
     fn is_under_way(&self, _: W) -> bool {
-        false
+        self.is_partial
     }
 
     #[inline(always)]
@@ -150,6 +300,10 @@ impl<W: Wide> FlowFormulas<W> for HeldFlows<W> {
                 let limit: T = regulator.rate_in(Approach::Rises, zero, zero);
                 T::select(held.moves, settles, limit * T::of(held.direction))
             }
+            NodeKind::Given { .. } => match &self.given[node] {
+                Some((line, _)) => T::of(line.slope),
+                None => zero,
+            },
             _ => zero,
         }
     }

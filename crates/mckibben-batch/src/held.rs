@@ -3,12 +3,12 @@
 //! Where a border lies between pieces of a law that agree there, each lane takes the piece of its state by a select.
 //! The formulas are those that a [`PlantMode`] names, so that a lane has the numbers of its plant alone, bit for bit.
 
-use crate::flows::HeldFlows;
+use crate::flows::{HeldFlows, enter_line};
 use crate::wide::{Number, Wide};
 use mckibben::air::Chamber;
 use mckibben::friction::{Deflections, LuGre};
 use mckibben::internals::{
-    Branch, Evaluation, Formulas, Presses, SlidingState, System, ThreadContact, Unit, Wire, end_is_damped,
+    Branch, Evaluation, Formulas, Presses, SlidingState, StraightLine, System, ThreadContact, Unit, Wire, end_is_damped,
 };
 use mckibben::load::{MomentArm, Motion};
 use mckibben::mechanism::{Contact, Mechanism};
@@ -45,6 +45,8 @@ struct Flags<W> {
     on_stop: W,
     free: W,
     still: W,
+    /// Whether its friction has a direction.
+    directed: W,
     loose: W,
     idle: W,
     direction: W,
@@ -82,23 +84,23 @@ pub(crate) struct Held<W: Scalar> {
     frozen_flags: Vec<W>,
     /// Whether actuators have a hysteresis that follows the length alone.
     has_branches: Vec<bool>,
+    /// Of mechanisms whose motion is given by a table, and of actuators whose gauge pressure is given: the line under way.
+    motions: Vec<Option<StraightLine<W>>>,
+    pressures: Vec<Option<StraightLine<W>>>,
 }
 
 /// Whether lanes can take the stages of a plant with a structure.
 pub(crate) fn covers_structure(plant: &Plant) -> bool {
-    let actuators = plant.actuators().iter().all(|mounted| {
+    plant.actuators().iter().all(|mounted| {
         let friction = mounted.actuator.friction();
         let falls = friction.coulomb().falls() || friction.lugre().is_some_and(LuGre::falls);
-        mounted.pressure.is_none() && !(mounted.tendon.is_some() && falls)
-    });
-    let mechanisms = plant.mechanisms().iter().all(|mechanism| !matches!(mechanism, Mechanism::Prescribed(_)));
-    actuators && mechanisms && plant.network().series.is_empty()
+        !(mounted.tendon.is_some() && falls)
+    })
 }
 
-/// Whether a lane can take a step in a mode from a time in s on.
-pub(crate) fn covers_mode<R: Number>(mode: &PlantMode<R>, time: R) -> bool {
-    let subsonic = mode.network.branches.iter().all(|its| its.sonic.is_none());
-    subsonic && mode.network.valves.iter().all(|valve| valve.openings.at(time).is_none())
+/// Whether a lane can take a step in a mode.
+pub(crate) fn covers_mode<R: Number>(mode: &PlantMode<R>) -> bool {
+    mode.network.branches.iter().all(|its| its.sonic.is_none())
 }
 
 impl<W: Wide> HeldContacts<W> {
@@ -176,6 +178,19 @@ impl<W: Wide> Held<W> {
             let friction = wire.member.actuator.friction();
             has_branches.push(friction.hysteresis().is_some() && friction.lugre().is_none());
         }
+        let (mut motions, mut pressures) = (Vec::new(), Vec::new());
+        for mechanism in plant.mechanisms() {
+            motions.push(match mechanism {
+                Mechanism::Prescribed(Motion::Table { .. }) => Some(StraightLine::constant(zero)),
+                _ => None,
+            });
+        }
+        for mounted in plant.actuators() {
+            pressures.push(match mounted.pressure {
+                Some(_) => Some(StraightLine::constant(zero)),
+                None => None,
+            });
+        }
         let mut rows = Vec::new();
         for (mechanism, members) in plant.mechanisms().iter().zip(&plant.indices().members) {
             rows.push(HeldRows::new(mechanism.coordinates(), members.len()));
@@ -187,6 +202,7 @@ impl<W: Wide> Held<W> {
             on_stop: zero,
             free: zero,
             still: zero,
+            directed: zero,
             loose: zero,
             idle: zero,
             direction: zero,
@@ -200,12 +216,14 @@ impl<W: Wide> Held<W> {
             flags: vec![flags; plant.actuators().len()],
             frozen_flags: vec![zero; plant.mechanisms().len()],
             has_branches,
+            motions,
+            pressures,
         }
     }
 
     /// Enters the mode of the row in a lane; [`Held::update`] makes masks of it.
     pub(crate) fn enter(&mut self, lane: usize, plant: &Plant<W::Lane>, mode: &PlantMode<W::Lane>) {
-        for (flags, its) in self.flags.iter_mut().zip(&mode.actuators) {
+        for (flags, (its, mounted)) in self.flags.iter_mut().zip(mode.actuators.iter().zip(plant.actuators())) {
             let (slack, stuck) = (its.mode.extent == LengthRegime::Slack, its.mode.sliding == Sliding::Stuck);
             flags.slack.mark(lane, slack);
             flags.taut.mark(lane, its.mode.extent == LengthRegime::Taut);
@@ -213,6 +231,7 @@ impl<W: Wide> Held<W> {
             flags.on_stop.mark(lane, its.on_stop);
             flags.free.mark(lane, its.mode.extent == LengthRegime::Free && !its.on_stop);
             flags.still.mark(lane, its.mode.sliding == Sliding::Held);
+            flags.directed.mark(lane, mounted.actuator.friction().has_direction());
             flags.loose.mark(lane, its.loose);
             flags.idle.mark(lane, slack || stuck || its.mode.clamped);
             flags.direction.put(lane, W::Lane::constant(its.mode.sliding.direction()));
@@ -238,6 +257,18 @@ impl<W: Wide> Held<W> {
         }
         for (rows, (its, members)) in self.rows.iter_mut().zip(mode.mechanisms.iter().zip(&plant.indices().members)) {
             rows.enter(lane, members, &its.basis);
+        }
+        for (line, (mechanism, its)) in self.motions.iter_mut().zip(plant.mechanisms().iter().zip(&mode.mechanisms)) {
+            if let (Some(line), Mechanism::Prescribed(motion)) = (line, mechanism)
+                && let Some(of_row) = motion.line(its.corners_passed)
+            {
+                enter_line(lane, line, &of_row);
+            }
+        }
+        for (line, (mounted, its)) in self.pressures.iter_mut().zip(plant.actuators().iter().zip(&mode.actuators)) {
+            if let (Some(line), Some(series)) = (line, &mounted.pressure) {
+                enter_line(lane, line, &series.line(its.rows_passed));
+            }
         }
         self.flows.enter(lane, plant.network(), &mode.network);
     }
@@ -272,19 +303,43 @@ impl<W: Wide> Held<W> {
         self.flows.update();
     }
 
+    /// Whether the pressure of an actuator is given.
+    #[inline(always)]
+    pub(crate) fn is_given(&self, actuator: usize) -> bool {
+        self.pressures[actuator].is_some()
+    }
+
+    /// The absolute pressure in Pa of an actuator whose pressure is given, at a time in s.
+    #[inline(always)]
+    pub(crate) fn given_pressure(&self, system: &System<W>, actuator: usize, time: W) -> Option<W> {
+        match &self.pressures[actuator] {
+            Some(line) => Some(line.at(time)[0] + system.plant.actuators()[actuator].actuator.air().atmosphere().0),
+            None => None,
+        }
+    }
+
     /// Where an actuator rests on its shortest length.
     #[inline(always)]
     pub(crate) fn is_on_stop(&self, actuator: usize) -> W::Mask {
         self.actuators[actuator].on_stop
     }
 
-    /// Where an actuator that is within its lengths slides the way that a rate of its distance has.
+    /// Lets an actuator slide the way of a rate, in masks alone; where it is within its lengths and does not stick.
     #[inline(always)]
-    pub(crate) fn slides_on(&self, actuator: usize, rate: W) -> W::Mask {
-        let (HeldActuator { free, still, stuck, direction, .. }, zero) = (&self.actuators[actuator], W::zero());
-        let rests = rate.le(zero) & zero.le(rate);
-        let agrees = (direction.le(zero) & zero.le(*direction)) | zero.lt(*direction * rate);
-        *free & ((rests & *still) | (!rests & !*still & !*stuck & agrees))
+    pub(crate) fn turn(&mut self, actuator: usize, rate: W) -> W::Mask {
+        let (flags, held, zero) = (&self.flags[actuator], &mut self.actuators[actuator], W::zero());
+        held.direction = W::select(zero.lt(flags.directed), rate.sign(), zero);
+        held.still = rate.le(zero) & zero.le(rate);
+        held.free & !held.stuck
+    }
+
+    /// Enters the way that an actuator slides, as [`Held::turn`] has found it, in some lanes.
+    #[inline(always)]
+    pub(crate) fn enter_turn(&mut self, actuator: usize, lanes: W::Mask) {
+        let (flags, held) = (&mut self.flags[actuator], &self.actuators[actuator]);
+        let still = W::select(held.still, W::one(), W::zero());
+        flags.direction = W::select(lanes, held.direction, flags.direction);
+        flags.still = W::select(lanes, still, flags.still);
     }
 
     /// Where an actuator that slides is kept from pushing as long as it `pushes`.
@@ -446,15 +501,20 @@ impl<W: Wide> Formulas<W> for Held<W> {
         end_is_damped(&system.wires[actuator].member.actuator, self.actuators[actuator].taut)
     }
 
+    #[inline(always)]
+    fn motion<T: Over<W>>(&self, mechanism: usize, motion: &Motion<W>, time: T) -> [T; 3] {
+        motion.on(time, self.motions[mechanism])
+    }
+
+    #[inline(always)]
+    fn given_rate<T: Over<W>>(&self, _: &System<W>, actuator: usize, _: T) -> T {
+        match &self.pressures[actuator] {
+            Some(line) => T::of(line.slope),
+            None => T::zero(),
+        }
+    }
+
     // What lanes do not cover.
-
-    fn motion<T: Over<W>>(&self, _: usize, _: &Motion<W>, _: T) -> [T; 3] {
-        [T::zero(); 3]
-    }
-
-    fn given_rate<T: Over<W>>(&self, _: &System<W>, _: usize, _: T) -> T {
-        T::zero()
-    }
 
     fn searched_velocity<T: Differentiable<W>>(
         &self,

@@ -3,7 +3,10 @@
 //! A step is taken side by side, by as many plants as two registers of this machine have lanes, with masks where their discrete
 //! states differ. What ends a mode is watched in lanes; a plant to which something happens takes the step again alone, which
 //! locates the event. Where valves move or controllers sample, each plant goes to its own instant. Some go alone from the start:
-//! while a seat moves or air in a hose goes at the speed of sound, and plants with parts that [`PlantBatch::covers`] leaves out.
+//! while air in a hose goes at the speed of sound, and plants with parts that [`PlantBatch::covers`] leaves out.
+//!
+//! A host that moves the ends of actuators gives distances to [`PlantBatch::move_to`], and gets tensions from
+//! [`PlantBatch::compute_at`].
 //!
 //! | file | what it holds |
 //! |---|---|

@@ -1,14 +1,14 @@
 //! Ends that a host moves, in lanes.
 //!
 //! At the beginning of a move the rates of all ends jump, and each row would enter its mode again. Where an actuator is within
-//! its lengths, slides the way that it slid, and pulls or does not pull as before, that is the mode that it has: such rows go on
+//! its lengths and pulls or does not pull as before, that is the mode that it has but for the way that it slides: such rows go on
 //! in their lanes, and only the others enter theirs.
 //!
-//! | what the mode says | stays where |
+//! | what the mode says | |
 //! |---|---|
-//! | free | the distance lies within the lengths |
-//! | slides, or is held | the rate has that direction, or is zero |
-//! | kept from pushing | the sum of the forces has the sign that it had |
+//! | free | stays where the distance lies within the lengths |
+//! | kept from pushing | stays where the sum of the forces has the sign that it had |
+//! | slides longer or shorter, or is held | the sign of the rate |
 //!
 //! Tendons and hysteresis that follows the length alone remember more than that: rows that have them enter their modes.
 
@@ -57,13 +57,14 @@ impl<W: Wide> HostEnds<W> {
         Self { goals: vec![W::zero(); places.len()], places, members, side_by_side, all }
     }
 
-    /// Where the mode of a row is the one that it would enter in a state whose distances and rates are those of the host.
+    /// Where the mode of a row is the one that it would enter in a state whose distances and rates are those of the host, but for
+    /// the way that its actuators slide; the masks have that way then.
     #[inline(always)]
-    pub(crate) fn keep_mode(
+    pub(crate) fn turn(
         &self,
         system: &System<W>,
         (time, state): (W, &[W]),
-        held: &Held<W>,
+        held: &mut Held<W>,
         at: &mut Evaluation<W>,
     ) -> W::Mask {
         let mut keep = W::Mask::splat(self.side_by_side);
@@ -80,7 +81,7 @@ impl<W: Wide> HostEnds<W> {
             let limits = wire.member.actuator.limits();
             let shortest = limits.min_length() * W::constant(1.0 + OFF_THE_STOP);
             keep = keep & shortest.lt(unit.distance) & unit.distance.lt(limits.max_length());
-            keep = keep & held.slides_on(i, unit.rate);
+            keep = keep & held.turn(i, unit.rate);
             let ends = [unit.length, unit.velocity, state[wire.places.pressure]];
             let pushes = held.signed_force(wire, ends, system.deflections(i, state)).lt(W::zero());
             keep = keep & held.is_kept_from_pushing(i, pushes);
@@ -94,13 +95,31 @@ impl<W: Wide> HostEnds<W> {
         &self,
         system: &System<W>,
         at_time: (W, &[W]),
-        held: &Held<W>,
+        held: &mut Held<W>,
         at: &mut Evaluation<W>,
     ) -> W::Mask {
         match self.all {
-            true => self.keep_mode(system, at_time, held, at),
+            true => self.turn(system, at_time, held, at),
             false => W::Mask::splat(false),
         }
+    }
+
+    /// Enters the ways that the masks have, of the rows that go on in their lanes.
+    #[inline(always)]
+    pub(crate) fn enter_turns(&self, kept: W::Mask, held: &mut Held<W>) {
+        for &i in &self.members {
+            held.enter_turn(i, kept);
+        }
+    }
+
+    /// Whether there are any.
+    pub(crate) fn are_any(&self) -> bool {
+        !self.places.is_empty()
+    }
+
+    /// Whether a state is the rate of an end, which stays as long as a move lasts.
+    pub(crate) fn is_rate(&self, place: usize) -> bool {
+        self.places.iter().any(|[_, rate]| *rate == place)
     }
 }
 

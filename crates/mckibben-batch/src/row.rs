@@ -17,23 +17,19 @@ pub(crate) enum Change {
 }
 
 /// A plant that goes on, or why it has stopped.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Row {
     /// Where it is; its lane may be ahead of it.
-    pub(crate) steps: PlantSteps,
+    pub(crate) steps: Box<PlantSteps>,
     pub(crate) fault: Option<Error>,
     pub(crate) change: Change,
     /// The next instant in s that is known; infinite when none is.
     pub(crate) next: f64,
     /// When in s pulses have to be laid out next.
     pub(crate) edge: f64,
-    /// Whether its lane has another state at the time that it has itself.
-    pub(crate) is_behind: bool,
     /// Its number in the batch, and which of the coordinates are its own that a host moves.
     pub(crate) index: usize,
     pub(crate) coordinates: Range<usize>,
-    /// What its actuators answered last.
-    pub(crate) responses: Vec<Response>,
 }
 
 impl Row {
@@ -41,22 +37,14 @@ impl Row {
     pub(crate) fn new(steps: PlantSteps, index: usize, first: usize) -> Self {
         let own: usize = host_mechanisms(steps.plant()).map(|(_, here)| here.coordinates).sum();
         Self {
-            steps,
+            steps: Box::new(steps),
             fault: None,
             change: Change::All,
             next: f64::INFINITY,
             edge: f64::NEG_INFINITY,
-            is_behind: false,
             index,
             coordinates: first..first + own,
-            responses: Vec::new(),
         }
-    }
-
-    /// Takes on a time in s and a state that its lane has come to.
-    pub(crate) fn put(&mut self, time: f64, state: impl Fn(usize) -> f64) {
-        self.steps.put(time, state);
-        self.is_behind = false;
     }
 
     /// Sends its ends off, to where they come within a span in s.
@@ -68,24 +56,13 @@ impl Row {
     }
 
     /// Computes what its actuators answer with the ends at these distances and moving at these rates.
-    pub(crate) fn compute_at(&mut self, distances: &[f64], rates: &[f64]) -> Result<(), Error> {
+    pub(crate) fn compute_at(
+        &mut self,
+        [distances, rates]: [&[f64]; 2],
+        responses: &mut [Response],
+    ) -> Result<(), Error> {
         let own = self.coordinates.clone();
-        self.steps.compute_at(&distances[own.clone()], &rates[own], &mut self.responses)
-    }
-
-    /// The room for its answers.
-    pub(crate) fn make_room(&mut self) {
-        const NOTHING: Response = Response {
-            tension: 0.0,
-            per_length: 0.0,
-            per_velocity: 0.0,
-            per_pressure: 0.0,
-            pressure_rate: 0.0,
-            mass_flow: 0.0,
-            temperature: 0.0,
-            volume: 0.0,
-        };
-        self.responses.resize(self.steps.plant().actuators().len(), NOTHING);
+        self.steps.compute_at(&distances[own.clone()], &rates[own], responses)
     }
 
     pub(crate) fn is_alive(&self) -> bool {

@@ -18,6 +18,7 @@
 use crate::ends::Ends;
 use crate::facets::Facets;
 use crate::held::Held;
+use crate::motion::HostEnds;
 use crate::wide::Wide;
 use mckibben::internals::{
     Evaluation, Formulas, GuardForm, NetworkGuard, System, ThreadContact, Trace, tendon_tension,
@@ -182,9 +183,9 @@ impl<W: Wide> Watch<W> {
     pub(crate) fn enter(
         &mut self,
         lane: usize,
-        system: &System<f64>,
-        mode: &PlantMode,
+        (system, mode): (&System<f64>, &PlantMode),
         guards: &[(PlantGuard, GuardForm)],
+        hosts: &HostEnds<W>,
     ) -> bool {
         for range in &mut self.states {
             range.put(lane, [-f64::MAX, f64::MAX]);
@@ -218,6 +219,13 @@ impl<W: Wide> Watch<W> {
         }
         let mut is_all = true;
         for (guard, form) in guards {
+            // The ends that a host moves come to rest between moves alone.
+            if let (PlantGuard::Of(_, Guard::Rest), GuardForm::Above { index, .. } | GuardForm::Below { index, .. }) =
+                (guard, form)
+                && hosts.is_rate(*index)
+            {
+                continue;
+            }
             is_all &= self.enter_guard(lane, system, mode, (*guard, *form));
         }
         for i in 0..self.watched.len() {

@@ -6,6 +6,7 @@
 mod common;
 
 mod plant_batch;
+mod plant_given;
 mod plant_moves;
 mod plant_rows;
 mod plant_set;

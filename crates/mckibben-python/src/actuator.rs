@@ -140,9 +140,13 @@ impl Model {
 
 /// Refuses a distance between the ends that is none; one that the actuator cannot be stretched to stops it.
 pub(crate) fn check_length(of: &PlantSteps, name: &str, length: f64) -> Result<(), Failure> {
+    reach(of.plant().end_distance(0)?, name, length)
+}
+
+/// Refuses a distance between the ends that is none, and one from the named limit on.
+pub(crate) fn reach(limit: Option<(&'static str, f64)>, name: &str, length: f64) -> Result<(), Failure> {
     arguments::number(name, length, "m", "a distance between the ends in m above zero", length > 0.0)?;
-    let end = of.plant().end_distance(0)?;
-    let Some((limit, end)) = end.filter(|(_, end)| length >= *end) else { return Ok(()) };
+    let Some((limit, end)) = limit.filter(|(_, end)| length >= *end) else { return Ok(()) };
     let limit = if limit == parameter::THREAD_LENGTH.key { "its thread" } else { limit };
     let longer = format!("{name} = {length:?} m is longer than {limit} of {:.1} mm", 1e3 * end);
     Err(Failure::stopped(format!("{longer}: keep the ends closer together")))
@@ -196,11 +200,8 @@ pub(crate) fn distance(steps: &PlantSteps) -> f64 {
 
 /// What the actuator answers while its ends move apart at a velocity in m/s.
 pub(crate) fn respond(steps: &mut PlantSteps, velocity: f64) -> Result<mckibben::Response, Error> {
-    let rate = steps.state()[steps.plant().indices().mechanisms[0].rate(0)];
-    let mut response = [steps.compute(0)?];
-    if rate.to_bits() != velocity.to_bits() {
-        steps.compute_at(&[distance(steps)], &[velocity], &mut response)?;
-    }
+    let mut response = [mckibben::Response::default()];
+    steps.compute_at(&[distance(steps)], &[velocity], &mut response)?;
     Ok(response[0])
 }
 
@@ -257,7 +258,7 @@ pub(crate) fn check_velocity(name: &str, velocity: f64) -> Result<(), Failure> {
 
 /// Moves the ends in parts between which `watch` is called with the time, where there are many; nothing has changed where
 /// that fails.
-pub(crate) fn advance(
+fn advance(
     actuator: &mut PlantSteps,
     (until, length): (f64, f64),
     watch: &mut dyn FnMut(f64) -> Result<(), Error>,
@@ -690,7 +691,7 @@ impl ActuatorState {
 
     /// Time in s since the start.
     #[getter]
-    fn time(&self) -> f64 {
+    pub(crate) fn time(&self) -> f64 {
         self.numbers[2]
     }
 

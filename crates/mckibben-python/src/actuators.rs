@@ -1,17 +1,17 @@
 //! Many modular actuators stepped together on arrays that the caller owns: the class `Actuators`.
 
 use crate::actuator::{
-    ActuatorState, Asked, Model, advance, check_dt, check_length, check_parts, check_velocity, longest_part, respond,
+    ActuatorState, Asked, Model, UNHEARD, check_dt, check_parts, check_velocity, distance, longest_part, reach,
     steps_of,
 };
 use crate::arguments::{self, fitting};
 use crate::pool;
 use crate::raised::{Raised, exception};
 use crate::scenario::Scenario;
-use crate::signals::{self, Heard};
 use crate::typed::{Count, Given, Items, MemberWord, NewArguments, Numbers, Table};
 use mckibben::parameter;
-use mckibben::plant::{PlantSnapshot, PlantSteps};
+use mckibben::plant::PlantSteps;
+use mckibben_batch::PlantBatch;
 use mckibben_identify::adjustable::Adjustable;
 use mckibben_run::failure::Failure;
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadwriteArray1};
@@ -20,21 +20,19 @@ use pyo3::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
-/// Rows below which they are stepped on the caller's own thread: to wake others takes longer than these.
+/// Actuators below which the caller's own thread steps them all: to wake others takes longer.
 const ALONE: usize = 128;
-/// Rows up to which one thread takes them.
-const TOGETHER: usize = 32;
-/// Parts of one row, and of all together, between two checks for Ctrl-C and copies to go back to.
-const UNHEARD: [f64; 2] = [2e4, 2e7];
+/// Parts of all together between two checks for Ctrl-C.
+const UNHEARD_TOGETHER: f64 = 2e7;
 
 /// Bytes that one of them takes, about: states, mode, and what a step computes with.
-const EACH: usize = 16 << 10;
+const EACH: usize = 20 << 10;
 
 /// Many actuators of one scenario, each with its own air, valve and hysteresis, stepped together on arrays.
 ///
 /// The caller owns the arrays: `step` reads and writes them in place. They are one-dimensional and contiguous, of float64, with
-/// one element for each actuator. From 128 on, the actuators are stepped on all cores. Each is bit-identical to a scalar
-/// `Actuator`.
+/// one element for each actuator. They are stepped side by side in the vector registers of the processor, from 128 on by all
+/// cores. Each is bit-identical to a scalar `Actuator`.
 ///
 /// Parameters
 /// ----------
@@ -87,123 +85,80 @@ pub(crate) struct Actuators {
     pulse_frequency: Option<f64>,
     model: Model,
     count: usize,
-    rows: Mutex<Vec<PlantSteps>>,
+    many: Mutex<Many>,
 }
 
-/// Motion of the ends in a step, and commands of the valves.
-#[derive(Clone, Copy)]
-struct Motion<'a> {
-    dt: f64,
-    longest: f64,
-    length: &'a [f64],
-    command: Option<&'a [f64]>,
+/// The actuators, and where their ends are.
+#[derive(Clone)]
+struct Many {
+    batch: PlantBatch,
+    /// How far apart the ends are, in m.
+    distances: Vec<f64>,
+    /// What they must be less than, in m, and its name, where there is such a limit.
+    reaches: Vec<Option<(&'static str, f64)>>,
 }
 
-/// Rows that lie together, with what a step reads and writes of them.
-struct Span<'a> {
-    /// The number of the first among all.
-    first: usize,
-    rows: &'a mut [PlantSteps],
-    /// `None` where they only answer where they are.
-    motion: Option<Motion<'a>>,
-    velocity: &'a [f64],
-    tension: &'a mut [f64],
-    /// Derivatives of the tension by length and velocity, and the pressure.
-    beside: [Option<&'a mut [f64]>; 3],
-}
-
-/// How all rows are stepped.
-struct By<'a> {
-    model: &'a Model,
-    /// What a step of many parts calls between them.
-    heard: Option<&'a Heard<'a>>,
-}
-
-impl Motion<'_> {
-    fn split(self, middle: usize) -> (Self, Self) {
-        let (length, length_right) = self.length.split_at(middle);
-        let (command, duty_right) = self.command.map(|command| command.split_at(middle)).unzip();
-        (Self { length, command, ..self }, Self { length: length_right, command: duty_right, ..self })
+impl Many {
+    fn new(rows: Vec<PlantSteps>) -> Result<Self, Failure> {
+        let distances = rows.iter().map(distance).collect();
+        let reaches = rows.iter().map(|row| row.plant().end_distance(0)).collect::<Result<_, _>>()?;
+        Ok(Self { batch: PlantBatch::new(rows)?, distances, reaches })
     }
 
-    /// Takes the actuator of a row through the step.
-    fn take(&self, row: usize, actuator: &mut PlantSteps, by: &By<'_>) -> Result<(), Failure> {
-        check_length(actuator, "length", self.length[row])?;
-        if let Some(command) = self.command {
-            actuator.set(0, by.model.demand("command", &Asked::Number(command[row]))?)?;
-        }
-        actuator.limit_step(self.longest)?;
-        let (until, length) = (actuator.time() + self.dt, self.length[row]);
-        match by.heard {
-            None => actuator.move_to(until, &[length])?,
-            Some(heard) => {
-                heard(actuator.time())?;
-                advance(actuator, (until, length), &mut |time| heard(time))?;
-            }
-        }
+    /// Does something with the plants, and puts them back.
+    fn with_rows(&mut self, does: impl FnOnce(&mut [PlantSteps]) -> Result<(), Failure>) -> Result<(), Failure> {
+        let batch = std::mem::replace(&mut self.batch, PlantBatch::new(Vec::new())?);
+        let mut rows = batch.into_rows();
+        does(&mut rows)?;
+        *self = Self::new(rows)?;
         Ok(())
     }
-}
 
-impl<'a> Span<'a> {
-    /// Steps every row; why the first that could not go on did not.
-    fn step(self, by: &By<'_>) -> Option<Failure> {
-        let count = self.rows.len();
-        if count <= TOGETHER {
-            return self.step_in_turn(by);
-        }
-        let (left, right) = self.split(count / 2);
-        let (left, right) = rayon::join(|| left.step(by), || right.step(by));
-        left.or(right)
-    }
-
-    fn split(self, middle: usize) -> (Self, Self) {
-        let (rows, rows_right) = self.rows.split_at_mut(middle);
-        let (motion, motion_right) = self.motion.map(|motion| motion.split(middle)).unzip();
-        let (velocity, velocity_right) = self.velocity.split_at(middle);
-        let (tension, tension_right) = self.tension.split_at_mut(middle);
-        let (mut beside, mut beside_right) = ([None, None, None], [None, None, None]);
-        for (place, slice) in self.beside.into_iter().enumerate() {
-            (beside[place], beside_right[place]) = slice.map(|slice| slice.split_at_mut(middle)).unzip();
-        }
-        (
-            Self { first: self.first, rows, motion, velocity, tension, beside },
-            Self {
-                first: self.first + middle,
-                rows: rows_right,
-                motion: motion_right,
-                velocity: velocity_right,
-                tension: tension_right,
-                beside: beside_right,
-            },
-        )
-    }
-
-    fn step_in_turn(mut self, by: &By<'_>) -> Option<Failure> {
-        let mut fault = None;
-        for (row, actuator) in self.rows.iter_mut().enumerate() {
-            let went = self.motion.as_ref().map_or(Ok(()), |motion| motion.take(row, actuator, by));
-            if let Err(failure) = went {
-                fault.get_or_insert_with(|| of_row(failure, self.first + row));
-                continue;
+    /// Takes on the distances that can be reached; the rows of those that cannot be, and why the first cannot.
+    fn take(&mut self, lengths: &[f64]) -> (Vec<usize>, Option<Failure>) {
+        let (mut rows, mut fault) = (Vec::new(), None);
+        let both = self.distances.iter_mut().zip(&self.reaches);
+        for (row, ((distance, limit), length)) in both.zip(lengths).enumerate() {
+            match reach(*limit, "length", *length) {
+                Ok(()) => *distance = *length,
+                Err(failure) => {
+                    rows.push(row);
+                    fault = fault.or(Some(of_row(failure, row)));
+                }
             }
-            let response = match respond(actuator, self.velocity[row]) {
-                Ok(response) => response,
+        }
+        (rows, fault)
+    }
+
+    /// Writes what all but some answer whose ends move at these velocities; why the first that has stopped did.
+    fn respond(
+        &mut self,
+        (velocity, but): (&[f64], &[usize]),
+        tension: &mut [f64],
+        beside: [Option<&mut [f64]>; 3],
+    ) -> Option<Failure> {
+        if let Err(error) = self.batch.compute_at(&self.distances, velocity) {
+            return Some(error.into());
+        }
+        let [mut per_length, mut per_velocity, mut absolute_pressure] = beside;
+        let mut fault = None;
+        for (row, tension) in tension.iter_mut().enumerate() {
+            let response = match self.batch.responses(row) {
+                Ok(_) if but.binary_search(&row).is_ok() => continue,
+                Ok(response) => response[0],
                 Err(error) => {
-                    fault.get_or_insert_with(|| of_row(error.into(), self.first + row));
+                    fault = fault.or_else(|| Some(of_row(error.into(), row)));
                     continue;
                 }
             };
-            self.tension[row] = response.tension;
-            let values = [
-                response.per_length,
-                response.per_velocity,
-                actuator.state()[actuator.plant().indices().actuators[0].pressure],
-            ];
-            for (slice, value) in self.beside.iter_mut().zip(values) {
+            *tension = response.tension;
+            for (slice, value) in [(&mut per_length, response.per_length), (&mut per_velocity, response.per_velocity)] {
                 if let Some(slice) = slice {
                     slice[row] = value;
                 }
+            }
+            if let Some(slice) = &mut absolute_pressure {
+                slice[row] = self.batch.pressure(row, 0).unwrap_or(slice[row]);
             }
         }
         fault
@@ -297,11 +252,11 @@ fn varied<'v>(
 }
 
 impl Actuators {
-    /// The rows, unless another thread works on them.
-    fn rows(&self) -> PyResult<MutexGuard<'_, Vec<PlantSteps>>> {
-        match self.rows.try_lock() {
-            Ok(rows) => Ok(rows),
-            Err(TryLockError::Poisoned(rows)) => Ok(rows.into_inner()),
+    /// The actuators, unless another thread works on them.
+    fn many(&self) -> PyResult<MutexGuard<'_, Many>> {
+        match self.many.try_lock() {
+            Ok(many) => Ok(many),
+            Err(TryLockError::Poisoned(many)) => Ok(many.into_inner()),
             Err(TryLockError::WouldBlock) => Err(exception(&Failure::input(
                 "these Actuators are being stepped by another thread",
                 "give each thread separate Actuators, or wait for the other",
@@ -309,17 +264,11 @@ impl Actuators {
         }
     }
 
-    /// The parts of the longest step of a row, with the edges of its pulses.
-    fn parts(&self, rows: &[PlantSteps], motion: &Motion<'_>) -> f64 {
-        let edges = |actuator: &PlantSteps| {
-            let mut frequencies = actuator.mode().network.valves.iter().filter_map(|valve| valve.pulse_frequency());
-            frequencies.next().map_or(0.0, |frequency| 2.0 * motion.dt * frequency)
-        };
-        let edges = match motion.command {
-            Some(_) => 2.0 * motion.dt * self.model.pulses.frequency,
-            None => rows.iter().map(edges).fold(0.0, f64::max),
-        };
-        (motion.dt / motion.longest).ceil().max(1.0) + edges
+    /// Does work on the threads of the pool where there are enough actuators, and else on the caller's own.
+    fn share<T: Send>(&self, many: &mut Many, work: impl FnOnce(&mut Many) -> T + Send) -> Result<T, Failure> {
+        let keeps = self.count < ALONE;
+        many.batch.keep_to_thread(keeps);
+        if keeps { Ok(work(many)) } else { pool::shared(|| work(many)) }
     }
 }
 
@@ -357,7 +306,8 @@ impl Actuators {
                 py.detach(|| varied(of, name, &parameters, values.chunks(width), &mut rows)).raised()?;
             }
         }
-        Ok(Self { scenario, name, parameters, values, pulse_frequency, model, count, rows: Mutex::new(rows) })
+        let many = Mutex::new(py.detach(|| Many::new(rows)).raised()?);
+        Ok(Self { scenario, name, parameters, values, pulse_frequency, model, count, many })
     }
 
     /// Advance all actuators by one time step, in which the ends of each move to a new distance at constant velocity.
@@ -389,8 +339,9 @@ impl Actuators {
     /// InputError
     ///     An array or a number is not valid; nothing has changed.
     /// SimulationError
-    ///     An actuator comes to a non-physical state: its state and its elements stay as they were, and the others have
-    ///     advanced.
+    ///     A length is out of reach: the ends of that actuator stay where they were. Or an actuator comes to a non-physical state:
+    ///     it has stopped then, later steps raise as well, and only `reset` brings it back. Its elements of the results stay as
+    ///     they are, and the others have advanced.
     ///
     /// Notes
     /// -----
@@ -421,31 +372,47 @@ impl Actuators {
         let (length, velocity) = (length.as_slice()?, velocity.as_slice()?);
         let command = command.as_ref().map(|command| command.as_slice()).transpose()?;
         if let Some(row) = length.iter().position(|length| *length <= 0.0) {
-            return check_length(&model.steps, &format!("length[{row}]"), length[row]).raised();
+            return reach(None, &format!("length[{row}]"), length[row]).raised();
         }
         check_velocities(velocity).raised()?;
         check_commands(model, command.unwrap_or_default()).raised()?;
-        let mut rows = self.rows()?;
-        let motion = Motion { dt, longest, length, command };
-        let parts = self.parts(&rows, &motion);
+        let mut many = self.many()?;
+        let many = &mut *many;
+        many.batch.limit_step(longest).raised()?;
+        let (from, until) = (many.batch.time(), many.batch.time() + dt);
+        let pulses = command.map_or(0.0, |_| 2.0 * dt * model.pulses.frequency);
+        let parts = (many.batch.parts_until(until)).max((dt / longest).ceil().max(1.0) + pulses);
         check_parts(parts, dt).raised()?;
-        let is_long = parts > UNHEARD[0] || parts * count as f64 > UNHEARD[1];
-        let before: Vec<PlantSnapshot> = if is_long { rows.iter().map(PlantSteps::save).collect() } else { Vec::new() };
-        let (tension, beside) = answers.slices();
-        let span = Span { first: 0, rows: &mut rows, motion: Some(motion), velocity, tension, beside };
-        let fault = match (is_long, count < ALONE) {
-            (true, _) => signals::heard(py, |heard| span.step(&By { model, heard: Some(heard) })),
-            (false, true) => Ok(py.detach(|| span.step_in_turn(&By { model, heard: None }))),
-            (false, false) => py.detach(|| pool::shared(|| span.step(&By { model, heard: None }))).raised(),
-        };
-        match fault {
-            Ok(None) => Ok(()),
-            Ok(Some(failure)) => Err(exception(&failure)),
-            Err(error) => {
-                rows.iter_mut().zip(&before).try_for_each(|(actuator, state)| actuator.restore(state)).raised()?;
-                Err(error)
-            }
+        let spans = (parts / UNHEARD).ceil().max((parts * count as f64 / UNHEARD_TOGETHER).ceil());
+        let before = (spans > 1.0).then(|| many.clone());
+        let begin = many.distances.clone();
+        if let Some(command) = command {
+            let demand = |row: usize| model.demand("command", &Asked::Number(command[row])).ok();
+            let set = py.detach(|| self.share(many, |many| many.batch.set_each(0, demand))).raised()?;
+            set.map_err(|(row, error)| of_row(error.into(), row)).raised()?;
         }
+        let (stay, out_of_reach) = many.take(length);
+        let end = many.distances.clone();
+        let mut span = 0.0;
+        while span < spans {
+            span += 1.0;
+            let share = span / spans;
+            let to = if share < 1.0 { from + share * (until - from) } else { until };
+            for ((distance, begin), end) in many.distances.iter_mut().zip(&begin).zip(&end) {
+                *distance = if share < 1.0 { begin + share * (end - begin) } else { *end };
+            }
+            let moved = py.detach(|| self.share(many, |many| many.batch.move_to(to, &many.distances))).raised()?;
+            let heard = moved.raised().and_then(|()| if span < spans { py.check_signals() } else { Ok(()) });
+            if let (Err(error), Some(before)) = (&heard, &before) {
+                many.clone_from(before);
+                return Err(error.clone_ref(py));
+            }
+            heard?;
+        }
+        let (tension, beside) = answers.slices();
+        let of = (velocity, &stay[..]);
+        let stopped = py.detach(|| self.share(many, |many| many.respond(of, tension, beside))).raised()?;
+        stopped.or(out_of_reach).map_or(Ok(()), |failure| Err(exception(&failure)))
     }
 
     /// Write the tensions and their derivatives in the current states, at any velocity of the ends, without a step.
@@ -481,17 +448,21 @@ impl Actuators {
         let mut answers = Answers::of(&[Some(tension), per_length, per_velocity, absolute_pressure], self.count)?;
         let velocity = velocity.as_slice()?;
         check_velocities(velocity).raised()?;
-        let mut rows = self.rows()?;
+        let mut many = self.many()?;
+        let many = &mut *many;
         let (tension, beside) = answers.slices();
-        let span = Span { first: 0, rows: &mut rows, motion: None, velocity, tension, beside };
-        let by = By { model: &self.model, heard: None };
-        py.detach(|| span.step_in_turn(&by)).map_or(Ok(()), |failure| Err(exception(&failure)))
+        let of = (velocity, &[][..]);
+        let stopped = py.detach(|| self.share(many, |many| many.respond(of, tension, beside))).raised()?;
+        stopped.map_or(Ok(()), |failure| Err(exception(&failure)))
     }
 
     /// Reset all actuators to t = 0 and the state of the scenario, with the coils of the valves released.
     fn reset(&self) -> PyResult<()> {
-        self.rows()?.iter_mut().for_each(PlantSteps::reset);
-        Ok(())
+        let reset = |rows: &mut [PlantSteps]| {
+            rows.iter_mut().for_each(PlantSteps::reset);
+            Ok(())
+        };
+        self.many()?.with_rows(reset).raised()
     }
 
     /// Return the number of actuators.
@@ -522,8 +493,10 @@ impl Actuators {
     /// Return the states of the actuators, a row for each, as an `ActuatorState` is pickled.
     fn __getstate__<'py>(&self, py: Python<'py>) -> PyResult<Numbers<'py>> {
         let mut numbers = Vec::new();
-        for actuator in self.rows()?.iter_mut() {
-            numbers.extend_from_slice(self.model.state_of(actuator).raised()?.numbers());
+        let mut many = self.many()?;
+        for row in 0..self.count {
+            let mut actuator = many.batch.row(row).map_err(|error| of_row(error.into(), row)).raised()?.clone();
+            numbers.extend_from_slice(self.model.state_of(&mut actuator).raised()?.numbers());
         }
         let width = numbers.len() / self.count.max(1);
         Ok(Numbers(PyArray1::from_vec(py, numbers).reshape([self.count, width])?.into_any()))
@@ -539,11 +512,17 @@ impl Actuators {
             let title = format!("{} states are given for {} actuators", states.len(), self.count);
             return Err(Failure::input(title, "give one for each")).raised();
         }
-        // All of them are tried before any of the rows is changed.
+        if states.iter().any(|state| state.time() != states[0].time()) {
+            let title = "the states are of different times, and actuators that are stepped together share one";
+            return Err(Failure::input(title, "give states of one time")).raised();
+        }
+        // All of them are tried before any of the actuators is changed.
         let mut trial = self.model.steps.clone();
         states.iter().try_for_each(|state| self.model.restore(&mut trial, state)).raised()?;
-        let mut actuators = self.rows()?;
-        let mut both = actuators.iter_mut().zip(&states);
-        both.try_for_each(|(actuator, state)| self.model.restore(actuator, state)).raised()
+        let restore = |rows: &mut [PlantSteps]| {
+            let mut both = rows.iter_mut().zip(&states);
+            both.try_for_each(|(actuator, state)| self.model.restore(actuator, state))
+        };
+        self.many()?.with_rows(restore).raised()
     }
 }

@@ -64,7 +64,7 @@ impl<S: Scalar> ActuatorState<S> {
 }
 
 /// What an actuator answers to its ends and its valve.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Response<S = f64> {
     /// Tension F in N, zero or more.
     pub tension: S,

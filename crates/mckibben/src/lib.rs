@@ -92,6 +92,7 @@ mod nested;
 mod numbered;
 mod pressure;
 mod root;
+mod straight;
 mod trigonometry;
 
 pub use actuator::{Actuator, ActuatorState, Response};

@@ -4,6 +4,7 @@
 //! cost, as many as [`Search::refined`] says: a start in a poor valley costs one evaluation in place of a search.
 
 use super::{Ending, Fit, FitError, Loss, Model, Search, Unknown, fit, solver, starting_at, tried};
+use rayon::prelude::*;
 
 /// The part of the least cost by which two costs differ that are one.
 const ALIKE: f64 = 1e-6;
@@ -57,7 +58,7 @@ impl Found {
 /// # Errors
 /// [`FitError`] of the first start, when none of them leads to a result.
 pub fn fit_from(
-    model: &impl Model,
+    model: &(impl Model + Sync),
     unknowns: &[Unknown],
     starts: &[Vec<f64>],
     search: &Search,
@@ -73,16 +74,18 @@ pub fn fit_from(
         true => solver::ended_by_derivatives(model, unknowns, search),
         false => fit(model, unknowns, &by_derivatives),
     };
-    let first = ended(unknowns);
-    let mut fits: Vec<Fit> = first.iter().cloned().collect();
-    let (mut tried, mut screened) = (1, 0);
-    for start in best_of(model, unknowns, starts, search, &mut screened) {
-        if search.monitor.is_stopped() {
-            break;
-        }
-        tried += 1;
-        fits.extend(ended(&starting_at(unknowns, &start)));
-    }
+    let mut screened = 0;
+    let mut from = vec![unknowns.to_vec()];
+    from.extend(
+        best_of(model, unknowns, starts, search, &mut screened).iter().map(|start| starting_at(unknowns, start)),
+    );
+    // Each for itself, so that they share the cores; a search that has not begun when they are to end is none.
+    let searched = |(place, unknowns): (usize, &Vec<Unknown>)| {
+        (place == 0 || !search.monitor.is_stopped()).then(|| ended(unknowns))
+    };
+    let ends: Vec<Result<Fit, FitError>> = from.par_iter().enumerate().filter_map(searched).collect();
+    let (tried, first) = (ends.len(), ends.first().and_then(|first| first.as_ref().err().cloned()));
+    let fits: Vec<Fit> = ends.into_iter().flatten().collect();
     let failed = tried - fits.len();
     let floor = 0.5 * NOTHING * NOTHING * model.residuals() as f64;
     let least = fits.iter().fold(f64::INFINITY, |least, fit| least.min(fit.cost));
@@ -91,7 +94,7 @@ pub fn fit_from(
     let rank = |fit: &&Fit| (fit.ending != Ending::Minimum, fit.cost);
     let before = |a: &&Fit, b: &&Fit| rank(a).0.cmp(&rank(b).0).then(a.cost.total_cmp(&b.cost));
     let Some(best) = fits.iter().filter(is_least).min_by(before) else {
-        return Err(first.err().unwrap_or(FitError::NoStart));
+        return Err(first.unwrap_or(FitError::NoStart));
     };
     let is_same = |a: &Minimum, b: &Minimum| {
         let close = |((a, b), unknown): ((&f64, &f64), &Unknown)| {
@@ -127,7 +130,7 @@ fn has_unknown_scale(search: &Search) -> bool {
 
 /// Those of more starts to search from.
 fn best_of(
-    model: &impl Model,
+    model: &(impl Model + Sync),
     unknowns: &[Unknown],
     starts: Vec<Vec<f64>>,
     search: &Search,
@@ -135,13 +138,8 @@ fn best_of(
 ) -> Vec<Vec<f64>> {
     let Some(refined) = search.refined.filter(|refined| *refined < starts.len()) else { return starts };
     let loss = if has_unknown_scale(search) { Loss::Squares } else { search.loss };
-    let mut judged: Vec<(f64, Vec<f64>)> = Vec::new();
-    for start in starts {
-        if !search.monitor.goes_on() {
-            break;
-        }
-        judged.push((loss.cost(&tried(model, unknowns, &start)), start));
-    }
+    let judge = |start: Vec<f64>| search.monitor.goes_on().then(|| (loss.cost(&tried(model, unknowns, &start)), start));
+    let mut judged: Vec<(f64, Vec<f64>)> = starts.into_par_iter().filter_map(judge).collect();
     *screened = judged.len();
     judged.retain(|(cost, _)| cost.is_finite());
     judged.sort_by(|(a, _), (b, _)| a.total_cmp(b));

@@ -114,11 +114,10 @@ impl Fleet {
     /// of those nothing is written.
     pub(super) fn step(&mut self, span: Span, actions: &[f64], observations: &mut [f64], stopped: &mut [bool]) {
         let Self { file, action_mode, pace, batch, ends, state, .. } = self;
-        for (row, actions) in actions.chunks(file.valves.len().max(1)).enumerate() {
-            for (valve, number) in file.valves.iter().zip(actions) {
-                // What cannot be set has stopped.
-                let _ = action_mode.command(*number).and_then(|demand| batch.set(row, *valve, demand));
-            }
+        let width = file.valves.len();
+        for (place, valve) in file.valves.iter().enumerate() {
+            // They have been checked.
+            let _ = batch.set_each(*valve, |row| action_mode.command(actions[width * row + place]).ok());
         }
         *pace = pace.on(span);
         ends.clear();

@@ -19,6 +19,7 @@ use crate::convert::Convert;
 use crate::error::{Error, Requirement};
 use crate::parameter;
 use crate::scalar::{Over, Real, Scalar};
+use crate::straight::StraightLine;
 use core::f64::consts::TAU;
 
 /// The distance between the attachments as a function of time.
@@ -157,28 +158,42 @@ impl<S: Scalar> Motion<S> {
         }
     }
 
-    /// Length (m), velocity (m/s) and acceleration (m/s²) at `time`. Of a table, on the straight line after `passed` corners;
-    /// before the first and after the last it rests.
-    pub fn at<T: Over<S>>(&self, time: T, passed: usize) -> [T; 3] {
+    /// The straight line of a table after so many corners; before the first and after the last it rests. None of a sinusoid.
+    pub fn line(&self, passed: usize) -> Option<StraightLine<S>> {
         #[cfg(not(feature = "alloc"))]
         let _ = passed;
         match self {
-            Self::Sinusoid { length, amplitude, frequency, phase } => {
-                let rate = T::constant(TAU) * T::of(*frequency);
-                let angle = rate * time + T::of(*phase);
-                let swing = T::of(*amplitude) * angle.sin();
-                [T::of(*length) + swing, T::of(*amplitude) * rate * angle.cos(), -rate * rate * swing]
-            }
+            Self::Sinusoid { .. } => None,
             #[cfg(feature = "alloc")]
-            Self::Table { time: corners, length } => {
+            Self::Table { time, length } => {
                 let next = passed.min(length.len());
                 if next == 0 || next == length.len() {
-                    return [T::of(length[next.max(1) - 1]), T::zero(), T::zero()];
+                    return Some(StraightLine::constant(length[next.max(1) - 1]));
                 }
-                let [start, end] = [corners[next - 1], corners[next]];
-                let slope = (length[next] - length[next - 1]) / (end - start);
-                [T::of(length[next - 1]) + T::of(slope) * (time - T::of(start)), T::of(slope), T::zero()]
+                let row = |row: usize| [time[row], length[row]];
+                Some(StraightLine::between(row(next - 1), row(next)))
             }
         }
+    }
+
+    /// Length (m), velocity (m/s) and acceleration (m/s²) at `time`. Of a table, on the straight line after `passed` corners.
+    pub fn at<T: Over<S>>(&self, time: T, passed: usize) -> [T; 3] {
+        self.on(time, self.line(passed))
+    }
+
+    /// These at `time`, where the straight line of a table is known.
+    #[inline(always)]
+    pub fn on<T: Over<S>>(&self, time: T, line: Option<StraightLine<S>>) -> [T; 3] {
+        if let Self::Sinusoid { length, amplitude, frequency, phase } = self {
+            let rate = T::constant(TAU) * T::of(*frequency);
+            let angle = rate * time + T::of(*phase);
+            let swing = T::of(*amplitude) * angle.sin();
+            return [T::of(*length) + swing, T::of(*amplitude) * rate * angle.cos(), -rate * rate * swing];
+        }
+        let [length, velocity] = match line {
+            Some(line) => line.at(time),
+            None => [T::zero(); 2],
+        };
+        [length, velocity, T::zero()]
     }
 }

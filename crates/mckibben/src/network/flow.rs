@@ -25,6 +25,7 @@ use super::{Branch, BranchKind, Network, Node, NodeKind};
 use crate::air::{Air, Chamber};
 use crate::dual::Dual;
 use crate::scalar::{Mask, Over, Scalar};
+use crate::straight::StraightLine;
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -234,9 +235,17 @@ impl<R: Scalar> Network<R> {
     /// Absolute pressure in Pa of a node where it is given, and its rate in Pa/s, at a time in s after so many rows have passed;
     /// none for another node.
     pub(crate) fn given(&self, node: usize, time: R, passed: usize) -> Option<[R; 2]> {
-        let NodeKind::Given { series, late } = self.nodes[node].kind else { return None };
-        let [gauge, rate] = self.series[series].at(time - late, passed);
+        let (line, late) = self.given_line(node, passed)?;
+        let [gauge, rate] = line.at(time - late);
         Some([self.absolute(gauge), rate])
+    }
+
+    /// The straight line of gauge pressures of a node where they are given, and how much later in s than that they are there.
+    pub fn given_line(&self, node: usize, passed: usize) -> Option<(StraightLine<R>, R)> {
+        match self.nodes[node].kind {
+            NodeKind::Given { series, late } => Some((self.series[series].line(passed), late)),
+            _ => None,
+        }
     }
 
     /// The rate of the flow through a cell of a distributed hose in kg/s².

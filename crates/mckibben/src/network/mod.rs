@@ -170,7 +170,7 @@ impl<S: Scalar> Network<S> {
 
     /// Absolute pressure in Pa at a gauge pressure.
     #[inline(always)]
-    pub(crate) fn absolute(&self, gauge: S) -> S {
+    pub fn absolute(&self, gauge: S) -> S {
         gauge + self.atmosphere
     }
 

@@ -34,7 +34,7 @@ pub struct NodeMode {
     /// How many set points have taken effect.
     pub set_points: u64,
     /// How many rows of a given pressure have passed.
-    pub(crate) rows_passed: usize,
+    pub rows_passed: usize,
 }
 
 /// What a valve does.

@@ -61,8 +61,7 @@ pub use friction_start::{INITIAL_FRICTION_FORCE, InitialFriction};
 pub use guard::{ContactEvent, PlantGuard};
 pub(crate) use joint::linear as joint_linear;
 pub use joint::{
-    JointConsumer, JointEvent, JointEventKind, JointMode, JointPlant, JointReader, JointRunEnd, JointStep,
-    JointTrajectory, Turning,
+    JointConsumer, JointEvent, JointEventKind, JointMode, JointPlant, JointRunEnd, JointStep, JointTrajectory, Turning,
 };
 pub use ledger::{
     ActuatorLedger, Balance, BranchLedger, Carried, LedgerTotal, MechanismLedger, NodeLedger, PlantLedger,

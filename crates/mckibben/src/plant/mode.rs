@@ -29,7 +29,7 @@ pub struct ActuatorMode<R = f64> {
     #[doc(hidden)]
     pub isothermal: Option<R>,
     /// Rows of a given pressure that have been passed.
-    pub(crate) rows_passed: usize,
+    pub rows_passed: usize,
 }
 
 /// The discrete state of a mechanism.
@@ -48,7 +48,7 @@ pub struct MechanismMode {
     #[doc(hidden)]
     pub facets: Vec<Facet>,
     /// Corners of a given motion that have been passed.
-    pub(crate) corners_passed: usize,
+    pub corners_passed: usize,
 }
 
 impl Clone for MechanismMode {

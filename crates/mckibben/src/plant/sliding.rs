@@ -309,6 +309,12 @@ impl<R: Real> System<R> {
 
     /// Sets how the actuators slide whose motion is given.
     fn follow_motion(&self, m: usize, time: R, state: &mut [R], mode: &mut PlantMode<R>, at: &mut Evaluation<R>) {
+        self.follow_rates(m, time, state, mode, at);
+        self.clamp_all(m, time, state, mode, at);
+    }
+
+    /// Lets them slide the way that they move, or would move next; where that is none they are held.
+    pub(super) fn follow_rates(&self, m: usize, time: R, state: &[R], mode: &mut PlantMode<R>, at: &mut Evaluation<R>) {
         self.enter_distances(time, state, mode, at);
         let acceleration = match &self.plant.mechanisms[m] {
             Mechanism::Prescribed(motion) => motion.at(time, mode.mechanisms[m].corners_passed)[2].value(),
@@ -322,7 +328,6 @@ impl<R: Real> System<R> {
             let heading = if velocity == 0.0 { acceleration } else { velocity };
             mode.actuators[i].mode.sliding = if heading == 0.0 { Sliding::Held } else { self.slides(i, heading) };
         }
-        self.clamp_all(m, time, state, mode, at);
     }
 
     /// Value of the guard of a facet in N times the facet's unit: positive while what sticks can hold.

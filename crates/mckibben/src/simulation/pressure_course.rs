@@ -28,6 +28,7 @@ use crate::parameter;
 #[cfg(feature = "alloc")]
 use crate::pressure::GaugePressure;
 use crate::scalar::{Over, Scalar};
+use crate::straight::StraightLine;
 
 /// Two things that make the pressure.
 #[cfg(feature = "alloc")]
@@ -130,18 +131,20 @@ impl<S: Scalar> PressureSeries<S> {
         self.rows.get(row).map(|[time, _]| *time)
     }
 
+    /// The straight line of gauge pressures in Pa after so many rows; before the first and after the last it stays.
+    pub fn line(&self, passed: usize) -> StraightLine<S> {
+        let rows = &self.rows[..];
+        match (passed.checked_sub(1).and_then(|last| rows.get(last)), rows.get(passed)) {
+            (Some(last), Some(next)) => StraightLine::between(*last, *next),
+            (Some(only), None) | (None, Some(only)) => StraightLine::constant(only[1]),
+            // More rows than there are have passed, or there is none: neither can be.
+            (None, None) => StraightLine::constant(rows.last().map_or(S::zero(), |row| row[1])),
+        }
+    }
+
     /// Gauge pressure in Pa and its rate in Pa/s at a time in s, after so many rows have passed.
     pub fn at<T: Over<S>>(&self, time: T, passed: usize) -> [T; 2] {
-        let rows = &self.rows[..];
-        let next = rows.get(passed);
-        let [[start, gauge], [end, next]] = match (passed.checked_sub(1).and_then(|last| rows.get(last)), next) {
-            (Some(last), Some(next)) => [*last, *next],
-            (Some(only), None) | (None, Some(only)) => return [T::of(only[1]), T::zero()],
-            // More rows than there are have passed, or there is none: neither can be.
-            (None, None) => return [T::of(rows.last().map_or(S::zero(), |row| row[1])), T::zero()],
-        };
-        let rate = T::of((next - gauge) / (end - start));
-        [T::of(gauge) + rate * (time - T::of(start)), rate]
+        self.line(passed).at(time)
     }
 }
 

@@ -40,10 +40,14 @@ pub struct Ramp<S = f64> {
 /// The opening of a seat as a function of time, until it is sent elsewhere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stroke<S = f64> {
-    start: S,
-    end: S,
-    from: S,
-    to: S,
+    /// When the seat starts, in s.
+    pub start: S,
+    /// When it arrives, in s; its start of one that rests.
+    pub end: S,
+    /// Its opening then.
+    pub from: S,
+    /// Where it goes.
+    pub to: S,
 }
 
 impl Ramp {

@@ -58,7 +58,7 @@ pub enum ValveKind {
 impl ValveKind {
     /// Openings of the flow paths to the supply and to the atmosphere, by those of the poppets.
     #[inline(always)]
-    pub(super) fn shares<T: Scalar>(self, [first, second]: [T; 2]) -> [T; 2] {
+    pub fn shares<T: Scalar>(self, [first, second]: [T; 2]) -> [T; 2] {
         match self {
             Self::TwoWay => [first, T::zero()],
             Self::ThreeWay => [first, T::one() - first],

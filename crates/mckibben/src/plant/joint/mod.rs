@@ -30,7 +30,7 @@ mod run;
 mod view;
 
 pub use reading::{JointEvent, JointEventKind, JointMode, Turning};
-pub use run::{JointConsumer, JointReader, JointRunEnd, JointStep, JointTrajectory};
+pub use run::{JointConsumer, JointRunEnd, JointStep, JointTrajectory};
 
 use super::Plant;
 use super::equipment::Equipment;

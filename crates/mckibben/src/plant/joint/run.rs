@@ -5,15 +5,13 @@ use crate::command::Driver;
 use crate::error::Error;
 use crate::instantiate::Instantiate;
 use crate::plant::steps::TimeStepping;
-use crate::plant::view::{self, ViewReader, ViewRunEnd, ViewStep, ViewTrajectory};
+use crate::plant::view::{self, ViewRunEnd, ViewStep, ViewTrajectory};
 use crate::simulation::JointState;
 
 /// A run of a joint that is kept: samples at any time and the log of events.
 pub type JointTrajectory<R = f64> = ViewTrajectory<JointPlant<R>, R>;
 /// An accepted step of a joint's run: every sample within it, by dense output, and the event that ended it.
 pub type JointStep<'s> = ViewStep<'s, JointPlant>;
-/// Reads samples of a run of a joint, with room that is used again: quickest where the times do not fall from one to the next.
-pub type JointReader<'t, R = f64> = ViewReader<'t, JointPlant<R>, R>;
 /// Takes each accepted step of a joint's run in order of time; its error ends the run.
 pub type JointConsumer<'c> = dyn FnMut(&JointStep<'_>) -> Result<(), Error> + 'c;
 /// What holds at the end of a joint's run of which nothing else is kept.

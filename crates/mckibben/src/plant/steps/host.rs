@@ -253,6 +253,18 @@ impl<R: Instantiate> PlantSteps<R> {
         }
     }
 
+    /// Lets the actuators whose ends a host moves slide the way of the rates that they have come to, where nothing else of their
+    /// modes changes.
+    #[doc(hidden)]
+    pub fn turn(&mut self) {
+        let Self { system, reached, work, .. } = self;
+        let (time, state, mode) = reached.parts();
+        for (m, _) in host_mechanisms(&system.plant) {
+            system.follow_rates(m, *time, state, mode, &mut work.at);
+            work.forget_guards();
+        }
+    }
+
     /// Puts all ends exactly to where they have come, so that nothing adds up over many steps.
     #[doc(hidden)]
     pub fn end_move(&mut self, distances: &[R]) {

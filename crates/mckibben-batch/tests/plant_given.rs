@@ -1,0 +1,83 @@
+//! Motions and pressures that are given, and valves whose seats or spool are under way, side by side: each row is its own steps, bit
+//! for bit.
+
+use crate::common::{PSI, Paper, ROOM, spread};
+use crate::plant_batch::{agree, rows};
+use mckibben::line::{Hose, HoseKind, Line};
+use mckibben::load::{Load, Motion, SeriesTendon};
+use mckibben::plant::{Plant, PlantSteps};
+use mckibben::simulation::{Actuation, Method, PressureSeries, Rig};
+use mckibben::valve::{Command, Ramp, RuntimeCommand, Solenoid, Spool};
+use mckibben_batch::PlantBatch;
+
+/// Steps rows of a rig with numbers of their own, which go in lanes, by both methods.
+fn go(rig: &Rig, paper: &Paper, prepare: impl Fn(usize, &mut PlantSteps)) {
+    let start = rig.start(&paper.initial()).expect("a start");
+    let (plant, start) = (Plant::of_rig(rig), Plant::start_of_rig(rig, &start));
+    assert!(PlantBatch::covers(&plant), "it goes in lanes");
+    for (method, step) in [(Method::Rk4, 5e-5), (Method::Stable, 1e-3)] {
+        let mut made = rows(&plant, &start, method, 21).expect("rows");
+        made.iter_mut().enumerate().for_each(|(row, steps)| prepare(row, steps));
+        agree(&made, step, 300);
+    }
+}
+
+fn motions() -> [Motion; 2] {
+    let table = Motion::table(vec![0.004, 0.01, 0.2], vec![0.085, 0.088, 0.079], 0.1).expect("a table");
+    [Motion::sinusoid(0.085, 3e-3, 8.0, 0.3, 0.1).expect("a sinusoid"), table]
+}
+
+fn pressures() -> PressureSeries {
+    PressureSeries::new(&[0.002, 0.009, 0.1], &[1e5, 3e5, 5e4]).expect("a course")
+}
+
+#[test]
+fn motions_that_are_given_are_those_alone() {
+    for motion in motions() {
+        for coulomb in [0.0, 1e-4] {
+            let paper = Paper::pwm(25.0, 0.5).gauge(30.0 * PSI).friction(3.5, coulomb);
+            let paper = paper.with(|rig| rig.load = Load::Prescribed(motion.clone()));
+            go(&paper.rig(), &paper, |_, _| {});
+        }
+    }
+}
+
+/// In the muscle, at the far end of a hose, with a tendon, and with a motion that is given as well.
+#[test]
+fn pressures_that_are_given_are_those_alone() {
+    for coulomb in [0.0, 1e-4] {
+        let paper = Paper::sealed().gauge(1e5).friction(3.5, coulomb);
+        go(&paper.rig().with_pressure(pressures()).expect("a rig"), &paper, |_, _| {});
+        let tendon = SeriesTendon::new(2e4, 0.05).expect("a tendon");
+        let on_tendon = paper.rig().with_tendon(tendon).with_pressure(pressures()).expect("a rig");
+        go(&on_tendon, &paper, |_, _| {});
+        let hose = Hose::new(HoseKind::Lumped, [1.0, 3e-3], [1.82e-5, ROOM, 1.0], &paper.air()).expect("a hose");
+        let line = Line { hose: Some(hose), ..Line::NONE };
+        let behind = paper.rig().with_pressure(pressures()).and_then(|rig| rig.with_line(line)).expect("a rig");
+        go(&behind, &paper, |_, _| {});
+        let moved = paper.clone().with(|rig| rig.load = Load::Prescribed(motions()[0].clone()));
+        go(&moved.rig().with_pressure(pressures()).expect("a rig"), &moved, |_, _| {});
+    }
+}
+
+#[test]
+fn seats_and_spools_under_way_are_those_alone() {
+    let paper = Paper::pwm(25.0, 0.5).gauge(30.0 * PSI).friction(3.5, 1e-4);
+    let ramp = Ramp::new(3.1e-3, 2.3e-3).expect("a ramp");
+    let rig = paper.rig();
+    let Some(Actuation { solenoid, command }) = rig.actuation().cloned() else { unreachable!("it has a valve") };
+    let ramped = Actuation { solenoid: solenoid.with_ramp(ramp), command };
+    let actuator = || paper.actuator().with_valve(paper.valve());
+    go(&Rig::new(actuator(), Some(ramped), paper.load.clone()).expect("a rig"), &paper, |_, _| {});
+    for (frequency, damping, overlap) in [(60.0, 0.7, 0.05), (40.0, 1.0, -0.1), (20.0, 2.5, 0.0)] {
+        let spool = Spool::new(frequency, damping, overlap, overlap).expect("a spool");
+        let command = Command::Positions { time: vec![0.0, 0.06, 0.11], position: vec![0.8, -0.6, 0.1] };
+        let moved = Actuation { solenoid: Solenoid::proportional(spool), command };
+        let rig = Rig::new(actuator(), Some(moved), paper.load.clone()).expect("a rig");
+        go(&rig, &paper, |row, steps| {
+            if row % 3 == 1 {
+                steps.set(0, RuntimeCommand::Position(2.0 * spread(row, 2) - 1.0)).expect("a position");
+            }
+        });
+    }
+}
