@@ -253,8 +253,8 @@ class Actuators:
     Many actuators of one scenario, each with its own air, valve and hysteresis, stepped together on arrays.
 
     The caller owns the arrays: `step` reads and writes them in place. They are one-dimensional and contiguous, of float64, with
-    one element for each actuator. From 128 on, the actuators are stepped on all cores. Each is bit-identical to a scalar
-    `Actuator`.
+    one element for each actuator. They are stepped side by side in the vector registers of the processor, from 128 on by all
+    cores. Each is bit-identical to a scalar `Actuator`.
 
     Parameters
     ----------
@@ -372,8 +372,9 @@ class Actuators:
         InputError
             An array or a number is not valid; nothing has changed.
         SimulationError
-            An actuator comes to a non-physical state: its state and its elements stay as they were, and the others have
-            advanced.
+            A length is out of reach: the ends of that actuator stay where they were. Or an actuator comes to a non-physical state:
+            it has stopped then, later steps raise as well, and only `reset` brings it back. Its elements of the results stay as
+            they are, and the others have advanced.
 
         Notes
         -----

@@ -1,15 +1,10 @@
 //! Rows, dealt to blocks of equal structure, and their way through time on all cores.
 
-#[cfg(target_arch = "x86_64")]
-use crate::block::Block;
-use crate::block::{self, Lanes};
+use crate::block;
+use crate::group::{Group, arrange, edges_of};
 use crate::held;
 use crate::row::{Change, Row};
 use crate::span::Span;
-#[cfg(target_arch = "x86_64")]
-use crate::twice::Twice;
-#[cfg(target_arch = "x86_64")]
-use crate::wide::Doubles;
 use crate::width::Width;
 use mckibben::internals::{check_move, part_end, parts_of};
 use mckibben::plant::{Plant, PlantSample, PlantSteps};
@@ -17,8 +12,6 @@ use mckibben::valve::RuntimeCommand;
 use mckibben::{Error, Response, parameter};
 use rayon::prelude::*;
 
-/// Elements that a thread takes together where they are stepped individually.
-const BY_THEMSELVES: usize = 8;
 /// Groups times steps up to which the caller's own thread takes all: to wake others takes longer.
 const ALONE: usize = 8;
 
@@ -60,18 +53,6 @@ pub struct PlantBatch {
     ends: Vec<f64>,
     /// Whether the caller's own thread does all.
     keeps_to_thread: bool,
-}
-
-/// Rows that are taken together.
-#[derive(Clone, Debug)]
-struct Group {
-    rows: Vec<Row>,
-    /// None where every element is stepped individually.
-    lanes: Option<Box<dyn Lanes>>,
-    /// What the actuators of the rows answered last, row after row; nothing before.
-    responses: Vec<Response>,
-    /// What the valves of the rows have been set to, row after row; nothing before.
-    commands: Vec<Option<RuntimeCommand>>,
 }
 
 /// A row is named that the batch has not got.
@@ -464,136 +445,5 @@ impl PlantBatch {
             Some(fault) => Err(fault.clone()),
             None => Ok(row),
         }
-    }
-}
-
-impl Group {
-    fn advance(&mut self, span: Span<'_>) {
-        match &mut self.lanes {
-            Some(lanes) => lanes.advance(&mut self.rows, span),
-            None => self.rows.iter_mut().for_each(|row| row.advance(&span)),
-        }
-    }
-
-    /// Computes what the actuators of the rows answer.
-    fn compute_at(&mut self, ends: [&[f64]; 2]) -> Result<(), Error> {
-        let Self { rows, lanes, responses, .. } = self;
-        let counts = rows.iter().map(|row| row.steps.plant().actuators().len());
-        if responses.is_empty() {
-            responses.resize(counts.sum(), Response::default());
-        }
-        if let Some(lanes) = lanes {
-            return lanes.compute_at(rows, ends, responses);
-        }
-        let count = responses.len() / rows.len();
-        for (row, responses) in rows.iter_mut().zip(responses.chunks_mut(count.max(1))) {
-            if row.is_alive() {
-                row.compute_at(ends, responses)?;
-            }
-        }
-        Ok(())
-    }
-
-    /// Sets what a valve of a row does from now on; the edges of pulses in a second that it then has.
-    fn set(&mut self, lane: usize, valve: usize, demand: RuntimeCommand) -> Result<f64, Error> {
-        let place = match self.command_place(lane, valve) {
-            // What goes on as it is needs nothing.
-            Some(place) if self.commands[place] == Some(demand) && goes_on(&demand) => return Ok(0.0),
-            place => place,
-        };
-        let row = &mut self.rows[lane];
-        if let Some(fault) = &row.fault {
-            return Err(fault.clone());
-        }
-        let mut edges = 0.0;
-        // Most commands go on with what there is, of which lanes know all.
-        if !row.steps.set_on(valve, &demand)? {
-            let row = self.bring(lane);
-            row.changes(Change::Commands);
-            row.steps.set(valve, demand)?;
-            edges = edges_of(&row.steps);
-        }
-        if let Some(place) = place {
-            self.commands[place] = Some(demand);
-        }
-        Ok(edges)
-    }
-
-    /// Where it is kept what a valve of a row has been set to.
-    fn command_place(&mut self, lane: usize, valve: usize) -> Option<usize> {
-        let valves = self.rows[0].steps.plant().network().valves.len();
-        if self.commands.is_empty() {
-            self.commands.resize(valves * self.rows.len(), None);
-        }
-        (valve < valves).then_some(valves * lane + valve)
-    }
-
-    /// Brings a row to where its lane is.
-    fn bring(&mut self, lane: usize) -> &mut Row {
-        let row = &mut self.rows[lane];
-        if let Some(lanes) = &mut self.lanes {
-            lanes.bring(lane, row);
-        }
-        row
-    }
-}
-
-/// Whether a valve that is set to a command again goes on as it is.
-fn goes_on(command: &RuntimeCommand) -> bool {
-    matches!(command, RuntimeCommand::Request(_) | RuntimeCommand::Pulses { .. })
-}
-
-/// Edges of pulses in a second that the valves of a row have been set to.
-fn edges_of(steps: &PlantSteps) -> f64 {
-    let valves = steps.mode().network.valves.iter();
-    valves.filter_map(|valve| valve.pulse_frequency()).map(|frequency| 2.0 * frequency).sum()
-}
-
-/// Deals rows to groups: those of equal structure side by side, all others individually. The groups, the places of the rows in
-/// them, and how many coordinates a host moves.
-fn arrange(rows: Vec<PlantSteps>, width: Width) -> (Vec<Group>, Vec<[usize; 2]>, usize) {
-    let most = if width.rows() > 1 { width.rows() } else { BY_THEMSELVES };
-    let mut groups: Vec<(Group, Option<Plant>)> = Vec::new();
-    // Of each structure the group that has room.
-    let mut open: Vec<usize> = Vec::new();
-    let mut places = Vec::with_capacity(rows.len());
-    let mut coordinates = 0;
-    for (index, steps) in rows.into_iter().enumerate() {
-        let side_by_side = width.rows() > 1 && PlantBatch::covers(steps.plant());
-        let form = side_by_side.then(|| block::structure(steps.plant()));
-        let found = open.iter().position(|group| groups[*group].1 == form && groups[*group].0.rows.len() < most);
-        let group = match found {
-            Some(found) => open[found],
-            None => {
-                open.retain(|group| groups[*group].1 != form);
-                open.push(groups.len());
-                groups
-                    .push((Group { rows: Vec::new(), lanes: None, responses: Vec::new(), commands: Vec::new() }, form));
-                groups.len() - 1
-            }
-        };
-        places.push([group, groups[group].0.rows.len()]);
-        let row = Row::new(steps, index, coordinates);
-        coordinates = row.coordinates.end;
-        groups[group].0.rows.push(row);
-    }
-    let finished = groups.into_iter().map(|(mut group, form)| {
-        if form.is_some() {
-            group.lanes = in_lanes(&mut group.rows, width);
-        }
-        group
-    });
-    (finished.collect(), places, coordinates)
-}
-
-/// Rows of equal structure in lanes.
-#[cfg_attr(not(target_arch = "x86_64"), allow(unused_variables))]
-fn in_lanes(rows: &mut [Row], width: Width) -> Option<Box<dyn Lanes>> {
-    match width {
-        Width::Baseline => None,
-        #[cfg(target_arch = "x86_64")]
-        Width::Avx2 => Some(Box::new(Block::<Twice<Doubles<pulp::x86::V3>>>::new(rows))),
-        #[cfg(target_arch = "x86_64")]
-        Width::Avx512 => Some(Box::new(Block::<Twice<Doubles<pulp::x86::V4>>>::new(rows))),
     }
 }

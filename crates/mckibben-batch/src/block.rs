@@ -7,14 +7,14 @@
 
 use crate::deal::{Blank, Deal, List};
 use crate::held::{self, Held};
-use crate::motion::{self, HostEnds};
+use crate::kept::{keep_contents, keep_given, keep_rates};
+use crate::motion::HostEnds;
 use crate::row::{Change, Row};
 use crate::span::Span;
 use crate::watch::Watch;
 use crate::wide::{Compiled, Wide, compiled};
 use mckibben::air::Process;
-use mckibben::internals::{Evaluation, Formulas, Stages, System, is_due};
-use mckibben::mechanism::Mechanism;
+use mckibben::internals::{Evaluation, Stages, System, is_due};
 use mckibben::plant::Plant;
 use mckibben::scalar::Mask;
 use mckibben::simulation::Method;
@@ -81,24 +81,24 @@ impl Clone for Box<dyn Lanes> {
 /// Rows in lanes.
 #[derive(Clone, Debug)]
 pub(crate) struct Block<W: Wide<Lane = f64>> {
-    method: Method,
+    pub(crate) method: Method,
     /// The time in s that all rows have reached.
-    time: f64,
-    system: System<W>,
-    stages: Stages<W>,
-    at: Evaluation<W>,
-    state: Vec<W>,
-    end: Vec<W>,
-    held: Held<W>,
-    watch: Watch<W>,
-    hosts: HostEnds<W>,
+    pub(crate) time: f64,
+    pub(crate) system: System<W>,
+    pub(crate) stages: Stages<W>,
+    pub(crate) at: Evaluation<W>,
+    pub(crate) state: Vec<W>,
+    pub(crate) end: Vec<W>,
+    pub(crate) held: Held<W>,
+    pub(crate) watch: Watch<W>,
+    pub(crate) hosts: HostEnds<W>,
     /// Which of the coordinates of all rows that a host moves is the first of each lane.
-    firsts: Vec<usize>,
+    pub(crate) firsts: Vec<usize>,
     /// 1 in lanes whose row has another state at the time that it has itself.
-    behind: W,
+    pub(crate) behind: W,
     /// 1 in lanes whose row has not stopped, and where it takes its steps with the others; 0 elsewhere.
-    lives: W,
-    goes: W,
+    pub(crate) lives: W,
+    pub(crate) goes: W,
     /// Rows that look themselves whether a step has met an event.
     looks: Vec<bool>,
     any_looks: bool,
@@ -106,7 +106,7 @@ pub(crate) struct Block<W: Wide<Lane = f64>> {
     contents: Vec<W>,
     is_isothermal: bool,
     /// Whether a mode has changed since the last step.
-    is_changed: bool,
+    pub(crate) is_changed: bool,
     /// Instants up to this time in s are known, and the first of them; infinite when there is none.
     known_until: f64,
     soonest: f64,
@@ -261,125 +261,13 @@ impl<W: Wide<Lane = f64>> Compiled for Answer<'_, W> {
 }
 
 impl<W: Wide<Lane = f64>> Block<W> {
-    /// Sends the ends off that a host moves: where a row keeps its mode in its lane, and else by the row.
-    #[inline(always)]
-    fn set_off(&mut self, rows: &mut [Row], distances: &[f64], span: &Span<'_>) {
-        let (zero, one, length) = (W::zero(), W::one(), span.until() - span.from);
-        self.update();
-        let Self { system, hosts, firsts, state, end, held, at, lives, behind, .. } = self;
-        end.copy_from_slice(state);
-        for (k, ([position, rate], goal)) in hosts.places.iter().zip(&mut hosts.goals).enumerate() {
-            for (lane, first) in firsts.iter().enumerate() {
-                goal.put(lane, distances[first + k]);
-            }
-            end[*rate] = (*goal - state[*position]) / W::constant(length);
-        }
-        let keep = hosts.turn(system, (W::constant(span.from), end), held, at) & zero.lt(*lives);
-        for [_, rate] in &hosts.places {
-            state[*rate] = W::select(keep, end[*rate], state[*rate]);
-        }
-        hosts.enter_turns(keep, held);
-        *behind = W::select(keep, one, *behind);
-        // What is entered is what the masks have, and of the other rows what they had.
-        self.is_changed = true;
-        let alone = zero.lt(self.lives) & !keep;
-        if alone.any() {
-            self.set_off_alone(rows, W::select(alone, one, zero), (distances, length));
-        }
-    }
-
     /// Makes masks of modes that have changed.
     #[inline(always)]
-    fn update(&mut self) {
+    pub(crate) fn update(&mut self) {
         if self.is_changed {
             self.held.update();
             self.is_changed = false;
         }
-    }
-
-    /// Sends the ends of those rows off that do not keep their mode.
-    #[inline(never)]
-    fn set_off_alone(&mut self, rows: &mut [Row], alone: W, (distances, length): (&[f64], f64)) {
-        for (lane, row) in rows.iter_mut().enumerate() {
-            if alone.lane(lane) <= 0.0 {
-                continue;
-            }
-            self.bring(lane, row);
-            match row.set_off(length, distances) {
-                Ok(()) => {
-                    write(row.steps.state(), lane, &mut self.state);
-                    self.enter(lane, row);
-                }
-                Err(fault) => self.stop(lane, row, fault),
-            }
-        }
-        self.sum_up(rows);
-    }
-
-    /// Puts the ends that a host moves exactly to where they have come.
-    #[inline(always)]
-    fn arrive(&mut self) {
-        for ([position, _], goal) in self.hosts.places.iter().zip(&self.hosts.goals) {
-            self.state[*position] = *goal;
-        }
-        self.behind = W::one();
-    }
-
-    /// What the actuators of all rows answer with their ends at these distances and rates.
-    #[inline(always)]
-    fn answer(&mut self, rows: &mut [Row], ends: [&[f64]; 2], responses: &mut [Response]) -> Result<(), Error> {
-        let (zero, one) = (W::zero(), W::one());
-        self.update();
-        let Self { system, hosts, firsts, state, end, held, at, .. } = self;
-        end.copy_from_slice(state);
-        for (k, places) in hosts.places.iter().enumerate() {
-            for (lane, first) in firsts.iter().enumerate() {
-                end[places[0]].put(lane, ends[0][first + k]);
-                end[places[1]].put(lane, ends[1][first + k]);
-            }
-        }
-        let in_lanes = hosts.can_answer(system, (W::constant(self.time), end), held, at) & zero.lt(self.goes);
-        // The masks have the ways of these rates.
-        self.is_changed = true;
-        let mut come = W::select(in_lanes, one, zero);
-        for (lane, row) in rows.iter().enumerate() {
-            // What has changed since, its lane does not know.
-            if row.change == Change::All {
-                come.put(lane, 0.0);
-            }
-        }
-        if zero.lt(come).any() {
-            let count = system.wires.len();
-            system.evaluate(W::constant(self.time), end, held, at);
-            for i in 0..count {
-                let answers = motion::answer(system, i, end, held, at);
-                for lane in 0..firsts.len() {
-                    if come.lane(lane) > 0.0 {
-                        responses[count * lane + i] = motion::of_lane(&answers, lane);
-                    }
-                }
-            }
-        }
-        self.answer_alone(rows, come, ends, responses)
-    }
-
-    /// What those rows answer that have not been computed in lanes.
-    #[inline(never)]
-    fn answer_alone(
-        &mut self,
-        rows: &mut [Row],
-        come: W,
-        ends: [&[f64]; 2],
-        responses: &mut [Response],
-    ) -> Result<(), Error> {
-        let count = self.system.wires.len();
-        for (lane, row) in rows.iter_mut().enumerate() {
-            if row.is_alive() && come.lane(lane) <= 0.0 {
-                self.bring(lane, row);
-                row.compute_at(ends, &mut responses[count * lane..count * (lane + 1)])?;
-            }
-        }
-        Ok(())
     }
 
     /// Takes a row to a time in s and to the state that has been read of its lane.
@@ -477,7 +365,7 @@ impl<W: Wide<Lane = f64>> Block<W> {
         }
     }
 
-    fn stop(&mut self, lane: usize, row: &mut Row, fault: Error) {
+    pub(crate) fn stop(&mut self, lane: usize, row: &mut Row, fault: Error) {
         row.stop(fault);
         self.lives.put(lane, 0.0);
         self.goes.put(lane, 0.0);
@@ -579,7 +467,7 @@ impl<W: Wide<Lane = f64>> Block<W> {
     }
 
     /// Enters the mode of a row.
-    fn enter(&mut self, lane: usize, row: &mut Row) {
+    pub(crate) fn enter(&mut self, lane: usize, row: &mut Row) {
         let Row { steps, .. } = row;
         let (system, mode, guards) = steps.watched();
         self.looks[lane] = !self.watch.enter(lane, (system, mode), guards, &self.hosts);
@@ -592,7 +480,7 @@ impl<W: Wide<Lane = f64>> Block<W> {
         self.is_changed = true;
     }
 
-    fn sum_up(&mut self, rows: &[Row]) {
+    pub(crate) fn sum_up(&mut self, rows: &[Row]) {
         self.any_looks = self.looks.contains(&true);
         self.soonest = rows.iter().filter(|row| row.is_alive()).map(|row| row.next).fold(f64::INFINITY, f64::min);
     }
@@ -606,65 +494,8 @@ fn read<W: Wide<Lane = f64>>(lanes: &[W], lane: usize, numbers: &mut [f64]) {
 }
 
 /// Writes the numbers of a lane.
-fn write<W: Wide<Lane = f64>>(numbers: &[f64], lane: usize, lanes: &mut [W]) {
+pub(crate) fn write<W: Wide<Lane = f64>>(numbers: &[f64], lane: usize, lanes: &mut [W]) {
     for (number, of_lanes) in numbers.iter().zip(lanes) {
         of_lanes.put(lane, *number);
-    }
-}
-
-/// Sets given motions and pressures to what they are at a time in s.
-#[inline(always)]
-fn keep_given<W: Wide>(system: &System<W>, time: W, held: &Held<W>, end: &mut [W]) {
-    let (plant, places) = (&system.plant, system.plant.indices());
-    for (m, mechanism) in plant.mechanisms().iter().enumerate() {
-        if let Mechanism::Prescribed(motion) = mechanism {
-            let [length, velocity, _] = held.motion(m, motion, time);
-            (end[places.mechanisms[m].position(0)], end[places.mechanisms[m].rate(0)]) = (length, velocity);
-        }
-    }
-    for (node, place) in places.nodes.iter().enumerate() {
-        if let (Some(place), Some([pressure, _])) = (place, held.flows().given(plant.network(), node, time)) {
-            end[*place] = pressure;
-        }
-    }
-    for wire in &system.wires {
-        if let Some(pressure) = held.given_pressure(system, wire.index, time) {
-            end[wire.places.pressure] = pressure;
-        }
-    }
-}
-
-/// Sets the rates of chains to where what sticks on them rests.
-#[inline(always)]
-fn keep_rates<W: Wide>(system: &System<W>, time: W, held: &Held<W>, at: &mut Evaluation<W>, end: &mut [W]) {
-    for m in 0..system.assemblies.len() {
-        if held.held_count(m) > 0 {
-            system.enter_distances(time, end, held, at);
-            system.hold_rates(m, end, held, at);
-        }
-    }
-}
-
-/// Sets the pressures of isothermal air, whose `P V/m` nothing changes.
-#[inline(always)]
-fn keep_contents<W: Wide>(
-    system: &System<W>,
-    time: W,
-    contents: &[W],
-    held: &Held<W>,
-    at: &mut Evaluation<W>,
-    end: &mut [W],
-) {
-    system.enter_distances(time, end, held, at);
-    for (wire, content) in system.wires.iter().zip(contents) {
-        let (place, volume) = (wire.places.pressure, at.chambers[wire.index].volume);
-        let is_isothermal = W::zero().lt(*content);
-        if held.is_given(wire.index) {
-            let mass = end[place] * volume / *content;
-            end[place + 1] = W::select(is_isothermal, mass, end[place + 1]);
-        } else {
-            let kept = *content * end[place + 1] / volume;
-            end[place] = W::select(is_isothermal, kept, end[place]);
-        }
     }
 }

@@ -10,10 +10,11 @@
 //!
 //! | file | what it holds |
 //! |---|---|
-//! | `batch` | rows, dealt to blocks; threads over blocks |
+//! | `batch`, `group` | rows, dealt to blocks; threads over blocks |
 //! | `block` | rows in lanes, and how they go through time together |
 //! | `held`, `flows` | the discrete states of all lanes, as masks |
-//! | `motion` | ends that a host moves |
+//! | `motion`, `hosted` | ends that a host moves |
+//! | `kept` | what a step knows exactly |
 //! | `watch`, `ends`, `facets` | the range that each quantity keeps as long as a mode lasts |
 //! | `wide`, `twice`, `width` | registers as one scalar, and which of them this machine has |
 //! | `deal` | the numbers of plants, dealt to lanes |
@@ -35,8 +36,13 @@ mod ends;
 mod facets;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 mod flows;
+mod group;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 mod held;
+#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
+mod hosted;
+#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
+mod kept;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 mod motion;
 mod row;
