@@ -15,6 +15,7 @@ use crate::progress::Progress;
 use crate::record::Field;
 use crate::run::Ready;
 use crate::table::{Cell, Kind};
+use crate::units::stem;
 use mckibben::plant::{Orbit, PlantRun, PlantSample, PlantView as _};
 use mckibben_scenario::Document;
 
@@ -135,11 +136,6 @@ fn read<T>(
     // A mean of equal values may miss them by a rounding.
     rows.iter_mut().for_each(|row| row.mean = row.mean.clamp(row.least, row.greatest));
     Ok(Settled { orbit, rows })
-}
-
-/// The name of a column without the unit at its end.
-fn stem<'n>(name: &'n str, unit: &str) -> &'n str {
-    name.strip_suffix(&crate::units::ending(unit)).unwrap_or(name)
 }
 
 #[cfg(test)]
