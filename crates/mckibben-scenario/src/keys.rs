@@ -11,7 +11,8 @@ mod plant;
 
 use crate::choice::{
     BladderForm, Choice, CommandKind, CommandState, ControllerKind, DesignKind, Engine, ExhaustTemperature, ForceLaw,
-    HoseKind, HysteresisLaw, LoadKind, Method, PressurePlace, ProcessKind, RecordKind, SetPointTable, ValveKind,
+    HoseKind, HysteresisLaw, LoadKind, Method, PressurePlace, ProcessKind, RecordKind, SetPointTable, StatisticsOver,
+    ValveKind,
 };
 use crate::nearest::nearest;
 use crate::presets;
@@ -646,6 +647,9 @@ pub static KEYS: &[Key] = &[
         "[\"length.final\", \"length.ripple\", \"air.used\"]",
     )
     .when(RECORD, &[RecordKind::Reductions.name()]),
+    choice("sweep.over", StatisticsOver::CHOICES, "What statistics are taken over.", "\"orbit\"")
+        .or("run")
+        .when(RECORD, &[RecordKind::Reductions.name()]),
     list(&SAMPLE_TIMES, "[\"0.5 s\", \"1 s\"]").required().when(RECORD, &[RecordKind::Samples.name()]),
     whole(&PART_ROWS, "4096"),
 ];

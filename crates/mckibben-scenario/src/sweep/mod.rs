@@ -36,7 +36,7 @@ pub use axis::{Axis, AxisKind, AxisValue, column_of};
 pub use plant::{PlantReduced, PlantReduction};
 pub use reduction::{Quantity, Reduction, Statistic};
 
-use crate::choice::{DesignKind, Engine};
+use crate::choice::{DesignKind, Engine, StatisticsOver};
 use crate::keys::in_antagonist;
 use crate::muscle::{Fault, Stated};
 use crate::plant::{PlantColumn, PlantExperiment};
@@ -58,6 +58,7 @@ pub struct Sweep {
     rows: u64,
     seed: u64,
     record: Record,
+    over: StatisticsOver,
     part_rows: u64,
     /// A scenario for each combination of words and whole numbers, the last axis of these changing first; none of a plant.
     bases: Vec<Base>,
@@ -160,6 +161,11 @@ impl Sweep {
     /// What is recorded of each row.
     pub fn record(&self) -> &Record {
         &self.record
+    }
+
+    /// What statistics are taken over.
+    pub fn over(&self) -> StatisticsOver {
+        self.over
     }
 
     /// Number of rows in a part of the result, at least 1.
@@ -300,7 +306,11 @@ impl Sweep {
         };
         // Writing to a string cannot fail.
         let _ = writeln!(text, "design {}\nrows {}\nseed {}", self.design.name(), self.rows, self.seed);
-        let _ = writeln!(text, "record {record}\npart_rows {}", self.part_rows);
+        let over = match self.over {
+            StatisticsOver::Run => "",
+            StatisticsOver::Orbit => " over the orbit",
+        };
+        let _ = writeln!(text, "record {record}{over}\npart_rows {}", self.part_rows);
         self.axes.iter().for_each(|axis| axis.fingerprint(&mut text));
         for base in &self.bases {
             // What follows in each row depends on what is stated.

@@ -11,7 +11,7 @@ use super::random::Stream;
 use super::reduction::{DEFAULT, DEFAULT_OF_JOINT, Quantity, Reduction};
 use super::vary::{self, Varied};
 use super::{Base, Record, Sweep, sobol};
-use crate::choice::{DesignKind, RecordKind};
+use crate::choice::{DesignKind, RecordKind, StatisticsOver};
 use crate::diagnostic::{Class, Diagnostic, Diagnostics, Place};
 use crate::document::Document;
 use crate::keys::{self, SWEEP, VARY};
@@ -50,6 +50,7 @@ impl Document {
         let part_rows = r.whole(&keys::PART_ROWS);
         let is_plant = self.is_plant();
         let record = record(r, is_plant);
+        let over = r.word("sweep.over").unwrap_or(StatisticsOver::Run);
         let varied = vary::read(r, design);
         let rows = if design == DesignKind::Grid { combinations(r, &varied) } else { rows(r) };
         let words = varied.iter().filter_map(Varied::read_anew).fold(1, u64::saturating_mul);
@@ -76,7 +77,7 @@ impl Document {
                 .unwrap_or_else(|| part_of(&record, [swept.run.duration, swept.run.sample_interval], columns))
                 .min(rows);
             let (axes, plant) = (axes(varied, design, rows, seed), Some(Box::new(swept)));
-            return Ok(Some(Sweep { axes, design, rows, seed, record, part_rows, bases: Vec::new(), plant }));
+            return Ok(Some(Sweep { axes, design, rows, seed, record, over, part_rows, bases: Vec::new(), plant }));
         }
         let bases = bases(self, &varied, words)?;
         let Some((record, Base { scenario: first, .. })) = record.zip(bases.first()) else { return Ok(None) };
@@ -94,7 +95,7 @@ impl Document {
             ([first.run.duration, first.run.sample_interval], COLUMNS[usize::from(first.has_joint())]);
         let part_rows = part_rows.unwrap_or_else(|| part_of(&record, span, columns)).min(rows);
         let axes = axes(varied, design, rows, seed);
-        Ok(Some(Sweep { axes, design, rows, seed, record, part_rows, bases, plant: None }))
+        Ok(Some(Sweep { axes, design, rows, seed, record, over, part_rows, bases, plant: None }))
     }
 }
 
