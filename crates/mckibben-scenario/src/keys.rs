@@ -695,6 +695,21 @@ pub fn names_in(section: &str) -> impl Iterator<Item = &'static str> {
     names_among(keys.chain(sections), section).into_iter()
 }
 
+/// The paths of the keys and subsections that may stand in a section (`""` for the file itself), of one actuator or of a plant, in
+/// order; those of subsections end with a point. Names that a file chooses are not among them.
+pub fn paths_in(section: &str) -> Vec<String> {
+    let path = |name: &str| if section.is_empty() { name.to_owned() } else { format!("{section}.{name}") };
+    let mut paths: Vec<String> = plant::names_in_plant(section).into_iter().map(path).collect();
+    for path in &mut paths {
+        if key_for(path).is_none() {
+            path.push('.');
+        }
+    }
+    paths.sort_unstable();
+    paths.dedup();
+    paths
+}
+
 /// The last names of paths that lie in a section.
 fn names_among(paths: impl Iterator<Item = &'static str>, section: &str) -> Vec<&'static str> {
     let parent = |path: &'static str| path.rsplit_once('.').unwrap_or(("", path));
