@@ -97,7 +97,7 @@ impl Evaluator {
     }
 
     /// The document with these values set.
-    fn document(&self, values: &[f64]) -> Result<Document, Failure> {
+    pub(super) fn document(&self, values: &[f64]) -> Result<Document, Failure> {
         let mut document = self.document.clone();
         for ((vary, list), value) in self.vary.iter().zip(&self.lists).zip(values) {
             let text = vary.toml(*value);

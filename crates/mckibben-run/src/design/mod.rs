@@ -198,7 +198,8 @@ impl Design {
             points.push(Reached { at: trial.at.clone(), violation: trial.violation(&scales), values, numbers });
         }
         let is_converged = is_converged && !interrupted;
-        Ok(Outcome { document, unit, points, best: of_best, scales, is_converged, interrupted, request })
+        let found = evaluator.document(&points[of_best].values)?;
+        Ok(Outcome { document, unit, points, best: of_best, scales, is_converged, interrupted, found, request })
     }
 }
 

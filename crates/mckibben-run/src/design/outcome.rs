@@ -61,12 +61,19 @@ pub struct Outcome {
     pub(super) scales: Vec<f64>,
     pub(super) is_converged: bool,
     pub(super) interrupted: bool,
+    /// The document with the values of the best point.
+    pub(super) found: Document,
 }
 
 impl Outcome {
     /// Whether the search came to its smallest steps before its evaluations were used up.
     pub fn is_converged(&self) -> bool {
         self.is_converged
+    }
+
+    /// The scenario with the settings and the values found.
+    pub fn document(&self) -> &Document {
+        &self.found
     }
 
     /// Whether the search was ended before it was done.
@@ -110,11 +117,11 @@ impl Outcome {
         self.request.vary.iter().zip(&self.best().values).map(|(vary, value)| vary.in_si(*value)).collect()
     }
 
-    /// The value, the margin and whether it is met, of each constraint at the best point in SI; nothing where every run failed.
+    /// The value of each constraint at the best point, its margin, and whether it is active, in SI; nothing where every run failed.
     pub fn margins(&self) -> Vec<(f64, f64, bool)> {
         let of = |(place, value): (usize, &f64)| {
             // A difference of zero has no sign.
-            (*value, -self.request.constraints[place].excess(*value) + 0.0, self.state(place, *value).0)
+            (*value, -self.request.constraints[place].excess(*value) + 0.0, self.state(place, *value).1)
         };
         self.numbers().iter().enumerate().map(of).collect()
     }
