@@ -137,6 +137,18 @@ pub fn drawn(figure: Figure) -> Figure {
     figure.converted(&|unit, largest| units().conversion(unit, largest, is_chosen))
 }
 
+/// What makes numbers in a unit as people read it of which the largest is given those of the units that were chosen; nothing where no
+/// choice was made, or the unit is of no quantity.
+pub(crate) fn chosen(unit: &str, largest: f64) -> Option<Conversion> {
+    CHOSEN.get()?.conversion(unit, largest, true)
+}
+
+/// How many decimals show as much of a number that is multiplied by a factor as so many did before.
+pub(crate) fn decimals(before: usize, factor: f64) -> usize {
+    let digits = before as f64 - factor.abs().log10().round();
+    if digits.is_finite() { digits.clamp(0.0, 12.0) as usize } else { before }
+}
+
 /// The SI unit that the name of a column ends with; empty where it ends with none.
 pub(crate) fn unit_of(name: &str) -> &'static str {
     let units = ROWS.iter().map(|(_, si, _)| *si).filter(|si| name.ends_with(&ending(si)));
@@ -389,6 +401,13 @@ mod tests {
         assert_eq!(of("imperial", "10⁻³ in", true), None);
         assert_eq!(of("imperial", "%", true), None);
         assert_eq!(of("imperial", "", true), None);
+    }
+
+    #[test]
+    fn a_number_in_another_unit_has_as_many_digits() {
+        // 12.3 mm are 0.484 in, 0.484 in are 12.3 mm, and 1234.5 kPa 12.345 bar.
+        assert_eq!([decimals(1, 1.0 / 25.4), decimals(3, 25.4), decimals(1, 0.01)], [2, 2, 3]);
+        assert_eq!([decimals(0, 1000.0), decimals(2, f64::NAN)], [0, 2]);
     }
 
     #[test]

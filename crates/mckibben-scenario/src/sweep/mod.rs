@@ -7,6 +7,7 @@
 //! | module | what it holds |
 //! |---|---|
 //! | `read`, `vary` | the sections `[sweep]` and `[sweep.vary]` with their mistakes |
+//! | `left_out` | keys that rows leave out under a word that varies |
 //! | `axis` | one key that varies, and its value in a row |
 //! | `design` | which part of an axis a row takes: grid, random, Latin hypercube, Sobol' |
 //! | `random`, `permutation`, `sobol`, `directions` | numbers for these at any position |
@@ -23,6 +24,7 @@ mod design;
 mod directions;
 mod distribution;
 pub(crate) mod field;
+mod left_out;
 mod permutation;
 pub(crate) mod plant;
 mod random;
@@ -33,6 +35,7 @@ mod spacing;
 mod vary;
 
 pub use axis::{Axis, AxisKind, AxisValue, column_of};
+pub use left_out::LeftOut;
 pub use plant::{PlantReduced, PlantReduction};
 pub use reduction::{Quantity, Reduction, Statistic};
 
@@ -63,6 +66,7 @@ pub struct Sweep {
     /// A scenario for each combination of words and whole numbers, the last axis of these changing first; none of a plant.
     bases: Vec<Base>,
     plant: Option<Box<plant::Swept>>,
+    left_out: Vec<LeftOut>,
 }
 
 /// What rows start from.
@@ -194,6 +198,11 @@ impl Sweep {
     /// Whether an axis has this path.
     fn varies(&self, path: &str) -> bool {
         self.axes.iter().any(|axis| axis.path == path)
+    }
+
+    /// The keys that rows leave out, each with the word under which it has no meaning.
+    pub fn left_out(&self) -> &[LeftOut] {
+        &self.left_out
     }
 
     /// Whether every row is a plant of actuators with names; if not, none is.
