@@ -175,7 +175,7 @@ fn described<'py>(py: Python<'py>, outcome: &Outcome) -> PyResult<Sections<'py>>
         |(of, (value, margin, active)): (&Constraint, (f64, f64, bool))| (of.to_string(), value, margin, active);
     let constraints = request.constraints.iter().zip(outcome.margins()).map(constraint);
     all.set_item("constraints", constraints.collect::<Vec<_>>())?;
-    all.set_item("scenario", outcome.document().to_toml())?;
+    all.set_item("scenario", outcome.found().to_toml())?;
     all.set_item("converged", outcome.is_converged())?;
     all.set_item("interrupted", outcome.is_interrupted())?;
     // Every run: its values, its numbers, and whether it met the constraints.

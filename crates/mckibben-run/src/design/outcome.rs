@@ -72,7 +72,7 @@ impl Outcome {
     }
 
     /// The scenario with the settings and the values found.
-    pub fn document(&self) -> &Document {
+    pub fn found(&self) -> &Document {
         &self.found
     }
 

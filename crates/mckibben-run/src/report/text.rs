@@ -70,7 +70,8 @@ impl Table {
             let cells = || self.rows.iter().filter_map(|row| row.get(column));
             // What holds more than a number, as an interval does, stays, and so does its column.
             let is_whole = |cell: &String| value_of(cell).is_some() || !cell.contains(|c: char| c.is_ascii_digit());
-            let largest = cells().filter_map(value_of).fold(0.0, |largest: f64, value| largest.max(value.abs()));
+            let largest =
+                cells().filter_map(|cell| value_of(cell)).fold(0.0, |largest: f64, value| largest.max(value.abs()));
             let Some(Conversion { unit, factor, zero }) =
                 units::chosen(unit, largest).filter(|_| cells().all(is_whole))
             else {
@@ -176,7 +177,7 @@ impl Table {
 }
 
 /// The number that a cell is, if it is nothing else.
-fn value_of(cell: &String) -> Option<f64> {
+fn value_of(cell: &str) -> Option<f64> {
     cell.replace('−', "-").parse().ok().filter(|value: &f64| value.is_finite())
 }
 
