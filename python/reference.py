@@ -38,6 +38,7 @@ CHAPTERS: dict[str, str] = {
     "Linear models": "linearize LinearModel _results.Modes _results.Mode "
     "_results.Validity _results.Controllability _results.Pulses",
     "Sweeps": "sweep SweepResult Sweep",
+    "Choosing": "size Sizes SizedMuscle design DesignResult Constrained",
     "Identification": "identify Study Run Identification Estimate OtherMinimum StepResponse StepInfo Prediction",
     "In your own loop": "Actuator ActuatorState Response Actuators HostedPlant VectorPlant",
     "MuJoCo": " ".join(f"mujoco.{name}" for name in mckibben.mujoco.__all__ if name != "PLUGIN"),

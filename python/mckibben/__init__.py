@@ -36,6 +36,7 @@ from mckibben._mckibben import (
     linearize,
     simulate,
 )
+from mckibben._choosing import Constrained, DesignResult, SizedMuscle, Sizes, design, size
 from mckibben._identify import (
     Estimate,
     Identification,
@@ -56,7 +57,9 @@ __all__ = [
     "Actuator",
     "ActuatorState",
     "Actuators",
+    "Constrained",
     "Curves",
+    "DesignResult",
     "Differentiable",
     "DifferentiableStep",
     "Error",
@@ -76,6 +79,8 @@ __all__ = [
     "Run",
     "Scenario",
     "SimulationError",
+    "SizedMuscle",
+    "Sizes",
     "Statics",
     "StepInfo",
     "StepResponse",
@@ -86,10 +91,12 @@ __all__ = [
     "VectorPlant",
     "__version__",
     "curves",
+    "design",
     "identify",
     "linearize",
     "parameters",
     "presets",
     "simulate",
+    "size",
     "sweep",
 ]

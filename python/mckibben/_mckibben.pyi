@@ -14,7 +14,7 @@ from pandas import DataFrame
 from polars import DataFrame as DataFrame2
 from typing import Any, Final, Literal, SupportsFloat, SupportsIndex, final
 
-__all__ = ["__version__", "Actuator", "ActuatorState", "Actuators", "Differentiable", "DifferentiableStep", "Event", "HostedPlant", "LinearModel", "Response", "Scenario", "Sweep", "Trajectory", "VectorPlant", "_Statics", "_curves", "_identify", "_identify_file", "_parameters", "_presets", "_quantity", "_register_mujoco", "linearize", "simulate"]
+__all__ = ["__version__", "Actuator", "ActuatorState", "Actuators", "Differentiable", "DifferentiableStep", "Event", "HostedPlant", "LinearModel", "Response", "Scenario", "Sweep", "Trajectory", "VectorPlant", "_Sizes", "_Statics", "_curves", "_design", "_identify", "_identify_file", "_parameters", "_presets", "_quantity", "_register_mujoco", "linearize", "simulate"]
 
 __version__: Final[str]
 """
@@ -2134,6 +2134,33 @@ class VectorPlant:
         """
 
 @final
+class _Sizes:
+    """
+    What `mckibben.Sizes` is made of.
+    """
+    def __new__(cls, /, load: float | str, stroke: float | str, gauge_pressure: float | str, braid_angles: Sequence[float | str], effectiveness: SupportsFloat | SupportsIndex, most_length: float | str | None, most_diameter: float | str | None, time: float | str | None) -> _Sizes: ...
+    def candidates(self, /) -> list[tuple[str, int, list[float], float | None]]:
+        """
+        The candidates, those that take the least air first.
+        """
+    def hoses(self, /, place: SupportsIndex, length: float | str) -> list[tuple[float, float | None]]:
+        """
+        Inner diameters in m of hoses of a length, each with the least conductance of the valve behind it.
+        """
+    def left_out(self, /) -> list[str]:
+        """
+        What does not do it, and why.
+        """
+    def scenario(self, /, place: SupportsIndex) -> str:
+        """
+        The scenario of a candidate as TOML.
+        """
+    def valves(self, /, place: SupportsIndex) -> list[tuple[str, float | None]]:
+        """
+        Named valves, each with the time in s in which it does nine tenths of the stroke.
+        """
+
+@final
 class _Statics:
     """
     What `mckibben.Statics` computes with, on flat arrays of one length.
@@ -2190,6 +2217,11 @@ def _curves(scenario: Scenario, gauge_pressures: ArrayLike | str | None = None) 
     dict of str to numpy.ndarray
         Arrays by their names, which end with their units: a row for each pressure, a column for each length, from the shortest
         to the longest. `stiffness_n_m` is equation (7), `sealed_stiffness_n_m` equation (5).
+    """
+
+def _design(scenario: Scenario, vary: Sequence[tuple[str, float | str, float | str]], minimize: bool, objective: str, subject_to: Sequence[str], settle: bool, evaluations: int, progress: Any | None) -> dict[str, Any]:
+    """
+    Search values of keys.
     """
 
 def _identify(sections: Mapping[str, Any], tables: Sequence[tuple[str, Sequence[tuple[str, ArrayLike]]]], scenario: Scenario, output: str | PathLike[str] | None, progress: Any | None) -> dict[str, Any]:

@@ -23,13 +23,13 @@ NAMES = sorted(set(mckibben.__all__) - {"__version__"})
 CLASSES = [name for name in NAMES if isinstance(getattr(mckibben, name), type)]
 #: Classes that the package returns; their constructors serve the package and pickling.
 RETURNED = {
-    "Curves", "Error", "Estimate", "Event", "Identification", "InputError", "LinearModel", "OtherMinimum",
-    "OutputError", "Parameter", "Prediction", "Preset", "PresetValue", "Response", "SimulationError", "StepInfo", "StepResponse",
+    "Constrained", "Curves", "DesignResult", "Error", "Estimate", "Event", "Identification", "InputError", "LinearModel", "OtherMinimum",
+    "OutputError", "Parameter", "Prediction", "Preset", "PresetValue", "Response", "SimulationError", "SizedMuscle", "Sizes", "StepInfo", "StepResponse",
     "SweepResult", "Trajectory",
 }
 #: What every user calls, and what has an example therefore.
 EXEMPLARY = {
-    "simulate", "linearize", "identify", "parameters", "presets", "sweep", "Actuator", "ActuatorState", "Actuators",
+    "simulate", "linearize", "identify", "size", "design", "parameters", "presets", "sweep", "Actuator", "ActuatorState", "Actuators",
     "Differentiable", "DifferentiableStep", "Error", "Event", "InputError", "LinearModel", "OutputError", "Response", "Scenario",
     "SimulationError", "Statics", "Sweep", "SweepResult", "Trajectory", "VectorPlant",
 }

@@ -7,6 +7,7 @@ use crate::plant::{document_at, document_of, entry};
 use crate::status::{Refusal, Status, c_text, status, value};
 use mckibben_run::record::{Filled, Values};
 use mckibben_run::run::Ready;
+use mckibben_run::settle::End;
 use mckibben_scenario::Document;
 use std::ffi::{CString, c_char, c_void};
 
@@ -93,7 +94,7 @@ unsafe fn simulate(
         Some(progress) if unsafe { progress(time, data) } != 0 => Err(mckibben::Error::Interrupted { time }),
         _ => Ok(()),
     };
-    let finished = Ready::of(&document)?.run(&document, &mut reached)?;
+    let (finished, _) = Ready::of(&document)?.run(&document, End::Duration, &mut reached)?;
     let columns: Vec<Column> = finished.columns()?.into_iter().map(Column::from).collect();
     let rows = columns.first().map_or(0, Column::len);
     // SAFETY: as at the head.

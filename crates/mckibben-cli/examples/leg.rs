@@ -13,7 +13,7 @@ use mckibben::plant::{PlantRun, PlantSteps};
 use mckibben::simulation::Method;
 use mckibben::valve::{Request, RuntimeCommand};
 use mckibben_plot::{Axis, Colour, Figure, Format, Legend, Panel, Series};
-use mckibben_run::output;
+use mckibben_run::{output, units};
 use mckibben_scenario::{Document, PlantExperiment};
 use std::error::Error;
 use std::f64::consts::TAU;
@@ -60,7 +60,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     walked.tell();
     for (stem, figure) in [("leg", walked.courses()), ("leg-sticks", walked.sticks(leg))] {
         let path = folder.join(format!("{stem}.{ending}"));
-        output::write(&path, &figure.bytes(Format::of(&path)?)?)?;
+        output::write(&path, &units::drawn(figure).bytes(Format::of(&path)?)?)?;
     }
     println!("wrote leg.{ending} and leg-sticks.{ending} into {}", folder.display());
     Ok(())
@@ -145,12 +145,12 @@ impl Walked {
             Series::line(label, self.time.clone(), values.to_vec()).colour(Colour::Category(colour))
         };
         let pair = |name: &str, first: usize| {
-            Panel::new(Axis::new(format!("{name} pressure"), "Pa").starting_at(0.0))
+            Panel::new(Axis::new(format!("{name}, gauge pressure"), "Pa").starting_at(0.0))
                 .series(line("forward", &self.pressures[first], 0))
                 .series(line("back", &self.pressures[first + 1], 1))
                 .legend(Legend::Above)
         };
-        let angles = Panel::new(Axis::new("angle", "deg"));
+        let angles = Panel::new(Axis::new("angle", "°"));
         let [hip, knee] = &self.angles;
         Figure::new(Axis::new("time", "s"))
             .title("A leg steps under PWM")
@@ -174,6 +174,10 @@ impl Walked {
         if let Some(belt) = leg.belt() {
             panel = panel.horizontal(-belt.depth, "belt");
         }
-        Figure::new(axis).title("One stride").panel(panel).size_mm(110.0, 95.0)
+        Figure::new(axis)
+            .title("One stride")
+            .note("a stick every twentieth of the stride, from dark at its start to light at its end")
+            .panel(panel)
+            .size_mm(110.0, 95.0)
     }
 }

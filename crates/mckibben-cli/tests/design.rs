@@ -251,3 +251,33 @@ fn a_plant_is_designed_by_the_keys_of_its_parts() {
     // A heavier load hangs lower: the most that was allowed.
     assert_eq!(found["values"][0]["at_end"], "high", "{found}");
 }
+
+/// What was found before a signal is printed, written and meets the constraint: the least pressure is that of the paper's (3), which the
+/// search has come near long before it has used its evaluations.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_search_writes_the_best_values() {
+    let folder = Folder::new("design-interrupt");
+    folder.file("muscle.toml", ISOMETRIC);
+    let asked =
+        ["design", "muscle.toml", "--vary", "supply.gauge_pressure=1..8 bar", "--minimize", "gauge_pressure.final"];
+    let more = ["--subject-to", "tension.final>=60 N", "--evaluations", "1000000", "--output"];
+    for (signal, name, code) in [(2, "SIGINT", 130), (15, "SIGTERM", 143)] {
+        if common::is_ignored(signal) {
+            continue;
+        }
+        let file = format!("{name}.toml");
+        let arguments = [&asked[..], &more[..], &[&file]].concat();
+        let output = folder.interrupted(&arguments, name, std::time::Duration::from_secs(2));
+        let printed = String::from_utf8_lossy(&output.stdout).split_whitespace().collect::<Vec<_>>().join(" ");
+        assert_eq!(output.status.code(), Some(code), "{printed}{}", error(&output));
+        assert!(error(&output).contains(&format!("{name}: the search ends with the best values so far")));
+        assert!(printed.contains("The search was interrupted: these are the best values so far."), "{printed}");
+        let run = folder.mckibben().args(["simulate", &file, "--format", "json"]).output().expect("it runs");
+        let run = json(&run);
+        let of = |name: &str| run["numbers"][name].as_f64().expect("a number");
+        assert!(of("tension_final_n") >= 60.0 * (1.0 - 1e-6), "{run}");
+        let least = pressure_of(60.0, 0.1);
+        assert!((of("gauge_pressure_final_pa") / least - 1.0).abs() < 0.05, "{run} for {least} Pa");
+    }
+}

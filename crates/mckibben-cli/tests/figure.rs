@@ -7,6 +7,7 @@ use mckibben_plot::{Colour, Dash, Extent, Figure};
 use mckibben_run::axis::TrajectoryAxis;
 use mckibben_run::figure::{self, Picture, Request};
 use mckibben_run::run::{Finished, Ready};
+use mckibben_run::settle::End;
 use mckibben_scenario::Document;
 
 const PULSED: &str = r#"
@@ -29,7 +30,7 @@ const PULSED: &str = r#"
 
 fn run(text: &str) -> Finished {
     let document = Document::parse(text, "muscle.toml").expect("TOML");
-    Ready::of(&document).expect("a scenario").run(&document, &mut |_| Ok(())).expect("a run")
+    Ready::of(&document).expect("a scenario").run(&document, End::Duration, &mut |_| Ok(())).expect("a run").0
 }
 
 fn example(name: &str) -> Finished {

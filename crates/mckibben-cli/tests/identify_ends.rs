@@ -159,14 +159,6 @@ fn limits_of_steps_and_time_write_the_best_values() {
     assert!(output.status.code() == Some(2) && words(&output).contains("leave them out"), "{}", words(&output));
 }
 
-/// Whether this process was started with a signal as ignored, as by `nohup`: its children ignore it too.
-#[cfg(unix)]
-fn is_ignored(signal: u32) -> bool {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:")).unwrap_or("0");
-    u64::from_str_radix(mask.trim(), 16).is_ok_and(|mask| mask & (1 << (signal - 1)) != 0)
-}
-
 #[cfg(unix)]
 #[test]
 fn an_interrupted_search_writes_the_best_values() {
@@ -176,20 +168,10 @@ fn an_interrupted_search_writes_the_best_values() {
         format!("{STUDY}[fit.\"load.mass\"]\nfrom = \"1 kg\"\nto = \"6 kg\"\n[search]\nmore_starts = 1000000\n");
     folder.file("study.toml", &study);
     for (signal, name, code) in [(2, "SIGINT", 130), (15, "SIGTERM", 143)] {
-        if is_ignored(signal) {
+        if common::is_ignored(signal) {
             continue;
         }
-        let child = std::process::Command::new(env!("CARGO_BIN_EXE_mckibben"))
-            .args(["identify", "study.toml", "--output", name])
-            .current_dir(folder.path("."))
-            .stdout(std::process::Stdio::piped())
-            .stderr(std::process::Stdio::piped())
-            .spawn()
-            .expect("it starts");
-        std::thread::sleep(Duration::from_secs(3));
-        let kill = ["-s".to_owned(), name.trim_start_matches("SIG").to_owned(), child.id().to_string()];
-        assert!(std::process::Command::new("kill").args(kill).status().expect("kill").success());
-        let output = child.wait_with_output().expect("ended");
+        let output = folder.interrupted(&["identify", "study.toml", "--output", name], name, Duration::from_secs(3));
         let told = words(&output);
         assert_eq!(output.status.code(), Some(code), "{told}");
         assert!(told.contains(&format!("{name}: the search ends with the best values so far")), "{told}");

@@ -88,3 +88,92 @@ fn what_comes_to_rest_settles_at_an_equilibrium_and_files_end_where_they_did() {
     assert_eq!((of("length_ripple_m"), of("gauge_pressure_ripple_pa")), (0.0, 0.0));
     assert!((of("gauge_pressure_mean_pa") - of("gauge_pressure_max_pa")).abs() < 1.0);
 }
+
+/// A run that is kept for a figure is made again on the way to its orbit; one that is not goes on. Both come to one orbit.
+#[test]
+fn the_orbit_does_not_depend_on_what_is_kept_of_the_run() {
+    let folder = Folder::new("kept");
+    folder.file("muscle.toml", UNDAMPED);
+    let arguments = ["simulate", "muscle.toml", "--settle", "--format", "json", "--set", "run.duration=0.3 s"];
+    let of = |more: &[&str]| json(&folder, &[&arguments[..], more].concat())["settled"].clone();
+    let settled = of(&[]);
+    assert_eq!(settled["settled"], true);
+    assert_eq!(settled, of(&["--plot", "run.svg"]));
+}
+
+/// The columns of a table by their names.
+fn columns(table: &str) -> std::collections::BTreeMap<String, Vec<f64>> {
+    let mut lines = table.lines().filter(|line| !line.starts_with('#'));
+    let names: Vec<&str> = lines.next().expect("a head").split(',').collect();
+    let rows: Vec<Vec<f64>> =
+        lines.map(|line| line.split(',').map(|cell| cell.parse().unwrap_or(f64::NAN)).collect()).collect();
+    let column = |place: usize| rows.iter().map(|row| row[place]).collect();
+    names.iter().enumerate().map(|(place, name)| ((*name).to_owned(), column(place))).collect()
+}
+
+/// Statistics of the orbit: momentum returns, so that the mean tension is the weight; the ripple is that of `simulate --settle`; nothing
+/// drifts. What is said of the way there is that of a sweep without `--settle`, and files do not depend on threads.
+#[test]
+fn a_sweep_is_taken_over_the_orbit() {
+    let folder = Folder::new("sweep");
+    let sweep = "[sweep]\nreductions = [\"tension.mean\", \"length.mean\", \"length.ripple\", \"length.drift\", \
+                 \"length.overshoot\", \"air.used\"]\n[sweep.vary]\n\"load.mass\" = [\"1.5 kg\", \"2 kg\"]\n";
+    let muscle = UNDAMPED.replace("viscous = \"0 N*s/m\"", "viscous = \"5 N*s/m\"");
+    folder.file("muscle.toml", &format!("{}{sweep}", muscle.replace("2 s", "0.3 s")));
+    let table = |name: &str, more: &[&str]| {
+        run(&folder, &[&["sweep", "muscle.toml", "--quiet", "--output", name][..], more].concat());
+        std::fs::read_to_string(folder.path(name)).expect("a file")
+    };
+    let settled = table("settled.csv", &["--settle", "--jobs", "1"]);
+    assert_eq!(settled, table("again.csv", &["--settle", "--jobs", "2"]));
+    let rows = |table: &str| table.lines().filter(|line| !line.starts_with('#')).map(str::to_owned).collect::<Vec<_>>();
+    assert_eq!(rows(&settled), rows(&table("key.csv", &["--set", "sweep.over=orbit"])));
+    let (settled, plain) = (columns(&settled), columns(&table("plain.csv", &["--engine", "event-located"])));
+    for (place, mass) in [1.5, 2.0].into_iter().enumerate() {
+        let of = |name: &str| settled[name][place];
+        let weight = mass * 9.80665;
+        assert!((of("tension_mean_n") - weight).abs() < 1e-3 * weight, "{settled:?}");
+        assert!((plain["tension_mean_n"][place] - weight).abs() > 1e-2 * weight, "the start swings: {plain:?}");
+        assert!(of("length_drift_m") < 1e-3 * of("length_ripple_m"), "{settled:?}");
+        for name in ["length_overshoot", "air_used_kg"] {
+            assert_eq!(of(name), plain[name][place], "{name}");
+        }
+        let mass = format!("load.mass={mass} kg");
+        let set = ["--set", &mass];
+        let all = json(&folder, &[&["simulate", "muscle.toml", "--settle", "--format", "json"][..], &set].concat());
+        for name in ["length_ripple_m", "length_mean_m"] {
+            let orbit = all["settled"]["numbers"][name].as_f64().expect("a number");
+            // Both read a thousand instants of the period, the sweep its start too.
+            assert!((of(name) - orbit).abs() < 1e-5 * orbit, "{name}: {} for {orbit}", of(name));
+        }
+    }
+    let refused = folder.mckibben().args(["sweep", "muscle.toml", "--settle", "--record", "trajectories"]).output();
+    let refused = String::from_utf8(refused.expect("the program runs").stderr).expect("UTF-8");
+    assert!(refused.contains("sweep.over") && refused.contains("reductions"), "{refused}");
+}
+
+/// Of a plant, in a folder: what a sweep that was stopped has is kept, and a folder of runs to `run.duration` is another's.
+#[test]
+fn a_sweep_of_a_plant_over_the_orbit_goes_on_in_its_folder() {
+    let folder = Folder::new("plant");
+    let arm = std::fs::read_to_string(common::of_repository("examples/plant/arm.toml")).expect("an example");
+    let sweep = "\n[sweep]\npart_rows = 1\nreductions = [\"elbow.angle.mean\", \"elbow.angle.drift\", \"elbow.angle.overshoot\"]\n[sweep.vary]\n\
+                 \"run.duration\" = [\"0.2 s\", \"0.4 s\"]\n";
+    folder.file("arm.toml", &format!("{arm}{sweep}"));
+    let sweep = |more: &[&str]| {
+        let arguments = ["sweep", "arm.toml", "--output", "parts"];
+        let output = folder.mckibben().args([&arguments[..], more].concat()).output().expect("the program runs");
+        (output.status.code(), [output.stdout, output.stderr].map(|text| String::from_utf8_lossy(&text).into_owned()))
+    };
+    assert_eq!(sweep(&["--settle", "--shard", "1/2"]).0, Some(0));
+    let (code, [text, _]) = sweep(&["--settle"]);
+    assert!(code == Some(0) && text.contains("1 runs of parts that were finished before"), "{text}");
+    let (code, [_, refused]) = sweep(&[]);
+    assert!(code == Some(2) && refused.contains("another sweep"), "{refused}");
+    // Both come to one rest, and the overshoot is that of the run.
+    run(&folder, &["sweep", "arm.toml", "--settle", "--quiet", "--output", "all.csv"]);
+    let all = columns(&std::fs::read_to_string(folder.path("all.csv")).expect("a file"));
+    let [short, long] = [0, 1].map(|place| all["elbow_angle_mean_rad"][place]);
+    assert!((short - long).abs() < 1e-3 && all["elbow_angle_drift_rad"].iter().all(|drift| *drift < 1e-4), "{all:?}");
+    assert_ne!(all["elbow_angle_overshoot"][0], all["elbow_angle_overshoot"][1], "{all:?}");
+}

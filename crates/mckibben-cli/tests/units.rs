@@ -75,3 +75,43 @@ fn what_is_no_choice_is_refused_before_anything_runs() {
         assert!(error.contains(part), "{error}");
     }
 }
+
+/// The numbers of a table on the terminal by the words of its head, which stand above them.
+fn cells(text: &str, head: &str) -> Vec<f64> {
+    let lines: Vec<&str> = text.lines().collect();
+    let rule = lines.iter().position(|line| line.starts_with('─')).expect("a table");
+    let end = lines[rule - 1].find(head).unwrap_or_else(|| panic!("{head}: {text}")) + head.len();
+    let end = lines[rule - 1][..end].chars().count();
+    let cell = |line: &&str| {
+        let before: String = line.chars().take(end).collect();
+        before.split_whitespace().next_back().and_then(|cell| cell.parse().ok())
+    };
+    lines[rule + 1..].iter().map_while(cell).collect()
+}
+
+/// Tables of sizes and the findings of the paper's report follow, with as many digits as before.
+#[test]
+fn tables_and_findings_have_the_units_that_are_chosen() {
+    let folder = Folder::new("tables");
+    let asked = ["size", "--load", "5 kg", "--stroke", "30 mm", "--gauge-pressure", "4 bar"];
+    let (plain, imperial) = (text(&folder, &asked), text(&folder, &[&asked[..], &["--units", "imperial"]].concat()));
+    for (own, other, factor) in [
+        ("length mm", "length in", 25.4),
+        ("pressure bar", "pressure psi", 0.068_947_572_931_683_6),
+        ("force at rest N", "force at rest lbf", 4.448_221_615_260_5),
+        ("contraction %", "contraction %", 1.0),
+    ] {
+        let (before, after) = (cells(&plain, own), cells(&imperial, other));
+        assert!(before.len() > 4 && before.len() == after.len(), "{own}: {before:?} {after:?}");
+        for (before, after) in before.iter().zip(&after) {
+            assert!((after * factor - before).abs() < 3e-3 * before.abs(), "{own}: {before}, {other}: {after}");
+        }
+    }
+    text(&folder, &["reproduce", "--output", "si", "--units", "si"]);
+    let findings = std::fs::read_to_string(folder.path("si/numbers.csv")).expect("findings");
+    let mut reader = csv::Reader::from_reader(findings.as_bytes());
+    let place = reader.headers().expect("a head").iter().position(|head| head == "unit").expect("a column");
+    let units: Vec<String> = reader.records().map(|row| row.expect("a row")[place].to_owned()).collect();
+    assert!(units.iter().any(|unit| unit == "kPa") && units.iter().any(|unit| unit.ends_with('m')), "{units:?}");
+    assert!(!units.iter().any(|unit| ["psi", "in", "lbf", "lb"].contains(&unit.as_str())), "{units:?}");
+}

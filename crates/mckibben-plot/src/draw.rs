@@ -338,8 +338,9 @@ fn rules(scene: &mut Scene, panel: &Panel, frame: &Frame<'_>) {
     scene.outline(lines);
 }
 
-/// The words on the reference lines, each where it covers no data; and those for which there is no such place. Only
-/// distances within the axes matter, so the answer is the same wherever the panel stands.
+/// The words on the vertical reference lines, each where it covers no data; and those for which there is no such place, with those of
+/// horizontal lines: the data decide where on these there is room, and what is called so in one figure would be called elsewhere in the
+/// next. Only distances within the axes matter, so the answer is the same wherever the panel stands.
 pub(super) fn rule_words(panel: &Panel, frame: &Frame<'_>, faces: &Faces) -> (Vec<Words>, Vec<String>) {
     let (mut placed, mut homeless) = (Vec::new(), Vec::new());
     if panel.references.is_empty() {
@@ -353,6 +354,15 @@ pub(super) fn rule_words(panel: &Panel, frame: &Frame<'_>, faces: &Faces) -> (Ve
     taken.extend(panel.marks.iter().flat_map(|marks| places(panel, marks, frame)).map(|p| vec![p]));
     for reference in &panel.references {
         let (Reference::Horizontal { label, .. } | Reference::Vertical { label, .. }) = reference;
+        let of_legend = |homeless: &mut Vec<String>| {
+            if is_on(reference, frame) && !homeless.contains(label) {
+                homeless.push(label.clone());
+            }
+        };
+        let Reference::Vertical { x, .. } = reference else {
+            of_legend(&mut homeless);
+            continue;
+        };
         let width = faces.width(label, REFERENCE_SIZE, false);
         let free = |start: &Point| {
             let room = room(*start, width);
@@ -367,15 +377,14 @@ pub(super) fn rule_words(panel: &Panel, frame: &Frame<'_>, faces: &Faces) -> (Ve
                 room.left >= a.left && room.right <= a.right && room.top >= a.top - 0.5 && room.bottom <= a.bottom;
             inside && !taken.iter().any(hit)
         };
-        match candidates(reference, frame, width).into_iter().find(free) {
+        match candidates(*x, frame, width).into_iter().find(free) {
             Some(start) => {
                 let room = room(start, width);
                 taken.push(vec![[room.left, room.top], [room.right, room.bottom]]);
                 let plain = words(label.clone(), start, Anchor::Start, REFERENCE_SIZE);
                 placed.push(Words { halo: true, ink: Ink::Muted, ..plain });
             }
-            None if is_on(reference, frame) => homeless.push(label.clone()),
-            None => {}
+            None => of_legend(&mut homeless),
         }
     }
     (placed, homeless)
@@ -395,22 +404,12 @@ fn is_on(reference: &Reference, frame: &Frame<'_>) -> bool {
     (0.0..=1.0).contains(&place)
 }
 
-/// Where the words of a reference line may start, the best place first: near its ends, close to the line.
-fn candidates(reference: &Reference, frame: &Frame<'_>, width: f64) -> Vec<Point> {
-    let Area { left, top, right, bottom } = frame.area;
+/// Where the words of a vertical reference line may start, the best place first: near its ends, close to the line.
+fn candidates(x: f64, frame: &Frame<'_>, width: f64) -> Vec<Point> {
+    let Area { top, bottom, .. } = frame.area;
     let share = [0.0, 1.0, 0.1, 0.9, 0.2, 0.8, 0.3, 0.7, 0.4, 0.6, 0.5];
-    match reference {
-        Reference::Horizontal { y, .. } => {
-            let y = frame.page_y(*y);
-            let (from, to) = (right - 2.0 - width, left + 3.0);
-            let along = share.map(|t| from + t * (to - from));
-            [y - 2.2, y + 0.76 * REFERENCE_SIZE + 2.0].iter().flat_map(|y| along.map(|x| [x, *y])).collect()
-        }
-        Reference::Vertical { x, .. } => {
-            let x = frame.page_x(*x);
-            let (from, to) = (top + 0.76 * REFERENCE_SIZE + 1.0, bottom - 3.0);
-            let along = share.map(|t| from + t * (to - from));
-            [x + 2.5, x - 2.5 - width].iter().flat_map(|x| along.map(|y| [*x, y])).collect()
-        }
-    }
+    let x = frame.page_x(x);
+    let (from, to) = (top + 0.76 * REFERENCE_SIZE + 1.0, bottom - 3.0);
+    let along = share.map(|t| from + t * (to - from));
+    [x + 2.5, x - 2.5 - width].iter().flat_map(|x| along.map(|y| [*x, y])).collect()
 }

@@ -52,7 +52,7 @@ pub(super) fn laid_out(figure: &Figure, least: &[f64]) -> Result<(Scene, Vec<f64
         .iter()
         .zip(&heights)
         .map(|(panel, height)| {
-            let range = y_range(panel, x, *height);
+            let range = y_range(panel, x);
             (range, ticks(&panel.y, range, *height, ROW))
         })
         .collect();
@@ -284,7 +284,7 @@ fn x_range(figure: &Figure) -> Range {
 }
 
 /// The range of y of a panel of this height: that of what is seen within the range of x.
-fn y_range(panel: &Panel, x: Range, height: f64) -> Range {
+fn y_range(panel: &Panel, x: Range) -> Range {
     let scale = panel.y.scale;
     let mut extent = None;
     let mut column = |xs: &[f64], ys: &[f64]| {
@@ -309,17 +309,6 @@ fn y_range(panel: &Panel, x: Range, height: f64) -> Range {
         if let Reference::Horizontal { y, .. } = reference {
             grow(&mut extent, scale, *y);
         }
-    }
-    // A reference line above all else has its words above it.
-    let highest = panel.references.iter().filter_map(|r| match r {
-        Reference::Horizontal { y, label } if !label.trim().is_empty() => Some(*y),
-        _ => None,
-    });
-    if let Some((low, high)) = extent
-        && highest.fold(f64::NEG_INFINITY, f64::max) == high
-    {
-        let [low, high] = [low, high].map(|value| scale.coordinate(value));
-        grow(&mut extent, scale, scale.value(high + (high - low) * 5.0 / height));
     }
     if let Some(field) = &panel.field {
         field::edges(&field.y, scale).into_iter().for_each(|y| grow(&mut extent, scale, y));

@@ -219,19 +219,26 @@ fn a_name_is_told_once() {
 }
 
 #[test]
-fn words_on_a_reference_line_leave_before_they_cover_data() {
-    let svg = |points: i32| {
+fn words_on_a_vertical_line_leave_before_they_cover_data_and_those_of_horizontal_ones_are_in_the_legend() {
+    let svg = |points: i32, line: Reference| {
         let t: Vec<f64> = (0..points).map(|i| f64::from(i) * 0.01).collect();
         let y = t.iter().map(|t| (40.0 * t).sin()).collect();
         let mut figure = simple(t, y);
-        figure.panels[0].references.push(Reference::Horizontal { y: 0.0, label: "rest".to_string() });
+        figure.panels[0].references.push(line);
         figure.x.max = Some(10.0);
         figure.to_svg(Theme::Light).unwrap()
     };
     // Half of the axes is empty: the words stand on the line, set off from it. All is full: they are in the legend.
-    let (beside, above) = (svg(500), svg(1000));
+    let vertical = |x| Reference::Vertical { x, label: "rest".to_string() };
+    let (beside, above) = (svg(500, vertical(7.5)), svg(1000, vertical(7.5)));
     assert!(beside.contains("paint-order") && beside.matches(">rest</text>").count() == 1);
     assert!(!above.contains("paint-order") && above.matches(">rest</text>").count() == 1);
+    let twice = |points| {
+        let horizontal = |y| Reference::Horizontal { y, label: "rest".to_string() };
+        let svg = svg(points, horizontal(0.0));
+        (svg.contains("paint-order"), svg.matches(">rest</text>").count())
+    };
+    assert_eq!([twice(500), twice(1000)], [(false, 1); 2]);
 }
 
 #[test]

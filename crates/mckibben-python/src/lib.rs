@@ -10,6 +10,7 @@
 //! | `vector_plant` | many plants that are commanded together and reset one by one: `VectorPlant` |
 //! | `pace` | the clock of plants that go on by equal spans |
 //! | `curves` | `curves`, `presets` |
+//! | `choosing` | what `size` and `design` of the package call |
 //! | `parameters` | the quantities of a scenario file |
 //! | `linear` | `linearize`, the class `LinearModel` |
 //! | `statics` | force, stiffness and volume on arrays: what `Statics` of the package computes with |
@@ -33,6 +34,7 @@
 mod actuator;
 mod actuators;
 mod arguments;
+mod choosing;
 mod columns;
 mod curves;
 mod differentiable;
@@ -61,6 +63,8 @@ mod _mckibben {
     use crate::actuator::{Actuator, ActuatorState, Response};
     #[pymodule_export]
     use crate::actuators::Actuators;
+    #[pymodule_export]
+    use crate::choosing::{_Sizes, _design};
     #[pymodule_export]
     use crate::curves::{_curves, _presets};
     #[pymodule_export]

@@ -14,17 +14,50 @@ mod classes {
 pub(crate) trait Raised<T> {
     /// The value, or the exception for why there is none.
     fn raised(self) -> Result<T, PyErr>;
+
+    /// As [`Raised::raised`], of work whose messages name options of the program: with the arguments of the function in place of them.
+    fn raised_of_arguments(self) -> Result<T, PyErr>;
 }
 
 impl<T, E: Into<Failure>> Raised<T> for Result<T, E> {
     fn raised(self) -> Result<T, PyErr> {
         self.map_err(|error| exception(&error.into()))
     }
+
+    fn raised_of_arguments(self) -> Result<T, PyErr> {
+        self.map_err(|error| {
+            let failure: Failure = error.into();
+            raise(&failure, with_arguments(&failure.render(Style::Plain)))
+        })
+    }
+}
+
+/// A text with the names of arguments in place of options: `subject_to` for --subject-to. A command between backticks stays.
+fn with_arguments(text: &str) -> String {
+    let part = |(place, part): (usize, &str)| match (place % 2, part.strip_prefix("--")) {
+        (1, Some(option)) if !option.contains(' ') => option.replace('-', "_"),
+        (1, _) => part.to_owned(),
+        _ => {
+            let mut words = String::new();
+            let mut rest = part;
+            while let Some((before, behind)) = rest.split_once("--") {
+                let end = behind.find(|c: char| !(c.is_ascii_lowercase() || c == '-')).unwrap_or(behind.len());
+                words = words + before + "`" + &behind[..end].replace('-', "_") + "`";
+                rest = &behind[end..];
+            }
+            words + rest
+        }
+    };
+    text.split('`').enumerate().map(part).collect::<Vec<_>>().join("`")
 }
 
 /// The exception for a failure.
 pub(crate) fn exception(failure: &Failure) -> PyErr {
-    let words = failure.render(Style::Plain);
+    raise(failure, failure.render(Style::Plain))
+}
+
+/// The exception for a failure with its words.
+fn raise(failure: &Failure, words: String) -> PyErr {
     match failure.reason() {
         Reason::Input => classes::InputError::new_err(words),
         Reason::Stopped => classes::SimulationError::new_err(words),

@@ -16,6 +16,7 @@ use mckibben_run::failure::Failure;
 use mckibben_run::output;
 use mckibben_run::record::{Format, Provenance};
 use mckibben_run::run::{Finished, Ready};
+use mckibben_run::settle::End;
 use mckibben_run::warnings::of_run;
 use pyo3::exceptions::{PyAttributeError, PyKeyError};
 use pyo3::prelude::*;
@@ -89,8 +90,8 @@ pub(crate) fn simulate(
 fn run(py: Python<'_>, scenario: &Scenario, progress: Option<Bound<'_, PyAny>>) -> PyResult<Finished> {
     let ready = py.detach(|| Ready::of(&scenario.document)).raised()?;
     let mut watch = Watch::new().reporting(progress, ready.plan().duration);
-    let finished = py.detach(|| ready.run(&scenario.document, &mut |time| watch.at(time)));
-    watch.outcome(finished)
+    let finished = py.detach(|| ready.run(&scenario.document, End::Duration, &mut |time| watch.at(time)));
+    watch.outcome(finished.map(|(finished, _)| finished))
 }
 
 /// A column of a run.

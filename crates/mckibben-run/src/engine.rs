@@ -165,6 +165,11 @@ pub(crate) fn stream<S: Subject>(
 }
 
 impl<V: PlantView> Kept<V> {
+    /// How it went through time.
+    pub(crate) fn how(&self) -> TimeStepping {
+        self.stepping.how
+    }
+
     /// What was to be reached, and how far it was.
     pub(crate) fn goals(&self) -> &[Goal] {
         self.control.as_ref().map_or(&[], |closed| &closed.goals)

@@ -19,8 +19,10 @@ use crate::joint::{self, pair::Pair};
 use crate::observation::{Ended, Observation, Observes as _};
 use crate::plant::{self, PlantFigures, PlantOutcome};
 use crate::record::{self, Field, Filled, Format, Provenance, Target, filled};
+use crate::settle::{self, End, Settled};
 use mckibben::plant::{
-    JointPlant, PlantLedgerKeeper, PlantReader, PlantSample, PlantView, RigPlant, ViewReader, ViewTrajectory,
+    JointPlant, PlantLedgerKeeper, PlantReader, PlantSample, PlantView, RigPlant, ViewReader, ViewRunEnd,
+    ViewTrajectory,
 };
 use mckibben::simulation::{JointRig, Readable, Reading, Rig, SampleTimes};
 use mckibben_scenario::{
@@ -114,42 +116,74 @@ impl Ready {
         matches!(self, Self::Joint(_) | Self::ControlledJoint(_) | Self::Plant(_))
     }
 
-    /// Runs it and keeps every step. `reached` is called with the time in s now and then, and may end the run by an error such as
-    /// [`mckibben::Error::Interrupted`].
+    /// Runs it and keeps every step up to `run.duration`; what it settles to is read where `end` says so. `reached` is called with the
+    /// time in s now and then, and may end the run by an error such as [`mckibben::Error::Interrupted`].
     ///
     /// # Errors
     /// What the core finds, shown in the document.
-    pub fn run(self, document: &Document, reached: &mut Reached<'_>) -> Result<Finished, Failure> {
+    pub fn run(
+        self,
+        document: &Document,
+        end: End,
+        reached: &mut Reached<'_>,
+    ) -> Result<(Finished, Option<Settled>), Failure> {
+        let actuator = |(run, settled)| (Finished::Actuator(Box::new(run)), settled);
+        let joint = |(run, settled)| (Finished::Joint(Box::new(run)), settled);
         let finished = match self {
-            Self::Actuator(of) => engine::run(&Alone::from(&*of), reached).map(|run| Finished::Actuator(Box::new(run))),
-            Self::Controlled(of) => {
-                engine::run(&Alone::from(&*of), reached).map(|run| Finished::Actuator(Box::new(run)))
+            Self::Actuator(of) => keep(&Alone::from(&*of), end, reached).map(actuator),
+            Self::Controlled(of) => keep(&Alone::from(&*of), end, reached).map(actuator),
+            Self::Joint(of) => keep(&Pair::from(&*of), end, reached).map(joint),
+            Self::ControlledJoint(of) => keep(&Pair::from(&*of), end, reached).map(joint),
+            Self::Plant(of) => {
+                plant::run(*of, end, reached).map(|(run, settled)| (Finished::Plant(Box::new(run)), settled))
             }
-            Self::Joint(of) => engine::run(&Pair::from(&*of), reached).map(|run| Finished::Joint(Box::new(run))),
-            Self::ControlledJoint(of) => {
-                engine::run(&Pair::from(&*of), reached).map(|run| Finished::Joint(Box::new(run)))
-            }
-            Self::Plant(of) => plant::run(*of, reached).map(|run| Finished::Plant(Box::new(run))),
         };
         finished.map_err(|error| Failure::of_core(&error, document))
     }
 
     /// Runs it, writes its samples as they come if a target is given, and keeps nothing but what a controller did: memory does not
-    /// grow with the run, and the bytes are those of a run that is kept.
+    /// grow with the run, and the bytes are those of a run that is kept. What it settles to is read where `end` says so.
     ///
     /// # Errors
     /// What the core finds, shown in the document; [`Failure::output`] when writing fails.
-    pub fn stream(self, document: &Document, target: Option<Target<'_>>) -> Result<Figures, Failure> {
-        let of = (document, target);
-        Ok(match self {
-            Self::Actuator(subject) => Figures::Actuator(Box::new(stream(&Alone::from(&*subject), of)?)),
-            Self::Controlled(subject) => Figures::Actuator(Box::new(stream(&Alone::from(&*subject), of)?)),
-            Self::Joint(subject) => Figures::Joint(Box::new(stream(&Pair::from(&*subject), of)?)),
-            Self::ControlledJoint(subject) => Figures::Joint(Box::new(stream(&Pair::from(&*subject), of)?)),
-            Self::Plant(plant) => Figures::Plant(Box::new(stream_plant(&plant, of)?)),
-        })
+    pub fn stream(
+        self,
+        document: &Document,
+        target: Option<Target<'_>>,
+        end: End,
+    ) -> Result<(Figures, Option<Settled>), Failure> {
+        let of = (document, target, end);
+        let actuator = |(figures, settled)| (Figures::Actuator(Box::new(figures)), settled);
+        let joint = |(figures, settled)| (Figures::Joint(Box::new(figures)), settled);
+        match self {
+            Self::Actuator(subject) => stream(&Alone::from(&*subject), of).map(actuator),
+            Self::Controlled(subject) => stream(&Alone::from(&*subject), of).map(actuator),
+            Self::Joint(subject) => stream(&Pair::from(&*subject), of).map(joint),
+            Self::ControlledJoint(subject) => stream(&Pair::from(&*subject), of).map(joint),
+            Self::Plant(plant) => {
+                stream_plant(&plant, of).map(|(figures, settled)| (Figures::Plant(Box::new(figures)), settled))
+            }
+        }
     }
 }
+
+/// Runs a subject and keeps every step. The core hands on no run that was recorded, so one that goes on is made again, by the steps
+/// that were chosen.
+fn keep<S: Subject>(
+    of: &S,
+    end: End,
+    reached: &mut Reached<'_>,
+) -> Result<(Kept<S::View>, Option<Settled>), mckibben::Error> {
+    let kept = engine::run(of, reached)?;
+    let settled = match end {
+        End::Duration => None,
+        End::Orbit => Some(settle::of_subject(of, kept.how())?),
+    };
+    Ok((kept, settled))
+}
+
+/// What is made of a run, and how it ends.
+type Wanted<'d, 't> = (&'d Document, Option<Target<'t>>, End);
 
 /// The figures of the runs of a subject.
 type FiguresOf<S> = ViewFigures<
@@ -158,7 +192,10 @@ type FiguresOf<S> = ViewFigures<
 >;
 
 /// Runs a subject and writes its samples on the way.
-fn stream<S: Subject>(of: &S, (document, target): (&Document, Option<Target<'_>>)) -> Result<FiguresOf<S>, Failure> {
+fn stream<S: Subject>(
+    of: &S,
+    (document, target, end): Wanted<'_, '_>,
+) -> Result<(FiguresOf<S>, Option<Settled>), Failure> {
     let shown = |error: mckibben::Error| Failure::of_core(&error, document);
     let (plan, view) = (*of.plan(), of.view().map_err(shown)?);
     let stepping = Stepping::of(&plan, || of.stepping()).map_err(shown)?;
@@ -166,7 +203,7 @@ fn stream<S: Subject>(of: &S, (document, target): (&Document, Option<Target<'_>>
     let mut keeper = PlantLedgerKeeper::new(view.plant(), stepping.how);
     let goals = Goals::new(of.goals().unwrap_or_default().into());
     let fields = S::fields(view.rig(), &goals);
-    let (end, control) = through(target, &fields, &plan, shown, |take| {
+    let (ended, control) = through(target, &fields, &plan, shown, |take| {
         let (end, control) = engine::stream(of, (&view, stepping.how), &goals, &mut |step| {
             keeper.step(step.plant());
             observer.step(step);
@@ -174,21 +211,25 @@ fn stream<S: Subject>(of: &S, (document, target): (&Document, Option<Target<'_>>
         })?;
         Ok((view.sample(&end.run.sample()), (end, control)))
     })?;
-    let counts = end.run.statistics();
+    let ViewRunEnd { rig, sample, run } = ended;
+    let counts = run.statistics();
     let ended = Ended {
         counts,
-        ledger: keeper.finish(&end.run),
+        ledger: keeper.finish(&run),
         draws: !view.plant().network().valves.is_empty(),
         steps: stepping.steps(counts),
     };
-    Ok(ViewFigures { rig: end.rig, observation: observer.finish(end.sample, ended), control })
+    let figures = ViewFigures { rig, observation: observer.finish(sample, ended), control };
+    let fields = S::fields(view.rig(), &Goals::default());
+    let settled = end.go_on(run, &fields, |sample| view.sample(sample)).map_err(shown)?;
+    Ok((figures, settled))
 }
 
 /// Runs a plant and writes its samples on the way.
 fn stream_plant(
     of: &PlantExperiment,
-    (document, target): (&Document, Option<Target<'_>>),
-) -> Result<PlantFigures, Failure> {
+    (document, target, end): Wanted<'_, '_>,
+) -> Result<(PlantFigures, Option<Settled>), Failure> {
     let mut observer = plant::observation::Observer::new(of);
     let mut follower = plant::control::Follower::new(of);
     let fields = plant::columns::fields(of, follower.goals(), &follower.names());
@@ -200,7 +241,9 @@ fn stream_plant(
         })?;
         Ok((run.run.sample(), run))
     })?;
-    Ok(plant::figures(of, (observer, follower), &made))
+    let figures = plant::figures(of, (observer, follower), &made);
+    let settled = plant::settle(of, end, made.run).map_err(shown)?;
+    Ok((figures, settled))
 }
 
 /// What of a step is written: its error ends the run.

@@ -5,17 +5,15 @@
 //!
 //! Checked by the tests below, and by the program's `tests/settle.rs`.
 
-use crate::alone::Alone;
 use crate::closed_loop::Goals;
-use crate::engine::{Stepping, Subject};
+use crate::engine::Subject;
 use crate::failure::Failure;
-use crate::joint::pair::Pair;
-use crate::plant;
 use crate::progress::Progress;
 use crate::record::Field;
 use crate::run::Ready;
 use crate::table::{Cell, Kind};
-use mckibben::plant::{Orbit, PlantRun, PlantSample, PlantView as _};
+use crate::units::stem;
+use mckibben::plant::{Orbit, PlantRun, PlantSample, PlantView as _, TimeStepping};
 use mckibben_scenario::Document;
 
 /// Instants of a period at which it is read.
@@ -61,50 +59,92 @@ impl Settling {
 }
 
 impl Ready {
-    /// Goes on behind the end of the run to its periodic orbit, or its equilibrium where nothing is pulsed.
+    /// Runs it, and goes on behind the end to its periodic orbit, or its equilibrium where nothing is pulsed.
     ///
     /// # Errors
     /// [`Failure::input`] where pulses have no common period; what the core finds, shown in the document.
-    pub fn settle(&self, document: &Document) -> Result<Settled, Failure> {
-        let shown = |error: mckibben::Error| Failure::of_core(&error, document);
-        match self {
-            Self::Actuator(of) => of_subject(&Alone::from(&**of)),
-            Self::Controlled(of) => of_subject(&Alone::from(&**of)),
-            Self::Joint(of) => of_subject(&Pair::from(&**of)),
-            Self::ControlledJoint(of) => of_subject(&Pair::from(&**of)),
-            Self::Plant(of) => plant::begin(of).and_then(|made| {
-                let fields = plant::columns::fields(of, &Goals::default(), &[]);
-                read(made.run, of.run.duration, &fields, |sample| sample.clone())
-            }),
-        }
-        .map_err(shown)
+    pub fn settle(self, document: &Document) -> Result<Settled, Failure> {
+        let (_, settled) = self.stream(document, None, End::Orbit)?;
+        settled.ok_or_else(|| Failure::stopped("the run did not come to its end"))
     }
 }
 
-fn of_subject<S: Subject>(of: &S) -> Result<Settled, mckibben::Error> {
-    let (plan, view) = (*of.plan(), of.view()?);
-    let stepping = Stepping::of(&plan, || of.stepping())?;
-    let drivers = of.driver(&view)?.into_iter().collect();
-    let run = PlantRun::with_drivers(view.plant(), &view.start(of.start()), stepping.how, drivers)?;
-    let fields = S::fields(view.rig(), &Goals::default());
-    read(run, plan.duration, &fields, |sample| view.sample(sample))
+/// Where a run ends.
+#[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
+pub enum End {
+    /// At `run.duration`.
+    #[default]
+    Duration,
+    /// At `run.duration` as far as it is observed and written; it goes on behind that to its orbit, which is read.
+    Orbit,
 }
 
-/// Runs to the end and on to the orbit, and reads the columns over a period of it.
-fn read<T>(
-    mut run: PlantRun,
-    duration: f64,
-    fields: &[Field<T>],
-    sample: impl Fn(&PlantSample) -> T,
-) -> Result<Settled, mckibben::Error> {
-    run.advance_to(duration)?;
+impl End {
+    /// Goes on with a run from its end, where that is wanted.
+    ///
+    /// # Errors
+    /// What the core finds.
+    pub(crate) fn go_on<T>(
+        self,
+        run: PlantRun,
+        fields: &[Field<T>],
+        sample: impl Fn(&PlantSample) -> T,
+    ) -> Result<Option<Settled>, mckibben::Error> {
+        match self {
+            Self::Duration => Ok(None),
+            Self::Orbit => read(run, fields, sample).map(Some),
+        }
+    }
+}
+
+/// Runs a subject again to its end, as a run that is kept went, and on to its orbit.
+pub(crate) fn of_subject<S: Subject>(of: &S, how: TimeStepping) -> Result<Settled, mckibben::Error> {
+    let view = of.view()?;
+    let drivers = of.driver(&view)?.into_iter().collect();
+    let mut run = PlantRun::with_drivers(view.plant(), &view.start(of.start()), how, drivers)?;
+    run.advance_to(of.plan().duration)?;
+    read(run, &S::fields(view.rig(), &Goals::default()), |sample| view.sample(sample))
+}
+
+/// Takes a run from its end to its orbit.
+///
+/// # Errors
+/// What the core finds.
+pub(crate) fn to_orbit(run: &mut PlantRun) -> Result<Orbit, mckibben::Error> {
     let progress = Progress::begin("settling", Some(MOST_PERIODS));
     let mut periods = 0;
-    let orbit = run.settle(LOOK, MOST_PERIODS, &mut |_| {
+    run.settle(LOOK, MOST_PERIODS, &mut |_| {
         periods += 1;
         progress.at(periods);
         Ok(())
-    })?;
+    })
+}
+
+/// Takes a run that has settled through periods of its orbit, and hands on samples after where it is.
+///
+/// # Errors
+/// What the core finds.
+pub(crate) fn over_periods(
+    run: &mut PlantRun,
+    period: f64,
+    periods: u32,
+    each: &mut dyn FnMut(&PlantSample),
+) -> Result<(), mckibben::Error> {
+    let start = run.time();
+    for point in 1..=periods * POINTS {
+        run.advance_to(start + period * f64::from(point) / f64::from(POINTS))?;
+        each(&run.sample());
+    }
+    Ok(())
+}
+
+/// Goes on from the end of a run to the orbit, and reads the columns over a period of it.
+fn read<T>(
+    mut run: PlantRun,
+    fields: &[Field<T>],
+    sample: impl Fn(&PlantSample) -> T,
+) -> Result<Settled, mckibben::Error> {
+    let orbit = to_orbit(&mut run)?;
     if !orbit.settled {
         return Ok(Settled { orbit, rows: Vec::new() });
     }
@@ -121,25 +161,18 @@ fn read<T>(
         greatest: f64::NEG_INFINITY,
     };
     let mut rows: Vec<Settling> = fields.iter().map(row).collect();
-    let start = run.time();
-    for point in 1..=POINTS {
-        run.advance_to(start + orbit.period * f64::from(point) / f64::from(POINTS))?;
-        let seen = sample(&run.sample());
+    over_periods(&mut run, orbit.period, 1, &mut |seen| {
+        let seen = sample(seen);
         for (field, row) in fields.iter().zip(&mut rows) {
             let Cell::Number(value) = (field.cell)(&seen) else { continue };
             row.mean += value / f64::from(POINTS);
             row.least = row.least.min(value);
             row.greatest = row.greatest.max(value);
         }
-    }
+    })?;
     // A mean of equal values may miss them by a rounding.
     rows.iter_mut().for_each(|row| row.mean = row.mean.clamp(row.least, row.greatest));
     Ok(Settled { orbit, rows })
-}
-
-/// The name of a column without the unit at its end.
-fn stem<'n>(name: &'n str, unit: &str) -> &'n str {
-    name.strip_suffix(&crate::units::ending(unit)).unwrap_or(name)
 }
 
 #[cfg(test)]

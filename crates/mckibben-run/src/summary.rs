@@ -249,6 +249,7 @@ fn of_plant(of: &PlantFigures) -> Summary {
 #[cfg(test)]
 mod tests {
     use crate::run::Ready;
+    use crate::settle::End;
     use mckibben_scenario::Document;
     use std::collections::BTreeSet;
     use std::path::Path;
@@ -267,7 +268,7 @@ mod tests {
             let path = examples.join(format!("{file}.toml"));
             let mut document = Document::load(&path).unwrap();
             document.set_text("run.duration", "\"0.2 s\"").unwrap();
-            let finished = Ready::of(&document).unwrap().run(&document, &mut |_| Ok(())).unwrap();
+            let finished = Ready::of(&document).unwrap().run(&document, End::Duration, &mut |_| Ok(())).unwrap().0;
             let summary = finished.figures().unwrap().summary();
             let names: BTreeSet<&str> = summary.numbers.iter().map(|number| number.name.as_str()).collect();
             assert_eq!(names.len(), summary.numbers.len(), "{file}");

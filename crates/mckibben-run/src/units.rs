@@ -19,6 +19,7 @@ use crate::quantities::{digits, plain, prefixed};
 use crate::table::{Column, Kind};
 use mckibben_plot::{Conversion, Figure};
 use mckibben_scenario::quantity;
+use mckibben_scenario::sweep::column_of;
 use std::fmt::Write as _;
 use std::str::FromStr;
 use std::sync::{LazyLock, OnceLock};
@@ -136,6 +137,18 @@ pub fn drawn(figure: Figure) -> Figure {
     figure.converted(&|unit, largest| units().conversion(unit, largest, is_chosen))
 }
 
+/// What makes numbers in a unit as people read it of which the largest is given those of the units that were chosen; nothing where no
+/// choice was made, or the unit is of no quantity.
+pub(crate) fn chosen(unit: &str, largest: f64) -> Option<Conversion> {
+    CHOSEN.get()?.conversion(unit, largest, true)
+}
+
+/// How many decimals show as much of a number that is multiplied by a factor as so many did before.
+pub(crate) fn decimals(before: usize, factor: f64) -> usize {
+    let digits = before as f64 - factor.abs().log10().round();
+    if digits.is_finite() { digits.clamp(0.0, 12.0) as usize } else { before }
+}
+
 /// The SI unit that the name of a column ends with; empty where it ends with none.
 pub(crate) fn unit_of(name: &str) -> &'static str {
     let units = ROWS.iter().map(|(_, si, _)| *si).filter(|si| name.ends_with(&ending(si)));
@@ -149,11 +162,10 @@ impl Unit {
         let small = small.map(|small| Self::of(small).map(Box::new)).transpose()?;
         let (symbol, prefixes) = symbol.strip_prefix('~').map_or((symbol, false), |symbol| (symbol, true));
         let at = |number: &str| quantity::parse(&format!("{number} {symbol}")).map_err(|error| error.to_string());
-        // Of a scale with a zero of its own, two points tell size and zero.
+        // Of a scale with a zero of its own, two points give size and zero.
         let (none, one) = (at("0")?.value, at("1")?.value);
         let size = one - none;
-        let exact = if none == 0.0 { one } else { size };
-        Ok(Self { symbol: symbol.to_owned(), size: exact, zero: none / exact, prefixes, small })
+        Ok(Self { symbol: symbol.to_owned(), size, zero: none / size, prefixes, small })
     }
 
     fn shown(&self, largest: f64) -> Shown {
@@ -167,10 +179,12 @@ impl Unit {
     }
 }
 
+/// Signs of a unit in a scenario file, and as people read them. `degF` and `degC` follow from `deg`.
+const SIGNS: [(&str, &str); 4] = [("deg", "°"), ("^2", "²"), ("^3", "³"), ("*", "·")];
+
 /// A unit as people read it.
 fn readable(symbol: &str) -> String {
-    let signs = [("degF", "°F"), ("degC", "°C"), ("deg", "°"), ("^2", "²"), ("^3", "³"), ("*", "·")];
-    signs.iter().fold(symbol.to_owned(), |text, (from, to)| text.replace(from, to))
+    SIGNS.iter().fold(symbol.to_owned(), |text, (written, sign)| text.replace(written, sign))
 }
 
 impl Shown {
@@ -232,20 +246,16 @@ impl Units {
     /// What makes the number in these units of one in a unit as people read it. Units that are not of the table stay, and others than
     /// SI unless `all`.
     fn conversion(&self, unit: &str, largest: f64, all: bool) -> Option<Conversion> {
-        let symbol = [("°", "deg"), ("·", "*"), ("²", "^2"), ("³", "^3")];
-        let symbol = symbol.iter().fold(unit.to_owned(), |text, (from, to)| text.replace(from, to));
+        let symbol = SIGNS.iter().fold(unit.to_owned(), |text, (written, sign)| text.replace(sign, written));
         let is_si = self.0.iter().any(|((_, si, _), _)| *si == symbol);
         if symbol.is_empty() || !(is_si || all) {
             return None;
         }
-        let read = quantity::parse(&format!("1 {symbol}")).ok()?;
-        let of = |((_, si, _), _): &&(Row, Unit)| {
-            quantity::parse_unit(si).is_ok_and(|(dimension, _)| dimension == read.dimension)
-        };
+        // A scale with a zero of its own is no factor, and is refused here.
+        let (dimension, factor) = quantity::parse_unit(&symbol).ok()?;
+        let of = |((_, si, _), _): &&(Row, Unit)| quantity::parse_unit(si).is_ok_and(|(its, _)| its == dimension);
         // Torque and energy have one dimension; a torque has the unit of a force in its own.
         let found = self.0.iter().filter(of).find(|((_, si, _), _)| symbol.contains('J') == si.contains('J'))?;
-        // A scale with a zero of its own is no factor.
-        let factor = quantity::parse_unit(&symbol).ok()?.1;
         let shown = self.shown(found.0.1, largest * factor);
         Some(Conversion { unit: shown.text, factor: shown.factor * factor, zero: shown.zero })
     }
@@ -256,9 +266,8 @@ impl Units {
         let Some((_, unit)) = found.filter(|_| column.kind == Kind::Number) else {
             return (column, Shown { text: String::new(), factor: 1.0, zero: 0.0 });
         };
-        let stem = column.name.strip_suffix(&ending(&column.unit)).unwrap_or(&column.name);
         let shown = Shown { text: unit.symbol.clone(), factor: 1.0 / unit.size, zero: unit.zero };
-        let name = format!("{stem}{}", ending(&unit.symbol));
+        let name = format!("{}{}", stem(&column.name, &column.unit), ending(&unit.symbol));
         (Column { name, unit: unit.symbol.clone(), ..column }, shown)
     }
 
@@ -272,9 +281,14 @@ impl Units {
     }
 }
 
-/// The end of the name of a column in a unit.
+/// The end of the name of a column in a unit; empty for a pure number.
 pub(crate) fn ending(symbol: &str) -> String {
-    format!("_{}", symbol.to_lowercase().replace(['(', ')', '^'], "").replace(['*', '/'], "_"))
+    column_of("", symbol)
+}
+
+/// The name of a column without the unit at its end.
+pub(crate) fn stem<'n>(name: &'n str, unit: &str) -> &'n str {
+    name.strip_suffix(&ending(unit)).unwrap_or(name)
 }
 
 impl FromStr for Units {
@@ -387,6 +401,13 @@ mod tests {
         assert_eq!(of("imperial", "10⁻³ in", true), None);
         assert_eq!(of("imperial", "%", true), None);
         assert_eq!(of("imperial", "", true), None);
+    }
+
+    #[test]
+    fn a_number_in_another_unit_has_as_many_digits() {
+        // 12.3 mm are 0.484 in, 0.484 in are 12.3 mm, and 1234.5 kPa 12.345 bar.
+        assert_eq!([decimals(1, 1.0 / 25.4), decimals(3, 25.4), decimals(1, 0.01)], [2, 2, 3]);
+        assert_eq!([decimals(0, 1000.0), decimals(2, f64::NAN)], [0, 2]);
     }
 
     #[test]

@@ -184,6 +184,11 @@ words! {
         Samples = "samples", "What holds at `sweep.sample_times`.";
         Trajectories = "trajectories", "What holds at every `run.sample_interval`.";
     }
+    /// What the statistics of a sweep are taken over.
+    StatisticsOver {
+        Run = "run", "The run, from its start to `run.duration`.";
+        Orbit = "orbit", "The periodic orbit or the equilibrium that the run settles to behind its end.";
+    }
     /// How the values of a range are spaced.
     Spacing {
         Linear = "linear", "Evenly.";

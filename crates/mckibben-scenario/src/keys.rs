@@ -11,7 +11,8 @@ mod plant;
 
 use crate::choice::{
     BladderForm, Choice, CommandKind, CommandState, ControllerKind, DesignKind, Engine, ExhaustTemperature, ForceLaw,
-    HoseKind, HysteresisLaw, LoadKind, Method, PressurePlace, ProcessKind, RecordKind, SetPointTable, ValveKind,
+    HoseKind, HysteresisLaw, LoadKind, Method, PressurePlace, ProcessKind, RecordKind, SetPointTable, StatisticsOver,
+    ValveKind,
 };
 use crate::nearest::nearest;
 use crate::presets;
@@ -646,6 +647,9 @@ pub static KEYS: &[Key] = &[
         "[\"length.final\", \"length.ripple\", \"air.used\"]",
     )
     .when(RECORD, &[RecordKind::Reductions.name()]),
+    choice("sweep.over", StatisticsOver::CHOICES, "What statistics are taken over.", "\"orbit\"")
+        .or("run")
+        .when(RECORD, &[RecordKind::Reductions.name()]),
     list(&SAMPLE_TIMES, "[\"0.5 s\", \"1 s\"]").required().when(RECORD, &[RecordKind::Samples.name()]),
     whole(&PART_ROWS, "4096"),
 ];
@@ -689,6 +693,21 @@ pub fn names_in(section: &str) -> impl Iterator<Item = &'static str> {
     let sections = SECTIONS.iter().map(|section| section.path);
     let sections = sections.filter(move |path| !of_second || is_section_of_antagonist(path));
     names_among(keys.chain(sections), section).into_iter()
+}
+
+/// The paths of the keys and subsections that may stand in a section (`""` for the file itself), of one actuator or of a plant, in
+/// order; those of subsections end with a point. Names that a file chooses are not among them.
+pub fn paths_in(section: &str) -> Vec<String> {
+    let path = |name: &str| if section.is_empty() { name.to_owned() } else { format!("{section}.{name}") };
+    let mut paths: Vec<String> = plant::names_in_plant(section).into_iter().map(path).collect();
+    for path in &mut paths {
+        if key_for(path).is_none() {
+            path.push('.');
+        }
+    }
+    paths.sort_unstable();
+    paths.dedup();
+    paths
 }
 
 /// The last names of paths that lie in a section.

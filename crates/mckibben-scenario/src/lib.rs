@@ -71,7 +71,7 @@ pub use assumed::Assumed;
 pub use choice::{
     BladderForm, Choice, CommandKind, CommandState, ControllerKind, DesignKind, Engine, ExhaustTemperature, ForceLaw,
     FrictionStart, HoseKind, HysteresisLaw, InletKind, LoadKind, MechanismKind, Method, PressurePlace, ProcessKind,
-    RecordKind, SetPointTable, Spacing, ValveKind, ValveOutput,
+    RecordKind, SetPointTable, Spacing, StatisticsOver, ValveKind, ValveOutput,
 };
 pub use controlled::{ControlLaw, ControlledExperiment};
 pub use controlled_joint::{ControlledJointExperiment, JointLaw};

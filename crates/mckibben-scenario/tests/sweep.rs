@@ -565,6 +565,11 @@ fn rows_leave_out_what_has_no_meaning_under_their_word() {
         };
         assert_eq!([end_factor, end_factor_rise], [due, 0.2], "row {row}");
     }
+    let left_out: Vec<_> = sweep.left_out().iter().map(|of| (of.key.as_str(), of.word.as_str())).collect();
+    for key in ["end_factor", "end_factor_rise", "end_factor_pressure"] {
+        assert!(left_out.contains(&(format!("actuator.force.{key}").as_str(), "ideal-braid")), "{left_out:?}");
+    }
+    assert_eq!(left_out.len(), 3, "{left_out:?}");
     // What has no meaning in any row is refused as before.
     let never =
         "[sweep.vary]\n\"actuator.force.law\" = [\"ideal-braid\"]\n\"actuator.force.end_factor\" = [1.1, 1.3]\n";
@@ -745,4 +750,28 @@ fn the_base_scenario_ignores_the_sweep() {
     let wrong = BASE.replace("duty = 0.5", "duty = 5") + "[sweep.vary]\nload.mass = [\"1 kg\"]\n";
     let found = Document::parse(&wrong, "muscle.toml").expect("TOML").sweep().expect_err("a duty of 5");
     assert!(found.to_string().contains("command.duty"), "{found}");
+}
+
+/// Rows of many actuators leave out as those of one do, under the law of each actuator alone.
+#[test]
+fn rows_of_plants_leave_out_what_has_no_meaning_under_their_word() {
+    let arm = std::fs::read_to_string("../../examples/plant/arm.toml").expect("an example");
+    let read = |sweep: &str| Document::parse(&format!("{arm}\n{sweep}"), "arm.toml").expect("TOML").sweep();
+    let laws = "[sweep.vary]\n\"actuators.biceps.force.law\" = [\"ideal-braid\", \"tondu-lopez\"]\n\
+                \"actuators.biceps.force.end_factor\" = [1.1, 1.3]\n";
+    let sweep = read(laws).unwrap_or_else(|error| panic!("{error}")).expect("a sweep");
+    let law = |row: u64| {
+        let plant = sweep.plant(row).expect("a plant").unwrap_or_else(|why| panic!("row {row}: {why}"));
+        let biceps = plant.names.actuators.iter().position(|name| name == "biceps").expect("its name");
+        plant.plant.actuators()[biceps].actuator.static_force(0.08, 4e5)
+    };
+    let [ideal, again, little, much] = [0, 1, 2, 3].map(law);
+    // A factor above one makes the neutral angle, and so the shortest length, come sooner: less force at a length.
+    assert!(ideal == again && ideal > little && little > much, "{ideal} {again} {little} {much}");
+    let [of] = sweep.left_out() else { panic!("{:?}", sweep.left_out()) };
+    assert_eq!((of.key.as_str(), of.word.as_str()), ("actuators.biceps.force.end_factor", "ideal-braid"));
+    assert_eq!(of.chooses, "actuators.biceps.force.law");
+    let never = laws.replace(", \"tondu-lopez\"", "");
+    let found = read(&never).expect_err("no row has it").to_string();
+    assert!(found.contains("end_factor") && found.contains("has no meaning"), "{found}");
 }

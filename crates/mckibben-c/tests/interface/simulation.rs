@@ -5,6 +5,7 @@ use mckibben_c::simulation::*;
 use mckibben_c::status::Status;
 use mckibben_run::record::Values;
 use mckibben_run::run::Ready;
+use mckibben_run::settle::End;
 use mckibben_scenario::Document;
 use std::ffi::{CString, c_void};
 use std::mem::MaybeUninit;
@@ -20,7 +21,8 @@ unsafe extern "C" fn stop_late(time: f64, data: *mut c_void) -> i32 {
 #[test]
 fn a_run_has_the_columns_of_one_in_rust() {
     let document = Document::parse(MUSCLE, "muscle.toml").expect("TOML");
-    let finished = Ready::of(&document).expect("a run").run(&document, &mut |_| Ok(())).expect("an end");
+    let finished =
+        Ready::of(&document).expect("a run").run(&document, End::Duration, &mut |_| Ok(())).expect("an end").0;
     let expected = finished.columns().expect("columns");
     let (scenario, mut run) = (CString::new(MUSCLE).expect("text"), null_mut());
     unsafe {

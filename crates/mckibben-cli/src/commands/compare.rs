@@ -68,9 +68,8 @@ pub(super) fn simulate(arguments: &SimulateArguments) -> Result<(), Failure> {
     let (mut text, mut kept) = (Vec::new(), Vec::new());
     for (document, ready) in documents.iter().zip(ready) {
         let scenario = if document.is_plant() { None } else { Some(document.scenario()?) };
-        let settled = if arguments.settle { Some(ready.settle(document)?) } else { None };
         let (known, started) = (ready.warnings(), Instant::now());
-        let finished = ready.run(document, &mut |_| Ok(()))?;
+        let (finished, settled) = ready.run(document, arguments.end(), &mut |_| Ok(()))?;
         let (elapsed, figures) = (started.elapsed(), finished.figures()?);
         let found = of_run(known, &figures);
         if arguments.strict {

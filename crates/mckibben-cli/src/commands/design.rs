@@ -3,12 +3,13 @@
 //! Everything is done by [`mckibben_run::design`]. Checked by `tests/design.rs`.
 
 use crate::settings::Setting;
-use crate::{files, terminal};
+use crate::{files, interrupt, terminal};
 use mckibben_run::design::constraint::Constraint;
 use mckibben_run::design::outcome::Outcome;
 use mckibben_run::design::vary::Vary;
 use mckibben_run::design::{Design, Goal, Request};
 use mckibben_run::failure::Failure;
+use mckibben_run::identify::Monitor;
 use mckibben_run::output::{self, Pending};
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -40,7 +41,8 @@ Exit codes:
   0  done
   2  the input is wrong: arguments, the scenario, a name; nothing was written
   3  nothing meets the constraints, or no run comes to its end: no scenario was written, the figure was
-  4  a file could not be written; nothing was left behind"
+  4  a file could not be written; nothing was left behind
+  130, 143  stopped by SIGINT (Ctrl-C), SIGTERM: the best values so far are printed and written"
 )]
 pub struct DesignArguments {
     /// The scenario file, or - for standard input.
@@ -111,7 +113,11 @@ pub fn run(arguments: &DesignArguments) -> Result<(), Failure> {
     let design = Design::of(&document, arguments.request())?;
     written().try_for_each(output::probe)?;
 
-    let outcome = design.search()?;
+    let monitor = Monitor::default();
+    let of_signal = monitor.clone();
+    let ending = interrupt::ending(move || of_signal.stop());
+    let outcome = design.search(&monitor)?;
+    drop(ending);
     let verdict = outcome.verdict();
     let mut pending = Vec::new();
     if let Some(path) = arguments.output.as_deref().filter(|_| verdict.is_ok()) {

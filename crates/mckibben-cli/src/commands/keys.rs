@@ -3,7 +3,7 @@
 use crate::terminal::{self, FAINT, HEADING, entry, styled};
 use mckibben_run::failure::Failure;
 use mckibben_scenario::default_of;
-use mckibben_scenario::keys::{Key, Kind, Section, all_keys, all_sections, nearest_path};
+use mckibben_scenario::keys::{Key, Kind, Section, all_keys, all_sections, nearest_path, paths_in};
 use std::fmt::Write as _;
 
 /// What `mckibben keys` is asked.
@@ -14,12 +14,16 @@ Examples:
   mckibben keys valve                    every key of a section in a line
   mckibben keys actuator.friction.viscous
   mckibben keys valve.kind               the words of a choice
+  mckibben keys --names actuator.fr      paths that begin so, for scripts
 
 Exit codes: 0 done; 2 there is no such section or key.")]
 pub struct KeysArguments {
     /// A section or a key; without it, all sections.
     #[arg(value_name = "PATH")]
     pub path: Option<String>,
+    /// Print nothing but the keys and sections whose paths begin with PATH, up to the next point; those of sections end with one.
+    #[arg(long)]
+    pub names: bool,
 }
 
 /// Width of the column of names.
@@ -30,7 +34,11 @@ const NAMES: usize = 26;
 /// # Errors
 /// [`Failure::input`] for a path that is neither a section nor a key.
 pub fn run(arguments: &KeysArguments) -> Result<(), Failure> {
+    if arguments.names {
+        return terminal::print(&names(arguments.path.as_deref().unwrap_or_default()));
+    }
     let Some(path) = arguments.path.as_deref() else { return terminal::print(&sections()) };
+    let path = path.strip_suffix('.').unwrap_or(path);
     let key = all_keys().find(|key| key.path == path);
     let section = all_sections().find(|section| section.path == path);
     match (key, section) {
@@ -44,6 +52,12 @@ pub fn run(arguments: &KeysArguments) -> Result<(), Failure> {
             Err(Failure::input(format!("`{path}` is no section and no key of a scenario file"), help))
         }
     }
+}
+
+/// The paths that begin with a text, up to the next point, one a line.
+fn names(text: &str) -> String {
+    let section = text.rsplit_once('.').map_or("", |(section, _)| section);
+    paths_in(section).into_iter().filter(|path| path.starts_with(text)).map(|path| path + "\n").collect()
 }
 
 /// Every section with its meaning and the names of its keys.

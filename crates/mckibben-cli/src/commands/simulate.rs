@@ -16,6 +16,7 @@ use mckibben_run::output::{self, Pending};
 use mckibben_run::progress::Progress;
 use mckibben_run::record::{self, Provenance, Target};
 use mckibben_run::run::{Figures, Finished, Ready};
+use mckibben_run::settle::End;
 use mckibben_run::warnings::of_run;
 use mckibben_scenario::Scenario;
 use std::path::{Path, PathBuf};
@@ -92,6 +93,13 @@ pub struct SimulateArguments {
     pub quiet: bool,
 }
 
+impl SimulateArguments {
+    /// Where runs end.
+    pub(super) fn end(&self) -> End {
+        if self.settle { End::Orbit } else { End::Duration }
+    }
+}
+
 /// Runs the scenario.
 ///
 /// # Errors
@@ -122,9 +130,8 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     let provenance = Provenance { document: &document, set: &set, scenario: scenario.as_ref() };
     let (plan, rows) = (*ready.plan(), engine::rows(ready.plan()));
 
-    let settled = if arguments.settle { Some(ready.settle(&document)?) } else { None };
     let started = Instant::now();
-    let (figures, elapsed, pending, table) = if !files.keep(arguments) {
+    let (figures, settled, elapsed, pending, table) = if !files.keep(arguments) {
         let begun = |(path, format)| Ok::<_, Failure>((path, format, Pending::create(path)?));
         let mut output = files.output.map(begun).transpose()?;
         let target = output.as_mut().map(|(path, format, file)| Target {
@@ -133,14 +140,14 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
             format: *format,
             out: file.writer(),
         });
-        let figures = ready.stream(&document, target)?;
+        let (figures, settled) = ready.stream(&document, target, arguments.end())?;
         let pending = output.into_iter().map(|(.., file)| file).collect();
-        (figures, started.elapsed(), pending, None)
+        (figures, settled, started.elapsed(), pending, None)
     } else {
-        let finished = ready.run(&document, &mut |_| Ok(()))?;
+        let (finished, settled) = ready.run(&document, arguments.end(), &mut |_| Ok(()))?;
         let elapsed = started.elapsed();
         let pending = files.write(arguments, &provenance, &finished)?;
-        (finished.figures()?, elapsed, pending, Some(events::table(&finished.log())))
+        (finished.figures()?, settled, elapsed, pending, Some(events::table(&finished.log())))
     };
 
     let found = of_run(known, &figures);

@@ -62,6 +62,29 @@ impl Folder {
         command.current_dir(&self.0).env("NO_COLOR", "1");
         command
     }
+
+    /// What the program prints when it is sent a signal after a while.
+    #[cfg(unix)]
+    #[allow(dead_code)]
+    pub(crate) fn interrupted(
+        &self,
+        arguments: &[&str],
+        signal: &str,
+        after: std::time::Duration,
+    ) -> std::process::Output {
+        let child = std::process::Command::new(env!("CARGO_BIN_EXE_mckibben"))
+            .args(arguments)
+            .current_dir(&self.0)
+            .env("NO_COLOR", "1")
+            .stdout(std::process::Stdio::piped())
+            .stderr(std::process::Stdio::piped())
+            .spawn()
+            .expect("it starts");
+        std::thread::sleep(after);
+        let kill = ["-s".to_owned(), signal.trim_start_matches("SIG").to_owned(), child.id().to_string()];
+        assert!(std::process::Command::new("kill").args(kill).status().expect("kill").success());
+        child.wait_with_output().expect("ended")
+    }
 }
 
 impl Drop for Folder {
@@ -74,4 +97,13 @@ impl Drop for Folder {
 #[allow(dead_code)]
 pub(crate) fn of_repository(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(path)
+}
+
+/// Whether this process was started with a signal as ignored, as by `nohup`: its children ignore it too.
+#[cfg(unix)]
+#[allow(dead_code)]
+pub(crate) fn is_ignored(signal: u32) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:")).unwrap_or("0");
+    u64::from_str_radix(mask.trim(), 16).is_ok_and(|mask| mask & (1 << (signal - 1)) != 0)
 }

@@ -734,7 +734,12 @@ const GROUPS: &[Group] = &[
     (
         SWEPT,
         &[("run.step", "0.1 ms")],
-        &[("sweep.record", "trajectories"), ("sweep.reductions", "[\"length.min\"]"), ("sweep.part_rows", "2")],
+        &[
+            ("sweep.record", "trajectories"),
+            ("sweep.reductions", "[\"length.min\"]"),
+            ("sweep.over", "orbit"),
+            ("sweep.part_rows", "2"),
+        ],
     ),
     (
         &[BODY, SUPPLY, SEATS, PWM, HANGING, RUN, RANDOM],

@@ -61,7 +61,7 @@ impl Monitor {
     }
 
     /// Counts an evaluation; `false` where the search is to end.
-    pub(super) fn goes_on(&self) -> bool {
+    pub fn goes_on(&self) -> bool {
         self.0.evaluations.fetch_add(1, Ordering::Relaxed);
         !self.is_stopped()
     }

@@ -257,12 +257,31 @@ impl Curves {
         ]
     }
 
+    /// Whether (5) and (7) are two curves in a figure: somewhere further apart than a five-hundredth of the greatest, the width of a
+    /// line. With a large volume outside they are one.
+    fn stiffnesses_differ(&self) -> bool {
+        const APART: f64 = 2e-3;
+        let (actuator, lengths) = (self.actuator(), self.lengths());
+        let pairs = self.pressures.iter().map(|pressure| self.absolute(pressure)).flat_map(|pressure| {
+            lengths.iter().map(move |length| {
+                [actuator.stiffness(*length, pressure), actuator.sealed_stiffness(*length, pressure)]
+            })
+        });
+        let (mut apart, mut greatest) = (0.0_f64, 0.0_f64);
+        for [open, shut] in pairs {
+            apart = apart.max((open - shut).abs());
+            greatest = greatest.max(open.abs());
+        }
+        apart > APART * greatest
+    }
+
     /// Force, stiffness and volume inside; the pressures in the units of the rest.
     pub fn figure(&self, over: CurveAxis) -> Figure {
         let (lengths, x) = (self.lengths(), self.over(over));
         let [newtons, stiff, inside] = self.shown();
         let mut force = Panel::new(Axis::new("force", newtons.text.clone()));
         let mut stiffness = Panel::new(Axis::new("stiffness", stiff.text.clone())).legend(Legend::Above);
+        let differ = self.stiffnesses_differ();
         for (place, pressure) in self.pressures.iter().enumerate() {
             let colour = Colour::Ramp(place as f64 / (self.pressures.len().max(2) - 1) as f64);
             let absolute = self.absolute(pressure);
@@ -275,10 +294,13 @@ impl Curves {
             let label = units().given(pressure.gauge, "Pa");
             let of_force = |length: f64| self.actuator().static_force(length, absolute.0);
             force = force.series(curve(&label, (&newtons, &of_force), Dash::Solid));
-            let (open, shut) = ("constant pressure (7)", "valve shut (5)");
-            stiffness = stiffness
-                .series(curve(once(open), (&stiff, &|l| self.actuator().stiffness(l, absolute)), Dash::Solid))
-                .series(curve(once(shut), (&stiff, &|l| self.actuator().sealed_stiffness(l, absolute)), Dash::Dashed));
+            let open = if differ { "constant pressure (7)" } else { "constant pressure (7) and valve shut (5)" };
+            stiffness =
+                stiffness.series(curve(once(open), (&stiff, &|l| self.actuator().stiffness(l, absolute)), Dash::Solid));
+            if differ {
+                let sealed = |l: f64| self.actuator().sealed_stiffness(l, absolute);
+                stiffness = stiffness.series(curve(once("valve shut (5)"), (&stiff, &sealed), Dash::Dashed));
+            }
         }
         let characteristic = &self.actuator().law().law;
         let volumes = lengths.iter().map(|length| inside.number(characteristic.volume(*length))).collect();

@@ -8,6 +8,7 @@ use super::vary::Vary;
 use super::written::Written;
 use crate::failure::Failure;
 use crate::run::Ready;
+use crate::settle::End;
 use mckibben_scenario::Document;
 
 /// What the names of the numbers of an orbit begin with.
@@ -63,11 +64,13 @@ impl Evaluator {
     /// The numbers of a run with these values, in the units of their keys.
     pub(super) fn numbers(&self, values: &[f64]) -> Result<Vec<Named>, Failure> {
         let document = self.document(values)?;
-        let ready = Ready::of(&document)?;
-        let mut numbers = Vec::new();
-        if self.settle {
+        let end = if self.settle { End::Orbit } else { End::Duration };
+        let (figures, settled) = Ready::of(&document)?.stream(&document, None, end)?;
+        let named = |of: crate::summary::Number| Named { name: of.name, unit: of.unit.into(), value: of.value };
+        let mut numbers: Vec<Named> = figures.summary().numbers.into_iter().map(named).collect();
+        if let Some(settled) = settled {
             // Where a run does not settle there are no rows.
-            for row in ready.settle(&document)?.rows {
+            for row in settled.rows {
                 let statistics =
                     [("mean", row.mean), ("ripple", row.ripple()), ("min", row.least), ("max", row.greatest)];
                 numbers.extend(statistics.map(|(statistic, value)| Named {
@@ -76,11 +79,6 @@ impl Evaluator {
                     value,
                 }));
             }
-        }
-        if self.names.is_empty() || self.names.iter().any(|name| !name.starts_with(SETTLED)) {
-            let summary = ready.stream(&document, None)?.summary();
-            let named = |of: crate::summary::Number| Named { name: of.name, unit: of.unit.into(), value: of.value };
-            numbers.extend(summary.numbers.into_iter().map(named));
         }
         Ok(numbers)
     }
@@ -99,7 +97,7 @@ impl Evaluator {
     }
 
     /// The document with these values set.
-    fn document(&self, values: &[f64]) -> Result<Document, Failure> {
+    pub(super) fn document(&self, values: &[f64]) -> Result<Document, Failure> {
         let mut document = self.document.clone();
         for ((vary, list), value) in self.vary.iter().zip(&self.lists).zip(values) {
             let text = vary.toml(*value);

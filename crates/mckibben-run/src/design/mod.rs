@@ -33,6 +33,7 @@ use crate::failure::{Failure, Reason};
 use crate::progress::Progress;
 use constraint::Constraint;
 use evaluate::{Evaluator, Named};
+use mckibben_identify::least_squares::Monitor;
 use mckibben_scenario::keys::{Kind, key_for};
 use mckibben_scenario::{Dimension, Document, nearest_few, quantity};
 use outcome::{Outcome, Reached};
@@ -144,12 +145,12 @@ impl Design {
         )))
     }
 
-    /// Searches, on all cores.
+    /// Searches, on all cores, until it is done or the monitor ends it: then the best of what was run is what is found.
     ///
     /// # Errors
     /// [`Failure::input`] where threads cannot be started. That nothing meets the constraints is no failure here:
     /// [`Outcome::verdict`].
-    pub fn search(self) -> Result<Outcome, Failure> {
+    pub fn search(self, monitor: &Monitor) -> Result<Outcome, Failure> {
         let Self { document, request, evaluator, unit, known } = self;
         let sign = match request.goal {
             Goal::Minimize => 1.0,
@@ -163,6 +164,9 @@ impl Design {
             let key = bits(&values);
             // Two searches may evaluate one point at once: both find the same.
             let before = known.lock().unwrap_or_else(PoisonError::into_inner).get(&key).cloned();
+            if !monitor.goes_on() && before.is_none() {
+                return None;
+            }
             let found = before.unwrap_or_else(|| {
                 let found = evaluator.numbers(&values).map_err(|failure| first_line(&failure));
                 let found = found.and_then(|numbers| evaluator.wanted(&numbers));
@@ -181,15 +185,21 @@ impl Design {
         let pool = pool.map_err(|error| Failure::input(format!("threads cannot be started: {error}"), help))?;
         let searched = pool.install(|| search::search(&problem, request.evaluations));
         let known = known.into_inner().unwrap_or_else(PoisonError::into_inner);
-        let reached = |trial: &search::Trial| {
+        let search::Searched { trials, best, scales, is_converged } = searched;
+        let interrupted = monitor.is_stopped();
+        // What was not run any more is none of the points; the first, from which the names are known, was run.
+        let (mut points, mut of_best) = (Vec::new(), 0);
+        for (place, trial) in trials.iter().enumerate() {
             let values = values_at(&request.vary, &trial.at);
-            let numbers = known.get(&bits(&values)).cloned();
-            let numbers = numbers.unwrap_or_else(|| Err("it was not run".to_owned()));
-            Reached { at: trial.at.clone(), violation: trial.violation(&searched.scales), values, numbers }
-        };
-        let points = searched.trials.iter().map(reached).collect();
-        let search::Searched { best, scales, is_converged, .. } = searched;
-        Ok(Outcome { document, unit, points, best, scales, is_converged, request })
+            let Some(numbers) = known.get(&bits(&values)).cloned() else { continue };
+            if place == best {
+                of_best = points.len();
+            }
+            points.push(Reached { at: trial.at.clone(), violation: trial.violation(&scales), values, numbers });
+        }
+        let is_converged = is_converged && !interrupted;
+        let found = evaluator.document(&points[of_best].values)?;
+        Ok(Outcome { document, unit, points, best: of_best, scales, is_converged, interrupted, found, request })
     }
 }
 

@@ -60,12 +60,25 @@ pub struct Outcome {
     pub(super) best: usize,
     pub(super) scales: Vec<f64>,
     pub(super) is_converged: bool,
+    pub(super) interrupted: bool,
+    /// The document with the values of the best point.
+    pub(super) found: Document,
 }
 
 impl Outcome {
     /// Whether the search came to its smallest steps before its evaluations were used up.
     pub fn is_converged(&self) -> bool {
         self.is_converged
+    }
+
+    /// The scenario with the settings and the values found.
+    pub fn found(&self) -> &Document {
+        &self.found
+    }
+
+    /// Whether the search was ended before it was done.
+    pub fn is_interrupted(&self) -> bool {
+        self.interrupted
     }
 
     /// What was asked.
@@ -97,6 +110,20 @@ impl Outcome {
     fn state(&self, place: usize, value: f64) -> (bool, bool) {
         let excess = self.request.constraints[place].excess(value) / self.scales[place];
         (excess <= TOLERANCE, excess.abs() <= ACTIVE)
+    }
+
+    /// The value of each key at the best point in SI.
+    pub fn values_in_si(&self) -> Vec<f64> {
+        self.request.vary.iter().zip(&self.best().values).map(|(vary, value)| vary.in_si(*value)).collect()
+    }
+
+    /// The value of each constraint at the best point, its margin, and whether it is active, in SI; nothing where every run failed.
+    pub fn margins(&self) -> Vec<(f64, f64, bool)> {
+        let of = |(place, value): (usize, &f64)| {
+            // A difference of zero has no sign.
+            (*value, -self.request.constraints[place].excess(*value) + 0.0, self.state(place, *value).1)
+        };
+        self.numbers().iter().enumerate().map(of).collect()
     }
 
     /// The end of its range that the value of a key has reached.
@@ -163,8 +190,12 @@ impl Outcome {
             search.push_str(&format!(" and {failed} failed and counted as infeasible"));
         }
         let local = if self.best().is_feasible() { " A local optimum: there may be a better one." } else { "" };
-        let spent = " The evaluations are used up: give more --evaluations for a closer optimum.";
-        let spent = if self.is_converged { "" } else { spent };
+        let spent = match (self.interrupted, self.is_converged) {
+            (true, _) => " The search was interrupted: these are the best values so far.",
+            (false, true) => "",
+            (false, false) => " The evaluations are used up: give more --evaluations for a closer optimum.",
+        };
+        let local = if self.interrupted { "" } else { local };
         words.push(format!("{search}.{local}{spent}"));
         for (reason, count) in failures {
             words.push(format!("{}: {reason}", runs(count)));
@@ -274,6 +305,7 @@ impl Outcome {
             "constraints": self.request.constraints.iter().enumerate().map(constraint).collect::<Vec<_>>(),
             "evaluations": self.points.len(),
             "converged": self.is_converged,
+            "interrupted": self.interrupted,
             "failed": failures.values().sum::<usize>(),
             "failures": failures,
         });

@@ -80,9 +80,14 @@ impl Vary {
         }
     }
 
+    /// A number in SI.
+    pub fn in_si(&self, number: f64) -> f64 {
+        self.scale.to_si(number)
+    }
+
     /// The ends in SI.
     pub(super) fn ends_in_si(&self) -> [f64; 2] {
-        self.ends.map(|end| self.scale.to_si(end))
+        self.ends.map(|end| self.in_si(end))
     }
 
     /// A number with its unit, as it stands in a scenario file.

@@ -10,19 +10,32 @@ use mckibben_plot::{Figure, Marks};
 
 /// Marks of one kind in a run above which they are counted: they would hide what they point at.
 const MOST: usize = 12;
+/// Marks of all kinds in a run above which those of formulas are counted.
+const MOST_OF_ALL: usize = 20;
+/// Kinds that say which formula of the air or of the force holds, and nothing that one sees or hears.
+const FORMULAS: [EventKind; 4] = [EventKind::Flow, EventKind::Regime, EventKind::Effectiveness, EventKind::ForceMap];
 
 /// The kinds that are marked, and how many there are of those that are not.
 fn kinds<'e>(runs: &[Run<'e>]) -> (Vec<EventKind>, Vec<(EventKind, usize)>) {
     let (mut marked, mut counted) = (Vec::new(), Vec::new());
+    let mut numbers_of_marked = Vec::new();
     for (kind, ..) in SYMBOLS {
         let numbers =
             runs.iter().map(|run| run.source.events.iter().filter(|event| is_marked(run, event, kind)).count());
         let (most, all) = numbers.fold((0, 0), |(most, all), number: usize| (most.max(number), all + number));
         match most {
             0 => {}
-            1..=MOST => marked.push(kind),
+            1..=MOST => {
+                marked.push(kind);
+                numbers_of_marked.push((most, all));
+            }
             _ => counted.push((kind, all)),
         }
+    }
+    for kind in FORMULAS {
+        let total: usize = numbers_of_marked.iter().map(|(most, _)| most).sum();
+        let Some(place) = marked.iter().position(|its| *its == kind).filter(|_| total > MOST_OF_ALL) else { continue };
+        counted.push((marked.remove(place), numbers_of_marked.remove(place).1));
     }
     (marked, counted)
 }

@@ -9,7 +9,7 @@
 //! a sensor of the field resolves.
 
 use crate::record::Filled;
-use crate::units::{Shown, units};
+use crate::units::{Shown, stem, units};
 
 /// The part of a magnitude below which a difference is not shown.
 pub(crate) const RELATIVE: f64 = 1e-6;
@@ -87,7 +87,6 @@ impl Of {
     /// Reads the name of a column. `first` is the part that names without a prefix belong to, where they are of an actuator.
     pub(crate) fn column(column: &Filled, first: &str) -> Self {
         let unit = column.unit.replace("m3", "m^3");
-        let ending = format!("_{}", column.unit.to_lowercase().replace(['*', '/'], "_").replace('^', ""));
         let (part, rest) = match column.name.rsplit_once('.') {
             Some((part, rest)) => (part.to_owned(), rest),
             None => match column.name.strip_prefix("antagonist_") {
@@ -95,7 +94,7 @@ impl Of {
                 None => (first.to_owned(), column.name.as_str()),
             },
         };
-        let name = if unit.is_empty() { rest } else { rest.strip_suffix(&ending).unwrap_or(rest) };
+        let name = stem(rest, &unit);
         let controlled = CONTROLLED.iter().find(|(of, _)| *of == unit).map_or("", |(_, name)| *name);
         let (place, quantity) = match name {
             "set_point" => (SET_POINT, controlled),

@@ -19,6 +19,7 @@ use crate::closed_loop::Goals;
 use crate::engine::{Stepping, Way};
 use crate::failure::Failure;
 use crate::record::Field;
+use crate::settle::{End, Settled};
 use control::{Closed, Follower};
 use mckibben::Error;
 use mckibben::network::NodeKind;
@@ -84,11 +85,16 @@ pub(crate) fn begin(of: &PlantExperiment) -> Result<Made, Error> {
     Ok(Made { run: PlantRun::with_drivers(&of.plant, &of.start, stepping.how, drivers)?, stepping })
 }
 
-/// Runs a plant and keeps every step. `reached` is called with the time in s now and then, and may end the run.
+/// Runs a plant and keeps every step up to `run.duration`; what it settles to is read where `end` says so. `reached` is called with the
+/// time in s now and then, and may end the run.
 ///
 /// # Errors
 /// What the core finds.
-pub fn run(of: PlantExperiment, reached: &mut dyn FnMut(f64) -> Result<(), Error>) -> Result<PlantOutcome, Error> {
+pub fn run(
+    of: PlantExperiment,
+    end: End,
+    reached: &mut dyn FnMut(f64) -> Result<(), Error>,
+) -> Result<(PlantOutcome, Option<Settled>), Error> {
     let mut made = begin(&of)?;
     let mut way = Way::begin(&of.run).keeping(of.plant.bytes_per_step());
     let trajectory = made.run.record_to(of.run.duration, &mut |time| {
@@ -104,7 +110,16 @@ pub fn run(of: PlantExperiment, reached: &mut dyn FnMut(f64) -> Result<(), Error
         Ok(())
     })?;
     let observation = observer.finish(&made);
-    Ok(PlantOutcome { experiment: of, trajectory, observation, control })
+    let settled = settle(&of, end, made.run)?;
+    Ok((PlantOutcome { experiment: of, trajectory, observation, control }, settled))
+}
+
+/// Goes on with a run from its end, where that is wanted.
+///
+/// # Errors
+/// What the core finds.
+pub(crate) fn settle(of: &PlantExperiment, end: End, run: PlantRun) -> Result<Option<Settled>, Error> {
+    end.go_on(run, &columns::fields(of, &Goals::default(), &[]), PlantSample::clone)
 }
 
 /// Runs a plant and hands each accepted step to `consumer`; of the run nothing is kept but what the controllers did, which

@@ -2,6 +2,7 @@
 
 use crate::closed_loop::{Goal, Goals};
 use crate::table::{Cell, Column};
+use crate::units;
 use mckibben::control::Quantity;
 use mckibben::simulation::{Fittings, JointRig, JointSample, Rig, Sample};
 
@@ -111,11 +112,11 @@ pub(crate) fn goal_fields<S: 'static>(
     let mut fields = Vec::new();
     for (index, goal) in goals.borrow().iter().enumerate() {
         let unit = goal.quantity.rows().set_point.unit;
-        let ending = unit.to_lowercase().replace(['*', '/'], "_");
+        let ending = units::ending(unit);
         let whose = prefix(index);
         let column = |name: &str, values: fn(&Goal) -> &[f64]| {
             let goals = goals.clone();
-            number(&format!("{whose}{name}_{ending}"), unit, move |sample: &S| {
+            number(&format!("{whose}{name}{ending}"), unit, move |sample: &S| {
                 let goal = &goals.borrow()[index];
                 // A sampling instant and the sample's time that differ by rounding are one; the first is at 0.
                 let begun = goal.time.partition_point(|time| *time <= time_of(sample) * (1.0 + ROUNDING));

@@ -139,6 +139,7 @@ fn figure(out: &mut String, plate: &Plate) -> Result<(), PlotError> {
 }
 
 fn table(out: &mut String, table: &Table) {
+    let table = &*table.in_units();
     if table.head.is_empty() {
         return;
     }

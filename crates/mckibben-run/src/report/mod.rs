@@ -23,7 +23,7 @@ use crate::output;
 use crate::progress::Progress;
 use crate::table::{Cell, Column, Writer};
 use crate::units;
-use mckibben_plot::{Figure, Format};
+use mckibben_plot::{Conversion, Figure, Format};
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
@@ -165,10 +165,21 @@ impl Finding {
         Self { stated: stated.into(), verdict, ..self }
     }
 
+    /// The value in the unit that was chosen, if one was, with its decimals and the unit.
+    pub(crate) fn in_units(&self) -> (f64, usize, Cow<'static, str>) {
+        match units::chosen(self.unit, self.value.abs()) {
+            Some(Conversion { unit, factor, zero }) => {
+                (factor * self.value - zero, units::decimals(self.decimals, factor), Cow::Owned(unit))
+            }
+            None => (self.value, self.decimals, Cow::Borrowed(self.unit)),
+        }
+    }
+
     /// The value with its unit.
     pub fn shown(&self) -> String {
-        let number = number(self.value, self.decimals);
-        if self.unit.is_empty() { number } else { format!("{number} {}", self.unit) }
+        let (value, decimals, unit) = self.in_units();
+        let number = number(value, decimals);
+        if unit.is_empty() { number } else { format!("{number} {unit}") }
     }
 }
 

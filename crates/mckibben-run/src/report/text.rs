@@ -1,9 +1,12 @@
 //! Findings and tables for a terminal and as CSV.
 
-use super::{Finding, Report, Table};
+use super::{Finding, Report, Table, number};
 use crate::failure::Failure;
 use crate::table::{Cell, Column, Writer};
 use crate::text::{Alignment, GAP, Side, wrap};
+use crate::units;
+use mckibben_plot::Conversion;
+use std::borrow::Cow;
 use std::path::Path;
 
 impl Report {
@@ -44,11 +47,13 @@ impl Report {
             });
         let mut writer = Writer::csv(columns.to_vec(), path, Vec::new())?;
         for section in &self.sections {
-            for Finding { quantity, value, unit, stated, verdict, .. } in &section.findings {
+            for finding in &section.findings {
+                let Finding { quantity, stated, verdict, .. } = finding;
+                let (value, _, unit) = finding.in_units();
                 let [quantity, stated, reason] = [quantity.as_str(), stated, verdict.reason()].map(plain);
-                let words = [section.label, &quantity, unit, &stated, verdict.name(), &reason].map(Cell::Word);
+                let words = [section.label, &quantity, &*unit, &stated, verdict.name(), &reason].map(Cell::Word);
                 let [label, quantity, rest @ ..] = words;
-                writer.row(&[&[label, quantity, Cell::Number(*value)], rest.as_slice()].concat())?;
+                writer.row(&[&[label, quantity, Cell::Number(value)], rest.as_slice()].concat())?;
             }
         }
         writer.finish(&[])
@@ -56,15 +61,44 @@ impl Report {
 }
 
 impl Table {
+    /// The table in the units that were chosen: columns of numbers whose heads end with a unit, as in `length mm`. Without a choice it
+    /// stays.
+    pub(super) fn in_units(&self) -> Cow<'_, Self> {
+        let mut table = Cow::Borrowed(self);
+        for column in 0..self.head.len() {
+            let Some((name, unit)) = self.head[column].rsplit_once(' ') else { continue };
+            let cells = || self.rows.iter().filter_map(|row| row.get(column));
+            // What holds more than a number, as an interval does, stays, and so does its column.
+            let is_whole = |cell: &String| value_of(cell).is_some() || !cell.contains(|c: char| c.is_ascii_digit());
+            let largest =
+                cells().filter_map(|cell| value_of(cell)).fold(0.0, |largest: f64, value| largest.max(value.abs()));
+            let Some(Conversion { unit, factor, zero }) =
+                units::chosen(unit, largest).filter(|_| cells().all(is_whole))
+            else {
+                continue;
+            };
+            let table = table.to_mut();
+            table.head[column] = format!("{name} {unit}");
+            for cell in table.rows.iter_mut().filter_map(|row| row.get_mut(column)) {
+                if let Some(value) = value_of(cell) {
+                    let before = cell.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+                    *cell = number(factor * value - zero, units::decimals(before, factor));
+                }
+            }
+        }
+        table
+    }
+
     /// The cells as CSV; messages name `path`.
     ///
     /// # Errors
     /// [`Failure::output`] when the CSV cannot be made.
     pub fn to_csv(&self, path: &Path) -> Result<Vec<u8>, Failure> {
         let word = |cell: &String| plain(cell).replace('−', "-");
-        let columns = self.head.iter().map(|name| Column::word(word(name))).collect();
+        let table = self.in_units();
+        let columns = table.head.iter().map(|name| Column::word(word(name))).collect();
         let mut writer = Writer::csv(columns, path, Vec::new())?;
-        for row in &self.rows {
+        for row in &table.rows {
             let words: Vec<String> = row.iter().map(word).collect();
             writer.row(&words.iter().map(|word| Cell::Word(word)).collect::<Vec<_>>())?;
         }
@@ -82,6 +116,11 @@ impl Table {
         if self.head.is_empty() {
             return String::new();
         }
+        let table = self.in_units();
+        table.lines_within(wide)
+    }
+
+    fn lines_within(&self, wide: usize) -> String {
         let widths = self.widths(wide);
         let side = |column| if self.is_numeric(column) { Side::Right } else { Side::Left };
         let columns = Alignment::new((0..).map(side).zip(widths.iter().copied()));
@@ -135,6 +174,11 @@ impl Table {
         let starts = |cell: &String| cell.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '−' | '–' | '±'));
         column > 0 && cells().all(starts) && cells().any(|cell| cell.starts_with(|c: char| c.is_ascii_digit()))
     }
+}
+
+/// The number that a cell is, if it is nothing else.
+fn value_of(cell: &str) -> Option<f64> {
+    cell.replace('−', "-").parse().ok().filter(|value: &f64| value.is_finite())
 }
 
 /// Words without the marks that only the page understands.

@@ -175,7 +175,7 @@ fn prediction_plate(named: &[(&Experiment, &Loop)]) -> Plate {
         };
         panel = panel
             .series(each.curve(format!("{} psi: with friction", each.psi), colour))
-            .series(curve("constant pressure (6)".into(), &constant).dash(Dash::Dotted))
+            .series(curve(format!("{} psi: constant pressure (6)", each.psi), &constant).dash(Dash::Dotted))
             .series(curve("constant air mass (3)".into(), &sealed).colour(Colour::Neutral).dash(Dash::Dashed));
     }
     let caption = "Fig. 5 of the paper without its measurements, which are not at hand: the prediction of (3) at 60 \
@@ -195,7 +195,7 @@ fn effectiveness_plate(named: &[(&Experiment, &Loop)], reduced: &[Experiment]) -
         }
         panel = panel
             .series(ideal.curve(format!("{} psi: ideal", ideal.psi), colour).dash(Dash::Dashed))
-            .series(effective.curve("with assumed effectiveness".into(), colour));
+            .series(effective.curve(format!("{} psi: with assumed effectiveness", ideal.psi), colour));
     }
     let caption = "Fig. 6 of the paper as an example: the loops at 60 and 90 psi without effectiveness and with an \
                    assumed law. The paper’s own law is not in its text.";

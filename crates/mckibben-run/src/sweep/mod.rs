@@ -14,6 +14,7 @@
 //! | [`rows`] | the runs of a unit: side by side at fixed steps, else individually |
 //! | `plant` | what is made of the run of a plant |
 //! | [`reduce`] | a run as a few numbers |
+//! | `series` | quantities over a run, and over the orbit behind it |
 //! | [`schedule`] | units on threads, results in order, a bounded number of them |
 //! | [`table`] | columns, and a run as lines of them |
 //! | [`destination`] | where the lines go |
@@ -36,5 +37,6 @@ pub mod read;
 pub mod reduce;
 pub mod rows;
 pub mod schedule;
+mod series;
 pub mod step;
 pub mod table;

@@ -1,7 +1,8 @@
 //! What is made of the runs of rows that are plants.
 
-use super::reduce::{LAST_PART, Track, Windows, missed};
+use super::reduce::missed;
 use super::rows::{self, Outcome, Row, not_finite};
+use super::series::{LAST_PART, Series, Windows};
 use super::step::{self, Choice};
 use crate::plant::columns;
 use crate::plant::control::Follower;
@@ -28,11 +29,7 @@ struct Recorder<'a> {
     of: &'a PlantExperiment,
     columns: &'a [PlantColumn],
     reductions: Option<&'a [PlantReduction]>,
-    tracks: Vec<Track<PlantQuantity>>,
-    times: Vec<f64>,
-    settles: bool,
-    windows: Windows,
-    last: Option<f64>,
+    series: Series<PlantQuantity>,
     rows: Vec<Vec<Cell<'static>>>,
     fault: Option<String>,
     /// The ledger, where the air that sources gave is asked for.
@@ -47,12 +44,10 @@ impl<'a> Recorder<'a> {
             Record::PlantReductions(list) => Some(list.as_slice()),
             _ => None,
         };
-        let mut tracks = Vec::new();
-        for PlantReduction { of, statistic, .. } in reductions.unwrap_or_default() {
-            if let PlantReduced::Quantity(quantity) = of {
-                Track::add(&mut tracks, *quantity, *statistic);
-            }
-        }
+        let of_samples = |of: &PlantReduction| match of.of {
+            PlantReduced::Quantity(quantity) => Some((quantity, of.statistic)),
+            PlantReduced::Error(..) | PlantReduced::Air => None,
+        };
         let asks = |wanted: fn(PlantReduced) -> bool| reductions.into_iter().flatten().any(|of| wanted(of.of));
         let keeper = asks(|of| of == PlantReduced::Air).then(|| PlantLedgerKeeper::new(&of.plant, of.run.stepping()));
         let follower = asks(|of| matches!(of, PlantReduced::Error(..))).then(|| Follower::new(of));
@@ -62,11 +57,10 @@ impl<'a> Recorder<'a> {
             of,
             columns,
             reductions,
-            settles: tracks.iter().any(Track::settles),
-            tracks,
-            times: Vec::new(),
-            windows: Windows::last(period, duration),
-            last: None,
+            series: Series::new(
+                reductions.into_iter().flatten().filter_map(of_samples),
+                Windows::last(period, duration),
+            ),
             rows: Vec::new(),
             fault: None,
             keeper,
@@ -82,15 +76,7 @@ impl rows::Recorder for Recorder<'_> {
         }
         let (plant, time) = (&self.of.plant, sample.time);
         if self.reductions.is_some() {
-            let step = self.last.map(|before| time - before);
-            for track in &mut self.tracks {
-                let value = track.quantity().of(plant, sample);
-                track.see(value, step, self.windows.of(time));
-            }
-            if self.settles {
-                self.times.push(time);
-            }
-            self.last = Some(time);
+            self.series.see(time, |quantity: PlantQuantity| quantity.of(plant, sample));
             return;
         }
         let cell = |column: &PlantColumn| match column.content {
@@ -103,6 +89,10 @@ impl rows::Recorder for Recorder<'_> {
             None => "time_s".to_owned(),
         });
         self.rows.push(row);
+    }
+
+    fn turn_to_orbit(&mut self, windows: Option<Windows>) {
+        self.series.turn_to_orbit(windows);
     }
 
     fn takes_steps(&self) -> bool {
@@ -123,7 +113,6 @@ impl rows::Recorder for Recorder<'_> {
             return Outcome::Failed(fault);
         }
         let Some(reductions) = self.reductions else { return Outcome::Sampled(self.rows) };
-        let duration = self.last.unwrap_or(0.0);
         let air = self.keeper.zip(run).map(|(keeper, run)| air_used(self.of, &keeper.finish(run)));
         let owners = self.follower.as_ref().map_or_else(Vec::new, Follower::owners);
         let goals = self.follower.and_then(Follower::finish).map_or_else(Vec::new, |closed| closed.goals);
@@ -134,10 +123,7 @@ impl rows::Recorder for Recorder<'_> {
                     goals.iter().zip(&owners).filter(|(goal, owner)| **owner == control && goal.quantity == quantity);
                 missed(own.map(|(goal, _)| goal), reduction.statistic)
             }
-            PlantReduced::Quantity(quantity) => {
-                let track = self.tracks.iter().find(|track| track.quantity() == quantity)?;
-                track.reduced(reduction.statistic, Some(&self.times), (duration, self.windows))
-            }
+            PlantReduced::Quantity(quantity) => self.series.reduced(quantity, reduction.statistic),
         };
         Outcome::Reduced(
             reductions.iter().map(|reduction| value(reduction).filter(|value| value.is_finite())).collect(),

@@ -14,7 +14,7 @@ use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::record;
 use crate::table::{Column, Writer};
-use mckibben_scenario::{Document, Engine, Sweep};
+use mckibben_scenario::{Document, Engine, StatisticsOver, Sweep};
 use std::path::Path;
 
 /// A sweep with its plan, its columns, and what is said of it in each of its files.
@@ -29,7 +29,8 @@ pub struct Prepared {
 impl Prepared {
     /// The sweep of a document in which some values were set, given as `KEY=VALUE`; none where it has no section `[sweep]`.
     ///
-    /// One of one actuator or of a joint that names no engine takes fixed steps, save under a controller for which no step is given.
+    /// One of one actuator or of a joint that names no engine takes fixed steps, save over the orbit, and under a controller for which no
+    /// step is given.
     ///
     /// # Errors
     /// [`Failure::input`] for what the document says and cannot be.
@@ -148,11 +149,12 @@ impl Prepared {
 fn engine_by_default(document: &Document) -> Result<Engine, Failure> {
     let mut stepped = document.clone();
     stepped.set_text("run.engine", &format!("\"{}\"", Engine::FixedStep.name()))?;
-    // A sweep with mistakes is read again, and tells them.
-    // What a controller decides may magnify the error of a step: that is chosen for it where it is asked for.
-    let lacks_step =
-        stepped.sweep().is_ok_and(|sweep| sweep.is_some_and(|of| of.has_controllers() && !of.gives_step()));
-    Ok(if lacks_step { Engine::EventLocated } else { Engine::FixedStep })
+    // A sweep with mistakes is read again, and reports them.
+    // What a controller decides may magnify the error of a step: that is chosen for it where it is asked for. An orbit returns to
+    // within the tolerance of located steps, and not to that within fixed ones of any length.
+    let is_located = |of: Sweep| of.over() == StatisticsOver::Orbit || (of.has_controllers() && !of.gives_step());
+    let is_located = stepped.sweep().is_ok_and(|sweep| sweep.is_some_and(is_located));
+    Ok(if is_located { Engine::EventLocated } else { Engine::FixedStep })
 }
 
 /// What is said of the sweep in each of its files.

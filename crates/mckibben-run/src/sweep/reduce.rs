@@ -21,8 +21,13 @@
 //! A reduction without a value (the overshoot of a quantity that ends where it began; a ripple over fewer than two
 //! samples) has none: it is empty, never zero. Only `settling_time` keeps the samples of its quantity.
 //!
+//! Over the orbit (`sweep.over`) the run goes on behind T until its states return after a period. `final`, `mean`, `min`, `max`,
+//! `peak`, `ripple` and `drift` are then of two periods there, and empty where the run does not settle; the others say something of
+//! the way there and stay those of the run.
+//!
 //! Checked by the tests below against closed forms and by the program's `tests/sweep.rs` against files of `mckibben simulate`.
 
+use super::series::{LAST_PART, Series, Windows};
 use crate::closed_loop::Goal;
 use mckibben::control::{self, Held};
 use mckibben::simulation::{JointRig, JointSample, Sample};
@@ -30,69 +35,14 @@ use mckibben::valve::Command;
 use mckibben_scenario::Reduction;
 use mckibben_scenario::sweep::{Quantity, Statistic};
 
-/// The band of the settling time, as a share of the total change.
-const SETTLED: f64 = 0.02;
-/// The end of a run without PWM over which the ripple is taken, as a share of its duration.
-pub(super) const LAST_PART: f64 = 0.1;
-/// Two instants closer than this, relative to the run, are one.
-const SIMULTANEOUS: f64 = 1e-9;
-
-/// What is kept of a quantity.
-#[derive(Clone, Debug)]
-pub(super) struct Track<Q> {
-    quantity: Q,
-    first: f64,
-    last: f64,
-    least: f64,
-    greatest: f64,
-    /// `∫ x dt` so far.
-    integral: f64,
-    /// Least, greatest and number of the samples in the ripple's window and in the one before.
-    windows: [(f64, f64, u64); 2],
-    /// Every sample, where a settling time is asked for.
-    series: Option<Vec<f64>>,
-}
-
 /// The reductions of one run under way.
 #[derive(Clone, Debug)]
 pub struct Reducer {
-    tracks: Vec<Track<Quantity>>,
-    /// The times of the samples, where a settling time is asked for.
-    times: Option<Vec<f64>>,
-    windows: Windows,
-    before: Option<Before>,
+    series: Series<Quantity>,
+    /// Of the sample before.
+    before: Option<Air>,
     air_used: f64,
     goals: Vec<Goal>,
-}
-
-/// The interval over which ripples are taken, and the one before.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Windows {
-    start: f64,
-    length: f64,
-    /// Times closer than this are one.
-    rounding: f64,
-}
-
-impl Windows {
-    /// The last `length` s of a run of `duration` s, and as long before.
-    pub(super) fn last(length: f64, duration: f64) -> Self {
-        Self { start: duration - length, length, rounding: SIMULTANEOUS * duration }
-    }
-
-    /// Whether the last so many begin in the run.
-    fn are_whole(self, count: u8) -> bool {
-        self.start - f64::from(count - 1) * self.length > -self.rounding
-    }
-
-    /// The window of a time in s: 0 for the last, 1 for the one before.
-    pub(super) fn of(self, time: f64) -> Option<usize> {
-        if time >= self.start - self.rounding {
-            Some(0)
-        } else {
-            (time >= self.start - self.length - self.rounding).then_some(1)
-        }
-    }
 }
 
 /// What is looked at: a sample of one actuator, or of a joint.
@@ -104,13 +54,8 @@ pub enum Seen<'a> {
     Joint(&'a JointSample, &'a JointRig),
 }
 
-/// What is kept of the sample before.
-#[derive(Clone, Copy, Debug)]
-struct Before {
-    time: f64,
-    /// Whether each actuator's flow path to the supply is open, and the mass of its air in kg.
-    air: [(bool, f64); 2],
-}
+/// Whether each actuator's flow path to the supply is open, and the mass of its air in kg.
+type Air = [(bool, f64); 2];
 
 impl Reducer {
     /// Begins a run of `duration` s whose valve has a command; of a joint, the agonist's.
@@ -124,32 +69,30 @@ impl Reducer {
 
     /// Begins a run with the windows of its ripples.
     fn with_windows(reductions: &[Reduction], windows: Windows) -> Self {
-        let mut tracks: Vec<Track<Quantity>> = Vec::new();
         let of_samples = |of: &&Reduction| !matches!(of.quantity, Quantity::Air | Quantity::Error(_));
-        for reduction in reductions.iter().filter(of_samples) {
-            Track::add(&mut tracks, reduction.quantity, reduction.statistic);
-        }
-        let times = tracks.iter().any(|track| track.series.is_some()).then(Vec::new);
-        Self { tracks, times, windows, before: None, air_used: 0.0, goals: Vec::new() }
+        let of = reductions.iter().filter(of_samples).map(|of| (of.quantity, of.statistic));
+        Self { series: Series::new(of, windows), before: None, air_used: 0.0, goals: Vec::new() }
     }
 
     /// Sees the next sample.
     pub fn see(&mut self, seen: Seen<'_>) {
-        let Before { time, air } = seen.kept();
-        for track in &mut self.tracks {
-            let step = self.before.map(|before| time - before.time);
-            track.see(seen.value(track.quantity), step, self.windows.of(time));
+        let (time, air) = (seen.time(), seen.air());
+        self.series.see(time, |quantity| seen.value(quantity));
+        if self.series.is_behind_run() {
+            return;
         }
-        if let Some(times) = &mut self.times {
-            times.push(time);
-        }
-        if let Some(before) = self.before.replace(Before { time, air }) {
-            for ((was_open, was), (is_open, is)) in before.air.into_iter().zip(air) {
+        if let Some(before) = self.before.replace(air) {
+            for ((was_open, was), (is_open, is)) in before.into_iter().zip(air) {
                 if was_open || is_open {
                     self.air_used += (is - was).max(0.0);
                 }
             }
         }
+    }
+
+    /// What comes is of the orbit, over whose last two periods the windows lie; without them there is none.
+    pub(super) fn turn_to_orbit(&mut self, windows: Option<Windows>) {
+        self.series.turn_to_orbit(windows);
     }
 
     /// Replaces the air drawn from the supply by a better value in kg.
@@ -164,15 +107,10 @@ impl Reducer {
 
     /// The value of each reduction, where it has one.
     pub fn finish(&self, reductions: &[Reduction]) -> Vec<Option<f64>> {
-        let duration = self.before.map_or(0.0, |last| last.time);
-        let value = |reduction: &Reduction| {
-            match reduction.quantity {
-                Quantity::Air => return Some(self.air_used),
-                Quantity::Error(of) => return self.missed(of, reduction.statistic),
-                _ => {}
-            }
-            let track = self.tracks.iter().find(|track| track.quantity == reduction.quantity)?;
-            track.reduced(reduction.statistic, self.times.as_deref(), (duration, self.windows))
+        let value = |reduction: &Reduction| match reduction.quantity {
+            Quantity::Air => Some(self.air_used),
+            Quantity::Error(of) => self.missed(of, reduction.statistic),
+            quantity => self.series.reduced(quantity, reduction.statistic),
         };
         reductions.iter().map(|reduction| value(reduction).filter(|value| value.is_finite())).collect()
     }
@@ -191,110 +129,19 @@ pub(super) fn missed<'g>(goals: impl Iterator<Item = &'g Goal>, statistic: Stati
     Some(if statistic == Statistic::Rms { (squares / misses.len() as f64).sqrt() } else { largest })
 }
 
-impl<Q: Copy + PartialEq> Track<Q> {
-    /// Adds what a statistic of a quantity needs to tracks.
-    pub(super) fn add(tracks: &mut Vec<Self>, quantity: Q, statistic: Statistic) {
-        let settles = statistic == Statistic::SettlingTime;
-        match tracks.iter_mut().find(|track| track.quantity == quantity) {
-            Some(track) if settles => track.series = Some(Vec::new()),
-            Some(_) => {}
-            None => tracks.push(Self::new(quantity, settles)),
-        }
-    }
-
-    /// The quantity.
-    pub(super) fn quantity(&self) -> Q {
-        self.quantity
-    }
-
-    /// Whether every sample is kept.
-    pub(super) fn settles(&self) -> bool {
-        self.series.is_some()
-    }
-
-    /// The value of a statistic over a run of `duration` s with its windows.
-    pub(super) fn reduced(
-        &self,
-        statistic: Statistic,
-        times: Option<&[f64]>,
-        (duration, windows): (f64, Windows),
-    ) -> Option<f64> {
-        match statistic {
-            Statistic::Ripple if !windows.are_whole(1) => None,
-            Statistic::Drift if !windows.are_whole(2) => None,
-            Statistic::SettlingTime => self.settling_time(times?),
-            statistic => self.value(statistic, duration),
-        }
-    }
-
-    fn new(quantity: Q, settles: bool) -> Self {
-        let nothing = (f64::INFINITY, f64::NEG_INFINITY);
-        Self {
-            quantity,
-            first: 0.0,
-            last: 0.0,
-            least: nothing.0,
-            greatest: nothing.1,
-            integral: 0.0,
-            windows: [(nothing.0, nothing.1, 0); 2],
-            series: settles.then(Vec::new),
-        }
-    }
-
-    /// Sees a value that comes a `step` in s after the one before.
-    pub(super) fn see(&mut self, value: f64, step: Option<f64>, window: Option<usize>) {
-        match step {
-            None => self.first = value,
-            Some(step) => self.integral += 0.5 * (self.last + value) * step,
-        }
-        self.last = value;
-        self.least = self.least.min(value);
-        self.greatest = self.greatest.max(value);
-        if let Some(window) = window {
-            let (least, greatest, count) = self.windows[window];
-            self.windows[window] = (least.min(value), greatest.max(value), count + 1);
-        }
-        if let Some(series) = &mut self.series {
-            series.push(value);
-        }
-    }
-
-    fn value(&self, statistic: Statistic, duration: f64) -> Option<f64> {
-        let change = self.last - self.first;
-        match statistic {
-            Statistic::Final => Some(self.last),
-            Statistic::Mean => Some(self.integral / duration),
-            Statistic::Min => Some(self.least),
-            Statistic::Max => Some(self.greatest),
-            Statistic::Peak => Some(self.greatest.abs().max(self.least.abs())),
-            Statistic::Ripple => {
-                let [(least, greatest, count), _] = self.windows;
-                (count >= 2).then_some(greatest - least)
-            }
-            Statistic::Drift => {
-                let [last, before] = self.windows;
-                (last.2.min(before.2) >= 2).then(|| (last.0 - before.0).abs().max((last.1 - before.1).abs()))
-            }
-            Statistic::Overshoot if change > 0.0 => Some((self.greatest - self.last) / change),
-            Statistic::Overshoot if change < 0.0 => Some((self.least - self.last) / change),
-            Statistic::Overshoot | Statistic::SettlingTime | Statistic::Used | Statistic::Rms => None,
-        }
-    }
-
-    fn settling_time(&self, times: &[f64]) -> Option<f64> {
-        let series = self.series.as_ref()?;
-        let band = SETTLED * (self.last - self.first).abs();
-        let outside = series.iter().rposition(|value| (value - self.last).abs() > band);
-        times.get(outside.map_or(0, |index| index + 1)).copied()
-    }
-}
-
 impl Seen<'_> {
-    fn kept(self) -> Before {
+    fn time(self) -> f64 {
+        match self {
+            Self::Actuator(sample, _) => sample.time,
+            Self::Joint(sample, _) => sample.time,
+        }
+    }
+
+    fn air(self) -> Air {
         let air = |of: &Sample| (of.ports.supply, of.air_mass + of.hose_air_mass);
         match self {
-            Self::Actuator(sample, _) => Before { time: sample.time, air: [air(sample), (false, 0.0)] },
-            Self::Joint(sample, _) => Before { time: sample.time, air: sample.actuators.each_ref().map(air) },
+            Self::Actuator(sample, _) => [air(sample), (false, 0.0)],
+            Self::Joint(sample, _) => sample.actuators.each_ref().map(air),
         }
     }
 

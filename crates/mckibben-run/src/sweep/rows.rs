@@ -3,13 +3,14 @@
 //! | a row goes through time | when |
 //! |---|---|
 //! | side by side with others, in a [`PlantBatch`] | at fixed steps, if its samples are all that is looked at |
-//! | individually, each step handed on and not kept | by the event-located engine; and where steps are looked at: for air that sources gave, and for how far a controller missed |
+//! | individually, each step handed on and not kept | by the event-located engine; where steps are looked at: for air that sources gave, and for how far a controller missed; and where it goes on to its orbit |
 //!
 //! Rows of a batch have the same times and words, so that the batch is one group and stays on the unit's thread. A row is, bit for
 //! bit, what it is alone. A row that cannot be built or cannot go on gives its reason and nothing else.
 
 use super::plant;
 use super::reduce::{Reducer, Seen};
+use super::series::Windows;
 use super::step::{self, Choice};
 use crate::alone::Alone;
 use crate::closed_loop::Goal;
@@ -17,6 +18,7 @@ use crate::engine::Subject;
 use crate::joint::pair::Pair;
 use crate::record::{Field, of_actuator, of_joint_alone};
 use crate::run::Ready;
+use crate::settle;
 use crate::table::Cell;
 use crate::warnings::Warning;
 use mckibben::Error;
@@ -29,7 +31,7 @@ use mckibben::simulation::{JointRig, JointSample, Reading, Rig, Sample, SampleTi
 use mckibben::valve::Command;
 use mckibben_batch::{PlantBatch, Width};
 use mckibben_scenario::sweep::Quantity;
-use mckibben_scenario::{AxisValue, Record, Reduction, Run, Scenario, Sweep};
+use mckibben_scenario::{AxisValue, Record, Reduction, Run, Scenario, StatisticsOver, Sweep};
 use std::ops::Range;
 
 /// Rows that a thread steps side by side.
@@ -52,6 +54,9 @@ pub enum Outcome {
 pub(super) trait Recorder {
     /// Takes a sample.
     fn see(&mut self, sample: &PlantSample);
+
+    /// The samples that come are of the orbit behind the run, with the windows of ripples there; without them there is none.
+    fn turn_to_orbit(&mut self, windows: Option<Windows>);
 
     /// Whether it takes steps besides.
     fn takes_steps(&self) -> bool;
@@ -82,8 +87,8 @@ impl<'r> Row<'r> {
         Ok(Self { plan, run: PlantRun::with_drivers(plant, start, how, drivers)?, recorder })
     }
 
-    /// Goes through time alone.
-    fn simulate(mut self, record: &Record) -> Result<Outcome, Error> {
+    /// Goes through time alone, and on to the orbit where statistics are taken over that.
+    fn simulate(mut self, record: &Record, over: StatisticsOver) -> Result<Outcome, Error> {
         let Self { plan, run, recorder } = &mut self;
         let mut reading = Reading::new(times(record, plan), plan.duration);
         run.stream_to(plan.duration, &mut |step| {
@@ -97,8 +102,24 @@ impl<'r> Row<'r> {
             recorder.see(sample);
             Ok::<_, Error>(())
         })?;
+        if over == StatisticsOver::Orbit {
+            over_orbit(run.clone(), recorder.as_mut())?;
+        }
         Ok(self.recorder.finish(Some(&self.run)))
     }
+}
+
+/// Takes a run on from its end to its orbit, and over two periods of it.
+fn over_orbit(mut run: PlantRun, recorder: &mut dyn Recorder) -> Result<(), Error> {
+    const PERIODS: u32 = 2;
+    let orbit = settle::to_orbit(&mut run)?;
+    let end = run.time() + f64::from(PERIODS) * orbit.period;
+    recorder.turn_to_orbit(orbit.settled.then(|| Windows::last(orbit.period, end)));
+    if orbit.settled {
+        recorder.see(&run.sample());
+        settle::over_periods(&mut run, orbit.period, PERIODS, &mut |sample| recorder.see(sample))?;
+    }
+    Ok(())
 }
 
 /// The times in s at which a run is looked at.
@@ -131,12 +152,14 @@ pub fn simulate_rows(sweep: &Sweep, choice: Option<&Choice>, rows: Range<u64>) -
         };
         outcomes.push(match ready {
             Err(reason) => Outcome::Failed(reason),
-            Ok(ready) if ready.goes_along() => {
+            Ok(ready) if ready.goes_along() && sweep.over() == StatisticsOver::Run => {
                 Group::join(&mut groups, Kin::of(sweep, *row, &ready), (index, ready));
                 // What the batch will compute is put in its place afterwards.
                 Outcome::Reduced(Vec::new())
             }
-            Ok(ready) => ready.simulate(record).unwrap_or_else(|error| Outcome::Failed(error.to_string())),
+            Ok(ready) => {
+                ready.simulate(record, sweep.over()).unwrap_or_else(|error| Outcome::Failed(error.to_string()))
+            }
         });
     }
     groups.into_iter().for_each(|group| group.simulate(record, &mut outcomes));
@@ -401,6 +424,12 @@ impl<S: Swept> Recorder for ViewRecorder<'_, S> {
         match &mut self.reductions {
             Some((_, reducer)) => reducer.see(S::seen(self.view.rig(), &sample)),
             None => self.rows.push(self.cells.clone()),
+        }
+    }
+
+    fn turn_to_orbit(&mut self, windows: Option<Windows>) {
+        if let Some((_, reducer)) = &mut self.reductions {
+            reducer.turn_to_orbit(windows);
         }
     }
 

@@ -188,6 +188,7 @@ fn behind(network: &Network, mut node: usize) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::settle::End;
     use mckibben_scenario::Document;
 
     const MUSCLE: &str = "[supply]\ngauge_pressure = \"100 psi\"\n[valve]\npreset = \"matrix-eight-channel\"\n\
@@ -200,7 +201,7 @@ mod tests {
         set.iter().for_each(|(key, value)| document.set_plain_from("--set", key, value).unwrap());
         let ready = Ready::of(&document).unwrap();
         let before = ready.warnings();
-        let all = of_run(before.clone(), &ready.stream(&document, None).unwrap());
+        let all = of_run(before.clone(), &ready.stream(&document, None, End::Duration).unwrap().0);
         [before, all].map(|warnings| warnings.iter().map(|warning| warning.code).collect())
     }
 
@@ -305,7 +306,7 @@ mod tests {
         let before = ready.warnings();
         assert_eq!(of(&before), names);
         // What the run reached takes the place of what was known before, each once.
-        assert_eq!(of(&of_run(before, &ready.stream(&document, None).unwrap())), names);
+        assert_eq!(of(&of_run(before, &ready.stream(&document, None, End::Duration).unwrap().0)), names);
     }
 
     #[test]

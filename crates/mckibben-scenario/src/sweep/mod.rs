@@ -7,6 +7,7 @@
 //! | module | what it holds |
 //! |---|---|
 //! | `read`, `vary` | the sections `[sweep]` and `[sweep.vary]` with their mistakes |
+//! | `left_out` | keys that rows leave out under a word that varies |
 //! | `axis` | one key that varies, and its value in a row |
 //! | `design` | which part of an axis a row takes: grid, random, Latin hypercube, Sobol' |
 //! | `random`, `permutation`, `sobol`, `directions` | numbers for these at any position |
@@ -23,6 +24,7 @@ mod design;
 mod directions;
 mod distribution;
 pub(crate) mod field;
+mod left_out;
 mod permutation;
 pub(crate) mod plant;
 mod random;
@@ -33,10 +35,11 @@ mod spacing;
 mod vary;
 
 pub use axis::{Axis, AxisKind, AxisValue, column_of};
+pub use left_out::LeftOut;
 pub use plant::{PlantReduced, PlantReduction};
 pub use reduction::{Quantity, Reduction, Statistic};
 
-use crate::choice::{DesignKind, Engine};
+use crate::choice::{DesignKind, Engine, StatisticsOver};
 use crate::keys::in_antagonist;
 use crate::muscle::{Fault, Stated};
 use crate::plant::{PlantColumn, PlantExperiment};
@@ -58,10 +61,12 @@ pub struct Sweep {
     rows: u64,
     seed: u64,
     record: Record,
+    over: StatisticsOver,
     part_rows: u64,
     /// A scenario for each combination of words and whole numbers, the last axis of these changing first; none of a plant.
     bases: Vec<Base>,
     plant: Option<Box<plant::Swept>>,
+    left_out: Vec<LeftOut>,
 }
 
 /// What rows start from.
@@ -162,6 +167,11 @@ impl Sweep {
         &self.record
     }
 
+    /// What statistics are taken over.
+    pub fn over(&self) -> StatisticsOver {
+        self.over
+    }
+
     /// Number of rows in a part of the result, at least 1.
     pub fn part_rows(&self) -> u64 {
         self.part_rows
@@ -188,6 +198,11 @@ impl Sweep {
     /// Whether an axis has this path.
     fn varies(&self, path: &str) -> bool {
         self.axes.iter().any(|axis| axis.path == path)
+    }
+
+    /// The keys that rows leave out, each with the word under which it has no meaning.
+    pub fn left_out(&self) -> &[LeftOut] {
+        &self.left_out
     }
 
     /// Whether every row is a plant of actuators with names; if not, none is.
@@ -300,7 +315,11 @@ impl Sweep {
         };
         // Writing to a string cannot fail.
         let _ = writeln!(text, "design {}\nrows {}\nseed {}", self.design.name(), self.rows, self.seed);
-        let _ = writeln!(text, "record {record}\npart_rows {}", self.part_rows);
+        let over = match self.over {
+            StatisticsOver::Run => "",
+            StatisticsOver::Orbit => " over the orbit",
+        };
+        let _ = writeln!(text, "record {record}{over}\npart_rows {}", self.part_rows);
         self.axes.iter().for_each(|axis| axis.fingerprint(&mut text));
         for base in &self.bases {
             // What follows in each row depends on what is stated.

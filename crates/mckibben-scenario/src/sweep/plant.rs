@@ -6,8 +6,9 @@
 
 use super::Record;
 use super::axis::{AxisValue, column_of};
+use super::left_out::LeftOut;
 use super::reduction::Statistic;
-use super::vary::Varied;
+use super::vary::{self, Varied};
 use crate::diagnostic::{Class, Diagnostic, Diagnostics, Place};
 use crate::document::{Document, Node, Value};
 use crate::keys::{self, SWEEP};
@@ -26,6 +27,8 @@ pub(crate) struct Swept {
     document: Document,
     /// Path of each axis, where it stands, and the unit of its numbers.
     axes: Vec<(String, Place, &'static str)>,
+    /// The keys that rows of a word leave out.
+    left_out: Vec<LeftOut>,
     /// The columns of a run, the same in all rows.
     pub(crate) columns: Vec<PlantColumn>,
     /// How long the first row runs and what it records.
@@ -65,21 +68,23 @@ impl PlantReduction {
 
 impl Swept {
     /// Reads the first row; the rows are plants.
-    pub(super) fn read(document: &Document, varied: &[Varied<'_>]) -> Result<(Self, PlantExperiment), Diagnostics> {
+    pub(super) fn read(
+        document: &Document,
+        varied: &[Varied<'_>],
+        left_out: &[LeftOut],
+    ) -> Result<(Self, PlantExperiment), Diagnostics> {
         Diagnostics::check(varied.iter().filter_map(|varied| document.nameless(&varied.path, &varied.key)).collect())?;
         let mut bare = document.clone();
         bare.remove(SWEEP);
-        let mut first = bare.clone();
-        for varied in varied {
-            first.put(&varied.path, &varied.key, varied.first());
-        }
+        let mut first = vary::first(document, varied);
+        left_out.iter().for_each(|of| of.leave_out(&mut first));
         let Some(experiment) = first.plant_experiment()? else {
             let title = "the rows of this sweep are no plants";
             return Err(Diagnostic::whole(Class::Missing, document.source().name(), title).into());
         };
         let axes = varied.iter().map(|varied| (varied.path.clone(), varied.key.clone(), varied.unit())).collect();
         let (columns, run) = (experiment.columns(), experiment.run);
-        Ok((Self { document: bare, axes, columns, run }, experiment))
+        Ok((Self { document: bare, axes, left_out: left_out.to_vec(), columns, run }, experiment))
     }
 
     /// The plant of a row by the values of its axes.
@@ -96,6 +101,7 @@ impl Swept {
             };
             document.put(path, place, &Node { place: place.clone(), value });
         }
+        self.left_out.iter().for_each(|of| of.leave_out(&mut document));
         match document.plant_experiment() {
             Ok(Some(experiment)) if experiment.columns() == self.columns => Ok(experiment),
             Ok(Some(_)) => Err("this row has other columns than the first; run one sweep for each".to_owned()),

@@ -4,14 +4,15 @@
 //! that a key which only the sweep gives is not missing and a contradiction is reported where the value stands. Its
 //! other values are numbers within the range that the key has, and need no text.
 
-use super::axis::{Axis, Values};
+use super::axis::Axis;
 use super::design::{MOST_ROWS, Sampler};
+use super::left_out::{self, LeftOut};
 use super::plant::{self, Swept};
 use super::random::Stream;
 use super::reduction::{DEFAULT, DEFAULT_OF_JOINT, Quantity, Reduction};
 use super::vary::{self, Varied};
 use super::{Base, Record, Sweep, sobol};
-use crate::choice::{DesignKind, RecordKind};
+use crate::choice::{DesignKind, RecordKind, StatisticsOver};
 use crate::diagnostic::{Class, Diagnostic, Diagnostics, Place};
 use crate::document::Document;
 use crate::keys::{self, SWEEP, VARY};
@@ -50,6 +51,7 @@ impl Document {
         let part_rows = r.whole(&keys::PART_ROWS);
         let is_plant = self.is_plant();
         let record = record(r, is_plant);
+        let over = r.word("sweep.over").unwrap_or(StatisticsOver::Run);
         let varied = vary::read(r, design);
         let rows = if design == DesignKind::Grid { combinations(r, &varied) } else { rows(r) };
         let words = varied.iter().filter_map(Varied::read_anew).fold(1, u64::saturating_mul);
@@ -67,8 +69,9 @@ impl Document {
             note_beyond(r, place, &format!("{} keys vary by a Sobol' sequence of {most} dimensions", varied.len()));
         }
         reader.finish()?;
+        let left_out = left_out::of(self, &varied);
         if is_plant {
-            let (swept, first) = Swept::read(self, &varied)?;
+            let (swept, first) = Swept::read(self, &varied, &left_out)?;
             let record = plant::record(self, record, &first)?;
             plant::check_times(self, &record, first.run.duration, &varied)?;
             let columns = 1.0 + swept.columns.len() as f64;
@@ -76,9 +79,20 @@ impl Document {
                 .unwrap_or_else(|| part_of(&record, [swept.run.duration, swept.run.sample_interval], columns))
                 .min(rows);
             let (axes, plant) = (axes(varied, design, rows, seed), Some(Box::new(swept)));
-            return Ok(Some(Sweep { axes, design, rows, seed, record, part_rows, bases: Vec::new(), plant }));
+            return Ok(Some(Sweep {
+                axes,
+                design,
+                rows,
+                seed,
+                record,
+                over,
+                part_rows,
+                bases: Vec::new(),
+                plant,
+                left_out,
+            }));
         }
-        let bases = bases(self, &varied, words)?;
+        let bases = bases(self, &varied, &left_out, words)?;
         let Some((record, Base { scenario: first, .. })) = record.zip(bases.first()) else { return Ok(None) };
         check_joints(self, &bases)?;
         let record = match record {
@@ -94,7 +108,7 @@ impl Document {
             ([first.run.duration, first.run.sample_interval], COLUMNS[usize::from(first.has_joint())]);
         let part_rows = part_rows.unwrap_or_else(|| part_of(&record, span, columns)).min(rows);
         let axes = axes(varied, design, rows, seed);
-        Ok(Some(Sweep { axes, design, rows, seed, record, part_rows, bases, plant: None }))
+        Ok(Some(Sweep { axes, design, rows, seed, record, over, part_rows, bases, plant: None, left_out }))
     }
 }
 
@@ -199,12 +213,13 @@ fn check_reductions(document: &Document, record: &Record, bases: &[Base]) -> Res
 
 /// The scenario for each combination of words and whole numbers, with the first value of every other key; without the keys that
 /// have no meaning under a word that varies.
-fn bases(document: &Document, varied: &[Varied<'_>], combinations: u64) -> Result<Vec<Base>, Diagnostics> {
-    let mut whole = document.clone();
-    whole.remove(SWEEP);
-    for varied in varied {
-        whole.put(&varied.path, &varied.key, varied.first());
-    }
+fn bases(
+    document: &Document,
+    varied: &[Varied<'_>],
+    left_out: &[LeftOut],
+    combinations: u64,
+) -> Result<Vec<Base>, Diagnostics> {
+    let whole = vary::first(document, varied);
     let mut bases = Vec::new();
     for combination in 0..combinations {
         let mut document = whole.clone();
@@ -218,7 +233,7 @@ fn bases(document: &Document, varied: &[Varied<'_>], combinations: u64) -> Resul
                 rest /= count;
             }
         }
-        varied.iter().for_each(|varied| leave_out(&mut document, varied));
+        left_out.iter().for_each(|of| of.leave_out(&mut document));
         let scenario = document.scenario().map_err(|found| match chosen.is_empty() {
             true => found,
             false => {
@@ -229,22 +244,6 @@ fn bases(document: &Document, varied: &[Varied<'_>], combinations: u64) -> Resul
         bases.push(Base::new(&document, scenario, varied));
     }
     Ok(bases)
-}
-
-/// Takes out the keys that have no meaning under the word of a key that varies, if they have one under another of its words.
-fn leave_out(document: &mut Document, varied: &Varied<'_>) {
-    let Values::Words(words) = &varied.values else { return };
-    let (section, chooses) = match keys::in_antagonist(&varied.path) {
-        Some(path) => (format!("{}.", keys::ANTAGONIST), path),
-        None => (String::new(), varied.path.as_str()),
-    };
-    for key in keys::all_keys() {
-        let Some(when) = key.when.filter(|when| when.key == chooses) else { continue };
-        let applies = when.words.iter().any(|word| document.is_word(&varied.path, word));
-        if !applies && words.iter().any(|word| when.words.contains(&word.as_str())) {
-            document.remove(&format!("{section}{}", key.path));
-        }
-    }
 }
 
 impl Base {

@@ -129,6 +129,14 @@ impl Statistic {
         Self::Peak,
     ];
 
+    /// Whether it has a meaning on an orbit; if not, it says something of the way there, and is always of the run.
+    pub const fn is_of_orbit(self) -> bool {
+        match self {
+            Self::Final | Self::Mean | Self::Min | Self::Max | Self::Ripple | Self::Drift | Self::Peak => true,
+            Self::SettlingTime | Self::Overshoot | Self::Rms | Self::Used => false,
+        }
+    }
+
     /// As it stands in the name of a reduction.
     pub const fn name(self) -> &'static str {
         match self {

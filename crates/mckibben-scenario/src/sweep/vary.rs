@@ -22,11 +22,21 @@ pub(super) struct Varied<'d> {
     pub(super) path: String,
     pub(super) key: Place,
     pub(super) values: Values,
-    row: &'static Key,
+    pub(super) row: &'static Key,
     /// The parameter that its numbers are of.
     parameter: Option<&'static Parameter>,
     /// The values one by one, or the one that stands for all of them in a first reading of the scenario.
     nodes: Vec<&'d Node>,
+}
+
+/// A document without its section `[sweep]`, with the first value of every key that varies.
+pub(super) fn first(document: &Document, varied: &[Varied<'_>]) -> Document {
+    let mut whole = document.clone();
+    whole.remove(SWEEP);
+    for varied in varied {
+        whole.put(&varied.path, &varied.key, varied.first());
+    }
+    whole
 }
 
 impl<'d> Varied<'d> {

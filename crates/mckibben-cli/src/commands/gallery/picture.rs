@@ -8,6 +8,7 @@ use mckibben_run::curves::Curves;
 use mckibben_run::failure::Failure;
 use mckibben_run::linearize::{LinearModel, Request};
 use mckibben_run::run::{Finished, Ready};
+use mckibben_run::settle::End;
 use mckibben_run::sweep::prepared::Prepared;
 use mckibben_scenario::{Document, Record};
 use std::path::Path;
@@ -55,7 +56,7 @@ pub(super) fn of(file: &Path, text: &str) -> Result<Picture, Failure> {
         }
         _ => {}
     }
-    let finished = Ready::of(&document)?.run(&document, &mut |_| Ok(()))?;
+    let (finished, _) = Ready::of(&document)?.run(&document, End::Duration, &mut |_| Ok(()))?;
     // A given motion is not worth a curve; what it costs in force is.
     let (over, options) = match &finished {
         Finished::Actuator(of) if of.control.is_none() && matches!(of.trajectory.rig().load(), Load::Prescribed(_)) => {

@@ -19,7 +19,7 @@ use mckibben_run::sweep::plan::{Plan, Shard};
 use mckibben_run::sweep::prepared::Prepared;
 use mckibben_run::sweep::step::Choice;
 use mckibben_run::sweep::{chart, read};
-use mckibben_scenario::{Document, Sweep};
+use mckibben_scenario::{Document, StatisticsOver, Sweep};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -43,6 +43,11 @@ The section [sweep] says what varies:
 Reductions are taken over the samples at every run.sample_interval; what happens between two samples is not seen. \
 A ripple is that of the last PWM period, or of the last tenth of a run without PWM. `air.used` sums the gains of air \
 between samples while the supply is open; of an event-located run it is the integral of the flow.
+
+With --settle, or sweep.over = \"orbit\", each run goes on until its states return after a period of the pulses. Statistics of \
+a quantity are then those of the orbit, and empty where a run has none; settling_time, overshoot, air.used and errors of \
+controllers stay those of the run. Without run.engine such runs take the event-located engine: by fixed steps states \
+return no closer than the error of a step, and many runs count as not settled.
 
 The fixed-step engine takes run.step; without it, one step for all runs: the least that eight of them, evenly spread, need \
 for run.accuracy. One of them that no step is short enough for, as when it bounces without end, is named in the summary; \
@@ -77,9 +82,14 @@ pub struct SweepArguments {
     /// What to write of each run, in place of sweep.record.
     #[arg(long, value_name = "WHAT", value_parser = ["reductions", "samples", "trajectories"])]
     pub record: Option<String>,
-    /// The engine, in place of run.engine; without either, fixed-step, or event-located under a controller without run.step.
+    /// The engine, in place of run.engine; without either, fixed-step, or event-located with --settle and under a controller without
+    /// run.step.
     #[arg(long, value_name = "ENGINE", value_parser = ["event-located", "fixed-step"])]
     pub engine: Option<String>,
+    /// Run on behind the end to the periodic orbit, or the equilibrium, and take final, mean, min, max, ripple, drift and peak
+    /// there, in place of sweep.over.
+    #[arg(long)]
+    pub settle: bool,
     /// Do one of N shares of the parts, counted from 1: 1/8, 2/8, ... 8/8.
     #[arg(long, value_name = "I/N", default_value = "1/1")]
     pub shard: Shard,
@@ -197,15 +207,18 @@ fn document(arguments: &SweepArguments) -> Result<(Document, Vec<String>), Failu
     let idle: &[&str] = match arguments.record.as_deref() {
         None => &[],
         Some("reductions") => &["sweep.sample_times"],
-        Some("samples") => &["sweep.reductions"],
-        Some(_) => &["sweep.reductions", "sweep.sample_times"],
+        Some("samples") => &["sweep.reductions", "sweep.over"],
+        Some(_) => &["sweep.reductions", "sweep.over", "sweep.sample_times"],
     };
     for key in idle {
         document.remove(key);
     }
-    for (option, key, value) in
-        [("--engine", "run.engine", arguments.engine.clone()), ("--record", "sweep.record", arguments.record.clone())]
-    {
+    let over = arguments.settle.then(|| StatisticsOver::Orbit.name().to_owned());
+    for (option, key, value) in [
+        ("--engine", "run.engine", arguments.engine.clone()),
+        ("--record", "sweep.record", arguments.record.clone()),
+        ("--settle", "sweep.over", over),
+    ] {
         if let Some(value) = value {
             document.set_text_from(option, key, &format!("\"{value}\""))?;
             set.push(format!("{key}={value}"));

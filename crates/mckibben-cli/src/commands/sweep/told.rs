@@ -30,6 +30,9 @@ pub(super) fn summary(
     let line = |name: &str, what: &str| terminal::entry(name, 8, what);
     let varied: Vec<&str> = sweep.axes().iter().map(|axis| axis.path.as_str()).collect();
     text.push_str(&line("varied", &format!("{} ({})", varied.join(", "), sweep.design().name())));
+    for of in sweep.left_out() {
+        text.push_str(&line("left out", &format!("{} in rows with {} = {}", of.key, of.chooses, of.word)));
+    }
     let first = match sweep.plant(0) {
         Some(first) => first.ok().map(|first| first.run),
         None => sweep.scenario(0).ok().map(|first| first.run),
