@@ -6,6 +6,8 @@ import gymnasium
 import numpy as np
 import pytest
 
+import mckibben.learning  # noqa: F401  registers the environments
+
 IDS = ["mckibben/HangingMass-v0", "mckibben/Joint-v0", "mckibben/Leg-v0", "mckibben/Arm-v0"]
 MODES = {"next-step": "NextStep", "same-step": "SameStep", "disabled": "Disabled"}
 COUNT = 3

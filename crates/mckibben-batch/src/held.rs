@@ -186,10 +186,7 @@ impl<W: Wide> Held<W> {
             });
         }
         for mounted in plant.actuators() {
-            pressures.push(match mounted.pressure {
-                Some(_) => Some(StraightLine::constant(zero)),
-                None => None,
-            });
+            pressures.push(mounted.pressure.is_some().then_some(StraightLine::constant(zero)));
         }
         let mut rows = Vec::new();
         for (mechanism, members) in plant.mechanisms().iter().zip(&plant.indices().members) {
@@ -310,6 +307,7 @@ impl<W: Wide> Held<W> {
     }
 
     /// The absolute pressure in Pa of an actuator whose pressure is given, at a time in s.
+    #[allow(clippy::manual_map, reason = "a closure would be compiled separately, without the instructions of a batch")]
     #[inline(always)]
     pub(crate) fn given_pressure(&self, system: &System<W>, actuator: usize, time: W) -> Option<W> {
         match &self.pressures[actuator] {

@@ -128,7 +128,7 @@ fn agree(
 
 /// Duty cycles that change now and then.
 fn duty(row: usize, count: usize) -> Option<RuntimeCommand> {
-    (count == 0 || (count + row) % 7 == 0).then(|| pulses(spread(row + 5 * count, 6)))
+    (count == 0 || (count + row).is_multiple_of(7)).then(|| pulses(spread(row + 5 * count, 6)))
 }
 
 /// With and without dry friction, within the lengths, beyond the longest, and below the shortest.

@@ -184,16 +184,23 @@ impl<S: Scalar> Motion<S> {
     /// These at `time`, where the straight line of a table is known.
     #[inline(always)]
     pub fn on<T: Over<S>>(&self, time: T, line: Option<StraightLine<S>>) -> [T; 3] {
-        if let Self::Sinusoid { length, amplitude, frequency, phase } = self {
-            let rate = T::constant(TAU) * T::of(*frequency);
-            let angle = rate * time + T::of(*phase);
-            let swing = T::of(*amplitude) * angle.sin();
-            return [T::of(*length) + swing, T::of(*amplitude) * rate * angle.cos(), -rate * rate * swing];
+        #[cfg(not(feature = "alloc"))]
+        let _ = line;
+        match self {
+            Self::Sinusoid { length, amplitude, frequency, phase } => {
+                let rate = T::constant(TAU) * T::of(*frequency);
+                let angle = rate * time + T::of(*phase);
+                let swing = T::of(*amplitude) * angle.sin();
+                [T::of(*length) + swing, T::of(*amplitude) * rate * angle.cos(), -rate * rate * swing]
+            }
+            #[cfg(feature = "alloc")]
+            Self::Table { .. } => {
+                let [length, velocity] = match line {
+                    Some(line) => line.at(time),
+                    None => [T::zero(); 2],
+                };
+                [length, velocity, T::zero()]
+            }
         }
-        let [length, velocity] = match line {
-            Some(line) => line.at(time),
-            None => [T::zero(); 2],
-        };
-        [length, velocity, T::zero()]
     }
 }
