@@ -355,7 +355,8 @@ impl PlantBatch {
             });
         }
         let is_same = steps.plant() == old.plant();
-        if lanes.is_some() && !is_same && block::structure(steps.plant()) != block::structure(old.plant()) {
+        let is_covered = Self::covers(old.plant());
+        if is_covered && !is_same && block::structure(steps.plant()) != block::structure(old.plant()) {
             return Err(OTHER_STRUCTURE);
         }
         let edges = edges_of(&steps);

@@ -6,6 +6,7 @@
 //! changes.
 
 use crate::deal::{Blank, Deal, List};
+use crate::group::FEW;
 use crate::held::{self, Held};
 use crate::kept::{keep_contents, keep_given, keep_rates};
 use crate::motion::HostEnds;
@@ -23,8 +24,6 @@ use pulp::Simd;
 use std::fmt::Debug;
 use std::marker::PhantomData;
 
-/// Rows that are left within a step go on side by side; where they are fewer than this, each alone, which is less work.
-const FEW: usize = 4;
 /// Of a row whose step in lanes is believed and has kept its mode; 1 is believed, 0 is not.
 const KEEPS: f64 = 2.0;
 /// How far beyond the end of a span instants are looked up, in spans of the same length.

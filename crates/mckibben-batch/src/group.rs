@@ -17,6 +17,8 @@ use mckibben::{Error, Response};
 
 /// Elements that a thread takes together where they are stepped individually.
 const BY_THEMSELVES: usize = 8;
+/// Rows that go on side by side; where they are fewer than this, each alone, which is less work.
+pub(crate) const FEW: usize = 4;
 
 /// Rows that are taken together.
 #[derive(Clone, Debug)]
@@ -141,7 +143,7 @@ pub(crate) fn arrange(rows: Vec<PlantSteps>, width: Width) -> (Vec<Group>, Vec<[
         groups[group].0.rows.push(row);
     }
     let finished = groups.into_iter().map(|(mut group, form)| {
-        if form.is_some() {
+        if form.is_some() && group.rows.len() >= FEW {
             group.lanes = in_lanes(&mut group.rows, width);
         }
         group

@@ -312,7 +312,7 @@ fn what_cannot_be_is_named_and_changes_nothing() {
     driven(&mut host, 0, 30);
     let (before, tension) = (host.save(), host.compute(1).expect("one").tension);
     assert!(matches!(host.move_to(0.03, &[0.085, 0.088]), Err(Error::Misuse { .. })));
-    assert!(matches!(host.move_to(f64::NAN, &[0.085, 0.088]), Err(Error::Misuse { .. })));
+    assert!(matches!(host.move_to(f64::NAN, &[0.085, 0.088]), Err(Error::OutOfRange { .. })));
     assert!(matches!(host.move_to(f64::INFINITY, &[0.085, 0.088]), Err(Error::OutOfRange { .. })));
     assert!(matches!(host.move_to(0.031, &[0.085]), Err(Error::Table { entry: 2, .. })));
     assert!(matches!(host.move_to(0.031, &[0.085, 0.088, 0.09]), Err(Error::Table { entry: 3, .. })));
