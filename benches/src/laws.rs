@@ -5,7 +5,7 @@
 //!
 //! Each file is run as 64 equal rows on one core, at steps of 0.1 ms up to at most one second, by both methods, and once by
 //! the event-located engine at its own tolerance, whose end the rows must come to: how near is printed, and a row that is
-//! further off than a thousandth of the muscle's length fails the benchmark.
+//! further off than a thousandth of the muscle's length fails the benchmark. Lengths are distances between the ends.
 
 use mckibben::plant::{Plant, PlantRun};
 use mckibben::simulation::{Method, simulate};
@@ -72,7 +72,7 @@ fn measure(file: &str) -> Result<Cost, String> {
         let began = Instant::now();
         let trajectory = simulate(&rig, start, duration, run.relative_tolerance).map_err(|error| error.to_string())?;
         located = located.min(began.elapsed().as_secs_f64());
-        reference = trajectory.at(duration).length;
+        reference = trajectory.at(duration).load_distance;
     }
     let mut cost = Cost { steps: [f64::INFINITY; 2], located: located / duration * 1e6, apart: 0.0 };
     for (place, method) in [Method::Rk4, Method::Stable].into_iter().enumerate() {
@@ -85,7 +85,7 @@ fn measure(file: &str) -> Result<Cost, String> {
             let each = began.elapsed().as_secs_f64() / (steps as f64 * ROWS as f64);
             cost.steps[place] = cost.steps[place].min(each * 1e9);
             let end = batch.row(0).map_err(|error| error.to_string())?.sample();
-            let apart = (end.actuators[0].length - reference).abs() / rig.actuator().limits().max_length();
+            let apart = (end.actuators[0].distance - reference).abs() / rig.actuator().limits().max_length();
             if apart.is_nan() || apart > REFUSED {
                 return Err(format!("the {method:?} method ends {apart:e} of the longest length off"));
             }

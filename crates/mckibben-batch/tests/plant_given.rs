@@ -2,7 +2,7 @@
 //! for bit.
 
 use crate::common::{PSI, Paper, ROOM, spread};
-use crate::plant_batch::{agree, rows};
+use crate::plant_batch::{agree, bits, rows};
 use mckibben::line::{Hose, HoseKind, Line};
 use mckibben::load::{Load, Motion, SeriesTendon};
 use mckibben::plant::{Plant, PlantSteps};
@@ -79,5 +79,38 @@ fn seats_and_spools_under_way_are_those_alone() {
                 steps.set(0, RuntimeCommand::Position(2.0 * spread(row, 2) - 1.0)).expect("a position");
             }
         });
+    }
+}
+
+/// Many steps in one go, whose seats are under way: rows are looked after less often.
+#[test]
+fn seats_under_way_in_long_spans_are_those_alone() {
+    for (ramp, standard) in [([3.1e-3, 2.3e-3], 0), ([2e-3, 1e-3], 1)] {
+        let paper = Paper::pwm(25.0, 0.5).gauge(30.0 * PSI).friction(3.5, if standard == 0 { 0.0 } else { 1e-4 });
+        let ramp = Ramp::new(ramp[0], ramp[1]).expect("a ramp");
+        let rig = paper.rig();
+        let Some(Actuation { solenoid, command }) = rig.actuation().cloned() else { unreachable!("it has a valve") };
+        let ramped = Actuation { solenoid: solenoid.with_ramp(ramp), command };
+        let actuator = paper.actuator().with_valve(paper.valve());
+        let rig = Rig::new(actuator, Some(ramped), paper.load.clone()).expect("a rig");
+        let start = rig.start(&paper.initial()).expect("a start");
+        let (plant, start) = (Plant::of_rig(&rig), Plant::start_of_rig(&rig, &start));
+        for method in [Method::Rk4, Method::Stable] {
+            let mut alone = rows(&plant, &start, method, 5).expect("rows");
+            let mut batch = PlantBatch::new(alone.clone()).expect("a batch");
+            for count in 0..20 {
+                let from = batch.time();
+                let until = f64::from(count + 1) * 0.05;
+                batch.advance(until, 500).expect("on");
+                for step in 1..=500_u32 {
+                    let end = if step == 500 { until } else { from + (until - from) * (f64::from(step) / 500.0) };
+                    alone.iter_mut().for_each(|row| row.advance_to(end).expect("on"));
+                }
+                for (index, row) in alone.iter().enumerate() {
+                    let found = batch.row(index).expect("it goes on").state().to_vec();
+                    assert_eq!(bits(&found), bits(row.state()), "row {index}, {method:?}, {until} s: {found:?}");
+                }
+            }
+        }
     }
 }
