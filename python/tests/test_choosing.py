@@ -184,8 +184,8 @@ def test_an_interrupted_search_returns_the_best_values(rig):
 def test_what_cannot_be_searched_is_refused(rig, vary, options, words):
     with pytest.raises(mckibben.InputError) as refused:
         mckibben.design(rig, vary, **options)
-    told = str(refused.value)
-    assert words in told and "--" not in told.replace("--format json", "").replace("-->", ""), told
+    text = str(refused.value)
+    assert words in text and "--" not in text.replace("--format json", "").replace("-->", ""), text
 
 
 def test_what_nothing_meets_is_no_result(rig):

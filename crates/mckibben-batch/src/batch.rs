@@ -1,12 +1,12 @@
 //! Rows, dealt to blocks of equal structure, and their way through time on all cores.
 
 use crate::block;
-use crate::group::{Group, arrange, edges_of};
+use crate::group::{Group, arrange};
 use crate::held;
 use crate::row::{Change, Row};
 use crate::span::Span;
 use crate::width::Width;
-use mckibben::internals::{check_move, part_end, parts_of};
+use mckibben::internals::{check_longest_part, check_move, part_end, parts_of};
 use mckibben::plant::{Plant, PlantSample, PlantSteps};
 use mckibben::valve::RuntimeCommand;
 use mckibben::{Error, Response, parameter};
@@ -97,7 +97,7 @@ impl PlantBatch {
                 remedy: "begin all of them at the same time with the same method, or make a batch of those that agree",
             });
         }
-        let edges = rows.iter().map(edges_of).fold(0.0, f64::max);
+        let edges = rows.iter().map(PlantSteps::edge_rate).fold(0.0, f64::max);
         let (groups, places, coordinates) = arrange(rows, width);
         let (longest_part, ends) = (f64::INFINITY, Vec::new());
         let keeps_to_thread = false;
@@ -164,12 +164,8 @@ impl PlantBatch {
     /// # Errors
     /// As [`PlantBatch::row`]; [`Error::Misuse`] where there is not one number for each state.
     pub fn read(&self, row: usize, state: &mut [f64]) -> Result<(), Error> {
-        let [group, lane] = self.place(row)?;
-        let Group { rows, lanes, .. } = &self.groups[group];
+        let (Group { rows, lanes, .. }, lane) = self.of_living(row)?;
         let row = &rows[lane];
-        if let Some(fault) = &row.fault {
-            return Err(fault.clone());
-        }
         if state.len() != row.steps.state().len() {
             return Err(Error::Misuse {
                 what: "the states of an element are requested in a slice whose length is not their number",
@@ -235,9 +231,7 @@ impl PlantBatch {
     /// # Errors
     /// As [`PlantSteps::limit_step`].
     pub fn limit_step(&mut self, longest: f64) -> Result<(), Error> {
-        if longest != f64::INFINITY {
-            parameter::STEP.check(longest)?;
-        }
+        check_longest_part(longest)?;
         self.longest_part = longest;
         Ok(())
     }
@@ -290,11 +284,7 @@ impl PlantBatch {
     /// # Errors
     /// As [`PlantBatch::row`].
     pub fn responses(&self, row: usize) -> Result<&[Response], Error> {
-        let [group, lane] = self.place(row)?;
-        let Group { rows, responses, .. } = &self.groups[group];
-        if let Some(fault) = &rows[lane].fault {
-            return Err(fault.clone());
-        }
+        let (Group { rows, responses, .. }, lane) = self.of_living(row)?;
         let count = responses.len() / rows.len();
         Ok(&responses[count * lane..count * (lane + 1)])
     }
@@ -304,12 +294,8 @@ impl PlantBatch {
     /// # Errors
     /// As [`PlantBatch::row`]; [`Error::Misuse`] when there is no such actuator.
     pub fn pressure(&self, row: usize, actuator: usize) -> Result<f64, Error> {
-        let [group, lane] = self.place(row)?;
-        let Group { rows, lanes, .. } = &self.groups[group];
+        let (Group { rows, lanes, .. }, lane) = self.of_living(row)?;
         let row = &rows[lane];
-        if let Some(fault) = &row.fault {
-            return Err(fault.clone());
-        }
         let Some(here) = row.steps.plant().indices().actuators.get(actuator) else { return Err(NO_ACTUATOR) };
         Ok(match lanes {
             Some(lanes) if row.change == Change::None => lanes.read_one(lane, here.pressure),
@@ -359,7 +345,7 @@ impl PlantBatch {
         if is_covered && !is_same && block::structure(steps.plant()) != block::structure(old.plant()) {
             return Err(OTHER_STRUCTURE);
         }
-        let edges = edges_of(&steps);
+        let edges = steps.edge_rate();
         let begun = Row::new(steps, row, rows[lane].coordinates.start);
         if begun.coordinates != rows[lane].coordinates {
             return Err(OTHER_STRUCTURE);
@@ -437,6 +423,13 @@ impl PlantBatch {
 
     fn place(&self, row: usize) -> Result<[usize; 2], Error> {
         self.places.get(row).copied().ok_or(NO_ROW)
+    }
+
+    /// The group of a row that has not stopped, and its lane there, without bringing it up to date.
+    fn of_living(&self, row: usize) -> Result<(&Group, usize), Error> {
+        let [group, lane] = self.place(row)?;
+        let group = &self.groups[group];
+        group.rows[lane].fault.clone().map_or(Ok((group, lane)), Err)
     }
 
     fn living(&mut self, row: usize) -> Result<&mut Row, Error> {

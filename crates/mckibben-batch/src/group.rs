@@ -76,7 +76,7 @@ impl Group {
             let row = self.bring(lane);
             row.changes(Change::Commands);
             row.steps.set(valve, demand)?;
-            edges = edges_of(&row.steps);
+            edges = row.steps.edge_rate();
         }
         if let Some(place) = place {
             self.commands[place] = Some(demand);
@@ -106,12 +106,6 @@ impl Group {
 /// Whether a valve that is set to a command again goes on as it is.
 fn goes_on(command: &RuntimeCommand) -> bool {
     matches!(command, RuntimeCommand::Request(_) | RuntimeCommand::Pulses { .. })
-}
-
-/// Edges of pulses in a second that the valves of a row have been set to.
-pub(crate) fn edges_of(steps: &PlantSteps) -> f64 {
-    let valves = steps.mode().network.valves.iter();
-    valves.filter_map(|valve| valve.pulse_frequency()).map(|frequency| 2.0 * frequency).sum()
 }
 
 /// Deals rows to groups: those of equal structure side by side, all others individually. The groups, the places of the rows in

@@ -283,7 +283,7 @@ fn x_range(figure: &Figure) -> Range {
     Range::new(extent.or(frames), &figure.x, if tight { 0.0 } else { margin })
 }
 
-/// The range of y of a panel of this height: that of what is seen within the range of x.
+/// The range of y of a panel: that of what is seen within the range of x.
 fn y_range(panel: &Panel, x: Range) -> Range {
     let scale = panel.y.scale;
     let mut extent = None;

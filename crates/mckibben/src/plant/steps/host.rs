@@ -110,6 +110,14 @@ pub fn parts_of(span: f64, longest: f64) -> u64 {
     ((span / longest - ROUNDING) as u64).saturating_add(1)
 }
 
+/// That a length in s limits the parts of moves, or infinity that leaves them whole.
+///
+/// # Errors
+/// [`Error::OutOfRange`] unless it is above zero.
+pub fn check_longest_part(longest: f64) -> Result<(), Error> {
+    if longest == f64::INFINITY { Ok(()) } else { parameter::STEP.check(longest).map(drop) }
+}
+
 /// That a move of a span in s can be taken, in so many parts with the edges of pulses.
 ///
 /// # Errors
@@ -167,9 +175,7 @@ impl<R: Instantiate> PlantSteps<R> {
     /// # Errors
     /// [`Error::OutOfRange`] unless `longest` is above zero. Then nothing has changed.
     pub fn limit_step(&mut self, longest: f64) -> Result<(), Error> {
-        if longest != f64::INFINITY {
-            parameter::STEP.check(longest)?;
-        }
+        check_longest_part(longest)?;
         self.longest_part = longest;
         Ok(())
     }
@@ -178,9 +184,14 @@ impl<R: Instantiate> PlantSteps<R> {
     /// of the pulses that valves have been set to.
     pub fn parts_until(&self, until: R) -> f64 {
         let span = (until - self.time()).value();
+        parts_of(span, self.longest_part) as f64 + self.edge_rate() * span
+    }
+
+    /// Edges in a second of the pulses that valves have been set to.
+    #[doc(hidden)]
+    pub fn edge_rate(&self) -> f64 {
         let valves = self.mode().network.valves.iter();
-        let edges: f64 = valves.filter_map(|valve| valve.pulse_frequency()).map(|its| 2.0 * span * its.value()).sum();
-        parts_of((until - self.time()).value(), self.longest_part) as f64 + edges
+        valves.filter_map(|valve| valve.pulse_frequency()).map(|frequency| 2.0 * frequency.value()).sum()
     }
 
     /// The ends of all external mechanisms go in straight lines to `distances` in m at `until` in s: one distance for each
