@@ -385,14 +385,15 @@ impl Actuators {
         check_parts(parts, dt).raised()?;
         let spans = (parts / UNHEARD).ceil().max((parts * count as f64 / UNHEARD_TOGETHER).ceil());
         let before = (spans > 1.0).then(|| many.clone());
-        let begin = many.distances.clone();
+        let line = |many: &Many| if spans > 1.0 { many.distances.clone() } else { Vec::new() };
+        let begin = line(many);
         if let Some(command) = command {
             let demand = |row: usize| model.demand("command", &Asked::Number(command[row])).ok();
             let set = py.detach(|| self.share(many, |many| many.batch.set_each(0, demand))).raised()?;
             set.map_err(|(row, error)| of_row(error.into(), row)).raised()?;
         }
         let (stay, out_of_reach) = many.take(length);
-        let end = many.distances.clone();
+        let end = line(many);
         let mut span = 0.0;
         while span < spans {
             span += 1.0;
