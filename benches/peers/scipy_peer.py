@@ -25,7 +25,7 @@ SLACK, FREE, TAUT, REBOUND = range(4)
 class Mode:
     port: int
     zone: int = CHOKED_IN
-    extent: int = FREE
+    regime: int = FREE
     sliding: int = 1  # +1 lengthening, -1 shortening, 0 stuck
     clamped: bool = False
 
@@ -75,7 +75,7 @@ class Muscle:
     def force(self, mode, length, velocity, pressure):
         total = self.static_force(length, pressure) + self.k.viscous * velocity
         total += mode.sliding * self.coulomb(length, pressure)
-        return total + self.limit(length, velocity) if mode.extent == TAUT else total
+        return total + self.limit(length, velocity) if mode.regime == TAUT else total
 
     def flow(self, mode):
         """Net flow in kg/s as a function of pressure, mass and volume."""
@@ -117,11 +117,11 @@ class Muscle:
         k, flow = self.k, self.flow(mode)
         gamma, pull, load, external = k.gamma, k.pull, k.mass, k.external_volume
         thread2, turns = k.thread_length**2, k.inverse_turns
-        slack, stuck = mode.extent == SLACK, mode.sliding == 0
+        slack, stuck = mode.regime == SLACK, mode.sliding == 0
         pulls = not (slack or stuck or mode.clamped)
         atmosphere, viscous = k.atmosphere, k.viscous
         secant, shortest = mode.sliding * k.coulomb_width * 3, k.min_length
-        taut = mode.extent == TAUT
+        taut = mode.regime == TAUT
         stiffness, damping, longest = k.stiffness, k.damping, k.max_length
 
         def derivative(_time, state):
@@ -166,7 +166,7 @@ class Muscle:
             if mode.zone < CHOKED_OUT:
                 high = bounds[mode.zone] * (1 + self.band)
                 guards.append(("pressure up", lambda _, y: high - y[2]))
-        if mode.extent == SLACK:
+        if mode.regime == SLACK:
             return [*guards, ("tight", lambda _, y: k.min_length - y[0])]
         if mode.sliding == 0:
             longer = lambda _, y: self.holdable(y[0], y[2])[1] + band - k.pull  # noqa: E731
@@ -175,25 +175,25 @@ class Muscle:
         sliding, sign = mode.sliding, -1 if mode.clamped else 1
         # A motion that begins at rest and comes to rest within one step must not be found at its beginning.
         guards.append(("rest", lambda _, y: sliding * y[1] + self.rest_band))
-        if mode.extent == FREE:
+        if mode.regime == FREE:
             guards.append(("slack", lambda _, y: y[0] - k.min_length))
             guards.append(("taut", lambda _, y: k.max_length - y[0]))
-        elif mode.extent == TAUT:
+        elif mode.regime == TAUT:
             guards.append(("rebound", lambda _, y: self.limit(y[0], y[1])))
         else:
-            guards.append(("untaut", lambda _, y: y[0] - k.max_length))
+            guards.append(("taut end", lambda _, y: y[0] - k.max_length))
             guards.append(("retaut", lambda _, y: -self.limit(y[0], y[1])))
         guards.append(("tension", lambda _, y: sign * self.force(mode, y[0], y[1], y[2]) + band))
         return guards
 
     def with_clamp(self, mode, state):
-        moves = mode.extent != SLACK and mode.sliding != 0
+        moves = mode.regime != SLACK and mode.sliding != 0
         return replace(mode, clamped=bool(moves and self.force(mode, *state[:3]) < 0))
 
     def slide(self, mode, state, sliding):
         slack = sliding < 0 and state[0] <= self.k.min_length
-        extent = SLACK if slack else mode.extent
-        return self.with_clamp(replace(mode, sliding=sliding, extent=extent), state)
+        regime = SLACK if slack else mode.regime
+        return self.with_clamp(replace(mode, sliding=sliding, regime=regime), state)
 
     def rest_or_slide(self, mode, state):
         least, most = self.holdable(state[0], state[2])
@@ -215,10 +215,10 @@ class Muscle:
         k = self.k
         mode = self.open(Mode(CLOSED, sliding=-1 if state[1] < 0 else 1), state, int(k.initial_port))
         if state[0] > k.max_length:
-            mode = replace(mode, extent=TAUT if self.limit(*state[:2]) >= 0 else REBOUND)
+            mode = replace(mode, regime=TAUT if self.limit(*state[:2]) >= 0 else REBOUND)
         elif state[0] < k.min_length:
-            mode = replace(mode, extent=SLACK)
-        if state[1] == 0 and mode.extent != SLACK:
+            mode = replace(mode, regime=SLACK)
+        if state[1] == 0 and mode.regime != SLACK:
             mode = self.rest_or_slide(mode, state)
         return self.with_clamp(mode, state)
 
@@ -233,15 +233,15 @@ class Muscle:
             state[0] = k.min_length
             if self.rests_on_the_stop(state):
                 state[1] = 0.0
-                return self.slide(replace(mode, extent=FREE), state, 0)
+                return self.slide(replace(mode, regime=FREE), state, 0)
             if event == "slack":
-                return self.with_clamp(replace(mode, extent=SLACK), state)
-            return self.slide(replace(mode, extent=FREE), state, 1)
-        if event in ("taut", "untaut"):
+                return self.with_clamp(replace(mode, regime=SLACK), state)
+            return self.slide(replace(mode, regime=FREE), state, 1)
+        if event in ("taut", "taut end"):
             state[0] = k.max_length
-        if event in ("taut", "retaut", "rebound", "untaut"):
-            extent = {"rebound": REBOUND, "untaut": FREE}.get(event, TAUT)
-            return self.with_clamp(replace(mode, extent=extent), state)
+        if event in ("taut", "retaut", "rebound", "taut end"):
+            regime = {"rebound": REBOUND, "taut end": FREE}.get(event, TAUT)
+            return self.with_clamp(replace(mode, regime=regime), state)
         if event == "rest":
             state[1] = 0.0
             return self.rest_or_slide(mode, state)

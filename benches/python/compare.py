@@ -103,7 +103,7 @@ def one_run(of: work.Work, tolerance: float, rounds: int) -> None:
     name = f"mckibben.simulate at {tolerance:.0e}"
     error = of.error(simulate())
     print(f"one run of {of.spans[-1][1]:g} s, {len(of.samples)} samples, our relative tolerance {tolerance:.0e}")
-    runs, told = {name: simulate}, [(name, f"{tolerance:.0e}", error)]
+    runs, measured = {name: simulate}, [(name, f"{tolerance:.0e}", error)]
     for other, peer in everybody.items():
         setting = loosest(peer, lambda value, peer=peer: of.error(peer.run(value)), error)
         if setting is None:
@@ -114,9 +114,9 @@ def one_run(of: work.Work, tolerance: float, rounds: int) -> None:
         found = of.error(peer.run(setting))
         assert found <= error, (other, found)
         runs[other] = lambda peer=peer, setting=setting: peer.run(setting)
-        told.append((other, f"{setting:.1e}", found))
+        measured.append((other, f"{setting:.1e}", found))
     times = least(runs, rounds)
-    table([(who, setting, error, times[who]) for who, setting, error in told], name)
+    table([(who, setting, error, times[who]) for who, setting, error in measured], name)
 
 
 def truth_of(mass: float) -> np.ndarray:
@@ -184,7 +184,7 @@ def many_runs(of: work.Work, rows: int, tolerance: float, rounds: int) -> None:
         ),
         "diffrax, Dormand-Prince 5(4), jitted, vmapped": (vmapped, peers.TOLERANCES),
     }
-    runs, told, most = {}, [], float("inf")
+    runs, measured, most = {}, [], float("inf")
     for who, (run, settings) in everybody.items():
         peer = peers.Peer(who, functools.partial(run, checked), settings)
         setting = loosest(peer, lambda value, peer=peer: error_of(peer.run(value)), most)
@@ -196,12 +196,12 @@ def many_runs(of: work.Work, rows: int, tolerance: float, rounds: int) -> None:
         found = error_of(runs[who]()[checked])
         assert found <= most, (who, found)
         most = found if who == name else most
-        told.append((who, f"{setting:.1e}", found))
+        measured.append((who, f"{setting:.1e}", found))
     print(
         f"{rows} runs of {of.spans[-1][1]:g} s over the mass, {MASSES[0]:.2f} to {MASSES[1]:.2f} kg, on {CORES} cores"
     )
     times = least(runs, rounds)
-    table([(who, setting, error, times[who]) for who, setting, error in told], name)
+    table([(who, setting, error, times[who]) for who, setting, error in measured], name)
 
 
 def main() -> None:

@@ -24,7 +24,7 @@ use std::process::{Command, ExitCode, Stdio};
 use std::time::Instant;
 
 /// The numbers as scenario files name them, in the peer's order.
-const SOUGHT: [&str; 6] = [
+const UNKNOWNS: [&str; 6] = [
     "actuator.friction.viscous",
     "actuator.friction.coulomb_width",
     "valve.flow_area",
@@ -87,13 +87,13 @@ fn noise(place: usize) -> f64 {
 }
 
 fn compare() -> Result<(), String> {
-    let told = |error: &dyn std::fmt::Display| error.to_string();
+    let text_of = |error: &dyn std::fmt::Display| error.to_string();
     let folder = std::env::temp_dir().join(format!("mckibben-fit-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).map_err(|error| told(&error))?;
+    std::fs::create_dir_all(&folder).map_err(|error| text_of(&error))?;
     let (mut problems, mut runs) = (Vec::new(), Vec::new());
     for (number, run) in RUNS.into_iter().enumerate() {
         let path = folder.join("run.toml");
-        std::fs::write(&path, text(run)).map_err(|error| told(&error))?;
+        std::fs::write(&path, text(run)).map_err(|error| text_of(&error))?;
         let problem = Problem::load(&path)?;
         runs.push(recorded(&problem.scenario, number)?);
         problems.push(problem);
@@ -101,19 +101,19 @@ fn compare() -> Result<(), String> {
     let _ = std::fs::remove_dir_all(&folder);
     let mut base = problems[0].scenario.clone();
     let truth: Vec<f64> =
-        SOUGHT.iter().filter_map(|path| Place::find(path, &mut base).ok()?.value(&mut base)).collect();
+        UNKNOWNS.iter().filter_map(|path| Place::find(path, &mut base).ok()?.value(&mut base)).collect();
     let unknown = |place: usize| {
-        Unknown::new(SOUGHT[place], "", START[place] * truth[place])
+        Unknown::new(UNKNOWNS[place], "", START[place] * truth[place])
             .between(WITHIN[place][0] * truth[place], WITHIN[place][1] * truth[place])
     };
     let search = Search { known_scales: true, ..Search::default() };
-    let unknowns: Vec<Unknown> = (0..SOUGHT.len()).map(unknown).collect();
+    let unknowns: Vec<Unknown> = (0..UNKNOWNS.len()).map(unknown).collect();
     let task = Task { runs, unknowns, starts: Vec::new(), horizon: Horizon::Whole, search, tolerance: TOLERANCE };
     let mut best = f64::INFINITY;
     let mut found = None;
     for _ in 0..REPEATS {
         let before = Instant::now();
-        found = Some(task.identify().map_err(|error| told(&error))?);
+        found = Some(task.identify().map_err(|error| text_of(&error))?);
         best = best.min(before.elapsed().as_secs_f64());
     }
     let found = found.ok_or("no repeats")?.found.fit;
@@ -145,27 +145,27 @@ fn recorded(scenario: &Scenario, number: usize) -> Result<Recorded, String> {
     let run = simulate(&experiment.rig, experiment.start, 2.0, 1e-11).map_err(|error| error.to_string())?;
     let times: Vec<f64> = (1..=2000 / EVERY).map(|place| 1e-3 * (EVERY * place) as f64).collect();
     let mut base = scenario.clone();
-    let places = SOUGHT
+    let places = UNKNOWNS
         .map(|path| Place::find(path, &mut base))
         .into_iter()
         .collect::<Result<Vec<_>, _>>()
         .map_err(|error| error.to_string())?;
-    let course = |observed, deviation: f64, read: &dyn Fn(f64) -> f64| {
+    let time_series = |observed, deviation: f64, read: &dyn Fn(f64) -> f64| {
         let offset = 10_000 * number + 5000 * usize::from(observed == Observed::Length);
         let values =
             times.iter().enumerate().map(|(place, time)| read(*time) + deviation * noise(offset + place)).collect();
         TimeSeries { observed, times: times.clone(), values, deviation: Some(deviation), sensor: Sensor::default() }
     };
     let atmosphere = scenario.air.atmospheric_pressure;
-    let courses = vec![
-        course(Observed::Length, NOISE[0], &|time| run.at(time).length),
-        course(Observed::GaugePressure, NOISE[1], &|time| run.at(time).pressure.0 - atmosphere),
+    let series = vec![
+        time_series(Observed::Length, NOISE[0], &|time| run.at(time).length),
+        time_series(Observed::GaugePressure, NOISE[1], &|time| run.at(time).pressure.0 - atmosphere),
     ];
     Ok(Recorded {
         name: format!("{number}"),
         subject: Adjustable::new(base, places, [true; 2]).into(),
-        unknowns: (0..SOUGHT.len()).collect(),
-        courses,
+        unknowns: (0..UNKNOWNS.len()).collect(),
+        series,
     })
 }
 
@@ -183,7 +183,7 @@ fn peer(problems: &[Problem], task: &Task) -> Result<(f64, u64, f64, Vec<f64>), 
         .zip(problems)
         .map(|(run, problem)| {
             let atmosphere = problem.scenario.air.atmospheric_pressure;
-            let pairs = run.courses[0].values.iter().zip(&run.courses[1].values);
+            let pairs = run.series[0].values.iter().zip(&run.series[1].values);
             pairs.map(|(length, gauge)| [*length, gauge + atmosphere]).collect()
         })
         .collect();
@@ -217,7 +217,7 @@ fn peer(problems: &[Problem], task: &Task) -> Result<(f64, u64, f64, Vec<f64>), 
         .enumerate()
         .map(|(place, value): (usize, f64)| value / factor(place))
         .collect();
-    match (&head[..], values.len() == SOUGHT.len()) {
+    match (&head[..], values.len() == UNKNOWNS.len()) {
         (&[seconds, evaluations, cost], true) => Ok((seconds, evaluations as u64, cost, values)),
         _ => Err("SciPy's answer cannot be read; is SciPy installed? python3 -m pip install scipy".to_owned()),
     }

@@ -39,20 +39,20 @@ fn main() -> ExitCode {
 /// microseconds of the event-located engine for a second.
 fn measure(file: &str) -> Result<[f64; 5], String> {
     let document = Document::load(Path::new(file)).map_err(|error| error.to_string())?;
-    let told = |error: mckibben_scenario::Diagnostics| error.to_string();
-    if let Some(of) = document.controlled_joint_experiment().map_err(told)? {
+    let message = |error: mckibben_scenario::Diagnostics| error.to_string();
+    if let Some(of) = document.controlled_joint_experiment().map_err(message)? {
         return controlled_joint(&of);
     }
-    if let Some(of) = document.joint_experiment().map_err(told)? {
+    if let Some(of) = document.joint_experiment().map_err(message)? {
         let open = of_joint(&of.rig, of.start, &of.run)?;
         let joint = JointPlant::new(&of.rig).map_err(|error| error.to_string())?;
         let located = located(&of.run, |until| joint.simulate(&of.start, until, of.run.relative_tolerance).map(drop))?;
         return Ok(row(open.map(|(cost, _)| cost), [f64::NAN; 2], located));
     }
-    if let Some(of) = document.controlled_experiment().map_err(told)? {
+    if let Some(of) = document.controlled_experiment().map_err(message)? {
         return controlled(&of);
     }
-    let of = document.experiment().map_err(told)?;
+    let of = document.experiment().map_err(message)?;
     let open = of_rig(&of.rig, of.start, &of.run)?;
     let located = located(&of.run, |until| simulate(&of.rig, of.start, until, of.run.relative_tolerance).map(drop))?;
     Ok(row(open.map(|(cost, _)| cost), [f64::NAN; 2], located))

@@ -25,7 +25,7 @@ fn main() -> ExitCode {
     println!("{:<48}{:>12}{:>12}{:>12}", "file", "alone", "one thread", "two threads");
     for file in std::env::args().skip(1) {
         match of_file(&file) {
-            Ok(cost) => tell(&file, cost),
+            Ok(cost) => print_cost(&file, cost),
             Err(text) => {
                 eprintln!("{file}: {text}");
                 return ExitCode::FAILURE;
@@ -35,33 +35,33 @@ fn main() -> ExitCode {
     ExitCode::SUCCESS
 }
 
-fn tell(name: &str, cost: [f64; 3]) {
+fn print_cost(name: &str, cost: [f64; 3]) {
     println!("{name:<48}{}", cost.map(|value| format!("{value:>12.0}")).concat());
 }
 
 /// The costs of a file's rows.
 fn of_file(file: &str) -> Result<[f64; 3], String> {
     let document = Document::load(Path::new(file)).map_err(|error| error.to_string())?;
-    let told = |error: Diagnostics| error.to_string();
-    if let Some(of) = document.controlled_joint_experiment().map_err(told)? {
+    let message = |error: Diagnostics| error.to_string();
+    if let Some(of) = document.controlled_joint_experiment().map_err(message)? {
         return measure_plants(|| {
             let joint = JointPlant::new(&of.experiment.rig)?;
             steps(&joint, &of.experiment.start, Some(of.driver(&joint)?))
         });
     }
-    if let Some(of) = document.joint_experiment().map_err(told)? {
+    if let Some(of) = document.joint_experiment().map_err(message)? {
         return measure_plants(|| steps(&JointPlant::new(&of.rig)?, &of.start, None));
     }
-    if let Some(of) = document.controlled_experiment().map_err(told)? {
+    if let Some(of) = document.controlled_experiment().map_err(message)? {
         return measure_plants(|| {
             let plant = RigPlant::new(&of.experiment.rig);
             steps(&plant, &of.experiment.start, Some(of.driver(&plant)?))
         });
     }
-    if let Some(of) = document.plant_experiment().map_err(told)? {
+    if let Some(of) = document.plant_experiment().map_err(message)? {
         return measure_plants(|| Ok(PlantRun::new(&of.plant, &of.start, 1e-9)?.steps(METHOD)));
     }
-    let of = document.experiment().map_err(told)?;
+    let of = document.experiment().map_err(message)?;
     measure_plants(|| steps(&RigPlant::new(&of.rig), &of.start, None))
 }
 

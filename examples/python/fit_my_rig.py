@@ -122,8 +122,8 @@ print(f"{'':28s}{'drawing':>10s}{'found':>12s}{'95 % interval':>26s}{'made with'
 for estimate in found.estimates:
     low, high = estimate.confidence_interval
     name = estimate.name
-    told = f"{low:.5g} to {high:.5g}"
-    print(f"{name:28s}{DRAWN[name]:10.5g}{estimate.value:12.5g}{told:>26s}{MADE_WITH[name]:12.5g}  {estimate.unit}")
+    interval = f"{low:.5g} to {high:.5g}"
+    print(f"{name:28s}{DRAWN[name]:10.5g}{estimate.value:12.5g}{interval:>26s}{MADE_WITH[name]:12.5g}  {estimate.unit}")
 
 figure, axis = plt.subplots(figsize=(6.2, 2.4))
 for row, estimate in enumerate(found.estimates):

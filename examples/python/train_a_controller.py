@@ -80,12 +80,12 @@ def worth(networks: np.ndarray, seed: int) -> np.ndarray:
 
 # %%
 search = cma.CMAEvolutionStrategy(np.zeros(COUNT), 0.8, {"popsize": NETWORKS, "seed": 1, "verbose": -9})
-course = []
+rewards_over = []
 for generation in range(GENERATIONS):
     networks = np.array(search.ask())
     rewards = worth(networks, seed=generation)
     search.tell(list(networks), list(-rewards))
-    course.append((rewards.max(), np.median(rewards)))
+    rewards_over.append((rewards.max(), np.median(rewards)))
 trained = search.result.xfavorite
 many.close()
 
@@ -100,7 +100,7 @@ many.close()
 many = gymnasium.make_vec("mckibben/HangingMass-v0", num_envs=256, **OPTIONS)
 
 
-def course_of(control) -> tuple[np.ndarray, np.ndarray, float]:
+def trajectory_of(control) -> tuple[np.ndarray, np.ndarray, float]:
     """Lengths and targets in m over time, and the mean reward, under what `control` answers to observations."""
     observed, _ = many.reset(seed=1_000_000)
     lengths, total = [many.unwrapped.observations[:, 0].copy()], 0.0
@@ -119,8 +119,8 @@ def by_hand(observed: np.ndarray) -> np.ndarray:
     return np.select([too_long > 0.05, too_long < -0.05], [FILL, EXHAUST], HOLD)
 
 
-_, _, first = course_of(by_hand)
-lengths, targets, reward = course_of(lambda observed: requests(trained[None, :], observed))
+_, _, first = trajectory_of(by_hand)
+lengths, targets, reward = trajectory_of(lambda observed: requests(trained[None, :], observed))
 late = np.abs(lengths[-40:] - targets).mean(axis=0)
 print(f"mean reward: trained {reward:.3f}, by hand {first:.3f}")
 print(f"distance from the target in the last 0.2 s: median {np.median(late) * 1e3:.2f} mm of 20 mm")
@@ -128,7 +128,7 @@ assert reward > 0.6 * first, "the trained controller is not much better than tha
 
 # %%
 figure, (left, right) = plt.subplots(1, 2, figsize=(7.6, 3.2))
-for values, label in zip(np.transpose(course), ["best of a generation", "median"], strict=True):
+for values, label in zip(np.transpose(rewards_over), ["best of a generation", "median"], strict=True):
     left.plot(values, label=label)
 left.axhline(first, color="0.6", linestyle="--", label="by hand")
 left.set(xlabel="generation", ylabel="mean reward", title="Training")

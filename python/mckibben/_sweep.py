@@ -313,8 +313,8 @@ def _on_executor(executor: concurrent.futures.Executor, todo: Sweep, missing: li
             else:
                 put(part, data)
     if lost:
-        told = f"the executor failed ({reason}); this process computes the {len(lost)} parts that are missing"
-        warnings.warn(told, RuntimeWarning, stacklevel=3)
+        message = f"the executor failed ({reason}); this process computes the {len(lost)} parts that are missing"
+        warnings.warn(message, RuntimeWarning, stacklevel=3)
         with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
             for part, data in zip(lost, pool.map(todo.part, lost)):
                 put(part, data)

@@ -45,13 +45,13 @@ def actuators(draw: st.DrawFn) -> Sections:
         "external_volume": draw(quantity(0.5, 6, "mL", "cm^3")),
         "friction": {"viscous": draw(quantity(0, 30, "N*s/m"))},
     }
-    rubs = draw(st.sampled_from(["not", "width", "force", "hysteresis"]))
-    if rubs == "width":
+    friction = draw(st.sampled_from(["not", "width", "force", "hysteresis"]))
+    if friction == "width":
         actuator["friction"]["coulomb_width"] = draw(quantity(0, 0.3, "mm"))
-    elif rubs == "force":
+    elif friction == "force":
         actuator["friction"]["coulomb_force"] = draw(quantity(0, 3, "N"))
         actuator["friction"]["static_ratio"] = draw(number(1, 1.5))
-    elif rubs == "hysteresis":
+    elif friction == "hysteresis":
         actuator["friction"]["hysteresis"] = draw(hysteresis())
     if draw(st.booleans()):
         actuator["leakage"] = draw(quantity(0, 1e-12, "m^3/(s*Pa)"))

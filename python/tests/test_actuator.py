@@ -72,7 +72,7 @@ def test_derivatives_are_those_of_the_tension(any_scenario):
     ("example", "asked"),
     [("tendon", 0.5), ("valves/pressure-regulator", 2e5), ("valves/proportional-spool", 0.4)],
 )
-def test_a_number_is_asked_in_the_kind_of_the_valve(examples, example, asked):
+def test_a_number_is_a_command_of_the_kind_of_valve(examples, example, asked):
     """A duty cycle with a tendon, the set point of a regulator, the position of a spool: alone and together."""
     scenario = mckibben.Scenario.from_file(examples / f"{example}.toml")
     one, many = mckibben.Actuator(scenario, pulse_frequency=25.0), mckibben.Actuators(scenario, 3, pulse_frequency=25.0)
@@ -115,30 +115,30 @@ def test_many_together_are_each_by_itself(any_scenario):
     length, velocity = numpy.full(count, first), numpy.zeros(count)
     duty = random.uniform(0.0, 1.0, count)
     tension, per_length, per_velocity, pressure = numpy.zeros((4, count))
-    courses = first + numpy.cumsum(random.uniform(-4e-5, 3e-5, (steps, count)), axis=0)
-    for course in courses:
-        numpy.subtract(course, length, out=velocity)
+    all_lengths = first + numpy.cumsum(random.uniform(-4e-5, 3e-5, (steps, count)), axis=0)
+    for lengths_now in all_lengths:
+        numpy.subtract(lengths_now, length, out=velocity)
         velocity /= STEP
-        length[:] = course
+        length[:] = lengths_now
         many.step(length, velocity, duty, STEP, tension, per_length=per_length, per_velocity=per_velocity,
                   absolute_pressure=pressure)
     for row in [0, 1, 150, 299]:
         state, before = one.start(), first
-        for course in courses:
-            state, pull, response = one.step(state, course[row], (course[row] - before) / STEP, duty[row], STEP)
-            before = course[row]
+        for lengths_now in all_lengths:
+            state, pull, response = one.step(state, lengths_now[row], (lengths_now[row] - before) / STEP, duty[row], STEP)
+            before = lengths_now[row]
         assert (pull, response.per_length, response.per_velocity, state.absolute_pressure) == (
             tension[row], per_length[row], per_velocity[row], pressure[row]
         )
     many.reset()
     ended = tension.copy()
-    for row, course in enumerate(courses):
-        velocity[:] = (course - (courses[row - 1] if row else first)) / STEP
-        many.step(course, velocity, duty, STEP, tension)
+    for row, lengths_now in enumerate(all_lengths):
+        velocity[:] = (lengths_now - (all_lengths[row - 1] if row else first)) / STEP
+        many.step(lengths_now, velocity, duty, STEP, tension)
     numpy.testing.assert_array_equal(tension, ended)
 
 
-def test_what_cannot_be_asked_is_refused(scenario):
+def test_invalid_commands_are_refused(scenario):
     actuator = mckibben.Actuator(scenario)
     state = actuator.start()
     for command, words in [(1.5, "duty"), (-0.1, "duty"), (float("nan"), "duty"), ("hold", "cannot hold"), ("open", "fill")]:
@@ -220,7 +220,7 @@ def test_the_actuators_of_a_joint_are_taken_by_name(examples):
         mckibben.Actuator(mckibben.Scenario.from_file(examples / "plant/arm.toml"), "biceps")
 
 
-def test_each_actuator_has_parameters_of_its_own(scenario):
+def test_each_actuator_has_separate_parameters(scenario):
     parameters = ["actuator.turns", "valve.efficiency", "initial.gauge_pressure"]
     values = numpy.array([[2.4, 0.8, 1e5], [2.5, 0.85, 2e5], [2.6, 0.9, 0.0]])
     many = mckibben.Actuators(scenario, 3, parameters=parameters, values=values)

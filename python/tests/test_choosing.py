@@ -67,7 +67,7 @@ def test_it_is_what_the_program_writes(program, tmp_path):
         assert (float(least) if least else None) == muscle.sonic_conductance
 
 
-def test_the_valve_is_in_time_and_a_hose_asks_for_more():
+def test_the_valve_is_in_time_and_a_hose_needs_a_larger_one():
     sizes = mckibben.size(**ASKED, time=0.3, braid_angles=["25 deg"])
     place = next(place for place, muscle in enumerate(sizes) if muscle.name.startswith("braid"))
     muscle = sizes[place]

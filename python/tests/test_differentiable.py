@@ -82,7 +82,7 @@ def test_jax_differentiates_forwards_and_backwards(pulsed):
     numpy.testing.assert_allclose(jax.grad(reduced)(pulsed.defaults), expected, rtol=1e-13)
 
 
-def test_runs_of_a_vmap_are_those_alone_and_have_their_derivatives(pulsed):
+def test_runs_of_a_vmap_equal_single_runs_and_have_their_derivatives(pulsed):
     function = pulsed.for_jax()
     shares = 1 + 0.001 * numpy.arange(6).reshape(2, 3, 1)
     several = pulsed.defaults * shares
@@ -147,7 +147,7 @@ def test_a_sequence_of_controls_is_differentiated_by(file, values, paths, quanti
     assert (abs(slopes[-1, 0, taken]) > 0).all(), "entries before the last time have their part in it"
 
 
-def test_what_cannot_be_is_told(pulsed):
+def test_impossible_arguments_are_refused(pulsed):
     scenario = pulsed.scenario
     for by, of, at, words in [
         (["load.mas"], ["length"], [0.1], "did you mean `load.mass`"),

@@ -87,9 +87,9 @@ def test_its_examples_hold(name, monkeypatch, tmp_path):
     matplotlib.use("agg")
     monkeypatch.chdir(tmp_path)
     test = doctest.DocTestParser().get_doctest(doc_of(DOCUMENTED[name]), {}, name, None, 0)
-    told: list[str] = []
-    outcome = doctest.DocTestRunner().run(test, out=told.append)
-    assert outcome.attempted > 0 and outcome.failed == 0, "".join(told)
+    printed: list[str] = []
+    outcome = doctest.DocTestRunner().run(test, out=printed.append)
+    assert outcome.attempted > 0 and outcome.failed == 0, "".join(printed)
 
 
 def test_what_every_user_calls_has_an_example():
@@ -100,7 +100,7 @@ def test_the_reference_is_what_the_package_has():
     assert reference.outdated() == ""
 
 
-def test_a_line_that_is_not_due_is_told_with_the_remedy(monkeypatch, tmp_path):
+def test_an_outdated_line_is_reported_with_the_remedy(monkeypatch, tmp_path):
     page = tmp_path / "api.md"
     page.write_text(reference.page().replace("### Scenario\n", "### Scenarios\n", 1), encoding="utf-8")
     monkeypatch.setattr(reference, "PAGE", page)

@@ -120,7 +120,7 @@ def test_numbers_that_are_drawn_are_those_of_the_plant() -> None:
         assert (lengths(alone, 50)[:, 0] == drawn[:, row]).all()
 
 
-def test_noise_has_its_deviation_and_is_only_seen() -> None:
+def test_noise_has_its_standard_deviation_and_acts_on_observations_only() -> None:
     many = made(4000, noise={"length_m": 2e-4})
     observed, _ = many.reset(seed=2)
     low, high = many.unwrapped._episodes.task.targets["length_m"]
@@ -202,7 +202,7 @@ def test_what_cannot_be_is_refused() -> None:
     assert not shown.any()
 
 
-def test_a_plant_that_leaves_the_physics_ends_its_episode_alone() -> None:
+def test_a_non_physical_state_ends_only_the_episode_of_its_plant() -> None:
     # A step as long as this leaves the physics for the fast one of them.
     scenario = learning.task("HangingMass").scenario.with_values({"run.step": "100 ms"})
     volumes = [1e-2, 1e-6]

@@ -54,7 +54,7 @@ def kinds() -> list[Any]:
     ]
 
 
-def courses(
+def action_sequences(
     space: gymnasium.Space[Any], asked: str, steps: int, pulses: tuple[float, float] = (0.3, 0.8)
 ) -> tuple[np.ndarray, np.ndarray]:
     """Actions of one plant over some steps, and another for each of its valves in each: an array of (steps, valves) each."""
@@ -75,7 +75,7 @@ def courses(
 def test_every_action_changes_the_next_observation(name: str, options: dict[str, Any]) -> None:
     """One plant for each step and valve, which differs in that one action from the first plant."""
     alone = gymnasium.make(f"mckibben/{name}-v0", **options)
-    taken, another = courses(alone.action_space, options["action_mode"], STEPS)
+    taken, another = action_sequences(alone.action_space, options["action_mode"], STEPS)
     valves = taken.shape[1]
     many = gymnasium.make_vec(f"mckibben/{name}-v0", num_envs=1 + STEPS * valves, **options)
     many.reset(seed=1)
@@ -94,7 +94,7 @@ def test_every_action_changes_the_next_observation(name: str, options: dict[str,
 @pytest.mark.parametrize("asked", ["duty", "request"])
 def test_every_action_matters_in_the_single_form(asked: str) -> None:
     alone = gymnasium.make("mckibben/HangingMass-v0", action_mode=asked).unwrapped
-    taken, another = courses(alone.action_space, asked, STEPS)
+    taken, another = action_sequences(alone.action_space, asked, STEPS)
 
     def after(actions: np.ndarray) -> np.ndarray:
         alone.reset(seed=1)
@@ -115,7 +115,7 @@ def test_where_control_is_faster_the_phase_says_whether_an_action_matters(name: 
     alone = gymnasium.make(f"mckibben/{name}-v0", **options)
     steps = 18
     # Pulses that are over within a control period, 1 ms for the seat included: what they change, they change at once.
-    taken, another = courses(alone.action_space, "duty", steps, (0.13, 0.22))
+    taken, another = action_sequences(alone.action_space, "duty", steps, (0.13, 0.22))
     valves = taken.shape[1]
     phase = slice(len(alone.unwrapped._episodes.task.seen), len(alone.unwrapped._episodes.task.seen) + 2)
     under_way = slice(phase.stop, phase.stop + valves)

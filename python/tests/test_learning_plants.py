@@ -60,7 +60,7 @@ def history(name: str, rows: list[int], *, varies: bool = True) -> np.ndarray:
 
 @pytest.mark.parametrize("varies", [True, False])
 @pytest.mark.parametrize("name", TASKS)
-def test_every_plant_is_the_plant_alone_bit_for_bit(name: str, varies: bool) -> None:
+def test_every_plant_is_bit_identical_to_a_scalar_instance(name: str, varies: bool) -> None:
     together = history(name, list(range(COUNT)), varies=varies)
     assert len({together[:, row].tobytes() for row in range(COUNT)}) == COUNT
     for row in range(COUNT):

@@ -75,20 +75,20 @@ def test_a_point_that_is_none_is_refused_in_the_words_of_the_command_line(progra
     scenario = mckibben.Scenario.from_file(path)
     for options in [{"gauge_pressure": "60 mm"}, {"gauge_pressure": "60 psi", "length": "85 mm", "load": "5 lb"}, {"duty": 1.5}]:
         words = [f"--{name.replace('_', '-')}={value}" for name, value in options.items()]
-        told = program(tmp_path, "linearize", str(path), *words, code=2).stderr
+        printed = program(tmp_path, "linearize", str(path), *words, code=2).stderr
         with pytest.raises(mckibben.InputError) as raised:
             mckibben.linearize(scenario, **options)
         title = str(raised.value).splitlines()[0].removeprefix("error: ").removeprefix("`gauge_pressure`: ")
-        assert title in told
+        assert title in printed
 
 
 def test_quantities_are_text_with_a_unit_or_numbers_in_si(examples):
     scenario = mckibben.Scenario.from_file(examples / "paper/fig-12.toml")
-    told, numbers = [
+    printed, numbers = [
         mckibben.linearize(scenario, length=length, load=load, temperature=temperature)
         for length, load, temperature in [("85 mm", "40 N", "20 degC"), (0.085, 40, 293.15)]
     ]
-    assert told.operating_point == pytest.approx(numbers.operating_point, rel=1e-12)
+    assert printed.operating_point == pytest.approx(numbers.operating_point, rel=1e-12)
     for wrong, words in [(float("nan"), "pressure = NaN"), ("60 mm", "no pressure")]:
         with pytest.raises(mckibben.InputError, match=words):
             mckibben.linearize(scenario, gauge_pressure=wrong)
@@ -185,7 +185,7 @@ def test_parts_of_a_plant_are_identified(examples):
         assert numpy.sqrt(numpy.mean(off**2)) == pytest.approx(0.1, rel=0.15)
 
 
-def test_ring_downs_tell_their_friction(tmp_path):
+def test_ring_downs_identify_their_friction(tmp_path):
     """What was put in is found again under a sensor's noise, in each run that is measured, by the names that a scenario has."""
     random = numpy.random.default_rng(4)
     friction = {"actuator.friction.coulomb_width": 1e-4, "actuator.friction.viscous": 9.0}
@@ -225,10 +225,10 @@ def test_ring_downs_tell_their_friction(tmp_path):
 def test_presets_are_those_of_the_command_line(program, tmp_path):
     presets = mckibben.presets()
     for name, preset in presets.items():
-        told = program(tmp_path, "presets", name).stdout
-        assert f'{preset.section}.preset = "{name}"' in told
+        printed = program(tmp_path, "presets", name).stdout
+        assert f'{preset.section}.preset = "{name}"' in printed
         for key, of in preset.values.items():
-            row = next(line for line in told.splitlines() if line.split()[:1] == [key])
+            row = next(line for line in printed.splitlines() if line.split()[:1] == [key])
             assert (of.text or of.value) in row
             if of.assumed:
                 assert "assumed" in row
@@ -310,8 +310,8 @@ def test_a_linear_model_goes_to_control_by_the_names_of_its_signals(examples):
         model.states, model.inputs, model.outputs
     ]
     omega = numpy.array([0.3, 3.0, 30.0])
-    told = numpy.moveaxis(numpy.array(system.frequency_response(omega).frdata), 2, 0)
-    numpy.testing.assert_allclose(model.response(omega), told, rtol=1e-6)
+    printed = numpy.moveaxis(numpy.array(system.frequency_response(omega).frdata), 2, 0)
+    numpy.testing.assert_allclose(model.response(omega), printed, rtol=1e-6)
     figure = model.bode(outputs=["length"])
     assert [line.get_label() for line in figure.axes[1].lines] == ["length"]
     with pytest.raises(mckibben.InputError, match="no input `nothing`"):

@@ -323,9 +323,9 @@ def test_a_muscle_that_cannot_be_so_long_stops_with_one_warning():
     model = mujoco.MjModel.from_xml_string(text)
     data = mujoco.MjData(model)
     run(model, data, 0.01, 0.0)
-    told = log()
+    printed = log()
     assert data.actuator_force[0] == 0.0 and numpy.isfinite(data.qpos).all()
-    assert told.count("mckibben.muscle") == 1, told
+    assert printed.count("mckibben.muscle") == 1, printed
 
 
 def test_an_unknown_attribute_is_refused_by_mujoco():

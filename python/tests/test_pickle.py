@@ -69,7 +69,7 @@ def rig(request) -> mckibben.Scenario:
     return scenario.with_values(RIGS[request.param])
 
 
-def course(count: int) -> numpy.ndarray:
+def length_series(count: int) -> numpy.ndarray:
     random = numpy.random.default_rng(11)
     return 0.085 + 1e-4 * numpy.cumsum(random.uniform(-0.5, 0.5, count))
 
@@ -84,7 +84,7 @@ def test_a_state_goes_on_to_the_same_bits(rig):
     actuator = mckibben.Actuator(rig)
     other = pickle.loads(pickle.dumps(actuator))
     state, before = actuator.start(), actuator.start().length
-    for row, length in enumerate(course(60)):
+    for row, length in enumerate(length_series(60)):
         velocity, before = (length - before) / STEP, length
         copied = copy.deepcopy(state) if row % 2 else pickle.loads(pickle.dumps(state))
         assert copied == state and copied.time == state.time and copied.valve == state.valve
@@ -109,18 +109,18 @@ def test_many_go_on_to_the_same_bits(rig, again):
                        per_velocity=per_velocity, absolute_pressure=pressure)
         return found
 
-    step(many, course(17))
+    step(many, length_series(17))
     copied = again(many)
     assert len(copied) == count
-    expected = step(many, course(20))
-    numpy.testing.assert_array_equal(step(copied, course(20)), expected)
+    expected = step(many, length_series(20))
+    numpy.testing.assert_array_equal(step(copied, length_series(20)), expected)
     assert len(set(expected[3])) == count, "each has its own pressure"
     copied.reset()
     many.reset()
-    numpy.testing.assert_array_equal(step(copied, course(5)), step(many, course(5)))
+    numpy.testing.assert_array_equal(step(copied, length_series(5)), step(many, length_series(5)))
 
 
-def test_plants_are_made_anew(rig, again):
+def test_plants_are_rebuilt_from_a_pickle(rig, again):
     plants = mckibben.VectorPlant(rig, 3, parameters=["initial.gauge_pressure"], action_mode="request", pulse_frequency=PULSES)
     shown, stopped = numpy.zeros((3, len(plants.columns))), numpy.zeros(3, dtype=bool)
 
@@ -137,7 +137,7 @@ def test_plants_are_made_anew(rig, again):
     assert (step(plants) != first).any(), "the other went on"
 
 
-def test_plants_whose_actuators_have_names_are_made_anew(again, examples):
+def test_plants_whose_actuators_have_names_are_rebuilt_from_a_pickle(again, examples):
     leg = mckibben.Scenario.from_file(examples / "plant" / "leg.toml").with_values({"run.step": "1 ms"})
     plants = mckibben.VectorPlant(leg, 2, parameters=["mechanism.joints.knee.mass"], action_mode="set-point")
     copied = again(plants)

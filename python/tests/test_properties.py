@@ -65,7 +65,7 @@ def judge(run: mckibben.Trajectory) -> None:
 
 @hypothesis.settings(STEADY, max_examples=250)
 @hypothesis.given(mistaken())
-def test_a_mistake_is_told_and_nothing_else(sections):
+def test_a_mistake_raises_the_input_error_and_nothing_else(sections):
     run = simulated(sections)
     if run is not None:
         assert all(numpy.isfinite(run[name]).all() for name in STATES)

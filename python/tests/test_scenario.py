@@ -51,31 +51,31 @@ def test_other_values_leave_a_scenario_as_it_was(swing):
     "wrong",
     ["mass = 5", 'mass = "5 lbf"', 'mass = "-5 lb"', 'mas = "5 lb"', 'mass = "5 quux"', 'mass = ["5 lb"]', "mass ="],
 )
-def test_a_mistake_is_told_in_the_words_of_the_command_line(wrong, program, tmp_path, monkeypatch):
+def test_a_mistake_has_the_message_of_the_command_line(wrong, program, tmp_path, monkeypatch):
     (tmp_path / "swing.toml").write_text(SWING.replace('mass = "5 lb"', wrong))
     monkeypatch.chdir(tmp_path)
-    told = program(tmp_path, "simulate", "swing.toml", code=2).stderr
+    printed = program(tmp_path, "simulate", "swing.toml", code=2).stderr
     with pytest.raises(mckibben.InputError) as raised:
         mckibben.Scenario.from_file("swing.toml")
-    assert str(raised.value) == told.rstrip("\n")
+    assert str(raised.value) == printed.rstrip("\n")
     assert isinstance(raised.value, ValueError) and isinstance(raised.value, mckibben.Error)
 
 
-def test_a_contradiction_is_told_in_the_words_of_the_command_line(program, tmp_path, monkeypatch):
+def test_a_contradiction_has_the_message_of_the_command_line(program, tmp_path, monkeypatch):
     (tmp_path / "swing.toml").write_text(SWING + '[actuator]\nmax_length = "30 mm"\n')
     monkeypatch.chdir(tmp_path)
-    told = program(tmp_path, "simulate", "swing.toml", code=2).stderr
+    printed = program(tmp_path, "simulate", "swing.toml", code=2).stderr
     with pytest.raises(mckibben.InputError) as raised:
         mckibben.simulate(mckibben.Scenario.from_file("swing.toml"))
-    assert str(raised.value) == told.rstrip("\n")
+    assert str(raised.value) == printed.rstrip("\n")
 
 
 def test_a_file_that_is_not_there(program, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    told = program(tmp_path, "simulate", "absent.toml", code=2).stderr
+    printed = program(tmp_path, "simulate", "absent.toml", code=2).stderr
     with pytest.raises(mckibben.InputError) as raised:
         mckibben.Scenario.from_file("absent.toml")
-    assert str(raised.value) == told.rstrip("\n")
+    assert str(raised.value) == printed.rstrip("\n")
 
 
 def test_a_place_that_cannot_be_written_to(swing, tmp_path):
@@ -133,7 +133,7 @@ def test_attributes_cannot_change_the_scenario(examples):
     assert scenario.load.mass == mass
 
 
-def test_what_differs_is_told_by_paths(examples):
+def test_differences_are_reported_by_paths(examples):
     scenario = mckibben.Scenario.from_file(examples / "paper/fig-12.toml")
     other = scenario.with_values({"load.mass": 4.5, "actuator.friction.viscous": 2.0})
     viscous = scenario.to_dict()["actuator"]["friction"]["viscous"]

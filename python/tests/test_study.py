@@ -74,7 +74,7 @@ def test_frames_and_units_give_the_same_estimates(table, rig, lengths, found):
         assert again[name].value == pytest.approx(found[name].value, rel=1e-6)
 
 
-def test_columns_with_times_of_their_own_stand_in_tables_of_their_own(rig, lengths):
+def test_columns_with_separate_times_are_in_separate_tables(rig, lengths):
     run = mckibben.simulate(rig.with_values(TRUTH))
     pressures = run.at_times(TIMES[::3])["gauge_pressure_pa"]
     data = [{"t": TIMES, "L": lengths}, {"t": TIMES[::3], "P": pressures}]
@@ -84,7 +84,7 @@ def test_columns_with_times_of_their_own_stand_in_tables_of_their_own(rig, lengt
     assert both["load.mass"].value == pytest.approx(2.4, rel=1e-3)
 
 
-def test_sensors_are_found_with_the_parameters(rig, lengths):
+def test_sensors_are_estimated_with_the_parameters(rig, lengths):
     """Each session has its own offset; the shift is known, and late readings are those of earlier instants."""
     late = numpy.interp(TIMES - 4e-3, TIMES, mckibben.simulate(rig.with_values(TRUTH)).at_times(TIMES)["length_m"])
     noise = numpy.random.default_rng(2).normal(size=(2, TIMES.size))
@@ -210,7 +210,7 @@ def test_a_swing_that_comes_to_rest_has_a_step_response(rig):
         ({"segments": -1.0}, "segments"),
     ],
 )
-def test_mistakes_are_told_in_words_of_python(options, words, rig, lengths):
+def test_messages_name_the_arguments_of_python(options, words, rig, lengths):
     with pytest.raises(mckibben.InputError, match=words):
         mckibben.identify(study(rig, {"t": TIMES, "L": lengths}, **options))
 

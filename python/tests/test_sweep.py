@@ -226,7 +226,7 @@ def test_runs_that_fail_say_why(swept, tmp_path):
     assert "thread_length" in done.to_polars()["error"][1]
 
 
-def test_what_cannot_be_is_told(swing, swept, tmp_path):
+def test_impossible_arguments_are_refused(swing, swept, tmp_path):
     with pytest.raises(mckibben.InputError, match="no section \\[sweep\\]"):
         mckibben.sweep(swing, tmp_path)
     mckibben.sweep(swept, tmp_path)

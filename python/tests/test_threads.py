@@ -72,7 +72,7 @@ def test_many_actuators_on_many_threads(scenario):
         numpy.testing.assert_array_equal(one, other)
 
 
-def test_everything_at_once_is_what_it_is_alone(scenario, swing):
+def test_concurrent_calls_return_what_single_calls_return(scenario, swing):
     heavy = [swing.with_values({"load.mass": f"{mass} lb"}) for mass in range(4, 4 + THREADS)]
     length = mckibben.Differentiable(swing, ["load.mass", "initial.gauge_pressure"], ["length"], [0.05, 0.1])
 
@@ -148,12 +148,12 @@ def test_after_a_fork_a_child_goes_on(work, examples, tmp_path):
     command = [sys.executable, "-W", "ignore", str(script), work, str(examples)]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True)
     try:
-        told, wrong = process.communicate(timeout=120)
+        printed, wrong = process.communicate(timeout=120)
     except subprocess.TimeoutExpired:
         os.killpg(process.pid, signal.SIGKILL)
         process.communicate()
         pytest.fail("a child that was forked waits for ever")
-    assert process.returncode == 0 and told == "done\n", wrong
+    assert process.returncode == 0 and printed == "done\n", wrong
 
 
 @pytest.fixture
@@ -167,29 +167,29 @@ def interrupted():
     before = signal.getsignal(signal.SIGINT)
 
     def interrupted(call, argument):
-        begun, heard, ended = threading.Event(), threading.Event(), []
+        begun, is_handled, ended = threading.Event(), threading.Event(), []
 
         def arguments():
             begun.set()
             yield argument
 
-        def hear(_, frame):
+        def handle(_, frame):
             # Heard in these lines of Python, before the call or after its end, it says nothing of the call.
             while frame is not None and frame.f_code is not arguments.__code__:
                 frame = frame.f_back
-            if frame is None and not ended and not heard.is_set():
-                heard.set()
+            if frame is None and not ended and not is_handled.is_set():
+                is_handled.set()
                 raise KeyboardInterrupt
 
         def send():
             begun.wait()
             for _ in range(10_000):
                 pass
-            while not heard.is_set():
+            while not is_handled.is_set():
                 signal.raise_signal(signal.SIGINT)
-                heard.wait(0.01)
+                is_handled.wait(0.01)
 
-        signal.signal(signal.SIGINT, hear)
+        signal.signal(signal.SIGINT, handle)
         other = threading.Thread(target=send, daemon=True)
         other.start()
         try:
@@ -197,7 +197,7 @@ def interrupted():
             next(map(ended.append, map(call, arguments())))
             return ended[0]
         finally:
-            heard.set()
+            is_handled.set()
             other.join()
 
     yield interrupted

@@ -26,7 +26,7 @@ def start(pulsed):
     return torch.tensor(pulsed.defaults, requires_grad=True)
 
 
-def test_values_and_slopes_backwards(pulsed, start):
+def test_values_and_derivatives_in_reverse_mode(pulsed, start):
     values, slopes = pulsed.value_and_jacobian(pulsed.defaults)
     function = pulsed.for_torch()
     found = function(start)
@@ -38,7 +38,7 @@ def test_values_and_slopes_backwards(pulsed, start):
     numpy.testing.assert_allclose(jacobian.numpy(), slopes, rtol=1e-14)
 
 
-def test_slopes_forwards(pulsed, start):
+def test_derivatives_in_forward_mode(pulsed, start):
     _, slopes = pulsed.value_and_jacobian(pulsed.defaults)
     along = torch.from_numpy(pulsed.defaults * [0.1, -0.2, 0.3, 0.4])
     with torch.autograd.forward_ad.dual_level():

@@ -148,8 +148,8 @@ class Muscle:
         braid = self.braid
         force = eff * gauge * (3 * length**2 - braid.thread_length**2) / braid.four_pi_n2
         secant = 3 * gauge * eff * (length + braid.min_length) / braid.four_pi_n2
-        rubs = pressed == (law(middle) > 0)
-        return force, secant if rubs else 0.0, gauge if pressed else 0.0
+        slides = pressed == (law(middle) > 0)
+        return force, secant if slides else 0.0, gauge if pressed else 0.0
 
     def limit_force(self, branches, key, length, velocity, at_rest):
         """The braid's limit (14), its two clamps included."""

@@ -285,7 +285,7 @@ class Plant:
         seen.update(length=length, velocity=velocity, tension=tension)
         return seen
 
-    def passage(self, branches, key, law, outside, inside, outside_temperature, inside_temperature):
+    def path_flow(self, branches, key, law, outside, inside, outside_temperature, inside_temperature):
         """Flow from outside to inside through an open flow path, kg/s."""
         inward = branches.positive((*key, "inward"), outside - inside, self.tolerance)
         up, down = (outside, inside) if inward else (inside, outside)
@@ -314,23 +314,23 @@ class Plant:
         if isinstance(valve, RegulatorValve):
             (index,) = actuator.i_valve
             rates[index] = valve.rate(branches, k, y[index])
-            flow = self.passage(branches, ("p", k), actuator.supply_law, y[index], node, ambient, leaving)
+            flow = self.path_flow(branches, ("p", k), actuator.supply_law, y[index], node, ambient, leaving)
             inward = branches.sides["p", k, "inward"]
             return (flow, 0.0) if inward else (0.0, flow)
         if isinstance(valve, Spool):
             position, speed = actuator.i_valve
             rates[position], rates[speed] = valve.rates(branches, k, y[position], y[speed])
             openings = valve.uncovered(branches, k, y[position])
-            passages = tuple(branches.sides["spool edge", k, side] for side in (1, -1))
+            open_ports = tuple(branches.sides["spool edge", k, side] for side in (1, -1))
         else:
-            openings, passages = valve.openings(t), valve.passages()
+            openings, open_ports = valve.openings(t), valve.open_ports()
         flows = [0.0, 0.0]
         outsides = (actuator.supply.outlet(y), atmosphere)
         laws = (actuator.supply_law, actuator.exhaust_law)
         for port in (0, 1):
-            if passages[port]:
+            if open_ports[port]:
                 key = (("supply", "exhaust")[port], k)
-                flows[port] = openings[port] * self.passage(
+                flows[port] = openings[port] * self.path_flow(
                     branches, key, laws[port], outsides[port], node, ambient, leaving
                 )
         return tuple(flows)

@@ -118,19 +118,19 @@ def read_actuator(table):
         external_volume=table.si("external_volume", "m^3"),
     )
     effectiveness = read_effectiveness(table.table("effectiveness"))
-    rub = table.table("friction")
-    viscous = rub.si("viscous", "N*s/m")
-    structural = rub.si("structural_damping", "s", 0.0)
+    friction = table.table("friction")
+    viscous = friction.si("viscous", "N*s/m")
+    structural = friction.si("structural_damping", "s", 0.0)
     dry = Dry(
-        rub.si("coulomb_width", "m"),
-        rub.si("coulomb_force", "N", 0.0),
-        rub.si("coulomb_force_per_pressure", "m^2", 0.0),
-        rub.get("static_ratio", 1.0),
-        rub.si("stribeck_velocity", "m/s", 0.01),
+        friction.si("coulomb_width", "m"),
+        friction.si("coulomb_force", "N", 0.0),
+        friction.si("coulomb_force_per_pressure", "m^2", 0.0),
+        friction.get("static_ratio", 1.0),
+        friction.si("stribeck_velocity", "m/s", 0.01),
     )
-    hysteresis = read_hysteresis(rub.table("hysteresis")) if "hysteresis" in rub else None
-    viscoelastic = read_viscoelastic(rub.table("viscoelastic")) if "viscoelastic" in rub else Viscoelastic()
-    rub.finish()
+    hysteresis = read_hysteresis(friction.table("hysteresis")) if "hysteresis" in friction else None
+    viscoelastic = read_viscoelastic(friction.table("viscoelastic")) if "viscoelastic" in friction else Viscoelastic()
+    friction.finish()
     end = table.table("limit")
     limit = Limit(end.si("stiffness", "N/m"), end.si("damping", "N*s/m"))
     end.finish()
@@ -507,7 +507,7 @@ class Experiment:
         if isinstance(valve, Spool):
             opened = tuple(mode.branches.sides["spool edge", k, side] for side in (1, -1))
         else:
-            opened = valve.passages()
+            opened = valve.open_ports()
         return "+".join(n for n, o in zip(("supply", "exhaust"), opened, strict=True) if o) or "closed"
 
     def row(self, time, plant, seen, state, mode):

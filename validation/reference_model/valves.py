@@ -123,7 +123,7 @@ class SeatValve:
     def openings(self, time):
         return PATHS[self.kind](*(seat.opening(time) for seat in self.seats))
 
-    def passages(self):
+    def open_ports(self):
         """(supply, exhaust) not shut."""
         return self.not_shut
 

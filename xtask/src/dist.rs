@@ -164,8 +164,8 @@ fn commands(program: &Path) -> Result<Vec<String>, String> {
 
 /// The machine that the compiler compiles for.
 fn target(root: &Path) -> Result<String, String> {
-    let told = output(command(root, "rustc").arg("-vV"))?;
-    let host = told.lines().find_map(|line| line.strip_prefix("host: "));
+    let printed = output(command(root, "rustc").arg("-vV"))?;
+    let host = printed.lines().find_map(|line| line.strip_prefix("host: "));
     host.map(str::to_owned).ok_or_else(|| "rustc does not say which machine it compiles for".to_owned())
 }
 

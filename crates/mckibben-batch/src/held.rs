@@ -472,13 +472,13 @@ impl<W: Wide> Formulas<W> for Held<W> {
         let (held, actuator) = (&self.actuators[wire.index], &wire.member.actuator);
         let factors = actuator.factors(ends[0], ends[2]);
         let of_sliding = (T::of(held.direction), ThreadContact::Pressed);
-        let rubbing = self.sliding_state(wire, [ends[0], ends[1]], deflections, of_sliding);
-        let force = actuator.signed_force(ends, rubbing, held.taut, factors);
+        let state_of_sliding = self.sliding_state(wire, [ends[0], ends[1]], deflections, of_sliding);
+        let force = actuator.signed_force(ends, state_of_sliding, held.taut, factors);
         if actuator.friction().follows_normal_load() {
             let apart = ends[2].lt(T::of(actuator.air().atmosphere().0));
             if apart.any() {
-                let rubbing = SlidingState { touch: ThreadContact::Apart, ..rubbing };
-                return T::select(apart, actuator.signed_force(ends, rubbing, held.taut, factors), force);
+                let state_of_sliding = SlidingState { touch: ThreadContact::Apart, ..state_of_sliding };
+                return T::select(apart, actuator.signed_force(ends, state_of_sliding, held.taut, factors), force);
             }
         }
         force

@@ -441,9 +441,9 @@ fn contacts_hold<W: Wide>(system: &System<W>, m: usize, contacts: &[ContactRange
 pub(crate) fn holdable<W: Wide>(system: &System<W>, i: usize, end: &[W], held: &Held<W>, at: &Evaluation<W>) -> (W, W) {
     let (wire, unit, zero) = (&system.wires[i], &at.units[i], W::zero());
     let of_sliding = (zero, ThreadContact::ByPressure);
-    let rubbing = held.sliding_state(wire, [unit.length, zero], system.deflections(i, end), of_sliding);
+    let state_of_sliding = held.sliding_state(wire, [unit.length, zero], system.deflections(i, end), of_sliding);
     let pressure = end[wire.places.pressure];
-    wire.member.actuator.holdable(unit.length, pressure, held.is_on_stop(i), rubbing)
+    wire.member.actuator.holdable(unit.length, pressure, held.is_on_stop(i), state_of_sliding)
 }
 
 /// Where sticking actuators on the one coordinate of a mechanism hold it by more than a margin.

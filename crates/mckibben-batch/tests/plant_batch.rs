@@ -74,7 +74,7 @@ fn as_plant(paper: &Paper) -> (Plant, PlantStart) {
 }
 
 #[test]
-fn pulsed_actuators_with_dry_friction_are_those_alone() {
+fn pulsed_actuators_with_dry_friction_equal_scalar_instances() {
     for coulomb in [0.0, 1e-4] {
         let paper = Paper::pwm(25.0, 0.5).gauge(30.0 * PSI).friction(3.5, coulomb);
         let (plant, start) = as_plant(&paper);
@@ -87,7 +87,7 @@ fn pulsed_actuators_with_dry_friction_are_those_alone() {
 
 /// Joints with muscles that stick, and the stops of the joint, beside each other.
 #[test]
-fn joints_of_two_muscles_are_those_alone() {
+fn joints_of_two_muscles_equal_scalar_instances() {
     for coulomb in [0.0, 1e-4] {
         let paper = Paper::pwm(25.0, 0.4).gauge(25.0 * PSI).friction(3.5, coulomb);
         let pair = Pair::of(paper);
@@ -104,7 +104,7 @@ fn joints_of_two_muscles_are_those_alone() {
 
 /// Legs that step on their belts and against their stops, with muscles that stick and without.
 #[test]
-fn legs_on_belts_are_those_alone() {
+fn legs_on_belts_equal_scalar_instances() {
     for coulomb in [0.0, 1e-4] {
         let (plant, start) = leg_on_its_belt(&Paper::sealed().friction(3.5, coulomb));
         assert!(PlantBatch::covers(&plant), "it goes in lanes");
@@ -117,7 +117,7 @@ fn legs_on_belts_are_those_alone() {
 /// Muscles on tendons that come loose and tight, whose ends slide by viscous friction, by the stiffness of their air alone, and
 /// with bristles; and a table of effectiveness and a measured map beside them.
 #[test]
-fn actuators_on_tendons_are_those_alone() {
+fn actuators_on_tendons_equal_scalar_instances() {
     let pulsed = |viscous, coulomb| Paper::pwm(25.0, 0.5).gauge(40.0 * PSI).friction(viscous, coulomb);
     let lugre = LuGre::new(1e-4, 3e-5).map(Hysteresis::LuGre);
     let papers = [
@@ -148,7 +148,7 @@ fn branches(relaxation_time: [f64; 2]) -> Viscoelastic {
 
 /// Muscles that creep, of other numbers in other rows: they go side by side, and each as alone.
 #[test]
-fn muscles_that_creep_are_those_alone_and_of_one_structure() {
+fn muscles_that_creep_equal_scalar_instances_and_have_one_structure() {
     let steps = |time: f64, method: Method| {
         let paper = Paper { viscoelastic: Some(branches([time, 0.02])), structural: 1e-3, ..Paper::pwm(25.0, 0.5) };
         let rig = paper.gauge(40.0 * PSI).rig();
@@ -171,7 +171,7 @@ fn table() -> Effectiveness {
 
 /// Muscles on a tank that a compressor fills, behind a regulator with a dead band that the tank may limit.
 #[test]
-fn muscles_on_regulated_tanks_are_those_alone() {
+fn muscles_on_regulated_tanks_equal_scalar_instances() {
     for seed in [0, 6, 12, 18] {
         let (plant, start) = unlike_muscles_on_one_tank(seed);
         assert!(PlantBatch::covers(&plant), "it goes in lanes");
@@ -183,7 +183,7 @@ fn muscles_on_regulated_tanks_are_those_alone() {
 
 /// Proportional regulators at the limit of their rate and within it, whose set points are set on the way.
 #[test]
-fn proportional_regulators_are_those_alone() {
+fn proportional_regulators_equal_scalar_instances() {
     let paper = Paper::pwm(25.0, 0.5).gauge(10.0 * PSI).friction(3.5, 1e-4);
     let actuator = paper.actuator().with_valve(paper.valve());
     let regulator = valve::Regulator::new(0.02, 0.003, 4e6).expect("a regulator");
@@ -203,7 +203,7 @@ fn proportional_regulators_are_those_alone() {
 
 /// Ends that a host moves, a shared bottle and a mass beside them: each row goes its own way.
 #[test]
-fn rows_on_bottles_whose_ends_hosts_move_are_those_alone() {
+fn rows_on_bottles_whose_ends_hosts_move_equal_scalar_instances() {
     let (plant, start, _) = on_a_bottle();
     assert!(PlantBatch::covers(&plant), "it goes in lanes");
     let mut alone = rows(&plant, &start, Method::Stable, 19).expect("rows");
@@ -234,7 +234,7 @@ fn rows_on_bottles_whose_ends_hosts_move_are_those_alone() {
 
 /// A row that is set, and one that is reset with other parameters, go on as they would alone.
 #[test]
-fn rows_are_set_and_begun_anew() {
+fn rows_are_set_and_restarted() {
     let (plant, start) = as_plant(&Paper::pwm(25.0, 0.5).gauge(30.0 * PSI).friction(3.5, 1e-4));
     let mut alone = rows(&plant, &start, Method::Stable, 20).expect("rows");
     let mut batch = PlantBatch::new(alone.clone()).expect("a batch");
@@ -248,11 +248,11 @@ fn rows_are_set_and_begun_anew() {
         alone.iter_mut().for_each(|row| row.advance_to(until).expect("on"));
         batch.advance_to(until).expect("on");
         if count == 60 {
-            let mut anew = PlantRun::new(&varied(&plant, 30), &start, 1e-9).expect("a run");
-            anew.advance_to(until).expect("on");
-            let anew = anew.steps(Method::Stable);
-            alone[3] = anew.clone();
-            batch.restart(3, anew).expect("equal structure");
+            let mut restarted = PlantRun::new(&varied(&plant, 30), &start, 1e-9).expect("a run");
+            restarted.advance_to(until).expect("on");
+            let restarted = restarted.steps(Method::Stable);
+            alone[3] = restarted.clone();
+            batch.restart(3, restarted).expect("equal structure");
         }
         for (index, row) in alone.iter().enumerate() {
             assert_eq!(bits(batch.row(index).expect("it goes on").state()), bits(row.state()), "{index} at {until} s");
@@ -262,7 +262,7 @@ fn rows_are_set_and_begun_anew() {
 
 /// Rows with controllers of their own, whose samples fall on ends of steps and between them, some late.
 #[test]
-fn rows_with_controllers_are_those_alone() {
+fn rows_with_controllers_equal_scalar_instances() {
     let paper = Paper::pwm(50.0, 0.5).gauge(20.0 * PSI).with(|rig| rig.kind = ValveKind::FillHoldExhaust);
     let of = RigPlant::new(&paper.rig());
     let start = of.start(&paper.start());
@@ -282,7 +282,7 @@ fn rows_with_controllers_are_those_alone() {
 
 /// Steps of RK4 of which a stage has no air left end a row in lanes as they end it alone, and no other.
 #[test]
-fn rows_whose_steps_are_too_long_stop_alone() {
+fn rows_whose_steps_are_too_long_stop_individually() {
     let paper = |area| Paper::pwm(25.0, 0.5).with(|rig| rig.standard = FlowStandard::Orifice { flow_area: area });
     let begin = |area: f64| {
         let (plant, start) = as_plant(&paper(area));
@@ -321,7 +321,7 @@ const STEPPED: u32 = 60;
 /// Whatever plants are made of, those of a batch are those alone, to the bit. Some of these have parts that lanes leave out, so
 /// that their rows are stepped individually.
 #[test]
-fn random_plants_in_a_batch_are_those_alone() {
+fn random_plants_in_a_batch_equal_scalar_instances() {
     let count = std::cell::Cell::new(0);
     let result = runner(STEPPED).run(&drawn(), |drawn| {
         let (plant, start, _) = plant(&drawn);

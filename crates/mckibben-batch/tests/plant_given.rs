@@ -28,11 +28,11 @@ fn motions() -> [Motion; 2] {
 }
 
 fn pressures() -> PressureSeries {
-    PressureSeries::new(&[0.002, 0.009, 0.1], &[1e5, 3e5, 5e4]).expect("a course")
+    PressureSeries::new(&[0.002, 0.009, 0.1], &[1e5, 3e5, 5e4]).expect("a time series")
 }
 
 #[test]
-fn motions_that_are_given_are_those_alone() {
+fn prescribed_motions_equal_scalar_instances() {
     for motion in motions() {
         for coulomb in [0.0, 1e-4] {
             let paper = Paper::pwm(25.0, 0.5).gauge(30.0 * PSI).friction(3.5, coulomb);
@@ -44,7 +44,7 @@ fn motions_that_are_given_are_those_alone() {
 
 /// In the muscle, at the far end of a hose, with a tendon, and with a motion that is given as well.
 #[test]
-fn pressures_that_are_given_are_those_alone() {
+fn prescribed_pressures_equal_scalar_instances() {
     for coulomb in [0.0, 1e-4] {
         let paper = Paper::sealed().gauge(1e5).friction(3.5, coulomb);
         go(&paper.rig().with_pressure(pressures()).expect("a rig"), &paper, |_, _| {});
@@ -61,7 +61,7 @@ fn pressures_that_are_given_are_those_alone() {
 }
 
 #[test]
-fn seats_and_spools_under_way_are_those_alone() {
+fn moving_poppets_and_spools_equal_scalar_instances() {
     let paper = Paper::pwm(25.0, 0.5).gauge(30.0 * PSI).friction(3.5, 1e-4);
     let ramp = Ramp::new(3.1e-3, 2.3e-3).expect("a ramp");
     let rig = paper.rig();
@@ -84,7 +84,7 @@ fn seats_and_spools_under_way_are_those_alone() {
 
 /// Many steps in one go, whose seats are under way: rows are looked after less often.
 #[test]
-fn seats_under_way_in_long_spans_are_those_alone() {
+fn moving_poppets_in_long_spans_equal_scalar_instances() {
     for (ramp, standard) in [([3.1e-3, 2.3e-3], 0), ([2e-3, 1e-3], 1)] {
         let paper = Paper::pwm(25.0, 0.5).gauge(30.0 * PSI).friction(3.5, if standard == 0 { 0.0 } else { 1e-4 });
         let ramp = Ramp::new(ramp[0], ramp[1]).expect("a ramp");

@@ -133,7 +133,7 @@ fn duty(row: usize, count: usize) -> Option<RuntimeCommand> {
 
 /// With and without dry friction, within the lengths, beyond the longest, and below the shortest.
 #[test]
-fn muscles_that_a_host_moves_are_those_alone() {
+fn muscles_that_a_host_moves_equal_scalar_instances() {
     for (coulomb, from, reach) in [(0.0, 3.4, 4e-5), (1e-4, 3.4, 4e-5), (1e-4, 3.7, 2e-4), (1e-4, 2.5, 4e-4)] {
         let paper = Paper::pwm(25.0, 0.5).gauge(30.0 * PSI).friction(3.5, coulomb).from(from * INCH, 0.0);
         let (plant, start) = hosted(&paper, None);
@@ -147,7 +147,7 @@ fn muscles_that_a_host_moves_are_those_alone() {
 
 /// What remembers more than its mode says: hysteresis, tendons, branches that creep; and moves that are divided.
 #[test]
-fn muscles_with_memory_that_a_host_moves_are_those_alone() {
+fn muscles_with_memory_that_a_host_moves_equal_scalar_instances() {
     let paper = Paper::pwm(25.0, 0.5).gauge(30.0 * PSI).friction(3.5, 1e-4).from(3.4 * INCH, 0.0);
     let branches = Viscoelastic::new(&[100.0], &[0.1], &[0.05]).expect("a branch");
     let creeping = Paper { viscoelastic: Some(branches), ..paper.clone() };
@@ -159,7 +159,7 @@ fn muscles_with_memory_that_a_host_moves_are_those_alone() {
 
 /// Two muscles on a bottle, and a mass beside them which no host moves.
 #[test]
-fn bottles_whose_ends_a_host_moves_are_those_alone() {
+fn bottles_whose_ends_a_host_moves_equal_scalar_instances() {
     let (plant, start, _) = on_a_bottle();
     let command = |row: usize, count: usize| (count % 5 == row % 5).then_some(pulses(0.3));
     agree(&rows(&plant, &start, Method::Stable, 19).expect("rows"), (3e-5, f64::INFINITY), 150, command);
@@ -167,7 +167,7 @@ fn bottles_whose_ends_a_host_moves_are_those_alone() {
 
 /// Whatever plants are made of, their actuators moved by a host.
 #[test]
-fn random_plants_that_a_host_moves_are_those_alone() {
+fn random_plants_that_a_host_moves_equal_scalar_instances() {
     let count = std::cell::Cell::new(0);
     let result = runner(40).run(&drawn(), |drawn| {
         let (plant, start, _) = plant(&drawn);
@@ -184,7 +184,7 @@ fn random_plants_that_a_host_moves_are_those_alone() {
 
 /// A row that leaves the physics stops, others go on, and it lives again where it is begun again.
 #[test]
-fn a_row_that_cannot_go_where_it_shall_stops_alone() {
+fn a_row_with_an_unreachable_length_stops_and_the_others_go_on() {
     let (plant, start) = hosted(&Paper::pwm(25.0, 0.5).gauge(30.0 * PSI).from(3.4 * INCH, 0.0), None);
     let made = rows(&plant, &start, Method::Stable, 20).expect("rows");
     let mut batch = PlantBatch::new(made.clone()).expect("a batch");

@@ -234,7 +234,7 @@ fn doomed() -> Row {
 }
 
 #[test]
-fn a_row_that_fails_has_an_error_of_its_own_and_touches_no_other() {
+fn a_row_that_fails_has_an_error_and_changes_no_other() {
     let others = rows(16);
     let good = end_of(&others, Method::Rk4, Width::widest());
     let expected = alone(&doomed(), Method::Rk4);

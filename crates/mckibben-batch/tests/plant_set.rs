@@ -32,10 +32,10 @@ impl Row {
 /// Steps between two commands.
 const STEPS: u64 = 4;
 /// How many commands there are.
-const TOLD: usize = 120;
+const COMMANDS: usize = 120;
 
 /// What a valve of a row is set to at an instant.
-type Tells = fn(usize, usize) -> RuntimeCommand;
+type CommandOf = fn(usize, usize) -> RuntimeCommand;
 
 /// Fill or exhaust, as it comes.
 fn fill_or_exhaust(row: usize, count: usize) -> RuntimeCommand {
@@ -67,11 +67,11 @@ fn with_solenoid(paper: &Paper, solenoid: Solenoid, command: Command) -> Rig {
 /// Rows of many kinds and their commands: delays longer than the time between two instants, a hose behind which
 /// everything is seen later still, seats that take their time, seats that jump at once, dry friction, spools,
 /// regulators, tendons.
-fn row(index: usize) -> (Row, Tells) {
+fn row(index: usize) -> (Row, CommandOf) {
     let paper = paper(index);
     let hold = |kind: &Paper| kind.clone().with(|rig| rig.kind = ValveKind::FillHoldExhaust);
     let start = |rig: &Rig, of: &Paper| rig.start(&of.initial()).expect("a start");
-    let (rig, tells): (Rig, Tells) = match index % 9 {
+    let (rig, command_of): (Rig, CommandOf) = match index % 9 {
         0 => (paper.rig(), fill_or_exhaust),
         1 => (hold(&paper).rig(), any_request),
         2 => (paper.clone().with(|rig| rig.delays = (0.0, 0.0)).rig(), fill_or_exhaust),
@@ -86,8 +86,8 @@ fn row(index: usize) -> (Row, Tells) {
             (with_solenoid(&paper, solenoid, Command::Constant(Request::Exhaust)), fill_or_exhaust)
         }
         5 => {
-            let rubs = |rig: &mut Paper| rig.coulomb = Coulomb::new(1e-4).ok();
-            (hold(&paper).with(rubs).rig(), any_request)
+            let with_friction = |rig: &mut Paper| rig.coulomb = Coulomb::new(1e-4).ok();
+            (hold(&paper).with(with_friction).rig(), any_request)
         }
         6 => {
             let solenoid = Solenoid::proportional(Spool::new(60.0, 0.7, 0.05, 0.05).expect("a spool"));
@@ -104,24 +104,24 @@ fn row(index: usize) -> (Row, Tells) {
         }
     };
     let start = start(&rig, &paper);
-    (Row { rig, start }, tells)
+    (Row { rig, start }, command_of)
 }
 
 /// All commands to a row, as a command known beforehand. A request that is repeated changes nothing: left in, its
 /// instant could meet that of a seat and stand for it, a rounding beside.
-fn known(index: usize, tells: Tells, at: impl Fn(usize) -> f64) -> Command {
-    let mut told: Vec<(f64, RuntimeCommand)> = (0..TOLD).map(|count| (at(count), tells(index, count))).collect();
-    told.dedup_by(|(_, next), (_, before)| matches!(next, RuntimeCommand::Request(_)) && next == before);
-    let time = told.iter().map(|(time, _)| *time).collect();
-    let numbers = told.iter().filter_map(|(_, demand)| match demand {
+fn known(index: usize, command_of: CommandOf, at: impl Fn(usize) -> f64) -> Command {
+    let mut commands: Vec<(f64, RuntimeCommand)> = (0..COMMANDS).map(|count| (at(count), command_of(index, count))).collect();
+    commands.dedup_by(|(_, next), (_, before)| matches!(next, RuntimeCommand::Request(_)) && next == before);
+    let time = commands.iter().map(|(time, _)| *time).collect();
+    let numbers = commands.iter().filter_map(|(_, demand)| match demand {
         RuntimeCommand::Position(number) | RuntimeCommand::SetPoint(GaugePressure(number)) => Some(*number),
         _ => None,
     });
-    let requests = told.iter().filter_map(|(_, demand)| match demand {
+    let requests = commands.iter().filter_map(|(_, demand)| match demand {
         RuntimeCommand::Request(request) => Some(*request),
         _ => None,
     });
-    match told[0].1 {
+    match commands[0].1 {
         RuntimeCommand::Position(_) => Command::positions(time, numbers.collect()),
         RuntimeCommand::SetPoint(_) => Command::set_points(time, numbers.collect()),
         _ => Command::table(time, requests.collect()),
@@ -133,9 +133,9 @@ fn known(index: usize, tells: Tells, at: impl Fn(usize) -> f64) -> Command {
 fn under(rig: &Rig, command: Command) -> Rig {
     let Actuation { solenoid, .. } = rig.actuation().expect("a valve");
     let actuation = Some(Actuation { solenoid: *solenoid, command });
-    let anew = Rig::new(rig.actuator().clone(), actuation, rig.load().clone()).expect("a rig");
-    let anew = anew.with_line(*rig.line()).expect("a line");
-    rig.tendon().map_or(anew.clone(), |tendon| anew.with_tendon(*tendon))
+    let copy = Rig::new(rig.actuator().clone(), actuation, rig.load().clone()).expect("a rig");
+    let copy = copy.with_line(*rig.line()).expect("a line");
+    rig.tendon().map_or(copy.clone(), |tendon| copy.with_tendon(*tendon))
 }
 
 /// Equal steps from one time to another, as a batch takes them.
@@ -157,7 +157,7 @@ fn end(steps: &PlantSteps) -> String {
 fn beforehand(row: &Row, command: Command, method: Method) -> String {
     let Row { rig, start } = row;
     let mut steps = Row { rig: under(rig, command), start: *start }.steps(method);
-    for count in 0..TOLD {
+    for count in 0..COMMANDS {
         in_steps(millisecond(count), millisecond(count + 1), |until| steps.advance_to(until).expect("a step"));
     }
     end(&steps)
@@ -165,7 +165,7 @@ fn beforehand(row: &Row, command: Command, method: Method) -> String {
 
 /// Where steps come to that are set at each millisecond.
 fn set(mut steps: PlantSteps, from: usize, demand: impl Fn(usize) -> RuntimeCommand) -> String {
-    for count in 0..TOLD {
+    for count in 0..COMMANDS {
         steps.set(0, demand(count)).expect("set");
         let [from, until] = [from + count, from + count + 1].map(millisecond);
         in_steps(from, until, |until| steps.advance_to(until).expect("a step"));
@@ -184,16 +184,16 @@ fn ends(batch: &mut PlantBatch) -> Vec<String> {
 #[test]
 fn a_row_that_is_set_is_the_run_of_the_command_known_beforehand_bit_for_bit() {
     for method in [Method::Stable, Method::Rk4] {
-        let rows: Vec<(Row, Tells)> = (0..45).map(row).collect();
+        let rows: Vec<(Row, CommandOf)> = (0..45).map(row).collect();
         let known = |index: usize| known(index, rows[index].1, millisecond);
         let expected: Vec<String> =
             (0..rows.len()).map(|index| beforehand(&rows[index].0, known(index), method)).collect();
         let plain: Vec<Row> = rows.iter().map(|(row, _)| row.clone()).collect();
         for width in Width::available() {
             let mut batch = batch(&plain, method, width);
-            for count in 0..TOLD {
-                for (index, (_, tells)) in rows.iter().enumerate() {
-                    batch.set(index, 0, tells(index, count)).expect("set");
+            for count in 0..COMMANDS {
+                for (index, (_, command_of)) in rows.iter().enumerate() {
+                    batch.set(index, 0, command_of(index, count)).expect("set");
                 }
                 batch.advance(millisecond(count + 1), STEPS).expect("a time");
             }
@@ -201,8 +201,8 @@ fn a_row_that_is_set_is_the_run_of_the_command_known_beforehand_bit_for_bit() {
                 assert_eq!(found, &expected[index], "row {index}, {method:?}, {width:?}");
             }
         }
-        for (index, (row, tells)) in rows.iter().enumerate().take(9) {
-            let found = set(row.steps(method), 0, |count| tells(index, count));
+        for (index, (row, command_of)) in rows.iter().enumerate().take(9) {
+            let found = set(row.steps(method), 0, |count| command_of(index, count));
             assert_eq!(found, expected[index], "row {index}, {method:?}");
         }
     }
@@ -215,7 +215,7 @@ fn pulses(frequency: f64, duty: f64) -> RuntimeCommand {
 /// Rows under pulses of `duty(index, count)`, set at each millisecond.
 fn pulsing(rows: &[Row], width: Width, frequency: f64, duty: impl Fn(usize, usize) -> f64) -> Vec<String> {
     let mut batch = batch(rows, Method::Stable, width);
-    for count in 0..TOLD {
+    for count in 0..COMMANDS {
         for index in 0..rows.len() {
             batch.set(index, 0, pulses(frequency, duty(index, count))).expect("set");
         }
@@ -249,7 +249,7 @@ fn a_duty_cycle_that_changes_is_taken_up_by_the_next_period() {
     for width in Width::available() {
         for (index, found) in pulsing(&rows, width, 50.0, duty).into_iter().enumerate() {
             let edges = |period: usize| [period as f64 / 50.0, (period as f64 + of_period(index, period)) / 50.0];
-            let time = (0..TOLD.div_ceil(PERIOD)).flat_map(edges).collect::<Vec<f64>>();
+            let time = (0..COMMANDS.div_ceil(PERIOD)).flat_map(edges).collect::<Vec<f64>>();
             let request = (0..time.len()).map(|edge| [Request::Fill, Request::Exhaust][edge % 2]).collect();
             let command = Command::table(time, request).expect("a table");
             assert_eq!(found, beforehand(&rows[index], command, Method::Stable), "row {index}, {width:?}");
@@ -289,12 +289,12 @@ fn a_row_that_begins_again_is_one_that_began_there_and_touches_no_other() {
     {
         let mut batches = [false, true].map(|_| batch(&rows, method, width));
         for (some_restart, batch) in batches.iter_mut().enumerate() {
-            for count in 0..BEFORE + TOLD {
+            for count in 0..BEFORE + COMMANDS {
                 for index in 0..batch.len() {
                     if some_restart == 1 && count == BEFORE && restarted(index) {
                         batch.restart(index, again(index, method)).expect("begins again");
                     }
-                    let count = if restarted(index) { (count + TOLD - BEFORE) % TOLD } else { count };
+                    let count = if restarted(index) { (count + COMMANDS - BEFORE) % COMMANDS } else { count };
                     batch.set(index, 0, fill_or_exhaust(index, count)).expect("set");
                 }
                 batch.advance(millisecond(count + 1), STEPS).expect("a time");

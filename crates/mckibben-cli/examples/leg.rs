@@ -57,8 +57,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             steps.advance_to(STRIDE * (f64::from(stride) + f64::from(count + 1) / f64::from(STEPS)))?;
         }
     }
-    walked.tell();
-    for (stem, figure) in [("leg", walked.courses()), ("leg-sticks", walked.sticks(leg))] {
+    walked.print_walk();
+    for (stem, figure) in [("leg", walked.trajectories()), ("leg-sticks", walked.sticks(leg))] {
         let path = folder.join(format!("{stem}.{ending}"));
         output::write(&path, &units::drawn(figure).bytes(Format::of(&path)?)?)?;
     }
@@ -121,7 +121,7 @@ impl Walked {
         self.sticks.push([1, 2].map(|joint| leg.joint_place(joint, angle)));
     }
 
-    fn tell(&self) {
+    fn print_walk(&self) {
         let range = |values: &[f64]| {
             let low = values.iter().copied().fold(f64::INFINITY, f64::min);
             (low, values.iter().copied().fold(f64::NEG_INFINITY, f64::max))
@@ -140,7 +140,7 @@ impl Walked {
         println!("on the belt   {:7.1} % of the stride", 100.0 * carried as f64 / self.time.len() as f64);
     }
 
-    fn courses(&self) -> Figure {
+    fn trajectories(&self) -> Figure {
         let line = |label: &str, values: &[f64], colour: usize| {
             Series::line(label, self.time.clone(), values.to_vec()).colour(Colour::Category(colour))
         };

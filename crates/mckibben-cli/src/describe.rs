@@ -60,9 +60,9 @@ pub fn load(load: &Load) -> String {
 
 /// What drives the valve, or that there is none.
 pub fn drive(scenario: &Scenario) -> String {
-    if let Some(course) = &scenario.pressure {
-        let place = if course.at == PressurePlace::Hose { " at the end of the hose" } else { "" };
-        return format!("pressure{place} given at {} instants", course.time.len());
+    if let Some(series) = &scenario.pressure {
+        let place = if series.at == PressurePlace::Hose { " at the end of the hose" } else { "" };
+        return format!("pressure{place} given at {} instants", series.time.len());
     }
     let (Some(valve), Some(command), Some(supply)) = (&scenario.valve, &scenario.command, &scenario.supply) else {
         return "sealed, no valve".to_owned();

@@ -25,7 +25,7 @@ pub(crate) fn table(log: &Log) -> String {
         let behind = log.columns.iter().zip(words).enumerate().skip(1);
         let then = behind.filter(|(place, (column, _))| Some(*place) != of && its(column));
         let then: Vec<&str> =
-            then.map(|(_, (column, word))| told(column, word)).filter(|word| !word.is_empty()).collect();
+            then.map(|(_, (column, word))| printed_word(column, word)).filter(|word| !word.is_empty()).collect();
         rows.push(row(format!("{time:.9}"), &words[0], part, then.join(", ")));
     }
     let least = [(Side::Right, 16), (Side::Left, 12), (Side::Left, 0), (Side::Left, 0)];
@@ -42,7 +42,7 @@ fn prefix(column: &str) -> &str {
 }
 
 /// What a word of a column says.
-fn told<'w>(column: &str, word: &'w str) -> &'w str {
+fn printed_word<'w>(column: &str, word: &'w str) -> &'w str {
     match (column.ends_with("tension_clamped"), word) {
         (true, "true") => "tension kept at zero",
         (true, _) => "",
@@ -55,7 +55,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn after_an_event_stands_what_holds_of_whom_it_happened_to() {
+    fn the_state_after_an_event_is_that_of_its_actuator() {
         let own = ["event", "actuator", "turning"].map(String::from);
         let both = ["agonist", "antagonist"].map(|name| OF_ACTUATOR.map(|column| format!("{name}_{column}")));
         let row = |own: [&'static str; 3]| {

@@ -53,16 +53,16 @@ fn set(end: Option<End>) {
 #[cfg(unix)]
 pub fn listen() {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
-    let heard = [(SIGHUP, "SIGHUP"), (SIGINT, "SIGINT"), (SIGTERM, "SIGTERM")];
-    let heard: Vec<(i32, &'static str)> = heard.into_iter().filter(|(signal, _)| !is_ignored(*signal)).collect();
-    let Ok(mut signals) = signal_hook::iterator::Signals::new(heard.iter().map(|(signal, _)| signal)) else { return };
+    let caught = [(SIGHUP, "SIGHUP"), (SIGINT, "SIGINT"), (SIGTERM, "SIGTERM")];
+    let caught: Vec<(i32, &'static str)> = caught.into_iter().filter(|(signal, _)| !is_ignored(*signal)).collect();
+    let Ok(mut signals) = signal_hook::iterator::Signals::new(caught.iter().map(|(signal, _)| signal)) else { return };
     std::thread::spawn(move || {
         let mut ending = false;
         for signal in signals.forever() {
             if ending {
                 std::process::exit(128 + signal);
             }
-            let name = heard.iter().find(|(of, _)| *of == signal).map_or("a signal", |(_, name)| *name);
+            let name = caught.iter().find(|(of, _)| *of == signal).map_or("a signal", |(_, name)| *name);
             let end_with_result = ENDING.lock().unwrap_or_else(PoisonError::into_inner).take();
             if let Some(end_with_result) = end_with_result {
                 ENDED_BY.store(signal, Ordering::Relaxed);

@@ -223,20 +223,20 @@ fn mistakes_on_the_command_line() {
 }
 
 #[test]
-fn keys_are_told_from_the_table() {
+fn keys_are_listed_from_the_table() {
     let folder = Folder::new("keys");
-    let told = |path: &[&str]| {
+    let printed = |path: &[&str]| {
         let output = folder.mckibben().arg("keys").args(path).output().expect("the program runs");
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         String::from_utf8(output.stdout).expect("UTF-8")
     };
-    assert!(told(&[]).contains("[actuator.friction]") && told(&[]).contains("[mechanism.joints.*]"));
-    assert!(told(&["valve"]).contains("closing_delay") && told(&["actuator"]).contains("actuator.friction"));
-    let key = told(&["valve.kv"]);
+    assert!(printed(&[]).contains("[actuator.friction]") && printed(&[]).contains("[mechanism.joints.*]"));
+    assert!(printed(&["valve"]).contains("closing_delay") && printed(&["actuator"]).contains("actuator.friction"));
+    let key = printed(&["valve.kv"]);
     for part in ["Kv", "m^3/s", "greater than 0", "IEC 60534-2-1", "0.05 m^3/h"] {
         assert!(key.contains(part), "{part}: {key}");
     }
-    assert!(told(&["valve.kind"]).contains("fill-hold-exhaust"));
+    assert!(printed(&["valve.kind"]).contains("fill-hold-exhaust"));
     let output = folder.mckibben().args(["keys", "valve.knd"]).output().expect("the program runs");
     let message = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(2));

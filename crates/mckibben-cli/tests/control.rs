@@ -60,7 +60,7 @@ fn a_relay_keeps_the_pressure_of_the_file_within_its_dead_band() {
 }
 
 #[test]
-fn a_goal_that_is_not_regulated_is_written_and_told() {
+fn a_goal_that_is_not_regulated_is_written_and_reported() {
     let folder = Folder::new("control-model");
     let (summary, of) = run(&folder, "air-mass", &[]);
     let names = ["set_point_kg", "measured_kg", "set_point_m", "set_point_n"];
@@ -113,12 +113,12 @@ fn static_curves_need_no_controller_and_linear_models_refuse_one() {
     let curves = folder.mckibben().arg("curves").arg(&file).output().expect("runs");
     assert!(curves.status.success(), "{}", String::from_utf8_lossy(&curves.stderr));
     let linear = folder.mckibben().arg("linearize").arg(&file).output().expect("runs");
-    let told = String::from_utf8_lossy(&linear.stderr).into_owned();
+    let printed = String::from_utf8_lossy(&linear.stderr).into_owned();
     assert!(
         linear.status.code() == Some(2)
-            && told
+            && printed
                 .contains("command.kind = \"controller\" is not implemented where a command known beforehand is due"),
-        "{told}"
+        "{printed}"
     );
 }
 

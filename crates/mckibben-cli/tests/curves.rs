@@ -14,10 +14,10 @@ fn the_table_is_the_law() {
     let folder = Folder::new("curves");
     let file = of_repository("examples/paper/fig-08.toml");
     let mut command = folder.mckibben();
-    let told = text(
+    let printed = text(
         command.arg("curves").arg(file).args(["--gauge-pressures", "60psi", "--output", "c.csv"]).output().unwrap(),
     );
-    assert!(told.contains("60 psi") && told.contains("valve shut, (6) leaves out"), "{told}");
+    assert!(printed.contains("60 psi") && printed.contains("valve shut, (6) leaves out"), "{printed}");
     // (3), (7) and the sealed stiffness of (5), written out.
     let (b, n, atmosphere): (f64, f64, f64) = (4.3218 * 0.0254, 2.5, 101_325.0);
     let gauge = 60.0 * 4.448_221_615_260_5 / 0.0254_f64.powi(2);
@@ -69,8 +69,8 @@ fn every_kind_of_load_has_an_operating_point() {
         ("paper/fig-13.toml", "where the load balances"),
     ] {
         let file = of_repository("examples").join(file);
-        let told = text(folder.mckibben().arg("curves").arg(file).output().unwrap());
-        assert!(told.contains(word), "{told}");
+        let printed = text(folder.mckibben().arg("curves").arg(file).output().unwrap());
+        assert!(printed.contains(word), "{printed}");
     }
 }
 
@@ -86,9 +86,9 @@ fn what_is_wrong_is_refused_before_anything_is_written() {
         (["--set", "actuator.turns=-1"], "actuator.turns"),
     ] {
         let output = folder.mckibben().arg("curves").arg(&file).args([&arguments.join("=")]).output().unwrap();
-        let told = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {told}");
-        assert!(told.contains(words), "{arguments:?}: {told}");
+        let printed = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {printed}");
+        assert!(printed.contains(words), "{arguments:?}: {printed}");
     }
     assert!(folder.names().is_empty());
 }

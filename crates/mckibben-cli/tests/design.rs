@@ -131,7 +131,7 @@ fn no_neighbour_of_the_best_is_better() {
 }
 
 #[test]
-fn what_cannot_be_met_is_told_with_the_nearest_point() {
+fn an_infeasible_constraint_is_reported_with_the_nearest_point() {
     let folder = Folder::new("design-infeasible");
     folder.file("muscle.toml", ISOMETRIC);
     let asked =
@@ -144,8 +144,8 @@ fn what_cannot_be_met_is_told_with_the_nearest_point() {
     let words = format!("tension.final = {due:.1} N, not >= 250 N");
     assert!(error(&output).contains("no values within --vary meet every constraint"), "{}", error(&output));
     assert!(error(&output).contains(&words), "{}, not {words}", error(&output));
-    let told = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert!(told.contains("at its upper end: widen --vary") && told.contains("broken"), "{told}");
+    let output = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(output.contains("at its upper end: widen --vary") && output.contains("broken"), "{output}");
     assert_eq!(folder.names(), ["muscle.toml", "search.svg"]);
 }
 
@@ -212,7 +212,7 @@ fn any_number_of_threads_finds_the_same() {
 
 /// An explicit method with steps of 1 ms blows up through a wide valve: such runs count as infeasible, and the others are searched.
 #[test]
-fn runs_that_fail_are_told_and_the_rest_is_searched() {
+fn runs_that_fail_are_reported_and_the_search_goes_on() {
     let folder = Folder::new("design-failures");
     let stepped = format!("{ISOMETRIC}engine = \"fixed-step\"\nmethod = \"rk4\"\nstep = \"1 ms\"\n");
     folder.file("muscle.toml", &stepped);
@@ -220,9 +220,9 @@ fn runs_that_fail_are_told_and_the_rest_is_searched() {
         ["muscle.toml", "--vary", "valve.flow_area=1..10000 mm^2", "--maximize", "air.used", "--evaluations", "20"];
     let output = design(&folder, &asked);
     assert!(output.status.success(), "{}", error(&output));
-    let told = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert!(told.contains("failed and counted as infeasible") && told.contains("the simulation stopped"), "{told}");
-    assert!(told.contains("1..10000 mm^2, logarithmic"), "{told}");
+    let output = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(output.contains("failed and counted as infeasible") && output.contains("the simulation stopped"), "{output}");
+    assert!(output.contains("1..10000 mm^2, logarithmic"), "{output}");
 }
 
 /// Of a plant: keys of its parts and an entry of a list, numbers with the names of parts, and the file that is written.

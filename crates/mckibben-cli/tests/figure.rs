@@ -76,7 +76,7 @@ fn what_does_not_change_is_a_note_and_not_a_panel() {
 }
 
 #[test]
-fn agonist_and_antagonist_have_a_colour_of_their_own_everywhere() {
+fn agonist_and_antagonist_have_separate_colours_everywhere() {
     let figure = one(usual(&example("antagonistic-joint")));
     let (agonist, antagonist) = (Colour::Category(0), Colour::Category(1));
     for panel in &figure.panels[1..] {

@@ -13,9 +13,9 @@ fn run(folder: &Folder, arguments: &[&str]) -> (Option<i32>, String) {
 #[test]
 fn a_unit_is_written() {
     let folder = Folder::new("fmu");
-    let (code, told) =
+    let (code, printed) =
         run(&folder, &["--output", "arm.fmu", "--fmi", "2", "--kind", "cs", "--command-mode", "request"]);
-    assert_eq!(code, Some(0), "{told}");
+    assert_eq!(code, Some(0), "{printed}");
     let bytes = std::fs::read(folder.path("arm.fmu")).expect("written");
     let holds = |text: &str| bytes.windows(text.len()).any(|window| window == text.as_bytes());
     assert!(holds("binaries/linux64/mckibben.so") || !cfg!(all(target_os = "linux", target_arch = "x86_64")));
@@ -33,9 +33,9 @@ fn what_is_no_unit_is_refused() {
         (&["--output", "arm.fmu", "--set", "initial.gauge_pressure=-20 bar"], "gauge_pressure"),
         (&["--output", "arm.fmu", "--fmi", "1"], "--fmi"),
     ] {
-        let (code, told) = run(&folder, arguments);
-        assert_eq!(code, Some(2), "{arguments:?}: {told}");
-        assert!(told.contains(words), "{arguments:?}: {told}");
+        let (code, printed) = run(&folder, arguments);
+        assert_eq!(code, Some(2), "{arguments:?}: {printed}");
+        assert!(printed.contains(words), "{arguments:?}: {printed}");
     }
     assert!(folder.names().is_empty());
 }

@@ -57,7 +57,7 @@ fn every_example_of_the_repository_has_a_figure() {
 }
 
 #[test]
-fn a_file_that_fails_is_shown_and_told() {
+fn a_file_that_fails_is_shown_and_reported() {
     let folder = Folder::new("gallery-failure");
     std::fs::create_dir_all(folder.path("in/odd ones")).unwrap();
     std::fs::copy(of_repository("examples/isometric-charge.toml"), folder.path("in/good.toml")).unwrap();

@@ -20,7 +20,7 @@ fn identify(folder: &Folder, study: &Path) -> Output {
     folder.mckibben().arg("identify").arg(study).args(["--output", "out"]).output().expect("the program runs")
 }
 
-fn told(output: &Output) -> String {
+fn printed(output: &Output) -> String {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
@@ -42,14 +42,14 @@ fn measured_muscles_are_fitted_by_every_law() {
     for (name, largest) in [("dmsp-20-300", "1653.5 N"), ("dmsp-10-250", "542.5 N")] {
         let folder = Folder::new(&format!("identify-{name}"));
         let output = identify(&folder, &of_repository(&format!("validation/martens-boblan-2017/{name}-study.toml")));
-        let told = told(&output);
-        assert!(told.contains(largest) && told.contains("held-out"), "{told}");
+        let printed = printed(&output);
+        assert!(printed.contains(largest) && printed.contains("held-out"), "{printed}");
         let comparison = read(&folder, "out/comparison.csv");
         // The figures of docs/validation.md, here with the slack points.
         let in_sample = cell(&comparison, "ideal-braid + saturating bladder", "rms %");
         let expected = if name == "dmsp-20-300" { 0.80 } else { 2.0 };
         assert!((in_sample - expected).abs() < 0.05, "{comparison}");
-        the_sentence_and_the_table_agree(&told, &comparison);
+        the_sentence_and_the_table_agree(&printed, &comparison);
         for file in
             ["index.html", "values.csv", "scenario.toml", "laws.svg", "fit.png", "residuals.csv", "held-out.svg"]
         {
@@ -57,7 +57,7 @@ fn measured_muscles_are_fitted_by_every_law() {
         }
         let page = read(&folder, "out/index.html");
         // The membrane is nearest both ways for the thicker muscle; for the other, what is nearest in sample goes astray.
-        assert_eq!(page.contains("is no guide to what lies between and beyond"), name == "dmsp-10-250", "{told}");
+        assert_eq!(page.contains("is no guide to what lies between and beyond"), name == "dmsp-10-250", "{printed}");
         // The scenario that was found runs.
         let run = folder.mckibben().args(["simulate", "out/scenario.toml"]).output().expect("the program runs");
         assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
@@ -65,7 +65,7 @@ fn measured_muscles_are_fitted_by_every_law() {
 }
 
 /// The law that the sentence says to err least is the first of the table, and no law whose parameters are identified errs less there.
-fn the_sentence_and_the_table_agree(told: &str, comparison: &str) {
+fn the_sentence_and_the_table_agree(printed: &str, comparison: &str) {
     let mut table = csv::Reader::from_reader(comparison.as_bytes());
     let head = table.headers().expect("a head").clone();
     // Its root mean square stands behind the worst error.
@@ -75,9 +75,9 @@ fn the_sentence_and_the_table_agree(told: &str, comparison: &str) {
     let identified = rows.iter().filter(|row| !row[condition].contains("not identifiable"));
     let errors: Vec<f64> = identified.map(|row| row[error].parse().unwrap_or(f64::INFINITY)).collect();
     assert!(errors.len() > 5 && errors.is_sorted(), "{errors:?}\n{comparison}");
-    let words = told.split_whitespace().collect::<Vec<_>>().join(" ");
+    let words = printed.split_whitespace().collect::<Vec<_>>().join(" ");
     let sentence = format!("{} errs least: {} % with {} parameters", &rows[0][0], &rows[0][error], &rows[0][1]);
-    assert!(words.contains(&sentence), "`{sentence}` is not in\n{told}");
+    assert!(words.contains(&sentence), "`{sentence}` is not in\n{printed}");
     // Another law is taken only where it is within a tenth, and has fewer parameters.
     if let Some((_, taken)) = words.split_once("parameters, and ").filter(|(_, rest)| rest.contains(" is taken:")) {
         let name =
@@ -109,8 +109,8 @@ fn a_column_in_other_units_is_refused_in_words() {
     ] {
         let output = identify(&folder, &folder.file("study.toml", &study(pressure, tension)));
         let error = String::from_utf8_lossy(&output.stderr).into_owned();
-        let told = error.clone() + &String::from_utf8_lossy(&output.stdout);
-        assert!(told.contains(words), "{told}");
+        let printed = error.clone() + &String::from_utf8_lossy(&output.stdout);
+        assert!(printed.contains(words), "{printed}");
     }
     let output = identify(&folder, &folder.file("study.toml", &study("Pa", "lbf")));
     assert_eq!(output.status.code(), Some(2));
@@ -118,7 +118,7 @@ fn a_column_in_other_units_is_refused_in_words() {
 }
 
 #[test]
-fn what_the_simulator_recorded_is_found_again() {
+fn parameters_of_simulated_records_are_recovered() {
     let folder = Folder::new("identify-runs");
     let truth = "[actuator]\npreset = \"colbrunn-2001\"\n[supply]\ngauge_pressure = \"100 psi\"\n[valve]\npreset = \"matrix-eight-channel\"\n\
                  [command]\nkind = \"pwm\"\nfrequency = \"12 Hz\"\nduty = 0.45\n[load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n\
@@ -145,14 +145,14 @@ fn what_the_simulator_recorded_is_found_again() {
                  [[run]]\nfile = \"five.csv\"\n[[run]]\nfile = \"eight.parquet\"\nset = { \"load.mass\" = \"8 lb\" }\n\
                  [fit.\"actuator.friction.viscous\"]\nfrom = \"0.1 N*s/m\"\nto = \"50 N*s/m\"\n[fit.\"actuator.friction.coulomb_width\"]\n";
     let output = identify(&folder, &folder.file("study.toml", study));
-    let told = told(&output);
+    let printed = printed(&output);
     let values = read(&folder, "out/values.csv");
     // 0.02 lbf*s/in and 0.0044 in of the preset.
     for (name, expected) in
         [("actuator.friction.viscous", 3.502_536_705), ("actuator.friction.coulomb_width", 1.117_6e-4)]
     {
         let value = cell(&values, name, "value");
-        assert!((value / expected - 1.0).abs() < 1e-5, "{value} is not {expected}\n{told}");
+        assert!((value / expected - 1.0).abs() < 1e-5, "{value} is not {expected}\n{printed}");
     }
     for file in ["scenario-five.toml", "scenario-eight.toml", "run-1.svg", "run-2.png", "index.html"] {
         assert!(folder.path("out").join(file).exists(), "{file}");
@@ -182,14 +182,14 @@ fn a_measured_pressure_and_masses_of_each_run() {
                  [[run]]\nfile = \"two.csv\"\n[[run]]\nfile = \"three.csv\"\n\
                  [fit.\"actuator.friction.viscous\"]\nfrom = \"0.1 N*s/m\"\nto = \"50 N*s/m\"\n[fit.\"load.mass\"]\nper_run = true\n";
     let output = identify(&folder, &folder.file("study.toml", study));
-    let told = told(&output);
-    assert!(told.contains("take no part"), "{told}");
+    let printed = printed(&output);
+    assert!(printed.contains("take no part"), "{printed}");
     let values = read(&folder, "out/values.csv");
     let expected = [("actuator.friction.viscous", 3.502_536_705), ("load.mass [two]", 2.0), ("load.mass [three]", 3.0)];
     for (name, expected) in expected {
         let value = cell(&values, name, "value");
         // Straight lines through a pressure every 0.1 ms.
-        assert!((value / expected - 1.0).abs() < 1e-3, "{name}: {value} is not {expected}\n{told}");
+        assert!((value / expected - 1.0).abs() < 1e-3, "{name}: {value} is not {expected}\n{printed}");
     }
     let scenario = read(&folder, "out/scenario-two.toml");
     assert!(scenario.contains("[pressure]") && !scenario.contains("[valve]"), "{scenario}");
@@ -206,9 +206,9 @@ fn a_measured_pressure_and_masses_of_each_run() {
 }
 
 #[test]
-fn a_joint_is_found_in_its_swings() {
+fn a_joint_is_identified_from_its_swings() {
     let folder = Folder::new("identify-joint");
-    let told = told(&identify(&folder, &of_repository("examples/identify/joint.toml")));
+    let printed = printed(&identify(&folder, &of_repository("examples/identify/joint.toml")));
     let values = read(&folder, "out/values.csv");
     // What `examples/identify/data.sh` has put in.
     for (name, truth, part) in [
@@ -218,10 +218,10 @@ fn a_joint_is_found_in_its_swings() {
         ("antagonist.actuator.turns", 3.0, 0.005),
     ] {
         let value = cell(&values, name, "value");
-        assert!((value / truth - 1.0).abs() < part, "{name}: {value} is not {truth}\n{told}");
+        assert!((value / truth - 1.0).abs() < part, "{name}: {value} is not {truth}\n{printed}");
     }
     let page = read(&folder, "out/index.html");
-    assert!(page.contains("antagonist&#39;s gauge pressure") || page.contains("antagonist's gauge pressure"), "{told}");
+    assert!(page.contains("antagonist&#39;s gauge pressure") || page.contains("antagonist's gauge pressure"), "{printed}");
     let output = folder.mckibben().args(["simulate", "out/scenario.toml", "--output", "run.csv"]).output();
     assert!(output.expect("the program runs").status.success());
     assert!(read(&folder, "run.csv").contains("angle_rad"));
@@ -257,7 +257,7 @@ fn a_joint_is_found_in_its_swings() {
 
 /// The measured pressures of both drive the joint, whatever made them: the limb comes out though the scenario has other valves.
 #[test]
-fn a_joint_is_found_by_the_measured_pressures_of_both() {
+fn a_joint_is_identified_from_both_measured_pressures() {
     let folder = Folder::new("identify-joint-pressure");
     let truth = std::fs::read_to_string(of_repository("examples/antagonistic-joint.toml")).expect("a scenario");
     let truth = truth.replace("inertia = \"1e-3 kg*m^2\"", "inertia = \"1.3e-3 kg*m^2\"");
@@ -281,12 +281,12 @@ fn a_joint_is_found_by_the_measured_pressures_of_both() {
         "[[run]]\nfile = \"swings.csv\"\n[fit.\"load.inertia\"]\n[fit.\"load.damping\"]\n".to_owned(),
     ]
     .concat();
-    let told = told(&identify(&folder, &folder.file("study.toml", &study)));
-    assert!(told.contains("take no part"), "{told}");
+    let printed = printed(&identify(&folder, &folder.file("study.toml", &study)));
+    assert!(printed.contains("take no part"), "{printed}");
     let values = read(&folder, "out/values.csv");
     for (name, truth) in [("load.inertia", 1.3e-3), ("load.damping", 0.03)] {
         let value = cell(&values, name, "value");
-        assert!((value / truth - 1.0).abs() < 5e-3, "{name}: {value} is not {truth}\n{told}");
+        assert!((value / truth - 1.0).abs() < 5e-3, "{name}: {value} is not {truth}\n{printed}");
     }
     let found = read(&folder, "out/scenario.toml");
     assert!(

@@ -58,9 +58,9 @@ fn a_search_that_ends_at_a_kink_writes_the_best_values() {
     folder.file("run.csv", "time_s,length_m\n1.1,0.087\n1.2,0.087\n1.3,0.087\n1.4,0.087\n1.5,0.087\n");
     let fit = "[fit.\"actuator.friction.coulomb_width\"]\nfrom = \"0.3 mm\"\nto = \"0.6 mm\"\nstart = \"0.35 mm\"\n";
     let output = identify(&folder, &format!("{STUDY}{fit}[search]\nmore_starts = 0\n"));
-    let told = words(&output);
-    assert!(output.status.success(), "{told}");
-    assert!(told.contains("the search ended at a kink") && told.contains("they have no intervals"), "{told}");
+    let printed = words(&output);
+    assert!(output.status.success(), "{printed}");
+    assert!(printed.contains("the search ended at a kink") && printed.contains("they have no intervals"), "{printed}");
     let values = read(&folder, "out/values.csv");
     assert_eq!(cell(&values, "actuator.friction.coulomb_width", "95 % interval"), "none: no minimum", "{values}");
     for file in ["index.html", "scenario.toml", "run-1.svg"] {
@@ -86,11 +86,11 @@ fn steps_without_derivatives_lead_on_from_a_kink() {
     let fit = "[fit.\"load.mass\"]\nstart = \"2.2 kg\"\nfrom = \"1.5 kg\"\nto = \"3.5 kg\"\n\
                [fit.\"actuator.friction.viscous\"]\nstart = \"4 N*s/m\"\nfrom = \"1 N*s/m\"\nto = \"10 N*s/m\"\n";
     let output = identify(&folder, &format!("{STUDY}{fit}[search]\nmore_starts = 0\n"));
-    let told = words(&output);
-    assert!(output.status.success() && !told.contains("took all its"), "{told}");
+    let printed = words(&output);
+    assert!(output.status.success() && !printed.contains("took all its"), "{printed}");
     let left = cell(&read(&folder, "out/comparison.csv"), "all", "left");
     let left: f64 = left.split_whitespace().next().and_then(|of| of.parse().ok()).expect("a length in mm");
-    assert!(left < 18.0, "{left}\n{told}");
+    assert!(left < 18.0, "{left}\n{printed}");
 }
 
 /// From one start the search for a mass that bounces ends in one of many minima; the starts that are taken unless the study says how
@@ -113,13 +113,13 @@ fn the_start_does_not_decide_and_other_minima_are_named() {
     assert!(lost >= 4, "one start finds it from everywhere: {alone:?}");
     for start in starts {
         let output = identify(&folder, &study(start, ""));
-        let (found, told) = (mass(&output), words(&output));
-        assert!((found / truth - 1.0).abs() < 1e-5, "{found} from {start}\n{told}");
-        assert!(told.contains("of 16 more starts that were evaluated"), "{told}");
+        let (found, printed) = (mass(&output), words(&output));
+        assert!((found / truth - 1.0).abs() < 1e-5, "{found} from {start}\n{printed}");
+        assert!(printed.contains("of 16 more starts that were evaluated"), "{printed}");
         let minima = read(&folder, "out/minima.csv");
         assert!(minima.starts_with("load.mass (kg),") && minima.lines().count() > 2, "{minima}");
         let page = read(&folder, "out/index.html");
-        assert!(page.contains("Where searches from several starts ended"), "{told}");
+        assert!(page.contains("Where searches from several starts ended"), "{printed}");
     }
 }
 
@@ -148,10 +148,10 @@ fn limits_of_steps_and_time_write_the_best_values() {
         ("time_limit = \"-1 s\"", "not above zero"),
     ] {
         let output = identify(&folder, &format!("{STUDY}{fit}[search]\n{search}\n"));
-        let told = words(&output);
+        let printed = words(&output);
         assert!(
-            output.status.code() == Some(2) && (told.contains(said) || told.contains("most_steps")),
-            "{said}: {told}"
+            output.status.code() == Some(2) && (printed.contains(said) || printed.contains("most_steps")),
+            "{said}: {printed}"
         );
     }
     let valve = STUDY.replace("trajectories", "pulse-train");
@@ -172,10 +172,10 @@ fn an_interrupted_search_writes_the_best_values() {
             continue;
         }
         let output = folder.interrupted(&["identify", "study.toml", "--output", name], name, Duration::from_secs(3));
-        let told = words(&output);
-        assert_eq!(output.status.code(), Some(code), "{told}");
-        assert!(told.contains(&format!("{name}: the search ends with the best values so far")), "{told}");
-        assert!(told.contains("the search was interrupted: these are the best values so far"), "{told}");
+        let printed = words(&output);
+        assert_eq!(output.status.code(), Some(code), "{printed}");
+        assert!(printed.contains(&format!("{name}: the search ends with the best values so far")), "{printed}");
+        assert!(printed.contains("the search was interrupted: these are the best values so far"), "{printed}");
         let values = read(&folder, &format!("{name}/values.csv"));
         let mass: f64 = cell(&values, "load.mass", "value").parse().expect("a number");
         assert!((mass / (5.0 * 0.453_592_37) - 1.0).abs() < 1e-3, "{mass}");
@@ -198,8 +198,8 @@ fn step_like_runs_have_what_an_owner_looks_at() {
     let fit = "[[run]]\nfile = \"other.csv\"\nset = { \"initial.length\" = \"86 mm\" }\n[fit.\"actuator.friction.viscous\"]\n\
                start = \"10 N*s/m\"\nfrom = \"1 N*s/m\"\nto = \"50 N*s/m\"\n";
     let output = identify(&folder, &format!("{STUDY}{fit}"));
-    let told = words(&output);
-    assert!(output.status.success() && told.contains("Runs that come to rest"), "{told}");
+    let printed = words(&output);
+    assert!(output.status.success() && printed.contains("Runs that come to rest"), "{printed}");
     let table = read(&folder, "out/responses.csv");
     let rows: Vec<csv::StringRecord> =
         csv::Reader::from_reader(table.as_bytes()).records().map(|row| row.expect("a row")).collect();
@@ -229,9 +229,9 @@ fn a_critical_ratio_on_zero_offers_the_hose() {
     let hose = "[hose]\nkind = \"lumped\"\nlength = \"0.3 m\"\ndiameter = \"0.5 mm\"\n";
     recorded(&folder, &format!("{rig}{hose}"));
     folder.file("rig.toml", rig);
-    let told = words(&identify(&folder, &format!("{study}{fit}")));
-    assert!(told.contains("valve.critical_ratio rests on its least value, 0:"), "{told}");
-    assert!(told.contains("is that of a line, not of a valve") && told.contains("by [hose]"), "{told}");
+    let printed = words(&identify(&folder, &format!("{study}{fit}")));
+    assert!(printed.contains("valve.critical_ratio rests on its least value, 0:"), "{printed}");
+    assert!(printed.contains("is that of a line, not of a valve") && printed.contains("by [hose]"), "{printed}");
     let wide = hose.replace("0.5 mm", "2.5 mm");
     recorded(&folder, &format!("{rig}{wide}"));
     folder.file("rig.toml", &format!("{rig}{wide}").replace("critical_ratio = 0.3", "critical_ratio = 0.5"));

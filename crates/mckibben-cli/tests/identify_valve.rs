@@ -126,8 +126,8 @@ fn steady_data(folder: &Folder) {
 fn a_flow_curve_gives_c_and_b() {
     let folder = Folder::new("valve-flow-curve");
     steady_data(&folder);
-    let told = found(&folder, &steady("flow-curve", ""));
-    assert!(told.contains("28 points of steady flow") && told.contains("L/(s·bar)"), "{told}");
+    let printed = found(&folder, &steady("flow-curve", ""));
+    assert!(printed.contains("28 points of steady flow") && printed.contains("L/(s·bar)"), "{printed}");
     holds(&folder, "valve.sonic_conductance", CONDUCTANCE, 0.03);
     holds(&folder, "valve.critical_ratio", RATIO, 0.2);
     there(&folder, &["index.html", "flow-curve.svg", "flow-curve.png", "flow-curve.csv"]);
@@ -137,14 +137,14 @@ fn a_flow_curve_gives_c_and_b() {
 }
 
 #[test]
-fn a_measured_exhaust_leaves_the_other_passage_as_it_was() {
+fn a_measured_exhaust_keeps_the_other_flow_path() {
     let folder = Folder::new("valve-exhaust");
     steady_data(&folder);
     folder.file("rig.toml", &RIG.replace("opening_delay", "efficiency = 0.8\nopening_delay"));
-    let told = found(&folder, &steady("flow-curve", "[flow]\npassage = \"exhaust\"\n"));
+    let printed = found(&folder, &steady("flow-curve", "[flow]\npassage = \"exhaust\"\n"));
     holds(&folder, "valve.exhaust.sonic_conductance", CONDUCTANCE, 0.03);
     // 1 L/(s·bar) with an efficiency of 0.8 is 0.8 L/(s·bar) with one of 1.
-    assert!(told.contains("valve.efficiency was 0.8 and is 1 now"), "{told}");
+    assert!(printed.contains("valve.efficiency was 0.8 and is 1 now"), "{printed}");
     runs(&folder, "scenario.toml", &["[valve.exhaust]", "sonic_conductance = \"8e-9 m^3/(s*Pa)\"", "efficiency = 1"]);
 }
 
@@ -217,15 +217,15 @@ fn steady_flow_that_cannot_be_is_refused() {
         (steady("steady-flow", "[flow]\narea = \"3 mm\"\n"), "`flow.area` is \"3 mm\": that is a length"),
         (steady("steady-flow", "[flow]\narea = \"0 mm^2\"\n"), "`flow.area` is \"0 mm^2\", which is not above zero"),
     ] {
-        let told = refused(&folder, &text);
-        assert!(told.contains(words), "`{words}` is not in\n{told}");
+        let printed = refused(&folder, &text);
+        assert!(printed.contains(words), "`{words}` is not in\n{printed}");
     }
     // A meter that ends at 150 L/min: the same largest flow from 5 bar and from 7 bar, in one table.
     let rows =
         |upstream: f64| flow_curve(upstream, |flow| flow.min(150.0)).split_once('\n').expect("a head").1.to_owned();
     folder.file("seven.csv", &format!("P1_bar,P2_bar,T_C,Q\n{}{}", rows(7e5), rows(5e5)));
-    let told = refused(&folder, &study);
-    assert!(told.contains("the flow meter is at its end"), "{told}");
+    let printed = refused(&folder, &study);
+    assert!(printed.contains("the flow meter is at its end"), "{printed}");
     folder.file("rig.toml", "[load]\nkind = \"isometric\"\n[initial]\ngauge_pressure = \"6 bar\"\nlength = \"90 mm\"\n[run]\nduration = \"1 s\"\n");
     assert!(refused(&folder, &study).contains("the scenario has no valve"));
 }
@@ -243,11 +243,11 @@ fn gauge_pressures_under_the_name_of_absolute_ones_are_seen() {
     let rows: String = (1..20).map(|place| line(9e3 * f64::from(place))).collect();
     folder.file("seven.csv", &format!("P1_bar,P2_bar,T_C,Q\n{rows}"));
     let study = steady("flow-curve", "").replace("[[run]]\nfile = \"five.csv\"\n", "");
-    let told = refused(&folder, &study);
-    assert!(told.contains("both pressures are absolute"), "{told}");
+    let printed = refused(&folder, &study);
+    assert!(printed.contains("both pressures are absolute"), "{printed}");
     // Under their own name the curve lacks its choked part, and that is what is said.
-    let told = refused(&folder, &study.replace("absolute_pressure", "gauge_pressure"));
-    assert!(told.contains("no point is choked: the least pressure ratio is 0.36"), "{told}");
+    let printed = refused(&folder, &study.replace("absolute_pressure", "gauge_pressure"));
+    assert!(printed.contains("no point is choked: the least pressure ratio is 0.36"), "{printed}");
 }
 
 /// The truth of the tanks: 0.5 L behind 0.6 L/(s·bar).
@@ -329,8 +329,8 @@ fn a_charge_gives_the_external_volume() {
     let table = recorded(&folder, &truth("fill", "0 bar"), &[], 300.0);
     folder.file("run.csv", &table);
     let study = "find = \"volume\"\ntransfer = \"charge\"\nvolume = \"0.3 L\"\nlength = \"90 mm\"\n";
-    let told = found(&folder, &tank_study(study));
-    assert!(told.contains("of which the actuator has"), "{told}");
+    let printed = found(&folder, &tank_study(study));
+    assert!(printed.contains("of which the actuator has"), "{printed}");
     holds(&folder, "actuator.external_volume", 5e-4, 0.01);
     runs(&folder, "scenario.toml", &["external_volume"]);
     // The same as a gauge pressure, in two runs of which one begins later.
@@ -371,8 +371,8 @@ fn two_discharges_give_one_valve() {
     };
     found(&folder, &of(&["low"]));
     let alone = width();
-    let told = found(&folder, &of(&["high", "low"]));
-    assert!(told.contains("of 2 runs together"), "{told}");
+    let printed = found(&folder, &of(&["high", "low"]));
+    assert!(printed.contains("of 2 runs together"), "{printed}");
     holds(&folder, "valve.sonic_conductance", CONDUCTANCE, 0.01);
     holds(&folder, "valve.critical_ratio", RATIO, 0.1);
     assert!(width() < alone, "{} is not below {alone}", width());
@@ -387,7 +387,7 @@ fn two_discharges_give_one_valve() {
 }
 
 #[test]
-fn heat_is_found_beside_the_valve() {
+fn heat_transfer_is_estimated_together_with_the_valve_in_a_study() {
     let folder = Folder::new("valve-heat");
     let balance = |text: String, heat: &str| {
         text.replace("process = \"isothermal\"", &format!("process = \"energy-balance\"\nheat_transfer = \"{heat}\""))
@@ -404,9 +404,9 @@ fn heat_is_found_beside_the_valve() {
     let rig =
         read(&folder, "rig.toml").replace("exhaust_temperature = \"actuator\"", "exhaust_temperature = \"ambient\"");
     folder.file("rig.toml", &rig);
-    let told = found(&folder, study);
-    let words: Vec<&str> = told.split_whitespace().collect();
-    assert!(words.join(" ").contains("of the scenario is \"actuator\" now"), "{told}");
+    let printed = found(&folder, study);
+    let words: Vec<&str> = printed.split_whitespace().collect();
+    assert!(words.join(" ").contains("of the scenario is \"actuator\" now"), "{printed}");
     runs(&folder, "scenario.toml", &["exhaust_temperature = \"actuator\""]);
 }
 
@@ -452,9 +452,9 @@ fn tanks_that_cannot_be_are_refused() {
         (good.clone() + "heat = true\n", "heat transfer is to be estimated for air whose process has none"),
         (good.replace("discharge", "charge"), "the pressure does not rise, but the study says charge"),
     ] {
-        let told = refused(&folder, &text);
+        let printed = refused(&folder, &text);
         let words = words.split("; give").next().expect("a part");
-        assert!(told.contains(words), "`{words}` is not in\n{told}");
+        assert!(printed.contains(words), "`{words}` is not in\n{printed}");
     }
     // The same pressures as gauge pressures under the name of absolute ones: below the atmosphere's.
     let shifted = |by: f64, end: f64| {
@@ -473,14 +473,14 @@ fn tanks_that_cannot_be_are_refused() {
         .map(|line| line.to_owned() + "\n")
         .collect::<String>();
     folder.file("run.csv", &long);
-    let told = refused(&folder, &good);
-    assert!(told.contains("but the atmosphere to which it is discharged has 1.013 bar"), "{told}");
-    assert!(told.contains("name its column `gauge_pressure`"), "{told}");
+    let printed = refused(&folder, &good);
+    assert!(printed.contains("but the atmosphere to which it is discharged has 1.013 bar"), "{printed}");
+    assert!(printed.contains("name its column `gauge_pressure`"), "{printed}");
     // A sensor that ends at 5 bar.
     folder.file("run.csv", &shifted(0.0, 5e5));
-    let told = refused(&folder, &good);
-    assert!(told.contains("reads 500000 Pa, its largest value") && told.contains("the sensor is at its end"), "{told}");
-    assert!(told.contains("`saturates = \"500000 Pa\"`"), "{told}");
+    let printed = refused(&folder, &good);
+    assert!(printed.contains("reads 500000 Pa, its largest value") && printed.contains("the sensor is at its end"), "{printed}");
+    assert!(printed.contains("`saturates = \"500000 Pa\"`"), "{printed}");
     found(&folder, &good.replace("unit = \"Pa\"", "unit = \"Pa\"\nsaturates = \"500000 Pa\""));
 }
 
@@ -511,7 +511,7 @@ fn pulse_trains_give_the_delays_and_the_effective_duty() {
                  [columns.absolute_pressure]\nname = \"P_Pa\"\nunit = \"Pa\"\n\
                  [[run]]\nfile = \"ten.csv\"\nset = { \"command.frequency\" = \"10 Hz\" }\n[[run]]\nfile = \"twenty.csv\"\n\
                  [[run]]\nfile = \"forty.csv\"\nset = { \"command.frequency\" = \"40 Hz\" }\n";
-    let told = found(&folder, study);
+    let printed = found(&folder, study);
     holds(&folder, "valve.opening_delay", 4e-3, 0.05);
     holds(&folder, "valve.closing_delay", 1e-3, 0.2);
     there(&folder, &["index.html", "pulses-1.svg", "pulses-3.png", "duty.svg", "duty.csv"]);
@@ -520,7 +520,7 @@ fn pulse_trains_give_the_delays_and_the_effective_duty() {
     let duty = read(&folder, "out/duty.csv");
     let forty = duty.lines().last().expect("a line").split(',').nth(2).and_then(|cell| cell.parse::<f64>().ok());
     assert!((forty.expect("a number") - 0.38).abs() < 3e-3, "{duty}");
-    assert!(told.contains("longer than the closing"), "{told}");
+    assert!(printed.contains("longer than the closing"), "{printed}");
 }
 
 #[test]
@@ -540,8 +540,8 @@ fn the_edges_may_come_from_a_column() {
     folder.file("run.csv", &format!("t_s,P_Pa,U\n{rows}"));
     let study = "[study]\nkind = \"pulse-train\"\nscenario = \"rig.toml\"\n[columns.time]\nname = \"t_s\"\nunit = \"s\"\n\
                  [columns.absolute_pressure]\nname = \"P_Pa\"\nunit = \"Pa\"\n[columns.command]\nname = \"U\"\nunit = \"\"\n[[run]]\nfile = \"run.csv\"\n";
-    let told = found(&folder, study);
-    assert!(told.contains("half a step of 0.500 ms"), "{told}");
+    let printed = found(&folder, study);
+    assert!(printed.contains("half a step of 0.500 ms"), "{printed}");
     let [opening, closing] = ["valve.opening_delay", "valve.closing_delay"].map(|name| interval(&folder, name));
     assert!((0.5 * (opening[0] + opening[1]) - 4e-3).abs() < 3e-4, "{opening:?}");
     assert!((0.5 * (closing[0] + closing[1]) - 1e-3).abs() < 3e-4, "{closing:?}");
@@ -563,12 +563,12 @@ fn the_edges_may_come_from_a_column() {
         (by_pwm.replace("[[run]]", "[[run]]\nset = { \"valve.kind\" = \"five-way\" }"), "do not pulse one coil"),
         (by_pwm.replace("200 ms", "3 s"), "after any of 0 times the coil was energised"),
     ] {
-        let told = refused(&folder, &text);
-        assert!(told.contains(words), "`{words}` is not in\n{told}");
+        let printed = refused(&folder, &text);
+        assert!(printed.contains(words), "`{words}` is not in\n{printed}");
     }
     folder.file("rig.toml", RIG);
-    let told = refused(&folder, &by_pwm);
-    assert!(told.contains("nothing says when the coil was energised"), "{told}");
+    let printed = refused(&folder, &by_pwm);
+    assert!(printed.contains("nothing says when the coil was energised"), "{printed}");
     // A sensor that ends at 3 bar.
     let rows: String = table
         .lines()
@@ -578,6 +578,6 @@ fn the_edges_may_come_from_a_column() {
         .collect();
     folder.file("rig.toml", &rig);
     folder.file("run.csv", &format!("t_s,P_Pa\n{rows}"));
-    let told = refused(&folder, &by_pwm.replace("200 ms", "0 s"));
-    assert!(told.contains("while the valve is pulsed: the sensor is at its end"), "{told}");
+    let printed = refused(&folder, &by_pwm.replace("200 ms", "0 s"));
+    assert!(printed.contains("while the valve is pulsed: the sensor is at its end"), "{printed}");
 }

@@ -22,9 +22,9 @@ fn run(folder: &Folder, file: &str, arguments: &[&str]) -> String {
 fn refused(folder: &Folder, file: &str, arguments: &[&str], words: &str) {
     let file = of_repository(file);
     let output = folder.mckibben().arg("linearize").arg(file).args(arguments).output().expect("the program runs");
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {told}");
-    assert!(told.contains(words), "{arguments:?}: {told}");
+    let printed = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {printed}");
+    assert!(printed.contains(words), "{arguments:?}: {printed}");
     assert!(folder.names().is_empty());
 }
 
@@ -93,20 +93,20 @@ fn both_files_hold_the_librarys_matrices() {
 }
 
 #[test]
-fn the_table_tells_the_point_the_poles_and_how_far_to_trust_them() {
+fn the_table_reports_the_point_the_poles_and_their_validity() {
     let folder = Folder::new("linearize-table");
-    let told = run(&folder, "examples/paper/fig-12.toml", &[]);
+    let printed = run(&folder, "examples/paper/fig-12.toml", &[]);
     for words in ["42.50 % of the period", "from 10.00 % to 97.50 %", "too large", "swings", "3 of 3", "Coulomb"] {
-        assert!(told.contains(words), "`{words}` is not in\n{told}");
+        assert!(printed.contains(words), "`{words}` is not in\n{printed}");
     }
-    let told = run(&folder, "examples/paper/fig-08.toml", &["--all-states", "--gauge-pressure", "60 psi"]);
+    let printed = run(&folder, "examples/paper/fig-08.toml", &["--all-states", "--gauge-pressure", "60 psi"]);
     for words in ["valve held shut", "4.137 bar", "integrator", "3 of 4", "one pole at zero that no input reaches"] {
-        assert!(told.contains(words), "`{words}` is not in\n{told}");
+        assert!(printed.contains(words), "`{words}` is not in\n{printed}");
     }
-    let told = run(&folder, "examples/paper/fig-08.toml", &["--amplitude", "1 mm"]);
-    assert!(told.contains("of viscous damping, right for"), "{told}");
-    let told = run(&folder, "examples/isometric-charge.toml", &["--gauge-pressure", "2 bar"]);
-    assert!(told.contains("the ends are held with"), "{told}");
+    let printed = run(&folder, "examples/paper/fig-08.toml", &["--amplitude", "1 mm"]);
+    assert!(printed.contains("of viscous damping, right for"), "{printed}");
+    let printed = run(&folder, "examples/isometric-charge.toml", &["--gauge-pressure", "2 bar"]);
+    assert!(printed.contains("the ends are held with"), "{printed}");
     assert!(folder.names().is_empty());
 }
 
@@ -163,10 +163,10 @@ fn a_joint_is_linearised_at_its_balance_or_at_a_stiffness() {
 fn a_joint_under_pulses_is_averaged_and_drawn() {
     let folder = Folder::new("linearize-joint-pwm");
     let file = "examples/linearize-joint.toml";
-    let told = run(&folder, file, &["--output", "j.json", "--plot", "j.svg"]);
+    let printed = run(&folder, file, &["--output", "j.json", "--plot", "j.svg"]);
     for words in ["both valves under PWM at 200.0 Hz on average", "Mean flow of the antagonist's valve", "agonist duty"]
     {
-        assert!(told.contains(words), "{words} is not in\n{told}");
+        assert!(printed.contains(words), "{words} is not in\n{printed}");
     }
     let model = read(&folder, "j.json");
     assert_eq!(model["model"], "joint-averaged-pwm");

@@ -39,11 +39,11 @@ fn names(folder: &Path) -> Vec<String> {
 /// Runs a line of the shell, in which `$0` is the program. Signals that the tests were started without, as in a background job
 /// or under `nohup`, are heard again, where `env` can do so.
 fn shell(folder: &Folder, line: &str) -> Command {
-    let heard = "--default-signal=INT,HUP,TERM";
-    let can = Command::new("env").args([heard, "true"]).stderr(Stdio::null()).status();
+    let restored = "--default-signal=INT,HUP,TERM";
+    let can = Command::new("env").args([restored, "true"]).stderr(Stdio::null()).status();
     let mut command = Command::new("env");
     if can.is_ok_and(|status| status.success()) {
-        command.arg(heard);
+        command.arg(restored);
     }
     command.current_dir(folder.path("")).env("NO_COLOR", "1");
     command.args(["sh", "-c", line, env!("CARGO_BIN_EXE_mckibben")]);

@@ -15,9 +15,9 @@ fn the_file_shows_set_point_and_regulated_pressure() {
     let arguments = ["simulate", "--verbose", file.as_str(), "-o", "run.csv", "-p", "run.svg"];
     let output = folder.mckibben().args(arguments).output().expect("the program runs");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let told = String::from_utf8_lossy(&output.stdout).into_owned();
+    let printed = String::from_utf8_lossy(&output.stdout).into_owned();
     for words in ["pressure regulator, 4 set points", "set-point", "gauge at the end", "Exergy of the supply's air"] {
-        assert!(told.contains(words), "{words}:\n{told}");
+        assert!(printed.contains(words), "{words}:\n{printed}");
     }
 
     let mut reader = csv::Reader::from_path(folder.path("run.csv")).expect("a CSV file");

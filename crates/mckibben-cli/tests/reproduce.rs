@@ -28,8 +28,8 @@ fn numbers(csv: &[u8]) -> BTreeMap<String, (f64, String)> {
 #[test]
 fn the_report_is_complete_and_reproducible() {
     let folder = Folder::new("reproduce");
-    let told = reproduced(&folder, "a");
-    assert!(told.contains("a/index.html") && told.contains("42.5 %"), "{told}");
+    let printed = reproduced(&folder, "a");
+    assert!(printed.contains("a/index.html") && printed.contains("42.5 %"), "{printed}");
     let a = files(&folder, "a");
     let page = String::from_utf8(a["index.html"].clone()).unwrap();
 
@@ -77,9 +77,9 @@ fn the_numbers_are_those_of_the_text_and_of_closed_forms() {
     reproduced(&folder, "r");
     let found = numbers(&files(&folder, "r")["numbers.csv"]);
     let check = |name: &str, exact: f64, tolerance: f64, verdict: &str| {
-        let (value, told) = found.get(name).unwrap_or_else(|| panic!("{name} is not in {:?}", found.keys()));
+        let (value, printed) = found.get(name).unwrap_or_else(|| panic!("{name} is not in {:?}", found.keys()));
         assert!((value - exact).abs() <= tolerance, "{name}: {value} is not {exact}");
-        assert_eq!(told, verdict, "{name}");
+        assert_eq!(printed, verdict, "{name}");
     };
     // d − (t_open − t_close) f, and the dead ends.
     check("Actual duty at 50 %, 25 Hz", 42.5, 1e-9, "agrees");

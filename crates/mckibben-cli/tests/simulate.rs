@@ -33,7 +33,7 @@ fn rows(path: &Path) -> Vec<Row> {
 }
 
 #[test]
-fn the_file_holds_what_the_library_computes_to_the_last_bit() {
+fn the_file_is_bit_identical_to_the_library() {
     let folder = Folder::new("bits");
     folder.file("muscle.toml", PWM);
     run(&folder, &["simulate", "muscle.toml", "--output", "run.csv"]);
@@ -198,7 +198,7 @@ fn an_accuracy_that_no_step_reaches_is_refused_with_the_one_that_can_be() {
 }
 
 #[test]
-fn a_step_too_long_for_runge_kutta_is_told() {
+fn a_step_too_long_for_runge_kutta_is_reported() {
     let folder = Folder::new("blow-up");
     folder.file("muscle.toml", PWM);
     let set = ["--set", "run.engine=fixed-step", "--set", "run.method=rk4", "--set", "run.step=20 ms"];
@@ -303,7 +303,7 @@ fn events_are_printed_and_written() {
 }
 
 #[test]
-fn what_cannot_be_written_is_told_before_anything_is_simulated() {
+fn an_output_that_cannot_be_written_is_refused_before_anything_is_simulated() {
     let folder = Folder::new("unwritable");
     folder.file("muscle.toml", PWM);
     std::fs::create_dir(folder.path("folder.csv")).expect("made");
@@ -342,7 +342,7 @@ fn a_joint_adds_its_columns_after_the_usual_ones() {
     let folder = Folder::new("joint");
     let file = of_repository("examples/antagonistic-joint.toml");
     let name = file.to_str().expect("UTF-8");
-    let told = run(
+    let printed = run(
         &folder,
         &[
             "simulate",
@@ -357,7 +357,7 @@ fn a_joint_adds_its_columns_after_the_usual_ones() {
             "run.duration=0.2 s",
         ],
     );
-    assert!(told.contains("antagonistic joint") && told.contains("201 rows"), "{told}");
+    assert!(printed.contains("antagonistic joint") && printed.contains("201 rows"), "{printed}");
     let mut reader = csv::Reader::from_path(folder.path("run.csv")).expect("a CSV file");
     let header = reader.headers().expect("a header").iter().collect::<Vec<_>>().join(",");
     let second = HEADER.split(',').skip(1).map(|column| format!(",antagonist_{column}")).collect::<String>();
@@ -385,18 +385,18 @@ fn a_joint_adds_its_columns_after_the_usual_ones() {
 
 /// The fixed-step engine writes the same columns, near the event-located engine's within the accuracy, and the same events.
 #[test]
-fn a_joint_runs_at_fixed_steps_to_the_accuracy_asked_for() {
+fn a_joint_runs_at_fixed_steps_to_the_requested_accuracy() {
     let folder = Folder::new("joint-steps");
     let file = of_repository("examples/moment-arm.toml");
     let common = ["simulate", file.to_str().expect("UTF-8"), "--set", "run.duration=0.3 s"];
     let with = |more: &[&str]| run(&folder, &[&common[..], more].concat());
     with(&["-o", "located.csv", "--events-output", "located-events.csv"]);
     let log = ["--events-output", "stepped-events.csv"];
-    let told = with(
+    let printed = with(
         &[&["--verbose", "-o", "stepped.csv", "--plot", "run.svg", "--set", "run.engine=fixed-step"], &log[..]]
             .concat(),
     );
-    assert!(told.contains("chosen for an accuracy of 1e-3") && told.contains("of the turnover"), "{told}");
+    assert!(printed.contains("chosen for an accuracy of 1e-3") && printed.contains("of the turnover"), "{printed}");
     let rows = |name: &str| -> Vec<Vec<String>> {
         let mut reader = csv::Reader::from_path(folder.path(name)).expect("a CSV file");
         let header = reader.headers().expect("a header").iter().map(str::to_owned).collect();
@@ -421,8 +421,8 @@ fn a_joint_runs_at_fixed_steps_to_the_accuracy_asked_for() {
     };
     let (located, stepped) = (events("located-events.csv"), events("stepped-events.csv"));
     assert!(located.len() == stepped.len() && located.len() == 4, "{located:?} {stepped:?}");
-    for ((exact, kind, whose), (time, of, whom)) in located.iter().zip(&stepped) {
-        assert!((kind, whose) == (of, whom) && (exact - time).abs() < 1e-3, "{kind} at {exact}, {of} at {time}");
+    for ((exact, kind, whose), (time, of, owner)) in located.iter().zip(&stepped) {
+        assert!((kind, whose) == (of, owner) && (exact - time).abs() < 1e-3, "{kind} at {exact}, {of} at {time}");
     }
 }
 
@@ -435,8 +435,8 @@ fn a_step_is_chosen_for_an_accuracy_under_a_controller() {
         ["simulate", file.to_str().expect("UTF-8"), "--set", "run.duration=0.3 s", "--set", "run.accuracy=1e-2"];
     let with = |more: &[&str]| run(&folder, &[&common[..], more].concat());
     with(&["-o", "located.csv"]);
-    let told = with(&["-o", "stepped.csv", "--set", "run.engine=fixed-step"]);
-    assert!(told.contains("chosen for an accuracy of 1e-2"), "{told}");
+    let printed = with(&["-o", "stepped.csv", "--set", "run.engine=fixed-step"]);
+    assert!(printed.contains("chosen for an accuracy of 1e-2"), "{printed}");
     let angles = |name: &str| -> Vec<f64> {
         let mut reader = csv::Reader::from_path(folder.path(name)).expect("a CSV file");
         let column = reader.headers().expect("a header").iter().position(|name| name == "angle_rad").expect("a column");
@@ -459,20 +459,20 @@ fn a_joint_is_refused_by_what_takes_one_actuator() {
 }
 
 #[test]
-fn the_exergy_of_the_supply_is_told_where_there_is_a_valve() {
+fn the_exergy_of_the_supply_is_reported_where_there_is_a_valve() {
     let folder = Folder::new("exergy");
-    let told = |file: &str| {
+    let printed = |file: &str| {
         let output = folder.mckibben().args(["simulate", "--verbose"]).arg(of_repository(file)).output().unwrap();
         assert!(output.status.success());
         String::from_utf8(output.stdout).unwrap()
     };
-    let with = told("examples/fill-hold-exhaust.toml");
+    let with = printed("examples/fill-hold-exhaust.toml");
     let (_, exergy) = with.split_once("Exergy of the supply's air").expect("its heading");
     for name in ["drawn", "gas work", "exhaust", "valve", "heat", "residual", "efficiency", "of compressor"] {
         assert!(exergy.contains(&format!("\n  {name}")), "{name}: {exergy}");
     }
-    assert!(!told("examples/paper/fig-08.toml").contains("Exergy"), "a sealed muscle draws nothing");
-    let (_, of_joint) = told("examples/antagonistic-joint.toml")
+    assert!(!printed("examples/paper/fig-08.toml").contains("Exergy"), "a sealed muscle draws nothing");
+    let (_, of_joint) = printed("examples/antagonistic-joint.toml")
         .split_once("Exergy of the supply's air")
         .map_or_else(|| panic!("a joint has its circuit"), |(before, after)| (before.to_owned(), after.to_owned()));
     for name in ["drawn", "gas work", "exhaust", "valve", "heat", "residual", "efficiency", "of compressor"] {
@@ -492,8 +492,8 @@ fn a_joint_on_a_bottle_with_hoses_and_tendons_has_columns_events_and_sweeps() {
     let text = example.replacen("\n[valve]", compressor, 1).replace("rest_length = \"3.3 in\"\n", tendons)
         + "[tendon]\nstiffness = \"20 kN/m\"\nrest_length = \"30 mm\"\n";
     folder.file("joint.toml", &text);
-    let told = run(&folder, &["simulate", "joint.toml", "-o", "run.csv", "--events-output", "events.csv"]);
-    assert!(told.contains("1501 rows") && !told.contains("NaN"), "{told}");
+    let printed = run(&folder, &["simulate", "joint.toml", "-o", "run.csv", "--events-output", "events.csv"]);
+    assert!(printed.contains("1501 rows") && !printed.contains("NaN"), "{printed}");
     let columns = |name: &str| {
         let mut reader = csv::Reader::from_path(folder.path(name)).expect("a CSV file");
         reader.headers().expect("a header").iter().map(str::to_owned).collect::<Vec<_>>()

@@ -296,8 +296,8 @@ fn a_killed_sweep_goes_on_and_ends_with_the_same_bytes() {
         }
     }
     let before = finished();
-    let told = run(&folder, &["sweep", "muscle.toml", "-o", "killed"]);
-    assert!(told.contains(&format!("{} runs of parts that were finished before", 8 * before)), "{told}");
+    let printed = run(&folder, &["sweep", "muscle.toml", "-o", "killed"]);
+    assert!(printed.contains(&format!("{} runs of parts that were finished before", 8 * before)), "{printed}");
     assert_eq!(bytes(&folder.path("killed")), whole);
 
     // Parts that are lost are done again, and those that are there are not touched.
@@ -305,17 +305,17 @@ fn a_killed_sweep_goes_on_and_ends_with_the_same_bytes() {
     for part in ["00000", "00007", "00014"] {
         std::fs::remove_file(folder.path(&format!("killed/part-{part}.parquet"))).expect("there");
     }
-    let told = run(&folder, &["sweep", "muscle.toml", "-o", "killed"]);
-    assert!(told.contains("wrote killed, 3 parts"), "{told}");
+    let printed = run(&folder, &["sweep", "muscle.toml", "-o", "killed"]);
+    assert!(printed.contains("wrote killed, 3 parts"), "{printed}");
     assert_eq!(bytes(&folder.path("killed")), whole);
     assert_eq!(folder.path("killed/part-00003.parquet").metadata().expect("there").modified().expect("a time"), kept);
     // A finished sweep has nothing to do, prints the same, and draws.
     let again = run(&folder, &["sweep", "muscle.toml", "-o", "killed", "-p", "all.svg"]);
     let table =
         |text: &str| text.split("Reductions").nth(1).and_then(|rest| rest.split("\n\n").next()).map(str::to_owned);
-    assert_eq!(table(&again), table(&told));
+    assert_eq!(table(&again), table(&printed));
     let fresh = run(&folder, &["sweep", "muscle.toml", "-p", "fresh.svg"]);
-    assert_eq!(table(&fresh), table(&told));
+    assert_eq!(table(&fresh), table(&printed));
     let read = |name: &str| std::fs::read(folder.path(name)).expect("drawn");
     assert_eq!(read("all.svg"), read("fresh.svg"));
 }
@@ -358,8 +358,8 @@ part_rows = 4
 "actuator.thread_length" = ["4.3218 in", "3 in", "4.4 in", "2 in"]
 "#;
     folder.file("muscle.toml", &format!("{BASE}{failing}"));
-    let told = run(&folder, &["sweep", "muscle.toml", "-o", "out"]);
-    assert!(told.contains("4 of 8 runs failed") && told.contains("run 1: "), "{told}");
+    let printed = run(&folder, &["sweep", "muscle.toml", "-o", "out"]);
+    assert!(printed.contains("4 of 8 runs failed") && printed.contains("run 1: "), "{printed}");
     let lines = parquet_lines(&parts(&folder.path("out")));
     for (row, line) in lines.iter().enumerate() {
         let failed = row % 2 == 1;
@@ -387,7 +387,7 @@ part_rows = 4
 }
 
 #[test]
-fn a_run_that_leaves_the_physics_stops_alone() {
+fn a_run_with_a_non_physical_state_stops_and_the_others_go_on() {
     let folder = Folder::new("sweep-stopped");
     // Through 20 cm² the actuator fills within microseconds: an explicit method with steps of 0.1 ms passes the supply
     // pressure a thousandfold, and empties the actuator below a vacuum in the next stage.
@@ -399,8 +399,8 @@ fn a_run_that_leaves_the_physics_stops_alone() {
         )
     };
     folder.file("wide.toml", &wide(", \"20 cm^2\""));
-    let told = run(&folder, &["sweep", "wide.toml", "-o", "wide.csv"]);
-    assert!(told.contains("2 of 6 runs failed") && told.contains("run 2: the simulation stopped at t = "), "{told}");
+    let printed = run(&folder, &["sweep", "wide.toml", "-o", "wide.csv"]);
+    assert!(printed.contains("2 of 6 runs failed") && printed.contains("run 2: the simulation stopped at t = "), "{printed}");
     let lines = csv_lines(&folder.path("wide.csv"));
     for line in &lines {
         let failed = number(line, "valve_flow_area_m2") > 1e-4;
@@ -419,12 +419,12 @@ fn a_run_that_leaves_the_physics_stops_alone() {
 fn check_reads_the_sweep_too() {
     let folder = Folder::new("sweep-check");
     folder.file("muscle.toml", &format!("{BASE}{GRID}"));
-    let told = run(&folder, &["check", "muscle.toml"]);
-    assert!(told.contains("sweep of 12 runs over load.mass, supply.gauge_pressure (grid)"), "{told}");
+    let printed = run(&folder, &["check", "muscle.toml"]);
+    assert!(printed.contains("sweep of 12 runs over load.mass, supply.gauge_pressure (grid)"), "{printed}");
     // What the sweep gives need not stand outside it.
     folder.file("muscle.toml", &format!("{}{GRID}", BASE.replace("mass = \"5 lb\"\n", "")));
-    let told = run(&folder, &["check", "muscle.toml"]);
-    assert!(told.contains("sweep of 12 runs"), "{told}");
+    let printed = run(&folder, &["check", "muscle.toml"]);
+    assert!(printed.contains("sweep of 12 runs"), "{printed}");
     // Mistakes within the section and outside it are reported together, each once.
     let wrong = GRID.replace("\"15 lb\"", "\"15 lbf\"").replace("length.ripple", "length.riple");
     folder.file("muscle.toml", &format!("{}{wrong}", BASE.replace("\"100 psi\"", "\"100 N\"")));
@@ -560,7 +560,7 @@ fn rows_with_a_controller_are_those_of_simulate() {
             let engine_set = format!("run.engine={engine}");
             let mut simulate = vec!["simulate", "plain.toml", "-o", "run.csv", "-s", &engine_set];
             simulate.extend(set.iter().flat_map(|set| ["-s", set]));
-            let told = run(&folder, &simulate);
+            let printed = run(&folder, &simulate);
             let samples = csv_lines(&folder.path("run.csv"));
             run(&folder, &["sweep", "muscle.toml", "-o", "all.csv", "--record", "trajectories", "--engine", engine]);
             let lines = csv_lines(&folder.path("all.csv"));
@@ -584,7 +584,7 @@ fn rows_with_a_controller_are_those_of_simulate() {
                 (number(sample, &format!("set_point_{unit}")) - number(sample, &format!("measured_{unit}"))).abs()
             };
             let largest = samples.iter().map(missed).fold(0.0, f64::max);
-            assert_eq!(number(line, &format!("{quantity}_error_peak_{unit}")), largest, "{told}");
+            assert_eq!(number(line, &format!("{quantity}_error_peak_{unit}")), largest, "{printed}");
             let rms = number(line, &format!("{quantity}_error_rms_{unit}"));
             assert!(rms > 0.0 && rms <= largest);
         }
@@ -774,8 +774,8 @@ fn a_sweep_of_a_joint_chooses_its_step() {
     let folder = Folder::new("sweep-joint-step");
     let vary = "[sweep]\nrecord = \"samples\"\nsample_times = [\"0 s\", \"60 ms\", \"0.12 s\"]\n[sweep.vary]\n\"load.mass\" = [\"0.3 kg\", \"0.5 kg\"]\n";
     folder.file("joint.toml", &(joint().replace("step = \"0.1 ms\"\n", "") + vary));
-    let told = run(&folder, &["sweep", "joint.toml", "-o", "all"]);
-    assert!(told.contains("the least that 2 runs spread over the sweep need"), "{told}");
+    let printed = run(&folder, &["sweep", "joint.toml", "-o", "all"]);
+    assert!(printed.contains("the least that 2 runs spread over the sweep need"), "{printed}");
     let step = step_of(&folder.path("all"))["longest_s"].as_f64().expect("a step");
     let lines = parquet_lines(&parts(&folder.path("all")));
     assert_eq!(lines.len(), 6);
@@ -859,8 +859,8 @@ fn without_a_step_the_sweep_takes_the_least_that_the_rows_tried_need() {
     let folder = Folder::new("sweep-step");
     folder.file("muscle.toml", &format!("{}{GRID}", without_step()));
     let set = ["-s", "run.accuracy=1e-3"];
-    let told = run(&folder, &[&["sweep", "muscle.toml", "-o", "out", "--record", "trajectories"], &set[..]].concat());
-    assert!(told.contains("the least that 8 runs spread over the sweep need for an accuracy of 1e-3"), "{told}");
+    let printed = run(&folder, &[&["sweep", "muscle.toml", "-o", "out", "--record", "trajectories"], &set[..]].concat());
+    assert!(printed.contains("the least that 8 runs spread over the sweep need for an accuracy of 1e-3"), "{printed}");
     let lines = parquet_lines(&parts(&folder.path("out")));
     let chosen = step_of(&folder.path("out"));
     // Eight of twelve rows, as evenly as whole numbers allow.
@@ -877,8 +877,8 @@ fn without_a_step_the_sweep_takes_the_least_that_the_rows_tried_need() {
         ];
         let simulate = ["simulate", "muscle.toml", "-o", "run.csv", "-s", &set[0], "-s", &set[1], "-s"];
         // `simulate` prints the step that each needs.
-        let told = run(&folder, &[&simulate[..], &["run.engine=fixed-step"]].concat());
-        let step = told.split("at most ").nth(1).and_then(|rest| rest.split(" µs").next()).expect("a step in µs");
+        let printed = run(&folder, &[&simulate[..], &["run.engine=fixed-step"]].concat());
+        let step = printed.split("at most ").nth(1).and_then(|rest| rest.split(" µs").next()).expect("a step in µs");
         least = least.min(step.parse::<f64>().expect("a number") * 1e-6);
         // With the step of the sweep its run is that of the sweep.
         run(&folder, &[&simulate[..], &["run.engine=fixed-step", "-s", &set[2]]].concat());
@@ -902,7 +902,7 @@ fn without_a_step_the_sweep_takes_the_least_that_the_rows_tried_need() {
 }
 
 #[test]
-fn every_shard_and_whoever_goes_on_takes_the_same_step() {
+fn every_shard_and_a_resumed_sweep_take_the_same_step() {
     let folder = Folder::new("sweep-step-shards");
     folder.file("muscle.toml", &format!("{}{GRID}", without_step()));
     let sweep = |arguments: &[&str]| run(&folder, &[&["sweep", "muscle.toml"], arguments].concat());
@@ -947,8 +947,8 @@ fn rows_that_cannot_be_run_have_no_say_in_the_step() {
     let threads = "[sweep]\nreductions = [\"length.final\"]\n[sweep.vary]\n\
                    \"actuator.thread_length\" = [\"4.3218 in\", \"3 in\", \"4.4 in\", \"2 in\"]\n";
     folder.file("muscle.toml", &format!("{}{threads}", without_step()));
-    let told = run(&folder, &["sweep", "muscle.toml", "-o", "some"]);
-    assert!(told.contains("the least that 2 runs") && told.contains("2 of 4 runs failed"), "{told}");
+    let printed = run(&folder, &["sweep", "muscle.toml", "-o", "some"]);
+    assert!(printed.contains("the least that 2 runs") && printed.contains("2 of 4 runs failed"), "{printed}");
     assert_eq!(step_of(&folder.path("some"))["enough_for_runs"], serde_json::json!([0, 2]));
     // Where none can be run, or none reaches the accuracy, each has the reason that it has by itself.
     folder.file("none.toml", &format!("{}{}", without_step(), threads.replace("4.3218", "2.5").replace("4.4", "2.6")));
@@ -1001,7 +1001,7 @@ reductions = ["length.final"]
 }
 
 #[test]
-fn mistakes_are_told_before_anything_is_simulated() {
+fn mistakes_are_reported_before_anything_is_simulated() {
     let folder = Folder::new("sweep-mistakes");
     folder.file("muscle.toml", &format!("{BASE}{GRID}"));
     folder.file("plain.toml", BASE);

@@ -16,9 +16,9 @@ fn run(folder: &Folder, arguments: &[&str]) -> String {
 fn a_load_on_a_tendon_is_simulated_drawn_and_swept() {
     let folder = Folder::new("tendon");
     let file = of_repository("examples/tendon.toml").display().to_string();
-    let told = run(&folder, &["simulate", &file, "-o", "run.csv", "-p", "run.svg"]);
+    let printed = run(&folder, &["simulate", &file, "-o", "run.csv", "-p", "run.svg"]);
     for words in ["16 kN/m in series", "stretched by"] {
-        assert!(told.contains(words), "{words}:\n{told}");
+        assert!(printed.contains(words), "{words}:\n{printed}");
     }
     let svg = std::fs::read_to_string(folder.path("run.svg")).expect("written");
     assert!(svg.contains("load distance"));
@@ -69,8 +69,8 @@ fn a_load_on_a_tendon_is_controlled_and_swept() {
 fn a_load_on_a_tendon_is_linearised() {
     let folder = Folder::new("tendon-linear");
     let file = of_repository("examples/tendon.toml").display().to_string();
-    let told = run(&folder, &["linearize", &file, "-o", "model.json"]);
-    assert!(told.contains("the load is at"), "{told}");
+    let printed = run(&folder, &["linearize", &file, "-o", "model.json"]);
+    assert!(printed.contains("the load is at"), "{printed}");
     let model = std::fs::read_to_string(folder.path("model.json")).expect("written");
     for name in ["load_distance_m", "\"load_velocity\"", "\"length\""] {
         assert!(model.contains(name), "{name}:\n{model}");

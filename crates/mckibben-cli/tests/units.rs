@@ -51,7 +51,7 @@ fn summary_and_file_have_the_units_that_are_chosen() {
 }
 
 #[test]
-fn an_angle_comes_in_degrees_unless_radians_are_asked_for() {
+fn an_angle_comes_in_degrees_unless_radians_are_requested() {
     let folder = Folder::new("angle");
     let joint = common::of_repository("examples/antagonistic-joint.toml");
     let file = joint.to_str().expect("a path");

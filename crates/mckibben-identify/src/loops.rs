@@ -130,11 +130,11 @@ impl Loop {
                 relax(law, &mut relaxed, [before, here]);
             }
             if place >= self.first && here.length != before.length {
-                let rubbing =
+                let sliding =
                     SlidingState { width: actuator.width(&memory, length, velocity), ..velocity.sign().into() };
-                let rubbing = rubbing.with_branches(branches, length, branches.map(|law| law.sums(&relaxed)));
+                let sliding = sliding.with_branches(branches, length, branches.map(|law| law.sums(&relaxed)));
                 let pressure = S::constant(here.gauge_pressure) + atmosphere;
-                visit(place, actuator.tension_sliding(length, velocity, pressure, rubbing));
+                visit(place, actuator.tension_sliding(length, velocity, pressure, sliding));
             }
             actuator.remember(&mut memory, length, velocity);
         }

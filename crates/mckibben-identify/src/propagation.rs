@@ -44,13 +44,13 @@ impl Measured<'_> {
 /// An estimate with the 95 % interval of Student's distribution.
 pub(crate) fn estimate((name, unit): Label, value: f64, deviation: f64, degrees_of_freedom: usize) -> Estimate {
     let half = quantile(degrees_of_freedom) * deviation;
-    let told = half.is_finite();
+    let is_determined = half.is_finite();
     Estimate {
         name: name.to_owned(),
         unit,
         value,
-        standard_error: told.then_some(deviation),
-        confidence_interval: told.then_some([value - half, value + half]),
+        standard_error: is_determined.then_some(deviation),
+        confidence_interval: is_determined.then_some([value - half, value + half]),
         on_bound: false,
     }
 }

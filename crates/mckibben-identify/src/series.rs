@@ -183,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn noise_of_every_sample_is_found_about_a_course() {
+    fn noise_of_every_sample_is_estimated_about_a_smooth_series() {
         let time = times(4000);
         let value: Vec<f64> =
             normal(3, 4000).iter().zip(&time).map(|(noise, t)| (9.0 * t).sin() + 1e-3 * noise).collect();

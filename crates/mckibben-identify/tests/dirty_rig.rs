@@ -18,7 +18,7 @@ const STEP: f64 = 2e-5;
 const HOLD: f64 = 0.01;
 const SHIFT: f64 = 5e-3;
 const OFFSETS: [f64; 2] = [1.2e-3, -0.7e-3];
-const SOUGHT: [&str; 2] = ["actuator.friction.viscous", "actuator.friction.viscoelastic.stiffness_ratio[0]"];
+const UNKNOWNS: [&str; 2] = ["actuator.friction.viscous", "actuator.friction.viscoelastic.stiffness_ratio[0]"];
 const TRUTH: [f64; 2] = [6.0, 0.2];
 
 fn scenario(session: usize) -> Scenario {
@@ -46,20 +46,20 @@ fn clean(session: usize) -> (Vec<f64>, [Vec<f64>; 2]) {
 
 fn recorded(session: usize, (times, [lengths, pressures]): &(Vec<f64>, [Vec<f64>; 2]), noise: &mut Noise) -> Recorded {
     let mut base = scenario(session);
-    let places: Vec<Place> = SOUGHT.iter().map(|path| Place::find(path, &mut base).expect("a number")).collect();
+    let places: Vec<Place> = UNKNOWNS.iter().map(|path| Place::find(path, &mut base).expect("a number")).collect();
     let shown: Vec<f64> =
         noise.added_to(lengths, NOISE[0]).into_iter().map(|length| STEP * (length / STEP).round()).collect();
     let late = Sensor { offset: Amount::Sought(3 + session), shift: Amount::Sought(2), ..Sensor::default() };
     let held = Sensor { hold: Some(HOLD), ..Sensor::default() };
-    let course =
+    let series =
         |observed, values, sensor| TimeSeries { observed, times: times.clone(), values, deviation: None, sensor };
     Recorded {
         name: format!("session {session}"),
         subject: Adjustable::new(base, places, [false; 2]).into(),
         unknowns: vec![0, 1],
         courses: vec![
-            course(Observed::Length, shown, late),
-            course(Observed::GaugePressure, noise.added_to(pressures, NOISE[1]), held),
+            series(Observed::Length, shown, late),
+            series(Observed::GaugePressure, noise.added_to(pressures, NOISE[1]), held),
         ],
     }
 }
@@ -72,8 +72,8 @@ fn intervals_hold_the_truth_of_a_dirty_rig() {
         let runs = (0..2).map(|session| recorded(session, &records[session], &mut noise)).collect();
         let unknown = |name: &str, start: f64, low: f64, high: f64| Unknown::new(name, "", start).between(low, high);
         let unknowns = vec![
-            unknown(SOUGHT[0], 5.0, 0.1, 50.0),
-            unknown(SOUGHT[1], 0.15, 0.0, 2.0),
+            unknown(UNKNOWNS[0], 5.0, 0.1, 50.0),
+            unknown(UNKNOWNS[1], 0.15, 0.0, 2.0),
             unknown("shift", 3e-3, -0.05, 0.05),
             unknown("offset of one", 0.0, -0.02, 0.02),
             unknown("offset of two", 0.0, -0.02, 0.02),

@@ -80,7 +80,7 @@ fn a_kink_on_a_bound_is_found_within_the_bounds() {
 
 /// A minimum at which a kink passes by, which is no hindrance: it has its intervals.
 #[test]
-fn a_minimum_beside_a_kink_has_intervals() {
+fn a_minimum_near_a_kink_has_intervals() {
     let model = Plane::new(
         |[x, y]| {
             let over = (x - 3.0).max(0.0);

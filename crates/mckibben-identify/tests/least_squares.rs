@@ -144,7 +144,7 @@ fn the_interval_holds_the_truth_in_95_of_100_trials() {
 }
 
 #[test]
-fn what_the_data_cannot_tell_apart_is_named_and_has_no_interval() {
+fn unknowns_that_are_not_identifiable_are_named_and_have_no_interval() {
     let points = (0..9).map(|place| [f64::from(place), 2.0 * f64::from(place) + 0.01 * f64::from(place % 3)]).collect();
     // Only the product of the first two is seen.
     let curve = |x: f64, b: &[f64]| (b[0] * b[1] * x + b[2], vec![b[1] * x, b[0] * x, 1.0]);
@@ -159,7 +159,7 @@ fn what_the_data_cannot_tell_apart_is_named_and_has_no_interval() {
 }
 
 #[test]
-fn a_prior_tells_what_the_data_do_not() {
+fn a_prior_determines_what_the_data_do_not() {
     let points = (0..9).map(|place| [f64::from(place), 6.0 * f64::from(place)]).collect();
     let curve = |x: f64, b: &[f64]| (b[0] * b[1] * x, vec![b[1] * x, b[0] * x]);
     let mut unknowns = unknowns(&["width", "height"]);

@@ -50,7 +50,7 @@ fn pulled(scenario: &Scenario, gauge: f64, noise: f64) -> Loop {
     Loop::new("slow", samples).expect("a loop")
 }
 
-const SOUGHT: [&str; 6] = [
+const UNKNOWNS: [&str; 6] = [
     "actuator.friction.hysteresis.stiffness_ratio[0]",
     "actuator.friction.hysteresis.stiffness_ratio[1]",
     "actuator.friction.hysteresis.stiffness_ratio[2]",
@@ -73,10 +73,10 @@ fn task(start: Scenario, places: Vec<Place>, unknowns: Vec<Unknown>, loops: Vec<
 
 fn fit(noise: f64) -> LoopFit {
     let mut start = muscle([0.1; 4]);
-    let places = SOUGHT.map(|path| Place::find(path, &mut start).expect("a number")).to_vec();
+    let places = UNKNOWNS.map(|path| Place::find(path, &mut start).expect("a number")).to_vec();
     let first = [0.1, 0.1, 0.1, 0.1, 0.1e-3, 5.0];
     let unknowns = (0..6)
-        .map(|place| Unknown::new(SOUGHT[place], "", first[place]).between(1e-6 * first[place], 1e3 * first[place]));
+        .map(|place| Unknown::new(UNKNOWNS[place], "", first[place]).between(1e-6 * first[place], 1e3 * first[place]));
     let loops = [2e5, 4e5].map(|gauge| pulled(&muscle(RATIO), gauge, noise)).to_vec();
     let task = task(start, places, unknowns.collect(), loops);
     task.identify().unwrap_or_else(|error| panic!("{error}"))
@@ -97,7 +97,7 @@ fn weights_friction_and_damping_come_back_out() {
 }
 
 #[test]
-fn without_hysteresis_the_loop_is_left() {
+fn without_hysteresis_the_loop_is_in_the_residual() {
     let mut start = muscle(RATIO);
     start.actuator.friction.hysteresis = None;
     let path = "actuator.friction.coulomb_width";
@@ -144,7 +144,7 @@ fn creeping(scenario: &Scenario, speed: f64, [ratio, time]: [f64; 2]) -> Loop {
 }
 
 #[test]
-fn branches_are_told_by_the_speed_of_a_loop() {
+fn branches_are_identifiable_by_the_speed_of_a_loop() {
     let text = "[actuator]\npreset = \"colbrunn-2001\"\n[actuator.friction]\nviscous = \"20 N*s/m\"\ncoulomb_width = \"0 m\"\n\
                 [actuator.friction.viscoelastic]\nrelaxation_time = [\"0.3 s\"]\nstiffness_ratio = [0.1]\n[load]\n\
                 kind = \"hanging-mass\"\nmass = \"5 lb\"\n[initial]\ngauge_pressure = \"60 psi\"\n[run]\nduration = \"1 s\"\n";

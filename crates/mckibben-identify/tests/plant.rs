@@ -69,7 +69,7 @@ fn recorded(document: &Document, paths: &[&str], columns: &[(&str, f64)], seed: 
     let run = simulate_plant(&of.plant, &of.start, of.run.duration, 1e-10).expect("a run");
     let times: Vec<f64> = (1..=150).map(|step| of.run.duration * f64::from(step) / 150.0).collect();
     let mut noise = Noise::new(seed);
-    let course = |(name, deviation): &(&str, f64)| {
+    let series = |(name, deviation): &(&str, f64)| {
         let quantity = of.columns().into_iter().find(|of| of.name == *name).and_then(|of| of.quantity()).expect("one");
         let values: Vec<f64> = times.iter().map(|time| quantity.of(&of.plant, &run.sample(*time))).collect();
         let values = noise.added_to(&values, *deviation);
@@ -83,7 +83,7 @@ fn recorded(document: &Document, paths: &[&str], columns: &[(&str, f64)], seed: 
     };
     Recorded {
         name: format!("seed {seed}"),
-        courses: columns.iter().map(course).collect(),
+        courses: columns.iter().map(series).collect(),
         subject: subject(document, paths),
         unknowns: (0..paths.len()).collect(),
     }
@@ -225,7 +225,7 @@ fn an_arm_gives_back_its_parts() {
         let other = identified(&Task { runs: vec![task.runs[1 - run].clone()], ..task.clone() }).found.fit;
         let courses = &task.runs[run].courses;
         let sampling = Sampling {
-            observed: courses.iter().map(|course| course.observed.clone()).collect(),
+            observed: courses.iter().map(|series| series.observed.clone()).collect(),
             times: courses[0].times.clone(),
             tolerance: 1e-9,
         };
@@ -301,8 +301,8 @@ fn a_plant_of_one_joint_is_that_joint() {
         ["load.damping", "antagonist.actuator.turns"].map(|path| Place::find(path, &mut joint).expect("a number"));
     let mut by_itself = run.clone();
     by_itself.subject = Adjustable::new(joint, places.to_vec(), [false; 2]).into();
-    for (course, observed) in by_itself.courses.iter_mut().zip([Observed::Angle, Observed::AntagonistGaugePressure]) {
-        course.observed = observed;
+    for (series, observed) in by_itself.courses.iter_mut().zip([Observed::Angle, Observed::AntagonistGaugePressure]) {
+        series.observed = observed;
     }
     let found = [run, by_itself].map(|run| identified(&task(vec![run], &plant, &paths, 1.2)).found.fit);
     for (one, other) in found[0].estimates.iter().zip(&found[1].estimates) {

@@ -72,7 +72,7 @@ fn close(value: f64, exact: f64, relative: f64, what: &str) {
 }
 
 #[test]
-fn the_turns_are_those_of_the_closed_form() {
+fn the_velocity_reversals_are_those_of_the_closed_form() {
     // Held for a while, then let go, at uneven times.
     let uneven: Vec<f64> = times(1.3, 1e-3).iter().map(|t| t + 3e-4 * (1e3 * t * t).sin()).collect();
     let found = Turns::find(&record(&uneven, |time| OSCILLATOR.at((time - 0.15).max(0.0)))).expect("turns");
@@ -139,7 +139,7 @@ fn intervals_of_two_cycles_hold_the_truth_in_95_of_100_trials() {
 }
 
 #[test]
-fn intervals_of_all_turns_hold_the_truth_in_95_of_100_trials() {
+fn intervals_of_all_reversals_cover_the_truth_in_95_of_100_trials() {
     let hits = coverage(|seed| {
         let found = noisy(seed).all_turns(MASS).expect("friction");
         [
@@ -258,7 +258,7 @@ fn refusal(record: &Record) -> String {
 }
 
 #[test]
-fn what_tells_no_friction_is_refused_with_a_remedy() {
+fn a_record_that_identifies_no_friction_is_refused_with_a_remedy() {
     let time = times(1.5, 1e-3);
     let of = |at: &dyn Fn(f64) -> f64| record(&time, at);
     // A sensor that ends at +3 mm.

@@ -64,10 +64,10 @@ impl Dirt {
     }
 
     /// The sensor with some of its numbers looked for, from the unknown `first` on.
-    fn sensor(&self, sought: &[&str], first: usize) -> Sensor {
+    fn sensor(&self, names: &[&str], first: usize) -> Sensor {
         let mut sensor = Sensor { hold: self.hold, base: self.base, ..Sensor::default() };
         for ((amount, name), number) in sensor.amounts_mut().into_iter().zip(AMOUNTS).zip(self.amounts) {
-            *amount = match sought.iter().position(|of| *of == name) {
+            *amount = match names.iter().position(|of| *of == name) {
                 Some(place) => Amount::Sought(first + place),
                 None => Amount::Known(number),
             };
@@ -143,7 +143,7 @@ fn what_a_sensor_does_comes_back_out_with_the_damping() {
 }
 
 #[test]
-fn a_run_may_have_an_offset_of_its_own_and_noise_is_held_by_the_intervals() {
+fn each_run_may_have_an_offset_and_intervals_cover_the_noise() {
     let dirt = |offset: f64| Dirt { amounts: [offset, 0.0, 1.0, 4e-3, 0.0], ..CLEAN };
     let run = |supply: f64, offset: f64, own: usize| {
         let dirt = dirt(offset);
@@ -179,10 +179,10 @@ fn a_run_may_have_an_offset_of_its_own_and_noise_is_held_by_the_intervals() {
         assert!(*outside < 1.2 * inside && *inside < 4e-5, "{of_run:?}");
     }
     // What the model says that the sensor reads is within the noise of what it read.
-    let course = &task.runs[0].courses[0];
+    let series = &task.runs[0].courses[0];
     let fitted = (&found.simulated[0], &found.found.fit.values()[..]);
-    let predicted = task.runs[0].readings(course, fitted, &course.times);
-    let squares: f64 = predicted.iter().zip(&course.values).map(|(one, other)| (one - other).powi(2)).sum();
+    let predicted = task.runs[0].readings(series, fitted, &series.times);
+    let squares: f64 = predicted.iter().zip(&series.values).map(|(one, other)| (one - other).powi(2)).sum();
     assert!((squares / predicted.len() as f64).sqrt() < 4e-5);
 }
 

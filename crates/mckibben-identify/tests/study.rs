@@ -56,7 +56,7 @@ fn a_clean_table_is_read_to_si() {
     let folder = Folder::new("clean");
     let recording =
         folder.recording(&table(40, even), "", "deviation = \"0.5 N\"").unwrap_or_else(|error| panic!("{error}"));
-    let (times, lengths) = recording.channel(Quantity::Length).expect("a course");
+    let (times, lengths) = recording.channel(Quantity::Length).expect("a time series");
     assert_eq!((times.len(), times[1], lengths[0]), (40, 0.01, 0.09));
     assert_eq!(recording.column(Quantity::Tension).expect("one").deviation, Some(0.5));
     assert!(recording.notes.iter().all(|note| note.severity == Severity::Told), "{}", notes(&recording));
@@ -64,11 +64,11 @@ fn a_clean_table_is_read_to_si() {
 }
 
 #[test]
-fn words_beside_the_numbers_are_no_readings() {
+fn words_among_the_numbers_are_no_readings() {
     let folder = Folder::new("words");
     let text = table(20, even).replace("t,L,F", "t,L,F,valve").replace('\n', ",hold\n").replace("valve,hold", "valve");
     let recording = folder.recording(&text, "", "").unwrap_or_else(|error| panic!("{error}"));
-    assert_eq!(recording.channel(Quantity::Tension).expect("a course").0.len(), 20);
+    assert_eq!(recording.channel(Quantity::Tension).expect("a time series").0.len(), 20);
 }
 
 #[test]
@@ -76,11 +76,11 @@ fn semicolons_and_decimal_commas() {
     let folder = Folder::new("comma");
     let text = table(20, even).replace(',', ";").replace('.', ",");
     let recording = folder.recording(&text, "", "").unwrap_or_else(|error| panic!("{error}"));
-    assert_eq!(recording.channel(Quantity::Length).expect("a course").1[0], 0.09);
+    assert_eq!(recording.channel(Quantity::Length).expect("a time series").1[0], 0.09);
 }
 
 #[test]
-fn missing_readings_are_left_out_and_told() {
+fn missing_readings_are_left_out_and_reported() {
     let folder = Folder::new("missing");
     let text = table(40, |row| match row {
         3 => "0.03,,20".to_owned(),
@@ -89,8 +89,8 @@ fn missing_readings_are_left_out_and_told() {
         _ => even(row),
     });
     let recording = folder.recording(&text, "", "").unwrap_or_else(|error| panic!("{error}"));
-    assert_eq!(recording.channel(Quantity::Length).expect("a course").0.len(), 37);
-    assert_eq!(recording.channel(Quantity::Tension).expect("a course").0.len(), 38);
+    assert_eq!(recording.channel(Quantity::Length).expect("a time series").0.len(), 37);
+    assert_eq!(recording.channel(Quantity::Tension).expect("a time series").0.len(), 38);
     assert!(notes(&recording).contains("2 rows without a reading or without a time"), "{}", notes(&recording));
     assert!(notes(&recording).contains("1 of 38 readings of the length"), "{}", notes(&recording));
     let most = table(40, |row| if row < 30 { format!("{},,20", 0.01 * row as f64) } else { even(row) });
@@ -103,7 +103,7 @@ fn one_time_twice_is_averaged_and_a_time_that_goes_back_is_refused() {
     let folder = Folder::new("times");
     let text = table(20, |row| if row == 4 { "0.03,95,31".to_owned() } else { even(row) });
     let recording = folder.recording(&text, "", "").unwrap_or_else(|error| panic!("{error}"));
-    let (times, lengths) = recording.channel(Quantity::Length).expect("a course");
+    let (times, lengths) = recording.channel(Quantity::Length).expect("a time series");
     assert_eq!(times.len(), 19);
     let expected = 0.5e-3 * (95.0 + 90.0 + 2.1_f64.sin());
     assert!((lengths[3] - expected).abs() < 1e-12, "{} is not {expected}", lengths[3]);
@@ -125,12 +125,12 @@ fn offsets_and_drift_are_taken_off_where_the_quantity_is_known() {
     });
     let zeros = "zero = [{ from = \"0 s\", to = \"0.1 s\" }, { from = \"0.9 s\", to = \"1 s\" }]";
     let recording = folder.recording(&text, "offset = \"1 mm\"", zeros).unwrap_or_else(|error| panic!("{error}"));
-    let (_, tensions) = recording.channel(Quantity::Tension).expect("a course");
+    let (_, tensions) = recording.channel(Quantity::Tension).expect("a time series");
     assert!(
         tensions[0].abs() < 1e-9 && (tensions[50] - 40.0).abs() < 1e-9 && tensions[100].abs() < 1e-9,
         "{tensions:?}"
     );
-    assert_eq!(recording.channel(Quantity::Length).expect("a course").1[0], 0.089);
+    assert_eq!(recording.channel(Quantity::Length).expect("a time series").1[0], 0.089);
     assert!(
         notes(&recording).contains("an offset of 2.05") && notes(&recording).contains("a drift of 1.0"),
         "{}",
@@ -139,7 +139,7 @@ fn offsets_and_drift_are_taken_off_where_the_quantity_is_known() {
     let one = folder
         .recording(&text, "", "zero = [{ from = \"0 s\", to = \"0.1 s\", value = \"1 N\" }]")
         .unwrap_or_else(|error| panic!("{error}"));
-    let (_, tensions) = one.channel(Quantity::Tension).expect("a course");
+    let (_, tensions) = one.channel(Quantity::Tension).expect("a time series");
     assert!((tensions[5] - 1.0).abs() < 1e-9, "{}", tensions[5]);
     let error =
         folder.recording(&text, "", "zero = [{ from = \"5 s\", to = \"6 s\" }]").expect_err("no reading").to_string();
@@ -147,14 +147,14 @@ fn offsets_and_drift_are_taken_off_where_the_quantity_is_known() {
 }
 
 #[test]
-fn outliers_are_told_or_left_out() {
+fn outliers_are_reported_or_left_out() {
     let folder = Folder::new("outliers");
     let text = table(60, |row| if row == 30 { "0.3,190,20".to_owned() } else { even(row) });
-    let told = folder.recording(&text, "", "").unwrap_or_else(|error| panic!("{error}"));
-    assert!(notes(&told).contains("1 readings of the length look like outliers"), "{}", notes(&told));
-    assert_eq!(told.channel(Quantity::Length).expect("a course").0.len(), 60);
+    let marked = folder.recording(&text, "", "").unwrap_or_else(|error| panic!("{error}"));
+    assert!(notes(&marked).contains("1 readings of the length look like outliers"), "{}", notes(&marked));
+    assert_eq!(marked.channel(Quantity::Length).expect("a time series").0.len(), 60);
     let dropped = folder.recording(&text, "drop_outliers = true", "").unwrap_or_else(|error| panic!("{error}"));
-    assert_eq!(dropped.channel(Quantity::Length).expect("a course").0.len(), 59);
+    assert_eq!(dropped.channel(Quantity::Length).expect("a time series").0.len(), 59);
 }
 
 #[test]
@@ -164,13 +164,13 @@ fn a_sensor_at_its_end_is_refused_unless_it_is_said() {
     let error = folder.recording(&text, "", "").expect_err("saturated").to_string();
     assert!(error.contains("30 times on end") && error.contains("saturates = \"50 N\""), "{error}");
     let said = folder.recording(&text, "", "saturates = \"50 N\"").unwrap_or_else(|error| panic!("{error}"));
-    assert_eq!(said.channel(Quantity::Tension).expect("a course").0.len(), 30);
+    assert_eq!(said.channel(Quantity::Tension).expect("a time series").0.len(), 30);
     let kept = folder.recording(&text, "", "saturates = \"60 N\"").unwrap_or_else(|error| panic!("{error}"));
-    assert_eq!(kept.channel(Quantity::Tension).expect("a course").0.len(), 60);
+    assert_eq!(kept.channel(Quantity::Tension).expect("a time series").0.len(), 60);
 }
 
 #[test]
-fn gaps_and_slack_are_told() {
+fn gaps_and_slack_are_reported() {
     let folder = Folder::new("gaps");
     let text = table(40, |row| {
         let time = 0.01 * row as f64 + if row > 20 { 1.0 } else { 0.0 };
@@ -205,7 +205,7 @@ fn parquet_is_read_as_csv_is() {
     let study = folder.study(text).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(study.kind, Kind::ForceMap);
     let recording = study.recordings().unwrap_or_else(|error| panic!("{error}")).remove(0);
-    assert_eq!(recording.channel(Quantity::Length).expect("a course"), (vec![0.0, 0.01], vec![0.09, 0.091]));
+    assert_eq!(recording.channel(Quantity::Length).expect("a time series"), (vec![0.0, 0.01], vec![0.09, 0.091]));
     assert_eq!(recording.column(Quantity::GaugePressure).expect("held").values, vec![2e5; 2]);
     assert_eq!(recording.set, [("load.mass".to_owned(), "\"5 lb\"".to_owned())]);
 }
@@ -259,7 +259,7 @@ fn mistakes_are_shown_where_they_are() {
 }
 
 #[test]
-fn degrees_have_a_zero_of_their_own_and_their_differences_have_none() {
+fn degrees_have_an_offset_and_their_differences_have_none() {
     let folder = Folder::new("degrees");
     folder.write("flow.csv", "T,Q\n20,60\n25,120\n");
     let study = |unit: &str, more: &str, flow: &str| {
@@ -332,7 +332,7 @@ fn force_map_recording(folder: &Folder, table: &str, rule: &str) -> Result<Recor
 }
 
 #[test]
-fn a_cell_that_cannot_be_is_refused_with_its_place_and_left_out_on_request() {
+fn a_bad_cell_is_refused_with_its_place_and_left_out_on_request() {
     let folder = Folder::new("cells");
     let whole = force_map_recording(&folder, &force_map(None), "").unwrap_or_else(|error| panic!("{error}"));
     assert!(!notes(&whole).contains("cannot be"), "{}", notes(&whole));

@@ -28,7 +28,7 @@ fn pulsed(supply: f64, frequency: f64, duty: f64) -> Scenario {
 }
 
 /// A run as a rig would record it, with noise in m and Pa.
-fn recorded(truth: &Scenario, sought: &[&str], deviations: [f64; 2], duration: f64) -> Recorded {
+fn recorded(truth: &Scenario, paths: &[&str], deviations: [f64; 2], duration: f64) -> Recorded {
     let experiment = truth.experiment().unwrap_or_else(|error| panic!("{error}"));
     let run = simulate(&experiment.rig, experiment.start, duration, 1e-10).expect("a run");
     let times: Vec<f64> = (1..=200).map(|step| duration * f64::from(step) / 200.0).collect();
@@ -37,7 +37,7 @@ fn recorded(truth: &Scenario, sought: &[&str], deviations: [f64; 2], duration: f
     let lengths: Vec<f64> = times.iter().map(|time| run.at(*time).length).collect();
     let gauge = |time: f64| run.at(time).pressure.0 - truth.air.atmospheric_pressure;
     let pressures: Vec<f64> = times.iter().map(|time| gauge(*time)).collect();
-    let course = |observed, values: Vec<f64>| TimeSeries {
+    let series = |observed, values: Vec<f64>| TimeSeries {
         observed,
         times: times.clone(),
         values,
@@ -45,15 +45,15 @@ fn recorded(truth: &Scenario, sought: &[&str], deviations: [f64; 2], duration: f
         sensor: Sensor::default(),
     };
     let courses = vec![
-        course(Observed::Length, noise.added_to(&lengths, length)),
-        course(Observed::GaugePressure, noise.added_to(&pressures, pressure)),
+        series(Observed::Length, noise.added_to(&lengths, length)),
+        series(Observed::GaugePressure, noise.added_to(&pressures, pressure)),
     ];
     let mut base = truth.clone();
-    let places: Vec<Place> = sought.iter().map(|path| Place::find(path, &mut base).expect("a number")).collect();
+    let places: Vec<Place> = paths.iter().map(|path| Place::find(path, &mut base).expect("a number")).collect();
     Recorded {
         name: format!("{} Pa", truth.supply.map_or(0.0, |supply| supply.gauge_pressure)),
         subject: Adjustable::new(base, places, [false; 2]).into(),
-        unknowns: (0..sought.len()).collect(),
+        unknowns: (0..paths.len()).collect(),
         courses,
     }
 }
@@ -67,17 +67,17 @@ fn base_of(run: &Recorded) -> Scenario {
 }
 
 /// Looks for numbers from `factor` times their true values.
-fn task(runs: Vec<Recorded>, sought: &[&str], factor: f64) -> Task {
+fn task(runs: Vec<Recorded>, paths: &[&str], factor: f64) -> Task {
     let mut base = base_of(&runs[0]);
     let unknown = |path: &&str| {
         let value = Place::find(path, &mut base).expect("a number").value(&mut base).expect("a value");
         Unknown::new(*path, "", factor * value).between(0.05 * value, 20.0 * value)
     };
-    let unknowns = sought.iter().map(unknown).collect();
+    let unknowns = paths.iter().map(unknown).collect();
     Task { runs, unknowns, starts: Vec::new(), horizon: Horizon::Whole, search: Search::default(), tolerance: 1e-9 }
 }
 
-const SOUGHT: [&str; 4] =
+const UNKNOWNS: [&str; 4] =
     ["actuator.friction.viscous", "actuator.friction.coulomb_width", "valve.flow_area", "valve.opening_delay"];
 
 fn truth_of(task: &Task) -> Vec<f64> {
@@ -94,8 +94,8 @@ fn identified(task: &Task) -> Identified {
 
 #[test]
 fn numbers_put_in_come_back_out() {
-    let runs = [100.0, 70.0].map(|psi| recorded(&scenario(psi), &SOUGHT, [0.0; 2], 0.4));
-    let task = task(runs.to_vec(), &SOUGHT, 1.3);
+    let runs = [100.0, 70.0].map(|psi| recorded(&scenario(psi), &UNKNOWNS, [0.0; 2], 0.4));
+    let task = task(runs.to_vec(), &UNKNOWNS, 1.3);
     let found = identified(&task);
     for (estimate, truth) in found.found.fit.estimates.iter().zip(truth_of(&task)) {
         // The recording is good to a relative 1e-10 a step, the fit to 1e-9.
@@ -107,10 +107,10 @@ fn numbers_put_in_come_back_out() {
 }
 
 #[test]
-fn noise_is_told_apart_by_quantity_and_the_truth_is_within_reach() {
+fn noise_is_estimated_for_each_quantity_and_intervals_contain_the_truth() {
     let deviations = [5e-5, 2e3];
-    let runs = [100.0, 70.0].map(|psi| recorded(&scenario(psi), &SOUGHT, deviations, 0.4));
-    let task = task(runs.to_vec(), &SOUGHT, 1.2);
+    let runs = [100.0, 70.0].map(|psi| recorded(&scenario(psi), &UNKNOWNS, deviations, 0.4));
+    let task = task(runs.to_vec(), &UNKNOWNS, 1.2);
     let found = identified(&task);
     for (estimate, truth) in found.found.fit.estimates.iter().zip(truth_of(&task)) {
         let off = (estimate.value - truth).abs() / estimate.standard_error.expect("a deviation");
@@ -127,17 +127,17 @@ fn noise_is_told_apart_by_quantity_and_the_truth_is_within_reach() {
 /// together.
 #[test]
 fn what_scales_together_is_named() {
-    let sought = ["load.mass", "actuator.turns", "actuator.friction.viscous", "valve.flow_area"];
+    let paths = ["load.mass", "actuator.turns", "actuator.friction.viscous", "valve.flow_area"];
     let mut truth = scenario(100.0);
     // Whatever else has a size of its own is taken away: hose, taut braid.
     truth.actuator.friction.coulomb_width = 0.0;
     truth.actuator.external_volume = 1e-12;
-    let run = recorded(&truth, &sought, [0.0; 2], 0.4);
+    let run = recorded(&truth, &paths, [0.0; 2], 0.4);
     let found =
-        identified(&Task { search: Search { most_steps: 400, ..Search::default() }, ..task(vec![run], &sought, 1.0) });
+        identified(&Task { search: Search { most_steps: 400, ..Search::default() }, ..task(vec![run], &paths, 1.0) });
     let names: Vec<&str> =
         found.found.fit.untold.iter().flat_map(|direction| &direction.shares).map(|(name, _)| name.as_str()).collect();
-    for name in sought {
+    for name in paths {
         assert!(names.contains(&name), "{name} is not among {names:?}; condition {}", found.found.fit.condition);
     }
     assert!(found.found.fit.estimates.iter().all(|estimate| estimate.confidence_interval.is_none()));
@@ -149,8 +149,8 @@ fn a_growing_horizon_finds_what_the_whole_does_not() {
     let text = "[actuator]\npreset = \"colbrunn-2001\"\n[load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n\
                 [initial]\ngauge_pressure = \"60 psi\"\nlength = \"88 mm\"\n[run]\nduration = \"0.4 s\"\n";
     let truth = Scenario::from_str(text, "muscle.toml").unwrap_or_else(|error| panic!("{error}"));
-    let sought = ["load.mass", "actuator.friction.viscous"];
-    let mut far = task(vec![recorded(&truth, &sought, [0.0; 2], 0.4)], &sought, 1.0);
+    let paths = ["load.mass", "actuator.friction.viscous"];
+    let mut far = task(vec![recorded(&truth, &paths, [0.0; 2], 0.4)], &paths, 1.0);
     far.unknowns[0].start *= 6.0;
     let value = truth_of(&far);
     let whole = far.identify().map(|found| found.found.fit.values());
@@ -165,9 +165,9 @@ fn a_growing_horizon_finds_what_the_whole_does_not() {
 
 #[test]
 fn what_cannot_be_fitted_says_why() {
-    let run = recorded(&scenario(100.0), &SOUGHT, [0.0; 2], 0.4);
+    let run = recorded(&scenario(100.0), &UNKNOWNS, [0.0; 2], 0.4);
     let with = |change: fn(&mut Task)| {
-        let mut task = task(vec![run.clone()], &SOUGHT, 1.1);
+        let mut task = task(vec![run.clone()], &UNKNOWNS, 1.1);
         change(&mut task);
         task.identify().expect_err("bad")
     };
@@ -181,15 +181,15 @@ fn what_cannot_be_fitted_says_why() {
         matches!(error, TrajectoryError::AtStart { .. }) && error.to_string().contains("actuator.friction.viscous"),
         "{error}"
     );
-    let sought = ["actuator.wall_thickness"];
-    let mut silent = task(vec![recorded(&scenario(100.0), &sought, [0.0; 2], 0.4)], &sought, 1.0);
-    silent.unknowns[0] = Unknown::new(sought[0], "m", 0.0);
+    let paths = ["actuator.wall_thickness"];
+    let mut silent = task(vec![recorded(&scenario(100.0), &paths, [0.0; 2], 0.4)], &paths, 1.0);
+    silent.unknowns[0] = Unknown::new(paths[0], "m", 0.0);
     let error = silent.identify().expect_err("silent").to_string();
     assert!(error.contains("`actuator.wall_thickness` changes no reading where it starts, at 0:"), "{error}");
     // Pulses of 37 ms vanish behind a delay of 60 ms.
-    let sought = ["valve.opening_delay"];
-    let mut vanished = task(vec![recorded(&scenario(100.0), &sought, [0.0; 2], 0.4)], &sought, 1.0);
-    vanished.unknowns[0] = Unknown::new(sought[0], "s", 0.06);
+    let paths = ["valve.opening_delay"];
+    let mut vanished = task(vec![recorded(&scenario(100.0), &paths, [0.0; 2], 0.4)], &paths, 1.0);
+    vanished.unknowns[0] = Unknown::new(paths[0], "s", 0.06);
     let error = vanished.identify().expect_err("no pulse").to_string();
     assert!(error.contains("longer than its pulses never moves; start below the shortest pulse"), "{error}");
 }
@@ -197,13 +197,13 @@ fn what_cannot_be_fitted_says_why() {
 /// Whenever a search is ended from another thread, it returns the best values so far, with what is drawn of them.
 #[test]
 fn an_interrupted_search_has_values_no_worse_than_its_start() {
-    let run = recorded(&scenario(100.0), &SOUGHT, [5e-5, 2e3], 0.4);
+    let run = recorded(&scenario(100.0), &UNKNOWNS, [5e-5, 2e3], 0.4);
     let horizons = [Horizon::Whole, Horizon::Growing(vec![0.1, 0.2]), Horizon::Segments(0.1)];
     for (horizon, evaluations) in horizons.into_iter().flat_map(|of| [3, 12].map(|count| (of.clone(), count))) {
-        let mut sought = task(vec![run.clone()], &SOUGHT, 1.3);
-        sought.horizon = horizon.clone();
-        sought.starts = vec![vec![1.0; SOUGHT.len()]; 1000];
-        let monitor = sought.search.monitor.clone();
+        let mut paths = task(vec![run.clone()], &UNKNOWNS, 1.3);
+        paths.horizon = horizon.clone();
+        paths.starts = vec![vec![1.0; UNKNOWNS.len()]; 1000];
+        let monitor = paths.search.monitor.clone();
         let found = std::thread::scope(|scope| {
             scope.spawn(|| {
                 while monitor.evaluations() < evaluations {
@@ -211,12 +211,12 @@ fn an_interrupted_search_has_values_no_worse_than_its_start() {
                 }
                 monitor.stop();
             });
-            identified(&sought)
+            identified(&paths)
         });
         assert_eq!(found.stopped, Some(Ending::Interrupted));
         assert_eq!(found.simulated.len(), 1);
-        assert!(sought.held_out(&found).is_empty());
-        let start: Vec<f64> = sought.unknowns.iter().map(|unknown| unknown.start).collect();
+        assert!(paths.held_out(&found).is_empty());
+        let start: Vec<f64> = paths.unknowns.iter().map(|unknown| unknown.start).collect();
         let of = |values: &[f64]| -> f64 {
             let built = run.subject.clone();
             let sampling =
@@ -238,8 +238,8 @@ fn bouncing() -> Recorded {
     let truth = pulsed(100.0, 10.0, 0.35);
     let deviations = [1e-4, 1.5e3];
     let mut run = recorded(&truth, &BOUNCING, deviations, 1.5);
-    for (course, deviation) in run.courses.iter_mut().zip(deviations) {
-        course.deviation = Some(deviation);
+    for (series, deviation) in run.courses.iter_mut().zip(deviations) {
+        series.deviation = Some(deviation);
     }
     run
 }
@@ -248,47 +248,47 @@ const BOUNCING: [&str; 4] = ["actuator.friction.viscous", "valve.flow_area", "lo
 
 #[test]
 fn segments_find_what_a_whole_run_hides() {
-    let mut sought = task(vec![bouncing()], &BOUNCING, 1.1);
+    let mut paths = task(vec![bouncing()], &BOUNCING, 1.1);
     // The whole run: a valley far from the truth, which may have a kink for a bottom; both are said.
-    let whole = identified(&sought);
+    let whole = identified(&paths);
     assert!(whole.left[0].1 > 1e-3, "{:?}", whole.left);
-    let unexplained = sought.unexplained(&whole);
+    let unexplained = paths.unexplained(&whole);
     assert!(unexplained.iter().any(|rest| rest.observed == Observed::Length), "{unexplained:?}");
     let has_intervals = whole.found.fit.estimates.iter().any(|of| of.confidence_interval.is_some());
     assert_eq!(has_intervals, whole.found.fit.ending == Ending::Minimum, "{:?}", whole.found.fit);
-    sought.horizon = Horizon::Segments(0.1);
-    let found = sought.identify().unwrap_or_else(|error| panic!("{error}"));
-    for (estimate, unknown) in found.found.fit.estimates.iter().zip(&sought.unknowns) {
+    paths.horizon = Horizon::Segments(0.1);
+    let found = paths.identify().unwrap_or_else(|error| panic!("{error}"));
+    for (estimate, unknown) in found.found.fit.estimates.iter().zip(&paths.unknowns) {
         let (truth, deviation) = (unknown.start / 1.1, estimate.standard_error.expect("a deviation"));
         assert!((estimate.value - truth).abs() < 4.0 * deviation, "{estimate:?}: {truth}");
         assert!(deviation < 0.02 * truth, "{estimate:?}");
     }
-    assert!(sought.unexplained(&found).is_empty());
-    sought.horizon = Horizon::Segments(2.0);
-    let refused = sought.identify().expect_err("longer than the run");
+    assert!(paths.unexplained(&found).is_empty());
+    paths.horizon = Horizon::Segments(2.0);
+    let refused = paths.identify().expect_err("longer than the run");
     assert!(refused.to_string().contains("segments of 2 s do not divide a run of 1.5 s"), "{refused}");
 }
 
 #[test]
 fn a_sensor_that_drifts_is_named() {
-    let mut run = recorded(&scenario(100.0), &SOUGHT, [2e-5, 1e3], 0.4);
+    let mut run = recorded(&scenario(100.0), &UNKNOWNS, [2e-5, 1e3], 0.4);
     let pressure = &mut run.courses[1];
     let ramp = pressure.times.iter().map(|time| 2e4 * time / 0.4);
     pressure.values = pressure.values.iter().zip(ramp).map(|(value, drift)| value + drift).collect();
-    let sought = task(vec![run], &SOUGHT, 1.0);
-    let found = sought.identify().unwrap_or_else(|error| panic!("{error}"));
-    let drifts = sought.drifts(&found);
+    let paths = task(vec![run], &UNKNOWNS, 1.0);
+    let found = paths.identify().unwrap_or_else(|error| panic!("{error}"));
+    let drifts = paths.drifts(&found);
     assert!(drifts.iter().any(|drift| drift.observed == Observed::GaugePressure && drift.change > 5e3), "{drifts:?}");
-    let steady = task(vec![recorded(&scenario(100.0), &SOUGHT, [2e-5, 1e3], 0.4)], &SOUGHT, 1.0);
+    let steady = task(vec![recorded(&scenario(100.0), &UNKNOWNS, [2e-5, 1e3], 0.4)], &UNKNOWNS, 1.0);
     let found = steady.identify().unwrap_or_else(|error| panic!("{error}"));
     assert!(steady.drifts(&found).is_empty() && steady.unexplained(&found).is_empty());
 }
 
 #[test]
-fn a_run_that_was_left_out_is_foretold() {
+fn a_run_that_was_left_out_is_predicted() {
     let deviations = [2e-5, 1e3];
-    let runs = [100.0, 85.0, 70.0].map(|psi| recorded(&scenario(psi), &SOUGHT, deviations, 0.4));
-    let right = task(runs.to_vec(), &SOUGHT, 1.0);
+    let runs = [100.0, 85.0, 70.0].map(|psi| recorded(&scenario(psi), &UNKNOWNS, deviations, 0.4));
+    let right = task(runs.to_vec(), &UNKNOWNS, 1.0);
     let found = right.identify().unwrap_or_else(|error| panic!("{error}"));
     let held_out = right.held_out(&found);
     assert_eq!(held_out.len(), 3);
@@ -298,7 +298,7 @@ fn a_run_that_was_left_out_is_foretold() {
         assert!((0.8..1.2).contains(&(inside / noise)), "{observed:?} {inside}");
         assert!((0.8..1.5).contains(&(outside / noise)), "{observed:?} {outside}");
     }
-    assert!(task(runs[..1].to_vec(), &SOUGHT, 1.0).held_out(&found).is_empty());
+    assert!(task(runs[..1].to_vec(), &UNKNOWNS, 1.0).held_out(&found).is_empty());
 }
 
 const STATIC: [&str; 2] = ["actuator.friction.viscous", "actuator.effectiveness.constant"];
@@ -309,14 +309,14 @@ fn driven_by_its_pressure(supply: f64, [length, pressure]: [f64; 2]) -> Recorded
     truth.actuator.effectiveness = Effectiveness::Constant(0.87);
     let mut run = recorded(&truth, &STATIC, [length, 0.0], 0.4);
     let experiment = truth.experiment().expect("an experiment");
-    let course = simulate(&experiment.rig, experiment.start, 0.4, 1e-10).expect("a run");
+    let series = simulate(&experiment.rig, experiment.start, 0.4, 1e-10).expect("a run");
     let time: Vec<f64> = (0..=3200).map(|step| 0.4 * f64::from(step) / 3200.0).collect();
-    let gauge = |time: &f64| course.at(*time).pressure.0 - truth.air.atmospheric_pressure;
+    let gauge = |time: &f64| series.at(*time).pressure.0 - truth.air.atmospheric_pressure;
     let gauges: Vec<f64> = time.iter().map(gauge).collect();
     let gauge_pressure = Noise::new(5).added_to(&gauges, pressure);
     (truth.valve, truth.supply, truth.command) = (None, None, None);
     truth.pressure = Some(PressureSeries { at: PressurePlace::Muscle, time, gauge_pressure });
-    run.courses.retain(|course| course.observed == Observed::Length);
+    run.courses.retain(|series| series.observed == Observed::Length);
     let places: Vec<Place> = STATIC.iter().map(|path| Place::find(path, &mut truth).expect("a number")).collect();
     Recorded { subject: Adjustable::new(truth, places, [false; 2]).into(), ..run }
 }
@@ -338,23 +338,23 @@ fn a_measured_pressure_stands_for_the_valve_that_made_it() {
 }
 
 #[test]
-fn each_run_may_have_a_number_of_its_own() {
-    let sought = ["actuator.friction.viscous", "load.mass"];
+fn each_run_may_have_a_separate_parameter() {
+    let paths = ["actuator.friction.viscous", "load.mass"];
     let deviations = [2e-5, 1e3];
     let masses = [1.8, 2.2, 2.7];
     let runs = masses.map(|mass| {
         let mut truth = scenario(100.0);
         truth.load = Load::HangingMass { mass, gravity: 9.80665 };
-        recorded(&truth, &sought, deviations, 0.4)
+        recorded(&truth, &paths, deviations, 0.4)
     });
-    let mut task = task(runs.to_vec(), &sought, 1.2);
+    let mut task = task(runs.to_vec(), &paths, 1.2);
     let mass = task.unknowns.remove(1);
     for (place, run) in (1..).zip(&mut task.runs) {
         task.unknowns.push(Unknown { name: format!("load.mass [{place}]"), ..mass.clone() });
         run.unknowns = vec![0, place];
     }
     let found = identified(&task);
-    let viscous = truth_of(&self::task(runs.to_vec(), &sought[..1], 1.0))[0];
+    let viscous = truth_of(&self::task(runs.to_vec(), &paths[..1], 1.0))[0];
     let truths = [viscous, masses[0], masses[1], masses[2]];
     for (estimate, truth) in found.found.fit.estimates.iter().zip(truths) {
         let deviation = estimate.standard_error.expect("a deviation");
@@ -396,7 +396,7 @@ const OF_JOINT: [(Observed, f64); 3] =
 const OF_BOTH: [&str; 4] = ["load.inertia", "load.damping", "actuator.turns", "antagonist.actuator.turns"];
 
 /// A run of a joint as a rig would record it.
-fn recorded_joint(truth: &Scenario, sought: &[&str], seed: u64) -> Recorded {
+fn recorded_joint(truth: &Scenario, paths: &[&str], seed: u64) -> Recorded {
     let of = truth.joint_experiment().unwrap_or_else(|error| panic!("{error}")).expect("a joint");
     let run = JointPlant::new(&of.rig).and_then(|joint| joint.simulate(&of.start, 0.5, 1e-10)).expect("a run");
     let times: Vec<f64> = (1..=200).map(|step| 2.5e-3 * f64::from(step)).collect();
@@ -418,22 +418,22 @@ fn recorded_joint(truth: &Scenario, sought: &[&str], seed: u64) -> Recorded {
         }
     });
     let mut base = truth.clone();
-    let places: Vec<Place> = sought.iter().map(|path| Place::find(path, &mut base).expect("a number")).collect();
+    let places: Vec<Place> = paths.iter().map(|path| Place::find(path, &mut base).expect("a number")).collect();
     Recorded {
         name: format!("seed {seed}"),
         subject: Adjustable::new(base, places, [false; 2]).into(),
-        unknowns: (0..sought.len()).collect(),
+        unknowns: (0..paths.len()).collect(),
         courses: courses.to_vec(),
     }
 }
 
 #[test]
 fn a_joint_gives_back_its_limb_and_both_braids() {
-    let sought: Vec<&str> = OF_BOTH.into_iter().chain(["antagonist.initial.gauge_pressure"]).collect();
+    let paths: Vec<&str> = OF_BOTH.into_iter().chain(["antagonist.initial.gauge_pressure"]).collect();
     let starts = [20.0, 26.0];
-    let runs = [0, 1].map(|run| recorded_joint(&joint(starts[run]), &sought, 11 + run as u64));
+    let runs = [0, 1].map(|run| recorded_joint(&joint(starts[run]), &paths, 11 + run as u64));
     // The antagonist's pressure at the start is each run's own.
-    let mut task = task(runs.to_vec(), &sought, 1.25);
+    let mut task = task(runs.to_vec(), &paths, 1.25);
     task.unknowns[3].start /= 1.4;
     let own = task.unknowns.pop().expect("a pressure");
     for (place, run) in (4..).zip(&mut task.runs) {
@@ -479,15 +479,15 @@ fn a_number_of_both_actuators_is_fitted_as_one() {
     let thread = Place::find(path, &mut truth).expect("a number").of_both();
     let mut run = recorded_joint(&truth, &[path], 3);
     run.subject = Adjustable::new(truth.clone(), vec![thread], [false, true]).into();
-    let mut sought = task(vec![run], &[path], 1.05);
-    sought.search = Search { loss: Loss::Huber(2.5), ..sought.search };
-    for (course, (_, deviation)) in sought.runs[0].courses.iter_mut().zip(OF_JOINT) {
-        course.deviation = Some(deviation);
+    let mut paths = task(vec![run], &[path], 1.05);
+    paths.search = Search { loss: Loss::Huber(2.5), ..paths.search };
+    for (series, (_, deviation)) in paths.runs[0].courses.iter_mut().zip(OF_JOINT) {
+        series.deviation = Some(deviation);
     }
     let value = thread.value(&mut truth).expect("a value");
     // A reading that is far off: a robust loss spares it.
-    sought.runs[0].courses[0].values[50] += 0.2;
-    let found = identified(&sought);
+    paths.runs[0].courses[0].values[50] += 0.2;
+    let found = identified(&paths);
     let estimate = &found.found.fit.estimates[0];
     assert!(holds(estimate, value) && (estimate.value / value - 1.0).abs() < 1e-3, "{estimate:?}: {value}");
     let Load::AntagonisticJoint(joint) = &found.scenarios[0].scenario().expect("a joint's").load else {
@@ -503,21 +503,21 @@ fn a_number_of_both_actuators_is_fitted_as_one() {
 
 #[test]
 fn what_a_joint_cannot_do_says_why() {
-    let rig = recorded(&scenario(100.0), &SOUGHT, [0.0; 2], 0.4);
-    let mut sought = task(vec![rig], &SOUGHT, 1.0);
-    sought.runs[0].courses[0].observed = Observed::Angle;
-    let error = sought.identify().expect_err("a rig has no angle").to_string();
+    let rig = recorded(&scenario(100.0), &UNKNOWNS, [0.0; 2], 0.4);
+    let mut paths = task(vec![rig], &UNKNOWNS, 1.0);
+    paths.runs[0].courses[0].observed = Observed::Angle;
+    let error = paths.identify().expect_err("a rig has no angle").to_string();
     assert!(error.contains("readings of the angle") && error.contains("\"antagonistic-joint\""), "{error}");
-    let mut sought = task(vec![recorded_joint(&joint(20.0), &OF_BOTH, 1)], &OF_BOTH, 1.0);
-    sought.horizon = Horizon::Segments(0.1);
-    let error = sought.identify().expect_err("segments").to_string();
+    let mut paths = task(vec![recorded_joint(&joint(20.0), &OF_BOTH, 1)], &OF_BOTH, 1.0);
+    paths.horizon = Horizon::Segments(0.1);
+    let error = paths.identify().expect_err("segments").to_string();
     assert!(
         error.contains("a run in segments is not implemented for an antagonistic joint")
             && error.contains("search.horizon"),
         "{error}"
     );
-    sought.horizon = Horizon::Whole;
-    sought.unknowns[0].start = -1.0;
-    let error = sought.identify().expect_err("no inertia").to_string();
+    paths.horizon = Horizon::Whole;
+    paths.unknowns[0].start = -1.0;
+    let error = paths.identify().expect_err("no inertia").to_string();
     assert!(error.contains("load.inertia"), "{error}");
 }

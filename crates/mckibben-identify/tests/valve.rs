@@ -117,7 +117,7 @@ fn the_efficiency_is_measured_over_calculated_flow() {
 }
 
 #[test]
-fn curves_that_do_not_tell_are_refused_with_a_remedy() {
+fn curves_that_identify_nothing_are_refused_with_a_remedy() {
     let air = air(Process::Isothermal);
     let refused = |points: &[SteadyPoint]| {
         FlowCurve::fit(points, &air, Scatter::Proportional).expect_err("it is refused").to_string()
@@ -266,7 +266,7 @@ fn intervals_of_a_discharge_hold_c_and_b_in_95_of_100_trials() {
 }
 
 #[test]
-fn a_charge_and_a_discharge_together_tell_more_than_either() {
+fn a_charge_and_a_discharge_together_are_more_informative_than_either() {
     let supply = AbsolutePressure(7e5);
     let charge = tank(Process::Isothermal, Transfer::Charge { supply, temperature: ROOM });
     let discharge = tank(Process::Isothermal, Transfer::Discharge);
@@ -305,15 +305,15 @@ fn intervals_of_a_charge_hold_the_volume_in_95_of_100_trials() {
     let guess = Tank { volume: 2e-4, ..tank };
     let hits = coverage(|seed| {
         let record = TankRecord::new(times.clone(), Noise::new(seed).added_to(&exact, 1e3)).expect("a record");
-        let sought = TankUnknown::Volume { standard: VALVE, efficiency: 0.9 };
-        [holds(&guess.fit(&record, sought, false).expect("a fit").volume.expect("V"), 5e-4)]
+        let unknowns = TankUnknown::Volume { standard: VALVE, efficiency: 0.9 };
+        [holds(&guess.fit(&record, unknowns, false).expect("a fit").volume.expect("V"), 5e-4)]
     });
     println!("charge: V {hits:?}");
     assert!(hits.iter().all(|hits| HITS.contains(hits)), "{hits:?}");
 }
 
 #[test]
-fn heat_transfer_is_found_beside_the_valve() {
+fn heat_transfer_is_estimated_together_with_the_valve() {
     let of = |heat_transfer: f64| {
         tank(Process::EnergyBalance { heat_transfer, wall_temperature: ROOM }, Transfer::Discharge)
     };

@@ -210,7 +210,7 @@ fn contradictions_are_refused_by_name() {
 }
 
 #[test]
-fn a_name_is_told_once() {
+fn a_name_is_written_once() {
     let svg = full().to_svg(Theme::Light).unwrap();
     // The lower panel's only series repeats its axis; its span is new.
     assert_eq!(svg.matches(">valve</text>").count(), 1);

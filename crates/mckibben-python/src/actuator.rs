@@ -1,7 +1,7 @@
 //! The modular actuator for a simulation loop that users write: the classes `Actuator`, `ActuatorState` and `Response`.
 
 use crate::arguments;
-use crate::raised::{Raised, exception};
+use crate::raised::{OrException, exception};
 use crate::scenario::Scenario;
 use crate::signals::Watch;
 use crate::typed::{MemberWord, NewArguments, Numbers, PortsWord, RequestWord, Sequence};
@@ -39,7 +39,7 @@ const ELSEWHERE: &[&str] = &["command", "controller", "initial", "load", "run", 
 /// Rates of change of a length in m/s beyond which nothing is believed.
 const SWIFTEST: f64 = 1e6;
 /// Parts of a step between two checks for Ctrl-C.
-pub(crate) const UNHEARD: f64 = 2e4;
+pub(crate) const PARTS_PER_CHECK: f64 = 2e4;
 /// What a state of an actuator has before the numbers of the plant: mark, count, time, length, pressure, air mass, open ports.
 const HEAD: usize = 7;
 /// The ports by the number that stands for them.
@@ -263,7 +263,7 @@ fn advance(
     (until, length): (f64, f64),
     watch: &mut dyn FnMut(f64) -> Result<(), Error>,
 ) -> Result<(), Error> {
-    let spans = (actuator.parts_until(until) / UNHEARD).ceil();
+    let spans = (actuator.parts_until(until) / PARTS_PER_CHECK).ceil();
     if !(spans > 1.0 && spans <= MOST_PARTS) {
         return actuator.move_to(until, &[length]);
     }
@@ -563,7 +563,7 @@ impl Actuator {
         }
         let parts = actuator.parts_until(until);
         check_parts(parts, dt).raised()?;
-        if parts <= UNHEARD {
+        if parts <= PARTS_PER_CHECK {
             actuator.move_to(until, &[length]).raised()?;
             return self.answer(&mut actuator, velocity);
         }

@@ -1,12 +1,12 @@
 //! Many modular actuators stepped together on arrays that the caller owns: the class `Actuators`.
 
 use crate::actuator::{
-    ActuatorState, Asked, Model, UNHEARD, check_dt, check_parts, check_velocity, distance, longest_part, reach,
+    ActuatorState, Asked, Model, PARTS_PER_CHECK, check_dt, check_parts, check_velocity, distance, longest_part, reach,
     steps_of,
 };
 use crate::arguments::{self, fitting};
 use crate::pool;
-use crate::raised::{Raised, exception};
+use crate::raised::{OrException, exception};
 use crate::scenario::Scenario;
 use crate::typed::{Count, Given, Items, MemberWord, NewArguments, Numbers, Table};
 use mckibben::parameter;
@@ -23,7 +23,7 @@ use std::sync::{Mutex, MutexGuard, TryLockError};
 /// Actuators below which the caller's own thread steps them all: to wake others takes longer.
 const ALONE: usize = 128;
 /// Parts of all together between two checks for Ctrl-C.
-const UNHEARD_TOGETHER: f64 = 2e7;
+const PARTS_PER_CHECK_TOGETHER: f64 = 2e7;
 
 /// Bytes that one of them takes, about: states, mode, and what a step computes with.
 const EACH: usize = 20 << 10;
@@ -383,7 +383,7 @@ impl Actuators {
         let pulses = command.map_or(0.0, |_| 2.0 * dt * model.pulses.frequency);
         let parts = (many.batch.parts_until(until)).max((dt / longest).ceil().max(1.0) + pulses);
         check_parts(parts, dt).raised()?;
-        let spans = (parts / UNHEARD).ceil().max((parts * count as f64 / UNHEARD_TOGETHER).ceil());
+        let spans = (parts / PARTS_PER_CHECK).ceil().max((parts * count as f64 / PARTS_PER_CHECK_TOGETHER).ceil());
         let before = (spans > 1.0).then(|| many.clone());
         let line = |many: &Many| if spans > 1.0 { many.distances.clone() } else { Vec::new() };
         let begin = line(many);
@@ -403,12 +403,12 @@ impl Actuators {
                 *distance = if share < 1.0 { begin + share * (end - begin) } else { *end };
             }
             let moved = py.detach(|| self.share(many, |many| many.batch.move_to(to, &many.distances))).raised()?;
-            let heard = moved.raised().and_then(|()| if span < spans { py.check_signals() } else { Ok(()) });
-            if let (Err(error), Some(before)) = (&heard, &before) {
+            let checked = moved.raised().and_then(|()| if span < spans { py.check_signals() } else { Ok(()) });
+            if let (Err(error), Some(before)) = (&checked, &before) {
                 many.clone_from(before);
                 return Err(error.clone_ref(py));
             }
-            heard?;
+            checked?;
         }
         let (tension, beside) = answers.slices();
         let of = (velocity, &stay[..]);

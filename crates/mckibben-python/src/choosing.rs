@@ -1,6 +1,6 @@
 //! What `size` and `design` of the package call: which muscle does something, and which values of keys do it best.
 
-use crate::raised::Raised;
+use crate::raised::OrException;
 use crate::scenario::Scenario;
 use crate::signals::followed_to_its_end;
 use crate::typed::{Count, Items, Quantity, Sections};
@@ -57,7 +57,7 @@ impl _Sizes {
             most_diameter: maybe("most_diameter", most_diameter, length).raised()?,
             time: maybe("time", time, ["time", "s", "0.3 s"]).raised()?,
         };
-        py.detach(|| Sizes::of(requirement)).raised_of_arguments().map(Self)
+        py.detach(|| Sizes::of(requirement)).or_exception_of_arguments().map(Self)
     }
 
     /// The candidates, those that take the least air first.
@@ -78,12 +78,12 @@ impl _Sizes {
 
     /// The scenario of a candidate as TOML.
     fn scenario(&self, place: usize) -> PyResult<String> {
-        self.0.scenario(place).raised_of_arguments()
+        self.0.scenario(place).or_exception_of_arguments()
     }
 
     /// Named valves, each with the time in s in which it does nine tenths of the stroke.
     fn valves(&self, py: Python<'_>, place: usize) -> PyResult<Vec<(&'static str, Option<f64>)>> {
-        let found = py.detach(|| self.0.valves(place)).raised_of_arguments()?;
+        let found = py.detach(|| self.0.valves(place)).or_exception_of_arguments()?;
         Ok(found.into_iter().map(|valve| (valve.name, valve.time)).collect())
     }
 
@@ -91,7 +91,7 @@ impl _Sizes {
     fn hoses(&self, py: Python<'_>, place: usize, length: Quantity) -> PyResult<Vec<(f64, Option<f64>)>> {
         let read = |text: &str| quantities::read(text, "length", "m", "2 m");
         let length = length.read("length", read, |number| number).raised()?;
-        let found = py.detach(|| self.0.hoses(place, length)).raised_of_arguments()?;
+        let found = py.detach(|| self.0.hoses(place, length)).or_exception_of_arguments()?;
         Ok(found.into_iter().map(|hose| (hose.diameter, hose.quickness.conductance())).collect())
     }
 }
@@ -154,9 +154,9 @@ pub(crate) fn _design<'py>(
             outcome
         }
         (Some(error), _) => return Err(error),
-        (None, outcome) => outcome.raised_of_arguments()?,
+        (None, outcome) => outcome.or_exception_of_arguments()?,
     };
-    outcome.verdict().raised_of_arguments()?;
+    outcome.verdict().or_exception_of_arguments()?;
     described(py, &outcome)
 }
 

@@ -1,7 +1,7 @@
 //! `curves`, and the named actuators and valves.
 
 use crate::arguments;
-use crate::raised::Raised;
+use crate::raised::OrException;
 use crate::scenario::Scenario;
 use crate::typed::{GaugePressures, Numbered, Sections, Sequence};
 use mckibben_run::curves::{Curves, Pressures};

@@ -2,9 +2,9 @@
 
 use crate::arguments;
 use crate::python;
-use crate::raised::Raised;
+use crate::raised::OrException;
 use crate::scenario::Scenario;
-use crate::signals::heard;
+use crate::signals::interruptible;
 use crate::typed::{Function, Items, Names, Numbers, Sequence};
 use mckibben::parameter;
 use mckibben_identify::adjustable::Adjustable;
@@ -209,7 +209,7 @@ impl Differentiable {
     ///     Quantities of shape (len(times), len(quantities)).
     fn __call__<'py>(&self, py: Python<'py>, values: Sequence) -> PyResult<Numbers<'py>> {
         self.checked(&values.0).raised()?;
-        let read = heard(py, |watch| self.sampling.values(&self.subject, &values.0, watch))?;
+        let read = interruptible(py, |watch| self.sampling.values(&self.subject, &values.0, watch))?;
         let read = read.map_err(|error| self.failed(&error, py)).raised()?;
         Self::shaped(py, read, &[self.sampling.times.len(), self.quantities.len()])
     }
@@ -236,7 +236,7 @@ impl Differentiable {
     ///     The run fails with these values.
     fn value_and_jacobian<'py>(&self, py: Python<'py>, values: Sequence) -> PyResult<(Numbers<'py>, Numbers<'py>)> {
         self.checked(&values.0).raised()?;
-        let both = heard(py, |watch| self.sampling.value_and_jacobian(&self.subject, &values.0, watch))?;
+        let both = interruptible(py, |watch| self.sampling.value_and_jacobian(&self.subject, &values.0, watch))?;
         let (read, slopes) = both.map_err(|error| self.failed(&error, py)).raised()?;
         let (times, quantities) = (self.sampling.times.len(), self.quantities.len());
         let read = Self::shaped(py, read, &[times, quantities])?;

@@ -10,10 +10,10 @@
 //! with what determines them. Since `x` is all that a step continues from, Jacobians of successive steps multiply.
 
 use crate::actuator::{
-    Actuator, ActuatorState, Model, UNHEARD, check_dt, check_length, check_velocity, longest_part, respond,
+    Actuator, ActuatorState, Model, PARTS_PER_CHECK, check_dt, check_length, check_velocity, longest_part, respond,
 };
 use crate::python;
-use crate::raised::Raised;
+use crate::raised::OrException;
 use crate::typed::{Function, NewArguments, Numbers, Sequence};
 use mckibben::plant::{PlantRun, PlantSteps};
 use mckibben::valve::RuntimeCommand;
@@ -147,11 +147,11 @@ impl DifferentiableStep {
 
     /// Ends a step of too many parts before it begins.
     fn check_parts(parts: f64) -> Result<(), Failure> {
-        if parts <= UNHEARD {
+        if parts <= PARTS_PER_CHECK {
             return Ok(());
         }
         Err(Failure::input(
-            format!("the step would have {parts:.0} parts, more than {UNHEARD:.0}"),
+            format!("the step would have {parts:.0} parts, more than {PARTS_PER_CHECK:.0}"),
             "give a smaller dt, a lower pulse_frequency or a longer max_step",
         ))
     }

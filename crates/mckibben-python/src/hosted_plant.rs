@@ -2,7 +2,7 @@
 
 use crate::arguments;
 use crate::pace::{Pace, Span};
-use crate::raised::{Raised, exception};
+use crate::raised::{OrException, exception};
 use crate::scenario::Scenario;
 use crate::typed::{Count, Matrix, Table};
 use mckibben::Response;

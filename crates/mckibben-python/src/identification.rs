@@ -1,6 +1,6 @@
 //! What `identify` of the package calls: a study file, or a study from memory, to what was found.
 
-use crate::raised::Raised;
+use crate::raised::OrException;
 use crate::scenario::Scenario;
 use crate::signals::followed_to_its_end;
 use crate::typed::{Items, Name, Object, Sections, Sequence, Values};

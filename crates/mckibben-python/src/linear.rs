@@ -1,7 +1,7 @@
 //! `linearize`, and the class `LinearModel`.
 
 use crate::python;
-use crate::raised::Raised;
+use crate::raised::OrException;
 use crate::scenario::Scenario;
 use crate::typed::{
     Axes, Complex, Figure, Items, Matrix, Modes, Object, Parts, Point, Quantity, Sections, Sequence, Validity,

@@ -1,7 +1,7 @@
 //! The class `Scenario`.
 
 use crate::python;
-use crate::raised::Raised;
+use crate::raised::OrException;
 use crate::typed::{Items, Object, Sections, Settled, Values};
 use crate::values;
 use mckibben_run::failure::Failure;

@@ -2,10 +2,10 @@
 //!
 //! Python runs its handlers on the main thread, between instructions of the interpreter; as long as a call does not return
 //! Ctrl-C has no effect unless it is checked. Work on the caller's own thread checks by a [`Watch`]; for work on the threads of
-//! the pool, [`heard`] checks from the caller's thread, which waits for them.
+//! the pool, [`interruptible`] checks from the caller's thread, which waits for them.
 
 use crate::pool;
-use crate::raised::{Raised, exception};
+use crate::raised::{OrException, exception};
 use mckibben::Error;
 use mckibben_run::failure::Failure;
 use pyo3::prelude::*;
@@ -14,7 +14,7 @@ use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
 /// How often work goes on between two checks of the clock, and how long between two checks of Python's signals.
-const HEARD: u32 = 16;
+const CALLS_PER_CHECK: u32 = 16;
 const PATIENCE: Duration = Duration::from_millis(50);
 
 /// Checks Python's signals from the working thread, while the interpreter is released, and reports progress.
@@ -40,7 +40,7 @@ impl Watch {
     /// Goes on unless a signal has raised something; `time` in s is what has been reached.
     pub(crate) fn at(&mut self, time: f64) -> Result<(), Error> {
         self.calls = self.calls.wrapping_add(1);
-        if !self.calls.is_multiple_of(HEARD) || self.looked.is_some_and(|looked| looked.elapsed() < PATIENCE) {
+        if !self.calls.is_multiple_of(CALLS_PER_CHECK) || self.looked.is_some_and(|looked| looked.elapsed() < PATIENCE) {
             return Ok(());
         }
         self.looked = Some(Instant::now());
@@ -61,10 +61,10 @@ impl Watch {
 }
 
 /// What work on the pool's threads calls now and then with the time in s that it has reached; an error ends it.
-pub(crate) type Heard<'a> = dyn Fn(f64) -> Result<(), Error> + Sync + 'a;
+pub(crate) type Check<'a> = dyn Fn(f64) -> Result<(), Error> + Sync + 'a;
 
 /// Does work on the threads of this process, while the caller's thread checks signals.
-pub(crate) fn heard<T: Send>(py: Python<'_>, work: impl FnOnce(&Heard<'_>) -> T + Send) -> PyResult<T> {
+pub(crate) fn interruptible<T: Send>(py: Python<'_>, work: impl FnOnce(&Check<'_>) -> T + Send) -> PyResult<T> {
     let stop = AtomicBool::new(false);
     let watch = |time: f64| match stop.load(Ordering::Relaxed) {
         true => Err(Error::Interrupted { time }),

@@ -1,7 +1,7 @@
 //! Static force, stiffness and volume of an actuator, and their inverses, number by number: the class `_Statics`.
 
 use crate::arguments;
-use crate::raised::Raised;
+use crate::raised::OrException;
 use crate::scenario::Scenario;
 use crate::typed::{Numbers, Sequence};
 use mckibben::{Actuator, GaugePressure};

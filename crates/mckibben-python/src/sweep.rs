@@ -1,6 +1,6 @@
 //! A sweep by its parts: the class `Sweep`.
 
-use crate::raised::Raised;
+use crate::raised::OrException;
 use crate::scenario::Scenario;
 use crate::typed::{Items, Names};
 use mckibben_run::failure::Failure;
@@ -274,7 +274,7 @@ impl Sweep {
             let remedy = format!("give {MOST_JOBS} at most; more than there are cores are of no use");
             return Err(Failure::input(format!("{jobs} jobs are more threads than can be started"), remedy)).raised();
         }
-        let mut tally = SweepCounts::new(self.prepared.sweep(), false);
+        let mut totals = SweepCounts::new(self.prepared.sweep(), false);
         let (missing, _) = py.detach(|| self.missing_in(&self.prepared.folder(&folder)?)).raised()?;
         let mut done = self.parts() - missing.len() as u64;
         let of_rows = |rows: u64| (rows * jobs as u64).div_ceil(self.prepared.plan().part_rows.max(1));
@@ -286,7 +286,7 @@ impl Sweep {
             py.check_signals()?;
             py.detach(|| {
                 let place = Place::Folder(self.prepared.folder(&folder)?);
-                self.prepared.simulate(self.choice.as_ref(), parts.to_vec(), jobs, place, &mut tally)
+                self.prepared.simulate(self.choice.as_ref(), parts.to_vec(), jobs, place, &mut totals)
             })
             .raised()?;
             done += parts.len() as u64;

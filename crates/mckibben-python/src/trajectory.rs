@@ -3,7 +3,7 @@
 use crate::arguments;
 use crate::columns::{array, dictionary};
 use crate::python;
-use crate::raised::Raised;
+use crate::raised::OrException;
 use crate::scenario::Scenario;
 use crate::signals::Watch;
 use crate::typed::{

@@ -92,16 +92,16 @@ impl AirUse {
         let (length, velocity, pressure, mass) = (sample.length, sample.velocity, sample.pressure.0, sample.air_mass);
         let chamber = actuator.chamber(length, velocity, pressure, mass, mode.extent == LengthRegime::Slack);
         let supply = actuator.flow(&chamber, sample.ports.supply, false);
-        let surroundings = actuator.flow(&chamber, false, sample.ports.exhaust);
-        self.see(weight, [supply, surroundings]);
+        let atmosphere = actuator.flow(&chamber, false, sample.ports.exhaust);
+        self.see(weight, [supply, atmosphere]);
     }
 
     /// Adds the flows to the supply and to the atmosphere at a point of a quadrature with its weight in s.
-    pub fn see(&mut self, weight: f64, [supply, surroundings]: [Flow; 2]) {
+    pub fn see(&mut self, weight: f64, [supply, atmosphere]: [Flow; 2]) {
         self.from_supply += weight * supply.inward;
         self.to_supply += weight * supply.outward;
-        self.from_surroundings += weight * surroundings.inward;
-        self.to_surroundings += weight * surroundings.outward;
+        self.from_surroundings += weight * atmosphere.inward;
+        self.to_surroundings += weight * atmosphere.outward;
     }
 }
 

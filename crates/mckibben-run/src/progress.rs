@@ -95,16 +95,16 @@ mod tests {
     use std::sync::Mutex;
 
     #[derive(Clone, Default)]
-    struct Heard(Arc<Mutex<Vec<String>>>);
+    struct Recorder(Arc<Mutex<Vec<String>>>);
 
-    impl Listener for Heard {
+    impl Listener for Recorder {
         fn begin(&self, work: Work) -> Arc<dyn Watcher> {
             self.say(&format!("{} of {:?}", work.name, work.parts));
             Arc::new(self.clone())
         }
     }
 
-    impl Watcher for Heard {
+    impl Watcher for Recorder {
         fn at(&self, parts: u64) {
             self.say(&parts.to_string());
         }
@@ -115,15 +115,15 @@ mod tests {
     }
 
     #[test]
-    fn who_listens_hears_its_own_calls_and_no_others() {
-        let (outer, inner) = (Heard::default(), Heard::default());
+    fn a_listener_receives_its_own_calls_and_no_others() {
+        let (outer, inner) = (Recorder::default(), Recorder::default());
         with_listener(Arc::new(outer.clone()), || {
             with_listener(Arc::new(inner.clone()), || Progress::begin("fitting", None).at(1));
             let progress = Progress::counted("runs", 2);
             std::thread::scope(|scope| scope.spawn(|| progress.at(2)).join()).unwrap();
         });
         Progress::begin("nothing", None).say("no listener");
-        let heard = |of: &Heard| of.0.lock().unwrap().join(", ");
-        assert_eq!([heard(&inner), heard(&outer)], ["fitting of None, 1", "runs of Some(2), 2"]);
+        let calls = |of: &Recorder| of.0.lock().unwrap().join(", ");
+        assert_eq!([calls(&inner), calls(&outer)], ["fitting of None, 1", "runs of Some(2), 2"]);
     }
 }

@@ -95,7 +95,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lines_are_no_longer_than_asked() {
+    fn lines_are_no_longer_than_requested() {
         let text = wrap("one two three four five six", "  ", 12);
         assert_eq!(text, "  one two\n  three four\n  five six");
     }

@@ -238,9 +238,9 @@ impl Units {
 
     /// A value that a user gave: as [`Units::quantity`], without zeros that say nothing.
     pub fn given(&self, value: f64, si: &str) -> String {
-        let told = self.quantity(value, si);
-        let end = told.find(|c: char| !(c.is_ascii_digit() || "+-.e".contains(c))).unwrap_or(told.len());
-        format!("{}{}", plain(&told[..end]), &told[end..])
+        let text = self.quantity(value, si);
+        let end = text.find(|c: char| !(c.is_ascii_digit() || "+-.e".contains(c))).unwrap_or(text.len());
+        format!("{}{}", plain(&text[..end]), &text[end..])
     }
 
     /// What makes the number in these units of one in a unit as people read it. Units that are not of the table stay, and others than
@@ -367,20 +367,20 @@ mod tests {
     }
 
     #[test]
-    fn a_quantity_is_told_in_the_units_of_its_system() {
-        let told = |system: &str, value: f64, si: &str| system.parse::<Units>().unwrap().quantity(value, si);
-        assert_eq!(told("metric", 413_685.438, "Pa"), "4.137 bar");
-        assert_eq!(told("metric", 45.58, "Pa"), "45.58 Pa");
-        assert_eq!(told("imperial", 413_685.438, "Pa"), "60.00 psi");
-        assert_eq!(told("si", 413_685.438, "Pa"), "413.7 kPa");
-        assert_eq!(told("metric", 20f64.to_radians(), "rad"), "20.00°");
-        assert_eq!(told("si", 0.3491, "rad"), "349.1 mrad");
-        assert_eq!(told("imperial", 0.0254, "m"), "1.000 in");
-        assert_eq!(told("metric", 2.9e-5, "m"), "29.00 µm");
-        assert_eq!(told("imperial", 293.15, "K"), "68.0 °F");
-        assert_eq!(told("metric,temperature=degC", 293.15, "K"), "20.0 °C");
-        assert_eq!(told("pressure=psi", 0.086, "m"), "86.00 mm");
-        assert_eq!(told("metric", 3000.0, "s"), "3000 s");
+    fn a_quantity_is_written_in_the_units_of_its_system() {
+        let text = |system: &str, value: f64, si: &str| system.parse::<Units>().unwrap().quantity(value, si);
+        assert_eq!(text("metric", 413_685.438, "Pa"), "4.137 bar");
+        assert_eq!(text("metric", 45.58, "Pa"), "45.58 Pa");
+        assert_eq!(text("imperial", 413_685.438, "Pa"), "60.00 psi");
+        assert_eq!(text("si", 413_685.438, "Pa"), "413.7 kPa");
+        assert_eq!(text("metric", 20f64.to_radians(), "rad"), "20.00°");
+        assert_eq!(text("si", 0.3491, "rad"), "349.1 mrad");
+        assert_eq!(text("imperial", 0.0254, "m"), "1.000 in");
+        assert_eq!(text("metric", 2.9e-5, "m"), "29.00 µm");
+        assert_eq!(text("imperial", 293.15, "K"), "68.0 °F");
+        assert_eq!(text("metric,temperature=degC", 293.15, "K"), "20.0 °C");
+        assert_eq!(text("pressure=psi", 0.086, "m"), "86.00 mm");
+        assert_eq!(text("metric", 3000.0, "s"), "3000 s");
         assert_eq!("metric".parse::<Units>().unwrap().given(20f64.to_radians(), "rad"), "20°");
         assert_eq!("imperial".parse::<Units>().unwrap().given(413_685.438, "Pa"), "60 psi");
     }

@@ -9,7 +9,7 @@ use crate::keys::{self, KEYS, Key};
 use crate::muscle::BRAID;
 use crate::presets::{self, Preset};
 use crate::quantity;
-use crate::read::passage::{EXHAUST, SUPPLY};
+use crate::read::flow_path::{EXHAUST, SUPPLY};
 use crate::read::{SEATS, describes_braid, gives_braid, gives_law};
 use mckibben::parameter::{self as p, Parameter};
 

@@ -294,7 +294,7 @@ const fn list(row: &'static Parameter, example: &'static str) -> Key {
     key(row.key, Kind::Quantities(row), row.meaning, example)
 }
 
-const fn course(row: &'static Parameter, example: &'static str) -> Key {
+const fn set_point_series(row: &'static Parameter, example: &'static str) -> Key {
     key(row.key, Kind::TimeSeries(row), row.meaning, example)
 }
 
@@ -535,12 +535,12 @@ pub static KEYS: &[Key] = &[
     list(&p::COMMAND_GAUGE_PRESSURE, "[\"2 bar\", \"4 bar\"]").required().when(COMMAND, &["set-points"]),
     list(&p::COMMAND_POSITION, "[0.5, -1.0]").required().when(COMMAND, &["positions"]),
     choice(CONTROL, ControllerKind::CHOICES, "The law of the controller.", "\"pid\"").required(),
-    course(&p::SET_GAUGE_PRESSURE, "\"3 bar\"").when(CONTROL, TRACKING),
-    course(&p::SET_LENGTH, "\"85 mm\""),
-    course(&p::SET_AIR_MASS, "\"0.05 g\"").when(CONTROL, TRACKING),
-    course(&p::SET_FORCE, "\"20 N\""),
-    course(&p::SET_ANGLE, "\"20 deg\""),
-    course(&p::SET_STIFFNESS, "\"1 N*m/rad\"").when(CONTROL, BY_MODEL),
+    set_point_series(&p::SET_GAUGE_PRESSURE, "\"3 bar\"").when(CONTROL, TRACKING),
+    set_point_series(&p::SET_LENGTH, "\"85 mm\""),
+    set_point_series(&p::SET_AIR_MASS, "\"0.05 g\"").when(CONTROL, TRACKING),
+    set_point_series(&p::SET_FORCE, "\"20 N\""),
+    set_point_series(&p::SET_ANGLE, "\"20 deg\""),
+    set_point_series(&p::SET_STIFFNESS, "\"1 N*m/rad\"").when(CONTROL, BY_MODEL),
     regulated("controller.amplitude", "Amplitude of a sinusoidal set point.", "\"0.5 bar\"").when(CONTROL, TRACKING),
     quantity(&p::SET_FREQUENCY, "\"0.5 Hz\"").when(CONTROL, TRACKING),
     quantity(&p::SET_PHASE, "\"0 deg\"").when(CONTROL, TRACKING),

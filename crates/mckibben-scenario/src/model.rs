@@ -389,7 +389,7 @@ impl Scenario {
 
     /// The pressure over time, where it is given.
     pub(crate) fn core_pressure(&self) -> Result<Option<PressureSeries>, Error> {
-        self.pressure.as_ref().map(|course| PressureSeries::new(&course.time, &course.gauge_pressure)).transpose()
+        self.pressure.as_ref().map(|pressure| PressureSeries::new(&pressure.time, &pressure.gauge_pressure)).transpose()
     }
 
     /// The air line: hose, leak, reservoir and regulator, as far as there are such.
@@ -639,11 +639,11 @@ fn regulating(valve: &Valve) -> Result<valve::Solenoid, Error> {
 }
 
 pub(crate) fn core_valve(valve: &Valve, supply: &Supply, air: &air::Air) -> Result<valve::Valve, Error> {
-    let law = |port, passage: FlowPath| {
-        valve::FlowLaw::of_flow_path(port, passage.standard(), valve.efficiency, valve.laminar_ratio, air)
+    let law = |port, flow_path: FlowPath| {
+        valve::FlowLaw::of_flow_path(port, flow_path.standard(), valve.efficiency, valve.laminar_ratio, air)
     };
     let inlet = law(valve::Port::Supply, valve.passage)?;
-    let outlet = valve.exhaust.map(|passage| law(valve::Port::Exhaust, passage)).transpose()?;
+    let outlet = valve.exhaust.map(|flow_path| law(valve::Port::Exhaust, flow_path)).transpose()?;
     let supply = valve::Supply::new(GaugePressure(supply.gauge_pressure), supply.temperature, air)?;
     let exhaust_temperature = match valve.exhaust_temperature {
         ExhaustTemperature::Actuator => valve::ExhaustTemperature::Actuator,

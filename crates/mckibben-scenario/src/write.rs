@@ -8,7 +8,7 @@ use crate::choice::{
 };
 use crate::keys::{BALANCED, EQUILIBRIUM, PRESSURE_AT};
 use crate::quantity;
-use crate::read::passage;
+use crate::read::flow_path;
 use crate::scenario::{
     Actuator, Aim, Command, Controller, Effectiveness, FlowPath, Force, Friction, Hysteresis, InitialAngle,
     InitialLength, Load, MomentArm, Motion, Process, Regulator, Scenario, Supply, Tendon, Viscoelastic,
@@ -269,10 +269,10 @@ fn drive(w: &mut Writer, scenario: &Scenario) {
     valve(w, scenario);
     hose(w, scenario);
     command(w, scenario);
-    if let Some(course) = &scenario.pressure {
-        w.word(PRESSURE_AT, course.at.name());
-        w.list(&p::COURSE_TIME, &course.time);
-        w.list(&p::COURSE_GAUGE_PRESSURE, &course.gauge_pressure);
+    if let Some(series) = &scenario.pressure {
+        w.word(PRESSURE_AT, series.at.name());
+        w.list(&p::COURSE_TIME, &series.time);
+        w.list(&p::COURSE_GAUGE_PRESSURE, &series.gauge_pressure);
     }
     series_tendon(w, scenario);
 }
@@ -331,7 +331,7 @@ fn tendon(w: &mut Writer, tendon: &Tendon) {
 fn valve(w: &mut Writer, scenario: &Scenario) {
     let Some(valve) = &scenario.valve else { return };
     w.word("valve.kind", valve.kind.name());
-    passage(w, &passage::SUPPLY, valve.passage);
+    flow_path(w, &flow_path::SUPPLY, valve.passage);
     w.number(&p::EFFICIENCY, valve.efficiency);
     w.number(&p::VALVE_DEAD_TIME, valve.dead_time);
     match valve.regulator {
@@ -350,7 +350,7 @@ fn valve(w: &mut Writer, scenario: &Scenario) {
     w.number(&p::LAMINAR_RATIO, valve.laminar_ratio);
     w.word("valve.exhaust_temperature", valve.exhaust_temperature.name());
     if let Some(exhaust) = valve.exhaust {
-        passage(w, &passage::EXHAUST, exhaust);
+        flow_path(w, &flow_path::EXHAUST, exhaust);
     }
     if let Some(spool) = valve.spool {
         w.number(&p::SPOOL_FREQUENCY, spool.natural_frequency);
@@ -360,8 +360,8 @@ fn valve(w: &mut Writer, scenario: &Scenario) {
     }
 }
 
-fn passage(w: &mut Writer, rows: &passage::Rows, passage: FlowPath) {
-    match passage {
+fn flow_path(w: &mut Writer, rows: &flow_path::Rows, flow_path: FlowPath) {
+    match flow_path {
         FlowPath::FlowArea(area) => w.number(rows.flow_area, area),
         FlowPath::Iso6358 { sonic_conductance, critical_ratio } => {
             w.number(rows.sonic_conductance, sonic_conductance);
@@ -429,18 +429,18 @@ fn controller(w: &mut Writer, of: &Controller) {
     w.word("controller.kind", kind.name());
     let rows = of.aim.regulated().rows();
     match &of.aim {
-        Aim::Track { quantity, set_point } => course(w, *quantity, set_point, true),
+        Aim::Track { quantity, set_point } => set_point_series(w, *quantity, set_point, true),
         Aim::Model { force, length, highest_gauge_pressure, temperature } => {
-            course(w, Quantity::Force, force, true);
+            set_point_series(w, Quantity::Force, force, true);
             if let Some(length) = length {
                 // Both lists have the times of one table.
-                course(w, Quantity::Length, length, matches!(force, SetPoint::Constant(_)));
+                set_point_series(w, Quantity::Length, length, matches!(force, SetPoint::Constant(_)));
             }
             model(w, *highest_gauge_pressure, *temperature);
         }
         Aim::Joint { angle, stiffness, highest_gauge_pressure, temperature } => {
-            course(w, Quantity::Angle, angle, true);
-            course(w, Quantity::Stiffness, stiffness, matches!(angle, SetPoint::Constant(_)));
+            set_point_series(w, Quantity::Angle, angle, true);
+            set_point_series(w, Quantity::Stiffness, stiffness, matches!(angle, SetPoint::Constant(_)));
             model(w, *highest_gauge_pressure, *temperature);
         }
     }
@@ -484,7 +484,7 @@ fn model(w: &mut Writer, highest_gauge_pressure: f64, temperature: Option<f64>) 
     }
 }
 
-fn course(w: &mut Writer, quantity: Quantity, set_point: &SetPoint, with_times: bool) {
+fn set_point_series(w: &mut Writer, quantity: Quantity, set_point: &SetPoint, with_times: bool) {
     let rows = quantity.rows();
     let (time, value, between) = match set_point {
         SetPoint::Constant(value) => return w.number(rows.set_point, *value),

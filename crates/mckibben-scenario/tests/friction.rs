@@ -33,7 +33,7 @@ const ROUNDED: &str = "[actuator.friction]\ncoulomb_width = \"0 m\"\n[actuator.f
     width = \"0.1 mm\"\nbeta = \"4 mm^-1\"\ngamma = \"-1500 m^-1\"\n";
 
 #[test]
-fn a_rounded_loop_reaches_the_core_and_has_keys_of_its_own() {
+fn a_rounded_loop_reaches_the_core_and_has_separate_keys() {
     let experiment = document(ROUNDED).experiment().expect("a scenario");
     let law = BoucWen::new(1e-4, 4e3, -1.5e3).expect("a law");
     assert_eq!(experiment.rig.actuator().friction().hysteresis(), Some(&Hysteresis::BoucWen(law)));
@@ -48,7 +48,7 @@ const BRISTLES: &str = "[actuator.friction.hysteresis]\nlaw = \"lugre\"\nwidth =
     static_ratio = 1.4\nstribeck_velocity = \"8 mm/s\"\ndamping_time = \"5 ms\"\n";
 
 #[test]
-fn bristles_reach_the_core_and_have_keys_of_their_own() {
+fn bristles_reach_the_core_and_have_separate_keys() {
     let experiment = document(BRISTLES).experiment().expect("a scenario");
     let law = LuGre::new(1e-4, 5e-5).and_then(|law| law.with_velocity(1.4, 8e-3, 5e-3)).expect("a law");
     assert_eq!(experiment.rig.actuator().friction().hysteresis(), Some(&Hysteresis::LuGre(law)));

@@ -43,7 +43,7 @@ fn driven(name: &'static str, change: impl FnOnce(&mut Case)) -> Case {
 }
 
 fn cases() -> Vec<Case> {
-    let course = |gauges: &str| format!("time = [\"0 s\", \"0.1 s\", \"0.3 s\"]\ngauge_pressure = {gauges}\n");
+    let series = |gauges: &str| format!("time = [\"0 s\", \"0.1 s\", \"0.3 s\"]\ngauge_pressure = {gauges}\n");
     vec![
         driven("valves alone", |_| {}),
         driven("a hose of both", |case| case.both += &format!("[hose]\n{HOSE}")),
@@ -81,11 +81,11 @@ fn cases() -> Vec<Case> {
         driven("given pressures", |case| {
             case.both = BODY.to_owned();
             case.own = ["[\"1 bar\", \"3 bar\", \"2 bar\"]", "[\"1.5 bar\", \"1.5 bar\", \"3 bar\"]"]
-                .map(|gauges| vec![("pressure", course(gauges))]);
+                .map(|gauges| vec![("pressure", series(gauges))]);
             case.starts = false;
         }),
         driven("a given pressure against a valve", |case| {
-            case.own[1] = vec![("pressure", course("[\"1.5 bar\", \"1.5 bar\", \"3 bar\"]"))];
+            case.own[1] = vec![("pressure", series("[\"1.5 bar\", \"1.5 bar\", \"3 bar\"]"))];
         }),
     ]
 }
@@ -190,7 +190,7 @@ fn on_tank(more: &str) -> Scenario {
 }
 
 #[test]
-fn both_draw_from_one_tank_unless_the_antagonist_has_its_own() {
+fn both_draw_from_one_tank_unless_the_antagonist_has_a_separate_one() {
     let rig = |scenario: &Scenario| scenario.joint_experiment().expect("it runs").expect("a joint").rig;
     let [one, two] = [on_tank(""), on_tank("[antagonist.supply]\nreservoir_volume = \"0.5 L\"\n")];
     assert!(rig(&one).shared_supply().is_some() && rig(&two).shared_supply().is_none());
@@ -229,7 +229,7 @@ fn all_of_them_run_at_fixed_steps() {
 
 #[test]
 fn models_are_refused() {
-    let told = |text: &str| parse(text).joint_experiment().expect_err("a mistake").to_string();
+    let error_of = |text: &str| parse(text).joint_experiment().expect_err("a mistake").to_string();
     // The laws by the model know no tendon; one that tracks the angle asks for none.
     let tendons = cases().into_iter().find(|case| case.name == "tendons").expect("a case");
     let controlled = |law: &str| {
@@ -250,6 +250,6 @@ fn models_are_refused() {
                      time = [\"0 s\"]\ngauge_pressure = [\"2 bar\"]\n";
     let load =
         format!("[load]\nkind = \"antagonistic-joint\"\npulley_radius = \"15 mm\"\nrest_length = \"3.3 in\"\n{LIMB}");
-    let message = told(&format!("{BODY}{regulated}{load}{RUN}"));
+    let message = error_of(&format!("{BODY}{regulated}{load}{RUN}"));
     assert!(message.contains("behind a reservoir or a regulator"), "{message}");
 }

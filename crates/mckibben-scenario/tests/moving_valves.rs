@@ -66,7 +66,7 @@ fn a_spool_is_read_built_and_written() {
 }
 
 #[test]
-fn mistakes_are_told() {
+fn mistakes_are_reported() {
     let cases = [
         (mistakes(&[&SEATS.replace("3 ms", "-3 ms"), FILL]), "out of range"),
         (mistakes(&[&SEATS.replace("\"3 ms\"", "3"), FILL]), "needs a unit"),

@@ -235,7 +235,7 @@ actuators = 3"#,
 }
 
 #[test]
-fn passages_of_every_standard() {
+fn flow_paths_of_every_standard() {
     let standard = |text: &str| {
         let drive = DRIVE.replace("sonic_conductance = \"3e-9 m^3/(s*Pa)\"\ncritical_ratio = 0.31", text);
         *rig(&[BODY, &drive, PWM, HANGING]).actuator().valve().expect("a valve")

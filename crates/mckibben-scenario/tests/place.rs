@@ -73,20 +73,20 @@ fn compare(
     differences: &[f64],
     relative: f64,
 ) -> bool {
-    let mut told = false;
+    let mut sensitive = false;
     for (of, ((exact, difference), size)) in exact.iter().zip(differences).zip(sizes).enumerate() {
         let scale = size.abs() / if value == 0.0 { 1.0 } else { value.abs() };
         let allowed = relative * scale.max(difference.abs());
         let off = (exact - difference).abs();
         assert!(off <= allowed, "{name}, {}, quantity {of}: {exact:e} is not {difference:e}", place.path());
-        told |= exact.abs() > 1e-9 * scale;
+        sensitive |= exact.abs() > 1e-9 * scale;
     }
-    told
+    sensitive
 }
 
 #[test]
 fn every_number_of_an_actuator_is_differentiated_by_as_it_is_set() {
-    let (mut told, mut names) = (0, Vec::new());
+    let (mut sensitive, mut names) = (0, Vec::new());
     for path in ["laws", "friction", "valves", ""].into_iter().flat_map(examples) {
         let name = path.display().to_string();
         let scenario = Scenario::load(&path).unwrap_or_else(|error| panic!("{error}"));
@@ -114,7 +114,7 @@ fn every_number_of_an_actuator_is_differentiated_by_as_it_is_set() {
                 continue;
             }
             if compare(&name, &place, value, &sizes, &exact, &difference(&scenario, &place, of), 1e-5) {
-                told += 1;
+                sensitive += 1;
                 names.push(place.path());
             }
         }
@@ -122,7 +122,7 @@ fn every_number_of_an_actuator_is_differentiated_by_as_it_is_set() {
     names.sort();
     names.dedup();
     // So many numbers move something; what moves nothing here belongs to solenoid, command, load or start.
-    assert!(told > 300 && names.len() > 60, "{told}, {}: {names:?}", names.len());
+    assert!(sensitive > 300 && names.len() > 60, "{sensitive}, {}: {names:?}", names.len());
 }
 
 #[test]

@@ -51,7 +51,7 @@ fn the_dead_time_is_zero_when_absent_and_assumed() {
 }
 
 #[test]
-fn mistakes_are_told() {
+fn mistakes_are_reported() {
     let with = |valve: &str| VALVE.to_owned() + valve;
     let cases = [
         (mistakes(&[SUPPLY, VALVE, &COMMAND.replace("4 bar", "7 bar")]), "cannot give more than feeds it"),

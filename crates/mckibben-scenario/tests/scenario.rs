@@ -152,8 +152,8 @@ fn named_valve() {
     assert_eq!((valve.kind, valve.efficiency, valve.opening_delay), (ValveKind::ThreeWay, 0.85, 0.004));
     // Another way to state the flow path takes the place of the preset's.
     let iso = text.replace("[load]", "sonic_conductance = \"0.5 L/(s*bar) ANR\"\ncritical_ratio = 0.3\n[load]");
-    let passage = read(&iso).valve.map(|valve| valve.passage);
-    assert_eq!(passage, Some(FlowPath::Iso6358 { sonic_conductance: 5e-9, critical_ratio: 0.3 }));
+    let flow_path = read(&iso).valve.map(|valve| valve.passage);
+    assert_eq!(flow_path, Some(FlowPath::Iso6358 { sonic_conductance: 5e-9, critical_ratio: 0.3 }));
     round_trip(&read(&iso));
 }
 
@@ -361,40 +361,40 @@ fn a_moment_arm_is_a_radius_or_a_table_and_taken_whole_by_the_antagonist() {
     let other = read(&format!("{JOINT}[antagonist.load]\n{table}\n"));
     assert_eq!(arms(&other), [MomentArm::Pulley(0.015), tabled]);
 
-    let told = |text: &str| match Document::parse(text, "joint.toml").expect("TOML").joint_experiment() {
+    let error_of = |text: &str| match Document::parse(text, "joint.toml").expect("TOML").joint_experiment() {
         Ok(_) => panic!("it is refused:\n{text}"),
         Err(found) => found.to_string(),
     };
-    let error = told(&JOINT.replace("pulley_radius = \"15 mm\"", ""));
+    let error = error_of(&JOINT.replace("pulley_radius = \"15 mm\"", ""));
     assert!(error.contains("pulley_radius") && error.contains("`moment_arm`"), "{error}");
-    let error = told(&JOINT.replace("rest_length", &format!("{table}\nrest_length")));
+    let error = error_of(&JOINT.replace("rest_length", &format!("{table}\nrest_length")));
     assert!(error.contains("says the same thing in two ways"), "{error}");
-    let error = told(&by_table.replace("\"12 mm\", ", ""));
+    let error = error_of(&by_table.replace("\"12 mm\", ", ""));
     assert!(error.contains("equally long"), "{error}");
-    let error = told(&by_table.replace("12 mm", "0 mm"));
+    let error = error_of(&by_table.replace("12 mm", "0 mm"));
     assert!(error.contains("load.moment_arm") && error.contains("greater than 0"), "{error}");
-    let error = told(&by_table.replace("-30 deg", "10 deg"));
+    let error = error_of(&by_table.replace("-30 deg", "10 deg"));
     assert!(error.contains("must increase"), "{error}");
 }
 
 #[test]
 fn mistakes_in_a_joint_are_shown_where_they_are() {
-    let told = |text: &str| match Document::parse(text, "joint.toml").expect("TOML").joint_experiment() {
+    let error_of = |text: &str| match Document::parse(text, "joint.toml").expect("TOML").joint_experiment() {
         Ok(_) => panic!("it is refused:\n{text}"),
         Err(found) => found.to_string(),
     };
-    let with = |more: &str| told(&format!("{JOINT}{more}\n"));
+    let with = |more: &str| error_of(&format!("{JOINT}{more}\n"));
     let error = with("[antagonist]\nactuator.turn = 3");
     assert!(error.contains("`turn` is not a key of [antagonist.actuator]") && error.contains("`turns`"), "{error}");
     let error = with("[antagonist.load]\nmass = \"1 kg\"");
     assert!(error.contains("`mass` is not a key of [antagonist.load]"), "{error}");
     let error = with("[antagonist.actuator]\nturns = -1");
     assert!(error.contains("turns") && error.contains("joint.toml:22"), "{error}");
-    let error = told(&JOINT.replace("[initial]", "[initial]\nlength = \"3 in\""));
+    let error = error_of(&JOINT.replace("[initial]", "[initial]\nlength = \"3 in\""));
     assert!(error.contains("give `initial.angle`"), "{error}");
-    let error = told(&JOINT.replace("100 mm", "0 mm"));
+    let error = error_of(&JOINT.replace("100 mm", "0 mm"));
     assert!(error.contains("load.inertia"), "{error}");
-    let error = told(
+    let error = error_of(
         "[load]\nkind = \"isometric\"\n[initial]\nlength = \"9 cm\"\n[run]\nduration = \"1 s\"\n[antagonist]\nactuator.turns = 3",
     );
     assert!(error.contains("[antagonist] has no meaning"), "{error}");
@@ -423,8 +423,8 @@ fn a_pressure_over_time_is_read_built_and_written() {
     let file = "[pressure]\ntime = [\"0 s\", \"100 ms\"]\ngauge_pressure = [\"1 bar\", \"3 bar\"]\n\
                 [load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n[run]\nduration = \"0.2 s\"\n";
     let read = Scenario::from_str(file, "test.toml").unwrap_or_else(|error| panic!("{error}"));
-    let course = PressureSeries { at: PressurePlace::Muscle, time: vec![0.0, 0.1], gauge_pressure: vec![1e5, 3e5] };
-    assert_eq!(read.pressure, Some(course));
+    let series = PressureSeries { at: PressurePlace::Muscle, time: vec![0.0, 0.1], gauge_pressure: vec![1e5, 3e5] };
+    assert_eq!(read.pressure, Some(series));
     let experiment = read.experiment().expect("an experiment");
     assert!((experiment.start.pressure.0 - 201_325.0).abs() < 1e-6);
     let text = read.to_toml();

@@ -91,7 +91,7 @@ fn drawn(design: &str, rows: u64, seed: u64) -> Sweep {
 }
 
 #[test]
-fn rows_do_not_depend_on_the_order_in_which_they_are_asked_for() {
+fn rows_do_not_depend_on_the_order_of_requests() {
     for design in EVERY_DESIGN {
         let (forth, back) = (drawn(design, 257, 3), drawn(design, 257, 3));
         let all = |sweep: &Sweep, row: u64| -> String {
@@ -169,7 +169,7 @@ fn with_joint(text: &str) -> String {
 }
 
 /// A file in which a quantity applies.
-fn surroundings(path: &str) -> String {
+fn file_for(path: &str) -> String {
     let process = match path {
         "air.polytropic_index" => "[air]\nprocess = \"polytropic\"\npolytropic_index = 1.2\n",
         "air.heat_transfer" | "air.wall_temperature" => "[air]\nprocess = \"energy-balance\"\n",
@@ -344,7 +344,7 @@ fn a_row_is_what_its_text_says() {
     let mut tried = 0;
     for key in KEYS.iter().filter(|key| key.varies()) {
         let Some(literals) = literals(key) else { continue };
-        assert!(try_rows(&surroundings(key.path), key.path, &literals), "{}", key.path);
+        assert!(try_rows(&file_for(key.path), key.path, &literals), "{}", key.path);
         tried += 1;
     }
     assert!(tried > 130, "only {tried} quantities");
@@ -356,7 +356,7 @@ fn a_row_of_a_joint_is_what_its_text_says() {
     let (mut both, mut second) = (0, 0);
     for key in KEYS.iter().filter(|key| key.varies() && key.path != "load.mass") {
         let Some(literals) = literals(key) else { continue };
-        let file = surroundings(key.path);
+        let file = file_for(key.path);
         if !(file.contains("hanging-mass") || file.contains("antagonistic-joint"))
             || key.path.starts_with("initial.length")
         {

@@ -40,10 +40,10 @@ fn every_unit_of_the_tables_parses_with_size_one() {
 }
 
 /// A file in which a key applies, for trying its example.
-fn surroundings(path: &str) -> String {
+fn file_for(path: &str) -> String {
     if let Some(key) = path.strip_prefix("controller.") {
         if matches!(key, "angle" | "stiffness") {
-            return surroundings_of("load.torque").to_owned()
+            return text_for("load.torque").to_owned()
                 + "\n[supply]\ngauge_pressure = \"1 bar\"\n[valve]\nkind = \"three-way\"\nflow_area = \"1 mm^2\"\n\
                    [command]\nkind = \"controllers\"\n[controller]\nrate = \"10 Hz\"\nkind = \"air-mass\"\nangle = \"1 deg\"\n\
                    stiffness = \"1 N*m/rad\"\nhighest_gauge_pressure = \"1 bar\"\ndead_band = \"1 mg\"";
@@ -66,10 +66,10 @@ fn surroundings(path: &str) -> String {
              [command]\nkind = \"controllers\"\n[controller]\nrate = \"10 Hz\"\n{of}"
         );
     }
-    surroundings_of(path).to_owned()
+    text_for(path).to_owned()
 }
 
-fn surroundings_of(path: &str) -> &'static str {
+fn text_for(path: &str) -> &'static str {
     match path {
         "air.polytropic_index" => "[air]\nprocess = \"polytropic\"",
         "air.heat_transfer" | "air.wall_temperature" => "[air]\nprocess = \"energy-balance\"",
@@ -239,10 +239,10 @@ fn surroundings_of(path: &str) -> &'static str {
 }
 
 fn complete(path: &str) -> Document {
-    let given = surroundings(path);
+    let given = file_for(path);
     let load = if given.contains("[load]") { "" } else { "\n[load]\nkind = \"hanging-mass\"\nmass = \"1 kg\"" };
     let text = format!("{given}{load}\n[run]\nduration = \"1 s\"\n");
-    Document::parse(&text, "surroundings.toml").unwrap_or_else(|error| panic!("{error}"))
+    Document::parse(&text, "example.toml").unwrap_or_else(|error| panic!("{error}"))
 }
 
 #[test]
@@ -252,14 +252,14 @@ fn every_example_is_accepted() {
         let mut document = complete(key.path);
         document.set_text(key.path, key.example).unwrap_or_else(|error| panic!("{error}"));
         document.scenario().unwrap_or_else(|error| panic!("{}:\n{error}", key.path));
-        let mut table = surroundings_as_json(key.path);
+        let mut table = json_for(key.path);
         let value: toml::Table = format!("{} = {}", key.path, key.example).parse().expect("an example is TOML");
         merge(&mut table, &serde_json::to_value(value).expect("TOML without dates is JSON"));
         validator(&table).unwrap_or_else(|error| panic!("{}: {error}", key.path));
     }
 }
 
-fn surroundings_as_json(path: &str) -> Value {
+fn json_for(path: &str) -> Value {
     let document = complete(path);
     let table: toml::Table = document.source().text().parse().expect("parsed before");
     serde_json::to_value(table).expect("TOML without dates is JSON")

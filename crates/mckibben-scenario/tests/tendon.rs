@@ -30,7 +30,7 @@ fn it_is_read_built_and_written() {
 }
 
 #[test]
-fn mistakes_are_told() {
+fn mistakes_are_reported() {
     let cases = [
         (mistakes(&["[tendon]\n", LOAD, RUN]), "tendon.stiffness"),
         (mistakes(&[&TENDON.replace("12", "0"), LOAD, RUN]), "tendon.stiffness"),

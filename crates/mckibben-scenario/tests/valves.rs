@@ -26,7 +26,7 @@ fn refused(text: &str) -> String {
 }
 
 #[test]
-fn a_passage_is_stated_in_one_of_four_ways() {
+fn a_flow_path_is_stated_in_one_of_four_ways() {
     let of = |text: &str| valve(&format!("kind = \"three-way\"\n{text}")).passage;
     // 0.36 m³/h are 1e-4 m³/s, and 6 L/min the same.
     let FlowPath::Kv { kv, pressure_drop_ratio } = of("kv = \"0.36 m^3/h\"") else { panic!("not by Kv") };
@@ -60,7 +60,7 @@ fn two_ways_half_a_way_and_strays_are_refused() {
 }
 
 #[test]
-fn a_preset_s_passages_give_way_to_the_file_s() {
+fn flow_paths_of_the_file_replace_those_of_the_preset() {
     let preset = "preset = \"ckd-m4ga2r\"\n";
     let whole = valve(preset);
     let iso = |c: f64, b: f64| FlowPath::Iso6358 { sonic_conductance: c * 1e-8, critical_ratio: b };
@@ -85,7 +85,7 @@ fn a_preset_s_passages_give_way_to_the_file_s() {
 }
 
 #[test]
-fn what_is_assumed_of_a_passage_is_told_while_it_is_in_force() {
+fn assumptions_about_a_flow_path_are_reported_while_in_force() {
     let of = |text: &str| -> Vec<&str> {
         let assumed = document(text).assumed();
         assumed.iter().map(|one| one.parameter.key).filter(|key| key.starts_with("valve.")).collect()

@@ -24,7 +24,7 @@
 //! Checked by `tests/actuator.rs`: transcription of (12), derivatives against finite differences, both stiffnesses.
 
 use crate::air::{Air, Chamber, Flow};
-use crate::convert::{Anew, Convert};
+use crate::convert::{ConvertEach, Convert};
 use crate::dual::Dual;
 use crate::error::Error;
 use crate::force::{Characteristic, Effective, LengthLimits, StaticForce, Statics};
@@ -115,7 +115,7 @@ impl<S: Scalar> Actuator<S> {
 
     /// Converts the actuator to another scalar type; `function` receives each number with its parameter.
     pub fn map<T: Scalar>(&self, function: impl FnMut(&'static Parameter, S) -> T) -> Actuator<T> {
-        self.convert(&mut Anew(function))
+        self.convert(&mut ConvertEach(function))
     }
 
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Actuator<T> {
@@ -201,12 +201,12 @@ impl<S: Scalar> Actuator<S> {
         length: T,
         pressure: T,
         on_the_stop: S::Mask,
-        rubbing: impl Into<SlidingState<T>>,
+        sliding: impl Into<SlidingState<T>>,
     ) -> (T, T) {
-        let rubbing = rubbing.into();
-        let pressing = self.normal_load(length, pressure, rubbing.touch);
+        let sliding = sliding.into();
+        let pressing = self.normal_load(length, pressure, sliding.touch);
         let mut middle = self.static_force(length, pressure) + self.limits.force(length, T::zero());
-        if let Some(held) = rubbing.held_force(pressing) {
+        if let Some(held) = sliding.held_force(pressing) {
             middle = middle + held;
         }
         let coulomb = self.friction.coulomb();
@@ -221,7 +221,7 @@ impl<S: Scalar> Actuator<S> {
     pub fn signed_force<T: Over<S>>(
         &self,
         [length, velocity, pressure]: [T; 3],
-        rubbing: impl Into<SlidingState<T>>,
+        sliding: impl Into<SlidingState<T>>,
         taut: S::Mask,
         [effectiveness, law_force]: [T; 2],
     ) -> T {
@@ -230,9 +230,9 @@ impl<S: Scalar> Actuator<S> {
         if self.friction.follows_normal_load() {
             let gauge = self.gauge(pressure);
             let secant = self.law.law.secant_stiffness(length, T::of(self.limits.min_length()), gauge);
-            let rubbing = rubbing.into();
-            let pressing = NormalLoad::new(effectiveness * secant, gauge.0, rubbing.touch);
-            force = force + self.friction.pressed_force(rubbing, velocity, pressing);
+            let sliding = sliding.into();
+            let pressing = NormalLoad::new(effectiveness * secant, gauge.0, sliding.touch);
+            force = force + self.friction.pressed_force(sliding, velocity, pressing);
         }
         force
     }
@@ -277,13 +277,13 @@ impl<S: Scalar> Actuator<S> {
         distance: T,
         velocity: T,
         pressure: T,
-        rubbing: impl Into<SlidingState<T>>,
+        sliding: impl Into<SlidingState<T>>,
     ) -> T {
         let slack = self.limits.is_slack(distance);
         let taut =
             T::of(self.limits.max_length()).lt(distance) & T::zero().lt(self.limits.taut_force(distance, velocity));
         let ends = [self.limits.actuator_length(distance), velocity, pressure];
-        let force = self.signed_force(ends, rubbing, taut, self.factors(ends[0], pressure));
+        let force = self.signed_force(ends, sliding, taut, self.factors(ends[0], pressure));
         T::select(slack, T::zero(), force.larger(T::zero()))
     }
 
@@ -325,8 +325,8 @@ impl<S: Scalar> Actuator<S> {
     pub fn respond(&self, state: &ActuatorState<S>, distance: S, velocity: S, ports: Ports) -> Response<S> {
         let [length, rate, pressure] = [distance, velocity, state.pressure.0];
         let [end, speed]: [Dual<S, 3>; 2] = [Dual::variable(length, 0), Dual::variable(rate, 1)];
-        let rubbing = SlidingState { width: self.width(&state.memory, end, speed), ..speed.sign().into() };
-        let force = self.tension_sliding(end, speed, Dual::variable(pressure, 2), rubbing);
+        let sliding = SlidingState { width: self.width(&state.memory, end, speed), ..speed.sign().into() };
+        let force = self.tension_sliding(end, speed, Dual::variable(pressure, 2), sliding);
         let chamber = self.chamber(distance, velocity, pressure, state.air_mass, self.limits.is_slack(distance));
         let flow = self.flow(&chamber, S::Mask::splat(ports.supply), S::Mask::splat(ports.exhaust));
         Response {

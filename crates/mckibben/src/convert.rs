@@ -23,17 +23,17 @@ pub trait Convert<S, T> {
 }
 
 /// A function of parameters; what follows from them is computed again.
-pub(crate) struct Anew<F>(pub(crate) F);
+pub(crate) struct ConvertEach<F>(pub(crate) F);
 
 /// Applies a function to the parameters of a plant or a joint, each with the part that it belongs to.
 #[cfg(feature = "alloc")]
-pub(crate) struct AnewOfEach<F> {
+pub(crate) struct ConvertEachOf<F> {
     pub(crate) function: F,
     pub(crate) part: Option<Part>,
 }
 
 #[cfg(feature = "alloc")]
-impl<S, T: Scalar, F: FnMut(Option<Part>, &'static Parameter, S) -> T> Convert<S, T> for AnewOfEach<F> {
+impl<S, T: Scalar, F: FnMut(Option<Part>, &'static Parameter, S) -> T> Convert<S, T> for ConvertEachOf<F> {
     fn parameter(&mut self, parameter: &'static Parameter, value: S) -> T {
         (self.function)(self.part, parameter, value)
     }
@@ -47,7 +47,7 @@ impl<S, T: Scalar, F: FnMut(Option<Part>, &'static Parameter, S) -> T> Convert<S
     }
 }
 
-impl<S, T: Scalar, F: FnMut(&'static Parameter, S) -> T> Convert<S, T> for Anew<F> {
+impl<S, T: Scalar, F: FnMut(&'static Parameter, S) -> T> Convert<S, T> for ConvertEach<F> {
     fn parameter(&mut self, parameter: &'static Parameter, value: S) -> T {
         (self.0)(parameter, value)
     }

@@ -76,11 +76,11 @@ fn the_error_of_the_chosen_step_is_at_most_the_accuracy() {
                 let times = (duration, 1e-3);
                 let error = chosen(&paper, times, method, accuracy).expect("a step");
                 let independent = error_by_definition(&paper, times, method, error.step);
-                let told = format!("{name}, {method:?}, {accuracy:e}: {error:?}, by definition {independent:e}");
-                assert!(error.greatest <= accuracy && error.compared == duration, "{told}");
+                let described = format!("{name}, {method:?}, {accuracy:e}: {error:?}, by definition {independent:e}");
+                assert!(error.greatest <= accuracy && error.compared == duration, "{described}");
                 // The two may differ by how well a range is sampled, and by what the module's reference errs.
-                assert!(independent <= 1.01 * accuracy, "{told}");
-                assert!((independent - error.greatest).abs() <= 0.01 * independent + 0.01 * accuracy, "{told}");
+                assert!(independent <= 1.01 * accuracy, "{described}");
+                assert!((independent - error.greatest).abs() <= 0.01 * independent + 0.01 * accuracy, "{described}");
             }
         }
     }

@@ -48,7 +48,7 @@ fn an_isentropic_choked_blow_down_follows_its_closed_form() {
 }
 
 #[test]
-fn a_blow_down_at_the_surroundings_temperature_is_exponential_when_isothermal() {
+fn an_isothermal_blow_down_at_ambient_temperature_is_exponential() {
     // dm/dt = −G P/√T = −(G R √T/V) m: with T constant an exponential.
     for exhaust in [ExhaustTemperature::Actuator, ExhaustTemperature::Ambient] {
         let paper = exhausting().process(Process::Isothermal).with(|rig| rig.exhaust_temperature = exhaust);

@@ -137,7 +137,7 @@ fn a_fixed_step_comes_to_the_event_located_run() {
 }
 
 #[test]
-fn derivatives_pass_through_turns_and_zeros() {
+fn derivatives_pass_through_reversals_and_zeros() {
     let swing = |beta| muscle(law(beta, GAMMA)).mass(5.0 * LB).from(0.083, 0.0);
     let at = |beta| swing(beta).run(0.15, 1e-12).at(0.15).length;
     let seed = |parameter: &'static mckibben::parameter::Parameter, value: f64| -> crate::common::Seeded {

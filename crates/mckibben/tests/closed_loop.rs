@@ -96,7 +96,7 @@ fn what_is_seen_is_the_trajectory_at_the_instant() {
 }
 
 #[test]
-fn the_command_that_was_asked_for_gives_the_same_run_without_the_controller() {
+fn the_requested_command_reproduces_the_run_without_the_controller() {
     let paper = fill_hold_exhaust();
     let sampling = sampling(40.0, 1).with_pulse_frequency(70.0).expect("a frequency");
     let closed = run(&paper, 0.6, &pressure_pid(45.0 * PSI), sampling);

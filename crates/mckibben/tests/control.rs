@@ -322,7 +322,7 @@ fn the_end_of_a_pulse_has_the_derivative_of_its_duty() {
 #[test]
 fn a_relay_fills_below_exhausts_above_and_holds_between() {
     let relay = Relay::new(Quantity::Pressure, 2.0, 0.5, Between::Hold).expect("a relay");
-    let course = [
+    let series = [
         (0.0, Request::Hold),
         (1.9, Request::Hold),
         (2.1, Request::Fill),
@@ -336,7 +336,7 @@ fn a_relay_fills_below_exhausts_above_and_holds_between() {
         (-1.6, Request::Hold),
     ];
     let mut before = relay.begin();
-    for (error, request) in course {
+    for (error, request) in series {
         before = relay.decide(error, before);
         assert_eq!(before, request, "at {error}");
     }
@@ -345,7 +345,7 @@ fn a_relay_fills_below_exhausts_above_and_holds_between() {
 }
 
 #[test]
-fn a_relay_of_a_three_way_valve_keeps_what_it_asked_for() {
+fn a_relay_of_a_three_way_valve_keeps_its_request() {
     let relay = Relay::new(Quantity::Pressure, 2.0, 0.0, Between::Keep).expect("a relay");
     let mut before = relay.begin();
     assert_eq!(before, Request::Exhaust);
@@ -372,7 +372,7 @@ fn a_relay_s_numbers_are_checked() {
 // Laws
 
 #[test]
-fn a_tracker_asks_for_air_when_the_length_is_too_long_and_anything_else_too_little() {
+fn a_tracker_requests_air_when_the_length_is_too_long_and_other_quantities_too_low() {
     let wanted = [
         (Quantity::Pressure, 1.9e5, 2.1e5, 1e3),
         (Quantity::AirMass, 1.9e-5, 2.1e-5, 1e-7),
@@ -431,7 +431,7 @@ fn aim(length: Place) -> StaticAim {
 }
 
 #[test]
-fn feed_forward_asks_for_the_pressure_of_the_model() {
+fn feed_forward_requests_the_pressure_of_the_model() {
     let at = |length: f64| {
         let paper = Paper::sealed();
         let (b, n) = (paper.thread_length, paper.turns);
@@ -457,7 +457,7 @@ fn feed_forward_asks_for_the_pressure_of_the_model() {
 }
 
 #[test]
-fn the_mass_that_air_mass_control_asks_for_holds_the_force_at_the_length() {
+fn the_air_mass_of_the_set_point_holds_the_force_at_the_length() {
     let wanted = SetPoint::constant(Quantity::Length, 0.085).expect("a length");
     let law = AirMass::new(aim(Place::Wanted(wanted)), ROOM, relay(Quantity::AirMass, 1e-8, 0.0)).expect("a law");
     let mass = law.mass(&seen(0.0));

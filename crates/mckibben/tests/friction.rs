@@ -53,7 +53,7 @@ fn the_papers_secant_is_that_of_the_force() {
 }
 
 #[test]
-fn a_bladder_that_is_sucked_off_the_braid_does_not_rub() {
+fn a_bladder_under_vacuum_is_off_the_braid_and_has_no_friction() {
     let actuator = Paper::sealed().actuator();
     assert_eq!(actuator.coulomb_bound::<f64>(0.09, 0.5 * ATMOSPHERE), 0.0);
     assert_eq!(actuator.coulomb_bound::<f64>(0.09, ATMOSPHERE), 0.0);

@@ -57,7 +57,7 @@ fn the_pressure_gives_the_force_and_no_lower_one_does() {
 }
 
 #[test]
-fn every_law_of_force_is_turned_round_with_its_derivatives() {
+fn every_force_law_is_inverted_with_its_derivatives() {
     let paper = Paper::sealed();
     for (name, law) in of_force::all(&paper).into_iter().chain([("map", of_force::measured(&paper))]) {
         let change = |rig: &mut Paper| (rig.characteristic, rig.effectiveness) = (Some(law.clone()), table());
@@ -92,7 +92,7 @@ fn every_law_of_force_is_turned_round_with_its_derivatives() {
 }
 
 #[test]
-fn the_least_pressure_is_found_beside_a_peak() {
+fn the_least_pressure_is_located_near_a_peak() {
     // Eff P = P − P²/1 MPa has its peak, 250 kPa, at 500 kPa.
     let actuator = actuator(Effectiveness::polynomial(&[1.0, -1e-6]).expect("a polynomial"));
     let length = 0.09;

@@ -180,9 +180,9 @@ fn compare_with_the_hanging_mass(hysteresis: Option<Hysteresis>) {
     }
     assert_eq!(hysteresis.is_some(), line.events().iter().any(|event| event.kind == EventKind::Slip));
     // The same story, apart from events between formulas that agree.
-    let telling = |kind: &EventKind| matches!(kind, EventKind::Stick | EventKind::Slip | EventKind::Valve);
-    let of_line = line.events().iter().map(|event| event.kind).filter(telling);
-    let of_turn = turn.events().iter().map(|event| event.kind.kind).filter(telling);
+    let mechanical_or_valve = |kind: &EventKind| matches!(kind, EventKind::Stick | EventKind::Slip | EventKind::Valve);
+    let of_line = line.events().iter().map(|event| event.kind).filter(mechanical_or_valve);
+    let of_turn = turn.events().iter().map(|event| event.kind.kind).filter(mechanical_or_valve);
     assert!(of_line.eq(of_turn));
 }
 
@@ -334,18 +334,18 @@ fn random_joints_reach_their_end() {
 #[test]
 fn what_cannot_be_is_refused_with_a_reason() {
     let pair = || Pair::of(Paper::sealed());
-    let told = |pair: Pair| pair.try_run(0.1, 1e-6).expect_err("it is refused").to_string();
-    let error = told(pair().with(|pair| pair.limb.inertia = 0.0));
+    let error_of = |pair: Pair| pair.try_run(0.1, 1e-6).expect_err("it is refused").to_string();
+    let error = error_of(pair().with(|pair| pair.limb.inertia = 0.0));
     assert!(error.contains("load.inertia = 0 kg*m^2"), "{error}");
-    let error = told(pair().with(|pair| pair.stops.ends = [Some(0.1), Some(0.1)]));
+    let error = error_of(pair().with(|pair| pair.stops.ends = [Some(0.1), Some(0.1)]));
     assert!(
         error.contains("load.min_angle = 0.1 rad contradicts the rule that it must be less than load.max_angle"),
         "{error}"
     );
-    let error = told(pair().with(|pair| pair.tendons[0].rest_length = 0.2));
+    let error = error_of(pair().with(|pair| pair.tendons[0].rest_length = 0.2));
     assert!(error.contains("load.rest_length"), "{error}");
-    let error = told(pair().with(|pair| pair.angle = InitialAngle::At(4.0)));
+    let error = error_of(pair().with(|pair| pair.angle = InitialAngle::At(4.0)));
     assert!(error.contains("initial.angle = 4 rad contradicts"), "{error}");
-    let error = told(pair().with(|pair| pair.tendons[0].arm = MomentArm::Pulley(f64::NAN)));
+    let error = error_of(pair().with(|pair| pair.tendons[0].arm = MomentArm::Pulley(f64::NAN)));
     assert!(error.contains("load.pulley_radius"), "{error}");
 }

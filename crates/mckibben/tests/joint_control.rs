@@ -182,7 +182,7 @@ fn samples_are_exact_instants_and_show_the_trajectory() {
 }
 
 #[test]
-fn what_was_asked_gives_the_same_run_without_the_controller() {
+fn the_requested_commands_reproduce_the_run_without_the_controller() {
     let regulator = Regulator::Pid(Pid::new(Quantity::Angle, 0.4, Output::FillHoldExhaust).expect("a controller"));
     let angle = SetPoint::constant(Quantity::Angle, 0.25).expect("a set point");
     let closed = run(0.6, &JointTracker { angle, regulator }, sampling(50.0, 1));

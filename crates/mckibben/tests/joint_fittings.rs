@@ -48,7 +48,7 @@ fn on_tendon(stiffness: f64, line: Line) -> Fittings {
 }
 
 fn given(gauges: [f64; 3], tendon: Option<SeriesTendon>) -> Fittings {
-    let pressure = PressureSeries::new(&[0.0, 0.1, 0.3], &gauges).expect("a course");
+    let pressure = PressureSeries::new(&[0.0, 0.1, 0.3], &gauges).expect("a time series");
     Fittings { line: Line::NONE, tendon, pressure: Some(pressure) }
 }
 
@@ -283,20 +283,20 @@ fn events_of_a_supply_of_both_are_of_neither() {
 #[test]
 fn what_does_not_fit_is_refused() {
     use JointSupply::{Separate, Shared};
-    let told = |pair: &Pair, fittings: [Fittings; 2], supply| match fitted(pair, fittings, supply) {
+    let error_of = |pair: &Pair, fittings: [Fittings; 2], supply| match fitted(pair, fittings, supply) {
         Ok(_) => panic!("taken"),
         Err(error) => error.to_string(),
     };
     let (line, bare) = (supply(Some(tank(1e-3, false)), false), || Fittings::NONE);
-    let two = told(&pulsed(), [with_line(line), with_line(line)], Shared);
+    let two = error_of(&pulsed(), [with_line(line), with_line(line)], Shared);
     assert!(two.contains("one supply feeds both"), "{two}");
-    let none = told(&sealed(pulsed()), [with_line(line), bare()], Shared);
+    let none = error_of(&sealed(pulsed()), [with_line(line), bare()], Shared);
     assert!(none.contains("neither actuator of the joint has a valve"), "{none}");
-    let hose = told(&sealed(pulsed()), [with_line(hose(HoseKind::Lumped, 1.0)), bare()], Separate);
+    let hose = error_of(&sealed(pulsed()), [with_line(hose(HoseKind::Lumped, 1.0)), bare()], Separate);
     assert!(hose.contains("has no valve"), "{hose}");
-    let valve = told(&pulsed(), [given([1e5, 2e5, 3e5], None), bare()], Separate);
+    let valve = error_of(&pulsed(), [given([1e5, 2e5, 3e5], None), bare()], Separate);
     assert!(valve.contains("a valve or a leak would change it"), "{valve}");
-    let vacuum = told(&sealed(pulsed()), [given([1e5, -2e5, 3e5], None), bare()], Separate);
+    let vacuum = error_of(&sealed(pulsed()), [given([1e5, -2e5, 3e5], None), bare()], Separate);
     assert!(vacuum.contains("vacuum"), "{vacuum}");
 }
 

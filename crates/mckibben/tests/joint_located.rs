@@ -136,12 +136,12 @@ fn a_regulated_pressure_follows_its_closed_form() {
     let run = pair.run(0.3, TIGHT);
     let closed_form = Regulated { time_constant: 0.02, dead_time: 5e-3, rate_limit: 2e6 };
     let courses = closed_form.courses(ATMOSPHERE, &times, &gauges.map(|gauge| gauge + ATMOSPHERE));
-    for (step, course) in courses.into_iter().enumerate() {
+    for (step, series) in courses.into_iter().enumerate() {
         let until = times.get(step + 1).map_or(0.3, |time| time + 5e-3);
         for n in 0..=50 {
-            let time = course.time + (until - course.time) * f64::from(n) / 50.0;
+            let time = series.time + (until - series.time) * f64::from(n) / 50.0;
             let supply = run.at(time).actuators[0].supply_pressure.expect("it is regulated").0;
-            assert_close(supply, closed_form.pressure(&course, time), 1e-8);
+            assert_close(supply, closed_form.pressure(&series, time), 1e-8);
         }
     }
     let count = |kind| run.events().iter().filter(|event| event.kind.kind == kind).count();

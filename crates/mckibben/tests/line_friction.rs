@@ -126,7 +126,7 @@ proptest! {
     }
 
     #[test]
-    fn slopes_are_those_of_finite_differences(from in 1.5e5..9e5_f64, share in 0.05..0.995_f64, diameter in 1e-3..5e-3_f64) {
+    fn derivatives_agree_with_finite_differences(from in 1.5e5..9e5_f64, share in 0.05..0.995_f64, diameter in 1e-3..5e-3_f64) {
         let tube = tube(1.0, diameter);
         let to = share * from;
         let exact = tube.flow(Dual::<f64, 2>::variable(from, 0), Dual::variable(to, 1));

@@ -263,8 +263,8 @@ fn pulses_through_a_hose_from_a_bottle_have_the_model_of_the_plant() {
 #[test]
 fn a_given_pressure_is_an_input() {
     let paper = Paper::sealed().friction(6.0, 0.0);
-    let course = PressureSeries::new(&[0.0, 1.0], &[60.0 * PSI, 60.0 * PSI]).expect("a course");
-    let rig = paper.rig().with_pressure(course).expect("a rig");
+    let series = PressureSeries::new(&[0.0, 1.0], &[60.0 * PSI, 60.0 * PSI]).expect("a time series");
+    let rig = paper.rig().with_pressure(series).expect("a rig");
     let balance = Balance::AtPressure(GaugePressure(60.0 * PSI));
     let linear = linearize(&rig, balance, Content::Temperature(ROOM)).expect("a model");
     let system = &linear.system;

@@ -193,7 +193,7 @@ fn torque(pair: &Pair, angle: f64, from: f64, gauge: [f64; 2], held: Held) -> f6
 }
 
 #[test]
-fn stiffness_holds_what_the_arms_slopes_add() {
+fn stiffness_includes_the_derivatives_of_the_moment_arms() {
     let (pair, gauge) = (varied(), [35.0 * PSI, 50.0 * PSI]);
     let rig = pair.rig().expect("a rig");
     for held in [Held::Pressures, Held::AirMasses] {
@@ -259,7 +259,7 @@ fn a_run_may_begin_on_a_row() {
 
 #[test]
 fn what_is_no_table_of_arms_is_refused_with_a_reason() {
-    let told = |angle: &[f64], arm: &[f64]| MomentArm::table(angle, arm).expect_err("refused").to_string();
+    let error_of = |angle: &[f64], arm: &[f64]| MomentArm::table(angle, arm).expect_err("refused").to_string();
     for (angle, arm, words) in [
         (&[0.0][..], &[0.01][..], "too few entries"),
         (&[0.0, 1.0], &[0.01], "not as many entries"),
@@ -267,11 +267,11 @@ fn what_is_no_table_of_arms_is_refused_with_a_reason() {
         (&[0.0, f64::NAN], &[0.01, 0.01], "load.moment_arm_angle"),
         (&[0.0, 1.0], &[0.01, 0.0], "load.moment_arm = 0 m"),
     ] {
-        let error = told(angle, arm);
+        let error = error_of(angle, arm);
         assert!(error.contains(words), "{error}");
     }
     let many: Vec<f64> = (0..17).map(f64::from).collect();
-    assert!(told(&many, &[0.01; 17]).contains("keep to 16 rows"));
+    assert!(error_of(&many, &[0.01; 17]).contains("keep to 16 rows"));
     // Arms that change so fast that more pressure in both softens the joint have no pressures for a stiffness.
     let paper = Paper::sealed();
     let actuators = [paper.actuator(), paper.actuator()];

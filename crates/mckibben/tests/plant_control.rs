@@ -567,12 +567,12 @@ fn an_external_mechanism_follows_its_host_under_a_driver() {
 
 /// A given pressure in one actuator beside a controlled one, on one mass: what is measured of it is what is given.
 #[test]
-fn a_given_pressure_stands_beside_a_driver() {
+fn a_prescribed_pressure_and_a_driver_act_in_one_plant() {
     let paper = fill_hold_exhaust();
     let (plant, _, _) = on_one_bottle(core::slice::from_ref(&paper), 1e-3);
-    let course = PressureSeries::new(&[0.0, 0.2, 0.5], &[1e5, 3e5, 2e5]).expect("a course");
+    let pressure = PressureSeries::new(&[0.0, 0.2, 0.5], &[1e5, 3e5, 2e5]).expect("a time series");
     let mut mounted = plant.actuators().to_vec();
-    mounted.push(Mounted { pressure: Some(course), ..mounted[0].clone() });
+    mounted.push(Mounted { pressure: Some(pressure), ..mounted[0].clone() });
     let mass = Mechanism::Mass(Mass::new(4.0, Pull::Gravity(GRAVITY), None).expect("a mass"));
     let plant = Plant::new(mounted, plant.network().clone(), vec![mass]).expect("a plant");
     let air = InitialAir { gauge_pressure: GaugePressure(1e5), temperature: ROOM };

@@ -34,7 +34,7 @@ fn plant(paper: &Paper, mechanism: Mechanism) -> (Plant, PlantStart) {
         mechanism: 0,
         coupling: Coupling::Direct { coordinate: 0 },
         tendon: Some(SeriesTendon::new(STIFFNESS, REST).expect("a tendon")),
-        pressure: Some(PressureSeries::new(&TIMES, &GAUGES).expect("a course")),
+        pressure: Some(PressureSeries::new(&TIMES, &GAUGES).expect("a time series")),
     };
     let plant = Plant::new(vec![mounted], Network::new(&paper.air()), vec![mechanism]).expect("a plant");
     let start = PlantStart {
@@ -151,8 +151,8 @@ fn one_actuator_follows_a_pressure_and_a_motion() {
     let paper = Paper::sealed().friction(viscous, 0.0);
     let motion = Motion::sinusoid(DISTANCE, amplitude, frequency, 0.0, f64::MAX).expect("a motion");
     let tendon = SeriesTendon::new(STIFFNESS, REST).expect("a tendon");
-    let course = PressureSeries::new(&TIMES, &GAUGES).expect("a course");
-    let rig = paper.rig().with_load(Load::Prescribed(motion)).with_tendon(tendon).with_pressure(course).expect("a rig");
+    let series = PressureSeries::new(&TIMES, &GAUGES).expect("a time series");
+    let rig = paper.rig().with_load(Load::Prescribed(motion)).with_tendon(tendon).with_pressure(series).expect("a rig");
     let initial = Initial {
         gauge_pressure: GaugePressure(0.0),
         temperature: ROOM,

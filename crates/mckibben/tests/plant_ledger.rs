@@ -262,11 +262,11 @@ fn lines_close() {
     let ledger = run_of(&filled.rig().with_tendon(tendon), &filled, 0.3, 1e-8).ledger();
     assert!(ledger.actuators[0].tendon_storage != 0.0);
     assert_closes("tendon", &ledger, 1e-6);
-    let course = PressureSeries::new(&[0.0, 0.2, 0.4], &[1e5, 4e5, 2e5]).expect("a course");
+    let series = PressureSeries::new(&[0.0, 0.2, 0.4], &[1e5, 4e5, 2e5]).expect("a time series");
     let given = Paper::sealed().gauge(1e5);
     for process in [Process::Isentropic, Process::Isothermal, balance] {
         let given = given.clone().process(process);
-        let ledger = run_of(&given.rig().with_pressure(course.clone()).expect("a rig"), &given, 0.4, 1e-8).ledger();
+        let ledger = run_of(&given.rig().with_pressure(series.clone()).expect("a rig"), &given, 0.4, 1e-8).ledger();
         assert!(ledger.actuators[0].given.mass > 0.0);
         assert_closes("given", &ledger, 1e-6);
     }

@@ -83,7 +83,7 @@ fn elements_that_slip_together_do_so_once_each() {
 
 /// Where a motion is given, each muscle on it is as if it were alone.
 #[test]
-fn all_bristles_turn_round_with_a_given_motion() {
+fn all_bristles_reverse_with_a_prescribed_motion() {
     let law = LuGre::new(0.05, 1e-4).and_then(|law| law.with_velocity(1.4, 0.02, 1e-3)).expect("a law");
     let paper = Paper::sealed().with(|it| {
         it.coulomb_width = 0.0;
@@ -187,7 +187,7 @@ fn behind_a_bottle(area: f64, volume: f64, regulator: [f64; 3], into: f64, proce
 /// While the valve is choked, bottle and outlet follow `P₁' = −a P₂`, `τ P₂' = P₁ − P₂`, which swings through zero where
 /// `4 a τ > 1` and never does otherwise.
 #[test]
-fn a_bottle_is_drawn_empty_behind_a_slow_regulator_alone() {
+fn only_a_slow_regulator_lets_a_bottle_run_empty() {
     let (area, volume) = (2e-6, 2e-5);
     let gas = 286.99 * ROOM;
     let choked = (1.4_f64).sqrt() * (2.0 / 2.4_f64).powf(3.0) * area / gas.sqrt();

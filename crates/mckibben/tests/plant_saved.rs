@@ -19,7 +19,7 @@ fn paper() -> Paper {
     Paper::pwm(25.0, 0.5).gauge(30.0 * PSI)
 }
 
-fn rubbing(law: Hysteresis) -> Rig {
+fn with_hysteresis(law: Hysteresis) -> Rig {
     paper().with(|rig| rig.hysteresis = Some(law)).rig()
 }
 
@@ -70,9 +70,9 @@ fn plants() -> Vec<(Plant, PlantStart, Takes)> {
     let rigs = [
         paper().rig(),
         paper().with(|rig| rig.coulomb = Coulomb::new(1e-4).ok()).rig(),
-        rubbing(Hysteresis::MaxwellSlip(slip)),
-        rubbing(Hysteresis::BoucWen(BoucWen::new(2e-4, 2e3, 5e2).expect("a loop"))),
-        rubbing(Hysteresis::LuGre(bristles)),
+        with_hysteresis(Hysteresis::MaxwellSlip(slip)),
+        with_hysteresis(Hysteresis::BoucWen(BoucWen::new(2e-4, 2e3, 5e2).expect("a loop"))),
+        with_hysteresis(Hysteresis::LuGre(bristles)),
         behind(hose(HoseKind::Lumped)),
         behind(hose(HoseKind::Distributed { cells: 5 })),
         behind(supply()),

@@ -58,7 +58,7 @@ fn between_a_link_and_the_ground_it_is_the_law_of_cosines() {
 
 /// Over two joints to a point beside the second link: the gradient is that of finite differences of the distance.
 #[test]
-fn over_two_joints_its_levers_are_the_slopes_of_the_distance() {
+fn over_two_joints_moment_arms_are_derivatives_of_the_distance() {
     let (coupling, mechanism, samples) = swing(&[0.5, 0.4], on_segment(1, [0.012, 0.004]));
     for sample in &samples {
         let (muscle, chain) = (&sample.actuators[0], &sample.mechanisms[0]);

@@ -86,14 +86,14 @@ fn check_energy(case: &Case, run: &RigTrajectory) -> Result<(), TestCaseError> {
 #[test]
 fn any_admissible_rig_comes_to_its_end_and_nothing_in_it_is_impossible() {
     let worst: RefCell<Vec<(u64, String)>> = RefCell::new(Vec::new());
-    let tally = RefCell::new([0_u32; 3]);
+    let tried = RefCell::new([0_u32; 3]);
     let result = runner(CASES).run(&cases(), |case| {
         let rig = case.paper.rig();
         let start = match rig.start(&case.paper.initial()) {
             Ok(start) => start,
             // No equilibrium for this load, or a start beyond the thread: said, not guessed.
             Err(Error::NoSolution { .. } | Error::Inconsistent { .. }) => {
-                tally.borrow_mut()[0] += 1;
+                tried.borrow_mut()[0] += 1;
                 return Ok(());
             }
             Err(error) => return Err(TestCaseError::fail(error.to_string())),
@@ -103,7 +103,7 @@ fn any_admissible_rig_comes_to_its_end_and_nothing_in_it_is_impossible() {
             simulate(&rig, start, case.duration, case.tolerance),
         ) {
             (Ok(run), Ok(again)) => {
-                tally.borrow_mut()[2] += 1;
+                tried.borrow_mut()[2] += 1;
                 check_samples(&case, &run)?;
                 check_energy(&case, &run)?;
                 // Bit for bit the same: states, events and cost.
@@ -124,7 +124,7 @@ fn any_admissible_rig_comes_to_its_end_and_nothing_in_it_is_impossible() {
             }
             // A load heavy and fast enough for the braid to be pulled straight: the one good reason to stop.
             (Err(first), Err(second)) if first == second && first.to_string().contains("straight") => {
-                tally.borrow_mut()[1] += 1;
+                tried.borrow_mut()[1] += 1;
                 Ok(())
             }
             (one, other) => Err(TestCaseError::fail(format!(
@@ -134,7 +134,7 @@ fn any_admissible_rig_comes_to_its_end_and_nothing_in_it_is_impossible() {
             ))),
         }
     });
-    let [no_start, straight, ended] = *tally.borrow();
+    let [no_start, straight, ended] = *tried.borrow();
     println!("{ended} ended, {straight} pulled straight, {no_start} without a start; evaluations a second at worst:");
     for (rate, what) in worst.borrow().iter() {
         println!("{rate}: {what}");

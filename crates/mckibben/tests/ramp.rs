@@ -29,7 +29,7 @@ fn the_opening_is_a_straight_line_between_shut_and_open() {
 }
 
 #[test]
-fn a_seat_sent_back_turns_where_it_is() {
+fn a_reversed_poppet_turns_where_it_is() {
     let up = ramp().send(&Stroke::resting(false), 0.0, true);
     let back = ramp().send(&up, 0.3 * RISE, false);
     assert_within(back.opening(0.3 * RISE), 0.3, 1e-15);

@@ -78,7 +78,7 @@ fn an_opening_seat_empties_by_the_exponential_of_a_parabola() {
 /// Three-way: while the seat is under way air goes from the supply to the atmosphere too. ISO 6358 written out, by the
 /// classical Runge–Kutta method in small steps between the corners of the opening.
 #[test]
-fn both_passages_of_a_three_way_valve_agree_with_an_independent_integration() {
+fn both_flow_paths_of_a_three_way_valve_agree_with_an_independent_integration() {
     let (conductance, ratio) = (2e-9, 0.3);
     let command = Command::table(vec![0.0, 10e-3, 13e-3], vec![Request::Fill, Request::Exhaust, Request::Fill]);
     let paper = Paper::driven(command.expect("a table")).isometric(3.5 * INCH).process(Process::Isothermal);

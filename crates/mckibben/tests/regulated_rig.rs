@@ -63,21 +63,21 @@ fn instants(run: &RigTrajectory, kind: EventKind) -> Vec<f64> {
 const STAIRS: ([f64; 3], [f64; 3]) = ([0.02, 0.15, 0.6], [4e5, 4.6e5, 1e5]);
 
 /// What the closed form makes of these, each with its end, up to 1.2 s.
-fn courses() -> Vec<(TimeSeries, f64)> {
+fn segments() -> Vec<(TimeSeries, f64)> {
     let (times, gauges) = STAIRS;
-    let courses = CLOSED_FORM.courses(ATMOSPHERE, &times, &gauges.map(|gauge| gauge + ATMOSPHERE));
+    let segments = CLOSED_FORM.segments(ATMOSPHERE, &times, &gauges.map(|gauge| gauge + ATMOSPHERE));
     let ends = times.iter().skip(1).map(|time| time + DEAD).chain([1.2]);
-    courses.into_iter().zip(ends).collect()
+    segments.into_iter().zip(ends).collect()
 }
 
 #[test]
 fn the_pressure_follows_the_closed_form() {
     let (times, gauges) = STAIRS;
     let run = run(&wide(), regulator(LIMIT), points(&times, &gauges), 1.2);
-    for (course, until) in courses() {
+    for (series, until) in segments() {
         for n in 0..=50 {
-            let time = course.time + (until - course.time) * f64::from(n) / 50.0;
-            let expected = CLOSED_FORM.pressure(&course, time);
+            let time = series.time + (until - series.time) * f64::from(n) / 50.0;
+            let expected = CLOSED_FORM.pressure(&series, time);
             assert_close(regulated(&run, time), expected, 1e-9);
             // The flow path is two thousand times as fast as the regulator.
             assert_within(run.at(time).pressure.0, expected, 2e-3 * ATMOSPHERE);
@@ -127,7 +127,7 @@ fn a_limited_rate_is_exactly_that() {
 
 /// A regulator of no inertia is a supply at its set point.
 #[test]
-fn a_small_passage_limits_the_filling_as_that_of_a_three_way_valve() {
+fn a_small_flow_path_limits_the_filling_as_that_of_a_three_way_valve() {
     let small = |paper: Paper| {
         paper.with(|rig| {
             rig.standard = FlowStandard::Iso6358 { sonic_conductance: 2e-10, critical_ratio: 0.3 };
@@ -220,19 +220,19 @@ fn off_the_closed_form(method: Method, steps: u32) -> f64 {
     let paper = held();
     let rig = rig(&paper, regulator(LIMIT), points(&times, &gauges));
     let mut stepper = RigSteps::new(&rig, start(&rig, &paper), method);
-    let mut courses = courses().into_iter().peekable();
+    let mut segments = segments().into_iter().peekable();
     let (mut now, mut worst) = (None, 0.0_f64);
     for step in 1..=steps {
         let time = 1.2 * f64::from(step) / f64::from(steps);
         stepper.advance_to(time).expect("a step");
-        while let Some((course, _)) = courses.next_if(|(course, _)| course.time <= time) {
-            now = Some(course);
+        while let Some((series, _)) = segments.next_if(|(series, _)| series.time <= time) {
+            now = Some(series);
         }
-        let expected = now.map_or(ATMOSPHERE, |course| CLOSED_FORM.pressure(&course, time));
+        let expected = now.map_or(ATMOSPHERE, |series| CLOSED_FORM.pressure(&series, time));
         let ours = stepper.sample().supply_pressure.expect("it is regulated").0;
         worst = worst.max((ours - expected).abs());
     }
-    assert!(courses.peek().is_none());
+    assert!(segments.peek().is_none());
     worst
 }
 

@@ -13,7 +13,7 @@ fn regulator() -> Regulator {
     Regulator::new(TAU, 5e-3, LIMIT).expect("a regulator")
 }
 
-fn course(pressure: f64, set_point: f64) -> TimeSeries {
+fn series(pressure: f64, set_point: f64) -> TimeSeries {
     TimeSeries { time: 0.1, pressure, set_point }
 }
 
@@ -21,15 +21,15 @@ fn course(pressure: f64, set_point: f64) -> TimeSeries {
 #[test]
 fn the_pressure_obeys_its_equation() {
     for (pressure, set_point) in [(1e5, 1.3e5), (1e5, 5e5), (6e5, 1e5), (3e5, 3e5)] {
-        let course = course(pressure, set_point);
+        let series = series(pressure, set_point);
         for n in 1..300 {
             let time = 0.1 + 1.037e-3 * f64::from(n);
-            let at = CLOSED_FORM.pressure(&course, time);
+            let at = CLOSED_FORM.pressure(&series, time);
             let rate = regulator().rate_in(regulator().approach(at, set_point), at, set_point);
             // No difference is taken over the end of the limit, where the curvature jumps.
             let end = 0.1 + ((set_point - pressure).abs() / LIMIT - TAU).max(0.0);
             if (time - end).abs() > 1e-4 {
-                assert_within(slope(2e-5, |h| CLOSED_FORM.pressure(&course, time + h)), rate, 1e-7 * LIMIT);
+                assert_within(slope(2e-5, |h| CLOSED_FORM.pressure(&series, time + h)), rate, 1e-7 * LIMIT);
             }
             assert!(rate.abs() <= LIMIT * (1.0 + 1e-12));
         }

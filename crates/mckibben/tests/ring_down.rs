@@ -117,7 +117,7 @@ fn estimates_carry_the_derivatives_by_the_peaks() {
 }
 
 #[test]
-fn pure_viscous_and_pure_coulomb_friction_are_told_apart() {
+fn pure_viscous_and_pure_coulomb_friction_are_distinguished() {
     let viscous = Damping::from_peaks(&oscillator(5e-3, 0.02, 0.0, 5), 0.2, 1.0, Form::Exact).unwrap();
     assert!(viscous.coulomb_width.abs() < 1e-15, "{}", viscous.coulomb_width);
     close(viscous.damping_ratio, 0.02, 1e-12, "ζ");

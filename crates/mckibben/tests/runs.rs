@@ -27,7 +27,7 @@ mod line_step;
 mod line_study;
 mod line_supply;
 mod lugre;
-mod pressure_course;
+mod pressure_series;
 mod properties;
 mod ramped_rig;
 mod regulated_rig;

@@ -248,7 +248,7 @@ fn random_state(row: usize) -> (f64, f64, f64, f64) {
 const RELAXED: f64 = 0.085;
 
 #[test]
-fn eight_lanes_give_bit_for_bit_what_each_gives_alone() {
+fn eight_lanes_are_bit_identical_to_scalar_evaluations() {
     for paper in variants() {
         let actuator = paper.actuator();
         let wide: Actuator<Lanes> = actuator.map(|parameter, value| lanes(|lane| vary(parameter, value, lane)));
@@ -272,7 +272,7 @@ fn eight_lanes_give_bit_for_bit_what_each_gives_alone() {
 }
 
 #[test]
-fn lanes_may_have_different_passages_open() {
+fn lanes_may_have_different_flow_paths_open() {
     for paper in variants() {
         let actuator = paper.actuator();
         let wide: Actuator<Lanes> = actuator.map(|_, value| Lanes([value; 8]));

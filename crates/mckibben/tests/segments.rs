@@ -14,8 +14,8 @@ fn paper() -> Paper {
     Paper::pwm(25.0, 0.45).gauge(30.0 * PSI)
 }
 
-fn run(paper: &Paper, joints: &[f64], anew: impl FnMut(usize, State) -> State) -> Result<RigTrajectory, Error> {
-    simulate_in_segments(&paper.rig(), paper.start(), (DURATION, 1e-11), joints, anew)
+fn run(paper: &Paper, joints: &[f64], next_start: impl FnMut(usize, State) -> State) -> Result<RigTrajectory, Error> {
+    simulate_in_segments(&paper.rig(), paper.start(), (DURATION, 1e-11), joints, next_start)
 }
 
 #[test]

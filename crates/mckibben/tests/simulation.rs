@@ -141,7 +141,7 @@ fn the_work_of_the_tension_is_the_energy_of_the_load() {
 }
 
 #[test]
-fn samples_are_where_they_were_asked_for_and_agree_with_each_other() {
+fn samples_are_at_the_requested_times_and_agree_with_each_other() {
     let run = Paper::pwm(25.0, 0.5).run(0.75, 1e-8);
     let (coarse, fine): (Vec<_>, Vec<_>) = (run.samples(1.0 / 64.0).collect(), run.samples(1.0 / 512.0).collect());
     assert_eq!((coarse.len(), fine.len()), (49, 385));

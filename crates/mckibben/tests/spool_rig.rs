@@ -49,12 +49,12 @@ fn stepped(rig: &Rig, paper: &Paper, method: Method, until: f64, steps: u32) -> 
 }
 
 /// Sonic conductance in m³/(s·Pa) and critical ratio.
-const PASSAGE: (f64, f64) = (6e-10, 0.3);
+const FLOW_PATH: (f64, f64) = (6e-10, 0.3);
 
 /// Held ends and air that keeps its temperature.
 fn held() -> Paper {
     Paper::sealed().isometric(3.5 * INCH).process(Process::Isothermal).gauge(2e5).with(|rig| {
-        rig.standard = FlowStandard::Iso6358 { sonic_conductance: PASSAGE.0, critical_ratio: PASSAGE.1 };
+        rig.standard = FlowStandard::Iso6358 { sonic_conductance: FLOW_PATH.0, critical_ratio: FLOW_PATH.1 };
         rig.efficiency = 1.0;
     })
 }
@@ -76,8 +76,8 @@ fn it_agrees_with_an_independent_integration() {
         let supply = paper.supply_gauge + ATMOSPHERE;
         let flow = |upstream: f64, downstream: f64| {
             let r = downstream / upstream;
-            let part = if r <= PASSAGE.1 { 1.0 } else { (1.0 - ((r - PASSAGE.1) / (1.0 - PASSAGE.1)).powi(2)).sqrt() };
-            PASSAGE.0 * 1.185 * upstream * part
+            let part = if r <= FLOW_PATH.1 { 1.0 } else { (1.0 - ((r - FLOW_PATH.1) / (1.0 - FLOW_PATH.1)).powi(2)).sqrt() };
+            FLOW_PATH.0 * 1.185 * upstream * part
         };
         let share = |way: f64| ((way - overlap) / (1.0 - overlap)).clamp(0.0, 1.0);
         let steps = 350_000;
@@ -85,10 +85,10 @@ fn it_agrees_with_an_independent_integration() {
         let mut state = [0.0, 0.0, 2e5 + ATMOSPHERE];
         for n in 0..steps {
             let time = step * f64::from(n);
-            let told = times.iter().rposition(|t| *t <= time + 0.5 * step).map_or(0.0, |row| targets[row]);
+            let commanded = times.iter().rposition(|t| *t <= time + 0.5 * step).map_or(0.0, |row| targets[row]);
             let rates = |[x, v, pressure]: [f64; 3]| {
                 let net = share(x) * flow(supply, pressure) - share(-x) * flow(pressure, ATMOSPHERE);
-                let acceleration = omega * omega * (told - x) - 2.0 * zeta * omega * v;
+                let acceleration = omega * omega * (commanded - x) - 2.0 * zeta * omega * v;
                 [v, acceleration, net * paper.gas_constant * ROOM / volume]
             };
             state = runge_kutta(state, step, |_, state| rates(state));
@@ -107,7 +107,7 @@ fn it_agrees_with_an_independent_integration() {
 fn half_open_it_empties_half_as_fast() {
     let paper = held().gauge(7e5);
     let volume = paper.actuator().volume(3.5 * INCH);
-    let rate = PASSAGE.0 * 1.185 * ROOM * paper.gas_constant / volume;
+    let rate = FLOW_PATH.0 * 1.185 * ROOM * paper.gas_constant / volume;
     let run = run(&paper, spool(1e7, 1.0, 0.2), positions(&[0.0], &[-0.6]), 0.05, 1e-11);
     for time in [0.01, 0.03, 0.05] {
         assert_close(run.at(time).pressure.0, (ATMOSPHERE + 7e5) * (-0.5 * rate * time).exp(), 1e-6);
@@ -117,13 +117,13 @@ fn half_open_it_empties_half_as_fast() {
 /// Critically damped, `x = u (1 − (1 + ωt) exp(−ωt))`: the supply opens and the exhaust shuts where that passes the edges.
 #[test]
 fn edges_are_passed_to_the_instant() {
-    let (frequency, told) = (40.0, 0.7);
+    let (frequency, commanded) = (40.0, 0.7);
     let spool = Spool::new(frequency, 1.0, 0.25, -0.1).expect("a spool");
-    let run = run(&held(), spool, positions(&[0.01], &[told]), 0.08, 1e-9);
+    let run = run(&held(), spool, positions(&[0.01], &[commanded]), 0.08, 1e-9);
     let events = valve_events(&run);
     let at = |time: f64| {
         let phase = TAU * frequency * (time - 0.01);
-        told * (1.0 - (1.0 + phase) * (-phase).exp())
+        commanded * (1.0 - (1.0 + phase) * (-phase).exp())
     };
     assert_eq!(events[0], 0.01);
     assert_close(at(events[1]), 0.1, 1e-10);

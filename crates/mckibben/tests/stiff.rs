@@ -31,7 +31,7 @@ fn worst_difference(run: &RigTrajectory, reference: &RigTrajectory) -> (f64, f64
 }
 
 #[test]
-fn a_small_chamber_with_its_passage_open_costs_little_and_is_right() {
+fn a_small_chamber_with_an_open_flow_path_costs_little_and_is_right() {
     for process in PROCESSES {
         for external in [1e-8, 1e-7] {
             for request in [Request::Fill, Request::Exhaust] {

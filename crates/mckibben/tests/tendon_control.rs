@@ -83,7 +83,7 @@ fn the_sensors_are_at_the_actuator() {
 }
 
 #[test]
-fn what_was_asked_for_gives_the_same_run_without_the_controller() {
+fn the_requested_command_reproduces_the_run_without_the_controller() {
     let paper = paper(1e-4);
     let rig = on_tendon(&paper, STIFFNESS);
     let closed = located(&rig, &paper, &length(), set_up(40.0, 1));

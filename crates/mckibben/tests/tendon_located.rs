@@ -60,7 +60,7 @@ fn it_comes_to_an_independent_integration() {
 
 /// Mass and tendon swing by themselves while dry friction holds the muscle, and it breaks away at the tension that it holds.
 #[test]
-fn held_the_tendon_swings_alone_until_the_muscle_breaks_away() {
+fn a_held_muscle_lets_the_tendon_swing_until_it_breaks_away() {
     let paper = Paper::sealed().friction(5.0, 2e-3).gauge(3e5);
     let omega = (STIFFNESS / MASS).sqrt();
     let rig = on_tendon(&paper, STIFFNESS);
@@ -263,15 +263,15 @@ fn derivatives_are_those_of_finite_differences() {
 }
 
 #[test]
-fn what_would_make_the_end_jump_is_told() {
+fn parameters_that_would_make_the_end_jump_are_refused() {
     let falling = Coulomb::new(1e-3).and_then(|law| law.with_stribeck(2.0, 1e-2)).expect("a law");
     let rough =
         |viscous: f64| Paper::pwm(10.0, 0.5).gauge(2e5).friction(viscous, 0.0).with(|rig| rig.coulomb = Some(falling));
-    let told = |paper: &Paper| {
+    let error_of = |paper: &Paper| {
         simulate(&on_tendon(paper, STIFFNESS), paper.start(), 1.0, 1e-8).expect_err("a jump").to_string()
     };
-    assert!(told(&rough(0.0)).contains("friction.viscous"), "{}", told(&rough(0.0)));
-    assert!(told(&rough(2.0)).contains("steepest fall of dry friction"), "{}", told(&rough(2.0)));
+    assert!(error_of(&rough(0.0)).contains("friction.viscous"), "{}", error_of(&rough(0.0)));
+    assert!(error_of(&rough(2.0)).contains("steepest fall of dry friction"), "{}", error_of(&rough(2.0)));
     let short = smooth().from(2.4 * INCH, 0.0).with(|rig| rig.min_length = Some(2.5 * INCH));
-    assert!(told(&short).contains("actuator.min_length"), "{}", told(&short));
+    assert!(error_of(&short).contains("actuator.min_length"), "{}", error_of(&short));
 }

@@ -228,7 +228,7 @@ fn a_vacuum_is_a_supply_too() {
 }
 
 #[test]
-fn passages_outside_physics_are_refused() {
+fn non_physical_flow_paths_are_refused() {
     let key = |standard, efficiency, laminar| match FlowLaw::new(standard, efficiency, laminar, &air(1.4)) {
         Err(Error::OutOfRange { parameter, .. } | Error::Inconsistent { parameter, .. }) => parameter.key,
         other => panic!("{other:?}"),

@@ -46,7 +46,7 @@ fn kv_is_iec_60534_in_its_own_units() {
 }
 
 #[test]
-fn a_law_over_dual_numbers_has_the_slopes_of_iso_6358() {
+fn a_law_over_dual_numbers_has_the_derivatives_of_iso_6358() {
     let (c, b, r) = (6e-9, 0.3, 0.8_f64);
     let plain = law(FlowStandard::Iso6358 { sonic_conductance: c, critical_ratio: b }, &air(286.99, 1.4));
     let of = plain.map(|row, value| match row.key {
@@ -112,8 +112,8 @@ fn c_from_cv_is_within_a_quarter_of_what_a_catalogue_states() {
     let ratios =
         stated.map(|(c, cv)| sonic_conductance(&law(FlowStandard::Cv { cv, pressure_drop_ratio: 0.7 }, &air)) / c);
     // What `docs/valves.md` says.
-    for (ratio, told) in ratios.into_iter().zip([1.03, 1.25, 1.21, 0.98]) {
-        assert_within(ratio, told, 0.006);
+    for (ratio, published) in ratios.into_iter().zip([1.03, 1.25, 1.21, 0.98]) {
+        assert_within(ratio, published, 0.006);
     }
 }
 
@@ -168,7 +168,7 @@ fn coefficients_outside_physics_are_refused() {
 }
 
 #[test]
-fn an_exhaust_of_its_own_serves_its_port_alone() {
+fn a_separate_exhaust_path_serves_only_its_port() {
     let paper = Paper::pwm(25.0, 0.5);
     let air = paper.air();
     let wide = FlowStandard::Iso6358 { sonic_conductance: 2e-8, critical_ratio: 0.2 };

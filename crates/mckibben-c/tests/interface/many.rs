@@ -35,7 +35,7 @@ fn alone(steps: u32) -> Vec<Vec<u64>> {
 }
 
 #[test]
-fn each_plant_has_the_bits_of_one_alone_on_any_number_of_threads() {
+fn each_plant_is_bit_identical_to_a_scalar_instance_on_any_number_of_threads() {
     let expected = alone(50);
     for threads in [0, 1, 2, 3, 100] {
         let plants: Vec<Owned> = (0..COUNT).map(|_| muscle()).collect();

@@ -40,14 +40,14 @@ pub fn run(arguments: &CheckArguments) -> Result<(), Failure> {
     let (mut wrong, mut mistakes, mut warned) = (0, 0, 0);
     for path in &arguments.files {
         match check(path) {
-            Ok((told, found)) => {
+            Ok((summary, found)) => {
                 let file = path.display().to_string();
                 found.iter().for_each(|one| terminal::print_error(&warnings::line(one, &file)));
                 if arguments.strict && !found.is_empty() {
                     wrong += 1;
                     warned += found.len();
                 } else {
-                    terminal::print(&format!("{} {file}: {told}\n", styled(GOOD, "ok")))?;
+                    terminal::print(&format!("{} {file}: {summary}\n", styled(GOOD, "ok")))?;
                 }
             }
             Err(found) => {
@@ -71,10 +71,10 @@ pub fn run(arguments: &CheckArguments) -> Result<(), Failure> {
 /// Reads a file and builds what it describes; a few words about it with its warnings, or its mistakes.
 fn check(path: &Path) -> Result<(String, Vec<Warning>), Vec<Diagnostic>> {
     let document = files::document(path).map_err(listed)?;
-    let told = words(&document)?;
+    let summary = words(&document)?;
     // What a sweep completes describes nothing by itself.
     let found = Ready::of(&document).map(|ready| ready.warnings()).unwrap_or_default();
-    Ok((told, found))
+    Ok((summary, found))
 }
 
 fn listed(found: Diagnostics) -> Vec<Diagnostic> {
@@ -94,12 +94,12 @@ fn words(document: &Document) -> Result<String, Vec<Diagnostic>> {
             if !controlled && document.joint_experiment()?.is_none() {
                 document.experiment()?;
             }
-            Ok(told(&scenario) + &braids(document))
+            Ok(summary_of_scenario(&scenario) + &braids(document))
         })
     };
     let (sweep, mut mistakes) = match document.sweep() {
         Ok(None) => return single.map_err(listed),
-        Ok(Some(sweep)) => (told_of(&sweep), Vec::new()),
+        Ok(Some(sweep)) => (sweep_summary(&sweep), Vec::new()),
         Err(found) => (String::new(), listed(found)),
     };
     // What is missing outside the section [sweep] may be what it varies; if not, the sweep has missed it too.
@@ -121,7 +121,7 @@ fn words(document: &Document) -> Result<String, Vec<Diagnostic>> {
     }
 }
 
-fn told(scenario: &Scenario) -> String {
+fn summary_of_scenario(scenario: &Scenario) -> String {
     let (load, drive) = (describe::load(&scenario.load), describe::drive(scenario));
     let (duration, rows) = (given(scenario.run.duration, "s"), count(engine::rows(&scenario.run)));
     format!("{load}; {drive}; {duration}, {rows} samples")
@@ -139,7 +139,7 @@ fn summary_of_plant(plant: &PlantExperiment) -> String {
     format!("a plant of {actuators}; {duration}, {rows} samples")
 }
 
-fn told_of(sweep: &Sweep) -> String {
+fn sweep_summary(sweep: &Sweep) -> String {
     let varied: Vec<&str> = sweep.axes().iter().map(|axis| axis.path.as_str()).collect();
     format!("sweep of {} runs over {} ({})", count(sweep.rows()), varied.join(", "), sweep.design().name())
 }

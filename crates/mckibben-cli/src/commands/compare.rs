@@ -81,8 +81,8 @@ pub(super) fn simulate(arguments: &SimulateArguments) -> Result<(), Failure> {
             let (muscles, assumed) = (&document.muscles()[..], &document.assumed()[..]);
             let (name, settled, verbose) = (document.source().name(), settled.as_ref(), arguments.verbose);
             let common = Common { name, elapsed, muscles, assumed, settled, verbose };
-            let told = simulate::told(&figures, common, scenario.as_ref())?;
-            text.push(format!("{told}{}", warnings::section(&found)));
+            let report_text = simulate::report_text(&figures, common, scenario.as_ref())?;
+            text.push(format!("{report_text}{}", warnings::section(&found)));
         }
         kept.push(finished);
     }
@@ -122,7 +122,7 @@ pub(super) fn curves(arguments: &CurvesArguments) -> Result<(), Failure> {
     let mut text = String::new();
     for (document, curves) in documents.iter().zip(&curves) {
         let gap = if text.is_empty() { "" } else { "\n" };
-        text.push_str(&format!("{gap}{}\n\n{}", document.source().name(), curves::told(curves)?));
+        text.push_str(&format!("{gap}{}\n\n{}", document.source().name(), curves::report_text(curves)?));
     }
     if let Some((path, format)) = plot {
         let labels = figure::labels(&documents);

@@ -67,7 +67,7 @@ pub fn run(arguments: &CurvesArguments) -> Result<(), Failure> {
         let bytes = figure.bytes(format).map_err(|error| Failure::output(path, error))?;
         output::write(path, &bytes)?;
     }
-    let mut text = told(&curves)?;
+    let mut text = report_text(&curves)?;
     for path in output.into_iter().chain(plot.map(|(path, _)| path)) {
         text.push_str(&terminal::wrote(path, ""));
     }
@@ -78,7 +78,7 @@ pub fn run(arguments: &CurvesArguments) -> Result<(), Failure> {
 ///
 /// # Errors
 /// None but those of the core.
-pub(super) fn told(curves: &Curves) -> Result<String, Failure> {
+pub(super) fn report_text(curves: &Curves) -> Result<String, Failure> {
     let (points, words) = curves.operating_points()?;
     let mut text = format!("{}\n{}\n", curves.table().to_text_with_caption(), points.to_text_with_caption());
     for words in [&words, curves.notes()].into_iter().filter(|words| !words.is_empty()) {

@@ -98,12 +98,12 @@ pub fn run(arguments: &IdentifyArguments) -> Result<(), Failure> {
     let outcome = identified(request, Some(&arguments.output))?;
     drop(ending);
     let page = outcome.write(&arguments.output)?;
-    terminal::print(&format!("{}\n{}", told(&outcome), terminal::wrote(&page, "")))?;
+    terminal::print(&format!("{}\n{}", report_text(&outcome), terminal::wrote(&page, "")))?;
     outcome.verdict(Some(&page))
 }
 
 /// What was found, for the terminal.
-fn told(outcome: &Outcome) -> String {
+fn report_text(outcome: &Outcome) -> String {
     let wide = terminal::width();
     let mut text = String::new();
     for paragraph in &outcome.introduction {

@@ -104,7 +104,7 @@ pub fn run(arguments: &LinearizeArguments) -> Result<(), Failure> {
     }
     // Each takes its name when all are complete.
     pending.into_iter().try_for_each(Pending::commit)?;
-    let mut text = told(&found.account());
+    let mut text = report_text(&found.account());
     for path in arguments.output.iter().chain(&arguments.plot) {
         text.push_str(&terminal::wrote(path, ""));
     }
@@ -130,7 +130,7 @@ impl LinearizeArguments {
 }
 
 /// The model as text for people.
-fn told(account: &Account) -> String {
+fn report_text(account: &Account) -> String {
     let mut text = format!("{}\n", styled(HEADING, &account.title));
     for block in &account.blocks {
         if !block.heading.is_empty() {
@@ -138,7 +138,7 @@ fn told(account: &Account) -> String {
             let caption = &block.table.caption;
             text.push_str(&if caption.is_empty() { "\n".to_owned() } else { format!("  {caption}\n") });
         }
-        block.lines.iter().for_each(|line| text.push_str(&told_line(line)));
+        block.lines.iter().for_each(|line| text.push_str(&report_line(line)));
         text.push_str(&block.table.to_text());
     }
     for note in &account.notes {
@@ -148,7 +148,7 @@ fn told(account: &Account) -> String {
 }
 
 /// A name in a column, and what it is.
-fn told_line(Line { name, value, warning }: &Line) -> String {
+fn report_line(Line { name, value, warning }: &Line) -> String {
     let warning = if warning.is_empty() { String::new() } else { format!("; {}", styled(NOTABLE, warning)) };
     terminal::entry(name, 16, &format!("{value}{warning}"))
 }

@@ -163,7 +163,7 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
         let (muscles, assumed) = (&document.muscles()[..], &document.assumed()[..]);
         let (settled, verbose) = (settled.as_ref(), arguments.verbose);
         let common = Common { name: &name, elapsed, muscles, assumed, settled, verbose };
-        text.push_str(&told(&figures, common, scenario.as_ref())?);
+        text.push_str(&report_text(&figures, common, scenario.as_ref())?);
         text.push_str(&warnings::section(&found));
     }
     // The files take their names when nothing can fail any more.
@@ -201,7 +201,7 @@ pub(super) fn over_time(ready: &Ready, over: TrajectoryAxis) -> Result<(), Failu
 ///
 /// # Errors
 /// None but those of the engine.
-pub(super) fn told(figures: &Figures, common: Common<'_>, scenario: Option<&Scenario>) -> Result<String, Failure> {
+pub(super) fn report_text(figures: &Figures, common: Common<'_>, scenario: Option<&Scenario>) -> Result<String, Failure> {
     match (figures, scenario) {
         (Figures::Plant(run), _) => summary::plant::Summary { common, run }.render(),
         // Not reached: what is no plant has been read as a scenario. Said rather than assumed.

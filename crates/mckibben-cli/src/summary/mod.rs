@@ -294,12 +294,12 @@ fn under_pwm(page: &Page, ripple: &Ripple, contraction: f64) -> String {
             drift.unwrap_or_default(),
         );
     }
-    let told = match ripple.is_seen() {
+    let motion = match ripple.is_seen() {
         true => format!("ripple {} peak to peak", page.quantity(ripple.peak_to_peak, "m")),
         false => "no ripple".to_owned(),
     };
     let mean = page.quantity(ripple.mean, "m");
-    format!("settled: mean length {mean} (contraction {}), {told}", page.percent(contraction))
+    format!("settled: mean length {mean} (contraction {}), {motion}", page.percent(contraction))
 }
 
 /// What does not close of a sum, the turnover, and what rounding may leave.

@@ -140,7 +140,7 @@ impl Case {
 }
 
 /// An error to two digits; what the reference does not resolve is said to be small.
-pub(crate) fn told(error: f64) -> String {
+pub(crate) fn printed(error: f64) -> String {
     if error < RESOLVED { format!("< {RESOLVED:.0e}") } else { format!("{error:.1e}") }
 }
 
@@ -170,7 +170,7 @@ pub(crate) fn table(rows: &Rows) -> String {
         for (index, measured) in errors.iter().enumerate() {
             let step = milliseconds(STEPS[index]);
             let cells = match measured {
-                Ok(error) => error.states.map(told).join(" | "),
+                Ok(error) => error.states.map(printed).join(" | "),
                 Err(mckibben::Error::Stopped { time, .. }) => format!("left the physics at {:.0} ms | | |", 1e3 * time),
                 Err(error) => panic!("{error}"),
             };

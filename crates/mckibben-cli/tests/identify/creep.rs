@@ -1,7 +1,7 @@
 //! A record that starts before the muscle has come to rest: what the history has left in its branches is found.
 
 use crate::common::Folder;
-use crate::{cell, identify, read, told};
+use crate::{cell, identify, read, printed};
 
 const SCENARIO: &str = "[actuator]\npreset = \"colbrunn-2001\"\n[actuator.friction.viscoelastic]\nrelaxation_time = [\"0.5 s\"]\n\
     stiffness_ratio = [0.2]\ninitial_stretch = [\"1 mm\"]\n[load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n\
@@ -15,14 +15,14 @@ const STUDY: &str = "[study]\nkind = \"trajectories\"\nscenario = \"muscle.toml\
     [fit.\"actuator.friction.viscoelastic.initial_stretch[0]\"]\nfrom = \"-5 mm\"\nto = \"5 mm\"\n";
 
 #[test]
-fn the_stretch_that_the_history_has_left_is_found() {
+fn the_initial_stretch_of_the_branches_is_estimated() {
     let folder = Folder::new("identify-creep");
     folder.file("muscle.toml", SCENARIO);
     let output = folder.mckibben().args(["simulate", "muscle.toml", "--output", "run.csv"]).output().expect("it runs");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     folder.file("muscle.toml", &SCENARIO.replace("\"1 mm\"", "\"0 mm\"").replace("[0.2]", "[0.1]"));
     let output = identify(&folder, &folder.file("study.toml", STUDY));
-    let report = told(&output);
+    let report = printed(&output);
     let values = read(&folder, "out/values.csv");
     let of = "actuator.friction.viscoelastic";
     for (name, expected) in [("initial_stretch[0]", 1e-3), ("stiffness_ratio[0]", 0.2)] {

@@ -1,7 +1,7 @@
 //! A pressure that was read at the valve's end of a hose drives a run through the hose.
 
 use crate::common::Folder;
-use crate::{cell, identify, read, told};
+use crate::{cell, identify, read, printed};
 
 const SCENARIO: &str = "[actuator]\npreset = \"colbrunn-2001\"\n[supply]\ngauge_pressure = \"100 psi\"\n[valve]\npreset = \"matrix-eight-channel\"\n\
     [hose]\nlength = \"1.5 m\"\ndiameter = \"2.5 mm\"\nkind = \"distributed\"\ncells = 4\n\
@@ -26,10 +26,10 @@ fn recorded(name: &str) -> Folder {
 }
 
 #[test]
-fn friction_and_hose_are_found_from_the_pressure_at_the_valve() {
+fn friction_and_hose_are_estimated_from_the_pressure_at_the_valve() {
     let folder = recorded("identify-hose");
     let output = identify(&folder, &folder.file("study.toml", STUDY));
-    let report = told(&output);
+    let report = printed(&output);
     let values = read(&folder, "out/values.csv");
     for (name, expected) in [("actuator.friction.viscous", 3.502_536_705), ("hose.diameter", 2.5e-3)] {
         let value = cell(&values, name, "value");

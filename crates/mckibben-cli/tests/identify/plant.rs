@@ -1,6 +1,6 @@
 //! Plants whose actuators have names: parts are found, some by measured pressures, and what is wrong is refused in words.
 
-use super::{Folder, cell, identify, of_repository, read, told};
+use super::{Folder, cell, identify, of_repository, read, printed};
 use mckibben_scenario::Document;
 
 /// A file of the repository's examples.
@@ -18,9 +18,9 @@ fn interval(csv: &str, name: &str) -> [f64; 2] {
 }
 
 #[test]
-fn an_arm_is_found_in_its_motion() {
+fn an_arm_is_identified_from_its_motion() {
     let folder = Folder::new("identify-arm");
-    let told = told(&identify(&folder, &of_repository("examples/identify/arm.toml")));
+    let printed = printed(&identify(&folder, &of_repository("examples/identify/arm.toml")));
     let values = read(&folder, "out/values.csv");
     let found = Document::load(folder.path("out/scenario.toml")).expect("a scenario");
     // What `examples/identify/data.sh` has put in; the file that the search began with has the value in the third place.
@@ -32,18 +32,18 @@ fn an_arm_is_found_in_its_motion() {
     ] {
         let value = cell(&values, name, "value");
         let [low, high] = interval(&values, name);
-        assert!(low < truth && truth < high && high - low < 0.05 * truth, "{name}: {value}, not {truth}\n{told}");
+        assert!(low < truth && truth < high && high - low < 0.05 * truth, "{name}: {value}, not {truth}\n{printed}");
         let written = found.find_in_plant(name).expect("a parameter").value();
         assert!((written - value).abs() <= 0.5 * (high - low) && (written - drawn).abs() > 0.05 * drawn, "{written}");
     }
-    assert!(!told.contains('!'), "{told}");
+    assert!(!printed.contains('!'), "{printed}");
     for file in ["run-1.svg", "run-1.png", "run-1.csv", "index.html", "comparison.csv"] {
         assert!(folder.path("out").join(file).exists(), "{file}");
     }
     let page = read(&folder, "out/index.html");
     let figure = read(&folder, "out/run-1.svg");
     for words in ["angle of shoulder", "gauge pressure of biceps", "gauge pressure of tank"] {
-        assert!(page.contains(words) && told.contains(words), "{words}\n{told}");
+        assert!(page.contains(words) && printed.contains(words), "{words}\n{printed}");
         // A label may take two lines.
         let part = words.rsplit(' ').next().expect("a part");
         assert!(figure.contains(part), "{words}");
@@ -65,13 +65,13 @@ fn an_arm_is_found_in_its_motion() {
 
 /// A parameter at the top of the file is one of all actuators that have no other, also where the file does not have its section.
 #[test]
-fn parameters_of_all_actuators_are_found() {
+fn parameters_of_all_actuators_are_estimated() {
     let folder = Folder::new("identify-arm-all");
     folder.file("arm.toml", &example("plant/arm.toml"));
     folder.file("arm.csv", &example("identify/arm.csv"));
     let study = example("identify/arm.toml").replace("../plant/arm.toml", "arm.toml");
     let more = "[fit.\"actuator.turns\"]\nstart = 2.4\n[fit.\"valve.opening_delay\"]\nstart = \"5 ms\"\n[fit.\"actuators.triceps.command.time[0]\"]\n";
-    let told = told(&identify(&folder, &folder.file("study.toml", &(study + "\n" + more))));
+    let printed = printed(&identify(&folder, &folder.file("study.toml", &(study + "\n" + more))));
     let values = read(&folder, "out/values.csv");
     // Those of the preset, of the valve's data sheet, and of the file.
     for (name, truth) in [
@@ -81,7 +81,7 @@ fn parameters_of_all_actuators_are_found() {
         ("actuators.triceps.command.time[0]", 0.7),
     ] {
         let [low, high] = interval(&values, name);
-        assert!(low < truth && truth < high && high - low < 0.02 * truth, "{name}: {low} to {high}\n{told}");
+        assert!(low < truth && truth < high && high - low < 0.02 * truth, "{name}: {low} to {high}\n{printed}");
     }
     let run = folder.mckibben().args(["simulate", "out/scenario.toml"]).output().expect("the program runs");
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
@@ -118,13 +118,13 @@ fn measured_pressures_drive_some_actuators() {
         "[[run]]\nfile = \"moves.csv\"\n[fit.\"mechanism.joints.shoulder.inertia\"]\n[fit.\"actuators.latissimus.turns\"]\n".to_owned(),
     ]
     .concat();
-    let told = told(&identify(&folder, &folder.file("study.toml", &study)));
-    assert!(told.contains("the pressure of deltoid is the measured one"), "{told}");
+    let printed = printed(&identify(&folder, &folder.file("study.toml", &study)));
+    assert!(printed.contains("the pressure of deltoid is the measured one"), "{printed}");
     let values = read(&folder, "out/values.csv");
     for (name, truth) in [("mechanism.joints.shoulder.inertia", 6e-3), ("actuators.latissimus.turns", 2.7)] {
         let value = cell(&values, name, "value");
         // Straight lines through a pressure every 0.5 ms.
-        assert!((value / truth - 1.0).abs() < 2e-3, "{name}: {value} is not {truth}\n{told}");
+        assert!((value / truth - 1.0).abs() < 2e-3, "{name}: {value} is not {truth}\n{printed}");
     }
     // Of the quantities that are fitted the pressure is none.
     assert!(!read(&folder, "out/comparison.csv").contains("pressure of deltoid"));

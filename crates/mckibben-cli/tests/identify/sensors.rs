@@ -1,7 +1,7 @@
 //! Sensors of a study: what is wrong with readings is found with the parameters, for all runs, each session or each run.
 
 use crate::common::Folder;
-use crate::{cell, identify, read, told};
+use crate::{cell, identify, read, printed};
 
 const SCENARIO: &str = "[actuator]\npreset = \"colbrunn-2001\"\n[supply]\ngauge_pressure = \"100 psi\"\n[valve]\npreset = \"matrix-eight-channel\"\n\
     [command]\nkind = \"pwm\"\nfrequency = \"12 Hz\"\nduty = 0.45\n[load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n\
@@ -41,11 +41,11 @@ fn record(folder: &Folder) {
 }
 
 #[test]
-fn sensors_are_found_with_the_parameters() {
+fn sensors_are_estimated_with_the_parameters() {
     let folder = Folder::new("identify-sensors");
     record(&folder);
     let output = identify(&folder, &folder.file("study.toml", STUDY));
-    let told = told(&output);
+    let printed = printed(&output);
     let values = read(&folder, "out/values.csv");
     for (name, expected, within) in [
         ("actuator.friction.viscous", 3.502_536_705, 1e-3),
@@ -55,11 +55,11 @@ fn sensors_are_found_with_the_parameters() {
         ("columns.length.shift", 3e-3, 1e-6),
     ] {
         let value = cell(&values, name, "value");
-        assert!((value - expected).abs() < within, "{name}: {value} is not {expected}\n{told}");
+        assert!((value - expected).abs() < within, "{name}: {value} is not {expected}\n{printed}");
     }
     assert!(
-        values.contains("columns.length.shift,") && told.contains("columns.length.offset [two]"),
-        "{values}\n{told}"
+        values.contains("columns.length.shift,") && printed.contains("columns.length.offset [two]"),
+        "{values}\n{printed}"
     );
 }
 

@@ -386,7 +386,7 @@ unsafe extern "C" fn fmi3DoStep(
 ) -> c_int {
     call(handle, "fmi3DoStep", |instance| {
         // SAFETY: as FMI promises: room for each, or null.
-        let tell = |needs_event: bool, early: bool, time: f64| unsafe {
+        let set_outputs = |needs_event: bool, early: bool, time: f64| unsafe {
             put(event_needed, needs_event);
             put(terminates, false);
             put(is_early, early);
@@ -397,11 +397,11 @@ unsafe extern "C" fn fmi3DoStep(
         }
         match instance.do_step(time, step) {
             Ok(end) => {
-                tell(end.is_early, end.is_early, end.time);
+                set_outputs(end.is_early, end.is_early, end.time);
                 Ok(())
             }
             Err(refusal) => {
-                tell(false, false, instance.time());
+                set_outputs(false, false, instance.time());
                 Err(refusal)
             }
         }

@@ -109,13 +109,13 @@ impl Fit {
         let squares: f64 =
             evaluation.residuals.iter().zip(&weights).map(|(residual, weight)| weight * residual * residual).sum();
         let scatter = (squares / degrees_of_freedom.max(1) as f64).sqrt();
-        let told = Told::new(slopes, model.precision());
+        let sensitivity = Sensitivity::new(slopes, model.precision());
         let spread = if search.known_scales { 1.0 } else { scatter };
         let quantile =
             StudentsT::new(0.0, 1.0, degrees_of_freedom.max(1) as f64).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975));
         let estimate = |unknown: usize| {
             let value = values[unknown];
-            let of_size = free.iter().position(|place| *place == unknown).and_then(|place| told.deviation(place));
+            let of_size = free.iter().position(|place| *place == unknown).and_then(|place| sensitivity.deviation(place));
             let standard_error = of_size.map(|error| error * spread * sizes[unknown]).filter(|error| error.is_finite());
             Estimate {
                 name: unknowns[unknown].name.clone(),
@@ -129,7 +129,7 @@ impl Fit {
         let mut correlations = vec![vec![0.0; columns]; columns];
         for (i, of) in free.iter().enumerate() {
             for (j, with) in free.iter().enumerate() {
-                correlations[*of][*with] = told.correlation(i, j);
+                correlations[*of][*with] = sensitivity.correlation(i, j);
             }
         }
         let names: Vec<&str> = free.iter().map(|unknown| unknowns[*unknown].name.as_str()).collect();
@@ -140,8 +140,8 @@ impl Fit {
             degrees_of_freedom,
             scatter,
             correlations,
-            condition: told.condition(),
-            untold: told.untold(&names),
+            condition: sensitivity.condition(),
+            untold: sensitivity.untold(&names),
             ending: Ending::Minimum,
         }
     }
@@ -186,14 +186,14 @@ fn magnitude(value: f64, unknown: &Unknown) -> f64 {
 }
 
 /// The singular values of the derivatives, largest first, with the direction of each.
-struct Told {
+struct Sensitivity {
     values: DVector<f64>,
     directions: DMatrix<f64>,
     /// The part of the largest below which a singular value is nothing.
     least: f64,
 }
 
-impl Told {
+impl Sensitivity {
     fn new(slopes: DMatrix<f64>, least: f64) -> Self {
         let columns = slopes.ncols();
         // Where every unknown rests on a bound there is nothing to decompose.
@@ -215,18 +215,18 @@ impl Told {
         self.values.iter().copied().fold(0.0, f64::max)
     }
 
-    fn is_told(&self, direction: usize) -> bool {
+    fn is_identifiable(&self, direction: usize) -> bool {
         self.values[direction] > self.least * self.largest()
     }
 
     /// Covariance of two unknowns, in their sizes, by the directions that are identifiable.
     fn covariance(&self, i: usize, j: usize) -> f64 {
         let part = |k: usize| (self.directions[(k, i)] / self.values[k]) * (self.directions[(k, j)] / self.values[k]);
-        (0..self.values.len()).filter(|k| self.is_told(*k)).map(part).sum()
+        (0..self.values.len()).filter(|k| self.is_identifiable(*k)).map(part).sum()
     }
 
     fn deviation(&self, place: usize) -> Option<f64> {
-        let untold = |k: usize| !self.is_told(k) && self.directions[(k, place)].abs() > self.least.sqrt();
+        let untold = |k: usize| !self.is_identifiable(k) && self.directions[(k, place)].abs() > self.least.sqrt();
         (!(0..self.values.len()).any(untold)).then(|| self.covariance(place, place).sqrt())
     }
 
@@ -249,6 +249,6 @@ impl Told {
             let largest = self.largest();
             Direction { told: if largest > 0.0 { self.values[k] / largest } else { 0.0 }, shares }
         };
-        (0..self.values.len()).filter(|k| !self.is_told(*k)).map(direction).collect()
+        (0..self.values.len()).filter(|k| !self.is_identifiable(*k)).map(direction).collect()
     }
 }

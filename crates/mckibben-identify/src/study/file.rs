@@ -161,7 +161,7 @@ struct File {
     #[serde(default)]
     run: Vec<Spanned<RawRun>>,
     #[serde(default)]
-    fit: BTreeMap<String, RawSought>,
+    fit: BTreeMap<String, RawUnknown>,
     #[serde(default)]
     search: RawSearch,
     flow: Option<Spanned<RawFlow>>,
@@ -223,7 +223,7 @@ struct RawRun {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct RawSought {
+struct RawUnknown {
     start: Option<Text>,
     from: Option<Text>,
     to: Option<Text>,

@@ -30,7 +30,7 @@ impl Task {
         let from = least_squares::starting_at(&self.unknowns, &values);
         let few = Search { most_steps: self.search.most_steps.min(50), any_end: true, ..self.search.clone() };
         // The unknowns that count, estimated from these runs from these values on.
-        let told = |runs: &[Recorded], of: &[usize], values: &mut [f64]| {
+        let fit_runs = |runs: &[Recorded], of: &[usize], values: &mut [f64]| {
             let runs: Vec<Recorded> = runs.iter().map(|run| run.only(of, values)).collect::<Result<_, _>>().ok()?;
             let from: Vec<Unknown> = of.iter().map(|unknown| from[*unknown].clone()).collect();
             let fit =
@@ -46,25 +46,25 @@ impl Task {
             let others = [&self.runs[..place], &self.runs[place + 1..]].concat();
             let of_others = |unknown: &usize| others.iter().any(|run| run.all_unknowns().contains(unknown));
             let (common, own): (Vec<usize>, Vec<usize>) = (0..values.len()).partition(of_others);
-            let mut foretold = values.clone();
-            told(&others, &common, &mut foretold)?;
+            let mut predicted = values.clone();
+            fit_runs(&others, &common, &mut predicted)?;
             let this = std::slice::from_ref(&self.runs[place]);
             if !own.is_empty() {
-                told(this, &own, &mut foretold)?;
+                fit_runs(this, &own, &mut predicted)?;
             }
             let alone = Runs::whole(this, scales(), self.tolerance, &self.search.monitor);
             let error = |values: &[f64]| alone.scatter(&alone.tried(&self.runs[place], values));
-            let (inside, outside) = (error(&values), error(&foretold));
+            let (inside, outside) = (error(&values), error(&predicted));
             let errors = inside.into_iter().zip(outside).map(|((of, inside), (_, outside))| {
                 let scale = alone.scale(&of);
                 (of, [inside * scale, outside * scale])
             });
-            let simulated = self.runs[place].simulated(&foretold, self.tolerance).ok()?;
+            let simulated = self.runs[place].simulated(&predicted, self.tolerance).ok()?;
             Some(HeldOutRun {
                 name: self.runs[place].name.clone(),
                 errors: errors.collect(),
                 simulated,
-                values: foretold,
+                values: predicted,
             })
         };
         (0..self.runs.len()).filter_map(without).collect()

@@ -94,9 +94,9 @@ pub(crate) struct Runs<'a> {
 impl Recorded {
     /// How long the run must be in s for all readings up to a horizon, with values of all unknowns.
     fn duration(&self, until: f64, values: &[f64]) -> f64 {
-        let of_course = |course: &TimeSeries| {
-            let sensor = course.sensor.at(values);
-            let times = course.times.iter().filter(|time| **time <= until);
+        let of_course = |series: &TimeSeries| {
+            let sensor = series.sensor.at(values);
+            let times = series.times.iter().filter(|time| **time <= until);
             times.fold(0.0, |last: f64, time| sensor.until(*time).max(last))
         };
         self.courses.iter().map(of_course).fold(0.0, f64::max)
@@ -106,17 +106,17 @@ impl Recorded {
     pub(crate) fn all_unknowns(&self) -> Vec<usize> {
         let mut all = self.unknowns.clone();
         let sensors: std::collections::BTreeSet<usize> =
-            self.courses.iter().flat_map(|course| course.sensor.unknowns()).collect();
+            self.courses.iter().flat_map(|series| series.sensor.unknowns()).collect();
         all.extend(sensors);
         all
     }
 
     /// What a simulated run with values of all unknowns says that the sensor of a time series reads at times that do
     /// not fall.
-    pub fn readings(&self, course: &TimeSeries, (simulated, values): (&Simulated, &[f64]), times: &[f64]) -> Vec<f64> {
+    pub fn readings(&self, series: &TimeSeries, (simulated, values): (&Simulated, &[f64]), times: &[f64]) -> Vec<f64> {
         let mut readings = Vec::with_capacity(times.len());
-        let sensor = course.sensor.at(values);
-        sensor.read(simulated, &course.observed, times.iter().copied(), |reading| readings.push(reading.value));
+        let sensor = series.sensor.at(values);
+        sensor.read(simulated, &series.observed, times.iter().copied(), |reading| readings.push(reading.value));
         readings
     }
 
@@ -126,7 +126,7 @@ impl Recorded {
             |(number, unknown): (usize, &usize)| Some((number, unknowns_of.iter().position(|of| of == unknown)?));
         let (numbers, unknowns): (Vec<usize>, Vec<usize>) = self.unknowns.iter().enumerate().filter_map(place).unzip();
         let mut courses = self.courses.clone();
-        for amount in courses.iter_mut().flat_map(|course| course.sensor.amounts_mut()) {
+        for amount in courses.iter_mut().flat_map(|series| series.sensor.amounts_mut()) {
             if let Amount::Sought(unknown) = amount {
                 *amount = match unknowns_of.iter().position(|of| of == unknown) {
                     Some(place) => Amount::Sought(place),
@@ -171,12 +171,12 @@ impl<'a> Runs<'a> {
 impl Runs<'_> {
     /// Times and values of the readings of a run, time series by time series.
     fn readings<'r>(&'r self, run: &'r Recorded) -> impl Iterator<Item = (f64, f64)> + 'r {
-        run.courses.iter().flat_map(|course| self.within(course))
+        run.courses.iter().flat_map(|series| self.within(series))
     }
 
     /// Times and values of the readings of a time series.
-    fn within<'r>(&'r self, course: &'r TimeSeries) -> impl Iterator<Item = (f64, f64)> + 'r {
-        let readings = course.times.iter().copied().zip(course.values.iter().copied());
+    fn within<'r>(&'r self, series: &'r TimeSeries) -> impl Iterator<Item = (f64, f64)> + 'r {
+        let readings = series.times.iter().copied().zip(series.values.iter().copied());
         readings.filter(|(time, _)| *time <= self.until)
     }
 
@@ -200,13 +200,13 @@ impl Runs<'_> {
         let mut fill = || -> Result<(), SubjectError> {
             let built = run.built(values)?;
             if run.subject.width() == 0 {
-                return Ok(self.course(run, &built.ready()?, values, |row, residual, of_sensor| {
+                return Ok(self.series(run, &built.ready()?, values, |row, residual, of_sensor| {
                     residuals[row] = residual;
                     by_sensor(&mut slopes[row * width..][..width], of_sensor);
                 })?);
             }
             for first in run.subject.passes() {
-                self.course(run, &built.seeded(&run.subject, first)?, values, |row, residual, of_sensor| {
+                self.series(run, &built.seeded(&run.subject, first)?, values, |row, residual, of_sensor| {
                     let slopes = &mut slopes[row * width..][..width];
                     residuals[row] = residual.value;
                     run.subject.spread(first, &residual.slope, &mut slopes[..run.unknowns.len()]);
@@ -224,16 +224,16 @@ impl Runs<'_> {
     /// Residuals of one run alone.
     fn tried(&self, run: &Recorded, values: &[f64]) -> Vec<f64> {
         let mut residuals = Vec::new();
-        let course =
-            |built: Built| Ok(self.course(run, &built.ready()?, values, |_, residual, _| residuals.push(residual))?);
-        match run.built(values).and_then(course) {
+        let series =
+            |built: Built| Ok(self.series(run, &built.ready()?, values, |_, residual, _| residuals.push(residual))?);
+        match run.built(values).and_then(series) {
             Ok(()) => residuals,
             Err(_) => vec![f64::NAN; self.readings(run).count()],
         }
     }
 
     /// Runs a plant and visits each reading with its residual, over any scalar: see [`Runs::compare`].
-    fn course<R: Instantiate>(
+    fn series<R: Instantiate>(
         &self,
         run: &Recorded,
         ready: &Ready<R>,
@@ -259,15 +259,15 @@ impl Runs<'_> {
         mut visit: impl FnMut(usize, R, &[(usize, f64)]),
     ) {
         let mut row = 0;
-        for course in &run.courses {
-            let scale = self.scale(&course.observed);
-            let readings: Vec<(f64, f64)> = self.within(course).collect();
+        for series in &run.courses {
+            let scale = self.scale(&series.observed);
+            let readings: Vec<(f64, f64)> = self.within(series).collect();
             let mut measured = readings.iter().map(|(_, value)| *value);
             let times = readings.iter().map(|(time, _)| *time);
-            course.sensor.at(values).read(simulated, &course.observed, times, |reading| {
+            series.sensor.at(values).read(simulated, &series.observed, times, |reading| {
                 let measured = R::constant(measured.next().unwrap_or(f64::NAN));
-                let sought = course.sensor.amounts().into_iter().zip(reading.by_amounts);
-                let by_sensor: Vec<(usize, f64)> = sought
+                let by_amount = series.sensor.amounts().into_iter().zip(reading.by_amounts);
+                let by_sensor: Vec<(usize, f64)> = by_amount
                     .filter_map(|(amount, slope)| match amount {
                         Amount::Sought(unknown) => Some((unknown, slope / scale)),
                         Amount::Known(_) => None,
@@ -283,9 +283,9 @@ impl Runs<'_> {
     pub(crate) fn scatter(&self, residuals: &[f64]) -> Vec<(Observed, f64)> {
         let mut sums: Vec<(Observed, f64, u32)> = observed_in(self.runs).into_iter().map(|of| (of, 0.0, 0)).collect();
         let mut residuals = residuals.iter();
-        for course in self.runs.iter().flat_map(|run| &run.courses) {
-            let Some((_, squares, count)) = sums.iter_mut().find(|(of, ..)| *of == course.observed) else { continue };
-            for (_, residual) in self.within(course).zip(residuals.by_ref()) {
+        for series in self.runs.iter().flat_map(|run| &run.courses) {
+            let Some((_, squares, count)) = sums.iter_mut().find(|(of, ..)| *of == series.observed) else { continue };
+            for (_, residual) in self.within(series).zip(residuals.by_ref()) {
                 (*squares, *count) = (*squares + residual * residual, *count + 1);
             }
         }
@@ -298,9 +298,9 @@ impl Runs<'_> {
 /// of the runs.
 fn observed_in(runs: &[Recorded]) -> Vec<Observed> {
     let mut found: Vec<Observed> = Vec::new();
-    for course in runs.iter().flat_map(|run| &run.courses) {
-        if !found.contains(&course.observed) {
-            found.push(course.observed.clone());
+    for series in runs.iter().flat_map(|run| &run.courses) {
+        if !found.contains(&series.observed) {
+            found.push(series.observed.clone());
         }
     }
     found.sort_by_key(|of| of.index().unwrap_or(Observed::ALL.len()));

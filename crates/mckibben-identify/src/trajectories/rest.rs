@@ -8,7 +8,7 @@ use super::{Identified, Observed, Runs, Task};
 use crate::series::{self, Polynomial};
 
 /// Deviations of its slope from zero above which the residual of a time series drifts.
-const TOLD: f64 = 8.0;
+const SIGNIFICANT: f64 = 8.0;
 /// Change over the time series, in scatters of a reading about the line, below which it is not reported.
 const SIZE: f64 = 1.0;
 
@@ -44,9 +44,9 @@ impl Task {
     pub fn unexplained(&self, found: &Identified) -> Vec<Unexplained> {
         let of = |(observed, left): &(Observed, f64)| {
             let (mut squares, mut count) = (0.0, 0.0);
-            for course in self.courses(observed) {
-                let readings = course.times.len() as f64;
-                squares += readings * series::noise(&course.times, &course.values).powi(2);
+            for recorded in self.courses(observed) {
+                let readings = recorded.times.len() as f64;
+                squares += readings * series::noise(&recorded.times, &recorded.values).powi(2);
                 count += readings;
             }
             let noise = (squares / count).sqrt();
@@ -64,16 +64,16 @@ impl Task {
             let mut residuals = Vec::new();
             runs.compare(run, simulated, &values, |_, residual, _| residuals.push(residual));
             let mut rest = residuals.as_slice();
-            for course in &run.courses {
-                let (own, behind) = rest.split_at(course.times.len());
+            for recorded in &run.courses {
+                let (own, behind) = rest.split_at(recorded.times.len());
                 rest = behind;
-                let (Some(first), Some(last)) = (course.times.first(), course.times.last()) else { continue };
-                let Some(line) = Polynomial::fit(&course.times, own, 0.5 * (first + last), 1) else { continue };
+                let (Some(first), Some(last)) = (recorded.times.first(), recorded.times.last()) else { continue };
+                let Some(line) = Polynomial::fit(&recorded.times, own, 0.5 * (first + last), 1) else { continue };
                 let scatter = (line.squares / line.degrees_of_freedom.max(1) as f64).sqrt();
                 let (slope, deviation) = (line.coefficients[1], scatter * line.deviation(&[0.0, 1.0]));
                 let change = -slope * (last - first);
-                if slope.abs() > TOLD * deviation && change.abs() > SIZE * scatter {
-                    drifts.push(Drift { run: run.name.clone(), observed: course.observed.clone(), change, scatter });
+                if slope.abs() > SIGNIFICANT * deviation && change.abs() > SIZE * scatter {
+                    drifts.push(Drift { run: run.name.clone(), observed: recorded.observed.clone(), change, scatter });
                 }
             }
         }

@@ -257,20 +257,20 @@ impl Task {
     }
 
     pub(super) fn courses<'s>(&'s self, observed: &'s Observed) -> impl Iterator<Item = &'s TimeSeries> {
-        self.runs.iter().flat_map(|run| &run.courses).filter(move |course| course.observed == *observed)
+        self.runs.iter().flat_map(|run| &run.courses).filter(move |recorded| recorded.observed == *observed)
     }
 
     fn has(&self, observed: &Observed) -> bool {
-        self.courses(observed).any(|course| !course.values.is_empty())
+        self.courses(observed).any(|recorded| !recorded.values.is_empty())
     }
 
     /// The deviation of a quantity's readings and that it is known, or their span.
     fn scale(&self, observed: &Observed) -> (f64, bool) {
-        let deviations: Vec<f64> = self.courses(observed).filter_map(|course| course.deviation).collect();
+        let deviations: Vec<f64> = self.courses(observed).filter_map(|recorded| recorded.deviation).collect();
         if let Some(deviation) = deviations.first().filter(|_| deviations.len() == self.courses(observed).count()) {
             return (*deviation, true);
         }
-        let values = || self.courses(observed).flat_map(|course| course.values.iter().copied());
+        let values = || self.courses(observed).flat_map(|recorded| recorded.values.iter().copied());
         let span = values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min);
         (if span.is_finite() && span > 0.0 { span } else { 1.0 }, false)
     }
@@ -282,20 +282,20 @@ impl Task {
         }
         let first: Vec<f64> = self.unknowns.iter().map(|unknown| unknown.start).collect();
         for run in &self.runs {
-            for course in &run.courses {
-                let observed = &course.observed;
+            for recorded in &run.courses {
+                let observed = &recorded.observed;
                 let bad = |why| TrajectoryError::BadCourse { run: run.name.clone(), observed: observed.clone(), why };
-                series::check(&course.times, &course.values, observed.quantity().words(), 0)
+                series::check(&recorded.times, &recorded.values, observed.quantity().words(), 0)
                     .map_err(|error| bad(error.to_string()))?;
-                if let Some(first) = course.times.first().filter(|first| **first < 0.0) {
+                if let Some(first) = recorded.times.first().filter(|first| **first < 0.0) {
                     return Err(bad(format!(
                         "its first time is {first} s, before the start of the run at zero; leave it out, or begin the run earlier"
                     )));
                 }
             }
             let built = run.built(&first).and_then(|built| Ok(built.ready()?)).map_err(|error| run.failed(error))?;
-            if let Some(course) = run.courses.iter().find(|course| course.observed.place(&built.plant).is_none()) {
-                let (run, observed) = (run.name.clone(), course.observed.clone());
+            if let Some(recorded) = run.courses.iter().find(|recorded| recorded.observed.place(&built.plant).is_none()) {
+                let (run, observed) = (run.name.clone(), recorded.observed.clone());
                 return Err(match observed.is_of_joint() {
                     true => TrajectoryError::NoJoint { run, observed },
                     false => TrajectoryError::NoColumn { run, observed },

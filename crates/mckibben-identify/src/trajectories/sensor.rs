@@ -85,8 +85,8 @@ impl Sensor {
             Amount::Known(number) => number,
             Amount::Sought(unknown) => values[unknown],
         });
-        let sought = amounts.map(|amount| matches!(amount, Amount::Sought(_)));
-        KnownSensor { offset, drift, scale, shift, lag: lag.max(0.0), hold: self.hold, base: self.base, sought }
+        let is_unknown = amounts.map(|amount| matches!(amount, Amount::Sought(_)));
+        KnownSensor { offset, drift, scale, shift, lag: lag.max(0.0), hold: self.hold, base: self.base, is_unknown }
     }
 }
 
@@ -100,7 +100,7 @@ pub(super) struct KnownSensor {
     lag: f64,
     hold: Option<f64>,
     base: f64,
-    sought: [bool; 5],
+    is_unknown: [bool; 5],
 }
 
 /// A reading with its derivatives with respect to the parameters of the sensor, in the order of [`AMOUNTS`].
@@ -144,27 +144,27 @@ impl KnownSensor {
         times: impl Iterator<Item = f64>,
         mut visit: impl FnMut(Reading<R>),
     ) {
-        let mut course =
-            Course { reader: SimulatedReader::new(simulated), observed, last: simulated.duration().value() };
-        let [.., sought_shift, sought_lag] = self.sought;
-        let parts: &[f64] = if sought_lag { &[1.0, 1.0 + LAG_PART, 1.0 - LAG_PART] } else { &[1.0] };
-        let mut filter = (self.lag > 0.0).then(|| Filter::new(self.lag, parts, &mut course));
+        let mut simulated_series =
+            SimulatedSeries { reader: SimulatedReader::new(simulated), observed, last: simulated.duration().value() };
+        let [.., shift_is_unknown, lag_is_unknown] = self.is_unknown;
+        let parts: &[f64] = if lag_is_unknown { &[1.0, 1.0 + LAG_PART, 1.0 - LAG_PART] } else { &[1.0] };
+        let mut filter = (self.lag > 0.0).then(|| Filter::new(self.lag, parts, &mut simulated_series));
         let (base, scale) = (R::constant(self.base), R::constant(self.scale));
         for time in times {
             let source = self.source(time);
             let (quantity, rate, by_lag) = match &mut filter {
                 None => {
-                    let rate = if sought_shift || sought_lag { course.rate(source) } else { 0.0 };
-                    (course.at(source), rate, -rate)
+                    let rate = if shift_is_unknown || lag_is_unknown { simulated_series.rate(source) } else { 0.0 };
+                    (simulated_series.at(source), rate, -rate)
                 }
                 Some(filter) => {
-                    filter.advance(source, &mut course);
+                    filter.advance(source, &mut simulated_series);
                     let value = filter.values[0];
                     let by_lag = match filter.values[..] {
                         [_, more, less] => (more.value() - less.value()) / (2.0 * LAG_PART * self.lag),
                         _ => 0.0,
                     };
-                    let rate = if sought_shift { (course.at(source).value() - value.value()) / self.lag } else { 0.0 };
+                    let rate = if shift_is_unknown { (simulated_series.at(source).value() - value.value()) / self.lag } else { 0.0 };
                     (value, rate, by_lag)
                 }
             };
@@ -177,13 +177,13 @@ impl KnownSensor {
 }
 
 /// A quantity of a run over time, with its value at the start before that.
-struct Course<'r, R: Instantiate> {
+struct SimulatedSeries<'r, R: Instantiate> {
     reader: SimulatedReader<'r, R>,
     observed: &'r Observed,
     last: f64,
 }
 
-impl<R: Instantiate> Course<'_, R> {
+impl<R: Instantiate> SimulatedSeries<'_, R> {
     fn at(&mut self, time: f64) -> R {
         self.reader.read(self.observed, R::constant(time.clamp(0.0, self.last)))
     }
@@ -209,28 +209,28 @@ struct Filter<'p, R> {
 }
 
 impl<'p, R: Instantiate> Filter<'p, R> {
-    fn new(lag: f64, parts: &'p [f64], course: &mut Course<'_, R>) -> Self {
-        Self { lag, parts, time: 0.0, values: vec![course.at(0.0); parts.len()] }
+    fn new(lag: f64, parts: &'p [f64], simulated_series: &mut SimulatedSeries<'_, R>) -> Self {
+        Self { lag, parts, time: 0.0, values: vec![simulated_series.at(0.0); parts.len()] }
     }
 
-    fn advance(&mut self, until: f64, course: &mut Course<'_, R>) {
+    fn advance(&mut self, until: f64, simulated_series: &mut SimulatedSeries<'_, R>) {
         if until <= self.time {
             return;
         }
         let forgotten = until - FORGOTTEN * self.lag;
         if forgotten > self.time {
             self.time = forgotten;
-            self.values.fill(course.at(forgotten));
+            self.values.fill(simulated_series.at(forgotten));
         }
         let steps = ((until - self.time) / (STEP * self.lag).max(SHORTEST)).ceil().max(1.0);
         let (from, step) = (self.time, (until - self.time) / steps);
         let moments: Vec<[R; 3]> =
             self.parts.iter().map(|part| moments(step / (part * self.lag)).map(R::constant)).collect();
         let [four, three, two] = [4.0, 3.0, 2.0].map(R::constant);
-        let mut begin = course.at(from);
+        let mut begin = simulated_series.at(from);
         for count in 1..=steps as u64 {
             let at = from + step * (count as f64 - 0.5);
-            let (middle, end) = (course.at(at), course.at(from + step * count as f64));
+            let (middle, end) = (simulated_series.at(at), simulated_series.at(from + step * count as f64));
             let slope = four * middle - three * begin - end;
             let bend = two * (begin + end) - four * middle;
             for (value, [decay, first, second]) in self.values.iter_mut().zip(&moments) {

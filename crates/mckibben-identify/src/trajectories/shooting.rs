@@ -100,9 +100,9 @@ impl Chain {
 /// temperature.
 fn measured(run: &Recorded, rig: &Rig, reached: State, joint: f64, every: f64) -> State {
     let near = |observed: Observed| {
-        let course = run.courses.iter().find(|course| course.observed == observed)?;
-        let range = crate::series::between(&course.times, joint - 0.2 * every, joint + 0.2 * every);
-        Polynomial::fit(&course.times[range.clone()], &course.values[range], joint, 2)
+        let recorded = run.courses.iter().find(|recorded| recorded.observed == observed)?;
+        let range = crate::series::between(&recorded.times, joint - 0.2 * every, joint + 0.2 * every);
+        Polynomial::fit(&recorded.times[range.clone()], &recorded.values[range], joint, 2)
     };
     let atmosphere = rig.actuator().air().atmosphere().0;
     let mut here = reached;
@@ -120,7 +120,7 @@ fn measured(run: &Recorded, rig: &Rig, reached: State, joint: f64, every: f64) -
 impl Segments<'_> {
     /// Runs one chain over any scalar, the state at each joint seeded as `seed` does, and visits the residuals: those of
     /// the readings, then those of the joints in order.
-    fn course<R: Instantiate>(
+    fn recorded<R: Instantiate>(
         &self,
         (run, chain): (&Recorded, &Chain),
         (rig, start): (&Rig<R>, State<R>),
@@ -189,7 +189,7 @@ impl Segments<'_> {
         values: &[f64],
         visit: impl FnMut(f64),
     ) -> Result<Simulated, SubjectError> {
-        Ok(self.course((run, chain), run.built(values)?.ready()?.rig()?, values, |_, at| at, visit)?)
+        Ok(self.recorded((run, chain), run.built(values)?.ready()?.rig()?, values, |_, at| at, visit)?)
     }
 
     fn joint_unknowns(&self) -> usize {
@@ -215,7 +215,7 @@ impl Segments<'_> {
             let Ok(rig) = seeded.rig() else { return nothing() };
             let mut row = 0;
             let constant = |_: usize, at: [f64; STATES]| at.map(Seeded::constant);
-            let full = self.course((run, chain), rig, values, constant, |residual| {
+            let full = self.recorded((run, chain), rig, values, constant, |residual| {
                 let mut by_own = vec![0.0; run.unknowns.len()];
                 run.subject.spread(first, &residual.slope, &mut by_own);
                 for (unknown, slope) in run.unknowns.iter().zip(by_own) {
@@ -233,7 +233,7 @@ impl Segments<'_> {
         let seed = |joint: usize, at: [f64; STATES]| std::array::from_fn(|n| Seeded::variable(at[n], slot(joint) + n));
         let readings: Vec<f64> = self.runs.readings(run).map(|(time, _)| time).collect();
         let mut row = 0;
-        let full = self.course((run, chain), rig, values, seed, |residual| {
+        let full = self.recorded((run, chain), rig, values, seed, |residual| {
             // A reading knows the joint behind which it lies, what a joint lacks its own state and that of the joint before.
             let joints = match readings.get(row) {
                 Some(time) => [chain.joints.partition_point(|joint| *joint <= *time).checked_sub(1), None],

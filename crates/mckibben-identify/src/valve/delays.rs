@@ -280,7 +280,7 @@ impl Bend<'_> {
     }
 
     /// The two cubics that fit best about an onset; without it they are linear in what is unknown.
-    fn courses(&self, onset: f64) -> Option<Courses> {
+    fn courses(&self, onset: f64) -> Option<TwoPolynomials> {
         let count = self.time.len();
         let span = self.time[count - 1] - self.time[0];
         // About the mean, so that the roundings of a large pressure do not count.
@@ -290,12 +290,12 @@ impl Bend<'_> {
         let pressures = DVector::from_fn(count, |row, _| self.pressure[row] - mean);
         let numbers = (design.transpose() * &design).cholesky()?.solve(&(design.transpose() * &pressures));
         let squares = (pressures - design * &numbers).norm_squared();
-        Some(Courses { numbers: numbers.iter().copied().collect(), squares, span })
+        Some(TwoPolynomials { numbers: numbers.iter().copied().collect(), squares, span })
     }
 }
 
 /// Two cubics that meet at an onset.
-struct Courses {
+struct TwoPolynomials {
     /// The pressure there less the mean, the slope before, the change of slope, both curvatures, both third terms; over the
     /// span.
     numbers: Vec<f64>,

@@ -173,8 +173,8 @@ impl Tank {
     ///
     /// # Errors
     /// As [`Tank::fit_together`].
-    pub fn fit(&self, record: &TankRecord, sought: TankUnknown, heat: bool) -> Result<TankFit, ValveError> {
-        Self::fit_together(&[(*self, record)], sought, heat)
+    pub fn fit(&self, record: &TankRecord, wanted: TankUnknown, heat: bool) -> Result<TankFit, ValveError> {
+        Self::fit_together(&[(*self, record)], wanted, heat)
     }
 
     /// Fits several records, of discharges and charges from any pressures: the unknowns are common to all of them,
@@ -184,7 +184,7 @@ impl Tank {
     /// # Errors
     /// [`ValveError::Misuse`] for heat without an energy balance or no record at all, [`ValveError::CriticalRatio`] for a
     /// b outside 0 to 1, [`ValveError::Physics`] for a number outside its range, [`ValveError::Fit`] when nothing fits.
-    pub fn fit_together(runs: &[(Self, &TankRecord)], sought: TankUnknown, heat: bool) -> Result<TankFit, ValveError> {
+    pub fn fit_together(runs: &[(Self, &TankRecord)], wanted: TankUnknown, heat: bool) -> Result<TankFit, ValveError> {
         let Some((first, _)) = runs.first() else {
             return Err(ValveError::Misuse { what: "there is no record of a tank", remedy: "give one or more" });
         };
@@ -193,7 +193,7 @@ impl Tank {
             .map(|(_, record)| Unknown::new("pressure", "Pa", record.pressure[0]).between(1.0, f64::INFINITY))
             .collect();
         let mut rows = Vec::new();
-        match sought {
+        match wanted {
             TankUnknown::Valve { sonic_conductance, critical_ratio } => {
                 rows.extend([&parameter::SONIC_CONDUCTANCE, &parameter::CRITICAL_RATIO]);
                 unknowns.push(
@@ -220,7 +220,7 @@ impl Tank {
         }
         let trajectory = |(tank, record): &(Self, &TankRecord)| {
             let noise = series::noise(&record.time, &record.pressure).max(f64::EPSILON * record.pressure[0]);
-            Ok(Trajectory { tank: *tank, rig: tank.rig(sought)?, record: (*record).clone(), noise })
+            Ok(Trajectory { tank: *tank, rig: tank.rig(wanted)?, record: (*record).clone(), noise })
         };
         let trajectories = runs.iter().map(trajectory).collect::<Result<Vec<_>, ValveError>>()?;
         let together = Together { trajectories, rows };
@@ -271,8 +271,8 @@ impl Tank {
     }
 
     /// The tank with its valve as a rig.
-    fn rig(&self, sought: TankUnknown) -> Result<Rig, ValveError> {
-        let (standard, efficiency) = match sought {
+    fn rig(&self, wanted: TankUnknown) -> Result<Rig, ValveError> {
+        let (standard, efficiency) = match wanted {
             TankUnknown::Valve { sonic_conductance, critical_ratio } => {
                 (FlowStandard::Iso6358 { sonic_conductance, critical_ratio }, 1.0)
             }

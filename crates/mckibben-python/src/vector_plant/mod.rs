@@ -13,7 +13,7 @@ mod fleet;
 use crate::arguments;
 use crate::pace::Span;
 use crate::pool;
-use crate::raised::{Raised, exception};
+use crate::raised::{OrException, exception};
 use crate::scenario::Scenario;
 use crate::typed::{ActionWord, Count, Flags, Items, NewArguments, Numbers as Array, Rows, Sequence, Table};
 use file::File;
@@ -101,7 +101,7 @@ pub(crate) struct VectorPlant {
 /// A step of a control period that is this much longer than the longest is as long.
 const ROUNDING: f64 = 1e-9;
 /// Steps and edges of pulses of all plants together between two checks for Ctrl-C.
-const UNHEARD: f64 = 1e6;
+const PARTS_PER_CHECK: f64 = 1e6;
 
 impl VectorPlant {
     fn of(
@@ -326,7 +326,7 @@ impl VectorPlant {
         shaped("observations", Some(observations.len()), (count, width)).raised()?;
         shaped("stopped", Some(stopped.len()), (count, 1)).raised()?;
         // Between spans Ctrl-C is handled; commands that are repeated meanwhile change nothing.
-        let spans = (parts * count as f64 / UNHEARD).ceil().max(1.0);
+        let spans = (parts * count as f64 / PARTS_PER_CHECK).ceil().max(1.0);
         let span = Span { duration: dt / spans, steps: (steps / spans).ceil() as u64 };
         for number in 0..spans as u64 {
             if number > 0 {

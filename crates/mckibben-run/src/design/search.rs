@@ -271,7 +271,7 @@ mod tests {
     }
 
     #[test]
-    fn of_what_cannot_be_met_the_least_violation_is_found() {
+    fn infeasible_constraints_give_the_least_violation() {
         // x ≥ 0.7 and x ≤ 0.4, each in parts of 1: the middle breaks both the least.
         let found = run(1, &[1.0, 1.0], 60, &|at| Some(Worth { cost: at[0], excess: vec![0.7 - at[0], at[0] - 0.4] }));
         let best = &found.trials[found.best];

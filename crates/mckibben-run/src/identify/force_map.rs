@@ -41,7 +41,7 @@ impl Judged {
     }
 
     /// Whether the data identify all of its parameters.
-    fn is_told(&self) -> bool {
+    fn is_identifiable(&self) -> bool {
         self.fit.fit.untold.is_empty()
     }
 
@@ -88,7 +88,7 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     let (mut judged, unfitted) = judged(material, &map, &base, deviation)?;
     warnings.extend(unfitted);
     let by = criterion(&judged);
-    judged.sort_by(|a, b| b.is_told().cmp(&a.is_told()).then(a.error(by).total_cmp(&b.error(by))));
+    judged.sort_by(|a, b| b.is_identifiable().cmp(&a.is_identifiable()).then(a.error(by).total_cmp(&b.error(by))));
     let Some(best) = best(&judged, by) else {
         let why = warnings.iter().filter(|warning| warning.contains("was not fitted")).take(NAMED).cloned();
         let why: String = why.map(|why| format!("; {why}")).collect();
@@ -99,7 +99,7 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     warnings.extend(material.stopped());
     warnings.extend(astray_readings(&map, best, &place));
     let text = format!("# By `mckibben identify`: {}.\n\n{}", best.candidate.name, best.fit.scenario.to_toml());
-    let told = values::table(format!("{}: fitted numbers", best.candidate.name), &best.fit.fit);
+    let values = values::table(format!("{}: fitted numbers", best.candidate.name), &best.fit.fit);
     let table = comparison(&judged, by);
     let sections = sections(material, &map, &base, &judged, best, &table, &text);
     Ok(Outcome {
@@ -107,7 +107,7 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
         introduction: introduction(&map, &judged, best, by, deviation),
         sections,
         table,
-        values: told,
+        values: values,
         predictions: prediction(&map, best).into_iter().collect(),
         correlations: best.fit.fit.correlations.clone(),
         estimates: best.fit.fit.estimates.clone(),
@@ -267,13 +267,13 @@ const AS_GOOD: f64 = 1.1;
 
 /// The law that errs least, of those whose parameters the data identify.
 fn least(judged: &[Judged], by: Option<Grouping>) -> Option<&Judged> {
-    judged.iter().filter(|of| of.is_told()).min_by(|a, b| a.error(by).total_cmp(&b.error(by)))
+    judged.iter().filter(|of| of.is_identifiable()).min_by(|a, b| a.error(by).total_cmp(&b.error(by)))
 }
 
 /// The law that is taken: of those that err little more than the least, the one with the fewest parameters.
 fn best(judged: &[Judged], by: Option<Grouping>) -> Option<&Judged> {
     let most = AS_GOOD * least(judged, by)?.error(by);
-    judged.iter().filter(|of| of.is_told() && of.error(by) <= most).min_by_key(|of| of.numbers())
+    judged.iter().filter(|of| of.is_identifiable() && of.error(by) <= most).min_by_key(|of| of.numbers())
 }
 
 /// The law with the least error in its own sample.

@@ -2,7 +2,7 @@
 
 use super::outcome::{self, Outcome, Stems};
 use super::prediction::Prediction;
-use super::{Material, column, gauge_pressures, minima, sought, values};
+use super::{Material, column, gauge_pressures, minima, unknowns, values};
 use crate::failure::Failure;
 use crate::quantities::quantity;
 use crate::report::{Data, Plate, Section, Table};
@@ -18,7 +18,7 @@ pub(super) const STEMS: Stems = ["loop-1", "loop-2", "loop-3", "loop-4", "loop-5
 
 pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     let scenario = material.document.scenario()?;
-    let (places, unknowns) = sought::all(material)?;
+    let (places, unknowns) = unknowns::all(material)?;
     let atmosphere = scenario.air.atmospheric_pressure;
     let loops =
         material.recordings.iter().map(|recording| read(recording, atmosphere)).collect::<Result<Vec<_>, _>>()?;
@@ -26,7 +26,7 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     let given = material.document.says_of_each(parameter::MIN_LENGTH.key);
     let task = LoopTask {
         adjustable: Adjustable::new(scenario, places, given),
-        starts: sought::more_starts(&material.study, &unknowns, material.study.search.more_starts.unwrap_or(0)),
+        starts: unknowns::more_starts(&material.study, &unknowns, material.study.search.more_starts.unwrap_or(0)),
         unknowns,
         loops,
         deviation,

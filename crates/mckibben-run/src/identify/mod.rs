@@ -8,7 +8,7 @@
 //! | `loops` | friction and hysteresis from tension over length to and fro |
 //! | `rings` | friction from ring-downs, by every estimator |
 //! | `valve` | a valve from steady flow, a tank, or the pressure under a pulse train |
-//! | `sought` | the unknowns of a study |
+//! | `unknowns` | the unknowns of a study |
 //! | `values` | numbers with their intervals, as tables |
 //! | `responses` | overshoot, first peak, frequency and settling of step-like runs |
 //! | `minima` | the other minima that searches from several starts led to |
@@ -27,7 +27,7 @@ mod prediction;
 mod responses;
 mod rings;
 mod sensors;
-mod sought;
+mod unknowns;
 mod trajectories;
 mod values;
 mod valve;

@@ -2,7 +2,7 @@
 
 use super::Material;
 use super::sensors::{self, OfSensor};
-use super::sought::{self, OfRun};
+use super::unknowns::{self, OfRun};
 use super::trajectories::held_at_its_end;
 use crate::failure::Failure;
 use mckibben::network::NodeKind;
@@ -23,9 +23,9 @@ pub(super) fn runs(material: &Material, warnings: &mut Vec<String>) -> Result<(V
         }
         plants.push((document, experiment));
     }
-    let (unknowns, numbers) = sought::of_runs(material, |run, entry| {
+    let (unknowns, numbers) = unknowns::of_runs(material, |run, entry| {
         let found = plants[run].0.find_in_plant(&entry.path);
-        let place = found.map_err(|error| sought::misplaced(&error, Some(&material.recordings[run].name)))?;
+        let place = found.map_err(|error| unknowns::misplaced(&error, Some(&material.recordings[run].name)))?;
         let (row, value) = (place.parameter(), place.value());
         Ok((place, row, value))
     })?;
@@ -83,7 +83,7 @@ fn courses(
     }
     // In the order of a run's table: by the parts, as the file has them.
     courses.sort_by_key(|(place, _)| *place);
-    Ok(courses.into_iter().map(|(_, course)| course).collect())
+    Ok(courses.into_iter().map(|(_, series)| series).collect())
 }
 
 /// What a column is of the plant.
@@ -166,10 +166,10 @@ fn give_pressures(
         let part = of.names.actuators.first().map_or("flexor", String::as_str);
         return Err(Failure::input(title, format!("add `[columns.\"{part}.gauge_pressure\"]`")));
     }
-    for (actuator, course) in given {
+    for (actuator, series) in given {
         let name = &of.names.actuators[actuator];
         if of.names.valves[actuator].is_some() {
-            let (where_, hose) = match course.at {
+            let (where_, hose) = match series.at {
                 PressurePlace::Muscle => ("", ", hose"),
                 PressurePlace::Hose => (" at the end of its hose", ""),
             };
@@ -181,8 +181,8 @@ fn give_pressures(
                 warnings.push(words);
             }
         }
-        held_at_its_end(recording, &format!("the pressure of `{name}`"), (&course.time, until), warnings);
-        document.give_pressure(name, &course)?;
+        held_at_its_end(recording, &format!("the pressure of `{name}`"), (&series.time, until), warnings);
+        document.give_pressure(name, &series)?;
     }
     Ok(())
 }

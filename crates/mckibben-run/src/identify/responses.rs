@@ -27,7 +27,7 @@ pub(super) fn of(task: &Task, found: &Identified, held_out: &[HeldOutRun]) -> Ve
     for (run, simulated) in task.runs.iter().zip(&found.simulated) {
         let out = held_out.iter().find(|of| of.name == run.name).map(|of| (&of.simulated, &of.values[..]));
         let predictions = [Some((simulated, &values[..])), out];
-        all.extend(run.courses.iter().filter_map(|course| compared(run, course, predictions)));
+        all.extend(run.courses.iter().filter_map(|series| compared(run, series, predictions)));
     }
     all
 }
@@ -57,20 +57,20 @@ pub(super) fn table(all: &[StepResponse]) -> Table {
 /// A run with values of all unknowns.
 type Predicted<'a> = (&'a Simulated, &'a [f64]);
 
-fn compared(run: &Recorded, course: &TimeSeries, predictions: [Option<Predicted<'_>>; 2]) -> Option<StepResponse> {
+fn compared(run: &Recorded, series: &TimeSeries, predictions: [Option<Predicted<'_>>; 2]) -> Option<StepResponse> {
     let moves =
         [Quantity::Length, Quantity::Angle, Quantity::AntagonistLength, Quantity::Position, Quantity::LoadDistance];
-    if !moves.contains(&course.observed.quantity()) {
+    if !moves.contains(&series.observed.quantity()) {
         return None;
     }
-    let measured = StepInfo::of_readings(&course.times, &course.values)?;
+    let measured = StepInfo::of_readings(&series.times, &series.values)?;
     let predicted = predictions.map(|simulated| {
-        let values = run.readings(course, simulated?, &course.times);
-        let squares: f64 = values.iter().zip(&course.values).map(|(a, b)| (a - b) * (a - b)).sum();
+        let values = run.readings(series, simulated?, &series.times);
+        let squares: f64 = values.iter().zip(&series.values).map(|(a, b)| (a - b) * (a - b)).sum();
         let error = (squares / values.len() as f64).sqrt() / measured.stroke.abs();
-        Some((StepInfo::of_model(&course.times, &values)?, error))
+        Some((StepInfo::of_model(&series.times, &values)?, error))
     });
-    let (quantity, unit) = (course.observed.words(), course.observed.unit());
+    let (quantity, unit) = (series.observed.words(), series.observed.unit());
     Some(StepResponse { run: run.name.clone(), quantity, unit, measured, predicted })
 }
 

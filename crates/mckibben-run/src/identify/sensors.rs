@@ -1,7 +1,7 @@
 //! Sensors of a study: what its columns say is known of them, and which of their numbers are looked for.
 
 use super::Material;
-use super::sought::read;
+use super::unknowns::read;
 use crate::failure::Failure;
 use mckibben_identify::least_squares::Unknown;
 use mckibben_identify::study::{Column, ColumnEntry, FitEntry, Quantity};
@@ -104,7 +104,7 @@ pub(super) fn sensor(
     material: &Material,
     (quantity, part): (Quantity, Option<&str>),
     base: f64,
-    sought: &[(OfSensor, usize)],
+    unknowns: &[(OfSensor, usize)],
 ) -> Sensor {
     let mut sensor = Sensor { base, ..Sensor::default() };
     let columns = &material.study.columns;
@@ -113,7 +113,7 @@ pub(super) fn sensor(
     sensor.hold = columns[place].sensor.hold;
     for (amount, into) in sensor.amounts_mut().into_iter().enumerate() {
         *into = Amount::Known(known(&columns[place], amount));
-        if let Some((_, unknown)) = sought.iter().find(|(of, _)| of.column == place && of.amount == amount) {
+        if let Some((_, unknown)) = unknowns.iter().find(|(of, _)| of.column == place && of.amount == amount) {
             *into = Amount::Sought(*unknown);
         }
     }

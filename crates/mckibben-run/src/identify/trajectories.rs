@@ -3,7 +3,7 @@
 use super::outcome::{self, Outcome, Stems, WARNED};
 use super::prediction::Prediction;
 use super::sensors::{self, OfSensor};
-use super::sought::{self, OfRun};
+use super::unknowns::{self, OfRun};
 use super::{Material, minima, plant, pressure_of, responses, values};
 use crate::failure::Failure;
 use crate::progress::Progress;
@@ -92,7 +92,7 @@ fn task(material: &Material, warnings: &mut Vec<String>) -> Result<Task, Failure
         (None, Horizon::Segments(_)) => (0, None),
         (None, _) => (SCREENED, Some(REFINED)),
     };
-    let starts = sought::more_starts(&material.study, &unknowns, count);
+    let starts = unknowns::more_starts(&material.study, &unknowns, count);
     Ok(Task { runs, unknowns, starts, horizon, search: Search { refined, ..material.search() }, tolerance: 1e-8 })
 }
 
@@ -114,8 +114,8 @@ fn runs(material: &Material, warnings: &mut Vec<String>) -> Result<(Vec<Recorded
         scenarios.push((recording.name.clone(), scenario));
         documents.push(document);
     }
-    let (unknowns, numbers) = sought::of_runs(material, |run, entry| {
-        sought::in_run(material, entry, (&documents[run], &mut scenarios[run]))
+    let (unknowns, numbers) = unknowns::of_runs(material, |run, entry| {
+        unknowns::in_run(material, entry, (&documents[run], &mut scenarios[run]))
     })?;
     let mut runs = Vec::new();
     for (((name, scenario), OfRun { places, unknowns, sensors }), (recording, document)) in
@@ -131,7 +131,7 @@ fn runs(material: &Material, warnings: &mut Vec<String>) -> Result<(Vec<Recorded
         });
         let driven_too = others.and_then(|of| of.pressure).map(|_| Observed::AntagonistGaugePressure);
         for pressure in driven.into_iter().chain(driven_too) {
-            courses.retain(|course| course.observed != pressure);
+            courses.retain(|recorded| recorded.observed != pressure);
         }
         runs.push(Recorded { name, subject: Adjustable::new(scenario, places, given).into(), unknowns, courses });
     }
@@ -266,7 +266,7 @@ fn courses(
 }
 
 fn introduction(task: &Task, found: &Identified) -> Vec<String> {
-    let readings: usize = task.runs.iter().flat_map(|run| &run.courses).map(|course| course.values.len()).sum();
+    let readings: usize = task.runs.iter().flat_map(|run| &run.courses).map(|recorded| recorded.values.len()).sum();
     let numbers = counted(task.unknowns.len(), "parameter");
     let runs = counted(task.runs.len(), "run");
     let condition = match found.found.fit.ending {
@@ -351,15 +351,15 @@ fn sections(task: &Task, found: &Identified, tables: [&Table; 4], scenarios: &[(
 /// Every reading of every run.
 fn predictions(task: &Task, found: &Identified) -> Vec<Prediction> {
     let values = found.found.fit.values();
-    let of_course = |run: usize, course: &TimeSeries| Prediction {
+    let of_course = |run: usize, recorded: &TimeSeries| Prediction {
         run: task.runs[run].name.clone(),
-        quantity: course.observed.words(),
-        unit: course.observed.unit(),
-        coordinates: vec![("time_s", course.times.clone())],
-        measured: course.values.clone(),
-        predicted: task.runs[run].readings(course, (&found.simulated[run], &values), &course.times),
+        quantity: recorded.observed.words(),
+        unit: recorded.observed.unit(),
+        coordinates: vec![("time_s", recorded.times.clone())],
+        measured: recorded.values.clone(),
+        predicted: task.runs[run].readings(recorded, (&found.simulated[run], &values), &recorded.times),
     };
-    let of_run = |run: usize| task.runs[run].courses.iter().map(|course| of_course(run, course)).collect::<Vec<_>>();
+    let of_run = |run: usize| task.runs[run].courses.iter().map(|recorded| of_course(run, recorded)).collect::<Vec<_>>();
     (0..task.runs.len()).flat_map(of_run).collect()
 }
 
@@ -372,32 +372,32 @@ fn plate(task: &Task, found: &Identified, index: usize, stem: &'static str) -> P
     let mut panels = Vec::new();
     // Many quantities take lower panels, so that a figure stays on one page.
     let [height, height_off] = if run.courses.len() > 3 { [24.0, 15.0] } else { [32.0, 16.0] };
-    for (place, course) in run.courses.iter().enumerate() {
-        let kind = course.observed.index().unwrap_or(Observed::ALL.len() + place);
+    for (place, recorded) in run.courses.iter().enumerate() {
+        let kind = recorded.observed.index().unwrap_or(Observed::ALL.len() + place);
         let times: Vec<f64> = (0..=600).map(|part| last * f64::from(part) / 600.0).collect();
-        let curve = run.readings(course, fitted, &times);
-        let predicted = run.readings(course, fitted, &course.times);
-        let off: Vec<f64> = predicted.iter().zip(&course.values).map(|(predicted, value)| predicted - value).collect();
-        let (words, unit) = (course.observed.words(), course.observed.unit());
+        let curve = run.readings(recorded, fitted, &times);
+        let predicted = run.readings(recorded, fitted, &recorded.times);
+        let off: Vec<f64> = predicted.iter().zip(&recorded.values).map(|(predicted, value)| predicted - value).collect();
+        let (words, unit) = (recorded.observed.words(), recorded.observed.unit());
         let panel =
             Panel::new(Axis::new(words, unit)).legend(if panels.is_empty() { Legend::Above } else { Legend::Hidden });
         panels.push(
             panel
                 .height_mm(height)
                 .series(
-                    Series::dots("measured", course.times.clone(), course.values.clone()).colour(Colour::Category(1)),
+                    Series::dots("measured", recorded.times.clone(), recorded.values.clone()).colour(Colour::Category(1)),
                 )
                 .series(Series::line("simulated", times, curve)),
         );
         data.rows.extend(
-            course
+            recorded
                 .times
                 .iter()
-                .zip(&course.values)
+                .zip(&recorded.values)
                 .zip(&off)
                 .map(|((time, value), off)| vec![kind as f64, *time, *value, value + off]),
         );
-        panels.push(outcome::off("off", unit, Series::dots("", course.times.clone(), off)).height_mm(height_off));
+        panels.push(outcome::off("off", unit, Series::dots("", recorded.times.clone(), off)).height_mm(height_off));
     }
     let figure = Figure { width_mm: 150.0, x: Axis::new("time", "s"), panels, ..Figure::default() };
     let caption = format!("`{}`: measured and simulated, and the one less the other.", run.name);

@@ -313,7 +313,7 @@ mod tests {
     }
 
     #[test]
-    fn a_deviation_says_how_many_digits() {
+    fn a_standard_error_limits_the_digits() {
         assert_eq!(rounded(12.345_678, Some(0.034)), "12.346");
         assert_eq!(rounded(12.345_678, None), "12.3457");
         assert_eq!(rounded(123_456.0, Some(2300.0)), "123456");

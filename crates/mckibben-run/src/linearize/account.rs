@@ -171,8 +171,8 @@ pub(super) fn pwm(averaged: &ValveAverage, poles: &[Pole], swings: Vec<String>) 
     }
     if let Some(ratio) = over_fastest(averaged, poles) {
         let slow = "slow: the model does not describe what happens within a period";
-        let ratio_told = format!("{} times the fastest pole", digits(ratio));
-        lines.push(Line::new("frequency", ratio_told).unless(ratio > 3.0, slow));
+        let ratio_text = format!("{} times the fastest pole", digits(ratio));
+        lines.push(Line::new("frequency", ratio_text).unless(ratio > 3.0, slow));
     }
     lines
 }

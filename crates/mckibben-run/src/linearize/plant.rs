@@ -151,7 +151,7 @@ impl PlantModel {
             lines.push(Line::new(name, format!("{gauge} gauge, {length}{taut}, {tension}{sticks}")));
         }
         for average in &self.linear.averages {
-            let told = format!(
+            let text = format!(
                 "{} at {}, open to the supply for {} of the period",
                 percent(average.duty),
                 quantity(average.frequency, "Hz"),
@@ -162,7 +162,7 @@ impl PlantModel {
                 (average.ripple_is_small(), "the ripple is too large for the mean flow to be trusted"),
             ];
             let warnings = warnings.into_iter().filter(|(holds, _)| !holds).map(|(_, words)| words);
-            let line = Line::new(self.valve(average.valve), told);
+            let line = Line::new(self.valve(average.valve), text);
             lines.push(Line { warning: warnings.collect::<Vec<_>>().join("; "), ..line });
         }
         let StateSpace { states, inputs, outputs, .. } = &self.system;

@@ -128,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn a_slow_stretch_of_the_core_traces_the_same_branches() {
+    fn a_slow_extension_in_the_core_traces_the_same_branches() {
         // The same actuator pulled out slowly at both ends: tension = F_s + Q k_sec + c v, with c v negligible.
         let mut document = files::document("fig-04-60psi.toml").unwrap();
         document.remove("load.mass");

@@ -32,11 +32,11 @@ const DOTS: usize = 60;
 /// [`Failure::output`], which names `path`, when the figure cannot be drawn.
 pub fn draw(
     sweep: &Sweep,
-    tally: &SweepCounts,
+    totals: &SweepCounts,
     title: &str,
     (path, format): (&Path, Format),
 ) -> Result<Vec<u8>, Failure> {
-    let picture = picture(sweep, tally, title);
+    let picture = picture(sweep, totals, title);
     picture.bytes(format).map_err(|error| Failure::output(path, error))
 }
 
@@ -44,8 +44,8 @@ pub fn draw(
 ///
 /// # Errors
 /// When the figure contradicts itself.
-pub fn svg(sweep: &Sweep, tally: &SweepCounts, theme: Theme) -> Result<String, PlotError> {
-    match picture(sweep, tally, "") {
+pub fn svg(sweep: &Sweep, totals: &SweepCounts, theme: Theme) -> Result<String, PlotError> {
+    match picture(sweep, totals, "") {
         Picture::One(figure) => figure.to_svg(theme),
         Picture::SideBySide(beside) => beside.to_svg(theme),
     }
@@ -89,8 +89,8 @@ impl Values {
     }
 }
 
-fn picture(sweep: &Sweep, tally: &SweepCounts, title: &str) -> Picture {
-    let (kept, stride) = tally.kept();
+fn picture(sweep: &Sweep, totals: &SweepCounts, title: &str) -> Picture {
+    let (kept, stride) = totals.kept();
     let rows: Vec<u64> = kept.keys().copied().collect();
     let mut keys: Vec<Values> = (0..sweep.axes().len()).map(|axis| key(sweep, axis, &rows)).collect();
     // A key with one value says nothing; one of them must stay to have an axis.

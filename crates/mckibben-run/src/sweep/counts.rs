@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 /// Runs that a figure keeps at most.
 const DRAWN: u64 = 40_000;
 /// Reasons that are printed.
-const TOLD: usize = 3;
+const REPORTED: usize = 3;
 
 /// What has been seen of the runs.
 #[derive(Clone, Debug)]
@@ -81,7 +81,7 @@ impl SweepCounts {
             Outcome::Failed(reason) => {
                 self.failed += 1;
                 self.reasons.insert(row, reason.clone());
-                if self.reasons.len() > TOLD {
+                if self.reasons.len() > REPORTED {
                     self.reasons.pop_last();
                 }
             }

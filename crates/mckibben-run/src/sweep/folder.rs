@@ -56,7 +56,7 @@ impl Manifest {
 
     /// In what another manifest differs, in words.
     fn difference(&self, other: &serde_json::Value) -> String {
-        let told = |name: &str, what: &str| {
+        let difference_of = |name: &str, what: &str| {
             let (here, there) = (&self.0[name], &other[name]);
             (here != there).then(|| format!("{what} {there} there and {here} here"))
         };
@@ -64,14 +64,14 @@ impl Manifest {
             let lines = value["sweep"].as_array().cloned().unwrap_or_default();
             lines.iter().map(|line| line.as_str().unwrap_or_default().to_owned()).collect()
         };
-        told("mckibben", "the version of mckibben is")
+        difference_of("mckibben", "the version of mckibben is")
             .or_else(|| {
                 let (here, there) = (lines(&self.0), lines(other));
                 let at = here.iter().zip(&there).position(|(a, b)| a != b).unwrap_or(here.len().min(there.len()));
                 let line = |of: &[String]| of.get(at).map_or("nothing".to_owned(), |line| format!("`{}`", line.trim()));
                 (here != there).then(|| format!("{} stands there in place of {}", line(&there), line(&here)))
             })
-            .or_else(|| told("part_rows", "the rows of a part are"))
+            .or_else(|| difference_of("part_rows", "the rows of a part are"))
             .unwrap_or_else(|| "its sweep.json differs".to_owned())
     }
 }

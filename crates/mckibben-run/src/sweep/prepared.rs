@@ -81,7 +81,7 @@ impl Prepared {
         parts: Vec<u64>,
         jobs: usize,
         place: Place,
-        tally: &mut SweepCounts,
+        totals: &mut SweepCounts,
     ) -> Result<(), Failure> {
         let mut destination = Destination::new(&self.sweep, self.plan, self.notes_with(choice), place);
         let rows_of = |part: &u64| self.plan.rows_of(*part).end - self.plan.rows_of(*part).start;
@@ -93,9 +93,9 @@ impl Prepared {
         let written = schedule::in_order(jobs, units, work, |unit, simulated| {
             let rows::Simulated { outcomes, warned } = simulated;
             destination.write(&unit, &outcomes)?;
-            warned.iter().for_each(|(row, warnings)| tally.warn(*row, warnings));
+            warned.iter().for_each(|(row, warnings)| totals.warn(*row, warnings));
             for (row, outcome) in unit.rows.clone().zip(&outcomes) {
-                tally.see(row, outcome);
+                totals.see(row, outcome);
             }
             done += outcomes.len() as u64;
             progress.at(done);

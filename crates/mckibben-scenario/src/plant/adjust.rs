@@ -148,20 +148,20 @@ impl Document {
     ///
     /// # Errors
     /// When the file has something there that is no section.
-    pub fn give_pressure(&mut self, actuator: &str, course: &PressureSeries) -> Result<(), Diagnostics> {
+    pub fn give_pressure(&mut self, actuator: &str, series: &PressureSeries) -> Result<(), Diagnostics> {
         let of_muscle = ["hose", p::INITIAL_GAUGE_PRESSURE.key];
-        let also: &[&str] = if course.at == PressurePlace::Muscle { &of_muscle } else { &[] };
+        let also: &[&str] = if series.at == PressurePlace::Muscle { &of_muscle } else { &[] };
         for section in ["valve", "command", "controller", "supply", "pressure"].iter().chain(also) {
             self.remove(&format!("{ACTUATORS}.{actuator}.{section}"));
         }
-        for (row, numbers) in [(&p::COURSE_TIME, &course.time), (&p::COURSE_GAUGE_PRESSURE, &course.gauge_pressure)] {
+        for (row, numbers) in [(&p::COURSE_TIME, &series.time), (&p::COURSE_GAUGE_PRESSURE, &series.gauge_pressure)] {
             let said: Vec<String> =
                 numbers.iter().map(|number| format!("\"{}\"", quantity::format(*number, row.unit))).collect();
             let (path, list) = (format!("{ACTUATORS}.{actuator}.{}", row.key), format!("[{}]", said.join(", ")));
             self.set_text_from("the measured pressure", &path, &list)?;
         }
         let path = format!("{ACTUATORS}.{actuator}.{}", keys::PRESSURE_AT);
-        self.set_text_from("the measured pressure", &path, &format!("\"{}\"", course.at.name()))?;
+        self.set_text_from("the measured pressure", &path, &format!("\"{}\"", series.at.name()))?;
         Ok(())
     }
 

@@ -134,7 +134,7 @@ pub(crate) struct Store {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Inlet {
     pub(crate) one_way: bool,
-    pub(crate) passage: FlowPath,
+    pub(crate) flow_path: FlowPath,
     pub(crate) efficiency: f64,
     pub(crate) laminar_ratio: f64,
 }

@@ -85,7 +85,7 @@ impl<'s> Builder<'s> {
 
     /// A flow path that is always open, or open one way.
     fn inlet(&mut self, inlet: &Inlet, [from, to]: [usize; 2], air: &Air) -> Result<(), Error> {
-        let standard = inlet.passage.standard();
+        let standard = inlet.flow_path.standard();
         let law = FlowLaw::of_flow_path(Port::Supply, standard, inlet.efficiency, inlet.laminar_ratio, air)?;
         if inlet.one_way {
             self.network.branch(from, to, BranchKind::Check { law });

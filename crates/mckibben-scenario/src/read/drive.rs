@@ -3,7 +3,7 @@
 //! A valve needs a supply and a command; a command needs a valve. `hold` and a choice of the states of a pulse need a
 //! valve that can close.
 
-use super::passage::{EXHAUST, SUPPLY, passage};
+use super::flow_path::{EXHAUST, SUPPLY, flow_path};
 use super::{columns, controller, gauge_pressure, line};
 use crate::choice::{CommandKind, CommandState, ExhaustTemperature, ValveKind, Word};
 use crate::diagnostic::{Class, Diagnostic, Place};
@@ -67,8 +67,8 @@ fn valve(r: &mut Reader<'_>) -> Option<Valve> {
         r.missing("valve.kind", "");
     }
     let own = SUPPLY.begun(|row| r.has(row.key));
-    let exhaust = passage(r, &EXHAUST, preset.filter(|_| !own));
-    let passage = passage(r, &SUPPLY, preset).unwrap_or_else(|| {
+    let exhaust = flow_path(r, &EXHAUST, preset.filter(|_| !own));
+    let flow_path = flow_path(r, &SUPPLY, preset).unwrap_or_else(|| {
         if !misspelt {
             let because = "; `sonic_conductance` and `critical_ratio`, `kv` or `cv` would do as well";
             r.missing(p::FLOW_AREA.key, because);
@@ -90,7 +90,7 @@ fn valve(r: &mut Reader<'_>) -> Option<Valve> {
     let exhaust_temperature = r.word("valve.exhaust_temperature").unwrap_or(ExhaustTemperature::Actuator);
     Some(Valve {
         kind: kind?,
-        passage,
+        passage: flow_path,
         exhaust,
         efficiency,
         regulator,

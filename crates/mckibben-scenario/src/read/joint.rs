@@ -6,7 +6,7 @@
 //! force that names its `law`, a bladder its `form`; a braid that is described at rest in place of one described
 //! otherwise; a moment arm, by radius or by table. A table holds as it stands: it is not mirrored.
 
-use super::{alternative, body, columns, course, drive, line, passage};
+use super::{alternative, body, columns, conditions, drive, line, flow_path};
 use crate::choice::PressurePlace;
 use crate::diagnostic::Place;
 use crate::document::{Document, Entry, Node, Table, Value};
@@ -70,9 +70,9 @@ fn antagonist(r: &mut Reader<'_>, air: &Air) -> Option<Antagonist> {
     let actuator = body::actuator(of);
     let (supply, valve, command) = drive::drive(of, air);
     let has_own_supply = r.document().place(&format!("{ANTAGONIST}.supply")).is_some();
-    let (hose, pressure, series_tendon) = (line::hose(of), course::pressure(of), course::tendon(of));
+    let (hose, pressure, series_tendon) = (line::hose(of), conditions::pressure(of), conditions::tendon(of));
     let tendon = tendon(of);
-    let gauge_pressure = course::first_pressure(of, pressure.as_ref(), air);
+    let gauge_pressure = conditions::first_pressure(of, pressure.as_ref(), air);
     let temperature = of.value(&p::INITIAL_TEMPERATURE, None);
     match reader.finish() {
         Ok(()) => Some(Antagonist {
@@ -177,9 +177,9 @@ impl Document {
             for path in ["coupling.arms", "coupling.rest_length"] {
                 self.remove(path);
             }
-        } else if section == "valve" && states_passage(table) {
+        } else if section == "valve" && states_flow_path(table) {
             self.remove("valve.exhaust");
-            for row in passage::SUPPLY.ways().iter().flatten() {
+            for row in flow_path::SUPPLY.ways().iter().flatten() {
                 self.remove(row.key);
             }
         }
@@ -204,6 +204,6 @@ impl Document {
 }
 
 /// Whether a section `[valve]` says how much the valve lets through.
-fn states_passage(valve: &Table) -> bool {
-    passage::SUPPLY.begun(|row| row.key.rsplit('.').next().is_some_and(|name| valve.get(name).is_some()))
+fn states_flow_path(valve: &Table) -> bool {
+    flow_path::SUPPLY.begun(|row| row.key.rsplit('.').next().is_some_and(|name| valve.get(name).is_some()))
 }

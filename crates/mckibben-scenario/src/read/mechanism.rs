@@ -1,6 +1,6 @@
 //! The mechanisms of a plant, and how actuators span them.
 
-use super::course::{MotionRows, motion_of};
+use super::conditions::{MotionRows, motion_of};
 use super::{alternative, columns, controller};
 use crate::choice::{LoadKind, MechanismKind};
 use crate::diagnostic::{Class, Diagnostic, Place};

@@ -9,8 +9,8 @@
 //! | `drive` | supply, valve, command |
 //! | `controller` | controller |
 //! | `line` | hose, reservoir and regulator of the supply |
-//! | `passage` | how much the valve's flow paths let through |
-//! | `course` | pressure, tendon, load, initial, run |
+//! | `flow_path` | how much the valve's flow paths let through |
+//! | `conditions` | pressure, tendon, load, initial, run |
 //! | `joint` | load and antagonist of an antagonistic joint |
 //! | `plant` | actuators and supplies of a plant |
 //! | `mechanism` | its mechanisms, and how actuators span them |
@@ -19,13 +19,13 @@
 
 mod body;
 pub(crate) mod controller;
-mod course;
+mod conditions;
 mod drive;
 mod friction;
 mod joint;
 mod line;
 mod mechanism;
-pub(crate) mod passage;
+pub(crate) mod flow_path;
 mod plant;
 
 pub(crate) use body::{describes_braid, describes_whole_braid, gives_braid, gives_law};
@@ -68,11 +68,11 @@ impl Document {
         let air = body::air(r);
         let driven = drive::drive(r, &air);
         let hose = line::hose(r);
-        let pressure = course::pressure(r);
-        let tendon = course::tendon(r);
-        let load = if self.contains("load") { course::load(r, &air) } else { None };
-        let initial = course::initial(r, load.as_ref(), pressure.as_ref(), &air);
-        let run = if self.contains("run") { Some(course::run(r)) } else { None };
+        let pressure = conditions::pressure(r);
+        let tendon = conditions::tendon(r);
+        let load = if self.contains("load") { conditions::load(r, &air) } else { None };
+        let initial = conditions::initial(r, load.as_ref(), pressure.as_ref(), &air);
+        let run = if self.contains("run") { Some(conditions::run(r)) } else { None };
         reader.finish()?;
         match (load, run) {
             (Some(load), Some(run)) => {

@@ -3,7 +3,7 @@
 //! Each is read from the document as it stands for it. What feeds what is a tree: a supply is fed by at most one, and none by
 //! itself.
 
-use super::{body, course, drive, line, mechanism, passage};
+use super::{body, conditions, drive, line, mechanism, flow_path};
 use crate::choice::{CommandKind, InletKind, ValveOutput};
 use crate::diagnostic::{Class, Diagnostic, Diagnostics, Place};
 use crate::document::Document;
@@ -16,7 +16,7 @@ use mckibben::parameter as p;
 use std::collections::HashMap;
 
 /// The flow path of an inlet.
-static INLET: passage::Rows = passage::Rows {
+static INLET: flow_path::Rows = flow_path::Rows {
     flow_area: &keys::INLET_FLOW_AREA,
     sonic_conductance: &keys::INLET_SONIC_CONDUCTANCE,
     critical_ratio: &keys::INLET_CRITICAL_RATIO,
@@ -43,7 +43,7 @@ impl Document {
         self.distinct_names(r);
         let air = body::air(r);
         let run = if r.has("run") {
-            Some(course::run(r))
+            Some(conditions::run(r))
         } else {
             r.missing_section("run", None);
             None
@@ -354,8 +354,8 @@ impl Document {
         let air = body::air(of);
         let (supplied, valve, command) = drive::drive(of, &air);
         let hose = line::hose(of);
-        let pressure = course::pressure(of);
-        let tendon = course::tendon(of);
+        let pressure = conditions::pressure(of);
+        let tendon = conditions::tendon(of);
         let output = match of.word("valve.output") {
             Some(ValveOutput::B) => 1,
             _ => 0,
@@ -368,8 +368,8 @@ impl Document {
         }
         let (load, initial, mount);
         if has_load {
-            load = course::load(of, &air);
-            initial = course::initial(of, load.as_ref(), pressure.as_ref(), &air);
+            load = conditions::load(of, &air);
+            initial = conditions::initial(of, load.as_ref(), pressure.as_ref(), &air);
             mount = Some(Mount::Own);
             if matches!(load, Some(Load::AntagonisticJoint(_)))
                 && let Some(place) = of.value_place("load.kind")
@@ -433,8 +433,8 @@ fn on_mechanism(r: &mut Reader<'_>, has_tendon: bool, series: Option<&PressureSe
     } else if !has_tendon {
         refuse(r, path, "without an elastic tendon the mechanism says how long the actuator is", "remove it");
     }
-    let gauge_pressure = course::first_pressure(r, series, air);
-    let (temperature, friction) = (r.value(&p::INITIAL_TEMPERATURE, None), course::friction_start(r));
+    let gauge_pressure = conditions::first_pressure(r, series, air);
+    let (temperature, friction) = (r.value(&p::INITIAL_TEMPERATURE, None), conditions::friction_start(r));
     Initial { gauge_pressure, temperature, length, velocity: 0.0, friction }
 }
 
@@ -472,8 +472,8 @@ fn feeder<'s>(r: &mut Reader<'_>, path: &str, (name, place): (&str, &Place), sto
 fn inlet(r: &mut Reader<'_>) -> Option<Inlet> {
     let place = r.key_place("supplies.*.inlet")?;
     let kind: InletKind = r.word("supplies.*.inlet.kind").unwrap_or(InletKind::Open);
-    let passage = passage::passage(r, &INLET, None);
-    if passage.is_none() {
+    let flow_path = flow_path::flow_path(r, &INLET, None);
+    if flow_path.is_none() {
         let title = "the inlet does not say how much it lets through";
         r.note(Diagnostic::at(Class::Missing, place, title, "`flow_area` is expected here").help(
             "add for instance `flow_area = \"10 mm^2\"`; the other ways to state a valve's flow path would do as well",
@@ -481,7 +481,7 @@ fn inlet(r: &mut Reader<'_>) -> Option<Inlet> {
     }
     let efficiency = r.value(&keys::INLET_EFFICIENCY, None);
     let laminar_ratio = r.value(&keys::INLET_LAMINAR_RATIO, None);
-    Some(Inlet { one_way: kind == InletKind::Check, passage: passage?, efficiency, laminar_ratio })
+    Some(Inlet { one_way: kind == InletKind::Check, flow_path: flow_path?, efficiency, laminar_ratio })
 }
 
 /// Notes a key or section that has no place here.

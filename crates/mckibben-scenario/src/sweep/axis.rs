@@ -19,7 +19,7 @@ pub struct Axis {
     pub(super) values: Values,
     pub(super) sampler: Sampler,
     /// Whether the scenario is read again for each value.
-    pub(super) read_anew: bool,
+    pub(super) read_each_row: bool,
     pub(super) target: Option<Target>,
 }
 
@@ -129,7 +129,7 @@ impl Axis {
 
     /// Which value a row takes, counted from 0, when the scenario is read again for each.
     pub(super) fn base(&self, row: u64) -> Option<u64> {
-        self.read_anew.then(|| self.values.step(self.sampler.draw(row)))
+        self.read_each_row.then(|| self.values.step(self.sampler.draw(row)))
     }
 
     /// The axis as a line of text that identifies it.

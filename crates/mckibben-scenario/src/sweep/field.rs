@@ -247,28 +247,28 @@ fn exhaust(scenario: &mut Scenario) -> Option<&mut FlowPath> {
     scenario.valve.as_mut()?.exhaust.as_mut()
 }
 
-fn flow_area(passage: &mut FlowPath) -> Option<&mut f64> {
-    if let FlowPath::FlowArea(area) = passage { Some(area) } else { None }
+fn flow_area(flow_path: &mut FlowPath) -> Option<&mut f64> {
+    if let FlowPath::FlowArea(area) = flow_path { Some(area) } else { None }
 }
 
-fn sonic_conductance(passage: &mut FlowPath) -> Option<&mut f64> {
-    if let FlowPath::Iso6358 { sonic_conductance, .. } = passage { Some(sonic_conductance) } else { None }
+fn sonic_conductance(flow_path: &mut FlowPath) -> Option<&mut f64> {
+    if let FlowPath::Iso6358 { sonic_conductance, .. } = flow_path { Some(sonic_conductance) } else { None }
 }
 
-fn critical_ratio(passage: &mut FlowPath) -> Option<&mut f64> {
-    if let FlowPath::Iso6358 { critical_ratio, .. } = passage { Some(critical_ratio) } else { None }
+fn critical_ratio(flow_path: &mut FlowPath) -> Option<&mut f64> {
+    if let FlowPath::Iso6358 { critical_ratio, .. } = flow_path { Some(critical_ratio) } else { None }
 }
 
-fn kv(passage: &mut FlowPath) -> Option<&mut f64> {
-    if let FlowPath::Kv { kv, .. } = passage { Some(kv) } else { None }
+fn kv(flow_path: &mut FlowPath) -> Option<&mut f64> {
+    if let FlowPath::Kv { kv, .. } = flow_path { Some(kv) } else { None }
 }
 
-fn cv(passage: &mut FlowPath) -> Option<&mut f64> {
-    if let FlowPath::Cv { cv, .. } = passage { Some(cv) } else { None }
+fn cv(flow_path: &mut FlowPath) -> Option<&mut f64> {
+    if let FlowPath::Cv { cv, .. } = flow_path { Some(cv) } else { None }
 }
 
-fn pressure_drop_ratio(passage: &mut FlowPath) -> Option<&mut f64> {
-    match passage {
+fn pressure_drop_ratio(flow_path: &mut FlowPath) -> Option<&mut f64> {
+    match flow_path {
         FlowPath::Kv { pressure_drop_ratio, .. } | FlowPath::Cv { pressure_drop_ratio, .. } => {
             Some(pressure_drop_ratio)
         }

@@ -54,7 +54,7 @@ impl Document {
         let over = r.word("sweep.over").unwrap_or(StatisticsOver::Run);
         let varied = vary::read(r, design);
         let rows = if design == DesignKind::Grid { combinations(r, &varied) } else { rows(r) };
-        let words = varied.iter().filter_map(Varied::read_anew).fold(1, u64::saturating_mul);
+        let words = varied.iter().filter_map(Varied::read_each_row).fold(1, u64::saturating_mul);
         if words > MOST_BASES && !is_plant {
             let place = r.key_place(VARY);
             note_beyond(
@@ -226,7 +226,7 @@ fn bases(
         let mut rest = combination;
         let mut chosen = Vec::new();
         for varied in varied.iter().rev() {
-            if let Some(count) = varied.read_anew() {
+            if let Some(count) = varied.read_each_row() {
                 let value = varied.value(rest % count);
                 document.put(&varied.path, &varied.key, value);
                 chosen.push(format!("`{} = {}`", varied.path, value.place.text()));
@@ -305,8 +305,8 @@ fn axes(varied: Vec<Varied<'_>>, design: DesignKind, rows: u64, seed: u64) -> Ve
             }
             DesignKind::Random => Sampler::Random(stream),
         };
-        let (kind, target, read_anew) = (varied.kind(), varied.target(), varied.read_anew().is_some());
-        Axis { path: varied.path, kind, values: varied.values, sampler, read_anew, target }
+        let (kind, target, read_each_row) = (varied.kind(), varied.target(), varied.read_each_row().is_some());
+        Axis { path: varied.path, kind, values: varied.values, sampler, read_each_row, target }
     });
     sampled.collect()
 }

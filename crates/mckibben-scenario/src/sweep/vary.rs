@@ -46,7 +46,7 @@ impl<'d> Varied<'d> {
     }
 
     /// How many values there are for each of which the scenario is read again: words, and whole numbers.
-    pub(super) fn read_anew(&self) -> Option<u64> {
+    pub(super) fn read_each_row(&self) -> Option<u64> {
         let whole = matches!(self.row.kind, Kind::Whole(_));
         (whole || matches!(self.values, Values::Words(_))).then_some(self.nodes.len() as u64)
     }
@@ -84,7 +84,7 @@ impl<'d> Varied<'d> {
     }
 
     pub(super) fn target(&self) -> Option<Target> {
-        let parameter = self.parameter.filter(|_| self.read_anew().is_none())?;
+        let parameter = self.parameter.filter(|_| self.read_each_row().is_none())?;
         Some(Target { parameter, field: field_of(parameter) })
     }
 }

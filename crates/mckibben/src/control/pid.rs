@@ -29,7 +29,7 @@
 //! Checked by `tests/pid.rs`.
 
 use super::{Drive, Quantity};
-use crate::convert::{Anew, Convert};
+use crate::convert::{ConvertEach, Convert};
 use crate::error::Error;
 use crate::parameter::{self, Parameter};
 use crate::scalar::{Real, Scalar};
@@ -136,7 +136,7 @@ impl<S: Scalar> Pid<S> {
     /// Converts the controller for an error of `quantity` to another scalar type; `function` receives each number with
     /// its parameter.
     pub fn map<T: Scalar>(&self, quantity: Quantity, function: impl FnMut(&'static Parameter, S) -> T) -> Pid<T> {
-        let mut convert = Anew(function);
+        let mut convert = ConvertEach(function);
         let mut number = |row, value| convert.parameter(row, value);
         Pid {
             proportional_band: number(&quantity.rows().proportional_band, self.proportional_band),

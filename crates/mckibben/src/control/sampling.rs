@@ -14,7 +14,7 @@
 //! Instants come from their index and are never summed: the millionth is as exact as the first. Until decision 0 takes
 //! effect the valve has no command and its coils stay released.
 
-use crate::convert::{Anew, Convert};
+use crate::convert::{ConvertEach, Convert};
 use crate::error::Error;
 use crate::parameter::{self, Parameter};
 use crate::scalar::{Real, Scalar};
@@ -53,7 +53,7 @@ impl Sampling {
 impl<S: Scalar> Sampling<S> {
     /// Converts the sampling to another scalar type; `function` receives each number with its parameter.
     pub fn map<T: Scalar>(&self, function: impl FnMut(&'static Parameter, S) -> T) -> Sampling<T> {
-        let mut convert = Anew(function);
+        let mut convert = ConvertEach(function);
         Sampling {
             rate: convert.parameter(&parameter::CONTROL_RATE, self.rate),
             delay: self.delay,

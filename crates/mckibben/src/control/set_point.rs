@@ -11,7 +11,7 @@
 //! are one: a step at a sampling instant is seen at that instant.
 
 use super::Quantity;
-use crate::convert::{Anew, Convert};
+use crate::convert::{ConvertEach, Convert};
 use crate::error::Error;
 use crate::parameter::{self, Parameter};
 use crate::scalar::{Real, Scalar};
@@ -114,7 +114,7 @@ fn check_table(quantity: Quantity, time: &[f64], value: &[f64]) -> Result<(), Er
 impl<S: Scalar> SetPoint<S> {
     /// Converts the set point of a quantity to another scalar type; `function` receives each number with its parameter.
     pub fn map<T: Scalar>(&self, quantity: Quantity, function: impl FnMut(&'static Parameter, S) -> T) -> SetPoint<T> {
-        let (rows, mut convert) = (quantity.rows(), Anew(function));
+        let (rows, mut convert) = (quantity.rows(), ConvertEach(function));
         let mut number = |row, value: &S| convert.parameter(row, *value);
         match self {
             Self::Constant(value) => SetPoint::Constant(number(rows.set_point, value)),

@@ -75,7 +75,7 @@ impl Pace {
     }
 
     /// How it goes on from other states: without a step length, with the cost so far.
-    pub(crate) fn anew(&self) -> Self {
+    pub(crate) fn restarted(&self) -> Self {
         Self { measured_from: self.measured_from, statistics: self.statistics, ..Self::begin(0.0) }
     }
 

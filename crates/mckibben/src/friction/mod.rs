@@ -330,15 +330,15 @@ impl<S: Scalar> Friction<S> {
 
     /// Everything but that part in N, at a velocity (m/s).
     #[inline(always)]
-    pub fn pressed_force<T: Over<S>>(&self, rubbing: SlidingState<T>, velocity: T, pressing: NormalLoad<T>) -> T {
+    pub fn pressed_force<T: Over<S>>(&self, state: SlidingState<T>, velocity: T, pressing: NormalLoad<T>) -> T {
         let mut force = T::zero();
         if self.has_coulomb() {
-            force = self.coulomb.sliding(rubbing.direction, velocity, self.coulomb.kinetic(pressing));
+            force = self.coulomb.sliding(state.direction, velocity, self.coulomb.kinetic(pressing));
         }
         if let Some(time) = self.structural {
             force = force + T::of(time) * pressing.secant_stiffness() * velocity;
         }
-        match rubbing.held_force(pressing) {
+        match state.held_force(pressing) {
             Some(held) => force + held,
             None => force,
         }

@@ -104,7 +104,7 @@ impl<T: Scalar> NetworkState<T> {
 
 /// The states and chambers that the pressures of nodes follow from.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Surroundings<'a, T> {
+pub(crate) struct AroundNetwork<'a, T> {
     pub(crate) chambers: &'a [Chamber<T>],
     pub(crate) state: &'a [T],
 }
@@ -116,7 +116,7 @@ impl<R: Scalar> Network<R> {
         &self,
         time: T,
         piping: &Piping<R>,
-        around: Surroundings<'_, T>,
+        around: AroundNetwork<'_, T>,
         air: &Air<R>,
         mode: &impl FlowFormulas<R>,
         at: &mut NetworkState<T>,
@@ -157,7 +157,7 @@ impl<R: Scalar> Network<R> {
     fn flow_of_pipe<T: Over<R>>(
         &self,
         Pipe { branch, kind, from, to, place }: &Pipe<R>,
-        around: Surroundings<'_, T>,
+        around: AroundNetwork<'_, T>,
         air: &Air<R>,
         mode: &impl FlowFormulas<R>,
         nodes: &mut [NodeState<T>],
@@ -199,7 +199,7 @@ impl<R: Scalar> Network<R> {
         end: &End,
         amount: T,
         other: &End,
-        around: Surroundings<'_, T>,
+        around: AroundNetwork<'_, T>,
         air: &Air<R>,
         nodes: &mut [NodeState<T>],
     ) {
@@ -288,7 +288,7 @@ impl<R: Scalar> Network<R> {
 impl<R: Scalar> Piping<R> {
     /// Sets the pressures of the nodes that change, and their sums to zero.
     #[inline(always)]
-    fn enter_nodes<T: Over<R>>(&self, around: Surroundings<'_, T>, nodes: &mut [NodeState<T>]) {
+    fn enter_nodes<T: Over<R>>(&self, around: AroundNetwork<'_, T>, nodes: &mut [NodeState<T>]) {
         for varying in &self.varying {
             let of_node = &mut nodes[varying.node];
             (of_node.inward, of_node.outward, of_node.warmth) = (T::zero(), T::zero(), T::zero());

@@ -22,7 +22,7 @@
 //! and a flow moves no pressure beyond another. A branch that closes a ring counts for its two nodes, not between them; the
 //! method that uses it keeps its order whatever the matrix.
 
-use super::flow::{Densities, NetworkState, OrificeEnds, Surroundings};
+use super::flow::{Densities, NetworkState, OrificeEnds, AroundNetwork};
 use super::formulas::FlowFormulas;
 use super::piping::Piping;
 use super::{Branch, BranchKind, Network, NodeKind};
@@ -325,7 +325,7 @@ impl<R: Scalar> Network<R> {
         piping: &Piping<R>,
         branch: usize,
         (time, gamma_h): (R, R),
-        around: Surroundings<'_, R>,
+        around: AroundNetwork<'_, R>,
         air: &Air<R>,
         (mode, at): (&impl FlowFormulas<R>, &NetworkState<R>),
     ) -> ([R; 2], R) {

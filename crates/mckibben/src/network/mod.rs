@@ -38,7 +38,7 @@ pub(crate) mod mode;
 pub(crate) mod piping;
 pub(crate) mod progress;
 mod setting;
-mod told;
+mod commands;
 
 use crate::air::Air;
 use crate::convert::Convert;

@@ -4,7 +4,7 @@
 //! that they would have if all had been known beforehand, and memory stays bounded however often a valve is set.
 
 use super::mode::{BranchMode, NetworkMode, NodeMode, ValveMode};
-use super::told::Told;
+use super::commands::RuntimeCommands;
 use super::{Network, NodeKind};
 use crate::error::Error;
 use crate::line::Poppet;
@@ -21,22 +21,22 @@ use alloc::vec::Vec;
 pub(crate) struct Setting<R> {
     /// The valve, with what of its command is still on its way.
     actuation: Actuation<R>,
-    told: Told<R>,
+    commands: RuntimeCommands<R>,
     /// Of pulses that go on, in Hz.
     pulse_frequency: Option<R>,
 }
 
 impl<R: Clone> Clone for Setting<R> {
     fn clone(&self) -> Self {
-        let Self { actuation, told, pulse_frequency } = self;
-        Self { actuation: actuation.clone(), told: told.clone(), pulse_frequency: pulse_frequency.clone() }
+        let Self { actuation, commands, pulse_frequency } = self;
+        Self { actuation: actuation.clone(), commands: commands.clone(), pulse_frequency: pulse_frequency.clone() }
     }
 
     /// Takes on another setting in the memory that is there.
     fn clone_from(&mut self, source: &Self) {
-        let Self { actuation: Actuation { solenoid, command }, told, pulse_frequency } = self;
+        let Self { actuation: Actuation { solenoid, command }, commands, pulse_frequency } = self;
         solenoid.clone_from(&source.actuation.solenoid);
-        told.clone_from(&source.told);
+        commands.clone_from(&source.commands);
         pulse_frequency.clone_from(&source.pulse_frequency);
         match (command, &source.actuation.command) {
             (Command::Table { time, request }, Command::Table { time: of_source, request: requests }) => {
@@ -62,7 +62,7 @@ impl<R: Clone> Clone for Setting<R> {
 impl<R: Real> Setting<R> {
     /// Nothing has been set yet: the valve goes on with its own command.
     fn of(actuation: &Actuation<R>) -> Self {
-        Self { actuation: actuation.clone(), told: Told::nothing(), pulse_frequency: None }
+        Self { actuation: actuation.clone(), commands: RuntimeCommands::nothing(), pulse_frequency: None }
     }
 
     pub(crate) fn actuation(&self) -> &Actuation<R> {
@@ -71,7 +71,7 @@ impl<R: Real> Setting<R> {
 
     /// When in s its pulses must be laid out next; infinite when never.
     pub(crate) fn edge(&self) -> R {
-        self.told.next_edge()
+        self.commands.next_edge()
     }
 }
 
@@ -91,13 +91,13 @@ impl<R: Real> Setting<R> {
     /// One of a valve that has nothing on its way.
     fn blank(valve: &Actuation<R>) -> Self {
         let (solenoid, command) = (valve.solenoid, Command::nothing_of(&valve.solenoid));
-        Self { actuation: Actuation { solenoid, command }, told: Told::nothing(), pulse_frequency: None }
+        Self { actuation: Actuation { solenoid, command }, commands: RuntimeCommands::nothing(), pulse_frequency: None }
     }
 
     /// As numbers in a row.
     fn each_number(&mut self, time: R, row: &mut impl Row<R>) {
-        let Self { actuation: Actuation { solenoid, command }, told, pulse_frequency } = self;
-        told.each_number(solenoid, time, row);
+        let Self { actuation: Actuation { solenoid, command }, commands, pulse_frequency } = self;
+        commands.each_number(solenoid, time, row);
         row.instant(pulse_frequency);
         if pulse_frequency.is_some_and(|frequency| frequency.value() <= 0.0) {
             row.refuse();
@@ -223,9 +223,9 @@ impl<R: Real> Network<R> {
         self.valves[valve].solenoid.check_command(&demand)?;
         let of_valve = &mut mode.valves[valve];
         let setting = of_valve.setting.get_or_insert_with(|| Box::new(Setting::of(&self.valves[valve])));
-        let Setting { actuation, told, pulse_frequency } = &mut **setting;
+        let Setting { actuation, commands, pulse_frequency } = &mut **setting;
         *pulse_frequency = if let RuntimeCommand::Pulses { frequency, .. } = demand { Some(frequency) } else { None };
-        told.tell(actuation, &mut of_valve.progress, time, demand);
+        commands.apply(actuation, &mut of_valve.progress, time, demand);
         self.forget_set_points(valve, mode);
         Ok(())
     }
@@ -243,7 +243,7 @@ impl<R: Real> Network<R> {
     ) -> Result<bool, Error> {
         self.valves[valve].solenoid.check_command(demand)?;
         let setting = &mut mode.valves[valve].setting;
-        Ok(setting.as_mut().is_some_and(|setting| setting.told.follow(demand)))
+        Ok(setting.as_mut().is_some_and(|setting| setting.commands.follow(demand)))
     }
 
     /// Drops the set points of a valve that has been set which have taken effect, but for the last, which is still in force.
@@ -273,12 +273,12 @@ impl<R: Real> Network<R> {
     ) -> Result<(), Error> {
         let of_valve = &mut mode.valves[valve];
         let Some(setting) = &mut of_valve.setting else { return Ok(()) };
-        let Setting { actuation, told, pulse_frequency } = &mut **setting;
+        let Setting { actuation, commands, pulse_frequency } = &mut **setting;
         if let Some(frequency) = pulse_frequency {
             let pulses = frequency.value() * (until - time).value();
             parameter::PWM_FREQUENCY.check_count(frequency.value(), pulses, "pulses")?;
         }
-        told.hear(actuation, &mut of_valve.progress, [time, until]);
+        commands.advance(actuation, &mut of_valve.progress, [time, until]);
         Ok(())
     }
 

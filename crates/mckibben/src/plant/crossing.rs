@@ -94,7 +94,7 @@ impl<R: Real> System<R> {
         }
         for (i, mounted) in self.plant.actuators.iter().enumerate() {
             let its = &mut mode.actuators[i];
-            let row = mounted.pressure.as_ref().and_then(|course| course.row(its.rows_passed));
+            let row = mounted.pressure.as_ref().and_then(|series| series.row(its.rows_passed));
             if row.is_some_and(|row| is_due(row, time)) {
                 its.rows_passed += 1;
                 self.project(time, state, mode, at);
@@ -475,7 +475,7 @@ impl<R: Real> System<R> {
         for (i, mounted) in self.plant.actuators.iter().enumerate() {
             let (here, its) = (&self.plant.places.actuators[i], &mode.actuators[i]);
             let air = mounted.actuator.air();
-            let given = mounted.pressure.as_ref().map(|course| course.at(time, its.rows_passed));
+            let given = mounted.pressure.as_ref().map(|series| series.at(time, its.rows_passed));
             if let Some([gauge, _]) = given {
                 state[here.pressure] = gauge + air.atmosphere().0;
             }

@@ -35,7 +35,7 @@ use crate::mechanism::chain::Chain;
 use crate::mechanism::coupling::ArmPieces;
 use crate::mechanism::{Coupling, Mechanism};
 use crate::network::NodeKind;
-use crate::network::flow::{NetworkState, Surroundings};
+use crate::network::flow::{NetworkState, AroundNetwork};
 use crate::network::formulas::FlowFormulas;
 use crate::network::piping::Piping;
 use crate::scalar::{Differentiable, Mask, Over, Real, Scalar, Work};
@@ -403,7 +403,7 @@ impl<R: Scalar> System<R> {
     #[inline(always)]
     fn enter_flows<T: Over<R>>(&self, time: T, state: &[T], mode: &impl Formulas<R>, at: &mut Evaluation<T>) {
         let Some(first) = self.wires.first() else { return };
-        let around = Surroundings { chambers: &at.chambers, state };
+        let around = AroundNetwork { chambers: &at.chambers, state };
         let air = first.member.actuator.air();
         self.plant.network.flows(time, &self.piping, around, air, mode.flows(), &mut at.network);
     }

@@ -143,8 +143,8 @@ impl<R: Real> Formulas<R> for PlantMode<R> {
 
     #[inline(never)]
     fn given_rate<T: Over<R>>(&self, system: &System<R>, i: usize, time: T) -> T {
-        let course = system.plant.actuators[i].pressure.as_ref();
-        course.map_or(T::zero(), |course| course.at(time, self.actuators[i].rows_passed)[1])
+        let series = system.plant.actuators[i].pressure.as_ref();
+        series.map_or(T::zero(), |series| series.at(time, self.actuators[i].rows_passed)[1])
     }
 
     #[inline(always)]

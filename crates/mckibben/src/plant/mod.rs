@@ -90,7 +90,7 @@ pub use view::{PlantView, ViewReader, ViewRunEnd, ViewStep, ViewTrajectory, reco
 
 use crate::actuator::Actuator;
 use crate::air::Process;
-use crate::convert::{AnewOfEach, Convert};
+use crate::convert::{ConvertEachOf, Convert};
 use crate::error::Error;
 use crate::friction::Viscoelastic;
 use crate::load::SeriesTendon;
@@ -307,7 +307,7 @@ impl<S: Scalar> Plant<S> {
     /// Over [`Dual`](crate::Dual) numbers a run of the plant carries its derivatives with respect to every seeded parameter,
     /// through all events: see [`simulate_plant`].
     pub fn map<T: Scalar>(&self, function: impl FnMut(Option<Part>, &'static Parameter, S) -> T) -> Plant<T> {
-        self.convert(&mut AnewOfEach { function, part: None })
+        self.convert(&mut ConvertEachOf { function, part: None })
     }
 
     #[doc(hidden)]
@@ -319,7 +319,7 @@ impl<S: Scalar> Plant<S> {
                 mechanism: mounted.mechanism,
                 coupling: mounted.coupling.convert(convert),
                 tendon: mounted.tendon.as_ref().map(|tendon| tendon.convert(convert)),
-                pressure: mounted.pressure.as_ref().map(|course| course.convert(convert)),
+                pressure: mounted.pressure.as_ref().map(|series| series.convert(convert)),
             }
         });
         let actuators = actuators.collect();

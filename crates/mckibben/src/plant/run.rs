@@ -343,7 +343,7 @@ impl<R: Instantiate> PlantRun<R> {
         let PlantSnapshot { time, state: own, mode, pace } = &mut self.reached;
         own.copy_from_slice(state);
         *mode = self.system.begin((*time, Some(mode)), own, &[], &mut Evaluation::new(&self.system.plant));
-        *pace = pace.anew();
+        *pace = pace.restarted();
     }
 
     /// Sets what a valve does from now on, in place of all that was to come.

@@ -113,7 +113,7 @@ impl<R: Instantiate> System<R> {
             if let Some(content) = isothermal {
                 row.number(content);
             }
-            let rows = mounted.pressure.as_ref().map_or(0, |course| course.rows());
+            let rows = mounted.pressure.as_ref().map_or(0, |series| series.rows());
             row.index(rows_passed, rows + 1);
         }
         for (m, its) in mechanisms.iter_mut().enumerate() {

@@ -64,9 +64,9 @@ impl<R: Real> System<R> {
         }
         let member = &self.wires[i].member;
         let remembered = (&of_actuator.trace, self.deflections(i, state));
-        let rubbing = member.rubbing([length, T::zero()], &of_actuator.mode, remembered);
+        let sliding_state = member.sliding_state([length, T::zero()], &of_actuator.mode, remembered);
         let pressure = state[self.plant.places.actuators[i].pressure];
-        member.actuator.holdable(length, pressure, of_actuator.on_stop, rubbing)
+        member.actuator.holdable(length, pressure, of_actuator.on_stop, sliding_state)
     }
 
     /// Decides how the actuators of a mechanism slide that may be at rest: those whose distance changes no faster than `slow`

@@ -148,7 +148,7 @@ impl<R: Instantiate> Plant<R> {
             parameter::INITIAL_GAUGE_PRESSURE.check(gauge_pressure.0.value())?;
             parameter::INITIAL_TEMPERATURE.check(temperature.value())?;
             let gauge = match pressure {
-                Some(course) => GaugePressure(course.at(R::zero(), 0)[0]),
+                Some(given) => GaugePressure(given.at(R::zero(), 0)[0]),
                 None => gauge_pressure,
             };
             let absolute = gauge.absolute(air.atmosphere());
@@ -264,9 +264,9 @@ impl<R: Real> System<R> {
             mode.drivers.clone_from(&former.drivers);
         }
         for (i, mounted) in plant.actuators.iter().enumerate() {
-            if let Some(course) = &mounted.pressure {
+            if let Some(given) = &mounted.pressure {
                 let its = &mut mode.actuators[i];
-                while course.row(its.rows_passed).is_some_and(|row| crate::valve::is_due(row, time)) {
+                while given.row(its.rows_passed).is_some_and(|row| crate::valve::is_due(row, time)) {
                     its.rows_passed += 1;
                 }
             }

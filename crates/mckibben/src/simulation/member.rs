@@ -171,7 +171,7 @@ impl<R: Real> Member<R> {
 
     /// The sliding state at an actuator length and velocity, by what the states and the hysteresis say.
     #[inline(always)]
-    pub(crate) fn rubbing<T: Over<R>>(
+    pub(crate) fn sliding_state<T: Over<R>>(
         &self,
         [length, velocity]: [T; 2],
         mode: &Mode,
@@ -182,8 +182,8 @@ impl<R: Real> Member<R> {
             (Some(bent), Some(law)) => Some(law.width_at(bent, velocity, direction)),
             _ => trace.as_ref().map(|trace| trace.width(length)),
         };
-        let rubbing = SlidingState { direction, width, force: None, touch: mode.touch() };
-        rubbing.with_branches(self.actuator.friction().viscoelastic(), length, deflections.branches)
+        let sliding_state = SlidingState { direction, width, force: None, touch: mode.touch() };
+        sliding_state.with_branches(self.actuator.friction().viscoelastic(), length, deflections.branches)
     }
 
     /// The sum of (12) at a length, velocity and pressure, before it is kept from pushing, by what the hysteresis remembers.
@@ -194,17 +194,17 @@ impl<R: Real> Member<R> {
         mode: &Mode,
         remembered: (&Option<Trace<R>>, Deflections<T>),
     ) -> T {
-        self.signed_force_rubbing(ends, mode, self.rubbing([ends[0], ends[1]], mode, remembered))
+        self.signed_force_sliding(ends, mode, self.sliding_state([ends[0], ends[1]], mode, remembered))
     }
 
     /// Force by its sign for a given sliding state.
     #[inline(always)]
-    pub(crate) fn signed_force_rubbing<T: Over<R>>(&self, ends: [T; 3], mode: &Mode, rubbing: SlidingState<T>) -> T {
+    pub(crate) fn signed_force_sliding<T: Over<R>>(&self, ends: [T; 3], mode: &Mode, sliding_state: SlidingState<T>) -> T {
         let actuator = &self.actuator;
         let (law, gauge) = (actuator.law(), actuator.gauge(ends[2]));
         let effectiveness = law.effectiveness.in_piece(mode.effectiveness_piece, gauge);
         let factors = [effectiveness, law.law.force_in_piece(mode.force_piece, ends[0], gauge)];
-        actuator.signed_force(ends, rubbing, mode.extent == LengthRegime::Taut, factors)
+        actuator.signed_force(ends, sliding_state, mode.extent == LengthRegime::Taut, factors)
     }
 
     /// Tension in N while the ends move: what the load feels.

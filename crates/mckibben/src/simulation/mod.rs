@@ -19,7 +19,7 @@ pub(crate) mod member;
 mod mode;
 #[cfg(feature = "alloc")]
 mod pieces;
-mod pressure_course;
+mod pressure_series;
 mod reading;
 pub(crate) mod rig;
 pub(crate) mod sample;
@@ -35,7 +35,7 @@ pub use decision::{Decision, JointDecision};
 pub use joint::JointSample;
 pub use joint::{Driven, Fittings, InitialAngle, JointInitial, JointRig, JointState, JointSupply};
 pub use mode::{EventKind, Guard, LengthRegime, Mode, Sliding};
-pub use pressure_course::PressureSeries;
+pub use pressure_series::PressureSeries;
 pub use reading::{Readable, Reading};
 pub use rig::{Actuation, Initial, InitialLength, Rig, State};
 pub use sample::{Sample, SampleTimes, steps_between};

@@ -14,9 +14,9 @@
 //! | P | `pressure`, absolute | Pa |
 //! | m | `air_mass` | kg |
 
-use super::pressure_course::PressureSeries;
+use super::pressure_series::PressureSeries;
 use crate::actuator::Actuator;
-use crate::convert::{Anew, Convert};
+use crate::convert::{ConvertEach, Convert};
 use crate::error::{Error, Requirement};
 use crate::force::Statics;
 use crate::friction::SlidingState;
@@ -225,8 +225,8 @@ impl Rig {
     /// for one that feeds a pressure regulator.
     pub fn with_line(self, line: Line) -> Result<Self, Error> {
         #[cfg(feature = "alloc")]
-        if let Some(course) = &self.pressure {
-            course.check(&self.actuator, &line)?;
+        if let Some(series) = &self.pressure {
+            series.check(&self.actuator, &line)?;
             return Ok(Self { line, ..self });
         }
         check_line(&self.actuator, self.actuation.as_ref(), &line)?;
@@ -240,8 +240,8 @@ impl Rig {
 
     /// Sets the pressure that is given.
     #[cfg(feature = "alloc")]
-    pub(super) fn driven_at(self, course: PressureSeries) -> Self {
-        Self { pressure: Some(course), ..self }
+    pub(super) fn driven_at(self, series: PressureSeries) -> Self {
+        Self { pressure: Some(series), ..self }
     }
 
     /// Replaces the load of the rig.
@@ -282,7 +282,7 @@ impl Rig {
 impl<S: Scalar> Rig<S> {
     /// Converts the rig to another scalar type; `function` receives each number with its parameter.
     pub fn map<T: Scalar>(&self, function: impl FnMut(&'static Parameter, S) -> T) -> Rig<T> {
-        self.convert(&mut Anew(function))
+        self.convert(&mut ConvertEach(function))
     }
 
     fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> Rig<T> {
@@ -291,7 +291,7 @@ impl<S: Scalar> Rig<S> {
             load: self.load.convert(convert),
             line: self.line.convert(convert),
             tendon: self.tendon.as_ref().map(|tendon| tendon.convert(convert)),
-            pressure: self.pressure.as_ref().map(|course| course.convert(convert)),
+            pressure: self.pressure.as_ref().map(|series| series.convert(convert)),
             actuation: self.actuation.as_ref().map(|actuation| actuation.convert(convert)),
         };
         rig.with_transport()
@@ -330,7 +330,7 @@ impl<S: Scalar> Rig<S> {
 
     /// Whether there is an air line or a pressure regulator: most of them have states beyond the four.
     #[cfg(feature = "alloc")]
-    pub(crate) fn has_plumbing(&self) -> bool {
+    pub(crate) fn has_air_network(&self) -> bool {
         !self.line.is_none() || self.regulator().is_some()
     }
 
@@ -364,9 +364,9 @@ impl<S: Scalar> Rig<S> {
     /// The least and the largest tension in N that can be held at rest, at an actuator length and absolute pressure:
     /// `F_s + F_limit + F_h ± Q k_sec` with the hysteresis `F_h`, and any from zero up on the shortest length.
     #[inline(always)]
-    pub fn holdable<T: Over<S>>(&self, length: T, pressure: T, rubbing: impl Into<SlidingState<T>>) -> (T, T) {
+    pub fn holdable<T: Over<S>>(&self, length: T, pressure: T, sliding_state: impl Into<SlidingState<T>>) -> (T, T) {
         let on_the_stop = length.le(T::of(self.actuator.limits().min_length()));
-        self.actuator.holdable(length, pressure, on_the_stop, rubbing)
+        self.actuator.holdable(length, pressure, on_the_stop, sliding_state)
     }
 }
 
@@ -378,7 +378,7 @@ impl<S: Real> Rig<S> {
     pub fn begin(&self, initial: &Initial<S>) -> Result<State<S>, Error> {
         let air = self.actuator.air();
         let gauge = match self.pressure.as_ref().filter(|_| self.line.hose.is_none()) {
-            Some(course) => GaugePressure(course.at(S::zero(), 0)[0]),
+            Some(series) => GaugePressure(series.at(S::zero(), 0)[0]),
             None => initial.gauge_pressure,
         };
         let pressure = gauge.absolute(air.atmosphere());

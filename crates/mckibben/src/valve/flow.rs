@@ -52,12 +52,12 @@
 //! path.
 
 use crate::air::Air;
-use crate::convert::{Anew, Convert};
+use crate::convert::{ConvertEach, Convert};
 use crate::error::{Error, Requirement};
 use crate::parameter::{self, Parameter};
 use crate::scalar::{Over, Real, Scalar};
 use crate::valve::Port;
-use crate::valve::passage::{FlowStandard, Rows};
+use crate::valve::flow_path::{FlowStandard, Rows};
 use core::convert::Infallible;
 use core::f64::consts::PI;
 
@@ -222,7 +222,7 @@ impl<S: Scalar> FlowLaw<S> {
 
     /// Converts the law to another scalar type; `function` receives each number with its parameter.
     pub fn map<T: Scalar>(&self, function: impl FnMut(&'static Parameter, S) -> T) -> FlowLaw<T> {
-        self.convert(Port::Supply, &mut Anew(function))
+        self.convert(Port::Supply, &mut ConvertEach(function))
     }
 
     /// Converts the law to another scalar type; the flow path to `port` is the one that it states.

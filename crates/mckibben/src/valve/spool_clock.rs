@@ -80,9 +80,9 @@ impl<S: Real> SpoolClock<S> {
 
     /// The next instant in s, up to and with `until`, at which the openings become another function of time.
     pub fn next(&self, solenoid: &Solenoid<S>, command: &Command<S>, until: S) -> Option<S> {
-        let told = command.position(self.taken).map(|(time, _)| time + solenoid.latency());
+        let commanded = command.position(self.taken).map(|(time, _)| time + solenoid.latency());
         let own = self.next.map(|(instant, _)| instant);
-        let first = [told, own].into_iter().flatten().min_by(|a, b| a.value().total_cmp(&b.value()))?;
+        let first = [commanded, own].into_iter().flatten().min_by(|a, b| a.value().total_cmp(&b.value()))?;
         is_due(first, until).then_some(first)
     }
 

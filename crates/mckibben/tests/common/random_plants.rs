@@ -325,9 +325,9 @@ pub(crate) fn plant(drawn: &Drawn) -> (Result<Plant, Error>, PlantStart, f64) {
             _ => feeds[at.pick(feeds.len())],
         };
         let times = [0.0, 0.4 * duration, 0.8 * duration];
-        let course = PressureSeries::new(&times, &[at.between(0.0, 5e5), at.between(0.0, 5e5), at.between(-5e4, 5e5)]);
+        let samples = PressureSeries::new(&times, &[at.between(0.0, 5e5), at.between(0.0, 5e5), at.between(-5e4, 5e5)]);
         // With a hose it stands at the end that a valve would open into.
-        let series = given.then(|| course.expect("a time series"));
+        let series = given.then(|| samples.expect("a time series"));
         let driven = (actuation.as_ref(), series.as_ref());
         network.draw(index, &actuator, driven, &line, [feed, outside], copies);
         let friction = match (paper.hysteresis.is_some(), at.pick(4)) {

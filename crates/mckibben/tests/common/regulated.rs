@@ -19,13 +19,13 @@ pub(crate) struct TimeSeries {
 
 impl Regulated {
     /// The pressure at a time, not before the series begins.
-    pub(crate) fn pressure(&self, course: &TimeSeries, time: f64) -> f64 {
-        let apart = course.pressure - course.set_point;
+    pub(crate) fn pressure(&self, series: &TimeSeries, time: f64) -> f64 {
+        let apart = series.pressure - series.set_point;
         let straight = (apart.abs() / self.rate_limit - self.time_constant).max(0.0);
-        let elapsed = time - course.time;
+        let elapsed = time - series.time;
         let line = elapsed.min(straight);
         let left = (apart.abs() - self.rate_limit * line) * (-(elapsed - line) / self.time_constant).exp();
-        course.set_point + apart.signum() * left
+        series.set_point + apart.signum() * left
     }
 
     /// What follows a set point (Pa, absolute) that is given at a time, when `before` held.
@@ -35,11 +35,11 @@ impl Regulated {
     }
 
     /// What follows set points (Pa, absolute) that are given at times, from rest at a pressure.
-    pub(crate) fn courses(&self, at_rest: f64, times: &[f64], set_points: &[f64]) -> Vec<TimeSeries> {
-        let mut course = TimeSeries { time: 0.0, pressure: at_rest, set_point: at_rest };
+    pub(crate) fn segments(&self, at_rest: f64, times: &[f64], set_points: &[f64]) -> Vec<TimeSeries> {
+        let mut series = TimeSeries { time: 0.0, pressure: at_rest, set_point: at_rest };
         let mut follows = |(time, set_point): (&f64, &f64)| {
-            course = self.then(&course, *time, *set_point);
-            course
+            series = self.then(&series, *time, *set_point);
+            series
         };
         times.iter().zip(set_points).map(&mut follows).collect()
     }

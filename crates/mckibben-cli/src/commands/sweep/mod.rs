@@ -2,7 +2,7 @@
 //!
 //! Everything that can be refused is refused before anything is simulated.
 
-mod told;
+mod summary;
 
 use crate::files;
 use crate::interrupt;
@@ -121,39 +121,39 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
     figure.map_or(Ok(()), |(path, _)| output::probe(path))?;
 
     let started = Instant::now();
-    let mut tally = SweepCounts::new(sweep, figure.is_some());
+    let mut totals = SweepCounts::new(sweep, figure.is_some());
     let mut parts: Vec<u64> = plan.shard(arguments.shard).collect();
     let place = match target {
         Target::Nothing => Place::Nowhere,
         Target::File(path, format) => Place::file(path, format, prepared.columns())?,
         Target::Folder(path) => {
             let folder = prepared.folder(path)?;
-            let finished = keep(&folder, &plan, &parts, sweep, &mut tally)?;
+            let finished = keep(&folder, &plan, &parts, sweep, &mut totals)?;
             parts.retain(|part| !finished.contains(part));
             let of_program = folder.clone();
             interrupt::on_end(move || of_program.stays(&plan));
             Place::Folder(folder)
         }
     };
-    let kept = tally.runs();
+    let kept = totals.runs();
     let written = parts.len() as u64;
     let cores = || std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
     let jobs = arguments.jobs.unwrap_or_else(cores).get();
     let choice = if parts.is_empty() { None } else { Choice::of(sweep, jobs)? };
-    prepared.simulate(choice.as_ref(), parts, jobs, place, &mut tally)?;
+    prepared.simulate(choice.as_ref(), parts, jobs, place, &mut totals)?;
     let elapsed = started.elapsed();
 
     if let Some((path, format)) = figure {
         let set: Vec<String> = arguments.set.iter().map(ToString::to_string).collect();
         let title = mckibben_run::figure::title::of(&document, &set);
-        let bytes = chart::draw(sweep, &tally, &title, (path, format))?;
+        let bytes = chart::draw(sweep, &totals, &title, (path, format))?;
         output::write(path, &bytes)?;
     }
     if !arguments.quiet {
-        terminal::print(&told::summary(arguments, &plan, (sweep, choice.as_ref()), &tally, (kept, written, elapsed)))?;
+        terminal::print(&summary::summary(arguments, &plan, (sweep, choice.as_ref()), &totals, (kept, written, elapsed)))?;
     }
-    match tally.first_reason() {
-        Some(reason) if tally.failed() == tally.runs() => {
+    match totals.first_reason() {
+        Some(reason) if totals.failed() == totals.runs() => {
             Err(Failure::stopped(format!("every run failed; the first because {reason}")))
         }
         _ => Ok(()),
@@ -232,13 +232,13 @@ pub(crate) fn svg(prepared: &Prepared, theme: Theme) -> Result<Result<String, Pl
     let jobs = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
     let (sweep, parts) = (prepared.sweep(), prepared.plan().shard(Shard::WHOLE).collect());
     let choice = Choice::of(sweep, jobs)?;
-    let mut tally = SweepCounts::new(sweep, true);
-    prepared.simulate(choice.as_ref(), parts, jobs, Place::Nowhere, &mut tally)?;
-    match tally.first_reason() {
-        Some(reason) if tally.failed() == tally.runs() => {
+    let mut totals = SweepCounts::new(sweep, true);
+    prepared.simulate(choice.as_ref(), parts, jobs, Place::Nowhere, &mut totals)?;
+    match totals.first_reason() {
+        Some(reason) if totals.failed() == totals.runs() => {
             Err(Failure::stopped(format!("every run failed; the first because {reason}")))
         }
-        _ => Ok(chart::svg(sweep, &tally, theme)),
+        _ => Ok(chart::svg(sweep, &totals, theme)),
     }
 }
 
@@ -248,7 +248,7 @@ fn keep(
     plan: &Plan,
     parts: &[u64],
     sweep: &Sweep,
-    tally: &mut SweepCounts,
+    totals: &mut SweepCounts,
 ) -> Result<Vec<u64>, Failure> {
     let mut finished = Vec::new();
     for part in parts {
@@ -256,11 +256,11 @@ fn keep(
         match sweep.record().reduced() {
             Some(reductions) => {
                 let results: Vec<String> = reductions.into_iter().map(|reduction| reduction.column).collect();
-                read::reductions(&folder.part(*part), &results, &mut |row, outcome| tally.see(row, outcome))?;
+                read::reductions(&folder.part(*part), &results, &mut |row, outcome| totals.see(row, outcome))?;
             }
             None => {
                 let rows = plan.rows_of(*part);
-                tally.count(rows.end - rows.start, failed);
+                totals.count(rows.end - rows.start, failed);
             }
         }
         finished.push(*part);

@@ -44,15 +44,15 @@ fn actuator_of(scenario: &Scenario) -> Result<Actuator, Failure> {
 }
 
 /// The flow path that the air takes.
-fn passage_of(valve: &Valve, direction: Direction) -> FlowPath {
+fn flow_path_of(valve: &Valve, direction: Direction) -> FlowPath {
     match direction {
         Direction::Supply => valve.passage,
         Direction::Exhaust => valve.exhaust.unwrap_or(valve.passage),
     }
 }
 
-fn law_of(passage: FlowPath, efficiency: f64, valve: &Valve, actuator: &Actuator) -> Result<FlowLaw, Failure> {
-    FlowLaw::new(passage.standard(), efficiency, valve.laminar_ratio, actuator.air())
+fn law_of(flow_path: FlowPath, efficiency: f64, valve: &Valve, actuator: &Actuator) -> Result<FlowLaw, Failure> {
+    FlowLaw::new(flow_path.standard(), efficiency, valve.laminar_ratio, actuator.air())
         .map_err(|error| Failure::input(error.to_string(), "mend `[valve]` of the scenario"))
 }
 
@@ -84,11 +84,11 @@ fn named(estimate: &Estimate, row: &Parameter) -> Estimate {
 
 /// A sonic conductance as data sheets have it.
 fn conductance(estimate: &Estimate) -> String {
-    told(estimate, 1e8, "L/(s·bar)")
+    with_interval(estimate, 1e8, "L/(s·bar)")
 }
 
 /// A value with its interval, in a unit that is so many times smaller.
-fn told(estimate: &Estimate, factor: f64, unit: &str) -> String {
+fn with_interval(estimate: &Estimate, factor: f64, unit: &str) -> String {
     let deviation = estimate.standard_error.map(|deviation| factor * deviation);
     let rounded = |value: f64| super::values::rounded(factor * value, deviation);
     let interval = estimate.confidence_interval.map(|[low, high]| format!(" ({} to {})", rounded(low), rounded(high)));
@@ -118,10 +118,10 @@ fn rows(direction: Direction, of: &Valve) -> [&'static Parameter; 3] {
 /// The scenario with another flow path, whose flow is the measured one: the efficiency is 1, and the flow path that
 /// stays lets through what it did. Where the scenario states one for both ways and `split` is not requested, it is that
 /// of both.
-fn with_passage(
+fn with_flow_path(
     scenario: &Scenario,
     direction: Direction,
-    passage: FlowPath,
+    flow_path: FlowPath,
     split: bool,
     warnings: &mut Vec<String>,
 ) -> Result<Scenario, Failure> {
@@ -131,14 +131,14 @@ fn with_passage(
     match direction {
         Direction::Exhaust if valve.exhaust.is_some() || split => {
             valve.passage = valve.passage.scaled(efficiency);
-            valve.exhaust = Some(passage);
+            valve.exhaust = Some(flow_path);
         }
         _ => {
             if valve.exhaust.is_none() {
                 warnings
                     .push("the flow path is taken for both ways, as the scenario has no `[valve.exhaust]`.".to_owned());
             }
-            valve.passage = passage;
+            valve.passage = flow_path;
             valve.exhaust = valve.exhaust.map(|exhaust| exhaust.scaled(efficiency));
         }
     }
@@ -162,12 +162,12 @@ fn with_conductance(
     warnings: &mut Vec<String>,
 ) -> Result<(Scenario, Vec<Estimate>), Failure> {
     if ratio.value < 0.0 {
-        let told = told(ratio, 1.0, "");
-        warnings.push(format!("{WARNED}b comes out as {told}; the scenario has 0, the least that a flow path has."));
+        let with_interval = with_interval(ratio, 1.0, "");
+        warnings.push(format!("{WARNED}b comes out as {with_interval}; the scenario has 0, the least that a flow path has."));
     }
     let [sonic_conductance, critical_ratio] = [conductance.value, ratio.value.max(0.0)];
-    let passage = FlowPath::Iso6358 { sonic_conductance, critical_ratio };
-    let mut scenario = with_passage(scenario, direction, passage, split, warnings)?;
+    let flow_path = FlowPath::Iso6358 { sonic_conductance, critical_ratio };
+    let mut scenario = with_flow_path(scenario, direction, flow_path, split, warnings)?;
     let [of_conductance, of_ratio, _] = rows(direction, valve_of(&scenario)?);
     put(&mut scenario, &[(of_conductance, sonic_conductance), (of_ratio, critical_ratio)])?;
     Ok((scenario, vec![named(conductance, of_conductance), named(ratio, of_ratio)]))

@@ -2,8 +2,8 @@
 
 use super::super::outcome::{self, Outcome, WARNED, file};
 use super::super::{Material, Prediction, column, values};
-use super::{absolute_pressures, actuator_of, conductance, law_of, named, passage_of, put, rows, told, valve_of};
-use super::{says_its_end, with_conductance, with_passage};
+use super::{absolute_pressures, actuator_of, conductance, law_of, named, flow_path_of, put, rows, with_interval, valve_of};
+use super::{says_its_end, with_conductance, with_flow_path};
 use crate::failure::Failure;
 use crate::quantities::quantity;
 use crate::report::{Data, Plate, Section, Table};
@@ -72,7 +72,7 @@ pub(in super::super) fn flow_curve(material: &Material) -> Result<Outcome, Failu
         points.points.len(),
         found.choked,
         conductance(&found.sonic_conductance),
-        told(&found.critical_ratio, 1.0, ""),
+        with_interval(&found.critical_ratio, 1.0, ""),
         scatter_words(entry.scatter)
     );
     let sections = vec![
@@ -110,7 +110,7 @@ pub(in super::super) fn steady_flow(material: &Material) -> Result<Outcome, Fail
     let failed = |error: ValveError| points.failed(&error);
     let (found, scenario, numbers, name) = match entry.area {
         None => {
-            let law = law_of(passage_of(&valve, entry.passage), 1.0, &valve, &actuator)?;
+            let law = law_of(flow_path_of(&valve, entry.passage), 1.0, &valve, &actuator)?;
             let found = efficiency(&points.points, &law, entry.scatter).map_err(failed)?;
             let mut scenario = scenario;
             put(&mut scenario, &[(&parameter::EFFICIENCY, found.factor.value)])?;
@@ -125,8 +125,8 @@ pub(in super::super) fn steady_flow(material: &Material) -> Result<Outcome, Fail
             let found = flow_coefficient(&points.points, area, actuator.air(), entry.scatter).map_err(failed)?;
             let effective = area * found.factor.value;
             let split = entry.passage == Direction::Exhaust;
-            let passage = FlowPath::FlowArea(effective);
-            let mut scenario = with_passage(&scenario, entry.passage, passage, split, &mut warnings)?;
+            let flow_path = FlowPath::FlowArea(effective);
+            let mut scenario = with_flow_path(&scenario, entry.passage, flow_path, split, &mut warnings)?;
             let row = rows(entry.passage, valve_of(&scenario)?)[2];
             put(&mut scenario, &[(row, effective)])?;
             let of_area = Estimate {
@@ -145,7 +145,7 @@ pub(in super::super) fn steady_flow(material: &Material) -> Result<Outcome, Fail
     let introduction = format!(
         "{} points of steady flow: the {name} of (22), measured over calculated flow, is {}. {}",
         points.points.len(),
-        told(&found.factor, 1.0, ""),
+        with_interval(&found.factor, 1.0, ""),
         scatter_words(entry.scatter)
     );
     let sections = vec![

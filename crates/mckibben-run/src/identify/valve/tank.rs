@@ -4,8 +4,8 @@ use super::super::outcome::{self, Outcome, WARNED};
 use super::super::prediction::Prediction;
 use super::super::{Material, pressure_over_time, values};
 use super::steady::{CURVE, curve_plate};
-use super::{Stems, actuator_of, at_its_end, conductance, failed, law_of, named, passage_of};
-use super::{put, says_its_end, told, valve_of, with_conductance};
+use super::{Stems, actuator_of, at_its_end, conductance, failed, law_of, named, flow_path_of};
+use super::{put, says_its_end, with_interval, valve_of, with_conductance};
 use crate::failure::Failure;
 use crate::quantities::quantity;
 use crate::report::{Data, Plate, Section, Table};
@@ -243,7 +243,7 @@ fn by_windows(runs: &[Experiment<'_>], windows: usize, warnings: &mut Vec<String
     let words = format!(
         "C = {} and b = {} from the slopes of {} windows with a pressure ratio below {LARGEST_RATIO}, as of an isothermal tank.",
         conductance(&found.sonic_conductance),
-        told(&found.critical_ratio, 1.0, ""),
+        with_interval(&found.critical_ratio, 1.0, ""),
         points.len()
     );
     let mut plates: Vec<Plate> = runs.iter().zip(PRESSURES).map(|(of, stem)| pressure_plate(of, None, stem)).collect();
@@ -260,7 +260,7 @@ fn by_windows(runs: &[Experiment<'_>], windows: usize, warnings: &mut Vec<String
 fn by_trajectory(runs: &[Experiment<'_>], warnings: &mut Vec<String>) -> Result<Found, Failure> {
     let names = names(runs);
     let records: Vec<(Tank, &TankRecord)> = runs.iter().map(|of| (of.tank, &of.record)).collect();
-    let found = Tank::fit_together(&records, sought(&runs[0])?, runs[0].entry.heat).map_err(|e| failed(&names, &e))?;
+    let found = Tank::fit_together(&records, tank_unknown(&runs[0])?, runs[0].entry.heat).map_err(|e| failed(&names, &e))?;
     for (of, [scatter, noise]) in runs.iter().zip(&found.of_records).filter(|(_, [left, noise])| *left > MISFIT * noise)
     {
         warnings.push(format!(
@@ -276,7 +276,7 @@ fn by_trajectory(runs: &[Experiment<'_>], warnings: &mut Vec<String>) -> Result<
     {
         (Some(c), Some(b), _) => {
             let (scenarios, numbers) = with_both(runs, [c, b], warnings)?;
-            (scenarios, numbers, format!("C = {} and b = {}", conductance(c), told(b, 1.0, "")))
+            (scenarios, numbers, format!("C = {} and b = {}", conductance(c), with_interval(b, 1.0, "")))
         }
         (_, _, Some(volume)) => with_volumes(runs, volume)?,
         _ => return Err(Failure::stopped("nothing was found")),
@@ -285,7 +285,7 @@ fn by_trajectory(runs: &[Experiment<'_>], warnings: &mut Vec<String>) -> Result<
         for scenario in &mut scenarios {
             put(scenario, &[(&parameter::HEAT_TRANSFER, heat.value)])?;
         }
-        words.push_str(&format!(", h A = {}", told(heat, 1.0, "W/K")));
+        words.push_str(&format!(", h A = {}", with_interval(heat, 1.0, "W/K")));
         numbers.push(named(heat, &parameter::HEAT_TRANSFER));
     }
     words.push_str(&format!(
@@ -306,8 +306,8 @@ fn by_trajectory(runs: &[Experiment<'_>], warnings: &mut Vec<String>) -> Result<
     let plates = runs.iter().enumerate().zip(PRESSURES);
     let plates = plates.map(|((run, of), stem)| pressure_plate(of, Some(off(runs, &found, run)), stem));
     let row = |(of, [scatter, noise]): (&Experiment<'_>, &[f64; 2])| {
-        let [told, of_noise] = [scatter, noise].map(|pressure| quantity(*pressure, "Pa"));
-        vec![format!("`{}`", of.run), of.times.len().to_string(), told, of_noise]
+        let [with_interval, of_noise] = [scatter, noise].map(|pressure| quantity(*pressure, "Pa"));
+        vec![format!("`{}`", of.run), of.times.len().to_string(), with_interval, of_noise]
     };
     let left = Table {
         caption:
@@ -340,12 +340,12 @@ fn with_both(
 ) -> Result<(Vec<Scenario>, Vec<Estimate>), Failure> {
     let (mut scenarios, mut numbers) = (Vec::new(), Vec::new());
     for of in runs {
-        let mut told = Vec::new();
-        let (scenario, named) = with_conductance(&of.scenario, of.entry.transfer, both, false, &mut told)?;
+        let mut with_interval = Vec::new();
+        let (scenario, named) = with_conductance(&of.scenario, of.entry.transfer, both, false, &mut with_interval)?;
         scenarios.push(scenario);
         numbers = named;
-        told.retain(|warning| !warnings.contains(warning));
-        warnings.extend(told);
+        with_interval.retain(|warning| !warnings.contains(warning));
+        warnings.extend(with_interval);
     }
     Ok((scenarios, numbers))
 }
@@ -362,13 +362,13 @@ fn with_volumes(runs: &[Experiment<'_>], volume: &Estimate) -> Result<(Vec<Scena
 }
 
 /// What is unknown; guesses of C and b are those of the scenario's flow path.
-fn sought(of: &Experiment<'_>) -> Result<TankUnknown, Failure> {
+fn tank_unknown(of: &Experiment<'_>) -> Result<TankUnknown, Failure> {
     let valve = valve_of(&of.scenario)?;
-    let passage = passage_of(valve, of.entry.transfer);
+    let flow_path = flow_path_of(valve, of.entry.transfer);
     if of.entry.find == TankTarget::Volume {
-        return Ok(TankUnknown::Volume { standard: passage.standard(), efficiency: valve.efficiency });
+        return Ok(TankUnknown::Volume { standard: flow_path.standard(), efficiency: valve.efficiency });
     }
-    let law = law_of(passage, valve.efficiency, valve, &actuator_of(&of.scenario)?)?;
+    let law = law_of(flow_path, valve.efficiency, valve, &actuator_of(&of.scenario)?)?;
     Ok(TankUnknown::Valve {
         sonic_conductance: law.conductance() / (REFERENCE_DENSITY * REFERENCE_TEMPERATURE.sqrt()),
         critical_ratio: law.critical_ratio().min(0.8),
@@ -382,12 +382,12 @@ fn with_volume(of: &Experiment<'_>, volume: &Estimate) -> Result<(Scenario, Vec<
         return Err(Failure::input(title, "leave `[hose]` out, or fit `actuator.external_volume` to `trajectories`"));
     }
     let mut scenario = of.scenario.clone();
-    let words = format!("a volume of {}", told(volume, 1e6, "cm³"));
+    let words = format!("a volume of {}", with_interval(volume, 1e6, "cm³"));
     let (braid, words) = match of.entry.length {
         None => (0.0, words),
         Some(length) => {
             let braid = actuator_of(&scenario)?.volume(length) - scenario.actuator.external_volume;
-            (braid, format!("{words}, of which the actuator has {}", told_volume(braid)))
+            (braid, format!("{words}, of which the actuator has {}", volume_text(braid)))
         }
     };
     let external = volume.value - braid;
@@ -401,7 +401,7 @@ fn with_volume(of: &Experiment<'_>, volume: &Estimate) -> Result<(Scenario, Vec<
     Ok((scenario, vec![number], words))
 }
 
-fn told_volume(volume: f64) -> String {
+fn volume_text(volume: f64) -> String {
     format!("{:.3} cm³", 1e6 * volume)
 }
 

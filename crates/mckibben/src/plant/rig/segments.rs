@@ -16,7 +16,7 @@ use crate::simulation::{Rig, State};
 use alloc::vec;
 
 /// Simulates a rig as [`simulate`](super::simulate) does, and at each of the `joints`, times in s that rise from zero to the
-/// duration, goes on from the state that `anew` makes of the number of the joint and the state that was reached.
+/// duration, goes on from the state that `next_start` makes of the number of the joint and the state that was reached.
 ///
 /// # Errors
 /// As [`simulate`](super::simulate); [`Error::Stopped`] also for a state at a joint that no actuator can be in, and
@@ -27,13 +27,13 @@ pub fn simulate_in_segments<R: Instantiate>(
     start: State<R>,
     (duration, relative_tolerance): (R, f64),
     joints: &[f64],
-    mut anew: impl FnMut(usize, State<R>) -> State<R>,
+    mut next_start: impl FnMut(usize, State<R>) -> State<R>,
 ) -> Result<RigTrajectory<R>, Error> {
     parameter::DURATION.check(duration.value())?;
     parameter::RELATIVE_TOLERANCE.check(relative_tolerance)?;
     rig.check_counts(duration.value())?;
     let remembers = rig.actuator().friction().hysteresis().is_some() || rig.tendon().is_some();
-    if rig.has_plumbing() || remembers {
+    if rig.has_air_network() || remembers {
         return Err(Error::NotImplemented(&crate::limit::SEGMENTS_MEMORY));
     }
     let view = RigPlant::new(rig);
@@ -43,7 +43,7 @@ pub fn simulate_in_segments<R: Instantiate>(
     let mut kept = PlantTrajectory::begin(&run);
     for (place, joint) in joints.iter().enumerate() {
         kept.keep(&mut run, R::constant(*joint), &mut |_| Ok(()))?;
-        let state = anew(place, State::from_array(places.map(|place| run.state()[place])));
+        let state = next_start(place, State::from_array(places.map(|place| run.state()[place])));
         check(*joint, &state)?;
         let mut states = run.state().to_vec();
         for (place, number) in places.into_iter().zip(state.to_array()) {

@@ -30,7 +30,7 @@ use crate::dual::Dual;
 use crate::friction::{Deflections, Viscoelastic};
 use crate::mechanism::Mechanism;
 use crate::network::NodeKind;
-use crate::network::flow::Surroundings;
+use crate::network::flow::AroundNetwork;
 use crate::network::implicit::{Answers, Elimination, NodeResponse};
 use crate::scalar::{Mask, Over, Scalar, Work};
 use alloc::vec;
@@ -330,7 +330,7 @@ impl<R: Scalar, F: Formulas<R>> Answers<R> for AtInstant<'_, R, F> {
     #[inline(always)]
     fn branch(&self, branch: usize) -> ([R; 2], R) {
         let Self { system, span, state, mode, at } = self;
-        let around = Surroundings { chambers: &at.chambers, state };
+        let around = AroundNetwork { chambers: &at.chambers, state };
         let air = system.wires[0].member.actuator.air();
         system.plant.network.slopes(&system.piping, branch, *span, around, air, (mode.flows(), &at.network))
     }

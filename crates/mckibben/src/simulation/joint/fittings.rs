@@ -16,7 +16,7 @@ use crate::load::Joint;
 use crate::load::SeriesTendon;
 use crate::pressure::{AbsolutePressure, GaugePressure};
 use crate::scalar::{Real, Scalar};
-use crate::simulation::pressure_course::PressureSeries;
+use crate::simulation::pressure_series::PressureSeries;
 #[cfg(feature = "alloc")]
 use crate::simulation::rig::check_line;
 
@@ -43,7 +43,7 @@ impl<S: Scalar> Fittings<S> {
         Fittings {
             line: self.line.convert(convert),
             tendon: self.tendon.as_ref().map(|tendon| tendon.convert(convert)),
-            pressure: self.pressure.as_ref().map(|course| course.convert(convert)),
+            pressure: self.pressure.as_ref().map(|series| series.convert(convert)),
         }
     }
 }
@@ -89,7 +89,7 @@ impl JointRig {
             let own = if shared.is_some() { None } else { line.supply };
             let line = Line { supply: own, ..*line };
             match pressure {
-                Some(course) => course.check(actuator, &line)?,
+                Some(series) => series.check(actuator, &line)?,
                 None => check_line(actuator, actuation.as_ref(), &line)?,
             }
         }
@@ -152,7 +152,7 @@ impl<S: Real> JointRig<S> {
     pub(super) fn first_pressure(&self, i: usize, gauge: GaugePressure<S>) -> AbsolutePressure<S> {
         let Fittings { line, pressure, .. } = &self.fittings[i];
         let gauge = match pressure.as_ref().filter(|_| line.hose.is_none()) {
-            Some(course) => GaugePressure(course.at(S::zero(), 0)[0]),
+            Some(series) => GaugePressure(series.at(S::zero(), 0)[0]),
             None => gauge,
         };
         gauge.absolute(self.driven[i].actuator.air().atmosphere())

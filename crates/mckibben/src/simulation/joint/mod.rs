@@ -29,7 +29,7 @@ use super::rig::{Actuation, check_air, check_drive};
 use crate::actuator::Actuator;
 use crate::control::Held;
 #[cfg(feature = "alloc")]
-use crate::convert::{AnewOfEach, Convert};
+use crate::convert::{ConvertEachOf, Convert};
 use crate::dual::Dual;
 use crate::error::{Error, Requirement};
 use crate::force::Statics;
@@ -217,7 +217,7 @@ impl<S: Scalar> JointRig<S> {
             Some(Part::Actuator(i)) => function(Some(i), parameter, value),
             _ => function(None, parameter, value),
         };
-        let convert = &mut AnewOfEach { function, part: None };
+        let convert = &mut ConvertEachOf { function, part: None };
         let each = [0, 1].map(|i| {
             let Driven { actuator, actuation } = &self.driven[i];
             convert.turn_to(Some(Part::Actuator(i)));

@@ -11,20 +11,20 @@ mod classes {
 }
 
 /// What failed is raised in Python.
-pub(crate) trait Raised<T> {
+pub(crate) trait OrException<T> {
     /// The value, or the exception for why there is none.
     fn raised(self) -> Result<T, PyErr>;
 
-    /// As [`Raised::raised`], of work whose messages name options of the program: with the arguments of the function in place of them.
-    fn raised_of_arguments(self) -> Result<T, PyErr>;
+    /// As [`OrException::raised`], of work whose messages name options of the program: with the arguments of the function in place of them.
+    fn or_exception_of_arguments(self) -> Result<T, PyErr>;
 }
 
-impl<T, E: Into<Failure>> Raised<T> for Result<T, E> {
+impl<T, E: Into<Failure>> OrException<T> for Result<T, E> {
     fn raised(self) -> Result<T, PyErr> {
         self.map_err(|error| exception(&error.into()))
     }
 
-    fn raised_of_arguments(self) -> Result<T, PyErr> {
+    fn or_exception_of_arguments(self) -> Result<T, PyErr> {
         self.map_err(|error| {
             let failure: Failure = error.into();
             raise(&failure, with_arguments(&failure.render(Style::Plain)))

@@ -12,7 +12,7 @@
 //! Behind a hose it is the pressure at the end that a valve would open into: what a sensor at the valve measures. The hose's
 //! first volume has that pressure, the air in the actuator follows by flows. A lumped hose passes it on its delay later.
 //!
-//! Checked by `tests/pressure_course.rs`: the static force of an isometric rig, a
+//! Checked by `tests/pressure_series.rs`: the static force of an isometric rig, a
 //! rig that is fed back the pressure of a simulated valve, the air by each process, and derivatives against differences.
 
 use super::rig::Rig;
@@ -155,8 +155,8 @@ impl Rig {
     /// # Errors
     /// [`Error::Misuse`] for a rig with a valve, a supply, or a leak without a hose; [`Error::Inconsistent`] for a pressure below vacuum.
     #[cfg(feature = "alloc")]
-    pub fn with_pressure(self, course: PressureSeries) -> Result<Self, Error> {
-        course.check(self.actuator(), self.line())?;
-        Ok(self.driven_at(course))
+    pub fn with_pressure(self, series: PressureSeries) -> Result<Self, Error> {
+        series.check(self.actuator(), self.line())?;
+        Ok(self.driven_at(series))
     }
 }

@@ -14,12 +14,12 @@ use mckibben::valve::{Command, Request};
 const TIME: [f64; 4] = [0.02, 0.1, 0.15, 0.3];
 const GAUGE: [f64; 4] = [20.0 * PSI, 80.0 * PSI, 75.0 * PSI, 30.0 * PSI];
 
-fn course() -> PressureSeries {
-    PressureSeries::new(&TIME, &GAUGE).expect("a course")
+fn pressure_series() -> PressureSeries {
+    PressureSeries::new(&TIME, &GAUGE).expect("a time series")
 }
 
 fn given(paper: &Paper) -> Rig {
-    paper.rig().with_pressure(course()).expect("a rig")
+    paper.rig().with_pressure(pressure_series()).expect("a rig")
 }
 
 /// The straight lines, by hand.
@@ -64,7 +64,7 @@ fn the_pressure_of_a_valve_moves_the_load_as_the_valve_did() {
     times.dedup_by(|a, b| *a - *b < 1e-9);
     let gauges: Vec<f64> = times.iter().map(|time| valve.at(*time).pressure.0 - ATMOSPHERE).collect();
     let sealed = Paper { command: None, ..paper };
-    let rig = sealed.rig().with_pressure(PressureSeries::new(&times, &gauges).expect("a course")).expect("a rig");
+    let rig = sealed.rig().with_pressure(PressureSeries::new(&times, &gauges).expect("a time series")).expect("a rig");
     let run = simulate(&rig, rig.start(&sealed.initial()).expect("a start"), 0.4, 1e-10).expect("a run");
     for time in (0..=200).map(|step| 2e-3 * f64::from(step)) {
         let (ours, theirs) = (run.at(time), valve.at(time));
@@ -125,9 +125,9 @@ fn derivatives_are_those_of_differences() {
 
 #[test]
 fn what_does_not_go_together_is_refused() {
-    let error = Paper::driven(Command::Constant(Request::Fill)).rig().with_pressure(course()).expect_err("a valve");
+    let error = Paper::driven(Command::Constant(Request::Fill)).rig().with_pressure(pressure_series()).expect_err("a valve");
     assert!(error.to_string().contains("a valve or a leak would change it too"), "{error}");
-    let vacuum = PressureSeries::new(&[0.0, 1.0], &[0.0, -1.1e5]).expect("a course");
+    let vacuum = PressureSeries::new(&[0.0, 1.0], &[0.0, -1.1e5]).expect("a time series");
     let error = Paper::sealed().rig().with_pressure(vacuum).expect_err("below vacuum");
     assert!(error.to_string().contains("pressure.gauge_pressure = -110000"), "{error}");
     for (times, gauges, words) in [
@@ -136,7 +136,7 @@ fn what_does_not_go_together_is_refused() {
         (&[1.0, 0.5], &[1e5, 1e5], "do not rise"),
         (&[0.0], &[f64::NAN], "pressure.gauge_pressure"),
     ] {
-        let error = PressureSeries::new(times, gauges).expect_err("no course").to_string();
+        let error = PressureSeries::new(times, gauges).expect_err("no time series").to_string();
         assert!(error.contains(words), "{error}");
     }
 }

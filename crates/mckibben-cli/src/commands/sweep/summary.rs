@@ -4,7 +4,7 @@ use super::{SweepArguments, Target};
 use crate::describe;
 use crate::terminal::{self, FAINT, HEADING, NOTABLE, styled};
 use mckibben_run::quantities::{count, digits, given, quantity};
-use mckibben_run::sweep::counts::{SweepCounts, Warned};
+use mckibben_run::sweep::totals::{SweepCounts, Warned};
 use mckibben_run::sweep::plan::{Plan, Shard};
 use mckibben_run::sweep::step::Choice;
 use mckibben_run::text::{Alignment, Side};
@@ -18,7 +18,7 @@ pub(super) fn summary(
     arguments: &SweepArguments,
     plan: &Plan,
     (sweep, choice): (&Sweep, Option<&Choice>),
-    tally: &SweepCounts,
+    totals: &SweepCounts,
     (kept, written, elapsed): (u64, u64, Duration),
 ) -> String {
     let seconds = elapsed.as_secs_f64();
@@ -43,19 +43,19 @@ pub(super) fn summary(
     if let Some(choice) = choice {
         text.push_str(&line("step", &step_of(choice)));
     }
-    let new = tally.runs() - kept;
+    let new = totals.runs() - kept;
     if kept > 0 {
         text.push_str(&line("kept", &format!("{} runs of parts that were finished before", count(kept))));
     }
     let rate = if seconds > 0.0 { digits(new as f64 / seconds) } else { String::new() };
     text.push_str(&line("cost", &format!("{} runs in {}, {rate} runs/s", count(new), quantity(seconds, "s"))));
     if arguments.shard != Shard::WHOLE {
-        let share = format!("{}: {} of {} runs", arguments.shard, count(tally.runs()), count(plan.rows));
+        let share = format!("{}: {} of {} runs", arguments.shard, count(totals.runs()), count(plan.rows));
         text.push_str(&line("shard", &share));
     }
-    text.push_str(&ranges(tally));
-    text.push_str(&failures(tally));
-    text.push_str(&warnings(tally));
+    text.push_str(&ranges(totals));
+    text.push_str(&failures(totals));
+    text.push_str(&warnings(totals));
     let mut files = String::new();
     if let Some(path) = &arguments.output {
         let is_folder = matches!(Target::of(arguments), Ok(Target::Folder(_)));
@@ -92,8 +92,8 @@ fn step_of(Choice { step, accuracy, reached, unreached }: &Choice) -> String {
 }
 
 /// The range of each reduction as a table.
-fn ranges(tally: &SweepCounts) -> String {
-    let known = || tally.ranges();
+fn ranges(totals: &SweepCounts) -> String {
+    let known = || totals.ranges();
     if known().next().is_none() {
         return String::new();
     }
@@ -102,8 +102,8 @@ fn ranges(tally: &SweepCounts) -> String {
     let mut rows = vec![["", "least", "mean", "greatest", ""].map(str::to_owned)];
     for (reduction, spread) in known() {
         let values = [spread.least, spread.sum / spread.runs as f64, spread.greatest];
-        let [least, mean, greatest] = values.map(told(&values, reduction.unit));
-        let missing = tally.runs() - tally.failed() - spread.runs;
+        let [least, mean, greatest] = values.map(formatter(&values, reduction.unit));
+        let missing = totals.runs() - totals.failed() - spread.runs;
         let note = if missing > 0 { format!("none in {} runs", count(missing)) } else { String::new() };
         rows.push([reduction.name.clone(), least, mean, greatest, note]);
     }
@@ -121,26 +121,26 @@ fn ranges(tally: &SweepCounts) -> String {
 }
 
 /// The runs that failed, with the first reasons.
-fn failures(tally: &SweepCounts) -> String {
-    if tally.failed() == 0 {
+fn failures(totals: &SweepCounts) -> String {
+    if totals.failed() == 0 {
         return String::new();
     }
-    let heading = format!("{} of {} runs failed", count(tally.failed()), count(tally.runs()));
+    let heading = format!("{} of {} runs failed", count(totals.failed()), count(totals.runs()));
     let mut text = format!("\n{}\n", styled(NOTABLE, heading));
-    for (row, reason) in tally.reasons() {
+    for (row, reason) in totals.reasons() {
         let reason = reason.split_whitespace().collect::<Vec<_>>().join(" ");
         put(&mut text, format_args!("{}\n", terminal::wrap(&format!("run {row}: {reason}"), "  ")));
     }
-    if tally.reasons().count() as u64 != tally.failed() {
+    if totals.reasons().count() as u64 != totals.failed() {
         text.push_str("  the column `error` has the others\n");
     }
     text
 }
 
 /// The warnings that are known before a run, each code with its first run.
-fn warnings(tally: &SweepCounts) -> String {
+fn warnings(totals: &SweepCounts) -> String {
     let mut text = String::new();
-    for Warned { runs, first, warning } in tally.warned() {
+    for Warned { runs, first, warning } in totals.warned() {
         let of = if *runs == 1 { "1 run".to_owned() } else { format!("{} runs, the first", count(*runs)) };
         put(&mut text, format_args!("{}\n", terminal::wrap(&format!("{of} {first}: {warning}"), "  ")));
     }
@@ -148,7 +148,7 @@ fn warnings(tally: &SweepCounts) -> String {
 }
 
 /// Values in one unit.
-fn told(values: &[f64], unit: &str) -> impl Fn(f64) -> String + use<> {
+fn formatter(values: &[f64], unit: &str) -> impl Fn(f64) -> String + use<> {
     let shown = units().common(unit, values.iter().copied());
     // What has no unit takes no prefix.
     let shown = if unit.is_empty() { units().shown(unit, 0.0) } else { shown };

@@ -25,21 +25,21 @@ use crate::valve::{Request, RuntimeCommand, Solenoid, is_due};
 
 /// The commands that a valve has received at run time.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Told<R> {
+pub(crate) struct RuntimeCommands<R> {
     last: Option<RuntimeCommand<R>>,
     modulator: Modulator<R>,
     pulse_frequency: R,
     /// When in s the modulator next changes its request without a command; infinite when it does not.
     edge: R,
     /// A command has arrived since the last one took effect.
-    unheard: bool,
+    is_pending: bool,
 }
 
-impl<R: Real> Told<R> {
+impl<R: Real> RuntimeCommands<R> {
     /// Nothing so far.
     pub(crate) fn nothing() -> Self {
         let never = R::constant(f64::INFINITY);
-        Self { last: None, modulator: Modulator::idle(), pulse_frequency: R::one(), edge: never, unheard: false }
+        Self { last: None, modulator: Modulator::idle(), pulse_frequency: R::one(), edge: never, is_pending: false }
     }
 
     /// Takes up what needs nothing of the valve and no time, the request that holds or another duty cycle of the pulses that
@@ -65,7 +65,7 @@ impl<R: Real> Told<R> {
 
     /// Commands a valve that has come to `time` in s from then on; the valve can carry out the command.
     #[inline]
-    pub(crate) fn tell(
+    pub(crate) fn apply(
         &mut self,
         actuation: &mut Actuation<R>,
         progress: &mut Progress<R>,
@@ -99,7 +99,7 @@ impl<R: Real> Told<R> {
             }
             None => actuation.command.append(time, demand),
         }
-        (self.last, self.unheard) = (Some(demand), true);
+        (self.last, self.is_pending) = (Some(demand), true);
         self.look_ahead();
     }
 
@@ -110,7 +110,7 @@ impl<R: Real> Told<R> {
     /// When in s the request changes next without a command; infinite when never, and any time where a command is
     /// pending.
     pub(crate) fn next_edge(&self) -> R {
-        if self.unheard { R::constant(f64::NEG_INFINITY) } else { self.edge }
+        if self.is_pending { R::constant(f64::NEG_INFINITY) } else { self.edge }
     }
 
     /// The next edge of the pulses in s, if it comes before `until`: a command at `until` comes before a pulse that
@@ -122,14 +122,14 @@ impl<R: Real> Told<R> {
 
     /// Continues the command of a valve that has come to `time` by the pulses before `until`, both in s.
     #[inline]
-    pub(crate) fn hear(&mut self, actuation: &mut Actuation<R>, progress: &mut Progress<R>, [time, until]: [R; 2]) {
-        if self.unheard || self.edge(until).is_some() {
+    pub(crate) fn advance(&mut self, actuation: &mut Actuation<R>, progress: &mut Progress<R>, [time, until]: [R; 2]) {
+        if self.is_pending || self.edge(until).is_some() {
             self.go_on(actuation, progress, [time, until]);
         }
     }
 
     fn go_on(&mut self, actuation: &mut Actuation<R>, progress: &mut Progress<R>, [time, until]: [R; 2]) {
-        let mut settled = core::mem::take(&mut self.unheard);
+        let mut settled = core::mem::take(&mut self.is_pending);
         while let Some(edge) = self.edge(until) {
             if !settled {
                 progress.settle(actuation, time, R::constant(f64::INFINITY));
@@ -143,10 +143,10 @@ impl<R: Real> Told<R> {
     }
 }
 
-impl<R: Real> Told<R> {
+impl<R: Real> RuntimeCommands<R> {
     /// As numbers in a row, of a valve that has come to `time` in s.
     pub(crate) fn each_number(&mut self, solenoid: &Solenoid<R>, time: R, row: &mut impl Row<R>) {
-        let Self { last, modulator, pulse_frequency, edge, unheard } = self;
+        let Self { last, modulator, pulse_frequency, edge, is_pending } = self;
         let (mut kind, mut number, mut duty, mut requests) = match *last {
             None => (0, R::zero(), R::zero(), [Request::Fill; 2]),
             Some(RuntimeCommand::Request(request)) => (1, R::zero(), R::zero(), [request; 2]),
@@ -180,6 +180,6 @@ impl<R: Real> Told<R> {
         if edge.value() != modulator.next(*pulse_frequency).map_or(f64::INFINITY, R::value) || !is_due(time, *edge) {
             row.refuse();
         }
-        row.truth(unheard);
+        row.truth(is_pending);
     }
 }

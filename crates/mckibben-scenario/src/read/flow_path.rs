@@ -49,7 +49,7 @@ impl Rows {
 }
 
 /// The flow path, or `None` when neither the file nor the preset states it.
-pub(super) fn passage(r: &mut Reader<'_>, rows: &Rows, preset: Option<&Preset>) -> Option<FlowPath> {
+pub(super) fn flow_path(r: &mut Reader<'_>, rows: &Rows, preset: Option<&Preset>) -> Option<FlowPath> {
     let by_preset = |row: &Parameter| preset.is_some_and(|preset| preset.get(row).is_some());
     let ways = rows.ways();
     let whole = |way: &[&Parameter]| way.iter().all(|row| by_preset(row));
