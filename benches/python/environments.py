@@ -33,12 +33,12 @@ class Rate(NamedTuple):
 class Bench:
     """One vector environment under random actions."""
 
-    def __init__(self, name: str, count: int, step: str | None, asked: str) -> None:
+    def __init__(self, name: str, count: int, step: str | None, mode: str) -> None:
         scenario = gymnasium.make(f"mckibben/{name}-v0").unwrapped._episodes.task.scenario
         if step is not None:
             scenario = scenario.with_values({"run.step": step})
-        self.name, self.count, self.asked, self.step = name, count, asked, str(scenario.to_dict()["run"]["step"])
-        self.many = gymnasium.make_vec(f"mckibben/{name}-v0", num_envs=count, scenario=scenario, action_mode=asked)
+        self.name, self.count, self.mode, self.step = name, count, mode, str(scenario.to_dict()["run"]["step"])
+        self.many = gymnasium.make_vec(f"mckibben/{name}-v0", num_envs=count, scenario=scenario, action_mode=mode)
         self.many.reset(seed=1)
         self.period = self.many.unwrapped.dt
         self.random = np.random.default_rng(2)
@@ -81,7 +81,7 @@ def main() -> None:
     shortens()
     plants = [("HangingMass", arguments.muscles, None), ("HangingMass", arguments.muscles, "1 ms"), ("Joint", 1024, None)]
     plants += [("Joint", 4096, None), ("Leg", 256, None), ("Arm", 256, None)]
-    benches = [Bench(*plant, asked) for plant in plants for asked in ("duty", "request")]
+    benches = [Bench(*plant, mode) for plant in plants for mode in ("duty", "request")]
     load = [os.getloadavg()[0]]
     runs: list[list[Rate]] = [[] for _ in benches]
     for _ in range(arguments.runs):
@@ -94,7 +94,7 @@ def main() -> None:
         steps = [rate.steps for rate in rates]
         middle = statistics.median(steps)
         core, engine = (statistics.median(getattr(rate, name) for rate in rates) for name in ("core", "engine"))
-        print(f"{bench.name:<13}{bench.step:<10}{bench.asked:<9}{bench.period * 1e3:>5.3g} ms{bench.count:>8}"
+        print(f"{bench.name:<13}{bench.step:<10}{bench.mode:<9}{bench.period * 1e3:>5.3g} ms{bench.count:>8}"
               f"{middle:>11.3g}{min(steps):>10.3g}{max(steps):>10.3g}{middle * bench.period:>10.3g}"
               f"{core * 1e6:>8.3g} µs{engine:>8.0%}")
     print(f"{os.cpu_count()} cores, load {min(load):.1f} to {max(load):.1f}, median of {arguments.runs} runs")

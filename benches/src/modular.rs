@@ -47,19 +47,19 @@ fn main() -> ExitCode {
 
 /// The command to a row, and where its ends go: the same in `benches/python/overhead.py`.
 struct Row {
-    demand: RuntimeCommand,
+    commanded: RuntimeCommand,
     length: [f64; 2],
 }
 
 impl Row {
     fn of(place: usize, pulses: impl Fn(f64) -> RuntimeCommand) -> Self {
         let length = 0.075 + 0.015 * (place % 61) as f64 / 60.0;
-        Self { demand: pulses(0.2 + 0.6 * (place % 97) as f64 / 96.0), length: [length, length + 2e-5] }
+        Self { commanded: pulses(0.2 + 0.6 * (place % 97) as f64 / 96.0), length: [length, length + 2e-5] }
     }
 
     /// Takes one step; the tension in N after it, at the velocity of the ends.
     fn step(&self, actuator: &mut PlantSteps, turn: usize) -> Result<f64, mckibben::Error> {
-        actuator.set(0, self.demand)?;
+        actuator.set(0, self.commanded)?;
         actuator.move_to(actuator.time() + STEP, &[self.length[turn]])?;
         Ok(actuator.compute(0)?.tension)
     }
@@ -133,7 +133,7 @@ fn in_lanes(actuators: &[PlantSteps], rows: &[Row], steps: usize) -> Result<(f64
                 *distance = rows[row].length[step % 2];
                 rates[row] = (*distance - before[row]) / (until - batch.time());
             }
-            batch.set_each(0, |row| Some(rows[row].demand)).map_err(|(_, error)| error)?;
+            batch.set_each(0, |row| Some(rows[row].commanded)).map_err(|(_, error)| error)?;
             batch.move_to(until, &distances)?;
             batch.compute_at(&distances, &rates)?;
             for (row, tension) in tension.iter_mut().enumerate() {

@@ -82,19 +82,19 @@ def run_loop(decide: Decide, duration: float, gauge_pressure: float, step: float
     leave their middle."""
     agonist, antagonist = muscle(gauge_pressure), muscle(gauge_pressure)
     first, second = agonist.start(), antagonist.start()
-    angle = rate = pull = counter_pull = asked = coming = 0.0
+    angle = rate = pull = counter_pull = commanded = coming = 0.0
     rows = []
     for count in range(round(duration / step)):
         if count % round(PERIOD / step) == 0:
             decided = decide(count * step, angle, (first.absolute_pressure - second.absolute_pressure) / BAR)
-            asked, coming = coming if count else decided, decided
+            commanded, coming = coming if count else decided, decided
         torque = RADIUS * (pull - counter_pull) - GRAVITY_TORQUE * math.sin(angle) - limb["damping"] * rate
         rate += torque / INERTIA * step
         angle += rate * step
-        duties = (min(max(DUTY + sign * asked, 0.0), 1.0) for sign in (1, -1))
+        duties = (min(max(DUTY + sign * commanded, 0.0), 1.0) for sign in (1, -1))
         first, pull, _ = agonist.step(first, REST - RADIUS * angle, -RADIUS * rate, next(duties), step)
         second, counter_pull, _ = antagonist.step(second, REST + RADIUS * angle, RADIUS * rate, next(duties), step)
-        rows.append(((count + 1) * step, angle, first.absolute_pressure, second.absolute_pressure, asked))
+        rows.append(((count + 1) * step, angle, first.absolute_pressure, second.absolute_pressure, commanded))
     return dict(zip(("time", "angle", "pressure", "counter_pressure", "asked"), np.array(rows).T))
 
 
@@ -119,8 +119,8 @@ errors = []
 at = np.arange(0, 1.0, PERIOD)
 for size in (0.03, 0.1):
     pulsed = run_loop(lambda time, *_: size if time >= 0.1 - 1e-9 else 0.0, 1.0, BALANCE)
-    asked = np.where(at >= 0.1 + PERIOD - 1e-9, size, 0.0)
-    foreseen = control.forced_response(plant, at, asked).outputs[0]
+    commanded = np.where(at >= 0.1 + PERIOD - 1e-9, size, 0.0)
+    foreseen = control.forced_response(plant, at, commanded).outputs[0]
     [line] = axis.plot(pulsed["time"], np.degrees(pulsed["angle"]), label=f"muscles, ±{size:g}")
     axis.plot(at, np.degrees(foreseen), "--", color=line.get_color(), linewidth=0.9, label="linear model")
     early = (at > 0.1) & (at < 0.22)
@@ -143,10 +143,10 @@ assert errors[1] < errors[0] < 0.1, "friction counts less in the larger step"
 dynamics = np.zeros((5, 5))
 dynamics[:3, :3], dynamics[:3, 3] = lift, push
 dynamics[4, 0], dynamics[4, 4] = PERIOD, 1.0
-asks = np.array([[0.0], [0.0], [0.0], [1.0], [0.0]])
+input_column = np.array([[0.0], [0.0], [0.0], [1.0], [0.0]])
 weights = np.diag([5.0, 0.0, 0.0, 0.0, 400.0])
-gains, _, _ = control.dlqr(dynamics, asks, weights, [[1.0]])
-[on_angle, on_rate, on_pressure, on_asked, on_integral] = gains[0]
+gains, _, _ = control.dlqr(dynamics, input_column, weights, [[1.0]])
+[on_angle, on_rate, on_pressure, on_command, on_integral] = gains[0]
 print("gains:", *np.round(gains[0], 3))
 
 
@@ -157,7 +157,7 @@ def opened(late: int = 0) -> control.StateSpace:
     step, word, said = np.zeros((size, size)), np.zeros((size, 1)), np.zeros((1, size))
     step[:3, :3], step[:3, 3] = lift, push
     step[4, 0], step[4, 4], step[5, 0] = PERIOD, 1.0, 1.0
-    said[0, :7] = [on_angle + on_rate / PERIOD, 0, on_pressure, 0, on_integral, -on_rate / PERIOD, on_asked]
+    said[0, :7] = [on_angle + on_rate / PERIOD, 0, on_pressure, 0, on_integral, -on_rate / PERIOD, on_command]
     step[6] = -said[0]
     for place in range(late):
         step[3 if place == 0 else 6 + place, 7 + place] = 1.0
@@ -223,7 +223,7 @@ def controller(aim: collections.abc.Callable[[float], float], late: int = 0) -> 
         readings.append((angle, difference))
         angle, difference = readings[max(len(readings) - 1 - late, 0)]
         rate = (angle - last) / PERIOD
-        terms = on_angle * angle, on_rate * rate, on_pressure * difference, on_asked * said, on_integral * total
+        terms = on_angle * angle, on_rate * rate, on_pressure * difference, on_command * said, on_integral * total
         wanted = -sum(terms)
         said = min(max(wanted, -DUTY), DUTY)
         if said == wanted:

@@ -82,15 +82,15 @@ def drives(draw: st.DrawFn, kind: str) -> tuple[Sections, Sections]:
     if draw(st.booleans()):
         valve |= {"opening_time": draw(quantity(0, 4, "ms")), "closing_time": draw(quantity(0, 4, "ms"))}
     requests = {"two-way": ["fill", "hold"], "fill-hold-exhaust": ["fill", "hold", "exhaust"]}
-    ask = st.sampled_from(requests.get(kind, ["fill", "exhaust"]))
+    requested = st.sampled_from(requests.get(kind, ["fill", "exhaust"]))
     command = draw(st.sampled_from(["pwm", "steady", "table"]))
     if command == "steady":
-        return valve, {"kind": draw(ask)}
+        return valve, {"kind": draw(requested)}
     if command == "table":
-        return valve, {"kind": "table", "time": times, "state": draw(st.lists(ask, min_size=3, max_size=3))}
+        return valve, {"kind": "table", "time": times, "state": draw(st.lists(requested, min_size=3, max_size=3))}
     pulses: Sections = {"kind": "pwm", "frequency": draw(quantity(15, 120, "Hz")), "duty": draw(number(0, 1))}
     if kind == "fill-hold-exhaust":
-        pulses |= {"pulse": draw(ask), "rest": draw(ask)}
+        pulses |= {"pulse": draw(requested), "rest": draw(requested)}
     return valve, pulses
 
 
@@ -163,20 +163,20 @@ def singles(draw: st.DrawFn, valve: str | None) -> Sections:
 @st.composite
 def joints(draw: st.DrawFn) -> Sections:
     """Two actuators that turn a joint."""
-    ask = st.lists(st.sampled_from(["fill", "hold", "exhaust"]), min_size=3, max_size=3)
+    requested = st.lists(st.sampled_from(["fill", "hold", "exhaust"]), min_size=3, max_size=3)
     times = ["0 s", "8 ms", "21 ms"]
     return {
         "actuator": {"preset": "colbrunn-2001", "friction": {"viscous": draw(quantity(0, 30, "N*s/m"))}},
         "supply": {"gauge_pressure": draw(quantity(3, 6, "bar"))},
         "valve": {"preset": "matrix-eight-channel", "kind": "fill-hold-exhaust"},
-        "command": {"kind": "table", "time": times, "state": draw(ask)},
+        "command": {"kind": "table", "time": times, "state": draw(requested)},
         "load": {
             "kind": "antagonistic-joint", "pulley_radius": draw(quantity(10, 18, "mm")), "rest_length": "3.3 in",
             "mass": draw(quantity(0.1, 1, "kg")), "distance": draw(quantity(0, 100, "mm")), "inertia": "1e-3 kg*m^2",
             "damping": draw(quantity(0, 0.05, "N*m*s/rad")), "min_angle": "-30 deg", "max_angle": draw(quantity(5, 30, "deg")),
         },
         "initial": {"gauge_pressure": draw(quantity(1, 2, "bar"))},
-        "antagonist": {"initial": {"temperature": "293.15 K"}, "command": {"kind": "table", "time": times, "state": draw(ask)}},
+        "antagonist": {"initial": {"temperature": "293.15 K"}, "command": {"kind": "table", "time": times, "state": draw(requested)}},
         "run": draw(runs()),
     }
 

@@ -72,21 +72,21 @@ def test_derivatives_are_those_of_the_tension(any_scenario):
     ("example", "asked"),
     [("tendon", 0.5), ("valves/pressure-regulator", 2e5), ("valves/proportional-spool", 0.4)],
 )
-def test_a_number_is_a_command_of_the_kind_of_valve(examples, example, asked):
+def test_a_number_is_a_command_of_the_kind_of_valve(examples, example, commanded):
     """A duty cycle with a tendon, the set point of a regulator, the position of a spool: alone and together."""
     scenario = mckibben.Scenario.from_file(examples / f"{example}.toml")
     one, many = mckibben.Actuator(scenario, pulse_frequency=25.0), mckibben.Actuators(scenario, 3, pulse_frequency=25.0)
     state = one.start()
     first, filled, tension = state.length, state.absolute_pressure, numpy.zeros(3)
     for _ in range(500):
-        state, alone, response = one.step(state, first, 0.0, asked, STEP)
-        many.step(numpy.full(3, first), numpy.zeros(3), numpy.full(3, asked), STEP, tension)
+        state, alone, response = one.step(state, first, 0.0, commanded, STEP)
+        many.step(numpy.full(3, first), numpy.zeros(3), numpy.full(3, commanded), STEP, tension)
         numpy.testing.assert_array_equal(tension, alone)
     if example == "tendon":
         # A tendon of 16 kN/m in series: the tension follows its distance alone while the muscle has not moved.
         assert response.per_length == 16_000.0
     elif example == "valves/pressure-regulator":
-        assert state.absolute_pressure - 101_325.0 == pytest.approx(asked, rel=1e-3)
+        assert state.absolute_pressure - 101_325.0 == pytest.approx(commanded, rel=1e-3)
     else:
         assert state.absolute_pressure > 1.5 * filled
     with pytest.raises(mckibben.InputError):

@@ -195,20 +195,20 @@ def test_an_element_that_is_no_number_is_refused_by_its_place(name, count, wrong
 @pytest.mark.parametrize("wrong", NOT_FINITE)
 def test_plants_refuse_numbers_that_are_none_by_their_place(wrong, scenario):
     plants = mckibben.VectorPlant(scenario, 3, parameters=["load.mass", "initial.temperature"])
-    shown, stopped, asked = numpy.zeros((3, len(plants.columns))), numpy.zeros(3, dtype=bool), numpy.full((3, 1), 0.5)
-    asked[2, 0] = wrong
+    shown, stopped, duties = numpy.zeros((3, len(plants.columns))), numpy.zeros(3, dtype=bool), numpy.full((3, 1), 0.5)
+    duties[2, 0] = wrong
     with pytest.raises(mckibben.InputError, match=r"actions\[2, 0\] = -?(NaN|inf)"):
-        plants.step(asked, STEP, shown, stopped)
-    asked[2, 0] = 0.5
+        plants.step(duties, STEP, shown, stopped)
+    duties[2, 0] = 0.5
     with pytest.raises(mckibben.InputError, match="dt = "):
-        plants.step(asked, wrong, shown, stopped)
+        plants.step(duties, wrong, shown, stopped)
     values = numpy.tile(plants.defaults, (3, 1))
     values[1, 1] = wrong
     with pytest.raises(mckibben.InputError, match=r"values\[1, 1\] = -?(NaN|inf)"):
         plants.start(values)
     with pytest.raises(mckibben.InputError, match=r"values\[1, 1\] = -?(NaN|inf)"):
         plants.restart(numpy.array([0, 2]), values[:2])
-    plants.step(asked, STEP, shown, stopped)
+    plants.step(duties, STEP, shown, stopped)
     assert numpy.isfinite(shown).all() and not stopped.any()
 
 

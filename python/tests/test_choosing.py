@@ -10,7 +10,7 @@ import pytest
 
 import mckibben
 
-ASKED = {"load": "5 kg", "stroke": "30 mm", "gauge_pressure": "4 bar"}
+WANTED = {"load": "5 kg", "stroke": "30 mm", "gauge_pressure": "4 bar"}
 THREAD, TURNS, LENGTH = 0.12, 1.5, 0.1
 MUSCLE = {
     "actuator": {
@@ -39,7 +39,7 @@ def rig() -> mckibben.Scenario:
 
 
 def test_braids_made_to_measure_hold_the_load_at_the_stroke():
-    sizes = mckibben.size(**ASKED, braid_angles=["20 deg", math.radians(25)], effectiveness=0.8)
+    sizes = mckibben.size(**WANTED, braid_angles=["20 deg", math.radians(25)], effectiveness=0.8)
     made = [muscle for muscle in sizes if muscle.name.startswith("braid")]
     assert len(made) == 2 and [muscle.air for muscle in sizes] == sorted(muscle.air for muscle in sizes)
     for muscle in made:
@@ -55,11 +55,11 @@ def test_braids_made_to_measure_hold_the_load_at_the_stroke():
 
 
 def test_it_is_what_the_program_writes(program, tmp_path):
-    asked = [part for name, value in ASKED.items() for part in (f"--{name.replace('_', '-')}", value)]
-    program(tmp_path, "size", *asked, "--time", "0.3 s", "--braid-angles", "25", "--output", "sizes.csv")
+    wanted = [part for name, value in WANTED.items() for part in (f"--{name.replace('_', '-')}", value)]
+    program(tmp_path, "size", *wanted, "--time", "0.3 s", "--braid-angles", "25", "--output", "sizes.csv")
     with (tmp_path / "sizes.csv").open() as file:
         rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
-    sizes = mckibben.size(**ASKED, time="0.3 s", braid_angles=["25 deg"])
+    sizes = mckibben.size(**WANTED, time="0.3 s", braid_angles=["25 deg"])
     assert len(rows) == len(sizes)
     for row, muscle in zip(rows, sizes):
         assert float(row["length_m"]) == muscle.length and float(row["air_kg"]) == muscle.air
@@ -68,7 +68,7 @@ def test_it_is_what_the_program_writes(program, tmp_path):
 
 
 def test_the_valve_is_in_time_and_a_hose_needs_a_larger_one():
-    sizes = mckibben.size(**ASKED, time=0.3, braid_angles=["25 deg"])
+    sizes = mckibben.size(**WANTED, time=0.3, braid_angles=["25 deg"])
     place = next(place for place, muscle in enumerate(sizes) if muscle.name.startswith("braid"))
     muscle = sizes[place]
     run = mckibben.simulate(muscle.scenario.with_values({"run.duration": 0.3}))
@@ -91,12 +91,12 @@ def test_the_valve_is_in_time_and_a_hose_needs_a_larger_one():
 )
 def test_what_cannot_be_is_refused_by_its_name(change, words):
     with pytest.raises(mckibben.InputError) as refused:
-        mckibben.size(**(ASKED | change))
+        mckibben.size(**(WANTED | change))
     assert words in str(refused.value) and "--" not in str(refused.value)
 
 
 def test_without_a_time_there_are_no_valves():
-    sizes = mckibben.size(**ASKED)
+    sizes = mckibben.size(**WANTED)
     for call in (sizes.valves, lambda: sizes.hoses(2.0), lambda: sizes.valves(99)):
         with pytest.raises(mckibben.InputError) as refused:
             call()
@@ -104,10 +104,10 @@ def test_without_a_time_there_are_no_valves():
 
 
 def test_the_least_pressure_is_that_of_the_closed_form(rig, program, tmp_path):
-    asked = {"minimize": "gauge_pressure.final", "subject_to": ["tension.final>=60 N"], "evaluations": 80}
-    found = mckibben.design(rig, {"supply.gauge_pressure": (1e5, 6e5)}, **asked)
+    wanted = {"minimize": "gauge_pressure.final", "subject_to": ["tension.final>=60 N"], "evaluations": 80}
+    found = mckibben.design(rig, {"supply.gauge_pressure": (1e5, 6e5)}, **wanted)
     least = 60.0 / force(1.0, LENGTH, THREAD, TURNS)
-    assert found.value == pytest.approx(least, rel=1e-4) and found.unit == "Pa" and found.objective == asked["minimize"]
+    assert found.value == pytest.approx(least, rel=1e-4) and found.unit == "Pa" and found.objective == wanted["minimize"]
     assert found.values["supply.gauge_pressure"] == pytest.approx(least, rel=1e-3) and not found.ends
     (constraint,) = found.constraints
     assert constraint.active and constraint.value == pytest.approx(60.0, rel=1e-6) and abs(constraint.margin) < 1e-3
@@ -118,11 +118,11 @@ def test_the_least_pressure_is_that_of_the_closed_form(rig, program, tmp_path):
     assert best == found.value
     # Ends as text, and the program.
     for ends in ("1..6 bar", ("1 bar", "6 bar")):
-        text = mckibben.design(rig, {"supply.gauge_pressure": ends}, **asked)
+        text = mckibben.design(rig, {"supply.gauge_pressure": ends}, **wanted)
         assert text.value == pytest.approx(found.value, rel=1e-5)
     (tmp_path / "muscle.toml").write_text(rig.to_toml(), encoding="utf-8")
-    options = ["--vary", "supply.gauge_pressure=1..6 bar", "--minimize", asked["minimize"], "--evaluations", "80"]
-    options += ["--subject-to", asked["subject_to"][0], "--format", "json"]
+    options = ["--vary", "supply.gauge_pressure=1..6 bar", "--minimize", wanted["minimize"], "--evaluations", "80"]
+    options += ["--subject-to", wanted["subject_to"][0], "--format", "json"]
     assert json.loads(program(tmp_path, "design", "muscle.toml", *options).stdout)["value"] == text.value
 
 
@@ -153,16 +153,16 @@ def test_an_interrupted_search_returns_the_best_values(rig):
         if done > 50:
             raise KeyboardInterrupt
 
-    asked = {"minimize": "gauge_pressure.final", "evaluations": 1_000_000}
+    wanted = {"minimize": "gauge_pressure.final", "evaluations": 1_000_000}
     with pytest.warns(UserWarning, match="interrupted"):
-        found = mckibben.design(rig, {"supply.gauge_pressure": (1e5, 6e5)}, progress=interrupt, **asked)
+        found = mckibben.design(rig, {"supply.gauge_pressure": (1e5, 6e5)}, progress=interrupt, **wanted)
     assert found.interrupted and not found.converged and 50 < found.evaluations < 1_000_000
 
     def fail(done: int, most: int) -> None:
         raise RuntimeError("no more")
 
     with pytest.raises(RuntimeError, match="no more"):
-        mckibben.design(rig, {"supply.gauge_pressure": (1e5, 6e5)}, progress=fail, **asked)
+        mckibben.design(rig, {"supply.gauge_pressure": (1e5, 6e5)}, progress=fail, **wanted)
 
 
 @pytest.mark.parametrize(

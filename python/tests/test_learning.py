@@ -20,8 +20,8 @@ SHORT = {"control_period": 0.04, "duration": 0.8}
 @pytest.mark.parametrize("name", IDS)
 @pytest.mark.parametrize("asked", ["duty", "request"])
 @pytest.mark.parametrize("options", [{}, {"control_period": 1e-3, "duration": 0.02}])
-def test_gymnasiums_own_check_passes(name: str, asked: str, options: dict[str, float]) -> None:
-    environment = gymnasium.make(name, action_mode=asked, **options)
+def test_gymnasiums_own_check_passes(name: str, mode: str, options: dict[str, float]) -> None:
+    environment = gymnasium.make(name, action_mode=mode, **options)
     with warnings.catch_warnings():
         # That a box has no bounds is all that it may complain of.
         warnings.filterwarnings("error")

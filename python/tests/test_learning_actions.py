@@ -43,7 +43,7 @@ def kinds() -> list[Any]:
     three = learning.task("HangingMass").scenario.with_values({"valve.kind": "fill-hold-exhaust"})
     slow = learning.task("HangingMass").scenario.with_values({"valve.opening_delay": "12 ms", "command.frequency": "20 Hz"})
     names = ["HangingMass", "Joint", "Leg", "Arm"]
-    alike = [pytest.param(name, {"action_mode": asked}, id=f"{name}-{asked}") for name in names for asked in ("duty", "request")]
+    alike = [pytest.param(name, {"action_mode": mode}, id=f"{name}-{mode}") for name in names for mode in ("duty", "request")]
     return alike + [
         pytest.param("HangingMass", {"action_mode": "request", "scenario": three}, id="three-requests"),
         pytest.param("HangingMass", {"action_mode": "request", "scenario": slow}, id="slow-valve-request"),
@@ -55,17 +55,17 @@ def kinds() -> list[Any]:
 
 
 def action_sequences(
-    space: gymnasium.Space[Any], asked: str, steps: int, pulses: tuple[float, float] = (0.3, 0.8)
+    space: gymnasium.Space[Any], mode: str, steps: int, pulses: tuple[float, float] = (0.3, 0.8)
 ) -> tuple[np.ndarray, np.ndarray]:
     """Actions of one plant over some steps, and another for each of its valves in each: an array of (steps, valves) each."""
     random = np.random.default_rng(1)
-    if asked == "request":
+    if mode == "request":
         choices = int(space.n) if isinstance(space, gymnasium.spaces.Discrete) else int(space.nvec[0])
         valves = 1 if isinstance(space, gymnasium.spaces.Discrete) else len(space.nvec)
         taken = random.integers(choices, size=(steps, valves))
         return taken, np.where(taken == choices - 1, 0, choices - 1)
     # What a valve's delays leave of a pulse: from 12 ms of 50 ms, or 4 ms of 20 ms, to 1 ms before its end.
-    low, high = (-0.9, 0.9) if asked == "position" else pulses
+    low, high = (-0.9, 0.9) if mode == "position" else pulses
     taken = random.uniform(low, high, size=(steps, *space.shape))
     other = 0.3 * (high - low)
     return taken, taken + np.where(taken > 0.5 * (low + high), -other, other)
@@ -92,14 +92,14 @@ def test_every_action_changes_the_next_observation(name: str, options: dict[str,
 
 
 @pytest.mark.parametrize("asked", ["duty", "request"])
-def test_every_action_matters_in_the_single_form(asked: str) -> None:
-    alone = gymnasium.make("mckibben/HangingMass-v0", action_mode=asked).unwrapped
-    taken, another = action_sequences(alone.action_space, asked, STEPS)
+def test_every_action_matters_in_the_single_form(mode: str) -> None:
+    alone = gymnasium.make("mckibben/HangingMass-v0", action_mode=mode).unwrapped
+    taken, another = action_sequences(alone.action_space, mode, STEPS)
 
     def after(actions: np.ndarray) -> np.ndarray:
         alone.reset(seed=1)
         for action in actions:
-            alone.step(int(action[0]) if asked == "request" else action.astype(np.float32))
+            alone.step(int(action[0]) if mode == "request" else action.astype(np.float32))
         return alone.observations.copy()
 
     for step in range(STEPS):
@@ -170,12 +170,12 @@ def test_the_period_of_an_action_is_that_of_the_pulses_or_longer_than_the_delays
 
 def test_what_a_valve_does_not_take_is_refused_when_the_environment_is_made() -> None:
     for name in ("HangingMass", "Joint", "Leg"):
-        for asked in ("position", "set-point"):
-            with pytest.raises(mckibben.InputError, match=f'action_mode="{asked}" .*valve with seats(.|\n)*action_mode="request"'):
-                gymnasium.make(f"mckibben/{name}-v0", action_mode=asked)
-    for asked, valve in [("duty", SPOOL), ("request", SPOOL), ("set-point", SPOOL), ("position", REGULATOR)]:
-        with pytest.raises(mckibben.InputError, match=f'action_mode="{asked}" is nothing'):
-            gymnasium.make("mckibben/HangingMass-v0", action_mode=asked, scenario=with_valve(valve), pulse_frequency=25.0)
+        for mode in ("position", "set-point"):
+            with pytest.raises(mckibben.InputError, match=f'action_mode="{mode}" .*valve with seats(.|\n)*action_mode="request"'):
+                gymnasium.make(f"mckibben/{name}-v0", action_mode=mode)
+    for mode, valve in [("duty", SPOOL), ("request", SPOOL), ("set-point", SPOOL), ("position", REGULATOR)]:
+        with pytest.raises(mckibben.InputError, match=f'action_mode="{mode}" is nothing'):
+            gymnasium.make("mckibben/HangingMass-v0", action_mode=mode, scenario=with_valve(valve), pulse_frequency=25.0)
     # Between pulses that no PWM of the scenario describes the valve is to exhaust, which a two-way valve cannot.
     two = learning.task("HangingMass").scenario.with_values({"valve.kind": "two-way"})
     gymnasium.make("mckibben/HangingMass-v0", scenario=two)

@@ -101,9 +101,9 @@ def test_a_plant_that_begins_again_does_what_it_did_at_first() -> None:
 
 
 @pytest.mark.parametrize("name, asked", [("arm", "request"), ("leg", "set-point")])
-def test_the_examples_are_environments(name: str, asked: str) -> None:
+def test_the_examples_are_environments(name: str, mode: str) -> None:
     example = mckibben.Scenario.from_file(PLANTS / f"{name}.toml").with_values({"run.step": "0.5 ms"})
-    many = gymnasium.make_vec(f"mckibben/{name.capitalize()}-v0", num_envs=3, scenario=example, action_mode=asked, duration=0.05)
+    many = gymnasium.make_vec(f"mckibben/{name.capitalize()}-v0", num_envs=3, scenario=example, action_mode=mode, duration=0.05)
     observed, info = many.reset(seed=1)
     many.action_space.seed(1)
     joints = {"arm": ["shoulder", "elbow", "wrist"], "leg": ["hip", "knee"]}[name]
@@ -250,7 +250,7 @@ def test_a_joint_takes_positions_and_set_points() -> None:
     """A joint whose muscles have spools, and one whose muscles have regulators."""
     from test_learning_actions import REGULATOR, SPOOL
 
-    for asked, valve in [("position", SPOOL), ("set-point", REGULATOR)]:
+    for mode, valve in [("position", SPOOL), ("set-point", REGULATOR)]:
         sections = learning.task("Joint").scenario.to_dict()
         for of in (sections, sections["antagonist"]) if "antagonist" in sections else (sections,):
             for section in ("valve", "command"):
@@ -260,7 +260,7 @@ def test_a_joint_takes_positions_and_set_points() -> None:
                 section, _, key = path.partition(".")
                 of[section] = of.get(section, {}) | {key: value} if key else value
         joint = mckibben.Scenario.from_dict(sections)
-        many = gymnasium.make_vec("mckibben/Joint-v0", num_envs=3, scenario=joint, action_mode=asked)
+        many = gymnasium.make_vec("mckibben/Joint-v0", num_envs=3, scenario=joint, action_mode=mode)
         many.reset(seed=1)
         for _ in range(10):
             many.step(np.array([[0.6, 0.1], [0.1, 0.6], [0.3, 0.3]], dtype=np.float32))

@@ -20,10 +20,10 @@ use work::Work;
 const PARTS: [&str; 4] = ["engines", "peers", "sizes", "memory"];
 
 fn main() -> ExitCode {
-    let asked: Vec<String> = std::env::args().skip(1).collect();
-    let done = match &asked[..] {
+    let parts: Vec<String> = std::env::args().skip(1).collect();
+    let done = match &parts[..] {
         [part, rows] if part == memory::OF_A_BATCH => memory::of_a_batch(rows).map(|()| true),
-        _ => run(asked),
+        _ => run(parts),
     };
     match done {
         Ok(true) => ExitCode::SUCCESS,
@@ -36,11 +36,11 @@ fn main() -> ExitCode {
 }
 
 /// Whether everything that was asked for could be done.
-fn run(asked: Vec<String>) -> Result<bool, String> {
-    if let Some(unknown) = asked.iter().find(|part| !PARTS.contains(&part.as_str())) {
+fn run(parts: Vec<String>) -> Result<bool, String> {
+    if let Some(unknown) = parts.iter().find(|part| !PARTS.contains(&part.as_str())) {
         return Err(format!("`{unknown}` is none of {}", PARTS.join(", ")));
     }
-    let wants = |part: &str| asked.is_empty() || asked.iter().any(|one| one == part);
+    let wants = |part: &str| parts.is_empty() || parts.iter().any(|one| one == part);
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     let sources = here.join("peers");
     let work = Work::new()?;

@@ -183,9 +183,9 @@ impl PlantBatch {
     ///
     /// # Errors
     /// As [`PlantSteps::set`] and [`PlantBatch::row`].
-    pub fn set(&mut self, row: usize, valve: usize, demand: impl Into<RuntimeCommand>) -> Result<(), Error> {
+    pub fn set(&mut self, row: usize, valve: usize, command: impl Into<RuntimeCommand>) -> Result<(), Error> {
         let [group, lane] = self.place(row)?;
-        self.edges = self.edges.max(self.groups[group].set(lane, valve, demand.into())?);
+        self.edges = self.edges.max(self.groups[group].set(lane, valve, command.into())?);
         Ok(())
     }
 
@@ -196,13 +196,13 @@ impl PlantBatch {
     pub fn set_each(
         &mut self,
         valve: usize,
-        demand: impl Fn(usize) -> Option<RuntimeCommand> + Sync,
+        command: impl Fn(usize) -> Option<RuntimeCommand> + Sync,
     ) -> Result<(), (usize, Error)> {
         let set = |group: &mut Group| {
             let (mut edges, mut fault): (f64, Option<(usize, Error)>) = (0.0, None);
             for lane in 0..group.rows.len() {
                 let index = group.rows[lane].index;
-                match demand(index).map(|demand| group.set(lane, valve, demand)) {
+                match command(index).map(|command| group.set(lane, valve, command)) {
                     Some(Ok(its)) => edges = edges.max(its),
                     Some(Err(error)) if group.rows[lane].is_alive() => fault = fault.or(Some((index, error))),
                     Some(Err(_)) | None => {}

@@ -130,8 +130,8 @@ impl<W: Wide> Work for Look<'_, W> {
         let mut within = W::Mask::splat(true);
         system.evaluate(time, end, held, at);
         for m in 0..system.assemblies.len() {
-            let is_asked = |watched: &WatchedFacet<W>| watched.any && watched.mechanism == m;
-            if !facets.watched.iter().any(is_asked) {
+            let is_of_mechanism = |watched: &WatchedFacet<W>| watched.any && watched.mechanism == m;
+            if !facets.watched.iter().any(is_of_mechanism) {
                 continue;
             }
             let frozen = held.is_frozen(m);
@@ -146,7 +146,7 @@ impl<W: Wide> Work for Look<'_, W> {
                 facets.bounds[i] = [least, most];
             }
             for watched in &facets.watched {
-                if is_asked(watched) {
+                if is_of_mechanism(watched) {
                     let is_held = holds(system, &watched.facet, &facets.bounds, at);
                     within = within & (watched.flag.le(W::zero()) | is_held);
                 }

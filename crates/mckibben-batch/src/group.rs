@@ -60,10 +60,10 @@ impl Group {
     }
 
     /// Sets what a valve of a row does from now on; the edges of pulses in a second that it then has.
-    pub(crate) fn set(&mut self, lane: usize, valve: usize, demand: RuntimeCommand) -> Result<f64, Error> {
+    pub(crate) fn set(&mut self, lane: usize, valve: usize, commanded: RuntimeCommand) -> Result<f64, Error> {
         let place = match self.command_place(lane, valve) {
             // What goes on as it is needs nothing.
-            Some(place) if self.commands[place] == Some(demand) && goes_on(&demand) => return Ok(0.0),
+            Some(place) if self.commands[place] == Some(commanded) && goes_on(&commanded) => return Ok(0.0),
             place => place,
         };
         let row = &mut self.rows[lane];
@@ -72,14 +72,14 @@ impl Group {
         }
         let mut edges = 0.0;
         // Most commands go on with what there is, of which lanes know all.
-        if !row.steps.set_on(valve, &demand)? {
+        if !row.steps.set_on(valve, &commanded)? {
             let row = self.bring(lane);
             row.changes(Change::Commands);
-            row.steps.set(valve, demand)?;
+            row.steps.set(valve, commanded)?;
             edges = row.steps.edge_rate();
         }
         if let Some(place) = place {
-            self.commands[place] = Some(demand);
+            self.commands[place] = Some(commanded);
         }
         Ok(edges)
     }

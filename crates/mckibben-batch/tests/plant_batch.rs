@@ -2,7 +2,7 @@
 
 use crate::common::joint::Pair;
 use crate::common::laws::measured;
-use crate::common::plants::{asked, leg_on_its_belt, on_a_bottle, unlike_muscles_on_one_tank};
+use crate::common::plants::{requested, leg_on_its_belt, on_a_bottle, unlike_muscles_on_one_tank};
 use crate::common::random::runner;
 use crate::common::random_plants::{drawn, plant};
 use crate::common::tendon::on_tendon;
@@ -210,14 +210,14 @@ fn rows_on_bottles_whose_ends_hosts_move_equal_scalar_instances() {
     let mut batch = PlantBatch::new(alone.clone()).expect("a batch");
     let mut before = [0.085, 0.088];
     for count in 0..200 {
-        let (demands, distances) = asked(count);
+        let (demands, distances) = requested(count);
         let rates = [0, 1].map(|k| (distances[k] - before[k]) / 1e-3);
         before = distances;
         for (index, row) in alone.iter_mut().enumerate() {
-            for (valve, demand) in demands.into_iter().flatten().enumerate() {
+            for (valve, commanded) in demands.into_iter().flatten().enumerate() {
                 if (valve + index) % 3 != 0 {
-                    row.set(valve, demand).expect("a demand");
-                    batch.set(index, valve, demand).expect("a demand");
+                    row.set(valve, commanded).expect("a demand");
+                    batch.set(index, valve, commanded).expect("a demand");
                 }
             }
             let rates = rates.map(|rate| rate * (1.0 - 0.02 * index as f64));

@@ -113,11 +113,11 @@ fn known(index: usize, command_of: CommandOf, at: impl Fn(usize) -> f64) -> Comm
     let mut commands: Vec<(f64, RuntimeCommand)> = (0..COMMANDS).map(|count| (at(count), command_of(index, count))).collect();
     commands.dedup_by(|(_, next), (_, before)| matches!(next, RuntimeCommand::Request(_)) && next == before);
     let time = commands.iter().map(|(time, _)| *time).collect();
-    let numbers = commands.iter().filter_map(|(_, demand)| match demand {
+    let numbers = commands.iter().filter_map(|(_, commanded)| match commanded {
         RuntimeCommand::Position(number) | RuntimeCommand::SetPoint(GaugePressure(number)) => Some(*number),
         _ => None,
     });
-    let requests = commands.iter().filter_map(|(_, demand)| match demand {
+    let requests = commands.iter().filter_map(|(_, commanded)| match commanded {
         RuntimeCommand::Request(request) => Some(*request),
         _ => None,
     });
@@ -164,9 +164,9 @@ fn beforehand(row: &Row, command: Command, method: Method) -> String {
 }
 
 /// Where steps come to that are set at each millisecond.
-fn set(mut steps: PlantSteps, from: usize, demand: impl Fn(usize) -> RuntimeCommand) -> String {
+fn set(mut steps: PlantSteps, from: usize, commanded: impl Fn(usize) -> RuntimeCommand) -> String {
     for count in 0..COMMANDS {
-        steps.set(0, demand(count)).expect("set");
+        steps.set(0, commanded(count)).expect("set");
         let [from, until] = [from + count, from + count + 1].map(millisecond);
         in_steps(from, until, |until| steps.advance_to(until).expect("a step"));
     }

@@ -17,12 +17,12 @@ fn offered(folder: &Folder, words: &[&str]) -> Vec<String> {
     let program = env!("CARGO_BIN_EXE_mckibben");
     let words =
         std::iter::once(&program).chain(&words[1..]).map(|word| format!("'{word}'")).collect::<Vec<_>>().join(" ");
-    let ask = format!(
+    let query = format!(
         "source ./script\ncomplete -p mckibben >&2\nCOMP_WORDS=({words})\nCOMP_CWORD=$((${{#COMP_WORDS[@]}} - 1))\n\
          _mckibben_or_keys '{program}' \"${{COMP_WORDS[COMP_CWORD]}}\" \"${{COMP_WORDS[COMP_CWORD-1]}}\"\n\
          printf '%s\\n' \"${{COMPREPLY[@]}}\"\n"
     );
-    let output = Command::new("bash").args(["-c", &ask]).current_dir(folder.path(".")).output().expect("bash");
+    let output = Command::new("bash").args(["-c", &query]).current_dir(folder.path(".")).output().expect("bash");
     let errors = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success() && errors.contains("-F _mckibben_or_keys mckibben"), "{errors}");
     String::from_utf8_lossy(&output.stdout).lines().map(str::to_owned).collect()
@@ -88,7 +88,7 @@ fn zsh_and_fish_read_their_scripts() {
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     }
     let program = std::path::Path::new(env!("CARGO_BIN_EXE_mckibben")).parent().expect("a folder").display();
-    let asked = [
+    let queries = [
         (
             "fish",
             format!("set -x PATH {program} $PATH; source fish; complete -C 'mckibben simulate a.toml --set load.mass'"),
@@ -102,8 +102,8 @@ fn zsh_and_fish_read_their_scripts() {
             ),
         ),
     ];
-    for (shell, ask) in asked {
-        let Ok(output) = Command::new(shell).args(["-c", &ask]).current_dir(folder.path(".")).output() else {
+    for (shell, query) in queries {
+        let Ok(output) = Command::new(shell).args(["-c", &query]).current_dir(folder.path(".")).output() else {
             continue;
         };
         let offered = String::from_utf8_lossy(&output.stdout);

@@ -71,10 +71,10 @@ fn simulated(folder: &Folder, file: &str, set: &[String]) -> Value {
 fn the_least_pressure_of_a_tension_is_that_of_the_paper() {
     let folder = Folder::new("design-tension");
     folder.file("muscle.toml", ISOMETRIC);
-    let asked =
+    let options =
         ["--vary", "supply.gauge_pressure=1..8 bar", "--minimize", "gauge_pressure.final", "--evaluations", "50"];
     let more = ["--subject-to", "tension.final>=250 N", "--format", "json", "--output", "best.toml", "muscle.toml"];
-    let found = json(&design(&folder, &[&asked[..], &more].concat()));
+    let found = json(&design(&folder, &[&options[..], &more].concat()));
     let due = pressure_of(250.0, 0.1);
     assert!((1e5 * value(&found, 0) / due - 1.0).abs() < 1e-4, "{found}: {due} Pa");
     let constraint = &found["constraints"][0];
@@ -96,9 +96,9 @@ fn the_least_pressure_of_a_rest_is_that_of_the_paper() {
     let folder = Folder::new("design-settle");
     let hanging = ISOMETRIC.replace("kind = \"isometric\"", "kind = \"hanging-mass\"\nmass = \"10 kg\"");
     folder.file("muscle.toml", &hanging);
-    let asked = ["muscle.toml", "--settle", "--vary", "supply.gauge_pressure=1..8 bar", "--minimize"];
+    let options = ["muscle.toml", "--settle", "--vary", "supply.gauge_pressure=1..8 bar", "--minimize"];
     let more = ["settled.gauge_pressure.mean", "--subject-to", "settled.length.mean<=90 mm", "--evaluations", "40"];
-    let found = json(&design(&folder, &[&asked[..], &more, &["--format", "json"]].concat()));
+    let found = json(&design(&folder, &[&options[..], &more, &["--format", "json"]].concat()));
     let due = pressure_of(10.0 * 9.80665, 0.09);
     assert!((1e5 * value(&found, 0) / due - 1.0).abs() < 1e-3, "{found}: {due} Pa");
     assert_eq!(found["constraints"][0]["active"], true);
@@ -109,9 +109,9 @@ fn the_least_pressure_of_a_rest_is_that_of_the_paper() {
 fn no_neighbour_of_the_best_is_better() {
     let folder = Folder::new("design-neighbours");
     folder.file("muscle.toml", ISOMETRIC);
-    let asked = ["muscle.toml", "--vary", "supply.gauge_pressure=1..7 bar", "--vary", "initial.length=80..108 mm"];
+    let options = ["muscle.toml", "--vary", "supply.gauge_pressure=1..7 bar", "--vary", "initial.length=80..108 mm"];
     let more = ["--minimize", "air.used", "--subject-to", "tension.final>=150 N", "--evaluations", "90"];
-    let found = json(&design(&folder, &[&asked[..], &more, &["--format", "json"]].concat()));
+    let found = json(&design(&folder, &[&options[..], &more, &["--format", "json"]].concat()));
     assert_eq!(found["constraints"][0]["active"], true, "{found}");
     let least = found["value"].as_f64().expect("a number");
     let (pressure, length) = (value(&found, 0), value(&found, 1));
@@ -134,10 +134,10 @@ fn no_neighbour_of_the_best_is_better() {
 fn an_infeasible_constraint_is_reported_with_the_nearest_point() {
     let folder = Folder::new("design-infeasible");
     folder.file("muscle.toml", ISOMETRIC);
-    let asked =
+    let options =
         ["muscle.toml", "--vary", "supply.gauge_pressure=1..2 bar", "--minimize", "air.used", "--evaluations", "12"];
     let more = ["--subject-to", "tension.final>=250 N", "--output", "best.toml", "--plot", "search.svg"];
-    let output = design(&folder, &[&asked[..], &more].concat());
+    let output = design(&folder, &[&options[..], &more].concat());
     assert_eq!(output.status.code(), Some(3), "{}", error(&output));
     // At the greatest pressure, by (3).
     let due = 250.0 * 2e5 / pressure_of(250.0, 0.1);
@@ -198,11 +198,11 @@ fn what_cannot_be_searched_is_refused_in_words() {
 fn any_number_of_threads_finds_the_same() {
     let folder = Folder::new("design-threads");
     folder.file("muscle.toml", ISOMETRIC);
-    let asked = ["muscle.toml", "--vary", "supply.gauge_pressure=1..7 bar", "--vary", "initial.length=80..108 mm"];
+    let options = ["muscle.toml", "--vary", "supply.gauge_pressure=1..7 bar", "--vary", "initial.length=80..108 mm"];
     let more = ["--maximize", "tension.final", "--subject-to", "air.used<=60 mg", "--evaluations", "60"];
     let run = |threads: &str| {
         let mut command = folder.mckibben();
-        command.arg("design").args(asked).args(more).args(["--format", "json"]).env("RAYON_NUM_THREADS", threads);
+        command.arg("design").args(options).args(more).args(["--format", "json"]).env("RAYON_NUM_THREADS", threads);
         let output = command.output().expect("it runs");
         assert!(output.status.success(), "{}", error(&output));
         output.stdout
@@ -216,9 +216,9 @@ fn runs_that_fail_are_reported_and_the_search_goes_on() {
     let folder = Folder::new("design-failures");
     let stepped = format!("{ISOMETRIC}engine = \"fixed-step\"\nmethod = \"rk4\"\nstep = \"1 ms\"\n");
     folder.file("muscle.toml", &stepped);
-    let asked =
+    let options =
         ["muscle.toml", "--vary", "valve.flow_area=1..10000 mm^2", "--maximize", "air.used", "--evaluations", "20"];
-    let output = design(&folder, &asked);
+    let output = design(&folder, &options);
     assert!(output.status.success(), "{}", error(&output));
     let output = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(output.contains("failed and counted as infeasible") && output.contains("the simulation stopped"), "{output}");
@@ -231,7 +231,7 @@ fn a_plant_is_designed_by_the_keys_of_its_parts() {
     let folder = Folder::new("design-plant");
     let bottle = std::fs::read_to_string(of_repository("examples/plant/bottle.toml")).expect("an example");
     folder.file("bottle.toml", &bottle);
-    let asked =
+    let options =
         ["bottle.toml", "--set", "run.duration=0.5 s", "--vary", "actuators.thick.load.mass=20..30 lb", "--vary"];
     let more = [
         "command.time[1]=0.2..0.4 s",
@@ -241,7 +241,7 @@ fn a_plant_is_designed_by_the_keys_of_its_parts() {
         "thick.gauge_pressure.max>=1.5 bar",
     ];
     let last = ["--evaluations", "24", "--format", "json", "--output", "best.toml", "--plot", "search.svg"];
-    let found = json(&design(&folder, &[&asked[..], &more, &last].concat()));
+    let found = json(&design(&folder, &[&options[..], &more, &last].concat()));
     assert_eq!((&found["feasible"], &found["unit"]), (&true.into(), &"m".into()));
     let text = std::fs::read_to_string(folder.path("best.toml")).expect("a scenario");
     assert!(text.starts_with("# Three unlike muscles") && text.contains("duration = \"0.5 s\""), "{text}");
@@ -259,7 +259,7 @@ fn a_plant_is_designed_by_the_keys_of_its_parts() {
 fn an_interrupted_search_writes_the_best_values() {
     let folder = Folder::new("design-interrupt");
     folder.file("muscle.toml", ISOMETRIC);
-    let asked =
+    let options =
         ["design", "muscle.toml", "--vary", "supply.gauge_pressure=1..8 bar", "--minimize", "gauge_pressure.final"];
     let more = ["--subject-to", "tension.final>=60 N", "--evaluations", "1000000", "--output"];
     for (signal, name, code) in [(2, "SIGINT", 130), (15, "SIGTERM", 143)] {
@@ -267,7 +267,7 @@ fn an_interrupted_search_writes_the_best_values() {
             continue;
         }
         let file = format!("{name}.toml");
-        let arguments = [&asked[..], &more[..], &[&file]].concat();
+        let arguments = [&options[..], &more[..], &[&file]].concat();
         let output = folder.interrupted(&arguments, name, std::time::Duration::from_secs(2));
         let printed = String::from_utf8_lossy(&output.stdout).split_whitespace().collect::<Vec<_>>().join(" ");
         assert_eq!(output.status.code(), Some(code), "{printed}{}", error(&output));

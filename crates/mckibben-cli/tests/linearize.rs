@@ -152,11 +152,11 @@ fn a_joint_is_linearised_at_its_balance_or_at_a_stiffness() {
     let script = std::fs::read_to_string(folder.path("j.m")).expect("a script");
     assert!(script.contains(&format!("{:e}", entry(1, 0))) && script.contains("point.angle_rad"), "{script}");
     run(&folder, file, &["--angle", "5 deg", "--stiffness", "1.2 N*m/rad", "--all-states", "--output", "s.json"]);
-    let asked = read(&folder, "s.json");
-    assert_eq!(asked["states"].as_array().map(Vec::len), Some(6));
-    let point = |name: &str| asked["operating_point"][name].as_f64().expect("a number");
-    assert!((point("angle_rad") - 5_f64.to_radians()).abs() < 1e-9, "{}", asked["operating_point"]);
-    assert!((point("stiffness_n_m_rad") - 1.2).abs() < 1e-9, "{}", asked["operating_point"]);
+    let stiff = read(&folder, "s.json");
+    assert_eq!(stiff["states"].as_array().map(Vec::len), Some(6));
+    let point = |name: &str| stiff["operating_point"][name].as_f64().expect("a number");
+    assert!((point("angle_rad") - 5_f64.to_radians()).abs() < 1e-9, "{}", stiff["operating_point"]);
+    assert!((point("stiffness_n_m_rad") - 1.2).abs() < 1e-9, "{}", stiff["operating_point"]);
 }
 
 #[test]

@@ -30,7 +30,7 @@ fn the_file_shows_set_point_and_regulated_pressure() {
     for record in reader.records() {
         let record = record.expect("a row");
         let number = |column: usize| record[column].parse::<f64>().expect("a number");
-        let [time, pressure, regulated, asked] = [0, 3, 11, 13].map(number);
+        let [time, pressure, regulated, set_point] = [0, 3, 11, 13].map(number);
         let expected = match time {
             t if t < 0.1 => 0.0,
             t if t < 0.7 => 4e5,
@@ -38,17 +38,17 @@ fn the_file_shows_set_point_and_regulated_pressure() {
             t if t < 1.5 => 1.5e5,
             _ => 5e5,
         };
-        assert!((asked - expected).abs() <= 1e-9 * 101_325.0, "{asked} at {time}");
+        assert!((set_point - expected).abs() <= 1e-9 * 101_325.0, "{set_point} at {time}");
         // It answers after its dead time of 10 ms.
         if time <= 0.11 {
             assert!((regulated - 101_325.0).abs() < 1e-6, "{regulated} at {time}");
         }
-        (rows, last) = (rows + 1, [pressure, regulated, asked]);
+        (rows, last) = (rows + 1, [pressure, regulated, set_point]);
     }
     assert_eq!(rows, 2101);
     // 600 ms after the step only e^-10 of it or so is left; about it the actuator's own pressure swings with the mass.
-    let [pressure, regulated, asked] = last;
-    assert!((regulated - 101_325.0 - asked).abs() < 1e2 && (pressure - regulated).abs() < 5e3, "{last:?}");
+    let [pressure, regulated, set_point] = last;
+    assert!((regulated - 101_325.0 - set_point).abs() < 1e2 && (pressure - regulated).abs() < 5e3, "{last:?}");
 
     let svg = std::fs::read_to_string(folder.path("run.svg")).expect("written");
     for word in ["regulated", "set point", "gauge pressure"] {

@@ -6,7 +6,7 @@ use common::Folder;
 use std::f64::consts::PI;
 use std::process::Output;
 
-const ASKED: [&str; 7] = ["size", "--load", "5 kg", "--stroke", "30 mm", "--gauge-pressure", "4 bar"];
+const OPTIONS: [&str; 7] = ["size", "--load", "5 kg", "--stroke", "30 mm", "--gauge-pressure", "4 bar"];
 const GRAVITY: f64 = 9.80665;
 
 fn text(output: &Output) -> String {
@@ -15,7 +15,7 @@ fn text(output: &Output) -> String {
 }
 
 fn size(folder: &Folder, more: &[&str]) -> Output {
-    folder.mckibben().args(ASKED).args(more).output().expect("it runs")
+    folder.mckibben().args(OPTIONS).args(more).output().expect("it runs")
 }
 
 /// A table of numbers with the names of its columns.
@@ -48,7 +48,7 @@ fn braids_made_to_measure_hold_the_load_at_the_stroke() {
         assert!(of("contraction") * of("length_m") > 0.03 * (1.0 - 1e-5), "{printed}");
         let (thread, turns, length) = (of("thread_length_m"), of("turns"), of("length_m"));
         let angle = (length / thread).acos().to_degrees();
-        if of("count") == 1.0 && [20.0, 25.0, 30.0].iter().any(|asked| (angle - asked).abs() < 1e-6) {
+        if of("count") == 1.0 && [20.0, 25.0, 30.0].iter().any(|options| (angle - options).abs() < 1e-6) {
             made += 1;
             let end: f64 = length - 0.03;
             let force = 0.8 * 4e5 * thread * thread / (4.0 * PI * turns * turns) * (3.0 * (end / thread).powi(2) - 1.0);
@@ -69,8 +69,8 @@ fn braids_made_to_measure_hold_the_load_at_the_stroke() {
 #[test]
 fn the_valve_is_quick_enough_and_not_wider_than_need_be() {
     let folder = Folder::new("size-valve");
-    let asked = ["--time", "0.3 s", "--braid-angles", "25", "--scenario", "muscle.toml", "--hose", "2 m"];
-    let printed = text(&size(&folder, &asked));
+    let options = ["--time", "0.3 s", "--braid-angles", "25", "--scenario", "muscle.toml", "--hose", "2 m"];
+    let printed = text(&size(&folder, &options));
     assert!(printed.contains("Named valves") && printed.contains("hose, inner diameter mm"), "{printed}");
     let scenario = std::fs::read_to_string(folder.path("muscle.toml")).expect("a scenario");
     let written = |key: &str| -> f64 {

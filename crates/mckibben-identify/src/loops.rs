@@ -96,14 +96,14 @@ impl Loop {
         }
         let way = |place: usize| samples[place].length - samples[place - 1].length;
         let mut direction = 0.0;
-        let turn = (1..samples.len()).find(|place| {
-            let turned = way(*place) * direction < 0.0;
+        let reversal = (1..samples.len()).find(|place| {
+            let is_reversal = way(*place) * direction < 0.0;
             if way(*place) != 0.0 {
                 direction = way(*place).signum();
             }
-            turned
+            is_reversal
         });
-        match turn {
+        match reversal {
             Some(first) => Ok(Self { name, samples, first }),
             None => Err(LoopError::NoTurn { name }),
         }

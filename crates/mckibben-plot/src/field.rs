@@ -90,7 +90,7 @@ impl Bar {
         let start = bar.right + TICK + TICK_GAP + widest + 3.5;
         for (i, line) in self.label.iter().enumerate() {
             let at = [start + (i as f64 + 0.75) * LABEL_SIZE * LEADING, 0.5 * (bar.top + bar.bottom)];
-            scene.words(Words { turned: true, ..words(line.clone(), at, Anchor::Middle, LABEL_SIZE) });
+            scene.words(Words { rotated: true, ..words(line.clone(), at, Anchor::Middle, LABEL_SIZE) });
         }
     }
 }

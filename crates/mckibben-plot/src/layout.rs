@@ -167,7 +167,7 @@ pub(super) fn laid_out(figure: &Figure, least: &[f64]) -> Result<(Scene, Vec<f64
 
 /// Words that stand plainly on the ground.
 pub(super) fn words(text: String, at: [f64; 2], anchor: Anchor, size: f64) -> Words {
-    Words { at, anchor, size, bold: false, turned: false, halo: false, ink: Ink::Text, text }
+    Words { at, anchor, size, bold: false, rotated: false, halo: false, ink: Ink::Text, text }
 }
 
 /// Lines of words from a corner downwards. Returns where the next thing may start.
@@ -192,7 +192,7 @@ fn axis_label(scene: &mut Scene, lines: &[String], area: Area, right: f64) {
     for (i, line) in lines.iter().rev().enumerate() {
         let baseline = right - 0.25 * LABEL_SIZE - i as f64 * LABEL_SIZE * LEADING;
         let middle = 0.5 * (area.top + area.bottom);
-        scene.words(Words { turned: true, ..words(line.clone(), [baseline, middle], Anchor::Middle, LABEL_SIZE) });
+        scene.words(Words { rotated: true, ..words(line.clone(), [baseline, middle], Anchor::Middle, LABEL_SIZE) });
     }
 }
 

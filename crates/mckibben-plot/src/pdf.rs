@@ -143,7 +143,7 @@ impl Page {
                 let (along, rise) = (start + part[0].along, part[0].rise);
                 let [x, y] = words.at;
                 // The page's y points down and the glyphs' up.
-                let matrix = match words.turned {
+                let matrix = match words.rotated {
                     true => [0.0, -1.0, -1.0, 0.0, number(x - rise), number(y - along)],
                     false => [1.0, 0.0, 0.0, -1.0, number(x + along), number(y - rise)],
                 };
@@ -284,9 +284,9 @@ mod tests {
         found
     }
 
-    fn words(text: &str, turned: bool) -> Words {
+    fn words(text: &str, rotated: bool) -> Words {
         let (anchor, ink) = (Anchor::Start, Ink::Text);
-        Words { at: [10.0, 20.0], anchor, size: 8.0, bold: false, turned, halo: false, ink, text: text.to_string() }
+        Words { at: [10.0, 20.0], anchor, size: 8.0, bold: false, rotated, halo: false, ink, text: text.to_string() }
     }
 
     #[test]

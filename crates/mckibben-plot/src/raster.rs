@@ -110,10 +110,10 @@ impl Canvas {
             Anchor::End => -self.faces.width(&words.text, size, words.bold),
         };
         let [x, y] = words.at.map(|v| v * self.scale);
-        let mut pen = Pen { builder: PathBuilder::new(), origin: [x, y], unit: 0.0, turned: words.turned };
+        let mut pen = Pen { builder: PathBuilder::new(), origin: [x, y], unit: 0.0, rotated: words.rotated };
         self.faces.draw((&words.text, size, words.bold), &mut pen, |pen, along, rise, unit| {
             pen.unit = unit;
-            pen.origin = if pen.turned { [x - rise, y - start - along] } else { [x + start + along, y - rise] };
+            pen.origin = if pen.rotated { [x - rise, y - start - along] } else { [x + start + along, y - rise] };
         });
         let Some(path) = pen.builder.finish() else {
             return;
@@ -132,13 +132,13 @@ struct Pen {
     origin: [f64; 2],
     /// Pixels in a unit of the face.
     unit: f64,
-    turned: bool,
+    rotated: bool,
 }
 
 impl Pen {
     fn at(&self, x: f32, y: f32) -> [f32; 2] {
         let (x, y) = (self.unit * f64::from(x), self.unit * f64::from(y));
-        let [u, v] = if self.turned { [-y, -x] } else { [x, -y] };
+        let [u, v] = if self.rotated { [-y, -x] } else { [x, -y] };
         [(self.origin[0] + u) as f32, (self.origin[1] + v) as f32]
     }
 }

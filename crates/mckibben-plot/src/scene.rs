@@ -176,7 +176,7 @@ pub(super) struct Words {
     pub(super) size: f64,
     pub(super) bold: bool,
     /// Read from below, as a vertical axis is labelled.
-    pub(super) turned: bool,
+    pub(super) rotated: bool,
     /// Surrounded by the background, where words stand on lines.
     pub(super) halo: bool,
     pub(super) ink: Ink,

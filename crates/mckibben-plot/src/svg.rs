@@ -192,7 +192,7 @@ fn text(out: &mut String, words: &Words, theme: Theme) {
         out.push_str(r#" stroke-width="2.4" paint-order="stroke""#);
     }
     let [x, y] = words.at.map(number);
-    match words.turned {
+    match words.rotated {
         true => put!(out, r#" transform="translate({x} {y}) rotate(-90)""#),
         false => put!(out, r#" x="{x}" y="{y}""#),
     }

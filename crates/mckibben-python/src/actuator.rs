@@ -74,30 +74,30 @@ impl Model {
 
     /// The command that a number is, in the kind of the valve.
     pub(crate) fn command(&self, name: &str, number: f64) -> Result<RuntimeCommand, Failure> {
-        self.demand(name, &Asked::Number(number))
+        self.commanded(name, &ValveInput::Number(number))
     }
 
     /// The command that a request or a number is.
-    pub(crate) fn demand(&self, name: &str, asked: &Asked) -> Result<RuntimeCommand, Failure> {
+    pub(crate) fn commanded(&self, name: &str, given: &ValveInput) -> Result<RuntimeCommand, Failure> {
         let Some(valve) = self.steps.plant().network().valves.first() else {
             return Err(Failure::input(
                 "there is a command to a valve, but the actuator has none",
                 "give the actuator a valve, or leave it sealed",
             ));
         };
-        let demand = match *asked {
-            Asked::Request(request) => RuntimeCommand::Request(request),
-            Asked::Number(gauge) if valve.solenoid.regulator().is_some() => {
+        let commanded = match *given {
+            ValveInput::Request(request) => RuntimeCommand::Request(request),
+            ValveInput::Number(gauge) if valve.solenoid.regulator().is_some() => {
                 RuntimeCommand::SetPoint(GaugePressure(gauge))
             }
-            Asked::Number(position) if valve.solenoid.spool().is_some() => RuntimeCommand::Position(position),
-            Asked::Number(duty) => {
+            ValveInput::Number(position) if valve.solenoid.spool().is_some() => RuntimeCommand::Position(position),
+            ValveInput::Number(duty) => {
                 arguments::number(name, duty, "", "a duty cycle from 0 to 1", (0.0..=1.0).contains(&duty))?;
                 self.pulses.of_duty(duty)
             }
         };
-        valve.solenoid.check_command(&demand).map_err(|error| Failure::from(error).of(name))?;
-        Ok(demand)
+        valve.solenoid.check_command(&commanded).map_err(|error| Failure::from(error).of(name))?;
+        Ok(commanded)
     }
 
     /// Goes to where numbers say, which begin with the mark of this actuator.
@@ -286,19 +286,19 @@ fn advance(
 }
 
 /// Command of a valve in a step.
-pub(crate) enum Asked {
+pub(crate) enum ValveInput {
     /// A duty cycle of seats, the set point of a regulator (gauge pressure in Pa), or the position of a spool.
     Number(f64),
     Request(Request),
 }
 
-impl<'a, 'py> FromPyObject<'a, 'py> for Asked {
+impl<'a, 'py> FromPyObject<'a, 'py> for ValveInput {
     type Error = PyErr;
     const INPUT_TYPE: PyStaticExpr = type_hint_union!(name!("builtins", "float"), RequestWord::HINT);
 
-    fn extract(asked: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
-        let Ok(word) = asked.cast::<PyString>() else {
-            return Ok(Self::Number(asked.extract()?));
+    fn extract(given: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        let Ok(word) = given.cast::<PyString>() else {
+            return Ok(Self::Number(given.extract()?));
         };
         match word.to_cow()?.as_ref() {
             "fill" => Ok(Self::Request(Request::Fill)),
@@ -541,7 +541,7 @@ impl Actuator {
         state: &Bound<'_, ActuatorState>,
         length: f64,
         velocity: f64,
-        command: Option<Asked>,
+        command: Option<ValveInput>,
         dt: f64,
         max_step: Option<f64>,
     ) -> PyResult<(ActuatorState, f64, Response)> {
@@ -549,11 +549,11 @@ impl Actuator {
         check_velocity("velocity", velocity).raised()?;
         check_length(&self.model.steps, "length", length).raised()?;
         let longest = longest_part(max_step).raised()?;
-        let demand = command.map(|asked| self.model.demand("command", &asked)).transpose().raised()?;
+        let commanded = command.map(|given| self.model.commanded("command", &given)).transpose().raised()?;
         // It is set to where the state is before anything is done with it, so no earlier position does harm.
         let mut actuator = self.desk.lock().unwrap_or_else(PoisonError::into_inner);
         self.model.restore(&mut actuator, state.get()).raised()?;
-        demand.map_or(Ok(()), |demand| actuator.set(0, demand)).raised()?;
+        commanded.map_or(Ok(()), |commanded| actuator.set(0, commanded)).raised()?;
         actuator.limit_step(longest).raised()?;
         let from = actuator.time();
         let until = from + dt;

@@ -1,7 +1,7 @@
 //! Many modular actuators stepped together on arrays that the caller owns: the class `Actuators`.
 
 use crate::actuator::{
-    ActuatorState, Asked, Model, PARTS_PER_CHECK, check_dt, check_parts, check_velocity, distance, longest_part, reach,
+    ActuatorState, ValveInput, Model, PARTS_PER_CHECK, check_dt, check_parts, check_velocity, distance, longest_part, reach,
     steps_of,
 };
 use crate::arguments::{self, fitting};
@@ -215,8 +215,8 @@ fn check_velocities(velocity: &[f64]) -> Result<(), Failure> {
 /// Refuses a command that a valve does not take, before any valve is set.
 fn check_commands(model: &Model, command: &[f64]) -> Result<(), Failure> {
     let of_row = |(row, command): (usize, &f64)| {
-        let demand = model.demand(&format!("command[{row}]"), &Asked::Number(*command));
-        demand.map(drop).map_err(|failure| of_row(failure, row))
+        let commanded = model.commanded(&format!("command[{row}]"), &ValveInput::Number(*command));
+        commanded.map(drop).map_err(|failure| of_row(failure, row))
     };
     command.iter().enumerate().try_for_each(of_row)
 }
@@ -388,8 +388,8 @@ impl Actuators {
         let line = |many: &Many| if spans > 1.0 { many.distances.clone() } else { Vec::new() };
         let begin = line(many);
         if let Some(command) = command {
-            let demand = |row: usize| model.demand("command", &Asked::Number(command[row])).ok();
-            let set = py.detach(|| self.share(many, |many| many.batch.set_each(0, demand))).raised()?;
+            let commanded = |row: usize| model.commanded("command", &ValveInput::Number(command[row])).ok();
+            let set = py.detach(|| self.share(many, |many| many.batch.set_each(0, commanded))).raised()?;
             set.map_err(|(row, error)| of_row(error.into(), row)).raised()?;
         }
         let (stay, out_of_reach) = many.take(length);

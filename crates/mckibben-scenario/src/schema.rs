@@ -270,7 +270,7 @@ fn rules(selector: &Key, keys: &[&Key]) -> Vec<Value> {
     }
     let rule = |choice: &Choice| {
         let applies = |words: &[&str]| words.contains(&choice.name);
-        let asked = ruled.iter().filter(|(key, words)| key.required && applies(words)).map(|(key, _)| key.name());
+        let needed = ruled.iter().filter(|(key, words)| key.required && applies(words)).map(|(key, _)| key.name());
         let barred =
             ruled.iter().filter(|(_, words)| !applies(words)).map(|(key, _)| (key.name().to_owned(), json!(false)));
         // An absent choice is its default word, if it has one, and then the condition holds as well.
@@ -280,7 +280,7 @@ fn rules(selector: &Key, keys: &[&Key]) -> Vec<Value> {
         }
         json!({
             "if": condition,
-            "then": { "required": asked.collect::<Vec<_>>(), "properties": barred.collect::<Map<_, _>>() },
+            "then": { "required": needed.collect::<Vec<_>>(), "properties": barred.collect::<Map<_, _>>() },
         })
     };
     choices.iter().map(rule).collect()

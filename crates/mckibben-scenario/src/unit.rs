@@ -105,7 +105,7 @@ const fn si(symbol: &'static str, dimension: Dimension, exponent: i32) -> Unit {
 }
 
 /// An angle or angular speed: a ratio times π.
-const fn turned(symbol: &'static str, dimension: Dimension, numerator: u128, denominator: u128) -> Unit {
+const fn angular(symbol: &'static str, dimension: Dimension, numerator: u128, denominator: u128) -> Unit {
     let scale = Scale { numerator, denominator, exponent: 0, pi: 1, rest: 1.0 };
     Unit { scale, ..unit(symbol, dimension, 1, 1, 0) }
 }
@@ -163,10 +163,10 @@ static UNITS: &[Unit] = &[
     unit("scfm", D::VOLUME_FLOW, 28_316_846_592, 60, -12),
     unit("lpm", D::VOLUME_FLOW, 1, 60, -3),
     unit("Btu", D::ENERGY, 105_505_585_262, 1, -8),
-    turned("deg", D::ANGLE, 1, 180),
-    turned("°", D::ANGLE, 1, 180),
-    turned("rev", D::ANGLE, 2, 1),
-    turned("rpm", D::ANGULAR_SPEED, 1, 30),
+    angular("deg", D::ANGLE, 1, 180),
+    angular("°", D::ANGLE, 1, 180),
+    angular("rev", D::ANGLE, 2, 1),
+    angular("rpm", D::ANGULAR_SPEED, 1, 30),
     affine("degC", 1, 1, 27_315),
     affine("°C", 1, 1, 27_315),
     affine("℃", 1, 1, 27_315),

@@ -136,10 +136,10 @@ fn each_kind_takes_the_commands_that_it_can_follow() {
         Document::parse(&text, "valve.toml").expect("TOML").experiment()
     };
     let kinds = ValveKind::CHOICES.iter().map(|choice| choice.name);
-    let asked = ["fill", "hold", "exhaust"].map(|request| format!("kind = \"{request}\""));
+    let requests = ["fill", "hold", "exhaust"].map(|request| format!("kind = \"{request}\""));
     // They follow set points or positions, and no requests.
     let without_seats = ["pressure-regulator", "proportional-spool"];
-    assert!(without_seats.iter().all(|kind| asked.iter().all(|request| with(kind, request).is_err())));
+    assert!(without_seats.iter().all(|kind| requests.iter().all(|request| with(kind, request).is_err())));
     for kind in kinds.filter(|kind| !without_seats.contains(kind)) {
         let holds = kind == "two-way" || kind == "fill-hold-exhaust" || kind.starts_with("five-way-");
         assert!(with(kind, "kind = \"fill\"").is_ok(), "{kind}");

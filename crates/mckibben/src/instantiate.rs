@@ -59,8 +59,8 @@ entry_points! {
         plant: &Plant<Self>, start: &PlantStart<Self>, stepping: TimeStepping, drivers: Vec<Driver<Self>>
     ) -> Result<PlantRun<Self>, Error> = PlantRun::generic_begin(plant, start, stepping, drivers);
     fn measure_plant_run(run: &PlantRun<Self>) -> PlantMeasurement<Self> = run.generic_measurement();
-    fn set_plant_valve(run: &mut PlantRun<Self>, valve: usize, demand: RuntimeCommand<Self>) -> Result<(), Error> =
-        run.generic_set(valve, demand);
+    fn set_plant_valve(run: &mut PlantRun<Self>, valve: usize, commanded: RuntimeCommand<Self>) -> Result<(), Error> =
+        run.generic_set(valve, commanded);
     fn set_plant_rates(run: &mut PlantRun<Self>, mechanism: usize, rates: &[Self]) -> Result<(), Error> =
         run.generic_set_rates(mechanism, rates);
     fn advance_plant_run(run: &mut PlantRun<Self>, until: Self) -> Result<(), Error> =

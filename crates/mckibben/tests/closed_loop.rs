@@ -210,9 +210,9 @@ fn dual_numbers_carry_the_derivative_by_a_set_point_through_the_loop() {
 
 #[test]
 fn what_cannot_be_controlled_is_refused() {
-    let refused = |rig: &Rig, paper: &Paper, asked: Request, part: &str| {
+    let refused = |rig: &Rig, paper: &Paper, requested: Request, part: &str| {
         let loop_of = (sampling(50.0, 0), Sensors::perfect());
-        let controller = Fixed(Drive::Steady(asked));
+        let controller = Fixed(Drive::Steady(requested));
         let of = RigPlant::new(rig);
         let run = of
             .driver(controller.clone(), loop_of)

@@ -208,9 +208,9 @@ fn set_points_that_a_quantity_cannot_have_are_refused() {
 // Modulation
 
 /// What is asked over time by commands at their instants, up to a time.
-fn asked(commands: &[(f64, Drive)], frequency: f64, until: f64) -> Vec<(f64, Request)> {
+fn requested(commands: &[(f64, Drive)], frequency: f64, until: f64) -> Vec<(f64, Request)> {
     let (mut modulator, mut changes) = (Modulator::idle(), Vec::new());
-    let mut ask = |time: f64, request: Option<Request>| {
+    let mut append = |time: f64, request: Option<Request>| {
         if let Some(request) = request {
             if changes.last().is_some_and(|(last, _)| *last == time) {
                 changes.pop();
@@ -229,9 +229,9 @@ fn asked(commands: &[(f64, Drive)], frequency: f64, until: f64) -> Vec<(f64, Req
         }
         if command == Some(time) {
             let drive = commands.next().expect("it was peeked").1;
-            ask(time, modulator.command(drive, time, frequency));
+            append(time, modulator.command(drive, time, frequency));
         } else {
-            ask(time, modulator.pass(time, frequency));
+            append(time, modulator.pass(time, frequency));
         }
     }
     changes
@@ -245,7 +245,7 @@ fn fill(duty: f64) -> Drive {
 fn a_constant_duty_is_the_open_loop_s_modulation() {
     for (frequency, duty) in [(25.0, 0.5), (7.0, 0.123), (50.0, 0.0), (50.0, 1.0)] {
         let command = Command::pwm(frequency, duty, Request::Fill, Request::Exhaust).expect("a command");
-        let changes = asked(&[(0.0, fill(duty))], frequency, 20.0);
+        let changes = requested(&[(0.0, fill(duty))], frequency, 20.0);
         let mut index = 0;
         let mut last = None;
         for (time, request) in changes {
@@ -273,7 +273,7 @@ fn a_new_duty_waits_for_the_next_period_and_a_steady_request_does_not() {
         (2.0, Request::Fill),
         (2.1, Request::Hold),
     ];
-    assert_eq!(asked(&commands, 1.0, 9.0), expected);
+    assert_eq!(requested(&commands, 1.0, 9.0), expected);
     // From a steady request: what is asked stays until the period begins.
     let commands = [(0.0, Drive::Steady(Request::Hold)), (0.3, fill(0.5)), (1.2, fill(0.1))];
     let expected = [
@@ -283,8 +283,8 @@ fn a_new_duty_waits_for_the_next_period_and_a_steady_request_does_not() {
         (2.0, Request::Fill),
         (2.1, Request::Exhaust),
     ];
-    assert_eq!(asked(&commands, 1.0, 2.5), expected);
-    assert_eq!(asked(&[], 1.0, 9.0), []);
+    assert_eq!(requested(&commands, 1.0, 2.5), expected);
+    assert_eq!(requested(&[], 1.0, 9.0), []);
 }
 
 #[test]

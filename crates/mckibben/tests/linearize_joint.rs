@@ -231,16 +231,16 @@ fn a_stiffness_has_its_point() {
     let pair = uneven();
     let rig = pair.rig().expect("a rig");
     let there = linear(&pair);
-    let asked = 1.3 * rig.stiffness(there.state.angle, there.state.pressure, Held::Pressures);
+    let requested = 1.3 * rig.stiffness(there.state.angle, there.state.pressure, Held::Pressures);
     let angle = there.state.angle + 0.05;
     let model =
-        linearize_joint(&rig, JointBalance::AtStiffness { angle, stiffness: asked }, [ROOM; 2]).expect("a model");
+        linearize_joint(&rig, JointBalance::AtStiffness { angle, stiffness: requested }, [ROOM; 2]).expect("a model");
     assert_within(model.state.angle, angle, 1e-9);
-    assert_close(rig.stiffness(model.state.angle, model.state.pressure, Held::Pressures), asked, 1e-8);
+    assert_close(rig.stiffness(model.state.angle, model.state.pressure, Held::Pressures), requested, 1e-8);
     // Against the joint's inertia the model has that stiffness and the weight's.
     let swing = 0.3 * GRAVITY * 0.05 * (angle - 0.4).cos();
     let inertia = 1e-3 + 0.3 * 0.05 * 0.05;
-    assert_close(model.system.a[1][0], -(asked + swing) / inertia, 1e-7);
+    assert_close(model.system.a[1][0], -(requested + swing) / inertia, 1e-7);
     assert!(model.coulomb_bound() == 0.0);
 }
 

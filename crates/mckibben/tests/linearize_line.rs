@@ -34,7 +34,7 @@ fn supply(reservoir: bool, regulator: bool) -> Option<SupplyLine> {
 }
 
 /// Held shut by a valve with a centre position, or always open to the supply.
-fn asked(request: Request) -> Paper {
+fn requested(request: Request) -> Paper {
     Paper::driven(Command::Constant(request))
         .with(|rig| rig.kind = ValveKind::FillHoldExhaust)
         .friction(6.0, 0.0)
@@ -141,7 +141,7 @@ fn names(of: &[mckibben::linearize::Signal]) -> Vec<&str> {
 #[test]
 fn a_hose_behind_a_shut_valve_follows_two_runs() {
     let balance = Balance::AtPressure(GaugePressure(60.0 * PSI));
-    let paper = asked(Request::Hold);
+    let paper = requested(Request::Hold);
     for (kind, states) in [(HoseKind::Lumped, 5), (HoseKind::Distributed { cells: 3 }, 10)] {
         let rig = with_line(&paper, Line { hose: Some(hose(kind)), ..Line::NONE });
         let linear = linearize(&rig, balance, Content::Temperature(ROOM)).expect("a model");
@@ -169,8 +169,8 @@ fn a_hose_behind_a_shut_valve_follows_two_runs() {
 fn a_leak_that_is_fed_follows_two_runs() {
     for (reservoir, regulator) in [(false, false), (true, false), (false, true), (true, true)] {
         let line = Line { hose: Some(hose(HoseKind::Lumped)), leakage: leak(), supply: supply(reservoir, regulator) };
-        let rig = with_line(&asked(Request::Fill).with(|rig| rig.supply_gauge = 60.0 * PSI).friction(20.0, 0.0), line);
-        let from = asked(Request::Fill).start();
+        let rig = with_line(&requested(Request::Fill).with(|rig| rig.supply_gauge = 60.0 * PSI).friction(20.0, 0.0), line);
+        let from = requested(Request::Fill).start();
         let linear = linearize_driven(&rig, Aim::Command, Content::Of(from)).expect("a model");
         let what = format!("reservoir {reservoir}, regulator {regulator}");
         let given: Vec<&str> = names(&linear.system.states).split_off(4);

@@ -375,9 +375,9 @@ fn valves_that_are_set_at_run_time_run_as_under_the_schedule() {
         let (plant, start) = under(solenoid, before);
         let mut run = PlantRun::new(&plant, &start, TOLERANCE).expect(name);
         let mut most: f64 = 0.0;
-        for (time, demand) in times.iter().zip(&demands) {
+        for (time, commanded) in times.iter().zip(&demands) {
             run.advance_to(*time).expect(name);
-            run.set(0, *demand).expect(name);
+            run.set(0, *commanded).expect(name);
             let (state, _) = known.at(*time);
             for (one, other) in run.state().iter().zip(&state) {
                 most = most.max((one - other).abs() / other.abs().max(0.1));
@@ -445,7 +445,7 @@ fn a_function_drives_several_valves_by_what_any_node_shows() {
     }
     assert!(filled.iter().all(|count| *count > 0), "{filled:?}");
     let last = &run.decisions().last().expect("a decision").1;
-    assert!(last.demands.iter().all(|demand| *demand == Some(Request::Hold.into())));
+    assert!(last.demands.iter().all(|commanded| *commanded == Some(Request::Hold.into())));
     assert_close(last.seen.nodes[bottle].0, tank, 1e-9);
 }
 
@@ -453,9 +453,9 @@ fn a_function_drives_several_valves_by_what_any_node_shows() {
 fn what_makes_no_sense_is_refused() {
     let papers = [fill_hold_exhaust(), fill_hold_exhaust()];
     let (plant, start, _) = on_one_bottle(&papers, 1e-3);
-    let steady = |demand: RuntimeCommand, valves: &[usize]| {
+    let steady = |commanded: RuntimeCommand, valves: &[usize]| {
         let decide =
-            move |_: &PlantMeasurement, (): &mut (), demands: &mut [Option<RuntimeCommand>]| demands.fill(Some(demand));
+            move |_: &PlantMeasurement, (): &mut (), demands: &mut [Option<RuntimeCommand>]| demands.fill(Some(commanded));
         Driver::of_function(decide, (), valves, sampling(50.0, 0), PlantSensors::perfect())
     };
     let fill = RuntimeCommand::Request(Request::Fill);

@@ -1,7 +1,7 @@
 //! The external mechanism, whose ends a host moves: tensions with their derivatives, tendons, friction that holds, a shared
 //! bottle, and steps that fail or are only tried.
 
-use crate::common::plants::{asked, external, on_a_bottle};
+use crate::common::plants::{requested, external, on_a_bottle};
 use crate::common::{ATMOSPHERE, Paper, ROOM, assert_close, assert_within, bisect};
 use mckibben::load::SeriesTendon;
 use mckibben::mechanism::{Coupling, Mechanism};
@@ -159,9 +159,9 @@ fn a_tendon_that_is_let_go_hangs_loose() {
 
 fn driven(steps: &mut PlantSteps, from: i32, until: i32) {
     for count in from..until {
-        let (demands, distances) = asked(count);
-        for (valve, demand) in demands.into_iter().flatten().enumerate() {
-            steps.set(valve, demand).expect("a demand");
+        let (demands, distances) = requested(count);
+        for (valve, command) in demands.into_iter().flatten().enumerate() {
+            steps.set(valve, command).expect("a demand");
         }
         steps.move_to(f64::from(count + 1) * 1e-3, &distances).expect("a step");
     }
@@ -184,9 +184,9 @@ fn actuators_on_one_bottle_are_one_system() {
     let mut run = PlantRun::new(&plant, &start, 1e-10).expect("a run");
     let mut before = [0.085, 0.088];
     for count in 0..200 {
-        let (demands, distances) = asked(count);
-        for (valve, demand) in demands.into_iter().flatten().enumerate() {
-            run.set(valve, demand).expect("a demand");
+        let (demands, distances) = requested(count);
+        for (valve, command) in demands.into_iter().flatten().enumerate() {
+            run.set(valve, command).expect("a demand");
         }
         let rates = [0, 1].map(|k| (distances[k] - before[k]) / 1e-3);
         before = distances;
@@ -226,7 +226,7 @@ fn no_air_is_lost_between_the_bottle_and_what_it_fills() {
         host.set(valve, Request::Fill).expect("a request");
     }
     for count in 1..=300 {
-        let (_, distances) = asked(count - 1);
+        let (_, distances) = requested(count - 1);
         host.move_to(f64::from(count) * 1e-3, &distances).expect("a step");
         assert_close(content(host.state()), all, 1e-12);
     }

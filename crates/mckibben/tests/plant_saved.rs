@@ -1,7 +1,7 @@
 //! A plant's state as numbers in the caller's memory: what has gone through them is bit-identical and goes on so.
 
 use crate::common::joint::Pair;
-use crate::common::plants::{asked, on_a_bottle};
+use crate::common::plants::{requested, on_a_bottle};
 use crate::common::{PSI, Paper, ROOM, spread};
 use mckibben::command::{Driver, PlantMeasurement, PlantSensors};
 use mckibben::control::Sampling;
@@ -103,7 +103,7 @@ fn begun(plant: &Plant, start: &PlantStart) -> PlantSteps {
 /// A step to and fro, with another demand of the valve now and then.
 fn step(steps: &mut PlantSteps, takes: Takes, count: usize) {
     let pulses = |duty| RuntimeCommand::Pulses { frequency: 25.0, duty, pulse: Request::Fill, rest: Request::Exhaust };
-    let demand = match (takes, count % 23) {
+    let commanded = match (takes, count % 23) {
         (Takes::Requests, 5 | 9) => Some(pulses(spread(count, 0))),
         (Takes::Requests, 17) => Some(Request::Exhaust.into()),
         (Takes::Requests, 21) => Some(Request::Fill.into()),
@@ -111,7 +111,7 @@ fn step(steps: &mut PlantSteps, takes: Takes, count: usize) {
         (Takes::Positions, 2 | 5 | 17 | 19) => Some(RuntimeCommand::Position(2.0 * spread(count, 0) - 1.0)),
         _ => None,
     };
-    demand.map_or(Ok(()), |demand| steps.set(0, demand)).expect("a demand");
+    commanded.map_or(Ok(()), |commanded| steps.set(0, commanded)).expect("a demand");
     let place = steps.plant().indices().mechanisms[0].position(0);
     let there = steps.state()[place] + 1e-4 * (spread(count, 1) - 0.5);
     steps.move_to(steps.time() + STEP, &[there]).expect("a step");
@@ -165,10 +165,10 @@ fn plants_that_move_by_themselves_go_on_to_the_same_bits() {
             other.restore_from(&numbers).expect("a state");
             assert_eq!(bits(&saved(&mut other)), bits(&numbers), "step {count}");
             for steps in [&mut one, &mut other] {
-                let (demands, distances) = asked(count);
+                let (demands, distances) = requested(count);
                 if steps.plant().actuators().len() == 3 {
-                    for (valve, demand) in demands.into_iter().flatten().enumerate() {
-                        steps.set(valve, demand).expect("a demand");
+                    for (valve, commanded) in demands.into_iter().flatten().enumerate() {
+                        steps.set(valve, commanded).expect("a demand");
                     }
                     steps.move_to(f64::from(count + 1) * STEP, &distances).expect("a step");
                 } else {

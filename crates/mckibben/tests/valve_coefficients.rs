@@ -74,8 +74,8 @@ fn an_independent_sizing_program_needs_the_same_valve() {
     let sized = law(FlowStandard::Kv { kv: 58.6107 / 3600.0, pressure_drop_ratio: 0.7 }, &gas);
     let got = mass_flow(&sized, 680e3, 310e3 / 680e3, kelvin);
     // 38/36 m³/s at 0 °C and 1 atm; the standard's constants have three digits.
-    let asked = 38.0 / 36.0 * ATMOSPHERE * molar_mass / (MOLAR * 273.15);
-    assert_close(got, asked, 2e-3);
+    let requested = 38.0 / 36.0 * ATMOSPHERE * molar_mass / (MOLAR * 273.15);
+    assert_close(got, requested, 2e-3);
 }
 
 #[test]

@@ -27,13 +27,13 @@ fn installed(name: &str) -> PathBuf {
 #[test]
 fn pkg_config_finds_the_library() {
     let prefix = installed("pkg-config");
-    let mut asked = Command::new("pkg-config");
-    asked.env("PKG_CONFIG_PATH", prefix.join("lib/pkgconfig"));
-    let version = run(asked.args(["--modversion", "mckibben"]));
+    let mut query = Command::new("pkg-config");
+    query.env("PKG_CONFIG_PATH", prefix.join("lib/pkgconfig"));
+    let version = run(query.args(["--modversion", "mckibben"]));
     assert_eq!(version.trim(), env!("CARGO_PKG_VERSION"));
-    let mut asked = Command::new("pkg-config");
-    asked.env("PKG_CONFIG_PATH", prefix.join("lib/pkgconfig"));
-    let flags = run(asked.args(["--cflags", "--libs", "mckibben"]));
+    let mut query = Command::new("pkg-config");
+    query.env("PKG_CONFIG_PATH", prefix.join("lib/pkgconfig"));
+    let flags = run(query.args(["--cflags", "--libs", "mckibben"]));
     let path = format!("-Wl,-rpath,{}", prefix.join("lib").display());
     let flags: Vec<&str> = flags.split_whitespace().chain([path.as_str()]).collect();
     assert!(flags.contains(&"-lmckibben_c"), "{flags:?}");

@@ -19,7 +19,7 @@ const STEP_RESOLVED: f64 = 1e-7;
 /// The step that is left to all unknowns, in standard errors, below which a place about which polls find nothing is a minimum.
 const OFFSET: f64 = 1e-3;
 /// Steps with derivatives after which polls take over, unless the cost has fallen by such a part in them.
-const STRETCH: u64 = 40;
+const STEPS_WITHOUT_PROGRESS: u64 = 40;
 const PROGRESS: f64 = 0.01;
 /// How often polls are followed by steps with derivatives.
 const ROUNDS: usize = 10;
@@ -121,7 +121,7 @@ fn ended(model: &impl Model, unknowns: &[Unknown], search: &Search, steps: Steps
     let mut left = search.most_steps;
     let ending = loop {
         let begun = seen.best()?.cost;
-        let most = if steps == Steps::ByDerivatives { left } else { left.min(STRETCH) };
+        let most = if steps == Steps::ByDerivatives { left } else { left.min(STEPS_WITHOUT_PROGRESS) };
         let (end, ending, taken) = problem.descended(from, most);
         left = left.saturating_sub(taken.max(1));
         if let Some(ending) = search.monitor.ending() {

@@ -103,8 +103,8 @@ impl Fleet {
         };
         for (row, actions) in actions.chunks(valves).enumerate() {
             for (number, solenoid) in actions.iter().zip(self.file.solenoids()) {
-                let demand = self.action_mode.command(*number).and_then(|demand| solenoid.check_command(&demand));
-                demand.map_err(|error| (row, error.into()))?;
+                let commanded = self.action_mode.command(*number).and_then(|commanded| solenoid.check_command(&commanded));
+                commanded.map_err(|error| (row, error.into()))?;
             }
         }
         Ok(())

@@ -22,11 +22,11 @@ pub(super) fn search(
     if evaluations == 0 {
         return Vec::new();
     }
-    let is_turned: Vec<bool> = start.iter().map(|x| *x > 0.5).collect();
+    let is_mirrored: Vec<bool> = start.iter().map(|x| *x > 0.5).collect();
     let trials = RefCell::new(Vec::new());
-    let local = Local { problem, scaling, is_turned, evaluations, trials: &trials };
+    let local = Local { problem, scaling, is_mirrored, evaluations, trials: &trials };
     let method = Cobyla::new().with_initial_radius(first).with_final_radius(last);
-    let start = local.turned(start);
+    let start = local.mirrored(start);
     // The steps of the method also end where they ask for known points only.
     let most = u64::try_from(4 * evaluations).unwrap_or(u64::MAX);
     // That the evaluations are used up ends it by an error; what was evaluated is all that is wanted.
@@ -38,19 +38,19 @@ struct Local<'a, 'p> {
     problem: &'a Problem<'p>,
     scaling: &'a Scaling,
     /// The coordinates that run from the upper bound.
-    is_turned: Vec<bool>,
+    is_mirrored: Vec<bool>,
     evaluations: usize,
     trials: &'a RefCell<Vec<Trial>>,
 }
 
 impl Local<'_, '_> {
-    fn turned(&self, at: &[f64]) -> Vec<f64> {
-        at.iter().zip(&self.is_turned).map(|(x, is_turned)| if *is_turned { 1.0 - x } else { *x }).collect()
+    fn mirrored(&self, at: &[f64]) -> Vec<f64> {
+        at.iter().zip(&self.is_mirrored).map(|(x, is_mirrored)| if *is_mirrored { 1.0 - x } else { *x }).collect()
     }
 
     /// The scaled worth of a point, evaluated unless it is known.
     fn worth(&self, at: &[f64]) -> Result<Worth, Spent> {
-        let inside: Vec<f64> = self.turned(at).into_iter().map(|x| x.clamp(0.0, 1.0)).collect();
+        let inside: Vec<f64> = self.mirrored(at).into_iter().map(|x| x.clamp(0.0, 1.0)).collect();
         let scaled = |trial: &Trial| {
             trial.worth.as_ref().map_or_else(|| self.scaling.of_failure(), |worth| self.scaling.scaled(worth))
         };

@@ -63,10 +63,10 @@ fn of_rig(rig: &Rig) -> Vec<Field<Sample>> {
         let regulated = |sample: &Sample| sample.supply_pressure.unwrap_or(sample.pressure).0;
         let command = actuation.command.clone();
         // Until the first set point it keeps what it has.
-        let asked =
+        let regulator_input =
             move |sample: &Sample| command.set_point_at(sample.time).unwrap_or_else(|| regulated(sample) - atmosphere);
         fields.extend(of_pressure("regulated_", atmosphere, regulated));
-        fields.push(number("set_point_pa", "Pa", asked));
+        fields.push(number("set_point_pa", "Pa", regulator_input));
     }
     if rig.tendon().is_some() {
         fields.extend(of_tendon());

@@ -48,9 +48,9 @@ impl<'a> Recorder<'a> {
             PlantReduced::Quantity(quantity) => Some((quantity, of.statistic)),
             PlantReduced::Error(..) | PlantReduced::Air => None,
         };
-        let asks = |wanted: fn(PlantReduced) -> bool| reductions.into_iter().flatten().any(|of| wanted(of.of));
-        let keeper = asks(|of| of == PlantReduced::Air).then(|| PlantLedgerKeeper::new(&of.plant, of.run.stepping()));
-        let follower = asks(|of| matches!(of, PlantReduced::Error(..))).then(|| Follower::new(of));
+        let records = |wanted: fn(PlantReduced) -> bool| reductions.into_iter().flatten().any(|of| wanted(of.of));
+        let keeper = records(|of| of == PlantReduced::Air).then(|| PlantLedgerKeeper::new(&of.plant, of.run.stepping()));
+        let follower = records(|of| matches!(of, PlantReduced::Error(..))).then(|| Follower::new(of));
         let duration = of.run.duration;
         let period = slowest_period(of).unwrap_or(LAST_PART * duration);
         Self {

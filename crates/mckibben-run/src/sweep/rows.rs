@@ -401,10 +401,10 @@ impl<'r, S: Swept> ViewRecorder<'r, S> {
             // Those of plants have recorders of their own.
             Record::Samples(_) | Record::Trajectories | Record::PlantReductions(_) => None,
         };
-        let asks = |wanted: fn(Quantity) -> bool| reductions.into_iter().flatten().any(|of| wanted(of.quantity));
-        let goals = if asks(|quantity| matches!(quantity, Quantity::Error(_))) { of.goals() } else { None };
+        let records = |wanted: fn(Quantity) -> bool| reductions.into_iter().flatten().any(|of| wanted(of.quantity));
+        let goals = if records(|quantity| matches!(quantity, Quantity::Error(_))) { of.goals() } else { None };
         let is_located = matches!(how, TimeStepping::Located { .. });
-        let drawn = (is_located && asks(|quantity| quantity == Quantity::Air)).then_some(0.0);
+        let drawn = (is_located && records(|quantity| quantity == Quantity::Air)).then_some(0.0);
         let reducer = |list| Reducer::new(list, S::command(view.rig()), of.plan().duration);
         let reductions = reductions.map(|list| (list, reducer(list)));
         let fields = S::columns(view.rig());

@@ -59,7 +59,7 @@ impl Windows {
 
 /// What is kept of quantities over a stretch of time.
 #[derive(Clone, Debug)]
-struct Stretch<Q> {
+struct Tracked<Q> {
     tracks: Vec<Track<Q>>,
     /// The times of the samples, where a settling time is asked for.
     times: Option<Vec<f64>>,
@@ -71,9 +71,9 @@ struct Stretch<Q> {
 /// What is kept of quantities over a run, and over the orbit behind it where statistics are taken over that.
 #[derive(Clone, Debug)]
 pub(super) struct Series<Q> {
-    run: Stretch<Q>,
+    run: Tracked<Q>,
     /// Nothing has been seen of an orbit that was not reached.
-    orbit: Option<Stretch<Q>>,
+    orbit: Option<Tracked<Q>>,
 }
 
 impl<Q: Copy + PartialEq> Series<Q> {
@@ -82,12 +82,12 @@ impl<Q: Copy + PartialEq> Series<Q> {
         let mut tracks: Vec<Track<Q>> = Vec::new();
         of.for_each(|(quantity, statistic)| Track::add(&mut tracks, quantity, statistic));
         let times = tracks.iter().any(|track| track.series.is_some()).then(Vec::new);
-        Self { run: Stretch { tracks, times, windows, span: None }, orbit: None }
+        Self { run: Tracked { tracks, times, windows, span: None }, orbit: None }
     }
 
     /// Sees the values of the quantities at the next time in s.
     pub(super) fn see(&mut self, time: f64, value: impl Fn(Q) -> f64) {
-        let Stretch { tracks, times, windows, span } = self.orbit.as_mut().unwrap_or(&mut self.run);
+        let Tracked { tracks, times, windows, span } = self.orbit.as_mut().unwrap_or(&mut self.run);
         let step = span.map(|[_, last]| time - last);
         tracks.iter_mut().for_each(|track| track.see(value(track.quantity), step, windows.of(time)));
         if let Some(times) = times {
@@ -100,7 +100,7 @@ impl<Q: Copy + PartialEq> Series<Q> {
     pub(super) fn turn_to_orbit(&mut self, windows: Option<Windows>) {
         let tracks = self.run.tracks.iter().map(|track| Track::new(track.quantity, false)).collect();
         let windows = windows.unwrap_or(self.run.windows);
-        self.orbit = Some(Stretch { tracks, times: None, windows, span: None });
+        self.orbit = Some(Tracked { tracks, times: None, windows, span: None });
     }
 
     /// Whether the end of the run has been passed.

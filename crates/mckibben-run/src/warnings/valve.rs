@@ -25,7 +25,7 @@ fn of_valve(of: &Actuation, name: &str) -> Option<Warning> {
     }
     let lasting = [duty, 1.0 - duty].map(|share| share / frequency);
     for (port, request, where_to) in [(0, Request::Fill, "supply"), (1, Request::Exhaust, "exhaust")] {
-        let (asked, during_pulse) = match (pulse == request, rest == request) {
+        let (requested, during_pulse) = match (pulse == request, rest == request) {
             (true, false) => (lasting[0], true),
             (false, true) => (lasting[1], false),
             _ => continue,
@@ -39,7 +39,7 @@ fn of_valve(of: &Actuation, name: &str) -> Option<Warning> {
                 "the valve never opens to the {where_to}: a {} of {} is shorter than {} = {}; {more} command.duty or lower \
                  command.frequency",
                 names[0],
-                given(asked, "s"),
+                given(requested, "s"),
                 opens.0,
                 given(opens.1, "s"),
             );

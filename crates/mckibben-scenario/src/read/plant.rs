@@ -59,11 +59,11 @@ impl Document {
             (Some(members), Some(run)) if !r.has_mistakes() => {
                 let mut members = members;
                 // A controller that names its kind is taken whole, and leaves nothing of that of all.
-                let asks = |member: &Member| {
+                let is_driven = |member: &Member| {
                     matches!(member.alone.command, Some(Command::Controller(_)))
                         && !self.contains(&format!("{ACTUATORS}.{}.{CONTROLLER}.kind", member.name))
                 };
-                if let Some(place) = r.key_place(CONTROLLER).filter(|_| !members.iter().any(asks)) {
+                if let Some(place) = r.key_place(CONTROLLER).filter(|_| !members.iter().any(is_driven)) {
                     let title = "there is a [controller], but the command of no actuator refers to it";
                     let found = Diagnostic::at(Class::NotApplicable, place, title, "drives no valve");
                     return Err(found.help("set `command.kind` to `controllers`, or remove the section").into());

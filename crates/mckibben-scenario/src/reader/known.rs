@@ -102,7 +102,7 @@ impl<'d> Reader<'d> {
     }
 
     /// Refuses keys that have no meaning under the choice that was made.
-    pub(super) fn applies(&mut self, asked: impl Fn(&Key) -> bool) {
+    pub(super) fn applies(&mut self, is_required: impl Fn(&Key) -> bool) {
         let joint = LoadKind::AntagonisticJoint.name();
         if let Some(place) = self.key_place(keys::ANTAGONIST).filter(|_| !self.says("load.kind", joint)) {
             let title = format!("[{}] has no meaning without `load.kind` = \"{joint}\"", keys::ANTAGONIST);
@@ -112,7 +112,7 @@ impl<'d> Reader<'d> {
                     .help(format!("remove it, or set `load.kind` to `{joint}`")),
             );
         }
-        for key in keys::all_keys().filter(|key| asked(key)) {
+        for key in keys::all_keys().filter(|key| is_required(key)) {
             let (Some(when), Some(place)) = (key.when, self.key_place(key.path)) else { continue };
             let chosen = match self.entry(when.key).map(|entry| &entry.node.value) {
                 Some(Value::String(word)) => Some(word.as_str()),

@@ -442,10 +442,10 @@ fn parts<'d>(
     r: &mut Reader<'d>,
     table: &'d Table,
     node: &'d Node,
-    asked: [&str; 2],
+    expected: [&str; 2],
     known: &[&str],
 ) -> Option<[&'d Node; 2]> {
-    let known = if known.is_empty() { &asked[..] } else { known };
+    let known = if known.is_empty() { &expected[..] } else { known };
     let mut meant = None;
     for entry in table.0.iter().filter(|entry| !known.contains(&entry.name.as_str())) {
         let title = format!("`{}` is no part of this", entry.name);
@@ -457,12 +457,12 @@ fn parts<'d>(
             None => diagnostic.help(format!("known here: {}", list_of(known.iter().copied()))),
         });
     }
-    let found = asked.map(|name| table.get(name).map(|entry| &entry.node));
-    for (name, _) in asked.iter().zip(found).filter(|(name, part)| part.is_none() && meant != Some(**name)) {
+    let found = expected.map(|name| table.get(name).map(|entry| &entry.node));
+    for (name, _) in expected.iter().zip(found).filter(|(name, part)| part.is_none() && meant != Some(**name)) {
         let title = format!("`{name}` is missing");
         let diagnostic =
             Diagnostic::at(Class::Missing, node.place.clone(), title, format!("`{name}` is expected here"));
-        r.note(diagnostic.help(example(asked[0])));
+        r.note(diagnostic.help(example(expected[0])));
     }
     let [first, second] = found;
     Some([first?, second?])

@@ -57,7 +57,7 @@ where
 }
 
 /// The command of a drive to a valve whose pulses have a frequency in Hz.
-fn demand<R: Real>(drive: Drive<R>, frequency: R) -> RuntimeCommand<R> {
+fn command<R: Real>(drive: Drive<R>, frequency: R) -> RuntimeCommand<R> {
     match drive {
         Drive::Steady(request) => RuntimeCommand::Request(request),
         Drive::Pulses { duty, pulse, rest } => RuntimeCommand::Pulses { frequency, duty, pulse, rest },
@@ -81,7 +81,7 @@ impl<R: Real, C: Controller<R>> PlantController<R> for OnActuator<C, R> {
 
     fn decide(&self, seen: &PlantMeasurement<R>, memory: &mut C::Memory, demands: &mut [Option<RuntimeCommand<R>>]) {
         if let (Some(seen), [its]) = (seen.actuators.get(self.actuator), demands) {
-            *its = Some(demand(self.controller.decide(seen, memory), self.pulse_frequency));
+            *its = Some(command(self.controller.decide(seen, memory), self.pulse_frequency));
         }
     }
 
@@ -109,7 +109,7 @@ impl<R: Real, C: JointController<R>> PlantController<R> for OnJoint<C, R> {
     fn decide(&self, seen: &PlantMeasurement<R>, memory: &mut C::Memory, demands: &mut [Option<RuntimeCommand<R>>]) {
         let Some(seen) = seen.of_joint(self.joint, self.actuators) else { return };
         for (its, drive) in demands.iter_mut().zip(self.controller.decide(&seen, memory)) {
-            *its = Some(demand(drive, self.pulse_frequency));
+            *its = Some(command(drive, self.pulse_frequency));
         }
     }
 

@@ -127,7 +127,7 @@ impl<S: Scalar> MomentArm<S> {
     #[inline(always)]
     pub fn at<T: Over<S>>(&self, angle: T) -> [T; 2] {
         match self {
-            Self::Pulley(radius) => turned(T::of(*radius), angle),
+            Self::Pulley(radius) => on_pulley(T::of(*radius), angle),
             Self::Table(table) => {
                 let mut found = table.in_piece(0, angle);
                 for row in 0..table.rows {
@@ -146,7 +146,7 @@ impl<S: Scalar> MomentArm<S> {
     #[inline(always)]
     pub fn in_piece<T: Over<S>>(&self, piece: usize, angle: T) -> [T; 2] {
         match self {
-            Self::Pulley(radius) => turned(T::of(*radius), angle),
+            Self::Pulley(radius) => on_pulley(T::of(*radius), angle),
             Self::Table(table) => table.in_piece(piece, angle),
         }
     }
@@ -227,6 +227,6 @@ impl<S: Scalar> ArmTable<S> {
 
 /// A pulley turned by an angle.
 #[inline(always)]
-fn turned<T: Scalar>(radius: T, angle: T) -> [T; 2] {
+fn on_pulley<T: Scalar>(radius: T, angle: T) -> [T; 2] {
     [radius, radius * angle]
 }

@@ -45,8 +45,8 @@ impl<R: Real> RuntimeCommands<R> {
     /// Takes up what needs nothing of the valve and no time, the request that holds or another duty cycle of the pulses that
     /// go on; whether it is that.
     #[inline]
-    pub(super) fn follow(&mut self, demand: &RuntimeCommand<R>) -> bool {
-        match (&self.last, demand) {
+    pub(super) fn follow(&mut self, commanded: &RuntimeCommand<R>) -> bool {
+        match (&self.last, commanded) {
             (Some(RuntimeCommand::Request(before)), RuntimeCommand::Request(request)) => before == request,
             (
                 Some(RuntimeCommand::Pulses { frequency: before, pulse: pulse_before, rest: rest_before, .. }),
@@ -54,7 +54,7 @@ impl<R: Real> RuntimeCommands<R> {
             ) => {
                 let goes_on = before.value() == frequency.value() && (pulse_before, rest_before) == (pulse, rest);
                 if goes_on {
-                    self.last = Some(*demand);
+                    self.last = Some(*commanded);
                     self.modulator.go_on(Drive::Pulses { duty: *duty, pulse: *pulse, rest: *rest });
                 }
                 goes_on
@@ -70,22 +70,22 @@ impl<R: Real> RuntimeCommands<R> {
         actuation: &mut Actuation<R>,
         progress: &mut Progress<R>,
         time: R,
-        demand: RuntimeCommand<R>,
+        commanded: RuntimeCommand<R>,
     ) {
-        if !self.follow(&demand) {
-            self.change(actuation, progress, time, demand);
+        if !self.follow(&commanded) {
+            self.change(actuation, progress, time, commanded);
         }
     }
 
-    fn change(&mut self, actuation: &mut Actuation<R>, progress: &mut Progress<R>, time: R, demand: RuntimeCommand<R>) {
-        let drive = match demand {
+    fn change(&mut self, actuation: &mut Actuation<R>, progress: &mut Progress<R>, time: R, commanded: RuntimeCommand<R>) {
+        let drive = match commanded {
             RuntimeCommand::Request(request) => Some((Drive::Steady(request), self.pulse_frequency)),
             RuntimeCommand::Pulses { frequency, duty, pulse, rest } => {
                 Some((Drive::Pulses { duty, pulse, rest }, frequency))
             }
             RuntimeCommand::SetPoint(_) | RuntimeCommand::Position(_) => None,
         };
-        let go_on = matches!((self.last, demand), (Some(RuntimeCommand::Pulses { .. }), RuntimeCommand::Pulses { .. }));
+        let go_on = matches!((self.last, commanded), (Some(RuntimeCommand::Pulses { .. }), RuntimeCommand::Pulses { .. }));
         progress.settle(actuation, time, if go_on { R::constant(f64::INFINITY) } else { time });
         match drive {
             Some((drive, frequency)) => {
@@ -97,9 +97,9 @@ impl<R: Real> RuntimeCommands<R> {
                     actuation.command.append(time, RuntimeCommand::Request(request));
                 }
             }
-            None => actuation.command.append(time, demand),
+            None => actuation.command.append(time, commanded),
         }
-        (self.last, self.is_pending) = (Some(demand), true);
+        (self.last, self.is_pending) = (Some(commanded), true);
         self.look_ahead();
     }
 
@@ -165,7 +165,7 @@ impl<R: Real> RuntimeCommands<R> {
             3 => Some(RuntimeCommand::SetPoint(GaugePressure(number))),
             _ => Some(RuntimeCommand::Position(number)),
         };
-        if last.is_some_and(|demand| solenoid.check_command(&demand).is_err()) {
+        if last.is_some_and(|commanded| solenoid.check_command(&commanded).is_err()) {
             row.refuse();
         }
         modulator.each_number(row);

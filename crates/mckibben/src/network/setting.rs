@@ -217,15 +217,15 @@ impl<R: Real> Network<R> {
         &self,
         valve: usize,
         time: R,
-        demand: RuntimeCommand<R>,
+        commanded: RuntimeCommand<R>,
         mode: &mut NetworkMode<R>,
     ) -> Result<(), Error> {
-        self.valves[valve].solenoid.check_command(&demand)?;
+        self.valves[valve].solenoid.check_command(&commanded)?;
         let of_valve = &mut mode.valves[valve];
         let setting = of_valve.setting.get_or_insert_with(|| Box::new(Setting::of(&self.valves[valve])));
         let Setting { actuation, commands, pulse_frequency } = &mut **setting;
-        *pulse_frequency = if let RuntimeCommand::Pulses { frequency, .. } = demand { Some(frequency) } else { None };
-        commands.apply(actuation, &mut of_valve.progress, time, demand);
+        *pulse_frequency = if let RuntimeCommand::Pulses { frequency, .. } = commanded { Some(frequency) } else { None };
+        commands.apply(actuation, &mut of_valve.progress, time, commanded);
         self.forget_set_points(valve, mode);
         Ok(())
     }
@@ -238,12 +238,12 @@ impl<R: Real> Network<R> {
     pub(crate) fn set_valve_on(
         &self,
         valve: usize,
-        demand: &RuntimeCommand<R>,
+        commanded: &RuntimeCommand<R>,
         mode: &mut NetworkMode<R>,
     ) -> Result<bool, Error> {
-        self.valves[valve].solenoid.check_command(demand)?;
+        self.valves[valve].solenoid.check_command(commanded)?;
         let setting = &mut mode.valves[valve].setting;
-        Ok(setting.as_mut().is_some_and(|setting| setting.commands.follow(demand)))
+        Ok(setting.as_mut().is_some_and(|setting| setting.commands.follow(commanded)))
     }
 
     /// Drops the set points of a valve that has been set which have taken effect, but for the last, which is still in force.

@@ -107,7 +107,7 @@ impl<R: Real> System<R> {
             if motion.corner(its.corners_passed).is_some_and(|corner| is_due(corner, time)) {
                 its.corners_passed += 1;
                 self.project(time, state, mode, at);
-                self.enter_extents(m, time, state, mode, at);
+                self.enter_length_regimes(m, time, state, mode, at);
                 self.settle(m, time, state, mode, at);
                 self.follow_all(time, state, mode, at, None);
                 return Ok(PlantEventKind { part: Part::Mechanism(m), kind: EventKind::Corner });
@@ -298,7 +298,7 @@ impl<R: Real> System<R> {
                 }
                 let slack = guard == Guard::Slack;
                 mode.actuators[i].mode.extent = if slack { LengthRegime::Slack } else { LengthRegime::Free };
-                self.slide_on(i, time, state, mode, at);
+                self.start_sliding(i, time, state, mode, at);
                 Ok(if slack { EventKind::Slack } else { EventKind::Tight })
             }
             Guard::Taut | Guard::TautEnd => {
@@ -334,9 +334,9 @@ impl<R: Real> System<R> {
     }
 
     /// How an actuator slides that moves on over its shortest length.
-    fn slide_on(&self, i: usize, time: R, state: &[R], mode: &mut PlantMode<R>, at: &mut Evaluation<R>) {
+    fn start_sliding(&self, i: usize, time: R, state: &[R], mode: &mut PlantMode<R>, at: &mut Evaluation<R>) {
         self.enter_distances(time, state, mode, at);
-        mode.actuators[i].mode.sliding = self.slides(i, at.units[i].rate.value());
+        mode.actuators[i].mode.sliding = self.sliding_towards(i, at.units[i].rate.value());
         self.clamp_all(self.plant.actuators[i].mechanism, time, state, mode, at);
     }
 

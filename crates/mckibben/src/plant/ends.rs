@@ -22,7 +22,7 @@ const UNBALANCED: f64 = 1e-6;
 impl<R: Real> System<R> {
     /// How an actuator slides whose length changes with the sign of `heading`; zero counts as longer.
     #[inline]
-    pub(super) fn slides(&self, i: usize, heading: f64) -> Sliding {
+    pub(super) fn sliding_towards(&self, i: usize, heading: f64) -> Sliding {
         match self.wires[i].member.actuator.friction().has_direction() {
             false => Sliding::Frictionless,
             true if heading < 0.0 => Sliding::Shortening,
@@ -55,13 +55,13 @@ impl<R: Real> System<R> {
             return;
         } else {
             // It goes the way of the balance, however small.
-            mode.actuators[i].mode.sliding = self.slides(i, 1.0);
+            mode.actuators[i].mode.sliding = self.sliding_towards(i, 1.0);
             self.follow_all(time, state, mode, at, None);
             self.enter_distances(time, state, mode, at);
             self.velocity_of_end(i, time, state, mode, at).value()
         };
         let its = &mut mode.actuators[i];
-        (its.mode.sliding, its.on_stop) = (self.slides(i, heading), false);
+        (its.mode.sliding, its.on_stop) = (self.sliding_towards(i, heading), false);
     }
 
     /// That the ends on tendons can start where they are: nothing has a mass there, so that without viscous friction their
@@ -182,7 +182,7 @@ impl<R: Real> System<R> {
             }
             Guard::BreakLonger | Guard::BreakShorter => {
                 its.on_stop = false;
-                its.mode.sliding = self.slides(i, if guard == Guard::BreakLonger { 1.0 } else { -1.0 });
+                its.mode.sliding = self.sliding_towards(i, if guard == Guard::BreakLonger { 1.0 } else { -1.0 });
                 self.check_balance(i, time, state, mode, at)?;
                 self.check_no_jump(i, time, state, mode, at)?;
                 EventKind::BreakAway
@@ -278,8 +278,8 @@ impl<R: Real> System<R> {
     ) -> Result<(), Error> {
         for (i, mounted) in self.plant.actuators.iter().enumerate() {
             let its = &mode.actuators[i];
-            let slides = mounted.tendon.is_some() && its.mode.sliding != Sliding::Stuck;
-            if slides && !mode.is_damped(self, i) && !self.is_held(i, time, state, mode, at) {
+            let sliding_towards = mounted.tendon.is_some() && its.mode.sliding != Sliding::Stuck;
+            if sliding_towards && !mode.is_damped(self, i) && !self.is_held(i, time, state, mode, at) {
                 return Err(self.jumps(i, time, state, mode, at));
             }
         }
@@ -322,8 +322,8 @@ impl<R: Real> System<R> {
                 Sliding::Lengthening | Sliding::Shortening if fires(Guard::Rest, mode, at) => {
                     if friction.has_coulomb() { Sliding::Stuck } else { opposite(sliding) }
                 }
-                Sliding::Stuck if fires(Guard::BreakLonger, mode, at) => self.slides(i, 1.0),
-                Sliding::Stuck if fires(Guard::BreakShorter, mode, at) => self.slides(i, -1.0),
+                Sliding::Stuck if fires(Guard::BreakLonger, mode, at) => self.sliding_towards(i, 1.0),
+                Sliding::Stuck if fires(Guard::BreakShorter, mode, at) => self.sliding_towards(i, -1.0),
                 same => same,
             };
             if next != sliding {

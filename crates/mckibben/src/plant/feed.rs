@@ -6,7 +6,7 @@ use crate::air::Flow;
 use crate::error::Error;
 use crate::network::NodeKind;
 use crate::scalar::Real;
-use crate::simulation::decision::with_seats;
+use crate::simulation::decision::with_poppets;
 use crate::simulation::{Mode, Sample};
 use crate::valve::Ports;
 
@@ -30,8 +30,8 @@ impl Feed {
     ///
     /// # Errors
     /// [`Error::Misuse`] when there is no valve, or one without seats.
-    pub(super) fn seats<R: Real>(&self, plant: &Plant<R>) -> Result<usize, Error> {
-        with_seats(self.valve, |valve| plant.network().valves[*valve].solenoid.has_seats())
+    pub(super) fn poppet_valve<R: Real>(&self, plant: &Plant<R>) -> Result<usize, Error> {
+        with_poppets(self.valve, |valve| plant.network().valves[*valve].solenoid.has_seats())
     }
 
     /// The sample of an actuator and of what feeds it.

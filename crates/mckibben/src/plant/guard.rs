@@ -266,12 +266,12 @@ impl<R: Real> System<R> {
         if self.plant.places.mechanisms[mounted.mechanism].coordinates > 1 {
             return true;
         }
-        let slides = |&&other: &&usize| {
+        let sliding_towards = |&&other: &&usize| {
             let its = &mode.actuators[other].mode;
             let sliding = matches!(its.sliding, Sliding::Lengthening | Sliding::Shortening);
             sliding && its.extent != LengthRegime::Slack && self.plant.places.actuators[other].length.is_none()
         };
-        self.plant.places.members[mounted.mechanism].iter().find(slides) == Some(&i)
+        self.plant.places.members[mounted.mechanism].iter().find(sliding_towards) == Some(&i)
     }
 
     /// Value of a guard at a time in s and a state, positive while the mode lasts.

@@ -67,7 +67,7 @@ impl<R: Real> System<R> {
         mode: &mut PlantMode<R>,
         at: &mut Evaluation<R>,
     ) {
-        self.enter_extents(m, time, state, mode, at);
+        self.enter_length_regimes(m, time, state, mode, at);
         self.settle(m, time, state, mode, at);
         self.follow_all(time, state, mode, at, None);
         self.settle_ends(time, state, mode, at);
@@ -90,8 +90,8 @@ impl<R: Real> System<R> {
         let demands = driver.take(truth);
         let until = driver.next();
         for (place, &valve) in driver.valves().iter().enumerate() {
-            if let Some(demand) = demands.as_ref().and_then(|demands| demands[place]) {
-                self.plant.network.set_valve(valve, time, demand, network)?;
+            if let Some(commanded) = demands.as_ref().and_then(|demands| demands[place]) {
+                self.plant.network.set_valve(valve, time, commanded, network)?;
             }
             self.plant.network.pulse_valve(valve, [time, until], network)?;
         }

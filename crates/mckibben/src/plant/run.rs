@@ -88,15 +88,15 @@ impl<R: Instantiate> PlantSnapshot<R> {
     }
 
     /// As [`PlantRun::set`].
-    pub(super) fn set(&mut self, plant: &Plant<R>, valve: usize, demand: RuntimeCommand<R>) -> Result<(), Error> {
+    pub(super) fn set(&mut self, plant: &Plant<R>, valve: usize, commanded: RuntimeCommand<R>) -> Result<(), Error> {
         self.check_valve(plant, valve)?;
-        plant.network.set_valve(valve, self.time, demand, &mut self.mode.network)
+        plant.network.set_valve(valve, self.time, commanded, &mut self.mode.network)
     }
 
     /// Sets a valve to what needs nothing of where it is and of the time; whether it is that.
-    pub(super) fn set_on(&mut self, plant: &Plant<R>, valve: usize, demand: &RuntimeCommand<R>) -> Result<bool, Error> {
+    pub(super) fn set_on(&mut self, plant: &Plant<R>, valve: usize, commanded: &RuntimeCommand<R>) -> Result<bool, Error> {
         self.check_valve(plant, valve)?;
-        plant.network.set_valve_on(valve, demand, &mut self.mode.network)
+        plant.network.set_valve_on(valve, commanded, &mut self.mode.network)
     }
 
     /// That a valve is there and can be set.
@@ -351,12 +351,12 @@ impl<R: Instantiate> PlantRun<R> {
     /// # Errors
     /// [`Error::Misuse`] when there is no such valve, it has a driver, or it cannot carry out the command;
     /// [`Error::OutOfRange`] for a number outside its range. Then nothing has changed.
-    pub fn set(&mut self, valve: usize, demand: impl Into<RuntimeCommand<R>>) -> Result<(), Error> {
-        R::set_plant_valve(self, valve, demand.into())
+    pub fn set(&mut self, valve: usize, commanded: impl Into<RuntimeCommand<R>>) -> Result<(), Error> {
+        R::set_plant_valve(self, valve, commanded.into())
     }
 
-    pub(crate) fn generic_set(&mut self, valve: usize, demand: RuntimeCommand<R>) -> Result<(), Error> {
-        self.reached.set(&self.system.plant, valve, demand)
+    pub(crate) fn generic_set(&mut self, valve: usize, commanded: RuntimeCommand<R>) -> Result<(), Error> {
+        self.reached.set(&self.system.plant, valve, commanded)
     }
 
     /// Sets the rates (m/s or rad/s) of a mechanism whose motion a host gives: its distances go on from where they are.

@@ -89,7 +89,7 @@ impl<R: Real> System<R> {
             }
             let is_slow = at.units[i].rate.value().abs() <= 1.01 * self.rest_band(i);
             let slow = at_rest || (is_slow && !self.is_at_dead_centre(i, at));
-            mode.actuators[i].mode.sliding = self.slides(i, at.units[i].rate.value());
+            mode.actuators[i].mode.sliding = self.sliding_towards(i, at.units[i].rate.value());
             let holds = self.wires[i].member.actuator.friction().has_coulomb() || mode.actuators[i].on_stop;
             if slow && mode.actuators[i].mode.extent != LengthRegime::Slack {
                 if holds {
@@ -265,7 +265,7 @@ impl<R: Real> System<R> {
             mode.actuators[i].mode.extent = LengthRegime::Slack;
         }
         mode.actuators[i].on_stop = false;
-        mode.actuators[i].mode.sliding = self.slides(i, heading);
+        mode.actuators[i].mode.sliding = self.sliding_towards(i, heading);
     }
 
     /// Lets actuators of a mechanism stick: finds which of them hold it, whether they hold all of it, and their facets.
@@ -326,7 +326,7 @@ impl<R: Real> System<R> {
             }
             let velocity = at.units[i].rate.value();
             let heading = if velocity == 0.0 { acceleration } else { velocity };
-            mode.actuators[i].mode.sliding = if heading == 0.0 { Sliding::Held } else { self.slides(i, heading) };
+            mode.actuators[i].mode.sliding = if heading == 0.0 { Sliding::Held } else { self.sliding_towards(i, heading) };
         }
     }
 

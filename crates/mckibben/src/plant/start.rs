@@ -306,7 +306,7 @@ impl<R: Real> System<R> {
         }
         for m in 0..plant.mechanisms.len() {
             self.enter_contacts(m, state, &mut mode);
-            self.enter_extents(m, time, state, &mut mode, at);
+            self.enter_length_regimes(m, time, state, &mut mode, at);
         }
         self.enter_poppets(time, state, &mut mode, at);
         for i in 0..plant.actuators.len() {
@@ -350,7 +350,7 @@ impl<R: Real> System<R> {
 
     /// The extents of a mechanism's actuators in a state that may lie on a limit: then the velocity, or at rest the balance,
     /// decides.
-    pub(crate) fn enter_extents(
+    pub(crate) fn enter_length_regimes(
         &self,
         m: usize,
         time: R,
@@ -374,7 +374,7 @@ impl<R: Real> System<R> {
             let on_stop = above[0].abs() <= ON_THE_STOP * limits.min_length().value();
             let above = if on_stop { [0.0, above[1]] } else { above };
             let its = &mut mode.actuators[i];
-            its.mode.extent = member.extent_at([unit.distance, unit.rate], above, pushed);
+            its.mode.extent = member.length_regime_at([unit.distance, unit.rate], above, pushed);
             its.on_stop = on_stop && its.mode.extent == LengthRegime::Free && unit.rate.value() == 0.0;
         }
     }

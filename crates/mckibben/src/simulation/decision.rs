@@ -29,7 +29,7 @@ pub struct JointDecision<R = f64> {
 ///
 /// # Errors
 /// [`Error::Misuse`] when there is no valve, or one without seats.
-pub(crate) fn with_seats<V>(valve: Option<V>, has_seats: impl FnOnce(&V) -> bool) -> Result<V, Error> {
+pub(crate) fn with_poppets<V>(valve: Option<V>, has_seats: impl FnOnce(&V) -> bool) -> Result<V, Error> {
     match valve {
         None => Err(Error::Misuse {
             what: "a controller is given, but the actuator has no valve",

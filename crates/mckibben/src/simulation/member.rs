@@ -204,7 +204,7 @@ impl<R: Real> Member<R> {
         let (law, gauge) = (actuator.law(), actuator.gauge(ends[2]));
         let effectiveness = law.effectiveness.in_piece(mode.effectiveness_piece, gauge);
         let factors = [effectiveness, law.law.force_in_piece(mode.force_piece, ends[0], gauge)];
-        actuator.signed_force(ends, sliding_state, mode.extent == LengthRegime::Taut, factors)
+        actuator.signed_force(ends, sliding_state, mode.regime == LengthRegime::Taut, factors)
     }
 
     /// Tension in N while the ends move: what the load feels.
@@ -215,7 +215,7 @@ impl<R: Real> Member<R> {
         mode: &Mode,
         remembered: (&Option<Trace<R>>, Deflections<T>),
     ) -> T {
-        if mode.extent == LengthRegime::Slack || mode.clamped {
+        if mode.regime == LengthRegime::Slack || mode.clamped {
             return T::zero();
         }
         self.signed_force(ends, mode, remembered)
@@ -224,17 +224,17 @@ impl<R: Real> Member<R> {
     /// Rate of the force in N with the velocity, from viscous friction and the taut braid, at a length and a pressure while the
     /// ends move.
     pub(crate) fn damping(&self, [length, pressure]: [R; 2], mode: &Mode) -> f64 {
-        if mode.extent == LengthRegime::Slack || mode.clamped || mode.sliding == Sliding::Stuck {
+        if mode.regime == LengthRegime::Slack || mode.clamped || mode.sliding == Sliding::Stuck {
             return 0.0;
         }
-        let taut = if mode.extent == LengthRegime::Taut { self.actuator.limits().damping().value() } else { 0.0 };
+        let taut = if mode.regime == LengthRegime::Taut { self.actuator.limits().damping().value() } else { 0.0 };
         let pressing = self.actuator.normal_load(length, pressure, mode.touch());
         self.actuator.friction().viscous_at(pressing.secant_stiffness()).value() + taut
     }
 
     /// The extent at a length and velocity that lie so far (negative: less) from the shortest and the longest length; on a
     /// limit the velocity, or at rest the balance, decides: `pushed` says whether the ends are pushed together.
-    pub(crate) fn extent_at(
+    pub(crate) fn length_regime_at(
         &self,
         ends: [R; 2],
         [above_shortest, above_longest]: [f64; 2],
@@ -254,15 +254,15 @@ impl<R: Real> Member<R> {
 
     /// Decides again whether the force is kept from pushing.
     pub(crate) fn enter_clamp(&self, ends: [R; 3], mode: &mut Mode, remembered: (&Option<Trace<R>>, Deflections<R>)) {
-        let moves = mode.extent != LengthRegime::Slack && mode.sliding != Sliding::Stuck;
+        let moves = mode.regime != LengthRegime::Slack && mode.sliding != Sliding::Stuck;
         mode.clamped = moves && self.signed_force(ends, mode, remembered).value() < 0.0;
     }
 
     /// The guards that end an extent: by length, and by the force of the taut braid.
-    pub fn length_regime_guards(&self, extent: LengthRegime) -> ([Option<LengthGuard<R>>; 2], Option<Guard>) {
+    pub fn length_regime_guards(&self, regime: LengthRegime) -> ([Option<LengthGuard<R>>; 2], Option<Guard>) {
         let limits = self.actuator.limits();
         let (shortest, longest) = (limits.min_length(), limits.max_length());
-        match extent {
+        match regime {
             LengthRegime::Slack => ([Some((Guard::Tight, shortest, false)), None], None),
             LengthRegime::Free => ([Some((Guard::Slack, shortest, true)), Some((Guard::Taut, longest, false))], None),
             LengthRegime::Taut => {
@@ -317,7 +317,7 @@ impl<R: Real> Member<R> {
         match guard {
             Guard::Rebound | Guard::Retaut => {
                 let taut = guard == Guard::Retaut;
-                mode.extent = if taut { LengthRegime::Taut } else { LengthRegime::Rebound };
+                mode.regime = if taut { LengthRegime::Taut } else { LengthRegime::Rebound };
                 Some(if taut { EventKind::Taut } else { EventKind::Rebound })
             }
             Guard::TensionZero | Guard::TensionBack => {

@@ -375,19 +375,19 @@ impl<S: Real> Command<S> {
     }
 
     /// Adds a request from `at` s on, later than all before, to a list of its kind. Pulses are ignored.
-    pub(crate) fn append(&mut self, at: S, demand: RuntimeCommand<S>) {
-        match (self, demand) {
-            (Self::Table { time, request }, RuntimeCommand::Request(asked)) => {
+    pub(crate) fn append(&mut self, at: S, command: RuntimeCommand<S>) {
+        match (self, command) {
+            (Self::Table { time, request }, RuntimeCommand::Request(appended)) => {
                 time.push(at);
-                request.push(asked);
+                request.push(appended);
             }
             (Self::SetPoints { time, gauge_pressure }, RuntimeCommand::SetPoint(gauge)) => {
                 time.push(at);
                 gauge_pressure.push(gauge.0);
             }
-            (Self::Positions { time, position }, RuntimeCommand::Position(asked)) => {
+            (Self::Positions { time, position }, RuntimeCommand::Position(appended)) => {
                 time.push(at);
-                position.push(asked);
+                position.push(appended);
             }
             _ => {}
         }

@@ -15,7 +15,7 @@
 //! known too.
 
 mod command;
-mod demand;
+mod runtime_command;
 #[cfg(feature = "alloc")]
 mod duty_cycle;
 mod five_way;
@@ -31,7 +31,7 @@ mod spool_clock;
 #[cfg(feature = "alloc")]
 pub(crate) use command::check_times;
 pub use command::{Command, Request};
-pub use demand::RuntimeCommand;
+pub use runtime_command::RuntimeCommand;
 #[cfg(feature = "alloc")]
 pub use duty_cycle::{Interval, actual_duty_cycle};
 #[cfg(feature = "alloc")]

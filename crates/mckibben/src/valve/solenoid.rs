@@ -69,7 +69,7 @@ impl ValveKind {
 }
 
 /// A pressure regulator has a command that only a poppet can carry out.
-const NO_SEAT: Error = Error::Misuse {
+const NO_POPPET: Error = Error::Misuse {
     what: "a pressure regulator neither fills, holds nor exhausts on request: it takes set points of pressure",
     remedy: "set command.kind = \"set-points\", or choose a valve with seats such as valve.kind = \"three-way\"",
 };
@@ -203,7 +203,7 @@ impl Solenoid {
         }
         match (self.regulator, command.has_set_points()) {
             (None, true) => return Err(NO_REGULATOR),
-            (Some(_), false) => return Err(NO_SEAT),
+            (Some(_), false) => return Err(NO_POPPET),
             (Some(_), true) => return Ok(()),
             (None, false) => {}
         }
@@ -220,7 +220,7 @@ impl<S: Scalar> Solenoid<S> {
     /// pressure regulator or a proportional spool.
     pub fn check_request(&self, request: Request) -> Result<(), Error> {
         if self.regulator.is_some() {
-            return Err(NO_SEAT);
+            return Err(NO_POPPET);
         }
         if self.spool.is_some() {
             return Err(NO_REQUEST);
@@ -325,7 +325,7 @@ impl<S: Scalar> Solenoid<S> {
 pub struct SeatClock<S = f64> {
     next_change: u64,
     coil: [bool; 2],
-    seat: [bool; 2],
+    poppet: [bool; 2],
     due: [Option<S>; 2],
     strokes: [Stroke<S>; 2],
     /// How many strokes that take time have begun or ended.
@@ -336,13 +336,13 @@ impl<S: Real> SeatClock<S> {
     /// The state before t = 0: coils released for long.
     pub fn released() -> Self {
         let strokes = [Stroke::resting(false); 2];
-        Self { next_change: 0, coil: [false; 2], seat: [false; 2], due: [None; 2], strokes, strokes_counted: 0 }
+        Self { next_change: 0, coil: [false; 2], poppet: [false; 2], due: [None; 2], strokes, strokes_counted: 0 }
     }
 
     /// Which flow paths are open, those of a moving poppet included.
     pub fn ports(&self, solenoid: &Solenoid<S>) -> Ports {
-        let [first, second] = [0, 1].map(|side| self.seat[side] || self.strokes[side].end().is_some());
-        let back = !self.seat[0] || self.strokes[0].end().is_some();
+        let [first, second] = [0, 1].map(|side| self.poppet[side] || self.strokes[side].end().is_some());
+        let back = !self.poppet[0] || self.strokes[0].end().is_some();
         match solenoid.kind {
             ValveKind::TwoWay => Ports { supply: first, exhaust: false },
             ValveKind::ThreeWay => Ports { supply: first, exhaust: back },
@@ -383,24 +383,24 @@ impl<S: Real> SeatClock<S> {
         while let Some(next) = upcoming
             && is_due(next, time)
         {
-            let mut seat_moved = false;
+            let mut poppet_moved = false;
             for side in 0..2 {
                 if self.strokes[side].end().is_some_and(|end| is_due(end, next)) {
-                    self.strokes[side] = Stroke::resting(self.seat[side]);
+                    self.strokes[side] = Stroke::resting(self.poppet[side]);
                     self.strokes_counted += 1;
-                    seat_moved = true;
+                    poppet_moved = true;
                 }
                 if self.due[side].is_some_and(|due| is_due(due, next)) {
                     self.due[side] = None;
-                    self.seat[side] = self.coil[side];
-                    let stroke = solenoid.ramp.send(&self.strokes[side], next, self.seat[side]);
+                    self.poppet[side] = self.coil[side];
+                    let stroke = solenoid.ramp.send(&self.strokes[side], next, self.poppet[side]);
                     let takes_time = stroke.end().is_some();
-                    self.strokes[side] = if takes_time { stroke } else { Stroke::resting(self.seat[side]) };
+                    self.strokes[side] = if takes_time { stroke } else { Stroke::resting(self.poppet[side]) };
                     self.strokes_counted += u64::from(takes_time);
-                    seat_moved = true;
+                    poppet_moved = true;
                 }
             }
-            if !seat_moved && let Some((when, request)) = command.change(self.next_change) {
+            if !poppet_moved && let Some((when, request)) = command.change(self.next_change) {
                 self.next_change += 1;
                 self.drive(when + solenoid.latency(), solenoid, solenoid.coils(request));
             }
@@ -430,7 +430,7 @@ impl<S: Real> SeatClock<S> {
     fn drive(&mut self, time: S, solenoid: &Solenoid<S>, coil: [bool; 2]) {
         for (side, &energised) in coil.iter().enumerate() {
             self.coil[side] = energised;
-            if energised == self.seat[side] {
+            if energised == self.poppet[side] {
                 // Already there, or on the way out of it: the pulse or gap was too short to be followed.
                 self.due[side] = None;
             } else if self.due[side].is_none() {
@@ -444,9 +444,9 @@ impl<S: Real> SeatClock<S> {
 impl<S: Real> SeatClock<S> {
     /// As numbers in a row.
     pub(crate) fn each_number(&mut self, row: &mut impl Row<S>) {
-        let Self { next_change, coil, seat, due, strokes, strokes_counted } = self;
+        let Self { next_change, coil, poppet, due, strokes, strokes_counted } = self;
         row.count(next_change);
-        coil.iter_mut().chain(seat).for_each(|at| row.truth(at));
+        coil.iter_mut().chain(poppet).for_each(|at| row.truth(at));
         due.iter_mut().for_each(|due| row.instant(due));
         strokes.iter_mut().for_each(|stroke| stroke.each_number(row));
         row.count(strokes_counted);

@@ -210,7 +210,7 @@ pub(crate) fn on_a_bottle() -> (Plant, PlantStart, usize) {
 }
 
 /// What a host asks of the three valves in a step of 1 ms, if anything, and where it moves the ends.
-pub(crate) fn asked(count: i32) -> (Option<[RuntimeCommand; 3]>, [f64; 2]) {
+pub(crate) fn requested(count: i32) -> (Option<[RuntimeCommand; 3]>, [f64; 2]) {
     let phase = f64::from(count) * 0.05;
     let pulses = RuntimeCommand::Pulses { frequency: 25.0, duty: 0.4, pulse: Request::Fill, rest: Request::Exhaust };
     let second = if count % 80 == 0 { Request::Fill } else { Request::Exhaust };

@@ -150,7 +150,7 @@ fn train(
         return Err(refused("nothing says when the coil was energised".to_owned(), help));
     };
     let of_column = "add `[columns.command]` with the command to the coil";
-    let turned = match (valve_of(scenario)?.kind, pulse, rest) {
+    let inverted = match (valve_of(scenario)?.kind, pulse, rest) {
         (ValveKind::TwoWay | ValveKind::ThreeWay, CommandState::Fill, _) => false,
         (ValveKind::FillHoldExhaust, CommandState::Fill, CommandState::Hold) => false,
         (ValveKind::FillHoldExhaust, CommandState::Exhaust, CommandState::Hold) => false,
@@ -168,7 +168,7 @@ fn train(
     // An edge counts where the record goes on for half of the shorter of pulse and pause.
     let least = duty.min(1.0 - duty) / frequency;
     let train = train.within(entry.begins, [first, last - 0.5 * least]);
-    Ok(if turned { train.turned() } else { train })
+    Ok(if inverted { train.inverted() } else { train })
 }
 
 /// The scenario with the delays; one that scatters below zero is zero.

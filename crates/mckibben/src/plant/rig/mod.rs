@@ -157,7 +157,7 @@ impl<R: Instantiate> RigPlant<R> {
         R: Send + Sync + 'static,
         C: Controller<R, Memory: Send + Sync> + Debug + Send + Sync + 'static,
     {
-        Ok(Driver::of_actuator(controller, 0, self.feed.seats(&self.plant)?, set_up))
+        Ok(Driver::of_actuator(controller, 0, self.feed.poppet_valve(&self.plant)?, set_up))
     }
 
     /// Simulates the rig from a state at t = 0 for `duration` s: every event located, with a relative tolerance for each step,

@@ -248,8 +248,8 @@ impl<R: Instantiate> PlantSteps<R> {
     ///
     /// # Errors
     /// As [`PlantRun::set`].
-    pub fn set(&mut self, valve: usize, demand: impl Into<RuntimeCommand<R>>) -> Result<(), Error> {
-        self.reached.set(&self.system.plant, valve, demand.into())
+    pub fn set(&mut self, valve: usize, command: impl Into<RuntimeCommand<R>>) -> Result<(), Error> {
+        self.reached.set(&self.system.plant, valve, command.into())
     }
 
     /// Sets the rates (m/s or rad/s) of a mechanism whose motion a host gives.
@@ -308,8 +308,8 @@ impl PlantSteps {
     /// Sets a valve to what needs nothing of where the steps are: the request that holds, or another duty cycle of the pulses that
     /// go on. Whether it is that; else nothing has changed.
     #[doc(hidden)]
-    pub fn set_on(&mut self, valve: usize, demand: &RuntimeCommand) -> Result<bool, Error> {
-        self.reached.set_on(&self.system.plant, valve, demand)
+    pub fn set_on(&mut self, valve: usize, command: &RuntimeCommand) -> Result<bool, Error> {
+        self.reached.set_on(&self.system.plant, valve, command)
     }
 
     /// The next instant in s up to `until`; infinite when there is none.

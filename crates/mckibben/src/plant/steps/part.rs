@@ -204,7 +204,7 @@ impl<R: Instantiate> Part<'_, '_, R> {
         for _ in 0..MOST_EVENTS * parts {
             let step = until - *self.time;
             if step.le(R::zero()) {
-                return self.stretch(step, until);
+                return self.take_empty_step(step, until);
             }
             match end.take() {
                 Some(end) => self.come_to(step, end),
@@ -236,7 +236,7 @@ impl<R: Instantiate> Part<'_, '_, R> {
     }
 
     /// Takes a step of no length, which carries derivatives with respect to the times of its ends.
-    fn stretch(&mut self, step: R, until: R) -> Result<(), Error> {
+    fn take_empty_step(&mut self, step: R, until: R) -> Result<(), Error> {
         if !R::HAS_DERIVATIVES || step.lt(R::zero()) {
             return Ok(());
         }

@@ -47,9 +47,9 @@ impl<S: Real> Solenoid<S> {
     /// # Errors
     /// As [`Solenoid::check_request`]; [`Error::Misuse`] for a set point of a valve that is no pressure regulator and a
     /// position of one that is no proportional spool; [`Error::OutOfRange`] for a number outside its range.
-    pub fn check_command(&self, demand: &RuntimeCommand<S>) -> Result<(), Error> {
+    pub fn check_command(&self, command: &RuntimeCommand<S>) -> Result<(), Error> {
         let within = |parameter: &'static parameter::Parameter, value: S| parameter.check(value.value()).map(drop);
-        match demand {
+        match command {
             RuntimeCommand::Request(request) => self.check_request(*request),
             RuntimeCommand::Pulses { frequency, duty, pulse, rest } => {
                 within(&parameter::PWM_FREQUENCY, *frequency)?;
