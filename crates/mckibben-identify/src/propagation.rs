@@ -10,7 +10,7 @@ pub(crate) type Slope = Dual<f64, 1>;
 /// Numbers that are independent of each other, each with its standard deviation.
 pub(crate) struct Measured<'a> {
     pub(crate) values: &'a [f64],
-    pub(crate) deviations: &'a [f64],
+    pub(crate) standard_errors: &'a [f64],
     /// Of the deviations: how many samples more than unknowns they were estimated from.
     pub(crate) degrees_of_freedom: usize,
 }
@@ -28,11 +28,11 @@ impl Measured<'_> {
         let constants: Vec<Slope> = self.values.iter().map(|value| Dual { value: *value, slope: [0.0] }).collect();
         let values = functions(&constants)?.map(|function| function.value);
         let mut variances = [0.0; M];
-        for (place, deviation) in self.deviations.iter().enumerate() {
+        for (place, standard_error) in self.standard_errors.iter().enumerate() {
             let mut seeded = constants.clone();
             seeded[place] = Dual::variable(self.values[place], 0);
             for (variance, function) in variances.iter_mut().zip(functions(&seeded)?) {
-                *variance += (function.slope[0] * deviation) * (function.slope[0] * deviation);
+                *variance += (function.slope[0] * standard_error) * (function.slope[0] * standard_error);
             }
         }
         Ok(std::array::from_fn(|place| {
@@ -42,14 +42,14 @@ impl Measured<'_> {
 }
 
 /// An estimate with the 95 % interval of Student's distribution.
-pub(crate) fn estimate((name, unit): Label, value: f64, deviation: f64, degrees_of_freedom: usize) -> Estimate {
-    let half = quantile(degrees_of_freedom) * deviation;
+pub(crate) fn estimate((name, unit): Label, value: f64, standard_error: f64, degrees_of_freedom: usize) -> Estimate {
+    let half = quantile(degrees_of_freedom) * standard_error;
     let is_determined = half.is_finite();
     Estimate {
         name: name.to_owned(),
         unit,
         value,
-        standard_error: is_determined.then_some(deviation),
+        standard_error: is_determined.then_some(standard_error),
         confidence_interval: is_determined.then_some([value - half, value + half]),
         on_bound: false,
     }
@@ -60,8 +60,8 @@ pub(crate) fn mean(label: Label, numbers: &[f64]) -> Estimate {
     let count = numbers.len() as f64;
     let mean = numbers.iter().sum::<f64>() / count;
     let squares: f64 = numbers.iter().map(|number| (number - mean) * (number - mean)).sum();
-    let deviation = (squares / (count - 1.0) / count).sqrt();
-    estimate(label, mean, deviation, numbers.len().saturating_sub(1))
+    let standard_error = (squares / (count - 1.0) / count).sqrt();
+    estimate(label, mean, standard_error, numbers.len().saturating_sub(1))
 }
 
 /// How many standard deviations reach to the end of a two-sided 95 % interval; infinite for no degrees of freedom.

@@ -21,7 +21,7 @@ const PATIENCE: Duration = Duration::from_millis(50);
 #[derive(Default)]
 pub(crate) struct Watch {
     calls: u32,
-    looked: Option<Instant>,
+    last_check: Option<Instant>,
     raised: Option<PyErr>,
     /// A function of Python, and the time in s at which the work ends.
     progress: Option<(Py<PyAny>, f64)>,
@@ -29,7 +29,7 @@ pub(crate) struct Watch {
 
 impl Watch {
     pub(crate) fn new() -> Self {
-        Self { looked: Some(Instant::now()), ..Self::default() }
+        Self { last_check: Some(Instant::now()), ..Self::default() }
     }
 
     /// Calls `progress(time, end)` now and then. What it raises ends the work.
@@ -40,15 +40,15 @@ impl Watch {
     /// Goes on unless a signal has raised something; `time` in s is what has been reached.
     pub(crate) fn at(&mut self, time: f64) -> Result<(), Error> {
         self.calls = self.calls.wrapping_add(1);
-        if !self.calls.is_multiple_of(CALLS_PER_CHECK) || self.looked.is_some_and(|looked| looked.elapsed() < PATIENCE) {
+        if !self.calls.is_multiple_of(CALLS_PER_CHECK) || self.last_check.is_some_and(|last_check| last_check.elapsed() < PATIENCE) {
             return Ok(());
         }
-        self.looked = Some(Instant::now());
-        let look = |py: Python<'_>| {
+        self.last_check = Some(Instant::now());
+        let check = |py: Python<'_>| {
             py.check_signals()?;
             self.progress.as_ref().map_or(Ok(()), |(progress, end)| progress.call1(py, (time, *end)).map(drop))
         };
-        Python::attach(look).map_err(|error| {
+        Python::attach(check).map_err(|error| {
             self.raised = Some(error);
             Error::Interrupted { time }
         })

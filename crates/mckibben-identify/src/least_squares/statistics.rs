@@ -115,7 +115,7 @@ impl Fit {
             StudentsT::new(0.0, 1.0, degrees_of_freedom.max(1) as f64).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975));
         let estimate = |unknown: usize| {
             let value = values[unknown];
-            let of_size = free.iter().position(|place| *place == unknown).and_then(|place| sensitivity.deviation(place));
+            let of_size = free.iter().position(|place| *place == unknown).and_then(|place| sensitivity.standard_error(place));
             let standard_error = of_size.map(|error| error * spread * sizes[unknown]).filter(|error| error.is_finite());
             Estimate {
                 name: unknowns[unknown].name.clone(),
@@ -225,13 +225,13 @@ impl Sensitivity {
         (0..self.values.len()).filter(|k| self.is_identifiable(*k)).map(part).sum()
     }
 
-    fn deviation(&self, place: usize) -> Option<f64> {
+    fn standard_error(&self, place: usize) -> Option<f64> {
         let untold = |k: usize| !self.is_identifiable(k) && self.directions[(k, place)].abs() > self.least.sqrt();
         (!(0..self.values.len()).any(untold)).then(|| self.covariance(place, place).sqrt())
     }
 
     fn correlation(&self, i: usize, j: usize) -> f64 {
-        match (self.deviation(i), self.deviation(j)) {
+        match (self.standard_error(i), self.standard_error(j)) {
             (Some(of), Some(with)) if of > 0.0 && with > 0.0 => self.covariance(i, j) / (of * with),
             _ => f64::from(u8::from(i == j)),
         }

@@ -256,21 +256,21 @@ impl Task {
         }
     }
 
-    pub(super) fn courses<'s>(&'s self, observed: &'s Observed) -> impl Iterator<Item = &'s TimeSeries> {
+    pub(super) fn series_of<'s>(&'s self, observed: &'s Observed) -> impl Iterator<Item = &'s TimeSeries> {
         self.runs.iter().flat_map(|run| &run.courses).filter(move |recorded| recorded.observed == *observed)
     }
 
     fn has(&self, observed: &Observed) -> bool {
-        self.courses(observed).any(|recorded| !recorded.values.is_empty())
+        self.series_of(observed).any(|recorded| !recorded.values.is_empty())
     }
 
     /// The deviation of a quantity's readings and that it is known, or their span.
     fn scale(&self, observed: &Observed) -> (f64, bool) {
-        let deviations: Vec<f64> = self.courses(observed).filter_map(|recorded| recorded.deviation).collect();
-        if let Some(deviation) = deviations.first().filter(|_| deviations.len() == self.courses(observed).count()) {
+        let deviations: Vec<f64> = self.series_of(observed).filter_map(|recorded| recorded.deviation).collect();
+        if let Some(deviation) = deviations.first().filter(|_| deviations.len() == self.series_of(observed).count()) {
             return (*deviation, true);
         }
-        let values = || self.courses(observed).flat_map(|recorded| recorded.values.iter().copied());
+        let values = || self.series_of(observed).flat_map(|recorded| recorded.values.iter().copied());
         let span = values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min);
         (if span.is_finite() && span > 0.0 { span } else { 1.0 }, false)
     }

@@ -258,12 +258,12 @@ impl Bend<'_> {
         if count < LEAST_SAMPLES {
             return None;
         }
-        let squares = |onset: f64| self.courses(onset).map_or(f64::INFINITY, |courses| courses.squares);
+        let squares = |onset: f64| self.two_polynomials(onset).map_or(f64::INFINITY, |fitted| fitted.squares);
         let middle = |place: usize| 0.5 * (self.time[place - 1] + self.time[place]);
         let places = (ON_A_SIDE..=count - ON_A_SIDE).filter(|place| middle(*place) >= edge);
         let best = places.min_by(|a, b| squares(middle(*a)).total_cmp(&squares(middle(*b))))?;
         let onset = least(self.time[best - 2], self.time[best + 1], squares);
-        let found = self.courses(onset)?;
+        let found = self.two_polynomials(onset)?;
         let variance = found.squares / (count - UNKNOWNS) as f64;
         // The derivative with respect to the onset in addition to those with respect to the five numbers.
         let slopes = DMatrix::from_fn(count, UNKNOWNS, |row, column| {
@@ -280,7 +280,7 @@ impl Bend<'_> {
     }
 
     /// The two cubics that fit best about an onset; without it they are linear in what is unknown.
-    fn courses(&self, onset: f64) -> Option<TwoPolynomials> {
+    fn two_polynomials(&self, onset: f64) -> Option<TwoPolynomials> {
         let count = self.time.len();
         let span = self.time[count - 1] - self.time[0];
         // About the mean, so that the roundings of a large pressure do not count.

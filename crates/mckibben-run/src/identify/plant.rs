@@ -33,7 +33,7 @@ pub(super) fn runs(material: &Material, warnings: &mut Vec<String>) -> Result<(V
     for ((recording, (document, experiment)), OfRun { places, unknowns, sensors }) in
         material.recordings.iter().zip(plants).zip(numbers)
     {
-        let courses = courses(material, (recording, &sensors), &experiment)?;
+        let courses = time_series(material, (recording, &sensors), &experiment)?;
         let subject = Subject::Plant(AdjustablePlant { document, places });
         runs.push(Recorded { name: recording.name.clone(), subject, unknowns, courses });
     }
@@ -48,7 +48,7 @@ fn read(document: &Document) -> Result<PlantExperiment, Failure> {
 }
 
 /// The time series of a run; a pressure that is given is none.
-fn courses(
+fn time_series(
     material: &Material,
     (recording, sensors): (&Recording, &[(OfSensor, usize)]),
     of: &PlantExperiment,
@@ -64,7 +64,7 @@ fn courses(
         return Err(Failure::input(title, help));
     }
     let columns = of.columns();
-    let mut courses = Vec::new();
+    let mut series = Vec::new();
     for (sheet, column) in recording.of_parts() {
         let (observed, quantity) = observed(of, column)?;
         let place = columns.iter().position(|column| column.quantity() == Some(quantity));
@@ -78,12 +78,12 @@ fn courses(
         if !is_given {
             let (times, values) = over_time(recording, sheet, column)?;
             let sensor = sensors::sensor(material, (column.quantity, column.part.as_deref()), 0.0, sensors);
-            courses.push((place, TimeSeries { observed, times, values, deviation: column.deviation, sensor }));
+            series.push((place, TimeSeries { observed, times, values, deviation: column.deviation, sensor }));
         }
     }
     // In the order of a run's table: by the parts, as the file has them.
-    courses.sort_by_key(|(place, _)| *place);
-    Ok(courses.into_iter().map(|(_, series)| series).collect())
+    series.sort_by_key(|(place, _)| *place);
+    Ok(series.into_iter().map(|(_, series)| series).collect())
 }
 
 /// What a column is of the plant.

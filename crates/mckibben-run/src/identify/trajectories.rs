@@ -122,7 +122,7 @@ fn runs(material: &Material, warnings: &mut Vec<String>) -> Result<(Vec<Recorded
         scenarios.into_iter().zip(numbers).zip(material.recordings.iter().zip(documents))
     {
         let given = document.says_of_each(parameter::MIN_LENGTH.key);
-        let mut courses = courses(material, (recording, &sensors), scenario.air.atmospheric_pressure);
+        let mut courses = time_series(material, (recording, &sensors), scenario.air.atmospheric_pressure);
         let others = scenario.of_antagonist();
         // A pressure that drives the run is not compared with it.
         let driven = scenario.pressure.as_ref().map(|given| match given.at {
@@ -233,7 +233,7 @@ const FOLLOWING: [Quantity; 7] = [
     Quantity::AntagonistTension,
 ];
 
-fn courses(
+fn time_series(
     material: &Material,
     (recording, sensors): (&Recording, &[(OfSensor, usize)]),
     atmosphere: f64,

@@ -7,9 +7,9 @@ use mckibben_identify::least_squares::{Direction, Ending, Estimate, Fit, Unknown
 use mckibben_scenario::keys::in_antagonist;
 
 /// A value rounded to the digits that its standard error supports: two digits of the error, six where there is none.
-pub(super) fn rounded(value: f64, deviation: Option<f64>) -> String {
-    match deviation.filter(|deviation| *deviation > 0.0 && deviation.is_finite()) {
-        Some(deviation) => with_last_digit(value, deviation.log10().floor() as i32 - 1),
+pub(super) fn rounded(value: f64, standard_error: Option<f64>) -> String {
+    match standard_error.filter(|standard_error| *standard_error > 0.0 && standard_error.is_finite()) {
+        Some(standard_error) => with_last_digit(value, standard_error.log10().floor() as i32 - 1),
         None if value == 0.0 => "0".to_owned(),
         None => with_last_digit(value, value.abs().log10().floor() as i32 - 5),
     }
@@ -27,10 +27,10 @@ fn with_last_digit(value: f64, last: i32) -> String {
 
 /// A value and half of its interval, in a unit that is so many times smaller.
 pub(super) fn give_or_take(estimate: &Estimate, factor: f64) -> String {
-    let deviation = estimate.standard_error.map(|deviation| factor * deviation);
-    let value = rounded(factor * estimate.value, deviation);
+    let standard_error = estimate.standard_error.map(|standard_error| factor * standard_error);
+    let value = rounded(factor * estimate.value, standard_error);
     match estimate.confidence_interval {
-        Some([low, high]) => format!("{value} ± {}", rounded(0.5 * factor * (high - low), deviation)),
+        Some([low, high]) => format!("{value} ± {}", rounded(0.5 * factor * (high - low), standard_error)),
         None => value,
     }
 }

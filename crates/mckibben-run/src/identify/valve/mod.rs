@@ -89,8 +89,8 @@ fn conductance(estimate: &Estimate) -> String {
 
 /// A value with its interval, in a unit that is so many times smaller.
 fn with_interval(estimate: &Estimate, factor: f64, unit: &str) -> String {
-    let deviation = estimate.standard_error.map(|deviation| factor * deviation);
-    let rounded = |value: f64| super::values::rounded(factor * value, deviation);
+    let standard_error = estimate.standard_error.map(|standard_error| factor * standard_error);
+    let rounded = |value: f64| super::values::rounded(factor * value, standard_error);
     let interval = estimate.confidence_interval.map(|[low, high]| format!(" ({} to {})", rounded(low), rounded(high)));
     format!("{}{} {unit}", rounded(estimate.value), interval.unwrap_or_default()).trim_end().to_owned()
 }
