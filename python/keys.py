@@ -22,7 +22,7 @@ meaning says.
 """
 #: What repeats the sections of one actuator, or names parts.
 REPEATED = ("antagonist", "actuators", "supplies", "mechanisms")
-#: What of a description has a column of its own.
+#: The parts of a description that have a separate column.
 PARTS = ("Symbol", "Unit", "Range", "Default", "Default without a preset", "Source")
 Node = dict[str, typing.Any]
 

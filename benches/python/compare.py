@@ -166,7 +166,7 @@ def many_runs(of: work.Work, rows: int, tolerance: float, rounds: int) -> None:
     solve = jax.jit(jax.vmap(peers.diffrax_solver(of, np.array([of.spans[-1][1]])), in_axes=(0, 0, None)))
 
     def vmapped(chosen: np.ndarray, rtol: float) -> np.ndarray:
-        """Each core goes through rows of its own: in one loop over all it would wait for the other at every step."""
+        """Each core steps separate rows: in one loop over all it would wait for the other at every step."""
         shares = zip(jax.devices(), np.array_split(chosen, CORES), strict=True)
         begun = [solve(*jax.device_put((masses[share], starts[share], rtol), core)) for core, share in shares]
         return np.concatenate(begun)[:, 0][:, [0, 2]]

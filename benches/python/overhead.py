@@ -1,4 +1,4 @@
-"""What a call from Python costs beside the work that it asks for, and how far many actuators are from the Rust loop.
+"""What a call from Python costs in addition to the work that it starts, and how far many actuators are from the Rust loop.
 
     python overhead.py [--modular PROGRAM]      # else ../target/release/modular, which is built if it is not there
 

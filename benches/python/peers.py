@@ -1,4 +1,4 @@
-"""The peers: SciPy, Numba and diffrax on the work of `work.py`, each as who knows it well would write it.
+"""The peers: SciPy, Numba and diffrax on the work of `work.py`, each written as its documentation recommends.
 
 A peer is a function of a tolerance (of Runge-Kutta 4, of a step) that gives length and pressure at the samples. All of
 them restart at every motion of the seat, which everybody knows beforehand.
@@ -25,7 +25,7 @@ SAME = 1e-9
 
 @dataclasses.dataclass(frozen=True)
 class Peer:
-    """Somebody who does the work."""
+    """A library that does the work."""
 
     name: str
     #: Length and pressure at the samples, from a tolerance or a step.
@@ -285,7 +285,7 @@ def diffrax_solver(work: Work, samples: np.ndarray) -> collections.abc.Callable:
 
 
 def diffrax_peer(work: Work) -> Peer:
-    """diffrax, compiled: Dormand-Prince 5(4) with its PID controller, told where the field jumps."""
+    """diffrax, compiled: Dormand-Prince 5(4) with its PID controller and the times at which the field jumps."""
     import jax
 
     run = jax.jit(diffrax_solver(work, work.samples))

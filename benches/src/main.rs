@@ -19,7 +19,7 @@ use process::Process;
 use std::path::Path;
 use std::process::{Command, ExitCode};
 
-/// The tolerance at which everybody's answer is asked for.
+/// The tolerance requested of all solvers.
 const TOLERANCE: f64 = 1e-8;
 
 fn main() -> ExitCode {

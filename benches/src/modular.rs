@@ -3,7 +3,7 @@
 //!
 //! `cargo run --release --bin modular -- ../examples/paper/fig-12.toml 4096 200`
 //!
-//! As many actuators of the file as asked for are stepped on all cores (`RAYON_NUM_THREADS` says how many) as
+//! A requested number of actuators of the file is stepped on all cores (`RAYON_NUM_THREADS` says how many) as
 //! `benches/python/overhead.py` does: steps of 1 ms, a duty cycle and a length for each row, the ends going to and fro. The
 //! least of several repeats is printed in ns for a row; for one actuator also with what a state that is a value costs: going
 //! back to a state before the step, and saving one after it.

@@ -37,7 +37,7 @@ pub struct Solution {
 /// A run with its error.
 #[derive(Clone, Debug)]
 pub struct Measurement {
-    /// Relative tolerance that was asked for.
+    /// Requested relative tolerance.
     pub tolerance: f64,
     /// As [`Problem::error`].
     pub error: f64,

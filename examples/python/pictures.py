@@ -20,7 +20,7 @@ import matplotlib.pyplot as plt
 #: The scenario files that come with the project.
 EXAMPLES = pathlib.Path(__file__).resolve().parents[1]
 
-#: Blue, vermilion, green, purple, orange, sky: told apart also by who sees few colours (Okabe & Ito).
+#: Blue, vermilion, green, purple, orange, sky: distinct also with colour blindness (Okabe & Ito).
 COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"]
 
 plt.rcParams.update(

@@ -65,7 +65,7 @@ VALVES = ["two-way", "three-way", "three-way-normally-open", "fill-hold-exhaust"
 
 @st.composite
 def drives(draw: st.DrawFn, kind: str) -> tuple[Sections, Sections]:
-    """A valve of a kind with what is asked of it."""
+    """A valve of a kind with its command."""
     valve: Sections = {"kind": kind, "flow_area": draw(quantity(0.5, 4, "mm^2")), "efficiency": draw(number(0.5, 1))}
     times = ["0 s", "8 ms", "21 ms"]
     if kind == "proportional-spool":
@@ -183,7 +183,7 @@ def joints(draw: st.DrawFn) -> Sections:
 
 @st.composite
 def controlled(draw: st.DrawFn) -> Sections:
-    """An actuator whose controller decides what is asked of the valve."""
+    """An actuator whose controller commands the valve."""
     controller: Sections = {"kind": draw(st.sampled_from(["bang-bang", "pid"])), "rate": draw(quantity(60, 300, "Hz")),
                             "delay": draw(st.integers(0, 3))}
     regulated, band = draw(st.sampled_from([("length", "mm"), ("gauge_pressure", "bar")]))

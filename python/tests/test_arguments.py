@@ -301,7 +301,7 @@ def test_arrays_of_another_kind_are_refused_by_name(scenario):
 
 
 def test_what_another_thread_is_stepping_is_refused(scenario):
-    """A step of very many parts in one thread, while another asks for what it holds for as long as that takes."""
+    """A step of very many parts in one thread, while another reads its state for as long as that takes."""
     many = mckibben.Actuators(scenario, 2)
     fine = scenario.with_values({"run.engine": "fixed-step", "run.step": "5 us"})
     plants = mckibben.VectorPlant(fine, 2)

@@ -1,4 +1,4 @@
-"""The notebooks of `examples/python`: each runs by itself, claims nothing that does not hold, leaves its pictures."""
+"""The notebooks of `examples/python`: each runs, its assertions hold, and it writes its pictures."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Environments: what Gymnasium asks of them, that a plant in them is the plant of a run, and that options do what they say."""
+"""Environments: what Gymnasium requires, that a plant in them is the plant of a run, and that options do what they say."""
 
 import pickle
 import warnings
@@ -101,7 +101,7 @@ def test_what_comes_out_of_a_pickle_is_the_same_environment(name: str) -> None:
         environment.action_space.seed(1)
         for which in (environment, copied):
             which.reset(seed=7)
-        # Only the vector form begins again by itself.
+        # Only the vector form resets automatically.
         for _ in range(20 if environment is alone else 25):
             action = environment.action_space.sample()
             for one, other in zip(environment.step(action)[:4], copied.step(action)[:4], strict=True):
@@ -143,7 +143,7 @@ def test_what_is_seen_is_as_old_and_what_is_done_as_late_as_was_said() -> None:
         # Length, velocity and pressure; the controller knows its own pulses.
         assert (seen[old][count][:, :3] == seen[plain][count - 3][:, :3]).all()
         assert (seen[old][count][:, 3:] == seen[plain][count][:, 3:]).all()
-    # For three steps a muscle that is asked nothing does what one does that is asked for exhaust.
+    # For three steps a muscle without a command does the same as one whose command is exhaust.
     rest = made(2, **fast)
     rest.reset(seed=4)
     reference = np.concatenate([lengths(rest, 3, 0.0), lengths(rest, 30)])

@@ -72,7 +72,7 @@ def test_many_are_divided_as_one_is(scenario):
 
 def hang(scenario: mckibben.Scenario, duration: float, dt: float, is_late: bool, max_step: float | None) -> numpy.ndarray:
     """Lengths of a mass of 5 lb on the taut muscle, lifted by 0.1 mm at first, by a host that steps as the
-    simplest do; where it is late, `step` hears of the ends as they were before the host's step."""
+    simplest do; where it is late, `step` receives the ends as they were before the host's step."""
     muscle = mckibben.Actuator(scenario)
     state, velocity, mass = muscle.start(), 0.0, 5 * 0.45359237
     length, tension = state.length - 1e-4, muscle.respond(state).tension

@@ -60,7 +60,7 @@ def pickled(scenario: mckibben.Scenario):
 
 
 def refused(scenario: mckibben.Scenario):
-    """A mistake that is told: its words go with the exception."""
+    """A reported mistake: its message goes with the exception."""
     actuator = mckibben.Actuator(scenario, pulse_frequency=25.0)
     state = actuator.start()
 

@@ -75,7 +75,7 @@ def length_series(count: int) -> numpy.ndarray:
 
 
 def command(row: int) -> float | str | None:
-    """Now and then something else is asked, mostly in the middle of a pulse."""
+    """Now and then the command changes, mostly in the middle of a pulse."""
     return {0: 0.4, 9: 0.7, 31: "exhaust", 36: "fill", 43: 0.3}.get(row)
 
 
@@ -177,7 +177,7 @@ def test_scenarios_and_runs(swing, again):
     copied = again(run)
     same(run, copied)
     assert copied.scenario == changed and not copied.length.flags.writeable
-    assert copied.at(0.0123) == run.at(0.0123), "what lies between the samples is simulated anew"
+    assert copied.at(0.0123) == run.at(0.0123), "what lies between the samples is simulated again"
     assert again(run.events[0]) == run.events[0]
 
 

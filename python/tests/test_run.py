@@ -1,4 +1,4 @@
-"""A run is that of `mckibben simulate`, to the last bit, for every kind of scenario and both engines."""
+"""A run is bit-identical to that of `mckibben simulate`, for every kind of scenario and both engines."""
 
 from __future__ import annotations
 

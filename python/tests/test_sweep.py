@@ -1,4 +1,4 @@
-"""Sweeps: whoever computes them, the files have the same bytes as those of the command line."""
+"""Sweeps: on every executor the files have the same bytes as those of the command line."""
 
 from __future__ import annotations
 

@@ -89,7 +89,7 @@ def test_concurrent_calls_return_what_single_calls_return(scenario, swing):
 
 
 #: What is done before and after a fork, each on threads: more rows than are stepped on one, derivatives by more numbers than one
-#: pass takes, a study of courses in time, a sweep.
+#: pass takes, a study of time series, a sweep.
 FORKED = """
 import multiprocessing, os, sys, numpy, mckibben
 examples = sys.argv[2]
@@ -142,7 +142,7 @@ if __name__ == "__main__":
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork here")
 @pytest.mark.parametrize("work", ["rows", "slopes", "sweep", "run"])
 def test_after_a_fork_a_child_goes_on(work, examples, tmp_path):
-    """In a process of its own with its children, which are killed where they wait for threads that are not there."""
+    """In a separate process with its children, which are killed where they wait for threads that are not there."""
     script = tmp_path / "forked.py"
     script.write_text(FORKED)
     command = [sys.executable, "-W", "ignore", str(script), work, str(examples)]
@@ -174,7 +174,7 @@ def interrupted():
             yield argument
 
         def handle(_, frame):
-            # Heard in these lines of Python, before the call or after its end, it says nothing of the call.
+            # A signal handled in these lines of Python, before the call or after its end, does not test the call.
             while frame is not None and frame.f_code is not arguments.__code__:
                 frame = frame.f_back
             if frame is None and not ended and not is_handled.is_set():
@@ -248,6 +248,6 @@ def test_a_long_call_ends_at_an_interrupt(what, scenario, interrupted):
     call, seen = endless(scenario, what)
     before = seen()
     with pytest.raises(KeyboardInterrupt):
-        # By a call that has no line of Python of its own.
+        # By a call without a line of Python.
         interrupted(functools.partial.__call__, call)
     assert seen() == before

@@ -1,4 +1,4 @@
-"""Controllers: what is measured at t = k/f_s, what is decided, and what the valve is asked: `docs/control.md`.
+"""Controllers: what is measured at t = k/f_s, what is decided, and the command of the valve: `docs/control.md`.
 
 `Modulator` turns decisions into requests at instants; `Relay` and `Pid` regulate; `Tracker` and `ByModel` say what.
 """
@@ -76,7 +76,7 @@ class Pid:
 
 
 class Modulator:
-    """What is asked of one valve from decisions that arrive at sampling instants."""
+    """The commands of one valve from decisions that arrive at sampling instants."""
 
     def __init__(self, frequency, can_hold):
         self.frequency, self.can_hold = frequency, can_hold

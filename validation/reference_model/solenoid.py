@@ -1,4 +1,4 @@
-"""Commands that are known beforehand: what is asked of a valve, and when."""
+"""Commands that are known beforehand: the states of a valve, and when."""
 
 import math
 from dataclasses import dataclass

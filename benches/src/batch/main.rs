@@ -16,7 +16,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use work::Work;
 
-/// What can be asked for; without an argument, everything.
+/// The parts that can be requested; without an argument, all of them.
 const PARTS: [&str; 4] = ["engines", "peers", "sizes", "memory"];
 
 fn main() -> ExitCode {
@@ -35,7 +35,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Whether everything that was asked for could be done.
+/// Whether all requested parts could be run.
 fn run(parts: Vec<String>) -> Result<bool, String> {
     if let Some(unknown) = parts.iter().find(|part| !PARTS.contains(&part.as_str())) {
         return Err(format!("`{unknown}` is none of {}", PARTS.join(", ")));

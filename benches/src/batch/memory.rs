@@ -40,7 +40,7 @@ reductions = ["length.final", "tension.peak"]
 "supply.gauge_pressure" = { from = "60 psi", to = "110 psi" }
 "#;
 
-/// How this program is called by itself for the memory of one batch; the number of rows follows.
+/// The argument with which this program starts itself to measure the memory of one batch; the number of rows follows.
 pub const OF_A_BATCH: &str = "memory-of-a-batch";
 /// Rows of the batches.
 const SIZES: [usize; 4] = [1_000, 10_000, 100_000, 1_000_000];
@@ -63,7 +63,7 @@ fn own_mark() -> Result<u64, String> {
     high_water_mark(std::process::id()).ok_or_else(|| "this system does not say what a process has in memory".into())
 }
 
-/// Prints the memory of batches of several sizes, each in a process of its own.
+/// Prints the memory of batches of several sizes, each in a separate process.
 ///
 /// # Errors
 /// When one fails.

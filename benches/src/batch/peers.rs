@@ -87,7 +87,7 @@ fn line(name: &str, seconds: [f64; 2], error: Error, mine: &Measurement) -> Stri
     )
 }
 
-/// Everybody who can be had here, and why the others cannot.
+/// The peers that are available here, and why the others are not.
 fn peers(sources: &Path) -> (Vec<Peer>, Vec<String>) {
     let mut peers = Vec::new();
     let mut missing = Vec::new();

@@ -1,4 +1,4 @@
-//! Plants side by side: each is the run of its own steps, bit for bit, on any width of instructions.
+//! Plants side by side: each is bit-identical to a scalar instance, on any width of instructions.
 
 use crate::common::joint::Pair;
 use crate::common::laws::measured;
@@ -30,12 +30,12 @@ pub(crate) fn varied(plant: &Plant, row: usize) -> Plant {
     })
 }
 
-/// Rows of a plant with numbers of their own, at their start.
+/// Rows of a plant with different parameters, at their start.
 pub(crate) fn rows(plant: &Plant, start: &PlantStart, method: Method, count: usize) -> Result<Vec<PlantSteps>, Error> {
     (0..count).map(|row| Ok(PlantRun::new(&varied(plant, row), start, 1e-9)?.steps(method))).collect()
 }
 
-/// Steps a batch of every width and each row by itself, which have to agree; how far each row has come by itself.
+/// Steps a batch of every width and a scalar instance of each row, which have to agree; returns the scalar instances.
 pub(crate) fn agree(rows: &[PlantSteps], step: f64, steps: u32) {
     let mut alone = rows.to_vec();
     let mut faults: Vec<Option<Error>> = vec![None; rows.len()];
@@ -260,7 +260,7 @@ fn rows_are_set_and_restarted() {
     }
 }
 
-/// Rows with controllers of their own, whose samples fall on ends of steps and between them, some late.
+/// Rows with separate controllers, whose samples fall on ends of steps and between them, some late.
 #[test]
 fn rows_with_controllers_equal_scalar_instances() {
     let paper = Paper::pwm(50.0, 0.5).gauge(20.0 * PSI).with(|rig| rig.kind = ValveKind::FillHoldExhaust);

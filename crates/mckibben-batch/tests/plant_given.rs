@@ -10,7 +10,7 @@ use mckibben::simulation::{Actuation, Method, PressureSeries, Rig};
 use mckibben::valve::{Command, Ramp, RuntimeCommand, Solenoid, Spool};
 use mckibben_batch::PlantBatch;
 
-/// Steps rows of a rig with numbers of their own, which go in lanes, by both methods.
+/// Steps rows of a rig with different parameters, which go in lanes, by both methods.
 fn go(rig: &Rig, paper: &Paper, prepare: impl Fn(usize, &mut PlantSteps)) {
     let start = rig.start(&paper.initial()).expect("a start");
     let (plant, start) = (Plant::of_rig(rig), Plant::start_of_rig(rig, &start));

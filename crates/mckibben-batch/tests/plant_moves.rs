@@ -46,7 +46,7 @@ fn goals(from: &[f64], row: usize, count: usize, reach: f64) -> Vec<f64> {
     from.iter().enumerate().map(goal).collect()
 }
 
-/// Moves a batch of every width and each row by itself, which have to agree in states, answers and faults.
+/// Moves a batch of every width and a scalar instance of each row, which have to agree in states, answers and faults.
 fn agree(
     made: &[PlantSteps],
     (reach, longest): (f64, f64),
@@ -80,7 +80,7 @@ fn agree(
             *at = goals(at, row, count, reach);
         }
         let distances = at.concat();
-        // Answers are sought at other rates than those that the ends have.
+        // Responses are evaluated at rates that differ from those of the ends.
         let rates: Vec<f64> = (0..distances.len()).map(|k| between(count * 13 + k, 7, -0.05, 0.05)).collect();
         for (index, row) in alone.iter_mut().enumerate() {
             if faults[index].is_some() {

@@ -48,7 +48,7 @@ fn spread(row: usize, stride: f64) -> f64 {
     (row as f64 * stride).fract()
 }
 
-/// Rows of several forms: masses under PWM of their own frequency and duty, held ends, a motion by a table, a sealed one,
+/// Rows of several forms: masses under PWM of different frequency and duty, held ends, a motion by a table, a sealed one,
 /// and other laws of force.
 fn row(index: usize) -> Row {
     let (u, v) = (spread(index, 0.618_033_988_749_895), spread(index, 0.754_877_666_246_693));

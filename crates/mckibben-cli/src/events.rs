@@ -7,7 +7,7 @@ use mckibben_run::text::{Alignment, Side};
 /// The columns of a log that say to what an event happened.
 const OF: [&str; 2] = ["actuator", "part"];
 
-/// The log, with what holds after each event for whom it happened to.
+/// The log, with the state after each event of the part that it concerns.
 pub(crate) fn table(log: &Log) -> String {
     let of = log.columns.iter().position(|column| OF.contains(&column.as_str()));
     // The column of the actuator is there where the log names it.

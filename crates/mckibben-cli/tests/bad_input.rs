@@ -29,7 +29,7 @@ sample_interval = "1 ms"
 const COMMAND: &str = "[command]\nkind = \"pwm\"\nfrequency = \"25 Hz\"\nduty = 0.5\n";
 const VALVE: &str = "[valve]\npreset = \"matrix-eight-channel\"\nefficiency = 0.85\n";
 
-/// Runs the program with every output asked for; it must fail with a code and leave only the scenario behind.
+/// Runs the program with every output requested; it must fail with a code and leave only the scenario behind.
 fn fails(folder: &Folder, arguments: &[&str], code: i32) -> String {
     let before = folder.names();
     let output = folder

@@ -37,7 +37,7 @@ fn names(folder: &Path) -> Vec<String> {
 }
 
 /// Runs a line of the shell, in which `$0` is the program. Signals that the tests were started without, as in a background job
-/// or under `nohup`, are heard again, where `env` can do so.
+/// or under `nohup`, take effect again, where `env` can do so.
 fn shell(folder: &Folder, line: &str) -> Command {
     let restored = "--default-signal=INT,HUP,TERM";
     let can = Command::new("env").args([restored, "true"]).stderr(Stdio::null()).status();

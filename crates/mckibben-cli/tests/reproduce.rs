@@ -6,7 +6,7 @@ mod common;
 use common::{Folder, of_repository};
 use std::collections::BTreeMap;
 
-/// The report in a folder of its own, and what was printed.
+/// Writes the report to a new folder; returns what was printed.
 fn reproduced(folder: &Folder, name: &str) -> String {
     let output = folder.mckibben().args(["reproduce", "--output", name]).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));

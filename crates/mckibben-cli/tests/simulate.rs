@@ -170,7 +170,7 @@ fn without_a_step_the_accuracy_chooses_it_and_the_summary_says_so() {
         let setting = format!("run.accuracy={accuracy}");
         let text = run(&folder, &[&fixed[..], &["--set", &setting]].concat());
         assert!(text.contains(&format!("at most {step}, chosen for an accuracy of {accuracy}")), "{text}");
-        // Length, velocity, pressure and air mass of the file that was written are as accurate as was asked.
+        // Length, velocity, pressure and air mass of the file have the requested accuracy.
         let written = rows(&folder.path("fixed.csv"));
         for column in 1..=4 {
             let gaps = written.iter().zip(&reference).map(|(a, b)| (a.0[column] - b.0[column]).abs());
@@ -232,7 +232,7 @@ fn the_summary_has_the_figures() {
     let folder = Folder::new("summary");
     folder.file("muscle.toml", PWM);
     let short = run(&folder, &["simulate", "muscle.toml"]);
-    // Without the assumed values, which are always told, what matters most takes few lines.
+    // Without the assumed values, which are always printed, the summary takes few lines.
     let lines = short.lines().take_while(|line| !line.starts_with("Assumed")).filter(|line| !line.is_empty()).count();
     assert!(lines <= 15 && !short.contains("gas work") && short.contains("gauge pressure"), "{short}");
     let text = run(&folder, &["simulate", "muscle.toml", "--verbose"]);

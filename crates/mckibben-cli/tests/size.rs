@@ -1,4 +1,4 @@
-//! `mckibben size`: its muscles do what was asked, by closed forms and by `mckibben simulate`.
+//! `mckibben size`: its muscles meet the request, by closed forms and by `mckibben simulate`.
 
 mod common;
 

@@ -431,7 +431,7 @@ fn check_reads_the_sweep_too() {
     let message = fails(&folder, &["check", "muscle.toml"], 2);
     assert!(message.contains("15 lbf") && message.contains("length.riple") && message.contains("100 N"), "{message}");
     assert!(message.contains("3 mistakes"), "{message}");
-    // One that the scenario has by itself and with the sweep's values is one.
+    // A mistake of the scenario that it has with and without the sweep's values counts once.
     folder.file("muscle.toml", &format!("{}{GRID}", BASE.replace("duty = 0.5", "duty = 1.5")));
     let message = fails(&folder, &["check", "muscle.toml"], 2);
     assert!(message.contains("duty") && message.contains("one mistake"), "{message}");
@@ -889,7 +889,7 @@ fn without_a_step_the_sweep_takes_the_least_that_the_rows_tried_need() {
         let exact = csv_lines(&folder.path("run.csv"));
         for name in ["length_m", "velocity_m_s", "absolute_pressure_pa", "air_mass_kg"] {
             assert!(swept.iter().zip(&alone).all(|(swept, alone)| swept[name] == alone[name]), "{name} of row {row}");
-            // And it is as accurate as was asked.
+            // And it has the requested accuracy.
             let values = || exact.iter().map(|line| number(line, name));
             let range = values().fold(f64::MIN, f64::max) - values().fold(f64::MAX, f64::min);
             let error = swept.iter().zip(values()).map(|(line, value)| (number(line, name) - value).abs());
@@ -950,7 +950,7 @@ fn rows_that_cannot_be_run_have_no_say_in_the_step() {
     let printed = run(&folder, &["sweep", "muscle.toml", "-o", "some"]);
     assert!(printed.contains("the least that 2 runs") && printed.contains("2 of 4 runs failed"), "{printed}");
     assert_eq!(step_of(&folder.path("some"))["enough_for_runs"], serde_json::json!([0, 2]));
-    // Where none can be run, or none reaches the accuracy, each has the reason that it has by itself.
+    // Where none can be run, or none reaches the accuracy, each has the reason of its individual run.
     folder.file("none.toml", &format!("{}{}", without_step(), threads.replace("4.3218", "2.5").replace("4.4", "2.6")));
     let reasons = |arguments: &[&str]| {
         fails(&folder, &[&["sweep"], arguments].concat(), 3);
@@ -986,7 +986,7 @@ reductions = ["length.final"]
     folder.file("gap.toml", &format!("{BASE}{gap}"));
     run(&folder, &["sweep", "gap.toml", "-p", "gap.svg"]);
     let svg = std::fs::read_to_string(folder.path("gap.svg")).expect("drawn");
-    // The lowest colour is that of a cell too, not of the bar alone; crosses have a line of their own.
+    // The lowest colour is that of a cell too, not of the bar alone; crosses have a separate line.
     let is_lowest = svg.matches("fill=\"#2f174e\"").count() >= 2;
     assert!(svg.contains("Crossed cells") && is_lowest && svg.contains("stroke-width=\"0.5\""), "{svg}");
     let more = r#""load.mass" = ["3 lb", "5 lb"]

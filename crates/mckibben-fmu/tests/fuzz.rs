@@ -68,7 +68,7 @@ fn random_calls_have_a_status() {
         let mut numbers: Vec<f64> = (0..200).map(|_| random.number()).collect();
         let (mut now, mut flags) = (0.0, [false; 5]);
         let [a, b, c, d, e] = &mut flags;
-        // SAFETY: what is given is there, or null, or no handle; lists are longer than what is asked.
+        // SAFETY: what is given is there, or null, or no handle; lists are longer than the request.
         let status = unsafe {
             match random.below(22) {
                 0 => fmi3EnterInitializationMode(handle, false, 0.0, 0.0, false, 0.0),

@@ -61,7 +61,7 @@ fn a_search_that_ends_at_a_kink_returns_the_best_values_without_intervals() {
         }
         assert!((found.cost - 0.5 * (1.0 + 0.04)).abs() < 1e-2, "{}", found.cost);
         assert!(found.estimates.iter().all(|of| of.standard_error.is_none() && of.confidence_interval.is_none()));
-        // Who wants a minimum or nothing gets nothing.
+        // A search that must end at a minimum returns nothing.
         let strict = fit(&model, &from(start), &Search::default());
         assert!(matches!(strict, Err(FitError::NoMinimum { .. })), "{strict:?}");
     }

@@ -225,7 +225,7 @@ fn too_few_points_and_a_start_outside_the_bounds_have_their_messages() {
 /// Value and slopes at a place, by the unknowns.
 type Plain = fn(f64, &[f64]) -> (f64, Vec<f64>);
 
-/// A straight line through points that ask for a number beyond every bound.
+/// A straight line through points whose best fit lies beyond every bound.
 fn beyond(scale: f64) -> Curve<Plain> {
     Curve {
         points: (0..8).map(|x| [f64::from(x), scale]).collect(),

@@ -1,5 +1,5 @@
 //! Plants of many actuators: parameters put in come back out of noisy records, derivatives are those of differences, a joint
-//! gives the same as a plant and by itself, and what cannot be fitted says so.
+//! gives the same result as a plant and as a rig, and what cannot be fitted is refused.
 
 mod noise;
 
@@ -33,7 +33,7 @@ fn arm(shoulder: f64) -> Document {
     ))
 }
 
-/// Two unlike muscles that lift weights of their own from one bottle.
+/// Two unlike muscles on one bottle, each of which lifts a weight.
 fn bottle() -> Document {
     document(
         "[supply]\ngauge_pressure = \"4 bar\"\nreservoir_volume = \"200 cm^3\"\n[valve]\nkind = \"fill-hold-exhaust\"\nflow_area = \"0.15 mm^2\"\n\
@@ -249,7 +249,7 @@ fn an_arm_gives_back_its_parts() {
     }
 }
 
-/// A parameter at the top of the file is one of all muscles that have no other; each run may have one of its own.
+/// A parameter at the top of the file is one of all muscles that have no other; each run may have a separate one.
 #[test]
 fn what_is_shared_is_one_parameter() {
     let paths =

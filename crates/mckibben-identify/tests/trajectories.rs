@@ -129,7 +129,7 @@ fn noise_is_estimated_for_each_quantity_and_intervals_contain_the_truth() {
 fn what_scales_together_is_named() {
     let paths = ["load.mass", "actuator.turns", "actuator.friction.viscous", "valve.flow_area"];
     let mut truth = scenario(100.0);
-    // Whatever else has a size of its own is taken away: hose, taut braid.
+    // Other parts with a fixed scale are removed: hose, taut braid.
     truth.actuator.friction.coulomb_width = 0.0;
     truth.actuator.external_volume = 1e-12;
     let run = recorded(&truth, &paths, [0.0; 2], 0.4);
@@ -374,7 +374,7 @@ fn each_run_may_have_a_separate_parameter() {
     }
 }
 
-/// A forearm between two of the paper's muscles, each with a valve of its own, from a gauge pressure in the antagonist in psi.
+/// A forearm between two of the paper's muscles, each with a separate valve, from a gauge pressure in the antagonist in psi.
 fn joint(antagonist: f64) -> Scenario {
     let text = format!(
         "[actuator]\npreset = \"colbrunn-2001\"\n[supply]\ngauge_pressure = \"60 psi\"\n\

@@ -1,4 +1,4 @@
-//! Figures side by side under one title: the columns of a matrix of panels, each over an axis of its own.
+//! Figures side by side under one title: the columns of a matrix of panels, each over a separate axis.
 
 use super::layout::{self, CAPTION_SIZE, RIM, TITLE_SIZE, paragraph};
 use super::scene::{Area, Ink, Item, Outline, Scene, Step};

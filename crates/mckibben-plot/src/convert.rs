@@ -10,7 +10,7 @@ pub struct Conversion {
     pub unit: String,
     /// How many of it one of the axis's unit is.
     pub factor: f64,
-    /// What is taken off, of a scale with a zero of its own.
+    /// What is taken off, of a scale with an offset zero.
     pub zero: f64,
 }
 

@@ -74,7 +74,7 @@ pub struct Unit {
     symbol: String,
     /// Its size in SI.
     size: f64,
-    /// What is taken off the number in this unit, of a scale with a zero of its own.
+    /// What is taken off the number in this unit, of a scale with an offset zero.
     zero: f64,
     /// Whether it takes the prefix that puts a number between 1 and 1000.
     prefixes: bool,
@@ -162,7 +162,7 @@ impl Unit {
         let small = small.map(|small| Self::of(small).map(Box::new)).transpose()?;
         let (symbol, prefixes) = symbol.strip_prefix('~').map_or((symbol, false), |symbol| (symbol, true));
         let at = |number: &str| quantity::parse(&format!("{number} {symbol}")).map_err(|error| error.to_string());
-        // Of a scale with a zero of its own, two points give size and zero.
+        // Of a scale with an offset zero, two points give size and zero.
         let (none, one) = (at("0")?.value, at("1")?.value);
         let size = one - none;
         Ok(Self { symbol: symbol.to_owned(), size, zero: none / size, prefixes, small })
@@ -229,10 +229,10 @@ impl Units {
     /// A value with its unit: four significant digits, and zero for what is no more than rounding.
     pub fn quantity(&self, value: f64, si: &str) -> String {
         let value = if value.abs() < rounding(si) { 0.0 } else { value };
-        // Nobody counts in kiloseconds.
+        // Kiloseconds are not in use.
         let shown = self.shown(si, if si == "s" { value.abs().min(1.0) } else { value.abs() });
         let number = shown.number(value);
-        // Kelvins and degrees of temperature are told to a tenth.
+        // Kelvins and degrees of temperature are printed to a tenth.
         shown.with(&if si == "K" { format!("{number:.1}") } else { digits(number) })
     }
 
@@ -251,7 +251,7 @@ impl Units {
         if symbol.is_empty() || !(is_si || all) {
             return None;
         }
-        // A scale with a zero of its own is no factor, and is refused here.
+        // A scale with an offset zero is no factor, and is refused here.
         let (dimension, factor) = quantity::parse_unit(&symbol).ok()?;
         let of = |((_, si, _), _): &&(Row, Unit)| quantity::parse_unit(si).is_ok_and(|(its, _)| its == dimension);
         // Torque and energy have one dimension; a torque has the unit of a force in its own.

@@ -46,7 +46,7 @@ fn output(host: &mut HostPlant, name: &str) -> f64 {
 /// A load that a host integrates comes to where the scenario's own load does, to first order in the step.
 #[test]
 fn a_mass_of_the_host_moves_as_that_of_the_scenario() {
-    // Dry friction at rest is set-valued: who owns the load has to hold it, so it would blur the order.
+    // Dry friction at rest is set-valued: the owner of the load has to hold it, so it would blur the order.
     let text = MUSCLE.replace("[load]", "[actuator.friction]\ncoulomb_width = \"0 in\"\n[load]");
     let (requests, duration) = (HostOptions { command_mode: Some("request"), ..HostOptions::default() }, 0.05);
     let fine = HostOptions { motion: Motion::Scenario, max_step: Some(1e-6), ..requests };

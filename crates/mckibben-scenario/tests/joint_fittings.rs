@@ -230,7 +230,7 @@ fn all_of_them_run_at_fixed_steps() {
 #[test]
 fn models_are_refused() {
     let error_of = |text: &str| parse(text).joint_experiment().expect_err("a mistake").to_string();
-    // The laws by the model know no tendon; one that tracks the angle asks for none.
+    // The laws by the model have no tendon; one that tracks the angle needs none.
     let tendons = cases().into_iter().find(|case| case.name == "tendons").expect("a case");
     let controlled = |law: &str| {
         let file =

@@ -415,7 +415,7 @@ fn the_least_length_follows_the_thread_unless_given() {
     assert_eq!((least(&free), least(&given)), (0.12 / 3_f64.sqrt(), 0.06));
 }
 
-/// Words change which keys there are; each combination is read from the file, wherever the rows ask for it.
+/// Words change which keys there are; each combination is read from the file, whatever the order of the rows.
 #[test]
 fn words_are_read_with_their_numbers() {
     let sweep = sweep(
@@ -437,7 +437,7 @@ fn words_are_read_with_their_numbers() {
     }
 }
 
-/// A key that only the sweep gives is not missing, and a value in a tail is the error of its own row.
+/// A key that only the sweep gives is not missing, and a value in a tail is an error of its row only.
 #[test]
 fn a_row_out_of_range_says_so_and_others_go_on() {
     let text = "[sweep]\ndesign = \"random\"\nrows = 64\n[sweep.vary]\n\

@@ -176,7 +176,7 @@ fn a_five_way_valve_drives_both_actuators_of_a_joint() {
         let (a, b) = (of_a.ports(&a.solenoid), of_b.ports(&b.solenoid));
         assert_eq!((a.supply, a.exhaust), (b.exhaust, b.supply), "at {time}");
     }
-    // Its flow path may be throttled on one side; a command of its own is a contradiction.
+    // Its flow path may be throttled on one side; a separate command is a contradiction.
     let with =
         |extra: &str| Document::parse(&format!("{JOINT}{extra}"), "joint.toml").expect("TOML").joint_experiment();
     assert!(with("[antagonist.valve]\nkv = \"0.02 m^3/h\"\n").is_ok());

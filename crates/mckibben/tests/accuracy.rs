@@ -1,4 +1,4 @@
-//! The measured error of the fixed-step engine, and the step that an accuracy asked for needs.
+//! The measured error of the fixed-step engine, and the step that a requested accuracy needs.
 
 use crate::common::steps::RigSteps;
 use crate::common::{PSI, Paper};

@@ -148,7 +148,7 @@ fn an_actuator_does_the_work_that_it_loses_by_shortening() {
     }
 }
 
-/// With sealed isentropic air, which is a spring of its own, and nothing that rubs.
+/// With sealed isentropic air, which is another spring, and without friction.
 #[test]
 fn energy_of_leg_and_sealed_air_stays_and_steps_keep_their_order() {
     let leg = chain([joint(0.0, 0.0); 2], 0.0, None);

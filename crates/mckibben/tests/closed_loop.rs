@@ -135,7 +135,7 @@ fn a_relay_rests_within_its_dead_band() {
     let last = decisions.last().expect("a decision");
     assert_eq!(last.drive, Drive::Steady(Request::Hold));
     assert_within(last.seen.pressure.0, 45.0 * PSI, band);
-    // At rest nothing is asked any more: with the valve shut the air stays.
+    // At rest nothing is requested any more: with the valve shut the air stays.
     let early = controlled.at(2.5);
     assert_close(controlled.at(3.0).air_mass, early.air_mass, 1e-13);
 }

@@ -207,7 +207,7 @@ fn set_points_that_a_quantity_cannot_have_are_refused() {
 
 // Modulation
 
-/// What is asked over time by commands at their instants, up to a time.
+/// The requests over time of commands at their instants, up to a time.
 fn requested(commands: &[(f64, Drive)], frequency: f64, until: f64) -> Vec<(f64, Request)> {
     let (mut modulator, mut changes) = (Modulator::idle(), Vec::new());
     let mut append = |time: f64, request: Option<Request>| {
@@ -274,7 +274,7 @@ fn a_new_duty_waits_for_the_next_period_and_a_steady_request_does_not() {
         (2.1, Request::Hold),
     ];
     assert_eq!(requested(&commands, 1.0, 9.0), expected);
-    // From a steady request: what is asked stays until the period begins.
+    // From a steady request: the request stays until the period begins.
     let commands = [(0.0, Drive::Steady(Request::Hold)), (0.3, fill(0.5)), (1.2, fill(0.1))];
     let expected = [
         (0.0, Request::Hold),
@@ -447,7 +447,7 @@ fn feed_forward_requests_the_pressure_of_the_model() {
             assert_eq!(law.decide(&seen, &mut law.begin()), Drive::Steady(request));
         }
     }
-    // Slack: no pressure pulls, the highest is asked for.
+    // Slack: no pressure pulls, the highest is requested.
     let law = FeedForward { aim: aim(Place::Measured), regulator: relay(Quantity::Pressure, 1e3, 0.0) };
     let slack = Measurement { length: 0.06, ..seen(0.0) };
     assert_eq!(law.aim(&slack), Some((Quantity::Pressure, 100.0 * PSI)));

@@ -1,4 +1,4 @@
-//! Modules that no user sees, with the tests inside them. They are compiled here by themselves: a test build of the whole core
+//! Modules that no user sees, with the tests inside them. They are compiled here separately: a test build of the whole core
 //! would take minutes for them.
 
 #[allow(dead_code, unreachable_pub, reason = "what only the engines use")]

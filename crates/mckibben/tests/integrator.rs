@@ -154,7 +154,7 @@ fn a_stiff_decay_at_a_hundred_thousand_takes_few_steps() {
         let (at_ends, _, counts) = errors(Problem::Stiff, 10.0, tolerance);
         let steps = counts.explicit_steps + counts.implicit_steps;
         // An explicit method would need a million evaluations for its stability alone.
-        // At 1e-10 the error of an explicit step is down to rounding, so that accuracy never asks for a much longer one.
+        // At 1e-10 the error of an explicit step is down to rounding, so that accuracy never allows a much longer one.
         assert!(counts.implicit_steps > 0 && steps < 2000, "{tolerance:e}: {counts:?}");
         assert!(counts.evaluations < 40_000, "{tolerance:e}: {counts:?}");
         assert!(at_ends < 100.0 * tolerance, "{tolerance:e}: {at_ends:e}");

@@ -106,7 +106,7 @@ fn seats(events: &[JointEvent]) -> Vec<(f64, Option<usize>)> {
     seats.map(|event| (event.time, event.kind.actuator)).collect()
 }
 
-/// Asks what a table asks.
+/// Requests what a table requests.
 #[derive(Clone, Debug)]
 struct Replay(Vec<(f64, Request)>);
 
@@ -174,7 +174,7 @@ fn samples_are_exact_instants_and_show_the_trajectory() {
         assert_eq!(decision.drive[1], decision.drive[0].mirrored());
         assert_eq!(decision.aim, [Some((Quantity::Angle, 0.3)), None]);
     }
-    // Nothing is asked before the second sample: the first seat moves an opening delay later.
+    // Nothing is requested before the second sample: the first poppet moves an opening delay later.
     let first = seats(trajectory.events())[0].0;
     assert_within(first, 1.0 / 70.0 + 1e-3, 1e-15);
     // The angle comes from where it was to where it is wanted.
@@ -228,7 +228,7 @@ fn fixed_steps_come_to_the_same_run() {
     }
 }
 
-/// Seats that take their time close the loop by both engines, to the same run and to that of what was asked.
+/// Slow poppets close the loop by both engines, to the same run and to that of the requested commands.
 #[test]
 fn slow_seats_are_controlled_by_both_engines() {
     let papers = [paper(), paper()];

@@ -43,7 +43,7 @@ fn falling() -> Hysteresis {
     Hysteresis::LuGre(LuGre::new(1e-4, 5e-5).and_then(|law| law.with_velocity(1.5, 5e-3, 2e-3)).expect("a law"))
 }
 
-/// Both actuators on the same kind of valve, the second a little later and asked for less.
+/// Both actuators on the same kind of valve, the second a little later and with a lower command.
 fn pair(solenoid: Solenoid, command: Command, hysteresis: Option<Hysteresis>) -> Pair {
     let paper = Paper::driven(command).gauge(2e5).friction(3.5, 0.0).with(|rig| rig.hysteresis = hysteresis);
     let other = match &paper.command {
@@ -135,13 +135,13 @@ fn a_regulated_pressure_follows_its_closed_form() {
     let pair = pair(Solenoid::regulating(regulator()), points, None).with(|pair| pair.papers[0].gauge = 0.0);
     let run = pair.run(0.3, TIGHT);
     let closed_form = Regulated { time_constant: 0.02, dead_time: 5e-3, rate_limit: 2e6 };
-    let courses = closed_form.courses(ATMOSPHERE, &times, &gauges.map(|gauge| gauge + ATMOSPHERE));
-    for (step, series) in courses.into_iter().enumerate() {
+    let segments = closed_form.segments(ATMOSPHERE, &times, &gauges.map(|gauge| gauge + ATMOSPHERE));
+    for (step, segment) in segments.into_iter().enumerate() {
         let until = times.get(step + 1).map_or(0.3, |time| time + 5e-3);
         for n in 0..=50 {
-            let time = series.time + (until - series.time) * f64::from(n) / 50.0;
+            let time = segment.time + (until - segment.time) * f64::from(n) / 50.0;
             let supply = run.at(time).actuators[0].supply_pressure.expect("it is regulated").0;
-            assert_close(supply, closed_form.pressure(&series, time), 1e-8);
+            assert_close(supply, closed_form.pressure(&segment, time), 1e-8);
         }
     }
     let count = |kind| run.events().iter().filter(|event| event.kind.kind == kind).count();

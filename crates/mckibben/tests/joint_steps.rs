@@ -234,7 +234,7 @@ fn with_a_slack_antagonist_its_steps_are_those_of_the_hanging_mass() {
     }
 }
 
-/// What is set on the way is what a table of the same requests would have asked, bit for bit; steps that are set aside and
+/// What is set on the way is the command of a table of the same requests, bit for bit; steps that are set aside and
 /// taken up again go on to the same bits.
 #[test]
 fn what_is_set_is_the_tabled_command_and_steps_are_values() {

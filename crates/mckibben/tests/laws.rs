@@ -25,7 +25,7 @@ fn places() -> impl Iterator<Item = (f64, f64)> {
     (0..60).map(|n| (common::between(n, 0, 2.4, 3.84) * INCH, common::between(n, 1, -2.0, 95.0) * PSI))
 }
 
-/// A pressure of which a law may be asked.
+/// A pressure at which a law may be evaluated.
 fn at(gauge: f64) -> GaugePressure<f64> {
     GaugePressure(gauge)
 }

@@ -1,4 +1,4 @@
-//! A hose by itself: volumes, wave speed and attenuation against the closed form of the line.
+//! A single hose: volumes, wave speed and attenuation against the closed form of the line.
 
 use crate::common;
 use common::{ATMOSPHERE, Paper, ROOM, assert_close};

@@ -220,7 +220,7 @@ fn without_air_masses_it_moves_as_with_them() {
     let whole = follow(&model.system, &[1e-3, 0.02, 0.0, 0.0, 0.0, 0.0], 0.2);
     let few = follow(&minimal, &[1e-3, 0.02, 0.0, 0.0], 0.2);
     // The air masses at the start are those of pressure and angle in the small model, in the whole one unchanged: the paper's
-    // process does not ask for them, so the motion is the same.
+    // process does not depend on them, so the motion is the same.
     for (n, m) in [(0, 0), (1, 1), (2, 2), (4, 3)] {
         assert_within(whole[n], few[m], 1e-9 * whole[n].abs().max(1e-6));
     }

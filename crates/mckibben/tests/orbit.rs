@@ -61,7 +61,7 @@ fn an_undamped_swing_has_an_orbit_that_only_guesses_reach() {
     assert!(settled[2] - settled[1] < 0.2 * (swing[2] - swing[1]), "{settled:?} after {swing:?}");
 }
 
-/// Where friction damps, the plant goes to its orbit by itself: guesses lead to the one that plain periods reach.
+/// Where friction damps, the plant goes to its orbit unforced: guesses lead to the one that plain periods reach.
 #[test]
 fn guesses_and_plain_periods_reach_one_orbit() {
     let paper = Paper::pwm(25.0, 0.4).friction(40.0, 0.0);

@@ -1,4 +1,4 @@
-//! The laws and the tables, each by itself.
+//! The laws and the tables, each separately.
 //!
 //! One program: what the tests share, the engines above all, is compiled once. `cargo test --test parts NAME::` runs one file.
 

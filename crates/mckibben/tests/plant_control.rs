@@ -54,7 +54,7 @@ fn difference(ours: &[f64], theirs: &[f64]) -> f64 {
     ours.iter().zip(theirs).fold(0.0, |most, (one, other)| most.max((one - other).abs() / scale))
 }
 
-/// Runs a controller on the plant of a rig and at fixed steps, and what it asked for without it.
+/// Runs a controller on the plant of a rig and at fixed steps, and its requests without it.
 fn compare<C>(name: &str, paper: &Paper, controller: C, sampling: Sampling, sensors: Sensors)
 where
     C: Controller<Memory: Send + Sync> + Clone + Debug + Send + Sync + 'static,
@@ -84,7 +84,7 @@ where
     assert_close(stepped[place], end[place], 2e-3);
     let times = (0..=200).map(|index| duration * f64::from(index) / 200.0);
     let states: Vec<f64> = times.clone().map(|time| new.at(time).0[here.pressure]).collect();
-    // What was asked for is the whole command: without the controller the run is the same.
+    // The requests are the whole command: without the controller the run is the same.
     let start = Plant::start_of_rig(&rig, &start);
     let repeated = simulate_plant(new.plant(), &start, duration, TOLERANCE).expect(name);
     let again: Vec<f64> = times.map(|time| repeated.at(time).0[here.pressure]).collect();
@@ -202,7 +202,7 @@ fn each_controller_of_a_joint_runs_as_at_fixed_steps() {
     compare_joint("air mass", &joint(0.0), mass, sampling(100.0, 0));
 }
 
-/// Papers' actuators, each on a mass of its own behind a valve of its own, on one bottle.
+/// Actuators of the paper on one bottle, each with a mass and a valve.
 fn on_one_bottle(papers: &[Paper], volume: f64) -> (Plant, PlantStart, usize) {
     let air = papers[0].air();
     let mut network = Network::new(&air);
@@ -271,7 +271,7 @@ fn two_unlike_loops_share_a_bottle() {
             events.filter(|event| event.kind.part == Part::Driver(driver) && event.kind.kind == EventKind::Sample);
         assert_eq!(sampled.count(), expected.len());
     }
-    // What the drivers asked for, as schedules, gives the same run.
+    // The requests of the drivers, as schedules, give the same run.
     let repeated = simulate_plant(run.plant(), &start, duration, TOLERANCE).expect("a run");
     let places = plant.indices();
     let tank = places.nodes[bottle].expect("a state");

@@ -1,4 +1,4 @@
-//! Dead time of a valve: what is asked acts so much later, whatever its length, and is never shortened.
+//! Dead time of a valve: a request acts so much later, whatever its length, and is never shortened.
 
 use crate::common::steps::RigSteps;
 use crate::common::{INCH, PSI, Paper, ROOM, assert_close, assert_within};

@@ -256,7 +256,7 @@ fn an_actuator_does_not_pull_up_to_its_rest_distance() {
     assert!(plant.rest_distance(0, GaugePressure(-2e5)).is_err(), "no air has less than no pressure");
 }
 
-/// What moved by itself, moved by a host to where it went: the air is that of the run.
+/// A host repeats the motion of a free run: the air is that of the run.
 #[test]
 fn any_plant_becomes_one_whose_ends_a_host_moves() {
     let (plant, start, bottle) = on_a_bottle();

@@ -8,7 +8,7 @@ use mckibben::simulation::Method;
 use proptest::prelude::*;
 use proptest::test_runner::TestCaseError;
 
-/// Plants that are tried. `MCKIBBEN_CASES` and `MCKIBBEN_SEED` ask for more and for others: 5000 take some minutes.
+/// Plants that are tried. `MCKIBBEN_CASES` and `MCKIBBEN_SEED` set their number and seed: 5000 take some minutes.
 const CASES: u32 = 300;
 /// Steps and events that a run may take beyond those of its pulses.
 const MOST_STEPS: u64 = 200_000;

@@ -1,7 +1,7 @@
 //! Plants that no rig and no joint is, against the independent program of `validation/`, state by state.
 //!
 //! The numbers of each plant stand here and in `validation/plants.py`, which integrates it in Python and SciPy without sight
-//! of this code, and decides who sticks by brute force. Its runs are computed beforehand into the folder that the
+//! of this code, and determines by brute force which actuators stick. Its runs are computed beforehand into the folder that the
 //! environment variable `MCKIBBEN_REFERENCE` names.
 
 use crate::common::{GRAVITY, INCH, LB, PSI, Paper, ROOM};

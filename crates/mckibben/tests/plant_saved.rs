@@ -52,7 +52,7 @@ fn valve(kind: ValveKind, dead_time: f64) -> Rig {
     driven_by(solenoid.with_dead_time(dead_time).expect("a dead time"), Command::Constant(Request::Fill))
 }
 
-/// What a valve may be asked for.
+/// Requests that a valve accepts.
 #[derive(Clone, Copy)]
 enum Takes {
     Requests,

@@ -158,7 +158,7 @@ fn a_pulse_passes_as_much_as_one_half_a_ramp_late() {
 #[test]
 fn fixed_steps_come_to_the_event_located_run_at_their_order() {
     for process in [Process::Isentropic, Process::Isothermal] {
-        // Both flow paths stay choked, so that the flow has no corner of its own.
+        // Both flow paths stay choked, so that the flow adds no kink.
         let paper = slow(Paper::pwm(20.0, 0.6)).isometric(3.5 * INCH).process(process).gauge(2e5);
         // All instants lie on the grid of the longest step, so that half the step halves every part.
         let paper = paper.with(|rig| rig.delays = (5e-3, 5e-3));

@@ -256,7 +256,7 @@ fn fixed_steps_come_to_the_closed_form_at_their_order() {
     }
 }
 
-/// In the bounds of one piece of the flow law, so that the flow has no corner of its own: from a vacuum to below the
+/// In the bounds of one piece of the flow law, so that the flow adds no kink: from a vacuum to below the
 /// regulated pressure, along the straight line and the exponential.
 #[test]
 fn fixed_steps_come_to_the_event_located_run_at_their_order() {

@@ -151,7 +151,7 @@ fn thrown_from_stop_to_stop_it_is_a_three_way_valve() {
 
 #[test]
 fn fixed_steps_come_to_the_event_located_run_at_their_order() {
-    // Both flow paths stay choked, so that the flow has no corner of its own.
+    // Both flow paths stay choked, so that the flow adds no kink.
     let paper = held();
     let rig = rig(&paper, spool(12.0, 0.5, 0.0), positions(&[0.0], &[0.4]));
     let exact = simulate(&rig, start(&rig, &paper), 0.04, 1e-12).expect("a run");

@@ -70,7 +70,7 @@ fn a_mass_at_rest_on_the_taut_braid_stays_there() {
 #[test]
 fn a_mass_dropped_on_the_taut_braid_hits_it_with_the_speed_of_its_fall() {
     // Slack below L_min, then no pressure, so no force, up to L_max: a free fall of known height. A vented actuator has no
-    // gas spring of its own: an external volume of 1 m³ keeps its pressure.
+    // further gas spring: an external volume of 1 m³ keeps its pressure.
     let paper = Paper::sealed().friction(0.0, 0.0).with(|rig| rig.external_volume = 1.0);
     for start in [0.05, 0.09] {
         let run = paper.clone().from(start, 0.0).run(3.0, 1e-10);

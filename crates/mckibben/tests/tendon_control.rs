@@ -1,4 +1,4 @@
-//! A load on an elastic tendon with a controller in the loop, by both engines: what is seen, the run of what was asked, the
+//! A load on an elastic tendon with a controller in the loop, by both engines: what is seen, the run of the requests, the
 //! order at which fixed steps come to events located, and a tension that is kept, in closed form.
 
 use crate::common::tendon::{REST, STIFFNESS, on_tendon};

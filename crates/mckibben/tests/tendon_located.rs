@@ -58,7 +58,7 @@ fn it_comes_to_an_independent_integration() {
     }
 }
 
-/// Mass and tendon swing by themselves while dry friction holds the muscle, and it breaks away at the tension that it holds.
+/// Only mass and tendon swing while dry friction holds the muscle, and it breaks away at the tension that it holds.
 #[test]
 fn a_held_muscle_lets_the_tendon_swing_until_it_breaks_away() {
     let paper = Paper::sealed().friction(5.0, 2e-3).gauge(3e5);

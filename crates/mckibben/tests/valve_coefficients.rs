@@ -64,7 +64,7 @@ fn a_law_over_dual_numbers_has_the_derivatives_of_iso_6358() {
     assert_close(flow.slope[1], c * choked * u / psi * (1.0 - r) / (1.0 - b).powi(2), 1e-12);
 }
 
-/// The Python package `fluids`, which follows the standard on its own, asks for Kv 58.6107 m³/h at these conditions (carbon
+/// The Python package `fluids`, which implements the standard independently, gives Kv 58.6107 m³/h at these conditions (carbon
 /// dioxide, x_T = 0.7 as it assumes): <https://www.boardflare.com/tools/engineering/fluids/control-valve/size_cv_gas>.
 #[test]
 fn an_independent_sizing_program_needs_the_same_valve() {

@@ -91,7 +91,7 @@ fn the_force_relaxes_after_a_ramp_as_its_closed_form_says() {
     }
 }
 
-/// What the history has left in the springs goes by itself, each with its time, at a length that stays; and the derivative by a
+/// What the history has left in the springs relaxes, each with its time, at a length that stays; and the derivative by a
 /// stretch at the start is that of the closed form.
 #[test]
 fn springs_that_are_stretched_at_the_start_relax() {

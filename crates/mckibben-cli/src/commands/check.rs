@@ -72,7 +72,7 @@ pub fn run(arguments: &CheckArguments) -> Result<(), Failure> {
 fn check(path: &Path) -> Result<(String, Vec<Warning>), Vec<Diagnostic>> {
     let document = files::document(path).map_err(listed)?;
     let summary = words(&document)?;
-    // What a sweep completes describes nothing by itself.
+    // A scenario that the sweep completes describes nothing without it.
     let found = Ready::of(&document).map(|ready| ready.warnings()).unwrap_or_default();
     Ok((summary, found))
 }

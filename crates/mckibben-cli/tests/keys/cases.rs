@@ -755,7 +755,7 @@ const GROUPS: &[Group] = &[
 
 pub(crate) type Words = (&'static str, &'static [&'static str], Settings, Settings);
 
-/// Words that ask for other keys than the word before: both scenarios whole.
+/// Words that need other keys than the word before: both scenarios whole.
 pub(crate) const WORDS: &[Words] = &[
     (
         "actuator.force.law",

@@ -132,7 +132,7 @@ fn every_key_of_the_antagonist_changes_the_run() {
         let load = if case.key.starts_with("pressure.") { GIVEN_JOINT_LOAD } else { JOINT_LOAD };
         let other_load = |piece: &str| piece.contains("[load]") && !piece.contains("antagonistic-joint");
         let pieces = case.pieces.iter().map(|piece| if other_load(piece) { load } else { piece }).collect();
-        // What is said of the second in several keys is said whole; a word with keys of its own is said of the second alone.
+        // Keys of the second that belong together are given together; a word with separate keys is given for the second only.
         let alone = WORDS.iter().any(|(key, ..)| *key == case.key);
         let first = if alone { Vec::new() } else { kept(&case.before) };
         let extra = OF_JOINTS.iter().filter(|(keys, _)| keys.contains(&case.key)).flat_map(|(_, extra)| set(extra));

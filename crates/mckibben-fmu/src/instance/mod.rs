@@ -226,7 +226,7 @@ impl Instance {
         let range = parameter::RELATIVE_TOLERANCE.range;
         match tolerance {
             Some(given) if given.is_finite() && given > 0.0 => {
-                // A host may ask for less than the plant can give; its borders are then as narrow as they can be.
+                // A host may request less than the plant can give; its borders are then as narrow as they can be.
                 self.tolerance = given.clamp(range.low.max(1e-12), range.high.min(1e-3));
             }
             Some(given) => {

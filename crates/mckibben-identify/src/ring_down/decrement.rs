@@ -61,7 +61,7 @@ impl Turns {
     pub fn two_cycles(&self, mass: f64, form: Form) -> Result<Decrement, RingDownError> {
         let (values, deviations) = self.measured();
         let measured =
-            Measured { values: &values, deviations: &deviations, degrees_of_freedom: self.degrees_of_freedom };
+            Measured { values: &values, standard_errors: &deviations, degrees_of_freedom: self.degrees_of_freedom };
         let [decay, coulomb_width, viscous, damping_ratio] = measured.propagate(LABELS, |numbers| {
             let (lengths, period) = (&numbers[..self.turns.len()], numbers[self.turns.len()]);
             let swings = half_swings(lengths);
@@ -83,7 +83,7 @@ impl Turns {
         let at = |place: usize| {
             let measured = Measured {
                 values: &values[place..place + 4],
-                deviations: &deviations[place..place + 4],
+                standard_errors: &deviations[place..place + 4],
                 degrees_of_freedom: self.degrees_of_freedom,
             };
             let [ratio] = measured.propagate([("equivalent_ratio", "")], |lengths| {
@@ -122,7 +122,7 @@ impl Turns {
         let [decay, width] = [0, 1].map(|place| fit.estimates[place].clone());
         let measured = Measured {
             values: &[decay.value, width.value, self.period],
-            deviations: &[decay.standard_error.unwrap_or(f64::INFINITY), 0.0, self.period_deviation],
+            standard_errors: &[decay.standard_error.unwrap_or(f64::INFINITY), 0.0, self.period_deviation],
             degrees_of_freedom: fit.degrees_of_freedom,
         };
         let [viscous, damping_ratio] = measured.propagate([LABELS[2], LABELS[3]], |numbers| {

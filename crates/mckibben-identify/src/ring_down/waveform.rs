@@ -181,7 +181,7 @@ impl Waveform {
         let viscous = fit.estimates[1].clone();
         let measured = Measured {
             values: &[viscous.value],
-            deviations: &[viscous.standard_error.unwrap_or(f64::INFINITY)],
+            standard_errors: &[viscous.standard_error.unwrap_or(f64::INFINITY)],
             degrees_of_freedom: fit.degrees_of_freedom,
         };
         let critical = 2.0 * (restoring.tangent * mass).sqrt();

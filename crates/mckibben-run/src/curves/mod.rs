@@ -289,7 +289,7 @@ impl Curves {
                 let y = lengths.iter().map(|length| unit.number(y(*length))).collect();
                 Series::line(label, x.clone(), y).colour(colour).dash(dash)
             };
-            // The pressures are told in the panel above; one curve of each kind tells the kind.
+            // The pressures are labelled in the panel above; one curve of each kind labels the kind.
             let once = |words| if place + 1 == self.pressures.len() { words } else { "" };
             let label = units().given(pressure.gauge, "Pa");
             let of_force = |length: f64| self.actuator().static_force(length, absolute.0);

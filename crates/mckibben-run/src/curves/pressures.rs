@@ -78,7 +78,7 @@ impl Pressures {
         let step = step.unwrap_or(ten);
         let count = (most / step * (1.0 + 1e-9)).floor();
         let mut numbers: Vec<f64> = (1..=count as u32).map(|k| step * f64::from(k)).collect();
-        // The greatest has a curve of its own unless the last is nearly there.
+        // The greatest has a separate curve unless the last is nearly there.
         if most - step * count > 0.1 * step {
             numbers.push(most);
         }

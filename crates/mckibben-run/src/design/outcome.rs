@@ -81,7 +81,7 @@ impl Outcome {
         self.interrupted
     }
 
-    /// What was asked.
+    /// The request.
     pub fn request(&self) -> &Request {
         &self.request
     }

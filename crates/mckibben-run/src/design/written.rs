@@ -60,7 +60,7 @@ fn put(table: &mut dyn TableLike, sections: &[&str], name: &str, mut value: Valu
     };
     if table.get(section).is_none() {
         let mut inner = Table::new();
-        // A section that holds sections alone needs no head of its own.
+        // A section that holds only sections needs no head.
         inner.set_implicit(!rest.is_empty());
         table.insert(section, Item::Table(inner));
     }

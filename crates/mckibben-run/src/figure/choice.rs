@@ -2,7 +2,7 @@
 //!
 //! | panel | shown unless columns are named |
 //! |---|---|
-//! | angle, position, length, load distance | of joints, loads and actuators with a load of their own |
+//! | angle, position, length, load distance | of joints, loads and actuators with a separate load |
 //! | stiffness, air mass, torque and others | where a controller has a set point of them |
 //! | gauge pressure | of every actuator, of its regulator, and set points |
 //! | tension | of every actuator |

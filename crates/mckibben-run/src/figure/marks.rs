@@ -12,7 +12,7 @@ use mckibben_plot::{Figure, Marks};
 const MOST: usize = 12;
 /// Marks of all kinds in a run above which those of formulas are counted.
 const MOST_OF_ALL: usize = 20;
-/// Kinds that say which formula of the air or of the force holds, and nothing that one sees or hears.
+/// Kinds that say which formula of the air or of the force holds, and nothing that one observes on a rig.
 const FORMULAS: [EventKind; 4] = [EventKind::Flow, EventKind::Regime, EventKind::Effectiveness, EventKind::ForceMap];
 
 /// The kinds that are marked, and how many there are of those that are not.

@@ -100,7 +100,7 @@ impl Of {
             "set_point" => (SET_POINT, controlled),
             "measured" => (MEASURED, controlled),
             name => {
-                // `load_distance` is a quantity of its own, so the longest name decides.
+                // `load_distance` is a separate quantity, so the longest name decides.
                 let fits =
                     KNOWN.iter().filter(|known| name == known.name || name.ends_with(&format!("_{}", known.name)));
                 let quantity = fits.map(|known| known.name).max_by_key(|known| known.len()).unwrap_or(name);

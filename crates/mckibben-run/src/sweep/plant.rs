@@ -32,9 +32,9 @@ struct Recorder<'a> {
     series: Series<PlantQuantity>,
     rows: Vec<Vec<Cell<'static>>>,
     fault: Option<String>,
-    /// The ledger, where the air that sources gave is asked for.
+    /// The ledger, where the air from sources is recorded.
     keeper: Option<PlantLedgerKeeper<'a>>,
-    /// What controllers decide, where it is asked for how far they missed.
+    /// What controllers decide, where their errors are recorded.
     follower: Option<Follower<'a>>,
 }
 

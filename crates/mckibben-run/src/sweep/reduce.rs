@@ -295,7 +295,7 @@ mod tests {
         };
         let used = [(Quantity::Air, Statistic::Used)];
         near(reduced(&used, (0.4, 0.04), |_| 0.09, pulse)[0], 200e-9, 1e-15);
-        // Air that comes in from the surroundings is not drawn from the supply.
+        // Air that comes in from the atmosphere is not drawn from the supply.
         let drawn = |t: f64| (1e-5 + 1e-6 * t, Ports { supply: false, exhaust: true });
         assert_eq!(reduced(&used, (0.4, 0.04), |_| 0.09, drawn), [Some(0.0)]);
     }

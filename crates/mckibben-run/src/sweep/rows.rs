@@ -139,7 +139,7 @@ pub struct Simulated {
     pub warned: Vec<(u64, Vec<Warning>)>,
 }
 
-/// Simulates the rows, with a step for all of them where they have none of their own.
+/// Simulates the rows, with a common step for those that give none.
 pub fn simulate_rows(sweep: &Sweep, choice: Option<&Choice>, rows: Range<u64>) -> Simulated {
     let record = sweep.record();
     let built: Vec<(u64, Result<Ready, String>)> = rows.map(|row| (row, build(sweep, row))).collect();
@@ -388,7 +388,7 @@ struct ViewRecorder<'r, S: Swept> {
     /// The cells of the last sample.
     cells: Vec<Cell<'static>>,
     fault: Option<String>,
-    /// What a controller was to reach, where that is asked for.
+    /// The set points of a controller, where they are recorded.
     goals: Option<Vec<Goal>>,
     /// Air in kg that came from supplies, where steps are exact enough to sum it.
     drawn: Option<f64>,
@@ -398,7 +398,7 @@ impl<'r, S: Swept> ViewRecorder<'r, S> {
     fn new(of: S, view: S::View, record: &'r Record, how: TimeStepping) -> Self {
         let reductions = match record {
             Record::Reductions(reductions) => Some(reductions.as_slice()),
-            // Those of plants have recorders of their own.
+            // Those of plants have separate recorders.
             Record::Samples(_) | Record::Trajectories | Record::PlantReductions(_) => None,
         };
         let records = |wanted: fn(Quantity) -> bool| reductions.into_iter().flatten().any(|of| wanted(of.quantity));

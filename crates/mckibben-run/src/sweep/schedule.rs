@@ -43,7 +43,7 @@ pub fn in_order<U: Send, T: Send>(
                 scope.spawn_fifo(move |_| {
                     if !cancelled.load(Ordering::Relaxed) {
                         let result = catch_unwind(AssertUnwindSafe(|| work(&unit)));
-                        // Nobody listens only when the work has been given up.
+                        // There is no receiver only when the work has been given up.
                         let _ = send.send((index, unit, result));
                     }
                 });

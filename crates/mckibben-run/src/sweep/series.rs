@@ -1,6 +1,6 @@
 //! Series of quantities as they come, of a run and of the orbit behind it, and their statistics: as [`super::reduce`] defines them.
 //!
-//! Nothing but extremes and integrals is kept; of a quantity whose settling time is asked for every sample.
+//! Nothing but extremes and integrals is kept; of a quantity whose settling time is recorded every sample.
 
 use mckibben_scenario::sweep::Statistic;
 
@@ -23,7 +23,7 @@ struct Track<Q> {
     integral: f64,
     /// Least, greatest and number of the samples in the ripple's window and in the one before.
     windows: [(f64, f64, u64); 2],
-    /// Every sample, where a settling time is asked for.
+    /// Every sample, where a settling time is recorded.
     series: Option<Vec<f64>>,
 }
 
@@ -61,7 +61,7 @@ impl Windows {
 #[derive(Clone, Debug)]
 struct Tracked<Q> {
     tracks: Vec<Track<Q>>,
-    /// The times of the samples, where a settling time is asked for.
+    /// The times of the samples, where a settling time is recorded.
     times: Option<Vec<f64>>,
     windows: Windows,
     /// The times of the first and the last sample.

@@ -4,10 +4,10 @@
 //! |---|---|
 //! | gives `run.step`, or varies it | that one |
 //! | gives `run.accuracy`, or neither | one for all rows: the least that the rows that are tried need |
-//! | varies `run.accuracy`, or no row that is tried can be run | what the row needs by itself, as by `mckibben simulate` |
+//! | varies `run.accuracy`, or no row that is tried can be run | what the row needs individually, as by `mckibben simulate` |
 //!
 //! Tried are up to [`TRIED`] rows, evenly spread over the numbers of the rows, the first and the last among them. What
-//! they need hangs on the sweep alone, so all its shards, and those who go on with it, take the same step. A row that
+//! they need hangs on the sweep alone, so all its shards, and a resumed sweep, take the same step. A row that
 //! cannot be run is passed over and has its reason in its own line; one that can, but reaches the accuracy with no step
 //! that is tried, is named in the summary.
 //!
@@ -38,7 +38,7 @@ pub struct Choice {
 }
 
 impl Choice {
-    /// Tries rows of a sweep on `jobs` threads. `None` when the rows have steps of their own.
+    /// Tries rows of a sweep on `jobs` threads. `None` when the rows give their steps.
     ///
     /// # Errors
     /// As [`schedule::in_order`].

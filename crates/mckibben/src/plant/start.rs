@@ -348,7 +348,7 @@ impl<R: Real> System<R> {
         }
     }
 
-    /// The extents of a mechanism's actuators in a state that may lie on a limit: then the velocity, or at rest the balance,
+    /// The length regimes of a mechanism's actuators in a state that may lie on a limit: then the velocity, or at rest the balance,
     /// decides.
     pub(crate) fn enter_length_regimes(
         &self,

@@ -5,7 +5,7 @@
 //! | piece of a tabulated effectiveness | 0, 1, … | the pressure passes a row |
 //! | pressed | yes, no | the gauge pressure passes zero |
 //! | piece of a measured force map | 0, 1, … each way | length or pressure passes a line of the grid |
-//! | extent | slack, free, taut, rebound | the length passes a limit; the taut braid's force passes zero |
+//! | length regime | slack, free, taut, rebound | the length passes a limit; the taut braid's force passes zero |
 //! | clamped | yes, no | the sum of forces passes zero |
 //!
 //! How the ends move, and so the sliding, is the mechanism's to say, and the flow zones are the network's. The pieces are in
@@ -88,7 +88,7 @@ impl<R: Real> Trace<R> {
     }
 }
 
-/// A length in m that ends an extent: the guard, the length, and whether the extent lasts above it.
+/// A length in m that ends a length regime: the guard, the length, and whether the regime lasts above it.
 pub(crate) type LengthGuard<R> = (Guard, R, bool);
 
 impl<S: Scalar> Member<S> {
@@ -232,7 +232,7 @@ impl<R: Real> Member<R> {
         self.actuator.friction().viscous_at(pressing.secant_stiffness()).value() + taut
     }
 
-    /// The extent at a length and velocity that lie so far (negative: less) from the shortest and the longest length; on a
+    /// The length regime at a length and velocity that lie so far (negative: less) from the shortest and the longest length; on a
     /// limit the velocity, or at rest the balance, decides: `pushed` says whether the ends are pushed together.
     pub(crate) fn length_regime_at(
         &self,
@@ -258,7 +258,7 @@ impl<R: Real> Member<R> {
         mode.clamped = moves && self.signed_force(ends, mode, remembered).value() < 0.0;
     }
 
-    /// The guards that end an extent: by length, and by the force of the taut braid.
+    /// The guards that end a length regime: by length, and by the force of the taut braid.
     pub fn length_regime_guards(&self, regime: LengthRegime) -> ([Option<LengthGuard<R>>; 2], Option<Guard>) {
         let limits = self.actuator.limits();
         let (shortest, longest) = (limits.min_length(), limits.max_length());

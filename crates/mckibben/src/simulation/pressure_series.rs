@@ -7,7 +7,7 @@
 //!
 //! So what a rig does, and the numbers of its load, force law and friction, follow from a pressure that was measured, whatever
 //! made it: nothing of valve, supply or hose need be known. What comes in is as warm as the air inside; the motion does not
-//! ask for it. The rows are exact instants, at which the rate jumps.
+//! depend on it. The rows are exact instants, at which the rate jumps.
 //!
 //! Behind a hose it is the pressure at the end that a valve would open into: what a sensor at the valve measures. The hose's
 //! first volume has that pressure, the air in the actuator follows by flows. A lumped hose passes it on its delay later.

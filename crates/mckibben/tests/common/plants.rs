@@ -209,7 +209,7 @@ pub(crate) fn on_a_bottle() -> (Plant, PlantStart, usize) {
     (plant, start, bottle)
 }
 
-/// What a host asks of the three valves in a step of 1 ms, if anything, and where it moves the ends.
+/// What a host commands the three valves in a step of 1 ms, if anything, and where it moves the ends.
 pub(crate) fn requested(count: i32) -> (Option<[RuntimeCommand; 3]>, [f64; 2]) {
     let phase = f64::from(count) * 0.05;
     let pulses = RuntimeCommand::Pulses { frequency: 25.0, duty: 0.4, pulse: Request::Fill, rest: Request::Exhaust };

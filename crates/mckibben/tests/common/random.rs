@@ -86,7 +86,7 @@ fn valve(paper: Paper) -> impl Strategy<Value = Paper> {
             paper.clone().with(|rig| {
                 (rig.kind, rig.command, rig.standard, rig.exhaust_temperature) = (kind, command, standard, outflow);
                 (rig.supply_gauge, rig.supply_temperature, rig.delays) = (gauge, kelvin, (open, close));
-                // One in four has a separate flow path to the atmosphere, stated by Kv, of a size of its own.
+                // One in four has a separate flow path to the atmosphere, stated by Kv, of another size.
                 if kelvin.fract() < 0.25 {
                     let kv = 1e-6 * 10.0_f64.powf(8.0 * kelvin.fract());
                     rig.exhaust = Some(FlowStandard::Kv { kv, pressure_drop_ratio: 0.4 + 1.5 * kelvin.fract() });

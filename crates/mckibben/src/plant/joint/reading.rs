@@ -50,7 +50,7 @@ pub struct JointEventKind {
 pub struct JointEvent<R = f64> {
     /// When, in s.
     pub time: R,
-    /// What happened, and to whom.
+    /// What happened, and to which part.
     pub kind: JointEventKind,
     /// The mode before.
     pub before: JointMode,
