@@ -17,7 +17,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from work import ROOT, Muscle, Work, rates, rates_of_arrays
 
-#: Sizes of the states, by which everybody's absolute tolerance is the relative one times a tenth: m, m/s, Pa, kg.
+#: Sizes of the states, by which the absolute tolerance of each solver is the relative one times a tenth: m, m/s, Pa, kg.
 SCALES = np.array([0.1, 0.1, 1e5, 1e-5])
 #: Times in s that are no further apart are one instant.
 SAME = 1e-9

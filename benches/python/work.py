@@ -1,4 +1,4 @@
-"""The work that everybody does, the truth that everybody is measured against, and the physics of the peers.
+"""The work of all solvers, the reference solution, and the physics of the peers.
 
 The numbers are read and the truth is computed by the independent model of `validation/`: SciPy, restarted at every
 event, at 1e-12. No part of the package has a hand in either.
@@ -63,7 +63,7 @@ class Work:
     muscle: Muscle
     mass: float
     start: np.ndarray
-    #: (from, until, whether the supply is open) of each span between two motions of the seat.
+    #: (from, until, whether the supply is open) of each span between two motions of the poppet.
     spans: list[tuple[float, float, bool]]
     samples: np.ndarray
     #: Length in m and pressure in Pa at the samples, of shape (2, samples).
@@ -109,7 +109,7 @@ def load() -> Work:
     integration = Integration(experiment, EXACT)
     plant, end = integration.plant, experiment.duration
     run = integration.simulate()
-    # One coil: its seat is shut at first and changes over at each edge.
+    # One coil: its poppet is shut at first and changes over at each edge.
     edges = [0.0, *(time for time, name in run.events if name == "valve edge" and 0 < time < end), end]
     spans = [(a, b, index % 2 == 1) for index, (a, b) in enumerate(zip(edges, edges[1:]))]
     return Work(

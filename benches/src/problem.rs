@@ -1,4 +1,4 @@
-//! The problem that everybody solves: one scenario as plain SI numbers, and the answer to compare with.
+//! The problem of all solvers: one scenario as plain SI numbers, and the answer to compare with.
 
 use mckibben::simulation::simulate;
 use mckibben_scenario::{
@@ -31,7 +31,7 @@ pub struct Problem {
     pub scenario: Scenario,
     /// The flow path that is open at first.
     pub initial_port: Port,
-    /// Instants in s at which the seat moves, and the flow path that is open from then on.
+    /// Instants in s at which the poppet moves, and the flow path that is open from then on.
     pub edges: Vec<(f64, Port)>,
     /// Length and pressure at each sample, from a run at [`REFERENCE_TOLERANCE`].
     reference: Vec<[f64; 2]>,
@@ -156,7 +156,7 @@ impl Problem {
     }
 }
 
-/// The first open flow path and the instants at which the seat of a three-way valve moves under PWM.
+/// The first open flow path and the instants at which the poppet of a three-way valve moves under PWM.
 fn edges(scenario: &Scenario) -> Result<(Port, Vec<(f64, Port)>), String> {
     let Some(valve) = &scenario.valve else { return Ok((Port::Closed, Vec::new())) };
     let Some(Command::Pwm { frequency, duty, pulse: CommandState::Fill, rest: CommandState::Exhaust }) =

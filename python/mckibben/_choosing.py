@@ -135,7 +135,7 @@ class Sizes(collections.abc.Sequence[SizedMuscle]):
         return dict(self._of.valves(self._counted(place)))
 
     def hoses(self, length: float | str, place: int = 0) -> dict[float, float | None]:
-        """Return what hoses between valve and muscle ask of the valve.
+        """Return what hoses between valve and muscle require of the valve.
 
         Parameters
         ----------

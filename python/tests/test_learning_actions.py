@@ -114,7 +114,7 @@ def test_where_control_is_faster_the_phase_says_whether_an_action_matters(name: 
     options = {"control_period": 0.01, "duration": 0.5}
     alone = gymnasium.make(f"mckibben/{name}-v0", **options)
     steps = 18
-    # Pulses that are over within a control period, 1 ms for the seat included: what they change, they change at once.
+    # Pulses that are over within a control period, 1 ms for the poppet included: what they change, they change at once.
     taken, another = action_sequences(alone.action_space, "duty", steps, (0.13, 0.22))
     valves = taken.shape[1]
     phase = slice(len(alone.unwrapped._episodes.task.seen), len(alone.unwrapped._episodes.task.seen) + 2)

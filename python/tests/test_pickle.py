@@ -15,7 +15,7 @@ STEP = 1e-3
 PULSES = 25.0
 
 #: What a state may hold besides air: a hose in one volume and in cells, a tank with its compressor and a regulator, each law
-#: of hysteresis, dry friction, seats under way.
+#: of hysteresis, dry friction, poppets under way.
 RIGS = {
     "plain": {},
     "hose": {"hose": {"length": "1 m", "diameter": "3 mm"}},

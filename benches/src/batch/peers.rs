@@ -8,7 +8,7 @@ use crate::work::{STEPS, Work};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Rows that everybody steps.
+/// Rows that every peer steps.
 pub const ROWS: usize = 1024;
 /// Rows, the first ones, whose answers are compared.
 pub const CHECKED: usize = 64;
@@ -33,7 +33,7 @@ struct Peer {
     lacks: &'static str,
 }
 
-/// Measures everybody, prints the table, and gives the names of those that are missing with the reason.
+/// Measures all peers, prints the table, and gives the names of those that are missing with the reason.
 ///
 /// # Errors
 /// When an answer is wrong.

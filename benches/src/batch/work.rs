@@ -105,7 +105,7 @@ impl Work {
         Ok(Row { rig, start })
     }
 
-    /// The steps of a run, each in `divisions` equal steps, those divided at every instant at which the seat moves.
+    /// The steps of a run, each in `divisions` equal steps, those divided at every instant at which the poppet moves.
     pub fn parts(&self, divisions: u64) -> Vec<Part> {
         let Some(drive) = self.rig.actuation() else { return Vec::new() };
         let mut clock = SeatClock::released();

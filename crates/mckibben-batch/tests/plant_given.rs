@@ -1,4 +1,4 @@
-//! Motions and pressures that are given, and valves whose seats or spool are under way, side by side: each row is its own steps, bit
+//! Motions and pressures that are given, and valves whose poppets or spool are under way, side by side: each row is its own steps, bit
 //! for bit.
 
 use crate::common::{PSI, Paper, ROOM, spread};
@@ -82,7 +82,7 @@ fn moving_poppets_and_spools_equal_scalar_instances() {
     }
 }
 
-/// Many steps in one go, whose seats are under way: rows are looked after less often.
+/// Many steps in one go, whose poppets are under way: rows are looked after less often.
 #[test]
 fn moving_poppets_in_long_spans_equal_scalar_instances() {
     for (ramp, standard) in [([3.1e-3, 2.3e-3], 0), ([2e-3, 1e-3], 1)] {

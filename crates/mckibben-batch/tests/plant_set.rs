@@ -65,7 +65,7 @@ fn with_solenoid(paper: &Paper, solenoid: Solenoid, command: Command) -> Rig {
 }
 
 /// Rows of many kinds and their commands: delays longer than the time between two instants, a hose behind which
-/// everything is seen later still, seats that take their time, seats that jump at once, dry friction, spools,
+/// everything is seen later still, poppets that take their time, poppets that jump at once, dry friction, spools,
 /// regulators, tendons.
 fn row(index: usize) -> (Row, CommandOf) {
     let paper = paper(index);
@@ -108,7 +108,7 @@ fn row(index: usize) -> (Row, CommandOf) {
 }
 
 /// All commands to a row, as a command known beforehand. A request that is repeated changes nothing: left in, its
-/// instant could meet that of a seat and stand for it, a rounding beside.
+/// instant could meet that of a poppet and stand for it, a rounding beside.
 fn known(index: usize, command_of: CommandOf, at: impl Fn(usize) -> f64) -> Command {
     let mut commands: Vec<(f64, RuntimeCommand)> = (0..COMMANDS).map(|count| (at(count), command_of(index, count))).collect();
     commands.dedup_by(|(_, next), (_, before)| matches!(next, RuntimeCommand::Request(_)) && next == before);
@@ -263,7 +263,7 @@ fn of_two_in_one_instant_the_later_counts_and_the_memory_does_not_grow() {
     let paper = paper(0).with(|rig| rig.kind = ValveKind::FillHoldExhaust);
     let mut steps = Row { rig: paper.rig(), start: paper.start() }.steps(Method::Stable);
     let mut numbers = vec![0.0; steps.state_size()];
-    // Coils that are never driven for as long as a seat takes to move.
+    // Coils that are never driven for as long as a poppet takes to move.
     for count in 0..2000 {
         steps.set(0, Request::Exhaust).expect("set");
         steps.set(0, if count % 2 == 0 { Request::Fill } else { Request::Hold }).expect("set");

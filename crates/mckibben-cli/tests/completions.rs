@@ -73,7 +73,7 @@ fn every_key_is_reached_by_its_parts() {
     }
 }
 
-/// The scripts are read without mistakes by their shells, and ask the program for keys. Shells that are not here are left out.
+/// The scripts are read without mistakes by their shells, and query the program for keys. Shells that are not here are left out.
 #[cfg(unix)]
 #[test]
 fn zsh_and_fish_read_their_scripts() {

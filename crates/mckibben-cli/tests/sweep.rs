@@ -169,8 +169,8 @@ fn the_engines_agree_within_the_error_of_the_fixed_step() {
         let relative = |(line, exact)| (number(line, name) / number(exact, name) - 1.0).abs();
         lines.iter().zip(&exact).map(relative).fold(0.0, f64::max)
     };
-    // The method has order 2: a quarter of the step leaves a sixteenth of the error, and the runs at both steps together tell
-    // what is left at none. With an error a h² + b h³, whose second term is no larger than the whole, that is b h³/20.
+    // The method has order 2: a quarter of the step leaves a sixteenth of the error, and both runs together
+    // extrapolate to a step of zero. With an error a h² + b h³, whose second term is no larger than the whole, that is b h³/20.
     let extrapolated = |name: &str| {
         let row = |((coarse, fine), exact)| {
             let [coarse, fine, exact] = [coarse, fine, exact].map(|line| number(line, name));

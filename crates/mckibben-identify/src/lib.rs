@@ -9,7 +9,7 @@
 //! | [`trajectories`] | any parameters of a scenario from time series |
 //! | [`least_squares`] | the values that fit best, how certain they are, and what is not identifiable from the data |
 //! | [`ring_down`] | friction from a ring-down, by four estimators |
-//! | [`valve`] | flow coefficients of a valve, volume of a tank, delays of a seat |
+//! | [`valve`] | flow coefficients of a valve, volume of a tank, delays of a poppet |
 #![forbid(unsafe_code)]
 
 pub mod adjustable;

@@ -9,7 +9,7 @@ use super::{Axis, PlotError};
 pub enum Colour {
     /// Grey, for what frames the data: an open valve, a tolerance.
     Neutral,
-    /// One of seven colours that the colour-blind can tell apart, counted from 0 and repeated after the seventh. The
+    /// One of seven colours that the colour-blind can distinguish, counted from 0 and repeated after the seventh. The
     /// number also chooses the dash pattern or the symbol.
     Category(usize),
     /// A place on a ramp of one direction from 0 to 1, for families of curves that have an order, such as pressures.

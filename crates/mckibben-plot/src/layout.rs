@@ -1,7 +1,7 @@
 //! Where everything goes: margins from the words that stand in them, panels from the top, one horizontal axis.
 //!
 //! All lengths are points. The sizes are for print at the figure's true width: ticks and names 7 pt, labels 7.5 pt, the
-//! title 8.5 pt, which is what journals ask of a figure one column wide.
+//! title 8.5 pt, which journals require of a figure one column wide.
 
 use super::PlotError;
 use super::axis::{Axis, Scale};

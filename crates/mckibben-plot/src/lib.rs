@@ -66,7 +66,7 @@ pub use theme::Theme;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// The scale of the PNG in a file: 300 pixels per inch, which journals ask of a raster figure.
+/// The scale of the PNG in a file: 300 pixels per inch, which journals require of a raster figure.
 pub const PRINT_SCALE: f64 = 300.0 / 96.0;
 
 /// Why a figure could not be made.
@@ -116,7 +116,7 @@ pub enum PlotError {
     /// The name of the file does not say which format to write.
     #[error("`{path}` does not say how to draw the figure: its name ends with none of .svg, .png, .pdf and .html")]
     Ending {
-        /// The file that was asked for.
+        /// The requested file.
         path: PathBuf,
     },
     /// The raster could not be made.
@@ -186,7 +186,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// The format that a file's ending asks for.
+    /// The format that a file's ending selects.
     ///
     /// # Errors
     /// [`PlotError::Ending`] for another ending.

@@ -287,7 +287,7 @@ fn advance(
 
 /// Command of a valve in a step.
 pub(crate) enum ValveInput {
-    /// A duty cycle of seats, the set point of a regulator (gauge pressure in Pa), or the position of a spool.
+    /// A duty cycle of poppets, the set point of a regulator (gauge pressure in Pa), or the position of a spool.
     Number(f64),
     Request(Request),
 }

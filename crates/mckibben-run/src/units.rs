@@ -9,7 +9,7 @@
 //! | `angle` | rad | degree | rad | degree |
 //! | … | | the whole list is the table in this file | | |
 //!
-//! Everything that shows a number asks here: summaries, figures, curves, warnings, reports, and the columns of files where a
+//! Everything that shows a number uses this module: summaries, figures, curves, warnings, reports, and the columns of files where a
 //! choice was made. Without a choice files have SI units, so that programs read what they always read, and people see `metric`.
 //!
 //! The choice is the program's, made once before anything is shown, as a language is: [`choose`]. Hosts that call this crate as a

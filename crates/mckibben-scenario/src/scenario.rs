@@ -397,13 +397,13 @@ pub struct Valve {
     pub spool: Option<Spool>,
     /// Dead time in s by which the command acts late, whatever the kind of valve.
     pub dead_time: f64,
-    /// Time t_open in s from energising the coil to the seat's motion.
+    /// Time t_open in s from energising the coil to the poppet's motion.
     pub opening_delay: f64,
-    /// Time t_close in s from releasing the coil to the seat's return.
+    /// Time t_close in s from releasing the coil to the poppet's return.
     pub closing_delay: f64,
-    /// Time t_rise in s that the seat takes from shut to open.
+    /// Time t_rise in s that the poppet takes from shut to open.
     pub opening_time: f64,
-    /// Time t_fall in s that the seat takes from open to shut.
+    /// Time t_fall in s that the poppet takes from open to shut.
     pub closing_time: f64,
     /// Pressure ratio r_lam above which the flow law is a straight line.
     pub laminar_ratio: f64,
@@ -420,7 +420,7 @@ pub struct ProportionalRegulator {
     pub rate_limit: f64,
 }
 
-/// A proportional spool in the place of seats.
+/// A proportional spool in the place of poppets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spool {
     /// Undamped natural frequency f_n in Hz.

@@ -1,4 +1,4 @@
-//! Seats that take their time and proportional spools in a scenario: what is read, written and built, and mistakes.
+//! Poppets that take their time and proportional spools in a scenario: what is read, written and built, and mistakes.
 
 use mckibben_scenario::{Command, Document, Scenario, Spool, ValveKind};
 

@@ -63,7 +63,7 @@ pub enum Error {
     Misuse {
         /// What was requested and why it cannot be.
         what: &'static str,
-        /// What to ask for instead.
+        /// What to request instead.
         remedy: &'static str,
     },
     /// Two features that make sense together and do not work together yet.
@@ -74,7 +74,7 @@ pub enum Error {
     NoSolution {
         /// What was requested and why there is none.
         what: &'static str,
-        /// What to ask for instead.
+        /// What to request instead.
         remedy: &'static str,
     },
     /// The simulation stopped before its end.

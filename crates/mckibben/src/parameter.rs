@@ -423,16 +423,16 @@ parameters! {
         "Factor on the calculated mass flow.",
         "paper, section 3.3: 0.85", "give a factor such as 0.85";
     OPENING_DELAY = "valve.opening_delay", "t_open", "s", Range::NON_NEGATIVE, Some(0.0),
-        "Time from energising the coil to the seat's motion.",
+        "Time from energising the coil to the poppet's motion.",
         "paper, section 3.3: 4 ms; none is assumed where none is given", "give zero or more";
     CLOSING_DELAY = "valve.closing_delay", "t_close", "s", Range::NON_NEGATIVE, Some(0.0),
-        "Time from releasing the coil to the seat's return.",
+        "Time from releasing the coil to the poppet's return.",
         "paper, section 3.3: 1 ms; none is assumed where none is given", "give zero or more";
     OPENING_TIME = "valve.opening_time", "t_rise", "s", Range::NON_NEGATIVE, Some(0.0),
-        "Time that the seat takes from shut to open once it moves.",
+        "Time that the poppet takes from shut to open once it moves.",
         "manufacturer's data sheet", "give zero or more";
     CLOSING_TIME = "valve.closing_time", "t_fall", "s", Range::NON_NEGATIVE, Some(0.0),
-        "Time that the seat takes from open to shut once it moves.",
+        "Time that the poppet takes from open to shut once it moves.",
         "manufacturer's data sheet", "give zero or more";
     REGULATOR_TIME_CONSTANT = "valve.time_constant", "tau", "s", Range::POSITIVE, None,
         "Time constant with which the regulated pressure follows its set point.",

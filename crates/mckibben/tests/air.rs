@@ -24,7 +24,7 @@ fn exhausting() -> Paper {
     Paper::driven(Command::Constant(Request::Exhaust)).gauge(7e5).isometric(LENGTH)
 }
 
-/// Fills from the start: without delays the seat stands at the supply at t = 0.
+/// Fills from the start: without delays the poppet stands at the supply at t = 0.
 fn filling() -> Paper {
     Paper::driven(Command::Constant(Request::Fill)).with(|rig| rig.delays = (0.0, 0.0)).isometric(LENGTH)
 }

@@ -59,7 +59,7 @@ fn a_constant_duty_is_the_open_loop_with_seats_at_the_same_instants() {
         events.iter().filter(|event| event.kind == EventKind::Valve).map(|event| event.time).collect()
     };
     assert_eq!(seats(closed.events()), seats(open.events()));
-    // The seat follows the coil: opens 4 ms after k/25 s, shuts 1 ms after (k + 0.4)/25 s.
+    // The poppet follows the coil: opens 4 ms after k/25 s, shuts 1 ms after (k + 0.4)/25 s.
     for (index, time) in seats(closed.events()).into_iter().enumerate() {
         let period = (index / 2) as f64;
         assert_within(time, if index % 2 == 0 { period / 25.0 + 4e-3 } else { (period + 0.4) / 25.0 + 1e-3 }, 1e-15);

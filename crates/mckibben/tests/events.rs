@@ -199,7 +199,7 @@ fn clause_1_an_event_at_the_final_time_is_logged_and_crossed() {
         1.0,
     );
     assert_eq!((names(&log).as_str(), log.mode), ("g", (1, 0)));
-    // A seat that moves in the last instant of a run: opened at 12 · 40 ms + 4 ms.
+    // A poppet that moves in the last instant of a run: opened at 12 · 40 ms + 4 ms.
     let run = Paper::pwm(25.0, 0.5).run(0.484, 1e-8);
     let last = run.events().last().expect("an event");
     assert_eq!((last.time, last.kind), (0.484, EventKind::Valve));

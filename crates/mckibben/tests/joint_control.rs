@@ -40,7 +40,7 @@ fn rig(papers: &[Paper; 2]) -> JointRig {
     ramped(papers, [0.0; 2])
 }
 
-/// On seats that take times in s to open and to close.
+/// On poppets that take times in s to open and to close.
 fn ramped(papers: &[Paper; 2], [rise, fall]: [f64; 2]) -> JointRig {
     let ramp = Ramp::new(rise, fall).expect("a ramp");
     let driven = papers.each_ref().map(|paper| Driven {

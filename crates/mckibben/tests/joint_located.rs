@@ -24,7 +24,7 @@ fn regulator() -> Regulator {
     Regulator::new(0.02, 5e-3, 2e6).expect("a regulator")
 }
 
-/// Seats that take their time, a spool and a pressure regulator, each with a command.
+/// Poppets that take their time, a spool and a pressure regulator, each with a command.
 fn valves() -> [(&'static str, Solenoid, Command); 3] {
     let ramp = Ramp::new(3e-3, 5e-3).expect("a ramp");
     let seats = Solenoid::new(ValveKind::ThreeWay, 4e-3, 1e-3).expect("a valve").with_ramp(ramp);

@@ -175,7 +175,7 @@ fn it_sticks_within_the_torque_of_both_frictions_and_does_not_creep() {
     }
 }
 
-/// Seats that take their time, a spool and a pressure regulator move the air as they do in the rig, step by step, whose own
+/// Poppets that take their time, a spool and a pressure regulator move the air as they do in the rig, step by step, whose own
 /// tests hold them against the event-located engine.
 #[test]
 fn valves_without_a_jump_are_those_of_the_hanging_mass() {
@@ -289,7 +289,7 @@ fn pulses_are_those_of_the_command() {
         for steps in [&mut follows, &mut set] {
             steps.advance_to(until).expect("a step");
         }
-        // The instants of the seats differ by roundings.
+        // The instants of the poppets differ by roundings.
         assert!(difference(follows.state(), set.state()) < 1e-9, "{until}: {:?} {:?}", follows.state(), set.state());
     }
 }

@@ -108,7 +108,7 @@ fn two_seats_that_overlap_or_leave_the_air_alone_are_averaged_too() {
         Paper::driven(Command::pwm(40.0, 0.5, Request::Fill, rest).unwrap())
             .with(|rig| (rig.kind, rig.delays) = (ValveKind::FillHoldExhaust, (opening, 3e-3)))
     };
-    // Each seat opens 2 ms late and shuts 3 ms late: for 1 ms both are open, twice in a period.
+    // Each poppet opens 2 ms late and shuts 3 ms late: for 1 ms both are open, twice in a period.
     let linear = mean(&with(Request::Exhaust, 2e-3), 0.5);
     let averaged = linear.averaged().unwrap();
     let both: f64 = averaged.intervals.iter().filter(|i| i.ports.supply && i.ports.exhaust).map(|i| i.share).sum();
@@ -136,7 +136,7 @@ fn cycle_mean(paper: &Paper, frequency: f64, settle: f64, cycles: usize) -> [f64
     sum
 }
 
-/// The promise: as long as the seats follow and the ripple is small, so much of the ripple lies between the means.
+/// The promise: as long as the poppets follow and the ripple is small, so much of the ripple lies between the means.
 const PART_OF_RIPPLE: f64 = 0.1;
 
 /// How far the balance lies from the mean of simulated cycles, as a part of the ripple; whether that was promised.

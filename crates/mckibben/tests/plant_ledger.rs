@@ -90,7 +90,7 @@ fn a_bottle_empties_into_a_sealed_chamber() {
     let destroyed = bottle * worth(first) - (bottle + chamber) * worth(last);
     assert_close(total.throttled, destroyed, 1e-6);
     assert_eq!((total.drawn, total.compressed), (0.0, 0.0));
-    // Until the seat moves the exhaust is open between equal pressures.
+    // Until the poppet moves the exhaust is open between equal pressures.
     assert_within(total.exhaust, 0.0, 1e-12);
     assert_closes("a bottle", &ledger, 1e-7);
 }

@@ -1,4 +1,4 @@
-//! The actual duty cycle of pulsed valves: the paper's formula, its ends, seats that take their time, two coils, derivatives.
+//! The actual duty cycle of pulsed valves: the paper's formula, its ends, poppets that take their time, two coils, derivatives.
 
 use crate::common::{Paper, assert_close, assert_within, slope, toward};
 use mckibben::network::Network;
@@ -55,7 +55,7 @@ fn two_coils_have_a_duty_cycle_each() {
     assert_close(exhaust, 0.5 + 1e-3 * frequency, 1e-11);
 }
 
-/// A seat that opens in `t_rise` and shuts in `t_fall` passes as much as one that jumps half of each later.
+/// A poppet that opens in `t_rise` and shuts in `t_fall` passes as much as one that jumps half of each later.
 #[test]
 fn a_seat_that_takes_its_time_passes_the_area_of_its_strokes() {
     let (frequency, rise, fall) = (20.0, 3e-3, 5e-3);
@@ -65,7 +65,7 @@ fn a_seat_that_takes_its_time_passes_the_area_of_its_strokes() {
         let expected = duty - (DELAYS.0 - DELAYS.1 + 0.5 * (rise - fall)) * frequency;
         assert_close(of(duty), expected, 1e-11);
     }
-    // A pulse that ends while the seat is under way: two lines up to λ = w/t_rise, and their areas.
+    // A pulse that ends while the poppet is under way: two lines up to λ = w/t_rise, and their areas.
     let duty: f64 = 0.1;
     let open = duty / frequency - DELAYS.0 + DELAYS.1;
     let top = open / rise;

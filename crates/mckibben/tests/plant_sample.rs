@@ -350,7 +350,7 @@ fn on_its_shortest_length_a_muscle_bears_what_hangs_on_it() {
 fn samples_at_an_event_have_what_follows() {
     let paper = Paper::driven(Command::pwm(10.0, 0.5, Request::Fill, Request::Exhaust).expect("a command"));
     let run = run_of(&paper.rig(), &paper, 0.3, 1e-8);
-    // The seat opens 4 ms after the coil is energised, and closes 1 ms after it is released.
+    // The poppet opens 4 ms after the coil is energised, and closes 1 ms after it is released.
     // While it fills, the source gives what the muscle gets; else the atmosphere takes it.
     for time in [0.02, 0.07] {
         let sample = run.sample(time);

@@ -58,7 +58,7 @@ fn the_pressure_of_a_valve_moves_the_load_as_the_valve_did() {
     let paper = Paper::pwm(20.0, 0.45).gauge(30.0 * PSI).mass(6.0);
     let valve = paper.run(0.4, 1e-11);
     let mut times: Vec<f64> = (0..=20_000).map(|step| 2e-5 * f64::from(step)).collect();
-    // Where a seat moves the pressure has a corner.
+    // Where a poppet moves the pressure has a corner.
     times.extend(valve.events().iter().map(|event| event.time));
     times.sort_by(f64::total_cmp);
     times.dedup_by(|a, b| *a - *b < 1e-9);

@@ -1,4 +1,4 @@
-//! A seat that takes its time: the line, its ends, turning under way, and what a pulse passes.
+//! A poppet that takes its time: the line, its ends, turning under way, and what a pulse passes.
 
 use crate::common::{assert_close, assert_within, slope};
 use mckibben::valve::{Ramp, Stroke};

@@ -1,4 +1,4 @@
-//! A rig whose valve's seats take their time: a closed form, an independent integration, both engines, batches, audits.
+//! A rig whose valve's poppets take their time: a closed form, an independent integration, both engines, batches, audits.
 
 use crate::common::accounts::Audited;
 use crate::common::steps::RigSteps;
@@ -75,7 +75,7 @@ fn an_opening_seat_empties_by_the_exponential_of_a_parabola() {
     }
 }
 
-/// Three-way: while the seat is under way air goes from the supply to the atmosphere too. ISO 6358 written out, by the
+/// Three-way: while the poppet is under way air goes from the supply to the atmosphere too. ISO 6358 written out, by the
 /// classical Runge–Kutta method in small steps between the corners of the opening.
 #[test]
 fn both_flow_paths_of_a_three_way_valve_agree_with_an_independent_integration() {
@@ -173,7 +173,7 @@ fn fixed_steps_come_to_the_event_located_run_at_their_order() {
     }
 }
 
-/// At steps far beyond the time in which the air settles, a seat that has just begun to move lets it overshoot by little.
+/// At steps far beyond the time in which the air settles, a poppet that has just begun to move lets it overshoot by little.
 #[test]
 fn the_stable_method_stays_stable_while_a_port_opens() {
     let paper = Paper::driven(Command::Constant(Request::Fill)).isometric(3.5 * INCH).with(|rig| {
@@ -239,7 +239,7 @@ fn derivatives_are_those_of_finite_differences() {
     }
 }
 
-/// Seats take their time where a host moves the ends, too.
+/// Poppets take their time where a host moves the ends, too.
 #[test]
 fn ends_that_a_host_moves_take_it() {
     let paper = Paper::driven(Command::Constant(Request::Fill)).isometric(3.5 * INCH);
@@ -255,7 +255,7 @@ fn ends_that_a_host_moves_take_it() {
     assert_close(steps.state()[plant.indices().actuators[0].pressure], own[2], 1e-12);
 }
 
-/// On average a seat that takes its time passes as much as one that jumps half of that later.
+/// On average a poppet that takes its time passes as much as one that jumps half of that later.
 #[test]
 fn its_mean_flow_is_that_of_a_later_seat() {
     use mckibben::linearize::{Aim, Content, linearize_driven};

@@ -21,7 +21,7 @@ fn run(paper: &Paper, joints: &[f64], next_start: impl FnMut(usize, State) -> St
 #[test]
 fn joints_that_change_nothing_leave_the_run_as_it_is() {
     let whole = paper().run(DURATION, 1e-11);
-    // In the middle of a pulse, at an edge of the command, while the seat is on its way, and off any grid.
+    // In the middle of a pulse, at an edge of the command, while the poppet is on its way, and off any grid.
     let joints = [0.05, 0.12, 0.1215, 0.2, 0.333_33, 0.49];
     let parts = run(&paper(), &joints, |_, reached| reached).expect("a run");
     for time in (0..=500).map(|step| 1e-3 * f64::from(step)) {

@@ -1,4 +1,4 @@
-//! The solenoid: every motion of the seat is an exact instant, and pulses too short are not followed.
+//! The solenoid: every motion of the poppet is an exact instant, and pulses too short are not followed.
 
 use crate::common;
 use common::{Paper, assert_within};
@@ -93,7 +93,7 @@ fn duty_cycles_of_zero_and_one_stay_put() {
     assert_eq!(motions(&valve, &pwm(25.0, 1.0), 10.0), [(0.0, EXHAUST), (OPEN, SUPPLY)]);
     assert_eq!(motions(&valve, &Command::Constant(Request::Exhaust), 10.0), [(0.0, EXHAUST)]);
     assert_eq!(motions(&valve, &Command::Constant(Request::Fill), 10.0), [(0.0, EXHAUST), (OPEN, SUPPLY)]);
-    // Without delays the seat is at the supply from the very start.
+    // Without delays the poppet is at the supply from the very start.
     let quick = Solenoid::new(ValveKind::ThreeWay, 0.0, 0.0).expect("a solenoid");
     assert_eq!(motions(&quick, &Command::Constant(Request::Fill), 10.0), [(0.0, SUPPLY)]);
 }
@@ -102,7 +102,7 @@ fn duty_cycles_of_zero_and_one_stay_put() {
 fn a_pulse_as_long_as_the_opening_delay_opens_and_a_shorter_one_does_not() {
     let valve = solenoid(ValveKind::ThreeWay);
     let pulse = |length: f64| table(&[0.1, 0.1 + length], &[Request::Fill, Request::Exhaust]);
-    // The seat moves before the coil at one instant: it opens, and t_close later shuts.
+    // The poppet moves before the coil at one instant: it opens, and t_close later shuts.
     let list = motions(&valve, &pulse(OPEN), 1.0);
     assert_eq!(list.iter().map(|(_, ports)| *ports).collect::<Vec<_>>(), [EXHAUST, SUPPLY, EXHAUST]);
     assert_within(list[1].0, 0.104, 2e-17);
@@ -178,7 +178,7 @@ fn two_seats_overlap_or_leave_a_gap_as_their_delays_say() {
         (0.2 + OPEN, Ports::CLOSED),
     ];
     assert_eq!(motions(&quick, &command, 1.0), expected);
-    // Equal delays: both seats move at one instant, which is one motion.
+    // Equal delays: both poppets move at one instant, which is one motion.
     let even = Solenoid::new(ValveKind::FillHoldExhaust, CLOSE, CLOSE).expect("a solenoid");
     let ports: Vec<Ports> = motions(&even, &command, 1.0).iter().map(|(_, ports)| *ports).collect();
     assert_eq!(ports, [Ports::CLOSED, SUPPLY, EXHAUST, Ports::CLOSED]);

@@ -82,7 +82,7 @@ fn an_independent_sizing_program_needs_the_same_valve() {
 fn cv_is_a_gallon_a_minute_at_one_psi() {
     let air = air(286.99, 1.4);
     let by_cv = law(FlowStandard::Cv { cv: 0.3, pressure_drop_ratio: 0.7 }, &air);
-    // Kv = 0.865 Cv in m³/h, as everybody rounds it.
+    // Kv = 0.865 Cv in m³/h, as it is usually rounded.
     let by_kv = law(FlowStandard::Kv { kv: 0.3 * 0.865 / 3600.0, pressure_drop_ratio: 0.7 }, &air);
     assert_close(by_cv.conductance(), by_kv.conductance(), 1e-4);
     assert_eq!(by_cv.critical_ratio(), by_kv.critical_ratio());

@@ -11,7 +11,7 @@ use mckibben_scenario::diagnostic::Class;
 use mckibben_scenario::{Diagnostic, Diagnostics, Document, PlantExperiment, Scenario, Style, Sweep};
 use std::path::{Path, PathBuf};
 
-/// What `mckibben check` is asked.
+/// Arguments of `mckibben check`.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "\
 Examples:

@@ -11,7 +11,7 @@ use mckibben_run::failure::Failure;
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-/// What `mckibben completions` is asked.
+/// Arguments of `mckibben completions`.
 #[derive(Clone, Copy, Debug, clap::Args)]
 #[command(after_help = "\
 Examples:

@@ -16,7 +16,7 @@ use mckibben_run::failure::Failure;
 use mckibben_run::output;
 use std::path::PathBuf;
 
-/// What `mckibben curves` is asked.
+/// Arguments of `mckibben curves`.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "\
 Examples:

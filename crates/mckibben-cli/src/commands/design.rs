@@ -14,7 +14,7 @@ use mckibben_run::output::{self, Pending};
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
-/// What `mckibben design` is asked.
+/// Arguments of `mckibben design`.
 #[derive(Clone, Debug, clap::Args)]
 #[command(
     group = clap::ArgGroup::new("goal").required(true).args(["minimize", "maximize"]),
@@ -98,7 +98,7 @@ impl DesignArguments {
     }
 }
 
-/// Searches, prints what was found, and writes what is asked for.
+/// Searches, prints the result, and writes the requested files.
 ///
 /// # Errors
 /// The input is wrong, nothing meets the constraints, or a file could not be written.

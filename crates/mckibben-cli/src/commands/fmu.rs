@@ -15,7 +15,7 @@ use mckibben_run::output;
 use mckibben_run::quantities::read;
 use std::path::{Path, PathBuf};
 
-/// What `mckibben fmu` is asked.
+/// Arguments of `mckibben fmu`.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "\
 Examples:

@@ -8,7 +8,7 @@ use mckibben_run::failure::Failure;
 use mckibben_run::identify::{Monitor, Outcome, Request, WARNED, identified};
 use std::path::PathBuf;
 
-/// What `mckibben identify` is asked.
+/// Arguments of `mckibben identify`.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -87,7 +87,7 @@ pub struct IdentifyArguments {
     pub output: PathBuf,
 }
 
-/// Fits what the study asks for and writes what was found.
+/// Fits the unknowns of the study and writes the estimates.
 ///
 /// # Errors
 /// The input is wrong, something failed, or a file could not be written.

@@ -6,7 +6,7 @@ use mckibben_run::output;
 use mckibben_scenario::Starter;
 use std::path::{Path, PathBuf};
 
-/// What `mckibben init` is asked.
+/// Arguments of `mckibben init`.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "\
 Examples:

@@ -6,7 +6,7 @@ use mckibben_scenario::default_of;
 use mckibben_scenario::keys::{Key, Kind, Section, all_keys, all_sections, nearest_path, paths_in};
 use std::fmt::Write as _;
 
-/// What `mckibben keys` is asked.
+/// Arguments of `mckibben keys`.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "\
 Examples:

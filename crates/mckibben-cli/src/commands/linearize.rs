@@ -10,7 +10,7 @@ use mckibben_run::linearize::{Account, Line, LinearModel, Measure, Request};
 use mckibben_run::output::{self, Pending};
 use std::path::PathBuf;
 
-/// What `mckibben linearize` is asked.
+/// Arguments of `mckibben linearize`.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -112,7 +112,7 @@ pub fn run(arguments: &LinearizeArguments) -> Result<(), Failure> {
 }
 
 impl LinearizeArguments {
-    /// The point and the model that are asked for.
+    /// The requested point and model.
     fn request(&self) -> Request {
         Request {
             gauge_pressure: self.gauge_pressure,

@@ -7,7 +7,7 @@ use clap_mangen::Man;
 use mckibben_run::failure::Failure;
 use std::path::Path;
 
-/// What `mckibben man` is asked.
+/// Arguments of `mckibben man`.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "\
 Examples:

@@ -22,7 +22,7 @@ pub mod sweep;
 use crate::arguments::Command;
 use mckibben_run::failure::Failure;
 
-/// Does what a command asks.
+/// Runs a command.
 ///
 /// # Errors
 /// Why it could not be done.

@@ -7,7 +7,7 @@ use mckibben_scenario::presets::{ACTUATORS, Preset, PresetValue, VALVES};
 use mckibben_scenario::quantity;
 use std::fmt::Write as _;
 
-/// What `mckibben presets` is asked.
+/// Arguments of `mckibben presets`.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "\
 Examples:

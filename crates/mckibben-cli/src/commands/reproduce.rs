@@ -8,7 +8,7 @@ use mckibben_run::failure::Failure;
 use mckibben_run::reproduce;
 use std::path::PathBuf;
 
-/// What `mckibben reproduce` is asked.
+/// Arguments of `mckibben reproduce`.
 #[derive(Clone, Debug, clap::Args)]
 pub struct ReproduceArguments {
     /// The folder for the report; it is made if it is not there

@@ -3,7 +3,7 @@
 use crate::terminal;
 use mckibben_run::failure::Failure;
 
-/// What `mckibben schema` is asked.
+/// Arguments of `mckibben schema`.
 #[derive(Clone, Copy, Debug, clap::Args)]
 #[command(after_help = "\
 Examples:

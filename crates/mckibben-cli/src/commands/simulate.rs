@@ -1,4 +1,4 @@
-//! `mckibben simulate`: runs a scenario, prints its results, and writes what is asked for.
+//! `mckibben simulate`: runs a scenario, prints its results, and writes the requested files.
 //!
 //! Everything that can be refused is refused before anything is simulated, and every file is complete before any of
 //! them takes its name. A run of which no figure and no events are wanted is written as it is made and not kept.
@@ -22,7 +22,7 @@ use mckibben_scenario::Scenario;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// What `mckibben simulate` is asked.
+/// Arguments of `mckibben simulate`.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -219,7 +219,7 @@ pub(super) fn report_text(figures: &Figures, common: Common<'_>, scenario: Optio
     }
 }
 
-/// The files that are asked for.
+/// The requested files.
 #[derive(Debug)]
 struct Files<'a> {
     output: Option<(&'a Path, record::Format)>,
@@ -258,12 +258,12 @@ impl<'a> Files<'a> {
         self.paths().try_for_each(output::probe)
     }
 
-    /// Whether something is asked for that takes more of a run than its samples in order.
+    /// Whether a request needs more of a run than its samples in order.
     fn keep(&self, arguments: &SimulateArguments) -> bool {
         self.plot.is_some() || self.events.is_some() || arguments.events
     }
 
-    /// Writes what is asked for of a run that was kept; the files have no names yet.
+    /// Writes the requested files of a run that was kept; the files have no names yet.
     fn write(
         &self,
         arguments: &SimulateArguments,

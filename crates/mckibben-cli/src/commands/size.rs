@@ -14,7 +14,7 @@ use mckibben_run::size::{Requirement, Sizes, force_of};
 use mckibben_run::units;
 use std::path::PathBuf;
 
-/// What `mckibben size` is asked.
+/// Arguments of `mckibben size`.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -131,7 +131,7 @@ fn valves(sizes: &Sizes, pick: usize) -> Result<Table, Failure> {
     })
 }
 
-/// What hoses of a length in m ask of the valve.
+/// What hoses of a length in m require of the valve.
 fn hoses(sizes: &Sizes, pick: usize, length: f64) -> Result<Table, Failure> {
     let row = |its: mckibben_run::size::Hose| vec![number(1e3 * its.diameter, 1), its.quickness.words()];
     Ok(Table {

@@ -30,7 +30,7 @@ pub enum Kind {
     SteadyFlow,
     /// A valve, or a volume, from the pressure in a tank that is charged or discharged.
     Tank,
-    /// Delays of a seat from the pressure under a pulse train.
+    /// Delays of a poppet from the pressure under a pulse train.
     PulseTrain,
 }
 

@@ -1,4 +1,4 @@
-//! Delays of a valve's seat from the pressure under a pulse train.
+//! Delays of a valve's poppet from the pressure under a pulse train.
 //!
 //! ```text
 //! about an edge  P = a + s₁ u + q₁ u² + r₁ u³  before,  a + s₂ u + q₂ u² + r₂ u³  after the onset     u = t − t_onset
@@ -147,7 +147,7 @@ pub struct Onset {
     pub deviation: f64,
 }
 
-/// Delays of a seat.
+/// Delays of a poppet.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Delays {
     /// From energised to the opening, t_open in s.

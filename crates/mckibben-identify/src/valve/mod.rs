@@ -5,7 +5,7 @@
 //! | steady flow | efficiency η or flow coefficient C_q of (22) | [`efficiency`], [`flow_coefficient`] |
 //! | a flow curve | C and b of ISO 6358-1 | [`FlowCurve`] |
 //! | a tank that is charged or discharged | C and b as ISO 6358-2 does, or by the trajectory; the tank's volume | [`Tank`] |
-//! | the pressure under a pulse train | delays of the seat, effective duty | [`Delays`], [`delay_difference`] |
+//! | the pressure under a pulse train | delays of the poppet, effective duty | [`Delays`], [`delay_difference`] |
 //!
 //! Pressures are absolute. The flow law, the air and its processes are the core's. Every result has a 95 % interval from
 //! the scatter of the measurements about the model: it holds their noise, not an error of a gauge.

@@ -40,7 +40,7 @@ pub struct Curves {
     notes: String,
 }
 
-/// What a scenario describes; its curves do not ask for what drives the valve.
+/// What a scenario describes; its curves do not depend on the valve's command.
 fn built(document: &Document) -> Result<Experiment, Failure> {
     Ok(match document.controlled_experiment()? {
         Some(controlled) => controlled.experiment,

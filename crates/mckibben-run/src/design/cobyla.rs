@@ -1,6 +1,6 @@
 //! A local search by COBYLA, of the crate `basin`, in the unit box.
 //!
-//! The method may ask for points beyond the box; such a point is taken to the nearest one of the box, and a constraint for each
+//! The method may request points beyond the box; such a point is taken to the nearest one of the box, and a constraint for each
 //! bound leads back. So that the first simplex lies in the box, coordinates run from the bound that is farther from the start.
 
 use super::search::{Problem, Scaling, Trial, Worth, trial};
@@ -27,7 +27,7 @@ pub(super) fn search(
     let local = Local { problem, scaling, is_mirrored, evaluations, trials: &trials };
     let method = Cobyla::new().with_initial_radius(first).with_final_radius(last);
     let start = local.mirrored(start);
-    // The steps of the method also end where they ask for known points only.
+    // The steps of the method also end where they request known points only.
     let most = u64::try_from(4 * evaluations).unwrap_or(u64::MAX);
     // That the evaluations are used up ends it by an error; what was evaluated is all that is wanted.
     let _ = Executor::from_start(local, method, start).max_cost_evals(most).run();

@@ -244,7 +244,7 @@ fn check(vary: &Vary) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Checks the names and the units of what is asked for; the unit of the objective.
+/// Checks the names and the units of the request; the unit of the objective.
 fn named(request: &Request, numbers: &[Named]) -> Result<String, Failure> {
     let find = |option: &str, name: &str| {
         let found = numbers.iter().find(|number| number.name == name);

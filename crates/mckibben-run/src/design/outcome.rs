@@ -256,7 +256,7 @@ impl Outcome {
         chart::figure(self)
     }
 
-    /// All of it as one JSON object with a line end after it: values and constraints in the units that they were asked in, the
+    /// All of it as one JSON object with a line end after it: values and constraints in the units of the request, the
     /// objective in SI.
     pub fn json(&self) -> String {
         let end = |place: usize| match self.end(place) {

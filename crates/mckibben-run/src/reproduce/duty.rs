@@ -1,6 +1,6 @@
-//! Fig. 10: commanded against actual duty cycle, measured from the motion of the seat.
+//! Fig. 10: commanded against actual duty cycle, measured from the motion of the poppet.
 //!
-//! The seat of the scenario's valve is followed from instant to instant (`SeatClock`) over whole periods, and the time
+//! The poppet of the scenario's valve is followed from instant to instant (`SeatClock`) over whole periods, and the time
 //! that it stands open is added up; the formula `d − (t_open − t_close) f` is drawn beside it for reference only.
 
 use super::files;
@@ -98,7 +98,7 @@ fn actuation(document: &Document, frequency: f64, duty: f64) -> Result<Driven, F
 }
 
 impl Driven {
-    /// The share of time that the seat stands open.
+    /// The share of time that the poppet stands open.
     fn actual(&self, frequency: f64) -> f64 {
         let Actuation { solenoid, command } = &self.actuation;
         let (from, until) = (SETTLE / frequency, (SETTLE + MEASURED) / frequency);

@@ -183,7 +183,7 @@ impl Sizes {
         Ok(valve::written(candidate, &self.requirement))
     }
 
-    /// What hoses of a length (m) ask of the valve of a candidate: the widest first.
+    /// What hoses of a length (m) require of the valve of a candidate: the widest first.
     ///
     /// # Errors
     /// There is no such candidate, or no time was requested.

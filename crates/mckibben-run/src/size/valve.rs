@@ -141,7 +141,7 @@ pub(super) fn quickness(
     Ok(Quickness::Conductance(high.exp()))
 }
 
-/// What hoses of a length in m ask of the valve.
+/// What hoses of a length in m require of the valve.
 pub(super) fn hoses(scenario: &str, requirement: &Requirement, time: f64, length: f64) -> Result<Vec<Hose>, Failure> {
     if !(length > 0.0 && length.is_finite()) {
         return Err(Failure::input("the hose has no length", "give --hose a length above zero, such as \"2 m\""));

@@ -6,7 +6,7 @@
 //! | controller | a [`Driver`]: at its sampling instants it measures the plant and sets the valves that are its own |
 //! | run time | [`PlantRun::set`](crate::plant::PlantRun::set), between two calls of `advance_to` |
 //!
-//! All of them say what a valve is to do as a [`RuntimeCommand`]: a request of seats, pulses, a set point of a pressure regulator or
+//! All of them say what a valve is to do as a [`RuntimeCommand`]: a request of poppets, pulses, a set point of a pressure regulator or
 //! a position of a spool. A valve has one source: a driver takes the place of its schedule, and a command at run time
 //! takes the place of the rest of it.
 //!
@@ -15,7 +15,7 @@
 //! ```
 //!
 //! A driver commands one valve or several, and any number of drivers run side by side, each with its own sampling. Sampling
-//! instants, ends of pulses and motions of seats are exact instants of the event-located engine. What a controller remembers
+//! instants, ends of pulses and motions of poppets are exact instants of the event-located engine. What a controller remembers
 //! is part of the plant's discrete state: a run that is restored goes on with it.
 //!
 //! | driver | controller |
@@ -77,7 +77,7 @@ pub struct PlantDecision<R = f64> {
 }
 
 impl<R: Real> PlantDecision<R> {
-    /// What the seats of one of the driver's valves are to do; none where it goes on as it does, or has no seats.
+    /// What the poppets of one of the driver's valves are to do; none where it goes on as it does, or has no seats.
     pub fn drive(&self, valve: usize) -> Option<Drive<R>> {
         match self.demands.get(valve)?.as_ref()? {
             RuntimeCommand::Request(request) => Some(Drive::Steady(*request)),

@@ -25,7 +25,7 @@
 //! No air flows faster than sound: the flow out of a cell stays at `κ A P_i/c` where its inertia would carry it on, by which a
 //! cell never loses more air than it has. The event-located engine does so; it counts after sudden exhausts alone.
 //!
-//! The lumped hose puts the whole volume in front of the whole loss and lets the valve's seats take effect L/c late. It has
+//! The lumped hose puts the whole volume in front of the whole loss and lets the valve's poppets take effect L/c late. It has
 //! no inertia and no waves: take it where the hose's own time constants are far below the actuator's. The distributed
 //! hose has the air's inertia; its delay, waves and attenuation are those of the cells and approach the closed form of
 //! [`linear`](super::linear) for small signals in laminar flow as their number grows. Convection of momentum is left
@@ -165,7 +165,7 @@ impl<S: Scalar> Hose<S> {
         self.length() / self.wave_speed
     }
 
-    /// By how much the valve's seats take effect late, in s: the delay of a lumped hose; a distributed one has its own.
+    /// By how much the valve's poppets take effect late, in s: the delay of a lumped hose; a distributed one has its own.
     pub fn transport_delay(&self) -> S {
         match self.kind {
             HoseKind::Lumped => self.delay(),

@@ -1,7 +1,7 @@
 //! A valve that receives commands at run time.
 //!
 //! A command at run time becomes the continuation of the valve's own command: the run is that of the command which
-//! would have been known beforehand, seats move at the same exact instants, and no step is divided where a command only
+//! would have been known beforehand, poppets move at the same exact instants, and no step is divided where a command only
 //! arrives. What has been passed of the command is dropped, so that it holds what is still on its way and no more,
 //! however many commands arrive.
 //!

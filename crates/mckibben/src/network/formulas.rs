@@ -1,4 +1,4 @@
-//! Which formulas of a network hold, as its [flows](super::flow) ask for them.
+//! Which formulas of a network hold, as its [flows](super::flow) need them.
 
 use super::flow::{NetworkState, OrificeEnds, SquaredDrive};
 use super::implicit::RegulatedResponse;
@@ -9,7 +9,7 @@ use crate::line::{Hose, Poppet};
 use crate::scalar::{Over, Real, Scalar};
 use crate::valve::Approach;
 
-/// The discrete state of a network as its flows ask for it.
+/// The discrete state of a network as its flows need it.
 pub trait FlowFormulas<S: Scalar> {
     /// Flow in kg/s through an orifice at a time in s, zero or more, and whether it goes from its first node to its second;
     /// none where it is shut.
@@ -20,7 +20,7 @@ pub trait FlowFormulas<S: Scalar> {
         time: T,
     ) -> Option<(S::Mask, T)>;
 
-    /// Whether a seat, or a pressure beyond a valve, is on its way at a time in s.
+    /// Whether a poppet, or a pressure beyond a valve, is on its way at a time in s.
     fn is_under_way(&self, time: S) -> bool;
 
     /// Flow in kg/s through a lumped hose between two pressures in Pa.

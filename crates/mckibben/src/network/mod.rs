@@ -14,7 +14,7 @@
 //!
 //! | branch | flow |
 //! |---|---|
-//! | [`BranchKind::Path`] | a flow path of a valve: (21)(23) or ISO 6358, opened by the valve's seats or spool |
+//! | [`BranchKind::Path`] | a flow path of a valve: (21)(23) or ISO 6358, opened by the valve's poppets or spool |
 //! | [`BranchKind::Check`] | an orifice that lets air through one way |
 //! | [`BranchKind::Loss`] | friction of a lumped hose |
 //! | [`BranchKind::Inertia`] | the air in a cell of a distributed hose: its flow is a state |
@@ -111,7 +111,7 @@ pub enum BranchKind<S = f64> {
     Path {
         /// The flow law.
         law: FlowLaw<S>,
-        /// The valve, whose seats open it.
+        /// The valve, whose poppets open it.
         valve: usize,
         /// Which of the valve's ports it leads to.
         port: Port,

@@ -1,5 +1,5 @@
-//! How far along its command a valve is, and the instants to come at which its seats or its spool move: known beforehand, so
-//! that both engines and the batches ask here and stop there exactly.
+//! How far along its command a valve is, and the instants to come at which its poppets or its spool move: known beforehand, so
+//! that both engines and the batches stop there exactly.
 
 use crate::numbered::Row;
 use crate::scalar::Real;
@@ -21,7 +21,7 @@ impl<S: Real> Progress<S> {
         Self { clock: SeatClock::released(), spool: SpoolClock::resting(), spool_passed: 0 }
     }
 
-    /// The next instant in s, up to and with `until`, at which a seat or a spool moves or arrives.
+    /// The next instant in s, up to and with `until`, at which a poppet or a spool moves or arrives.
     pub(crate) fn next(&self, Actuation { solenoid, command }: &Actuation<S>, until: S) -> Option<S> {
         match solenoid.spool() {
             None => self.clock.next_motion(solenoid, command, until),
@@ -61,12 +61,12 @@ impl<S: Real> Progress<S> {
         self.drop_passed(actuation, before);
         let Actuation { solenoid, command } = actuation;
         if solenoid.has_seats() {
-            // Coils that have been driven without a seat that moved.
+            // Coils that have been driven without a poppet that moved.
             self.clock.advance(time, solenoid, command);
         }
     }
 
-    /// Drops of a command all that has been passed up to `time` in s; coils that no seat has followed are passed as well.
+    /// Drops of a command all that has been passed up to `time` in s; coils that no poppet has followed are passed as well.
     pub(crate) fn forget_passed(&mut self, actuation: &mut Actuation<S>, time: S) {
         let Actuation { solenoid, command } = actuation;
         if solenoid.has_seats() && self.clock.next_motion(solenoid, command, time).is_none() {

@@ -1,6 +1,6 @@
 //! Valves that are set during a run: what they do from then on takes the place of their own command.
 //!
-//! What has been set becomes a command of which only what is still on its way is kept, so that seats move at the instants
+//! What has been set becomes a command of which only what is still on its way is kept, so that poppets move at the instants
 //! that they would have if all had been known beforehand, and memory stays bounded however often a valve is set.
 
 use super::mode::{BranchMode, NetworkMode, NodeMode, ValveMode};

@@ -26,7 +26,7 @@ pub struct Feed {
 }
 
 impl Feed {
-    /// The valve, whose seats a controller can drive.
+    /// The valve, whose poppets a controller can drive.
     ///
     /// # Errors
     /// [`Error::Misuse`] when there is no valve, or one without seats.

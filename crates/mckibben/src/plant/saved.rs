@@ -1,7 +1,7 @@
 //! The state of a plant as numbers in a row, as many for each plant, whatever state it is in.
 //!
 //! They hold all that a step goes on from: time, states, what each actuator and mechanism is doing, what a hysteresis remembers,
-//! coils, seats and spools, and what valves have been set to. The pieces of laws that hold follow from the states.
+//! coils, poppets and spools, and what valves have been set to. The pieces of laws that hold follow from the states.
 //!
 //! Checked by `tests/plant_saved.rs`.
 

@@ -156,7 +156,7 @@ impl<R: Real> Member<R> {
         if slips {
             hysteresis.slip(&mut trace.memory, trace.direction, length);
         } else {
-            // What has a trace does not ask for the velocity.
+            // With a trace the velocity does not matter.
             hysteresis.moved(&mut trace.memory, length, R::zero());
         }
         trace.direction = sliding.direction();

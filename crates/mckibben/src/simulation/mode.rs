@@ -81,7 +81,7 @@ impl Mode {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum EventKind {
-    /// A valve seat moved.
+    /// A valve poppet moved.
     Valve,
     /// A prescribed motion, or a pressure that is given over time, turned a corner.
     Corner,

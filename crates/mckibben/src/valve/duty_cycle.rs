@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! s_supply = d − (t_open − t_close) f                       three-way valve, t_open f ≤ d ≤ 1 − t_close f
-//! s_port   = f ∫ λ_port dt over a period                    any kind, any delays, seats that take their time
+//! s_port   = f ∫ λ_port dt over a period                    any kind, any delays, poppets that take their time
 //! ```
 //!
 //! | symbol | name in code | unit |
@@ -25,7 +25,7 @@ use super::{Command, Openings, Ports, SeatClock, Solenoid, ValveKind};
 use crate::scalar::{Real, Scalar};
 use alloc::vec::Vec;
 
-/// A part of the period between two motions of the seats.
+/// A part of the period between two motions of the poppets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval<S = f64> {
     /// Which flow paths are open.
@@ -87,7 +87,7 @@ pub(crate) fn with_duty<S: Scalar>(command: &Command, duty: S) -> Option<Command
     Some(Command::Pwm { frequency: S::constant(frequency), duty, pulse, rest })
 }
 
-/// The commanded duties between which every pulse and every gap moves the seats; `None` unless the command is a PWM.
+/// The commanded duties between which every pulse and every gap moves the poppets; `None` unless the command is a PWM.
 pub(crate) fn duty_range(solenoid: &Solenoid, command: &Command) -> Option<(f64, f64)> {
     let Command::Pwm { frequency, pulse, rest, .. } = *command else { return None };
     let [opening, closing] = solenoid.delays().map(|delay| delay * frequency);

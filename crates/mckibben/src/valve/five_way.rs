@@ -8,7 +8,7 @@
 //! ```
 //!
 //! It drives the two actuators of a joint against each other. Each output, seen alone, is a valve of a simpler kind on the
-//! same coils with the same delays, so the laws of [`Solenoid`] serve unchanged and the seats of both outputs move at the
+//! same coils with the same delays, so the laws of [`Solenoid`] serve unchanged and the poppets of both outputs move at the
 //! same instants:
 //!
 //! | valve | coils | output A | output B |

@@ -1,4 +1,4 @@
-//! The valve: how much air flows, and when the seat moves.
+//! The valve: how much air flows, and when the poppet moves.
 //!
 //! [`FlowLaw`] is the mass flow through an open flow path (21)(23), by ISO 6358 or by IEC 60534; [`Valve`] joins it to
 //! a supply and an exhaust; [`Solenoid`] says when the flow paths open and close after a [`Command`] drives the coil.
@@ -8,7 +8,7 @@
 //! | two-way, three-way, fill-hold-exhaust | [`Solenoid`] |
 //! | five-way, two outputs | [`FiveWay`] |
 //! | proportional pressure regulator | [`Regulator`] |
-//! | a seat that takes its time | [`Ramp`] |
+//! | a poppet that takes its time | [`Ramp`] |
 //! | proportional spool | [`Spool`] |
 //!
 //! How far the flow paths are open is known beforehand ([`Openings`]): a function of time between instants that are

@@ -4,7 +4,7 @@
 //! ṁ = λ_supply(t) · ṁ_supply(open) + λ_exhaust(t) · ṁ_exhaust(open)
 //! ```
 //!
-//! Of seats under way ([`Ramp`](super::Ramp)) λ is a straight line; of a spool ([`Spool`]) it follows the closed form of its
+//! Of poppets under way ([`Ramp`](super::Ramp)) λ is a straight line; of a spool ([`Spool`]) it follows the closed form of its
 //! motion between its edges. The instants at which that ends, or turns into another, are known beforehand, so that within
 //! a part of a run between two of them every λ is smooth.
 //!
@@ -22,11 +22,11 @@ pub enum Openings<S = f64> {
     Whole,
     /// Shares that stay the same.
     Shares([S; 2]),
-    /// By seats, of which at least one is under way.
+    /// By poppets, of which at least one is under way.
     Seats {
         /// How the flow paths are arranged.
         kind: ValveKind,
-        /// The strokes of both seats; of most kinds the first alone counts.
+        /// The strokes of both poppets; of most kinds the first alone counts.
         strokes: [Stroke<S>; 2],
     },
     /// By a spool under way.

@@ -1,7 +1,7 @@
-//! A seat that takes its time: dead time, then a straight line from shut to open.
+//! A poppet that takes its time: dead time, then a straight line from shut to open.
 //!
 //! ```text
-//! coil energised at t  →  at t + t_open the seat starts, and is open t_rise later:   λ̇ = +1/t_rise  while λ < 1
+//! coil energised at t  →  at t + t_open the poppet starts, and is open t_rise later:   λ̇ = +1/t_rise  while λ < 1
 //! coil released  at t  →  at t + t_close it starts back, shut t_fall later:          λ̇ = −1/t_fall  while λ > 0
 //!
 //! ṁ = λ · ṁ(open)            of a three-way valve  λ to the supply, 1 − λ to the exhaust
@@ -13,11 +13,11 @@
 //! | t_open, t_close | delays of the [`Solenoid`](super::Solenoid) | s |
 //! | t_rise, t_fall | `opening_time`, `closing_time` | s |
 //!
-//! A seat that is sent back under way turns round where it is. The opening of a seat is then a straight line between
+//! A poppet that is sent back under way reverses where it is. The opening of a poppet is then a straight line between
 //! instants that are known beforehand, as a prescribed motion by a table is, and no equation is to be solved for it.
 //!
 //! A pulse of `w ≥ t_open + t_rise` and a gap as long pass as much as one of `w − t_open + t_close − (t_rise − t_fall)/2`
-//! would through a seat without ramp, at a constant pressure. With both times zero the seat jumps, as in the paper.
+//! would through a poppet without ramp, at a constant pressure. With both times zero the poppet jumps, as in the paper.
 //!
 //! Source: elementary; the area of a poppet grows with its lift until the lift is a quarter of the seat's diameter.
 //! Checked by `tests/ramp.rs`: the line, its ends, turning under way, the area of a pulse; by `tests/ramped_rig.rs` in the
@@ -30,17 +30,17 @@ use crate::numbered::Row;
 use crate::parameter;
 use crate::scalar::{Over, Real, Scalar};
 
-/// How long the seat is under way.
+/// How long the poppet is under way.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ramp<S = f64> {
     opening_time: S,
     closing_time: S,
 }
 
-/// The opening of a seat as a function of time, until it is sent elsewhere.
+/// The opening of a poppet as a function of time, until it is sent elsewhere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stroke<S = f64> {
-    /// When the seat starts, in s.
+    /// When the poppet starts, in s.
     pub start: S,
     /// When it arrives, in s; its start of one that rests.
     pub end: S,
@@ -51,7 +51,7 @@ pub struct Stroke<S = f64> {
 }
 
 impl Ramp {
-    /// A seat that opens in `opening_time` s and shuts in `closing_time` s, each zero or more.
+    /// A poppet that opens in `opening_time` s and shuts in `closing_time` s, each zero or more.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a time that is negative or not finite.
@@ -64,7 +64,7 @@ impl Ramp {
 }
 
 impl<S: Scalar> Ramp<S> {
-    /// A seat that jumps.
+    /// A poppet that jumps.
     pub fn none() -> Self {
         Self { opening_time: S::zero(), closing_time: S::zero() }
     }
@@ -82,7 +82,7 @@ impl<S: Scalar> Ramp<S> {
         }
     }
 
-    /// The stroke of a seat that is sent at `time` (s) to open or to shut, from where `before` has it then.
+    /// The stroke of a poppet that is sent at `time` (s) to open or to shut, from where `before` has it then.
     pub fn send(&self, before: &Stroke<S>, time: S, open: bool) -> Stroke<S> {
         let from = before.opening(time);
         let (to, share, whole) =
@@ -92,7 +92,7 @@ impl<S: Scalar> Ramp<S> {
 }
 
 impl<S: Scalar> Stroke<S> {
-    /// A seat at rest, open or shut.
+    /// A poppet at rest, open or shut.
     pub fn resting(open: bool) -> Self {
         let at = if open { S::one() } else { S::zero() };
         Self { start: S::zero(), end: S::zero(), from: at, to: at }
@@ -106,7 +106,7 @@ impl<S: Scalar> Stroke<S> {
         T::select(time.lt(end), T::of(self.from) + T::of(self.to - self.from) * share, T::of(self.to))
     }
 
-    /// Slope of the opening in 1/s while the seat is under way.
+    /// Slope of the opening in 1/s while the poppet is under way.
     pub fn slope(&self) -> S {
         S::select(self.start.lt(self.end), (self.to - self.from) / (self.end - self.start), S::zero())
     }
@@ -122,7 +122,7 @@ impl<S: Real> Stroke<S> {
 }
 
 impl<S: Real> Ramp<S> {
-    /// Whether the seat jumps both ways.
+    /// Whether the poppet jumps both ways.
     pub fn is_none(&self) -> bool {
         self.times().into_iter().all(|time| time.value() <= 0.0)
     }
@@ -134,7 +134,7 @@ impl<S: Real> Stroke<S> {
         self.arrival(self.start)
     }
 
-    /// The instant in s at which the seat arrives, if it is under way at `time`.
+    /// The instant in s at which the poppet arrives, if it is under way at `time`.
     pub fn arrival(&self, time: S) -> Option<S> {
         (time.value() < self.end.value()).then_some(self.end)
     }

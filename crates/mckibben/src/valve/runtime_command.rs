@@ -1,6 +1,6 @@
 //! Commands to a valve at run time, by a caller that does not know them beforehand.
 //!
-//! It says of one instant what a [`Command`](super::Command) says of all: a request of seats for the present, pulses that
+//! It says of one instant what a [`Command`](super::Command) says of all: a request of poppets for the present, pulses that
 //! follow a duty cycle, a set point of a pressure regulator, a position of a proportional spool.
 //!
 //! Checked by `crates/mckibben-batch/tests/plant_set.rs`.

@@ -1,13 +1,13 @@
-//! The solenoid: when the seat moves after the coil is driven.
+//! The solenoid: when the poppet moves after the coil is driven.
 //!
 //! ```text
-//! coil energised at t  →  seat moves at t + t_open,  unless the coil is released before
-//! coil released  at t  →  seat returns at t + t_close, unless the coil is energised before
+//! coil energised at t  →  poppet moves at t + t_open,  unless the coil is released before
+//! coil released  at t  →  poppet returns at t + t_close, unless the coil is energised before
 //! ```
 //!
 //! A pulse shorter than `t_open` never opens the valve, a gap shorter than `t_close` never shuts it. Under PWM the
 //! actual duty cycle is `d − (t_open − t_close) f`: 42.5 % at 25 Hz and 35 % at 50 Hz for a commanded 50 %, where the
-//! paper measured 43 and 35. Every motion is an exact instant. Of two motions in one instant, the seat's comes before
+//! paper measured 43 and 35. Every motion is an exact instant. Of two motions in one instant, the poppet's comes before
 //! the coil's: a pulse as long as `t_open` does open.
 //!
 //! | kind | coils | energised | released |
@@ -20,12 +20,12 @@
 //! A dead time t_dead comes before both delays: the command acts t_dead later, whatever its length, so that it shifts a pulse
 //! and never shortens it. It is that of the driver's electronics and of pilot stages.
 //!
-//! A seat may take its time once it moves ([`Ramp`]); the coil acts on it then as before, and it turns where it is.
+//! A poppet may take its time once it moves ([`Ramp`]); the coil acts on it then as before, and it turns where it is.
 //!
 //! A request drives the coil that brings it about: `fill` releases the coil of a normally open valve, so that its flow
 //! path to the supply opens after `t_close`. A five-way valve is two of these kinds on the same coils
 //! ([`FiveWay`](super::FiveWay)). A [`Regulator`] takes the place of the coil: its flow path is open all the time, to a
-//! pressure that follows set points ([`Solenoid::regulating`]). A proportional [`Spool`] takes the place of the seats
+//! pressure that follows set points ([`Solenoid::regulating`]). A proportional [`Spool`] takes the place of the poppets
 //! ([`Solenoid::proportional`]).
 //!
 //! Source: Colbrunn, Nelson & Quinn (2001), section 3.3 and Fig. 10. Checked by `tests/solenoid.rs`.
@@ -105,7 +105,7 @@ impl Ports {
     /// Both flow paths shut.
     pub const CLOSED: Self = Self { supply: false, exhaust: false };
 
-    /// The name in the `valve` column: `supply`, `exhaust`, `closed`, or `supply+exhaust` while two seats overlap.
+    /// The name in the `valve` column: `supply`, `exhaust`, `closed`, or `supply+exhaust` while two poppets overlap.
     pub fn name(self) -> &'static str {
         match (self.supply, self.exhaust) {
             (true, false) => "supply",
@@ -125,16 +125,16 @@ pub struct Solenoid<S = f64> {
     ramp: Ramp<S>,
     /// By how much the command acts late, in s; that of a pressure regulator is its own.
     dead_time: S,
-    /// By how much the seats take effect late where it counts, in s.
+    /// By how much the poppets take effect late where it counts, in s.
     transport: S,
     /// What makes the pressure beyond the flow path, which then has no poppet.
     regulator: Option<Regulator<S>>,
-    /// What moves instead of seats.
+    /// What moves instead of poppets.
     spool: Option<Spool<S>>,
 }
 
 impl Solenoid {
-    /// A valve whose seat moves `opening_delay` s after its coil is energised, and back `closing_delay` s after it is
+    /// A valve whose poppet moves `opening_delay` s after its coil is energised, and back `closing_delay` s after it is
     /// released; both zero or more.
     ///
     /// # Errors
@@ -263,12 +263,12 @@ impl<S: Scalar> Solenoid<S> {
         self.regulator.as_ref()
     }
 
-    /// How long the seats are under way.
+    /// How long the poppets are under way.
     pub fn ramp(&self) -> &Ramp<S> {
         &self.ramp
     }
 
-    /// The proportional spool in place of seats, if that is what the valve is.
+    /// The proportional spool in place of poppets, if that is what the valve is.
     pub fn spool(&self) -> Option<&Spool<S>> {
         self.spool.as_ref()
     }
@@ -365,7 +365,7 @@ impl<S: Real> SeatClock<S> {
         Openings::Seats { kind: solenoid.kind, strokes: self.strokes }
     }
 
-    /// The next instant in s at which a coil or a seat moves, or a seat arrives.
+    /// The next instant in s at which a coil or a poppet moves, or a poppet arrives.
     pub fn next(&self, solenoid: &Solenoid<S>, command: &Command<S>) -> Option<S> {
         let change = command.change(self.next_change).map(|(time, _)| time + solenoid.latency());
         let [first, second] = self.strokes.map(|stroke| stroke.end());
@@ -373,7 +373,7 @@ impl<S: Real> SeatClock<S> {
         others.fold(change, |soonest, time| soonest.filter(|soonest| soonest.value() <= time.value()).or(Some(time)))
     }
 
-    /// Moves everything that is due up to and with `time`, in order; at one instant, seats before coils.
+    /// Moves everything that is due up to and with `time`, in order; at one instant, poppets before coils.
     pub fn advance(&mut self, time: S, solenoid: &Solenoid<S>, command: &Command<S>) {
         self.pass(self.next(solenoid, command), time, solenoid, command);
     }

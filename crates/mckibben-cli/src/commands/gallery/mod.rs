@@ -21,7 +21,7 @@ use mckibben_scenario::Style;
 use page::{Entry, Group};
 use std::path::{Path, PathBuf};
 
-/// What `mckibben gallery` is asked.
+/// Arguments of `mckibben gallery`.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "\
 Examples:

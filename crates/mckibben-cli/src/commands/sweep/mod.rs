@@ -24,7 +24,7 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// What `mckibben sweep` is asked.
+/// Arguments of `mckibben sweep`.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "\
 Examples:

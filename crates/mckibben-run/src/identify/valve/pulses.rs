@@ -1,4 +1,4 @@
-//! Delays of a seat from the pressure under pulse trains.
+//! Delays of a poppet from the pressure under pulse trains.
 
 use super::super::outcome::{self, Outcome, WARNED, file};
 use super::super::{Material, Prediction, pressure_over_time, values};

@@ -4,7 +4,7 @@
 //! ripple    ΔP = (∂Ṗ/∂ṁ) · (greatest − least of ∫(ṁ − mean) dt over a period)     at a fixed length
 //! ```
 //!
-//! The model is valid while every pulse and gap moves the seats ([`ValveAverage::follows`]), while the ripple is smaller than
+//! The model is valid while every pulse and gap moves the poppets ([`ValveAverage::follows`]), while the ripple is smaller than
 //! the way to the nearest pressure beyond a path ([`ValveAverage::ripple_is_small`]), and while the period is short against
 //! the model's time constants. Each is reported, none is enforced.
 
@@ -28,11 +28,11 @@ pub struct ValveAverage {
     pub duty: f64,
     /// Actual duty cycles of the flow paths to supply and atmosphere: mean openings over a period.
     pub shares: [f64; 2],
-    /// One period of the seats, from the instant at which the pulse is commanded.
+    /// One period of the poppets, from the instant at which the pulse is commanded.
     pub intervals: Vec<Interval>,
     /// Mean flow through the valve, into what it opens into and out of it, in kg/s each.
     pub flow: Flow,
-    /// Commanded duties between which every pulse and every gap moves the seats.
+    /// Commanded duties between which every pulse and every gap moves the poppets.
     pub duty_range: (f64, f64),
     /// Peak to peak ripple in Pa of the pressure that the valve opens into, at a fixed length.
     pub pressure_ripple: f64,
@@ -46,7 +46,7 @@ impl ValveAverage {
         self.shares[0]
     }
 
-    /// Whether every pulse and every gap moves the seats.
+    /// Whether every pulse and every gap moves the poppets.
     pub fn follows(&self) -> bool {
         (self.duty_range.0..=self.duty_range.1).contains(&self.duty)
     }

@@ -144,7 +144,7 @@ pub fn linearize_plant(
 /// kept where they start: neither depends on where that is.
 ///
 /// # Errors
-/// As [`linearize_plant`], but for what mechanisms in balance ask.
+/// As [`linearize_plant`], but for the request for mechanisms in balance.
 pub(in crate::plant) fn steady_air(
     plant: &Plant,
     start: &PlantStart,

@@ -17,7 +17,7 @@
 //!
 //! A stage of RK4 without air in a chamber leaves what the laws describe: the step is too long, whatever it ends with.
 //!
-//! The second stage of ROS2 may still ask for more air than there is, where a flow path empties a chamber many times over within the
+//! The second stage of ROS2 may still draw more air than there is, where a flow path empties a chamber many times over within the
 //! step. A step that would leave less than an eighth of a pressure or of the air is replaced by backward Euler, linearly
 //! implicit with γ = 1, in as few parts as stay positive.
 //!

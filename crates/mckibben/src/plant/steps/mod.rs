@@ -1,6 +1,6 @@
 //! The fixed-step engine: bounded cost, valve edges inside a step honoured exactly, any plant.
 //!
-//! A step is divided at every instant that is known beforehand (a seat moves, a given motion turns, a controller samples) and
+//! A step is divided at every instant that is known beforehand (a poppet moves, a given motion turns, a controller samples) and
 //! where a mode ends: a velocity comes to rest, friction lets go, a length or a stop is reached, a tendon comes loose. What
 //! follows there is what follows in the event-located engine: the discrete state and its rules are the plant's, and are the
 //! same for both. Only the way from one instant to the next is another: one step of a [`Method`] in place of as many as a
