@@ -1,9 +1,9 @@
-"""The same work at the same error: mckibben in Python beside SciPy, Numba and diffrax.
+"""Times of equal work at equal error: mckibben in Python, SciPy, Numba and diffrax.
 
     python compare.py            # everything, some minutes
     python compare.py --quick    # one accuracy, fewer rows: to see that it runs
 
-What everybody does is in `work.py`, who they are in `peers.py`. A peer's setting is the loosest of its list at which
+The work is defined in `work.py`, the solvers in `peers.py`. A peer's setting is the loosest of its list at which
 its error is not above ours, and the table stops with a failure where a time would be quoted for a larger one. Errors
 are against the independent model of `validation/` at 1e-12. Times are the least of rounds in which all take turns,
 compiling left out. The load of the machine stands in the first line: with other work on it the ratios hold better than
@@ -90,7 +90,7 @@ def one_run(of: work.Work, tolerance: float, rounds: int) -> None:
         return np.array([run.length, run.absolute_pressure])
 
     classical, adaptive, compiled, _ = peers.numba_peers(of)
-    everybody = {
+    solvers = {
         "SciPy DOP853, events located": peers.scipy_with_events(of, "DOP853"),
         "SciPy DOP853 between the valve's instants": peers.scipy_between_instants(of, "DOP853", peers.plain(of)),
         "SciPy DOP853, right-hand side by Numba": peers.scipy_between_instants(of, "DOP853", compiled),
@@ -104,7 +104,7 @@ def one_run(of: work.Work, tolerance: float, rounds: int) -> None:
     error = of.error(simulate())
     print(f"one run of {of.spans[-1][1]:g} s, {len(of.samples)} samples, our relative tolerance {tolerance:.0e}")
     runs, measured = {name: simulate}, [(name, f"{tolerance:.0e}", error)]
-    for other, peer in everybody.items():
+    for other, peer in solvers.items():
         setting = loosest(peer, lambda value, peer=peer: of.error(peer.run(value)), error)
         if setting is None:
             print(
@@ -172,7 +172,7 @@ def many_runs(of: work.Work, rows: int, tolerance: float, rounds: int) -> None:
         return np.concatenate(begun)[:, 0][:, [0, 2]]
 
     name = f"mckibben.sweep, events located, {tolerance:.0e}"
-    everybody = {
+    solvers = {
         name: (lambda chosen, rtol: swept(chosen, relative_tolerance=rtol), [tolerance]),
         "mckibben.sweep, fixed steps, RK4": (
             lambda chosen, step: swept(chosen, engine="fixed-step", method="rk4", step=f"{step!r} s"),
@@ -185,7 +185,7 @@ def many_runs(of: work.Work, rows: int, tolerance: float, rounds: int) -> None:
         "diffrax, Dormand-Prince 5(4), jitted, vmapped": (vmapped, peers.TOLERANCES),
     }
     runs, measured, most = {}, [], float("inf")
-    for who, (run, settings) in everybody.items():
+    for who, (run, settings) in solvers.items():
         peer = peers.Peer(who, functools.partial(run, checked), settings)
         setting = loosest(peer, lambda value, peer=peer: error_of(peer.run(value)), most)
         if setting is None:

@@ -1,7 +1,7 @@
 """The peers: SciPy, Numba and diffrax on the work of `work.py`, each written as its documentation recommends.
 
 A peer is a function of a tolerance (of Runge-Kutta 4, of a step) that gives length and pressure at the samples. All of
-them restart at every motion of the seat, which everybody knows beforehand.
+them restart at every motion of the poppet, whose times are known beforehand.
 """
 
 from __future__ import annotations

@@ -164,7 +164,7 @@ def rates(length, velocity, pressure, air, mass, filling, k):
 
 
 def rates_of_arrays(xp, state, mass, filling, k):
-    """The same with selects in place of branches, for arrays of the module `xp`."""
+    """Return the rates, with selects in place of branches, for arrays of the module `xp`."""
     length, velocity, pressure, air = state[0], state[1], state[2], state[3]
     slack = length < k.min_length
     braid = xp.maximum(length, k.min_length)

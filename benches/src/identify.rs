@@ -122,9 +122,9 @@ fn compare() -> Result<(), String> {
     println!("{:<34} {:>14} {:>14} {:>10}", "number", "here", "SciPy", "apart/dev");
     let mut furthest = 0.0_f64;
     for (place, estimate) in found.estimates.iter().enumerate() {
-        let deviation = estimate
-            .standard_error
-            .ok_or_else(|| format!("{} is not told at {:e}: {:?}", estimate.name, estimate.value, found.untold))?;
+        let deviation = estimate.standard_error.ok_or_else(|| {
+            format!("{} is not identifiable at {:e}: {:?}", estimate.name, estimate.value, found.untold)
+        })?;
         let apart = (estimate.value - values[place]).abs() / deviation;
         furthest = furthest.max(apart);
         println!("{:<34} {:>14.6e} {:>14.6e} {apart:>10.1e}", estimate.name, estimate.value, values[place]);

@@ -19,7 +19,7 @@ pub enum LengthRegime {
     Free,
     /// Beyond the longest length.
     Taut,
-    /// The same, coming back too fast for the braid to pull.
+    /// Taut, but shortening too fast for the braid to pull.
     Rebound,
 }
 

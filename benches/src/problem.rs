@@ -27,7 +27,7 @@ pub enum Port {
 pub struct Problem {
     /// What our own integrator is given.
     pub experiment: Experiment,
-    /// The same in SI.
+    /// The scenario in SI.
     pub scenario: Scenario,
     /// The flow path that is open at first.
     pub initial_port: Port,

@@ -161,7 +161,7 @@ def interrupted():
     """Calls with one argument, and interrupts the call by the signal that Ctrl-C sends.
 
     No clock decides when: another thread sends the signal once the call is next, after some work of its own, and again until
-    the call hears it. Were the interpreter kept from other threads, none would be sent; were it not heard, the call would
+    the call handles it. Were the interpreter kept from other threads, none would be sent; were it not handled, the call would
     come to its end.
     """
     before = signal.getsignal(signal.SIGINT)

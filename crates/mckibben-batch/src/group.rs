@@ -16,7 +16,7 @@ use mckibben::valve::RuntimeCommand;
 use mckibben::{Error, Response};
 
 /// Elements that a thread takes together where they are stepped individually.
-const BY_THEMSELVES: usize = 8;
+const INDIVIDUALLY: usize = 8;
 /// Rows that go on side by side; where they are fewer than this, each alone, which is less work.
 pub(crate) const FEW: usize = 4;
 
@@ -111,7 +111,7 @@ fn goes_on(command: &RuntimeCommand) -> bool {
 /// Deals rows to groups: those of equal structure side by side, all others individually. The groups, the places of the rows in
 /// them, and how many coordinates a host moves.
 pub(crate) fn arrange(rows: Vec<PlantSteps>, width: Width) -> (Vec<Group>, Vec<[usize; 2]>, usize) {
-    let most = if width.rows() > 1 { width.rows() } else { BY_THEMSELVES };
+    let most = if width.rows() > 1 { width.rows() } else { INDIVIDUALLY };
     let mut groups: Vec<(Group, Option<Plant>)> = Vec::new();
     // Of each structure the group that has room.
     let mut open: Vec<usize> = Vec::new();

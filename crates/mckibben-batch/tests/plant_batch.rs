@@ -2,7 +2,7 @@
 
 use crate::common::joint::Pair;
 use crate::common::laws::measured;
-use crate::common::plants::{requested, leg_on_its_belt, on_a_bottle, unlike_muscles_on_one_tank};
+use crate::common::plants::{leg_on_its_belt, on_a_bottle, requested, unlike_muscles_on_one_tank};
 use crate::common::random::runner;
 use crate::common::random_plants::{drawn, plant};
 use crate::common::tendon::on_tendon;

@@ -42,7 +42,7 @@ fn prescribed_motions_equal_scalar_instances() {
     }
 }
 
-/// In the muscle, at the far end of a hose, with a tendon, and with a motion that is given as well.
+/// In the muscle, at the inlet of a hose, with a tendon, and with a motion that is given as well.
 #[test]
 fn prescribed_pressures_equal_scalar_instances() {
     for coulomb in [0.0, 1e-4] {

@@ -110,7 +110,8 @@ fn row(index: usize) -> (Row, CommandOf) {
 /// All commands to a row, as a command known beforehand. A request that is repeated changes nothing: left in, its
 /// instant could meet that of a poppet and stand for it, a rounding beside.
 fn known(index: usize, command_of: CommandOf, at: impl Fn(usize) -> f64) -> Command {
-    let mut commands: Vec<(f64, RuntimeCommand)> = (0..COMMANDS).map(|count| (at(count), command_of(index, count))).collect();
+    let mut commands: Vec<(f64, RuntimeCommand)> =
+        (0..COMMANDS).map(|count| (at(count), command_of(index, count))).collect();
     commands.dedup_by(|(_, next), (_, before)| matches!(next, RuntimeCommand::Request(_)) && next == before);
     let time = commands.iter().map(|(time, _)| *time).collect();
     let numbers = commands.iter().filter_map(|(_, commanded)| match commanded {

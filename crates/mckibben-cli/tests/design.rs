@@ -221,7 +221,10 @@ fn runs_that_fail_are_reported_and_the_search_goes_on() {
     let output = design(&folder, &options);
     assert!(output.status.success(), "{}", error(&output));
     let output = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert!(output.contains("failed and counted as infeasible") && output.contains("the simulation stopped"), "{output}");
+    assert!(
+        output.contains("failed and counted as infeasible") && output.contains("the simulation stopped"),
+        "{output}"
+    );
     assert!(output.contains("1..10000 mm^2, logarithmic"), "{output}");
 }
 

@@ -221,7 +221,10 @@ fn a_joint_is_identified_from_its_swings() {
         assert!((value / truth - 1.0).abs() < part, "{name}: {value} is not {truth}\n{printed}");
     }
     let page = read(&folder, "out/index.html");
-    assert!(page.contains("antagonist&#39;s gauge pressure") || page.contains("antagonist's gauge pressure"), "{printed}");
+    assert!(
+        page.contains("antagonist&#39;s gauge pressure") || page.contains("antagonist's gauge pressure"),
+        "{printed}"
+    );
     let output = folder.mckibben().args(["simulate", "out/scenario.toml", "--output", "run.csv"]).output();
     assert!(output.expect("the program runs").status.success());
     assert!(read(&folder, "run.csv").contains("angle_rad"));

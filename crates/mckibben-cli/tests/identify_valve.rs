@@ -479,7 +479,10 @@ fn tanks_that_cannot_be_are_refused() {
     // A sensor that ends at 5 bar.
     folder.file("run.csv", &shifted(0.0, 5e5));
     let printed = refused(&folder, &good);
-    assert!(printed.contains("reads 500000 Pa, its largest value") && printed.contains("the sensor is at its end"), "{printed}");
+    assert!(
+        printed.contains("reads 500000 Pa, its largest value") && printed.contains("the sensor is at its end"),
+        "{printed}"
+    );
     assert!(printed.contains("`saturates = \"500000 Pa\"`"), "{printed}");
     found(&folder, &good.replace("unit = \"Pa\"", "unit = \"Pa\"\nsaturates = \"500000 Pa\""));
 }

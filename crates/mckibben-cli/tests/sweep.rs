@@ -400,7 +400,10 @@ fn a_run_with_a_non_physical_state_stops_and_the_others_go_on() {
     };
     folder.file("wide.toml", &wide(", \"20 cm^2\""));
     let printed = run(&folder, &["sweep", "wide.toml", "-o", "wide.csv"]);
-    assert!(printed.contains("2 of 6 runs failed") && printed.contains("run 2: the simulation stopped at t = "), "{printed}");
+    assert!(
+        printed.contains("2 of 6 runs failed") && printed.contains("run 2: the simulation stopped at t = "),
+        "{printed}"
+    );
     let lines = csv_lines(&folder.path("wide.csv"));
     for line in &lines {
         let failed = number(line, "valve_flow_area_m2") > 1e-4;
@@ -859,7 +862,8 @@ fn without_a_step_the_sweep_takes_the_least_that_the_rows_tried_need() {
     let folder = Folder::new("sweep-step");
     folder.file("muscle.toml", &format!("{}{GRID}", without_step()));
     let set = ["-s", "run.accuracy=1e-3"];
-    let printed = run(&folder, &[&["sweep", "muscle.toml", "-o", "out", "--record", "trajectories"], &set[..]].concat());
+    let printed =
+        run(&folder, &[&["sweep", "muscle.toml", "-o", "out", "--record", "trajectories"], &set[..]].concat());
     assert!(printed.contains("the least that 8 runs spread over the sweep need for an accuracy of 1e-3"), "{printed}");
     let lines = parquet_lines(&parts(&folder.path("out")));
     let chosen = step_of(&folder.path("out"));

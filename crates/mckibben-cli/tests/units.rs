@@ -94,7 +94,8 @@ fn cells(text: &str, head: &str) -> Vec<f64> {
 fn tables_and_findings_have_the_units_that_are_chosen() {
     let folder = Folder::new("tables");
     let options = ["size", "--load", "5 kg", "--stroke", "30 mm", "--gauge-pressure", "4 bar"];
-    let (plain, imperial) = (text(&folder, &options), text(&folder, &[&options[..], &["--units", "imperial"]].concat()));
+    let (plain, imperial) =
+        (text(&folder, &options), text(&folder, &[&options[..], &["--units", "imperial"]].concat()));
     for (own, other, factor) in [
         ("length mm", "length in", 25.4),
         ("pressure bar", "pressure psi", 0.068_947_572_931_683_6),

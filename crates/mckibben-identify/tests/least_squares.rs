@@ -36,7 +36,7 @@ fn certified(curve: &Curve<Plain>, starts: &[&[f64]], expected: &[[f64; 2]], sca
             // What matters of a place in a flat valley is how far it is in deviations.
             let off = (estimate.value - value).abs() / deviation;
             assert!(off < 1e-6, "{}: {} is {off:e} deviations off from {start:?}", estimate.name, estimate.value);
-            let found = estimate.standard_error.expect("it is told");
+            let found = estimate.standard_error.expect("it is identifiable");
             assert!((found / deviation - 1.0).abs() < 1e-6, "{}: {found} for {deviation}", estimate.name);
         }
         assert!((fit.scatter / scatter - 1.0).abs() < 1e-9, "{}", fit.scatter);
@@ -136,7 +136,7 @@ fn the_interval_holds_the_truth_in_95_of_100_trials() {
         let curve = Curve { points: (0..8).map(point).collect(), curve: line };
         let fit = fit(&curve, &unknowns(&["offset", "slope"]), &Search::default()).expect("a fit");
         for (hits, (estimate, truth)) in hits.iter_mut().zip(fit.estimates.iter().zip(truth)) {
-            let [low, high] = estimate.confidence_interval.expect("it is told");
+            let [low, high] = estimate.confidence_interval.expect("it is identifiable");
             *hits += u32::from(low <= truth && truth <= high);
         }
     }
@@ -169,7 +169,7 @@ fn a_prior_determines_what_the_data_do_not() {
     let values = fit.values();
     assert!((values[0] - 2.0).abs() < 1e-9 && (values[1] - 3.0).abs() < 1e-9, "{values:?}");
     // The data are exact but for their scale of 1: Σx² = 204, and the prior is narrower than they.
-    let deviation = fit.estimates[0].standard_error.expect("the prior tells it");
+    let deviation = fit.estimates[0].standard_error.expect("the prior determines it");
     assert!((deviation - 0.1).abs() < 1e-9, "{deviation}");
 }
 

@@ -227,7 +227,7 @@ fn estimators_of_one_muscle_agree_as_far_as_they_can() {
     }
     assert!(paper.coulomb_width.value < exact.coulomb_width.value);
     let size = |row: &mckibben_identify::ring_down::Row| {
-        let [low, high] = row.coulomb_width.confidence_interval.expect("it is told");
+        let [low, high] = row.coulomb_width.confidence_interval.expect("it is identifiable");
         high - low
     };
     // All samples are more certain than the turns alone.

@@ -198,7 +198,7 @@ fn every_candidate_is_fitted_and_polynomials_go_astray() {
                 .expect("groups")
                 .errors();
             println!(
-                "{file} {:44} {} {:?} {:?} told {:?}",
+                "{file} {:44} {} {:?} {:?} not identifiable {:?}",
                 candidate.name,
                 candidate.unknowns.len(),
                 fit.errors,

@@ -241,8 +241,8 @@ fn intervals_by_windows_of_an_isothermal_tank_hold_c_and_b_in_95_of_100_trials()
         let record = record(run, 1);
         let (windows, trajectory) = (by_windows(&run.0, &record), run.0.fit(&record, guess, false).expect("a fit"));
         let [windows, by_trajectory] = [windows.critical_ratio, trajectory.critical_ratio.expect("b")]
-            .map(|estimate| estimate.standard_error.expect("it is told"));
-        println!("deviation of b by windows {windows:.2e}, by the trajectory {by_trajectory:.2e}");
+            .map(|estimate| estimate.standard_error.expect("it is identifiable"));
+        println!("standard error of b by windows {windows:.2e}, by the trajectory {by_trajectory:.2e}");
         assert!(by_trajectory < 0.7 * windows);
         close(trajectory.scatter, 50.0, 0.1, "the noise");
     }
@@ -280,7 +280,8 @@ fn a_charge_and_a_discharge_together_are_more_informative_than_either() {
     let both = records.each_ref().map(|(tank, record)| (*tank, record));
     let together = Tank::fit_together(&both, guess, false).expect("a fit");
     let alone = records.each_ref().map(|(tank, record)| tank.fit(record, guess, false).expect("a fit"));
-    let estimates = |fit: &TankFit| [&fit.sonic_conductance, &fit.critical_ratio].map(|of| of.clone().expect("told"));
+    let estimates =
+        |fit: &TankFit| [&fit.sonic_conductance, &fit.critical_ratio].map(|of| of.clone().expect("estimated"));
     let deviations = |fit: &TankFit| estimates(fit).map(|estimate| estimate.standard_error.expect("a deviation"));
     for ((estimate, truth), place) in estimates(&together).iter().zip([CONDUCTANCE, RATIO]).zip(0..) {
         let own = deviations(&together)[place];

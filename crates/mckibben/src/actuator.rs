@@ -24,7 +24,7 @@
 //! Checked by `tests/actuator.rs`: transcription of (12), derivatives against finite differences, both stiffnesses.
 
 use crate::air::{Air, Chamber, Flow};
-use crate::convert::{ConvertEach, Convert};
+use crate::convert::{Convert, ConvertEach};
 use crate::dual::Dual;
 use crate::error::Error;
 use crate::force::{Characteristic, Effective, LengthLimits, StaticForce, Statics};

@@ -169,7 +169,7 @@ fn the_fixed_step_engine_comes_to_the_same_run() {
 }
 
 #[test]
-fn a_fixed_step_run_is_the_open_loop_s_with_its_command_to_the_last_bit() {
+fn a_fixed_step_run_is_bit_identical_to_the_open_loop_with_its_command() {
     let (paper, controller) = (fill_hold_exhaust(), pressure_pid(45.0 * PSI));
     let closed = stepped(&paper, &controller, sampling(50.0, 0), (0.5, 500));
     let again = stepped(&paper, &controller, sampling(50.0, 0), (0.5, 500));

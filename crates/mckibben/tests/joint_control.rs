@@ -246,7 +246,7 @@ fn slow_seats_are_controlled_by_both_engines() {
 }
 
 #[test]
-fn a_run_at_fixed_steps_is_the_open_loop_s_with_its_commands_to_the_last_bit() {
+fn a_run_at_fixed_steps_is_bit_identical_to_the_open_loop_with_its_commands() {
     let closed = stepped(&swing(), sampling(50.0, 0), 400);
     let papers = [paper(), paper()];
     let start = closed.rig().start(&initial(&papers)).expect("a start");

@@ -169,7 +169,8 @@ fn a_hose_behind_a_shut_valve_follows_two_runs() {
 fn a_leak_that_is_fed_follows_two_runs() {
     for (reservoir, regulator) in [(false, false), (true, false), (false, true), (true, true)] {
         let line = Line { hose: Some(hose(HoseKind::Lumped)), leakage: leak(), supply: supply(reservoir, regulator) };
-        let rig = with_line(&requested(Request::Fill).with(|rig| rig.supply_gauge = 60.0 * PSI).friction(20.0, 0.0), line);
+        let rig =
+            with_line(&requested(Request::Fill).with(|rig| rig.supply_gauge = 60.0 * PSI).friction(20.0, 0.0), line);
         let from = requested(Request::Fill).start();
         let linear = linearize_driven(&rig, Aim::Command, Content::Of(from)).expect("a model");
         let what = format!("reservoir {reservoir}, regulator {regulator}");

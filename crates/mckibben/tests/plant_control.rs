@@ -454,8 +454,9 @@ fn what_makes_no_sense_is_refused() {
     let papers = [fill_hold_exhaust(), fill_hold_exhaust()];
     let (plant, start, _) = on_one_bottle(&papers, 1e-3);
     let steady = |commanded: RuntimeCommand, valves: &[usize]| {
-        let decide =
-            move |_: &PlantMeasurement, (): &mut (), demands: &mut [Option<RuntimeCommand>]| demands.fill(Some(commanded));
+        let decide = move |_: &PlantMeasurement, (): &mut (), demands: &mut [Option<RuntimeCommand>]| {
+            demands.fill(Some(commanded))
+        };
         Driver::of_function(decide, (), valves, sampling(50.0, 0), PlantSensors::perfect())
     };
     let fill = RuntimeCommand::Request(Request::Fill);

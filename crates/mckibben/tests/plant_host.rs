@@ -1,7 +1,7 @@
 //! The external mechanism, whose ends a host moves: tensions with their derivatives, tendons, friction that holds, a shared
 //! bottle, and steps that fail or are only tried.
 
-use crate::common::plants::{requested, external, on_a_bottle};
+use crate::common::plants::{external, on_a_bottle, requested};
 use crate::common::{ATMOSPHERE, Paper, ROOM, assert_close, assert_within, bisect};
 use mckibben::load::SeriesTendon;
 use mckibben::mechanism::{Coupling, Mechanism};

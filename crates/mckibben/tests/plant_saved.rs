@@ -1,7 +1,7 @@
 //! A plant's state as numbers in the caller's memory: what has gone through them is bit-identical and goes on so.
 
 use crate::common::joint::Pair;
-use crate::common::plants::{requested, on_a_bottle};
+use crate::common::plants::{on_a_bottle, requested};
 use crate::common::{PSI, Paper, ROOM, spread};
 use mckibben::command::{Driver, PlantMeasurement, PlantSensors};
 use mckibben::control::Sampling;
@@ -152,7 +152,7 @@ fn what_has_gone_through_numbers_goes_on_to_the_same_bits() {
 
 /// Actuators that stick together on a joint, stops, several valves on one bottle beside a mass.
 #[test]
-fn plants_that_move_by_themselves_go_on_to_the_same_bits() {
+fn restored_runs_without_a_host_are_bit_identical() {
     let pair = Pair::of(Paper::pwm(25.0, 0.4).gauge(25.0 * PSI).friction(3.5, 1e-4));
     let rig = pair.rig().expect("a joint");
     let state = rig.start(&pair.initial()).expect("a start");

@@ -35,8 +35,7 @@ fn arm() -> (Plant, PlantStart) {
     let paper = Paper::sealed().friction(6.0, 2e-5);
     let table = MomentArm::table(&[-0.6, 0.0, 0.7], &[0.011, 0.014, 0.012]).expect("a table");
     let slip = MaxwellSlip::new(&[1e-4, 4e-4], &[0.2, 0.1]).expect("a law");
-    let hysteretic =
-        paper.clone().friction(6.0, 0.0).with(|rig| rig.hysteresis = Some(Hysteresis::MaxwellSlip(slip)));
+    let hysteretic = paper.clone().friction(6.0, 0.0).with(|rig| rig.hysteresis = Some(Hysteresis::MaxwellSlip(slip)));
     let (air, law) = (paper.air(), paper.flow_law());
     let mut network = Network::new(&air);
     let outside = network.node(NodeKind::Atmosphere, 0.0, ROOM);

@@ -125,7 +125,8 @@ fn derivatives_are_those_of_differences() {
 
 #[test]
 fn what_does_not_go_together_is_refused() {
-    let error = Paper::driven(Command::Constant(Request::Fill)).rig().with_pressure(pressure_series()).expect_err("a valve");
+    let error =
+        Paper::driven(Command::Constant(Request::Fill)).rig().with_pressure(pressure_series()).expect_err("a valve");
     assert!(error.to_string().contains("a valve or a leak would change it too"), "{error}");
     let vacuum = PressureSeries::new(&[0.0, 1.0], &[0.0, -1.1e5]).expect("a time series");
     let error = Paper::sealed().rig().with_pressure(vacuum).expect_err("below vacuum");

@@ -76,7 +76,8 @@ fn it_agrees_with_an_independent_integration() {
         let supply = paper.supply_gauge + ATMOSPHERE;
         let flow = |upstream: f64, downstream: f64| {
             let r = downstream / upstream;
-            let part = if r <= FLOW_PATH.1 { 1.0 } else { (1.0 - ((r - FLOW_PATH.1) / (1.0 - FLOW_PATH.1)).powi(2)).sqrt() };
+            let part =
+                if r <= FLOW_PATH.1 { 1.0 } else { (1.0 - ((r - FLOW_PATH.1) / (1.0 - FLOW_PATH.1)).powi(2)).sqrt() };
             FLOW_PATH.0 * 1.185 * upstream * part
         };
         let share = |way: f64| ((way - overlap) / (1.0 - overlap)).clamp(0.0, 1.0);

@@ -198,7 +198,7 @@ fn derivatives_are_those_of_finite_differences() {
 
 /// The tendon's load end on a given motion, at fixed steps: near the event-located engine, by the order of the method.
 #[test]
-fn its_far_end_is_moved_at_fixed_steps() {
+fn the_load_end_is_moved_at_fixed_steps() {
     let paper = smooth();
     let moved = Load::Prescribed(Motion::sinusoid(0.09 + REST, 1e-3, 10.0, 0.0, f64::MAX).expect("a motion"));
     let tendon = SeriesTendon::new(STIFFNESS, REST).expect("a tendon");

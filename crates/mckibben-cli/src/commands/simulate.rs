@@ -201,7 +201,11 @@ pub(super) fn over_time(ready: &Ready, over: TrajectoryAxis) -> Result<(), Failu
 ///
 /// # Errors
 /// None but those of the engine.
-pub(super) fn report_text(figures: &Figures, common: Common<'_>, scenario: Option<&Scenario>) -> Result<String, Failure> {
+pub(super) fn report_text(
+    figures: &Figures,
+    common: Common<'_>,
+    scenario: Option<&Scenario>,
+) -> Result<String, Failure> {
     match (figures, scenario) {
         (Figures::Plant(run), _) => summary::plant::Summary { common, run }.render(),
         // Not reached: what is no plant has been read as a scenario. Said rather than assumed.

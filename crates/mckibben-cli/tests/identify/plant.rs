@@ -1,6 +1,6 @@
 //! Plants whose actuators have names: parts are found, some by measured pressures, and what is wrong is refused in words.
 
-use super::{Folder, cell, identify, of_repository, read, printed};
+use super::{Folder, cell, identify, of_repository, printed, read};
 use mckibben_scenario::Document;
 
 /// A file of the repository's examples.

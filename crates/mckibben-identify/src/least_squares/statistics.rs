@@ -115,7 +115,8 @@ impl Fit {
             StudentsT::new(0.0, 1.0, degrees_of_freedom.max(1) as f64).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975));
         let estimate = |unknown: usize| {
             let value = values[unknown];
-            let of_size = free.iter().position(|place| *place == unknown).and_then(|place| sensitivity.standard_error(place));
+            let of_size =
+                free.iter().position(|place| *place == unknown).and_then(|place| sensitivity.standard_error(place));
             let standard_error = of_size.map(|error| error * spread * sizes[unknown]).filter(|error| error.is_finite());
             Estimate {
                 name: unknowns[unknown].name.clone(),

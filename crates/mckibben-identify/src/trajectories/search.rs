@@ -294,7 +294,8 @@ impl Task {
                 }
             }
             let built = run.built(&first).and_then(|built| Ok(built.ready()?)).map_err(|error| run.failed(error))?;
-            if let Some(recorded) = run.courses.iter().find(|recorded| recorded.observed.place(&built.plant).is_none()) {
+            if let Some(recorded) = run.courses.iter().find(|recorded| recorded.observed.place(&built.plant).is_none())
+            {
                 let (run, observed) = (run.name.clone(), recorded.observed.clone());
                 return Err(match observed.is_of_joint() {
                     true => TrajectoryError::NoJoint { run, observed },

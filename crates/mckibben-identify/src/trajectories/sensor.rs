@@ -164,7 +164,11 @@ impl KnownSensor {
                         [_, more, less] => (more.value() - less.value()) / (2.0 * LAG_PART * self.lag),
                         _ => 0.0,
                     };
-                    let rate = if shift_is_unknown { (simulated_series.at(source).value() - value.value()) / self.lag } else { 0.0 };
+                    let rate = if shift_is_unknown {
+                        (simulated_series.at(source).value() - value.value()) / self.lag
+                    } else {
+                        0.0
+                    };
                     (value, rate, by_lag)
                 }
             };

@@ -284,7 +284,7 @@ mod tests {
     }
 
     #[test]
-    fn a_delay_behind_which_pulses_vanish_is_named() {
+    fn a_delay_longer_than_all_pulses_is_named() {
         let direction = |names: &[&str]| Direction {
             told: 0.0,
             shares: names.iter().map(|name| ((*name).to_owned(), 0.7)).collect(),

@@ -177,7 +177,8 @@ impl Parts {
                     (Some(_), InitialLength::At(length)) => Some(length),
                     (Some(tendon), _) => {
                         let distance = coupling.span(&frame.mechanism, &frame.positions);
-                        let gauge = pressure.as_ref().map_or(initial.gauge_pressure.0, |pressure| pressure.at(0.0, 0)[0]);
+                        let gauge =
+                            pressure.as_ref().map_or(initial.gauge_pressure.0, |pressure| pressure.at(0.0, 0)[0]);
                         let pressure = GaugePressure(gauge).absolute(bare.air().atmosphere());
                         Some(tendon.balance(&bare, distance, pressure.0))
                     }

@@ -6,7 +6,7 @@
 //! force that names its `law`, a bladder its `form`; a braid that is described at rest in place of one described
 //! otherwise; a moment arm, by radius or by table. A table holds as it stands: it is not mirrored.
 
-use super::{alternative, body, columns, conditions, drive, line, flow_path};
+use super::{alternative, body, columns, conditions, drive, flow_path, line};
 use crate::choice::PressurePlace;
 use crate::diagnostic::Place;
 use crate::document::{Document, Entry, Node, Table, Value};

@@ -18,14 +18,14 @@
 //! Checked by `tests/scenario.rs` and `tests/diagnostics.rs`.
 
 mod body;
-pub(crate) mod controller;
 mod conditions;
+pub(crate) mod controller;
 mod drive;
+pub(crate) mod flow_path;
 mod friction;
 mod joint;
 mod line;
 mod mechanism;
-pub(crate) mod flow_path;
 mod plant;
 
 pub(crate) use body::{describes_braid, describes_whole_braid, gives_braid, gives_law};

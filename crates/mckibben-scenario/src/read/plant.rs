@@ -3,7 +3,7 @@
 //! Each is read from the document as it stands for it. What feeds what is a tree: a supply is fed by at most one, and none by
 //! itself.
 
-use super::{body, conditions, drive, line, mechanism, flow_path};
+use super::{body, conditions, drive, flow_path, line, mechanism};
 use crate::choice::{CommandKind, InletKind, ValveOutput};
 use crate::diagnostic::{Class, Diagnostic, Diagnostics, Place};
 use crate::document::Document;

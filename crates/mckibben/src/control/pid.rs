@@ -29,7 +29,7 @@
 //! Checked by `tests/pid.rs`.
 
 use super::{Drive, Quantity};
-use crate::convert::{ConvertEach, Convert};
+use crate::convert::{Convert, ConvertEach};
 use crate::error::Error;
 use crate::parameter::{self, Parameter};
 use crate::scalar::{Real, Scalar};

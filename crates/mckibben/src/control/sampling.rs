@@ -14,7 +14,7 @@
 //! Instants come from their index and are never summed: the millionth is as exact as the first. Until decision 0 takes
 //! effect the valve has no command and its coils stay released.
 
-use crate::convert::{ConvertEach, Convert};
+use crate::convert::{Convert, ConvertEach};
 use crate::error::Error;
 use crate::parameter::{self, Parameter};
 use crate::scalar::{Real, Scalar};

@@ -11,7 +11,7 @@
 //! are one: a step at a sampling instant is seen at that instant.
 
 use super::Quantity;
-use crate::convert::{ConvertEach, Convert};
+use crate::convert::{Convert, ConvertEach};
 use crate::error::Error;
 use crate::parameter::{self, Parameter};
 use crate::scalar::{Real, Scalar};

@@ -77,7 +77,13 @@ impl<R: Real> RuntimeCommands<R> {
         }
     }
 
-    fn change(&mut self, actuation: &mut Actuation<R>, progress: &mut Progress<R>, time: R, commanded: RuntimeCommand<R>) {
+    fn change(
+        &mut self,
+        actuation: &mut Actuation<R>,
+        progress: &mut Progress<R>,
+        time: R,
+        commanded: RuntimeCommand<R>,
+    ) {
         let drive = match commanded {
             RuntimeCommand::Request(request) => Some((Drive::Steady(request), self.pulse_frequency)),
             RuntimeCommand::Pulses { frequency, duty, pulse, rest } => {
@@ -85,7 +91,8 @@ impl<R: Real> RuntimeCommands<R> {
             }
             RuntimeCommand::SetPoint(_) | RuntimeCommand::Position(_) => None,
         };
-        let go_on = matches!((self.last, commanded), (Some(RuntimeCommand::Pulses { .. }), RuntimeCommand::Pulses { .. }));
+        let go_on =
+            matches!((self.last, commanded), (Some(RuntimeCommand::Pulses { .. }), RuntimeCommand::Pulses { .. }));
         progress.settle(actuation, time, if go_on { R::constant(f64::INFINITY) } else { time });
         match drive {
             Some((drive, frequency)) => {

@@ -22,7 +22,7 @@
 //! and a flow moves no pressure beyond another. A branch that closes a ring counts for its two nodes, not between them; the
 //! method that uses it keeps its order whatever the matrix.
 
-use super::flow::{Densities, NetworkState, OrificeEnds, AroundNetwork};
+use super::flow::{AroundNetwork, Densities, NetworkState, OrificeEnds};
 use super::formulas::FlowFormulas;
 use super::piping::Piping;
 use super::{Branch, BranchKind, Network, NodeKind};

@@ -30,6 +30,7 @@
 //! `tests/plant_ledger.rs`: mass, energy and exergy; by `tests/plant_linear_closed_forms.rs`: a leak and a resonator.
 
 pub(crate) mod choke;
+mod commands;
 pub(crate) mod flow;
 pub(crate) mod formulas;
 pub(crate) mod guard;
@@ -38,7 +39,6 @@ pub(crate) mod mode;
 pub(crate) mod piping;
 pub(crate) mod progress;
 mod setting;
-mod commands;
 
 use crate::air::Air;
 use crate::convert::Convert;

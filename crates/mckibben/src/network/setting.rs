@@ -3,8 +3,8 @@
 //! What has been set becomes a command of which only what is still on its way is kept, so that poppets move at the instants
 //! that they would have if all had been known beforehand, and memory stays bounded however often a valve is set.
 
-use super::mode::{BranchMode, NetworkMode, NodeMode, ValveMode};
 use super::commands::RuntimeCommands;
+use super::mode::{BranchMode, NetworkMode, NodeMode, ValveMode};
 use super::{Network, NodeKind};
 use crate::error::Error;
 use crate::line::Poppet;
@@ -224,7 +224,8 @@ impl<R: Real> Network<R> {
         let of_valve = &mut mode.valves[valve];
         let setting = of_valve.setting.get_or_insert_with(|| Box::new(Setting::of(&self.valves[valve])));
         let Setting { actuation, commands, pulse_frequency } = &mut **setting;
-        *pulse_frequency = if let RuntimeCommand::Pulses { frequency, .. } = commanded { Some(frequency) } else { None };
+        *pulse_frequency =
+            if let RuntimeCommand::Pulses { frequency, .. } = commanded { Some(frequency) } else { None };
         commands.apply(actuation, &mut of_valve.progress, time, commanded);
         self.forget_set_points(valve, mode);
         Ok(())

@@ -35,7 +35,7 @@ use crate::mechanism::chain::Chain;
 use crate::mechanism::coupling::ArmPieces;
 use crate::mechanism::{Coupling, Mechanism};
 use crate::network::NodeKind;
-use crate::network::flow::{NetworkState, AroundNetwork};
+use crate::network::flow::{AroundNetwork, NetworkState};
 use crate::network::formulas::FlowFormulas;
 use crate::network::piping::Piping;
 use crate::scalar::{Differentiable, Mask, Over, Real, Scalar, Work};

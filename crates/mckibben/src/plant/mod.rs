@@ -90,7 +90,7 @@ pub use view::{PlantView, ViewReader, ViewRunEnd, ViewStep, ViewTrajectory, reco
 
 use crate::actuator::Actuator;
 use crate::air::Process;
-use crate::convert::{ConvertEachOf, Convert};
+use crate::convert::{Convert, ConvertEachOf};
 use crate::error::Error;
 use crate::friction::Viscoelastic;
 use crate::load::SeriesTendon;

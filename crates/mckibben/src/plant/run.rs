@@ -94,7 +94,12 @@ impl<R: Instantiate> PlantSnapshot<R> {
     }
 
     /// Sets a valve to what needs nothing of where it is and of the time; whether it is that.
-    pub(super) fn set_on(&mut self, plant: &Plant<R>, valve: usize, commanded: &RuntimeCommand<R>) -> Result<bool, Error> {
+    pub(super) fn set_on(
+        &mut self,
+        plant: &Plant<R>,
+        valve: usize,
+        commanded: &RuntimeCommand<R>,
+    ) -> Result<bool, Error> {
         self.check_valve(plant, valve)?;
         plant.network.set_valve_on(valve, commanded, &mut self.mode.network)
     }

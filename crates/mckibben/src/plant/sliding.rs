@@ -326,7 +326,8 @@ impl<R: Real> System<R> {
             }
             let velocity = at.units[i].rate.value();
             let heading = if velocity == 0.0 { acceleration } else { velocity };
-            mode.actuators[i].mode.sliding = if heading == 0.0 { Sliding::Held } else { self.sliding_towards(i, heading) };
+            mode.actuators[i].mode.sliding =
+                if heading == 0.0 { Sliding::Held } else { self.sliding_towards(i, heading) };
         }
     }
 

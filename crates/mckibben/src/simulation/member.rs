@@ -199,7 +199,12 @@ impl<R: Real> Member<R> {
 
     /// Force by its sign for a given sliding state.
     #[inline(always)]
-    pub(crate) fn signed_force_sliding<T: Over<R>>(&self, ends: [T; 3], mode: &Mode, sliding_state: SlidingState<T>) -> T {
+    pub(crate) fn signed_force_sliding<T: Over<R>>(
+        &self,
+        ends: [T; 3],
+        mode: &Mode,
+        sliding_state: SlidingState<T>,
+    ) -> T {
         let actuator = &self.actuator;
         let (law, gauge) = (actuator.law(), actuator.gauge(ends[2]));
         let effectiveness = law.effectiveness.in_piece(mode.effectiveness_piece, gauge);

@@ -16,7 +16,7 @@
 
 use super::pressure_series::PressureSeries;
 use crate::actuator::Actuator;
-use crate::convert::{ConvertEach, Convert};
+use crate::convert::{Convert, ConvertEach};
 use crate::error::{Error, Requirement};
 use crate::force::Statics;
 use crate::friction::SlidingState;

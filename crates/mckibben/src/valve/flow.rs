@@ -52,7 +52,7 @@
 //! path.
 
 use crate::air::Air;
-use crate::convert::{ConvertEach, Convert};
+use crate::convert::{Convert, ConvertEach};
 use crate::error::{Error, Requirement};
 use crate::parameter::{self, Parameter};
 use crate::scalar::{Over, Real, Scalar};

@@ -15,15 +15,15 @@
 //! known too.
 
 mod command;
-mod runtime_command;
 #[cfg(feature = "alloc")]
 mod duty_cycle;
 mod five_way;
 mod flow;
-mod opening;
 mod flow_path;
+mod opening;
 mod ramp;
 mod regulator;
+mod runtime_command;
 pub(crate) mod solenoid;
 mod spool;
 mod spool_clock;
@@ -31,17 +31,17 @@ mod spool_clock;
 #[cfg(feature = "alloc")]
 pub(crate) use command::check_times;
 pub use command::{Command, Request};
-pub use runtime_command::RuntimeCommand;
 #[cfg(feature = "alloc")]
 pub use duty_cycle::{Interval, actual_duty_cycle};
 #[cfg(feature = "alloc")]
 pub(crate) use duty_cycle::{duty_range, period, with_duty};
 pub use five_way::{FiveWay, FiveWayOutput, FiveWayRest};
 pub use flow::{FlowLaw, FlowZone, flow_parameter};
-pub use opening::Openings;
 pub use flow_path::{FlowStandard, REFERENCE_DENSITY, REFERENCE_TEMPERATURE};
+pub use opening::Openings;
 pub use ramp::{Ramp, Stroke};
 pub use regulator::{Approach, Regulator};
+pub use runtime_command::RuntimeCommand;
 pub use solenoid::{Ports, SeatClock, Solenoid, ValveKind};
 pub(crate) use solenoid::{SIMULTANEOUS, is_due};
 pub use spool::{Spool, SpoolMotion};

@@ -150,7 +150,13 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
         output::write(path, &bytes)?;
     }
     if !arguments.quiet {
-        terminal::print(&summary::summary(arguments, &plan, (sweep, choice.as_ref()), &totals, (kept, written, elapsed)))?;
+        terminal::print(&summary::summary(
+            arguments,
+            &plan,
+            (sweep, choice.as_ref()),
+            &totals,
+            (kept, written, elapsed),
+        ))?;
     }
     match totals.first_reason() {
         Some(reason) if totals.failed() == totals.runs() => {

@@ -153,7 +153,8 @@ impl<R: Instantiate> JointPlant<R> {
         R: Send + Sync + 'static,
         C: JointController<R, Memory: Send + Sync> + Debug + Send + Sync + 'static,
     {
-        let [agonist, antagonist] = [self.feeds[0].poppet_valve(&self.plant)?, self.feeds[1].poppet_valve(&self.plant)?];
+        let [agonist, antagonist] =
+            [self.feeds[0].poppet_valve(&self.plant)?, self.feeds[1].poppet_valve(&self.plant)?];
         Ok(Driver::of_joint(controller, (0, 0), [0, 1], [agonist, antagonist], set_up))
     }
 

@@ -29,7 +29,7 @@ use super::rig::{Actuation, check_air, check_drive};
 use crate::actuator::Actuator;
 use crate::control::Held;
 #[cfg(feature = "alloc")]
-use crate::convert::{ConvertEachOf, Convert};
+use crate::convert::{Convert, ConvertEachOf};
 use crate::dual::Dual;
 use crate::error::{Error, Requirement};
 use crate::force::Statics;
