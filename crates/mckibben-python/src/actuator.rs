@@ -1,7 +1,7 @@
 //! The modular actuator for a simulation loop that users write: the classes `Actuator`, `ActuatorState` and `Response`.
 
 use crate::arguments;
-use crate::raised::{OrException, exception};
+use crate::exceptions::{OrException, exception};
 use crate::scenario::Scenario;
 use crate::signals::Watch;
 use crate::typed::{MemberWord, NewArguments, Numbers, PortsWord, RequestWord, Sequence};
@@ -477,7 +477,7 @@ impl Actuator {
     #[pyo3(signature = (scenario, name = None, *, pulse_frequency = None))]
     fn new(scenario: Py<Scenario>, name: Option<MemberWord>, pulse_frequency: Option<f64>) -> PyResult<Self> {
         let name = name.map(|name| name.0);
-        let model = Model::of(scenario.get(), name.as_deref(), pulse_frequency).raised()?;
+        let model = Model::of(scenario.get(), name.as_deref(), pulse_frequency).or_exception()?;
         let desk = Mutex::new(model.steps.clone());
         Ok(Self { scenario, name, pulse_frequency, model, desk })
     }
@@ -488,7 +488,7 @@ impl Actuator {
     /// -------
     /// ActuatorState
     fn start(&self) -> PyResult<ActuatorState> {
-        self.model.state_of(&mut self.model.steps.clone()).raised()
+        self.model.state_of(&mut self.model.steps.clone()).or_exception()
     }
 
     /// Advance a state by one time step, in which the ends move to a new distance at constant velocity.
@@ -545,26 +545,26 @@ impl Actuator {
         dt: f64,
         max_step: Option<f64>,
     ) -> PyResult<(ActuatorState, f64, Response)> {
-        check_dt(dt).raised()?;
-        check_velocity("velocity", velocity).raised()?;
-        check_length(&self.model.steps, "length", length).raised()?;
-        let longest = longest_part(max_step).raised()?;
-        let commanded = command.map(|given| self.model.commanded("command", &given)).transpose().raised()?;
+        check_dt(dt).or_exception()?;
+        check_velocity("velocity", velocity).or_exception()?;
+        check_length(&self.model.steps, "length", length).or_exception()?;
+        let longest = longest_part(max_step).or_exception()?;
+        let commanded = command.map(|given| self.model.commanded("command", &given)).transpose().or_exception()?;
         // It is set to where the state is before anything is done with it, so no earlier position does harm.
         let mut actuator = self.desk.lock().unwrap_or_else(PoisonError::into_inner);
-        self.model.restore(&mut actuator, state.get()).raised()?;
-        commanded.map_or(Ok(()), |commanded| actuator.set(0, commanded)).raised()?;
-        actuator.limit_step(longest).raised()?;
+        self.model.restore(&mut actuator, state.get()).or_exception()?;
+        commanded.map_or(Ok(()), |commanded| actuator.set(0, commanded)).or_exception()?;
+        actuator.limit_step(longest).or_exception()?;
         let from = actuator.time();
         let until = from + dt;
         if until <= from {
             let title = format!("dt = {dt:?} s is lost in the rounding of the {from} s that have been reached");
-            return Err(Failure::input(title, "give a longer dt")).raised();
+            return Err(Failure::input(title, "give a longer dt")).or_exception();
         }
         let parts = actuator.parts_until(until);
-        check_parts(parts, dt).raised()?;
+        check_parts(parts, dt).or_exception()?;
         if parts <= PARTS_PER_CHECK {
-            actuator.move_to(until, &[length]).raised()?;
+            actuator.move_to(until, &[length]).or_exception()?;
             return self.answer(&mut actuator, velocity);
         }
         // A handler of a signal may take a step of the same actuator: the desk must be free.
@@ -594,9 +594,9 @@ impl Actuator {
     ///     The velocity is out of range, or the state belongs to another actuator.
     #[pyo3(signature = (state, velocity = 0.0))]
     fn respond(&self, state: &Bound<'_, ActuatorState>, velocity: f64) -> PyResult<Response> {
-        check_velocity("velocity", velocity).raised()?;
+        check_velocity("velocity", velocity).or_exception()?;
         let mut actuator = self.desk.lock().unwrap_or_else(PoisonError::into_inner);
-        self.model.restore(&mut actuator, state.get()).raised()?;
+        self.model.restore(&mut actuator, state.get()).or_exception()?;
         self.answer(&mut actuator, velocity).map(|(_, _, response)| response)
     }
 
@@ -623,15 +623,15 @@ impl Actuator {
         let gauge_pressure = gauge_pressure.unwrap_or_else(here);
         let is_in = gauge_pressure.is_finite();
         arguments::number("gauge_pressure", gauge_pressure, "Pa", "a gauge pressure in Pa, such as 2e5", is_in)
-            .raised()?;
+            .or_exception()?;
         let length = plant.rest_distance(0, GaugePressure(gauge_pressure));
-        length.map_err(|error| Failure::from(error).of("gauge_pressure")).raised()
+        length.map_err(|error| Failure::from(error).of("gauge_pressure")).or_exception()
     }
 
     /// Tension in N at the start, at rest.
     #[getter]
     fn initial_tension(&self) -> PyResult<f64> {
-        Ok(respond(&mut self.model.steps.clone(), 0.0).raised()?.tension)
+        Ok(respond(&mut self.model.steps.clone(), 0.0).or_exception()?.tension)
     }
 
     /// Distance between the ends in m at the start, with the tendon if there is one.
@@ -660,7 +660,7 @@ impl Actuator {
 impl Actuator {
     /// Where an actuator is, its tension, and its whole answer.
     fn answer(&self, actuator: &mut PlantSteps, velocity: f64) -> PyResult<(ActuatorState, f64, Response)> {
-        let response = respond(actuator, velocity).raised()?;
+        let response = respond(actuator, velocity).or_exception()?;
         let answer = Response {
             tension: response.tension,
             per_length: response.per_length,
@@ -675,9 +675,9 @@ impl Actuator {
         let numbers = [numbers.0, numbers.1, numbers.2, numbers.3, numbers.4, numbers.5, numbers.6, numbers.7];
         if !numbers.iter().all(|number| number.is_finite()) {
             let title = format!("at velocity = {velocity:?} m/s the actuator answers with numbers that are not finite");
-            return Err(Failure::stopped(title)).raised();
+            return Err(Failure::stopped(title)).or_exception();
         }
-        let state = self.model.state_of(actuator).raised()?;
+        let state = self.model.state_of(actuator).or_exception()?;
         Ok((state, answer.tension, answer))
     }
 }
@@ -686,7 +686,7 @@ impl Actuator {
 impl ActuatorState {
     #[new]
     fn new(numbers: Sequence) -> PyResult<Self> {
-        Self::of_numbers(&numbers.0).raised()
+        Self::of_numbers(&numbers.0).or_exception()
     }
 
     /// Time in s since the start.

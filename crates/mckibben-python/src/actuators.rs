@@ -1,12 +1,12 @@
 //! Many modular actuators stepped together on arrays that the caller owns: the class `Actuators`.
 
 use crate::actuator::{
-    ActuatorState, ValveInput, Model, PARTS_PER_CHECK, check_dt, check_parts, check_velocity, distance, longest_part, reach,
-    steps_of,
+    ActuatorState, Model, PARTS_PER_CHECK, ValveInput, check_dt, check_parts, check_velocity, distance, longest_part,
+    reach, steps_of,
 };
 use crate::arguments::{self, fitting};
+use crate::exceptions::{OrException, exception};
 use crate::pool;
-use crate::raised::{OrException, exception};
 use crate::scenario::Scenario;
 use crate::typed::{Count, Given, Items, MemberWord, NewArguments, Numbers, Table};
 use mckibben::parameter;
@@ -183,7 +183,7 @@ impl<'py> Answers<'py> {
         for ((array, given), name) in arrays.iter_mut().zip(given).zip(names) {
             if let Some(given) = given {
                 let borrowed = given.write(name)?;
-                fitting(name, borrowed.as_slice().ok().map(<[f64]>::len), count).raised()?;
+                fitting(name, borrowed.as_slice().ok().map(<[f64]>::len), count).or_exception()?;
                 *array = Some(borrowed);
             }
         }
@@ -202,8 +202,8 @@ impl<'py> Answers<'py> {
 /// Numbers that a step reads, one for each row.
 fn read<'py>(name: &str, given: &Given<'py>, count: usize) -> PyResult<PyReadonlyArray1<'py, f64>> {
     let array = given.read(name)?;
-    fitting(name, array.as_slice().ok().map(<[f64]>::len), count).raised()?;
-    arguments::finite(name, array.as_slice()?).raised()?;
+    fitting(name, array.as_slice().ok().map(<[f64]>::len), count).or_exception()?;
+    arguments::finite(name, array.as_slice()?).or_exception()?;
     Ok(array)
 }
 
@@ -287,7 +287,7 @@ impl Actuators {
     ) -> PyResult<Self> {
         let (count, each, name, parameters) = (count.0, EACH, name.map(|name| name.0), parameters.0);
         arguments::room(py, count, "actuators", each)?;
-        let model = Model::of(scenario.get(), name.as_deref(), pulse_frequency).raised()?;
+        let model = Model::of(scenario.get(), name.as_deref(), pulse_frequency).or_exception()?;
         let mut rows = Vec::new();
         rows.try_reserve_exact(count).map_err(|_| arguments::no_room(count, "actuators", each))?;
         let values = values.map(|values| values.read("values")).transpose()?;
@@ -296,17 +296,17 @@ impl Actuators {
             let title =
                 format!("{} values are given for {count} actuators with {} parameters", values.len(), parameters.len());
             let remedy = "give `values` as an array of shape (count, len(parameters)), in SI";
-            return Err(Failure::input(title, remedy)).raised();
+            return Err(Failure::input(title, remedy)).or_exception();
         }
         match parameters.len() {
             0 => rows.resize(count, model.steps.clone()),
             width => {
-                arguments::finite_table("values", &values, width).raised()?;
+                arguments::finite_table("values", &values, width).or_exception()?;
                 let (of, name) = (scenario.get(), name.as_deref());
-                py.detach(|| varied(of, name, &parameters, values.chunks(width), &mut rows)).raised()?;
+                py.detach(|| varied(of, name, &parameters, values.chunks(width), &mut rows)).or_exception()?;
             }
         }
-        let many = Mutex::new(py.detach(|| Many::new(rows)).raised()?);
+        let many = Mutex::new(py.detach(|| Many::new(rows)).or_exception()?);
         Ok(Self { scenario, name, parameters, values, pulse_frequency, model, count, many })
     }
 
@@ -363,8 +363,8 @@ impl Actuators {
         max_step: Option<f64>,
     ) -> PyResult<()> {
         let (model, count) = (&self.model, self.count);
-        check_dt(dt).raised()?;
-        let longest = longest_part(max_step).raised()?;
+        check_dt(dt).or_exception()?;
+        let longest = longest_part(max_step).or_exception()?;
         let length = read("length", &length, count)?;
         let velocity = read("velocity", &velocity, count)?;
         let command = command.map(|command| read("command", &command, count)).transpose()?;
@@ -372,25 +372,25 @@ impl Actuators {
         let (length, velocity) = (length.as_slice()?, velocity.as_slice()?);
         let command = command.as_ref().map(|command| command.as_slice()).transpose()?;
         if let Some(row) = length.iter().position(|length| *length <= 0.0) {
-            return reach(None, &format!("length[{row}]"), length[row]).raised();
+            return reach(None, &format!("length[{row}]"), length[row]).or_exception();
         }
-        check_velocities(velocity).raised()?;
-        check_commands(model, command.unwrap_or_default()).raised()?;
+        check_velocities(velocity).or_exception()?;
+        check_commands(model, command.unwrap_or_default()).or_exception()?;
         let mut many = self.many()?;
         let many = &mut *many;
-        many.batch.limit_step(longest).raised()?;
+        many.batch.limit_step(longest).or_exception()?;
         let (from, until) = (many.batch.time(), many.batch.time() + dt);
         let pulses = command.map_or(0.0, |_| 2.0 * dt * model.pulses.frequency);
         let parts = (many.batch.parts_until(until)).max((dt / longest).ceil().max(1.0) + pulses);
-        check_parts(parts, dt).raised()?;
+        check_parts(parts, dt).or_exception()?;
         let spans = (parts / PARTS_PER_CHECK).ceil().max((parts * count as f64 / PARTS_PER_CHECK_TOGETHER).ceil());
         let before = (spans > 1.0).then(|| many.clone());
         let line = |many: &Many| if spans > 1.0 { many.distances.clone() } else { Vec::new() };
         let begin = line(many);
         if let Some(command) = command {
             let commanded = |row: usize| model.commanded("command", &ValveInput::Number(command[row])).ok();
-            let set = py.detach(|| self.share(many, |many| many.batch.set_each(0, commanded))).raised()?;
-            set.map_err(|(row, error)| of_row(error.into(), row)).raised()?;
+            let set = py.detach(|| self.share(many, |many| many.batch.set_each(0, commanded))).or_exception()?;
+            set.map_err(|(row, error)| of_row(error.into(), row)).or_exception()?;
         }
         let (stay, out_of_reach) = many.take(length);
         let end = line(many);
@@ -402,8 +402,9 @@ impl Actuators {
             for ((distance, begin), end) in many.distances.iter_mut().zip(&begin).zip(&end) {
                 *distance = if share < 1.0 { begin + share * (end - begin) } else { *end };
             }
-            let moved = py.detach(|| self.share(many, |many| many.batch.move_to(to, &many.distances))).raised()?;
-            let checked = moved.raised().and_then(|()| if span < spans { py.check_signals() } else { Ok(()) });
+            let moved =
+                py.detach(|| self.share(many, |many| many.batch.move_to(to, &many.distances))).or_exception()?;
+            let checked = moved.or_exception().and_then(|()| if span < spans { py.check_signals() } else { Ok(()) });
             if let (Err(error), Some(before)) = (&checked, &before) {
                 many.clone_from(before);
                 return Err(error.clone_ref(py));
@@ -412,7 +413,7 @@ impl Actuators {
         }
         let (tension, beside) = answers.slices();
         let of = (velocity, &stay[..]);
-        let stopped = py.detach(|| self.share(many, |many| many.respond(of, tension, beside))).raised()?;
+        let stopped = py.detach(|| self.share(many, |many| many.respond(of, tension, beside))).or_exception()?;
         stopped.or(out_of_reach).map_or(Ok(()), |failure| Err(exception(&failure)))
     }
 
@@ -448,12 +449,12 @@ impl Actuators {
         let velocity = read("velocity", &velocity, self.count)?;
         let mut answers = Answers::of(&[Some(tension), per_length, per_velocity, absolute_pressure], self.count)?;
         let velocity = velocity.as_slice()?;
-        check_velocities(velocity).raised()?;
+        check_velocities(velocity).or_exception()?;
         let mut many = self.many()?;
         let many = &mut *many;
         let (tension, beside) = answers.slices();
         let of = (velocity, &[][..]);
-        let stopped = py.detach(|| self.share(many, |many| many.respond(of, tension, beside))).raised()?;
+        let stopped = py.detach(|| self.share(many, |many| many.respond(of, tension, beside))).or_exception()?;
         stopped.map_or(Ok(()), |failure| Err(exception(&failure)))
     }
 
@@ -463,7 +464,7 @@ impl Actuators {
             rows.iter_mut().for_each(PlantSteps::reset);
             Ok(())
         };
-        self.many()?.with_rows(reset).raised()
+        self.many()?.with_rows(reset).or_exception()
     }
 
     /// Return the number of actuators.
@@ -496,8 +497,8 @@ impl Actuators {
         let mut numbers = Vec::new();
         let mut many = self.many()?;
         for row in 0..self.count {
-            let mut actuator = many.batch.row(row).map_err(|error| of_row(error.into(), row)).raised()?.clone();
-            numbers.extend_from_slice(self.model.state_of(&mut actuator).raised()?.numbers());
+            let mut actuator = many.batch.row(row).map_err(|error| of_row(error.into(), row)).or_exception()?.clone();
+            numbers.extend_from_slice(self.model.state_of(&mut actuator).or_exception()?.numbers());
         }
         let width = numbers.len() / self.count.max(1);
         Ok(Numbers(PyArray1::from_vec(py, numbers).reshape([self.count, width])?.into_any()))
@@ -508,22 +509,22 @@ impl Actuators {
         let rows = numbers.as_array();
         let state = |row: &[f64]| ActuatorState::of_numbers(row);
         let states: Vec<ActuatorState> =
-            rows.rows().into_iter().map(|row| state(&row.to_vec())).collect::<Result<_, _>>().raised()?;
+            rows.rows().into_iter().map(|row| state(&row.to_vec())).collect::<Result<_, _>>().or_exception()?;
         if states.len() != self.count {
             let title = format!("{} states are given for {} actuators", states.len(), self.count);
-            return Err(Failure::input(title, "give one for each")).raised();
+            return Err(Failure::input(title, "give one for each")).or_exception();
         }
         if states.iter().any(|state| state.time() != states[0].time()) {
             let title = "the states are of different times, and actuators that are stepped together share one";
-            return Err(Failure::input(title, "give states of one time")).raised();
+            return Err(Failure::input(title, "give states of one time")).or_exception();
         }
         // All of them are tried before any of the actuators is changed.
         let mut trial = self.model.steps.clone();
-        states.iter().try_for_each(|state| self.model.restore(&mut trial, state)).raised()?;
+        states.iter().try_for_each(|state| self.model.restore(&mut trial, state)).or_exception()?;
         let restore = |rows: &mut [PlantSteps]| {
             let mut both = rows.iter_mut().zip(&states);
             both.try_for_each(|(actuator, state)| self.model.restore(actuator, state))
         };
-        self.many()?.with_rows(restore).raised()
+        self.many()?.with_rows(restore).or_exception()
     }
 }

@@ -1,6 +1,6 @@
 //! What `size` and `design` of the package call: which muscle does something, and which values of keys do it best.
 
-use crate::raised::OrException;
+use crate::exceptions::OrException;
 use crate::scenario::Scenario;
 use crate::signals::followed_to_its_end;
 use crate::typed::{Count, Items, Quantity, Sections};
@@ -48,14 +48,14 @@ impl _Sizes {
         let maybe = |name: &str, of: Option<Quantity>, how| of.map(|of| read(name, of, how)).transpose();
         let angles = braid_angles.0.into_iter().map(|angle| read("braid_angles", angle, ["angle", "rad", "25 deg"]));
         let requirement = Requirement {
-            load: load.read("load", |text| Measure::read(text).map(force_of), |force| force).raised()?,
-            stroke: read("stroke", stroke, length).raised()?,
-            gauge_pressure: read("gauge_pressure", gauge_pressure, ["pressure", "Pa", "4 bar"]).raised()?,
-            braid_angles: angles.collect::<Result<_, _>>().raised()?,
+            load: load.read("load", |text| Measure::read(text).map(force_of), |force| force).or_exception()?,
+            stroke: read("stroke", stroke, length).or_exception()?,
+            gauge_pressure: read("gauge_pressure", gauge_pressure, ["pressure", "Pa", "4 bar"]).or_exception()?,
+            braid_angles: angles.collect::<Result<_, _>>().or_exception()?,
             effectiveness,
-            most_length: maybe("most_length", most_length, length).raised()?,
-            most_diameter: maybe("most_diameter", most_diameter, length).raised()?,
-            time: maybe("time", time, ["time", "s", "0.3 s"]).raised()?,
+            most_length: maybe("most_length", most_length, length).or_exception()?,
+            most_diameter: maybe("most_diameter", most_diameter, length).or_exception()?,
+            time: maybe("time", time, ["time", "s", "0.3 s"]).or_exception()?,
         };
         py.detach(|| Sizes::of(requirement)).or_exception_of_arguments().map(Self)
     }
@@ -90,7 +90,7 @@ impl _Sizes {
     /// Inner diameters in m of hoses of a length, each with the least conductance of the valve behind it.
     fn hoses(&self, py: Python<'_>, place: usize, length: Quantity) -> PyResult<Vec<(f64, Option<f64>)>> {
         let read = |text: &str| quantities::read(text, "length", "m", "2 m");
-        let length = length.read("length", read, |number| number).raised()?;
+        let length = length.read("length", read, |number| number).or_exception()?;
         let found = py.detach(|| self.0.hoses(place, length)).or_exception_of_arguments()?;
         Ok(found.into_iter().map(|hose| (hose.diameter, hose.quickness.conductance())).collect())
     }
@@ -132,10 +132,10 @@ pub(crate) fn _design<'py>(
     };
     let request = Request {
         settings: Vec::new(),
-        vary: vary.0.into_iter().map(vary_of).collect::<Result<_, _>>().raised()?,
+        vary: vary.0.into_iter().map(vary_of).collect::<Result<_, _>>().or_exception()?,
         goal: if minimize { Goal::Minimize } else { Goal::Maximize },
         objective,
-        constraints: subject_to.0.into_iter().map(constraint).collect::<Result<_, _>>().raised()?,
+        constraints: subject_to.0.into_iter().map(constraint).collect::<Result<_, _>>().or_exception()?,
         settle,
         evaluations: evaluations.0,
     };

@@ -1,7 +1,7 @@
 //! `curves`, and the named actuators and valves.
 
 use crate::arguments;
-use crate::raised::OrException;
+use crate::exceptions::OrException;
 use crate::scenario::Scenario;
 use crate::typed::{GaugePressures, Numbered, Sections, Sequence};
 use mckibben_run::curves::{Curves, Pressures};
@@ -54,7 +54,7 @@ pub(crate) fn _curves<'py>(
             let curves = Curves::of(document, pressures.as_ref())?;
             Ok::<_, Failure>((curves.data()?, curves.pressures().len()))
         })
-        .raised()?;
+        .or_exception()?;
     let arrays = PyDict::new(py);
     for (place, column) in table.columns.iter().enumerate() {
         let values = table.rows.iter().map(|row| row[place]).collect();

@@ -1,8 +1,8 @@
 //! A run as a function of parameters of its scenario, with exact derivatives: the class `Differentiable`.
 
 use crate::arguments;
+use crate::exceptions::OrException;
 use crate::python;
-use crate::raised::OrException;
 use crate::scenario::Scenario;
 use crate::signals::interruptible;
 use crate::typed::{Function, Items, Names, Numbers, Sequence};
@@ -153,7 +153,7 @@ impl Differentiable {
     ) -> PyResult<Self> {
         let (parameters, quantities) = (parameters.0, quantities.0);
         let (parameters, subject, sampling, start) =
-            Self::of(scenario.get(), &parameters, &quantities, times.0).raised()?;
+            Self::of(scenario.get(), &parameters, &quantities, times.0).or_exception()?;
         Ok(Self { scenario, parameters, quantities, subject, sampling, start })
     }
 
@@ -208,9 +208,9 @@ impl Differentiable {
     /// numpy.ndarray
     ///     Quantities of shape (len(times), len(quantities)).
     fn __call__<'py>(&self, py: Python<'py>, values: Sequence) -> PyResult<Numbers<'py>> {
-        self.checked(&values.0).raised()?;
+        self.checked(&values.0).or_exception()?;
         let read = interruptible(py, |watch| self.sampling.values(&self.subject, &values.0, watch))?;
-        let read = read.map_err(|error| self.failed(&error, py)).raised()?;
+        let read = read.map_err(|error| self.failed(&error, py)).or_exception()?;
         Self::shaped(py, read, &[self.sampling.times.len(), self.quantities.len()])
     }
 
@@ -235,9 +235,9 @@ impl Differentiable {
     /// SimulationError
     ///     The run fails with these values.
     fn value_and_jacobian<'py>(&self, py: Python<'py>, values: Sequence) -> PyResult<(Numbers<'py>, Numbers<'py>)> {
-        self.checked(&values.0).raised()?;
+        self.checked(&values.0).or_exception()?;
         let both = interruptible(py, |watch| self.sampling.value_and_jacobian(&self.subject, &values.0, watch))?;
-        let (read, slopes) = both.map_err(|error| self.failed(&error, py)).raised()?;
+        let (read, slopes) = both.map_err(|error| self.failed(&error, py)).or_exception()?;
         let (times, quantities) = (self.sampling.times.len(), self.quantities.len());
         let read = Self::shaped(py, read, &[times, quantities])?;
         Ok((read, Self::shaped(py, slopes, &[times, quantities, self.parameters.len()])?))

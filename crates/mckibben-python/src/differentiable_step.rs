@@ -12,8 +12,8 @@
 use crate::actuator::{
     Actuator, ActuatorState, Model, PARTS_PER_CHECK, check_dt, check_length, check_velocity, longest_part, respond,
 };
+use crate::exceptions::OrException;
 use crate::python;
-use crate::raised::OrException;
 use crate::typed::{Function, NewArguments, Numbers, Sequence};
 use mckibben::plant::{PlantRun, PlantSteps};
 use mckibben::valve::RuntimeCommand;
@@ -219,10 +219,10 @@ impl DifferentiableStep {
     #[new]
     #[pyo3(signature = (actuator, dt, *, max_step = None))]
     fn new(actuator: Py<Actuator>, dt: f64, max_step: Option<f64>) -> PyResult<Self> {
-        check_dt(dt).raised()?;
-        let longest = longest_part(max_step).raised()?;
+        check_dt(dt).or_exception()?;
+        let longest = longest_part(max_step).or_exception()?;
         let model = &actuator.get().model;
-        let (seeded, states) = (seeded(model).raised()?, states(model));
+        let (seeded, states) = (seeded(model).or_exception()?, states(model));
         Ok(Self { actuator, dt, max_step, longest, seeded, states })
     }
 
@@ -289,7 +289,7 @@ impl DifferentiableStep {
         velocity: f64,
         command: f64,
     ) -> PyResult<Numbers<'py>> {
-        let mut values = self.model().own_numbers(state.get()).raised()?.to_vec();
+        let mut values = self.model().own_numbers(state.get()).or_exception()?.to_vec();
         values.extend([length, velocity, command]);
         values.truncate(self.width());
         Ok(Self::numbers(py, values))
@@ -317,12 +317,12 @@ impl DifferentiableStep {
         let (count, expected) = (outputs.0.len(), self.states.len() + 1);
         if count != expected {
             let title = format!("{count} numbers were given for {expected} outputs");
-            return Err(Failure::input(title, "give all outputs of this step, in their order")).raised();
+            return Err(Failure::input(title, "give all outputs of this step, in their order")).or_exception();
         }
         let mut steps = self.model().steps.clone();
         let (numbers, tension) = outputs.0.split_at(self.states.len());
-        steps.restore_from(numbers).map_err(Failure::from).raised()?;
-        Ok((self.model().state_of(&mut steps).raised()?, tension[0]))
+        steps.restore_from(numbers).map_err(Failure::from).or_exception()?;
+        Ok((self.model().state_of(&mut steps).or_exception()?, tension[0]))
     }
 
     /// Return the outputs.
@@ -337,7 +337,7 @@ impl DifferentiableStep {
     /// numpy.ndarray
     ///     Outputs in SI, of shape (len(outputs),).
     fn __call__<'py>(&self, py: Python<'py>, values: Sequence) -> PyResult<Numbers<'py>> {
-        Ok(Self::numbers(py, py.detach(|| self.outputs_at(&values.0)).raised()?))
+        Ok(Self::numbers(py, py.detach(|| self.outputs_at(&values.0)).or_exception()?))
     }
 
     /// Return the outputs and their Jacobian with respect to the inputs.
@@ -362,7 +362,7 @@ impl DifferentiableStep {
     ///     The step leads to a non-physical state.
     fn value_and_jacobian<'py>(&self, py: Python<'py>, values: Sequence) -> PyResult<(Numbers<'py>, Numbers<'py>)> {
         let both = || Ok::<_, Failure>((self.outputs_at(&values.0)?, self.jacobian_at(&values.0)?));
-        let (outputs, jacobian) = py.detach(both).raised()?;
+        let (outputs, jacobian) = py.detach(both).or_exception()?;
         let jacobian = PyArray1::from_vec(py, jacobian).reshape([outputs.len(), self.width()])?;
         Ok((Self::numbers(py, outputs), Numbers(jacobian.into_any())))
     }

@@ -13,14 +13,14 @@ mod classes {
 /// What failed is raised in Python.
 pub(crate) trait OrException<T> {
     /// The value, or the exception for why there is none.
-    fn raised(self) -> Result<T, PyErr>;
+    fn or_exception(self) -> Result<T, PyErr>;
 
-    /// As [`OrException::raised`], of work whose messages name options of the program: with the arguments of the function in place of them.
+    /// As [`OrException::or_exception`], of work whose messages name options of the program: with the arguments of the function in place of them.
     fn or_exception_of_arguments(self) -> Result<T, PyErr>;
 }
 
 impl<T, E: Into<Failure>> OrException<T> for Result<T, E> {
-    fn raised(self) -> Result<T, PyErr> {
+    fn or_exception(self) -> Result<T, PyErr> {
         self.map_err(|error| exception(&error.into()))
     }
 

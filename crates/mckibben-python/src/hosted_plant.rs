@@ -1,8 +1,8 @@
 //! The plant of a scenario whose ends a robot's simulator moves: the class `HostedPlant`, and the plugin for MuJoCo.
 
 use crate::arguments;
+use crate::exceptions::{OrException, exception};
 use crate::pace::{Pace, Span};
-use crate::raised::{OrException, exception};
 use crate::scenario::Scenario;
 use crate::typed::{Count, Matrix, Table};
 use mckibben::Response;
@@ -99,7 +99,7 @@ impl HostedPlant {
         if rows != self.plants.len() || columns != width {
             return Err(wrong());
         }
-        arguments::finite_table(name, numbers, width).raised()?;
+        arguments::finite_table(name, numbers, width).or_exception()?;
         Ok(numbers)
     }
 
@@ -118,7 +118,7 @@ impl HostedPlant {
             1 => plants.iter_mut().enumerate().try_for_each(of),
             _ => plants.par_iter_mut().enumerate().try_for_each(of),
         });
-        done.raised()
+        done.or_exception()
     }
 }
 
@@ -136,13 +136,13 @@ impl HostedPlant {
     ) -> PyResult<Self> {
         let options =
             HostOptions { command_mode: command_mode.as_deref(), pulse_frequency, max_step, ..HostOptions::default() };
-        let mut plant = HostPlant::read(&scenario.document, &options).raised()?;
+        let mut plant = HostPlant::read(&scenario.document, &options).or_exception()?;
         if count.0 == 0 {
             return Err(exception(&Failure::input("count = 0 plants cannot be stepped", "give a count of 1 or more")));
         }
         arguments::room(py, count.0, "plants", EACH)?;
         let width = plant.actuators().len();
-        let responses = (0..width).map(|at| plant.steps_mut().compute(at)).collect::<Result<_, _>>().raised()?;
+        let responses = (0..width).map(|at| plant.steps_mut().compute(at)).collect::<Result<_, _>>().or_exception()?;
         Ok(Self { plants: vec![plant; count.0], responses, pace: Pace::default() })
     }
 
@@ -240,7 +240,7 @@ impl HostedPlant {
         let mut tensions = Vec::with_capacity(distances.len());
         for (at, plant) in self.plants.iter_mut().enumerate() {
             let its = at * width..(at + 1) * width;
-            plant.compute_at(&distances[its.clone()], &velocities[its], &mut self.responses).raised()?;
+            plant.compute_at(&distances[its.clone()], &velocities[its], &mut self.responses).or_exception()?;
             tensions.extend(self.responses.iter().map(|response| response.tension));
         }
         matrix(py, tensions, self.plants.len(), width)
@@ -264,7 +264,7 @@ impl HostedPlant {
     /// SimulationError
     ///     The step leads to a non-physical state. Other plants may have taken the step.
     fn step(&mut self, py: Python<'_>, distances: Table<'_>, commands: Table<'_>, dt: f64) -> PyResult<()> {
-        crate::actuator::check_dt(dt).raised()?;
+        crate::actuator::check_dt(dt).or_exception()?;
         let (distances, commands) = (distances.read("distances")?, commands.read("commands")?);
         let (width, inputs) = (self.width(), self.plants[0].commands().len());
         let distances = self.rows("distances", &distances, width)?;
@@ -291,7 +291,7 @@ impl HostedPlant {
         let width = self.plants[0].outputs().len();
         let mut all = vec![0.0; self.plants.len() * width];
         for (plant, into) in self.plants.iter_mut().zip(all.chunks_mut(width.max(1))) {
-            plant.read_outputs(into).raised()?;
+            plant.read_outputs(into).or_exception()?;
         }
         matrix(py, all, self.plants.len(), width)
     }
@@ -306,7 +306,7 @@ impl HostedPlant {
         let width = self.plants[0].state_size();
         let mut all = vec![0.0; self.plants.len() * width];
         for (plant, into) in self.plants.iter_mut().zip(all.chunks_mut(width)) {
-            plant.save(into).raised()?;
+            plant.save(into).or_exception()?;
         }
         matrix(py, all, self.plants.len(), width)
     }
@@ -329,7 +329,7 @@ impl HostedPlant {
             || Failure::input("`states` is no array that `save` has returned", "give such an array, of as many plants");
         let numbers = states.as_slice().map_err(|_| exception(&wrong()))?;
         if numbers.len() != self.plants.len() * width {
-            return Err(wrong()).raised();
+            return Err(wrong()).or_exception();
         }
         self.each(py, |at, plant| plant.restore(&numbers[at * width..(at + 1) * width]))?;
         self.pace = Pace::at(self.time());

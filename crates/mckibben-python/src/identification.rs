@@ -1,6 +1,6 @@
 //! What `identify` of the package calls: a study file, or a study from memory, to what was found.
 
-use crate::raised::OrException;
+use crate::exceptions::OrException;
 use crate::scenario::Scenario;
 use crate::signals::followed_to_its_end;
 use crate::typed::{Items, Name, Object, Sections, Sequence, Values};
@@ -46,7 +46,7 @@ pub(crate) fn _identify<'py>(
         let columns = columns.0.into_iter().map(|(Name(name), Sequence(values))| (name, values)).collect();
         Table::new(&name, columns).map_err(|error| Failure::input(error.what, error.remedy))
     };
-    let tables = tables.0.into_iter().map(table).collect::<Result<Vec<_>, _>>().raised()?;
+    let tables = tables.0.into_iter().map(table).collect::<Result<Vec<_>, _>>().or_exception()?;
     let document = scenario.get().document.clone();
     found(py, || Request::in_memory(&text, tables, document), output, progress)
 }
@@ -72,7 +72,7 @@ fn found<'py>(
             described(py, &outcome)
         }
         (Some(error), _) => Err(error),
-        (None, outcome) => described(py, &outcome.raised()?),
+        (None, outcome) => described(py, &outcome.or_exception()?),
     }
 }
 
@@ -121,7 +121,7 @@ fn described<'py>(py: Python<'py>, outcome: &Outcome) -> PyResult<Sections<'py>>
     all.set_item("scenarios", &outcome.scenarios)?;
     let figure = |plate: &Plate| Ok::<_, Failure>((plate.stem, plate.figure.to_svg(Theme::Light)?));
     let figures = py.detach(|| outcome.plates().map(figure).collect::<Result<Vec<_>, _>>());
-    all.set_item("figures", figures.raised()?)?;
+    all.set_item("figures", figures.or_exception()?)?;
     Ok(Sections(all.into_any()))
 }
 

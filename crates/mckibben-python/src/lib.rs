@@ -25,7 +25,7 @@
 //! | `values` | dictionaries of Python to TOML and back |
 //! | `arguments` | numbers, arrays and counts that are refused by their argument's name |
 //! | `signals` | Ctrl-C while the core works |
-//! | `raised` | failures as the exceptions of `mckibben.errors` |
+//! | `exceptions` | failures as the exceptions of `mckibben.errors` |
 //!
 //! There is no physics here: everything is done by the core and by `mckibben-run`, so that what Python gives
 //! is bit-identical to what `mckibben simulate` writes. Whatever takes longer than a microsecond runs with the interpreter
@@ -39,6 +39,7 @@ mod columns;
 mod curves;
 mod differentiable;
 mod differentiable_step;
+mod exceptions;
 mod hosted_plant;
 mod identification;
 mod linear;
@@ -46,7 +47,6 @@ mod pace;
 mod parameters;
 mod pool;
 mod python;
-mod raised;
 mod scenario;
 mod signals;
 mod statics;

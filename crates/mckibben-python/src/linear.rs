@@ -1,7 +1,7 @@
 //! `linearize`, and the class `LinearModel`.
 
+use crate::exceptions::OrException;
 use crate::python;
-use crate::raised::OrException;
 use crate::scenario::Scenario;
 use crate::typed::{
     Axes, Complex, Figure, Items, Matrix, Modes, Object, Parts, Point, Quantity, Sections, Sequence, Validity,
@@ -101,19 +101,19 @@ pub(crate) fn linearize(
     };
     let of_length = ["length", "m", "85 mm"];
     let request = Request {
-        gauge_pressure: read("gauge_pressure", gauge_pressure, ["pressure", "Pa", "60 psi"]).raised()?,
-        length: read("length", length, of_length).raised()?,
-        load: load.map(|load| load.read("load", Measure::read, Measure::Force)).transpose().raised()?,
+        gauge_pressure: read("gauge_pressure", gauge_pressure, ["pressure", "Pa", "60 psi"]).or_exception()?,
+        length: read("length", length, of_length).or_exception()?,
+        load: load.map(|load| load.read("load", Measure::read, Measure::Force)).transpose().or_exception()?,
         duty,
         pwm,
-        temperature: read("temperature", temperature, ["temperature", "K", "293 K"]).raised()?,
-        angle: read("angle", angle, ["angle", "rad", "20 deg"]).raised()?,
-        stiffness: read("stiffness", stiffness, ["stiffness of a joint", "N*m/rad", "2 N*m/rad"]).raised()?,
-        amplitude: read("amplitude", amplitude, of_length).raised()?,
+        temperature: read("temperature", temperature, ["temperature", "K", "293 K"]).or_exception()?,
+        angle: read("angle", angle, ["angle", "rad", "20 deg"]).or_exception()?,
+        stiffness: read("stiffness", stiffness, ["stiffness of a joint", "N*m/rad", "2 N*m/rad"]).or_exception()?,
+        amplitude: read("amplitude", amplitude, of_length).or_exception()?,
         all_states,
     };
     let (name, document) = (scenario.get().document.source().name(), &scenario.get().document);
-    let found = py.detach(|| mckibben_run::linearize::LinearModel::of(name, document, &request)).raised()?;
+    let found = py.detach(|| mckibben_run::linearize::LinearModel::of(name, document, &request)).or_exception()?;
     let model = LinearModel::new(py, &found)?;
     for warning in &model.warnings {
         PyErr::warn(py, &py.get_type::<PyUserWarning>(), &CString::new(warning.as_str())?, 1)?;

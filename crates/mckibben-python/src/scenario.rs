@@ -1,7 +1,7 @@
 //! The class `Scenario`.
 
+use crate::exceptions::OrException;
 use crate::python;
-use crate::raised::OrException;
 use crate::typed::{Items, Object, Sections, Settled, Values};
 use crate::values;
 use mckibben_run::failure::Failure;
@@ -74,13 +74,13 @@ impl Scenario {
     fn read(document: Document, in_si: bool, set: Vec<(String, String)>) -> PyResult<Self> {
         let mut document = document;
         for (key, value) in &set {
-            document.set_in_si(SET, key, value).raised()?;
+            document.set_in_si(SET, key, value).or_exception()?;
         }
         if document.is_plant() {
             // What is wrong is found now; a sweep may give what is missing.
-            match document.sweep().raised()? {
+            match document.sweep().or_exception()? {
                 Some(_) => {}
-                None => drop(document.plant_experiment().raised()?),
+                None => drop(document.plant_experiment().or_exception()?),
             }
             let (name, text) = (document.source().name().to_owned(), document.source().text().to_owned());
             return Ok(Self { name, text, in_si, set, document, understood: None, sections: PyOnceLock::new() });
@@ -90,7 +90,7 @@ impl Scenario {
             Some(sweep) => sweep.scenario(0).map_err(|_| error),
             None => Err(error),
         };
-        let understood = Some(document.scenario().or_else(first).raised()?);
+        let understood = Some(document.scenario().or_else(first).or_exception()?);
         let (name, text) = (document.source().name().to_owned(), document.source().text().to_owned());
         Ok(Self { name, text, in_si, set, document, understood, sections: PyOnceLock::new() })
     }
@@ -140,7 +140,7 @@ impl Scenario {
             true => Document::parse_in_si(text, name),
             false => Document::parse(text, name),
         };
-        Self::read(document.raised()?, in_si, values.0)
+        Self::read(document.or_exception()?, in_si, values.0)
     }
 
     /// Read a scenario file.
@@ -160,7 +160,7 @@ impl Scenario {
     ///     The file cannot be read, is not TOML, or is not a valid scenario.
     #[staticmethod]
     fn from_file(path: PathBuf) -> PyResult<Self> {
-        Self::read(Document::load(path).raised()?, false, Vec::new())
+        Self::read(Document::load(path).or_exception()?, false, Vec::new())
     }
 
     /// Make a scenario from a dictionary of its sections, as `tomllib` reads them from a file.
@@ -311,7 +311,7 @@ impl Scenario {
     /// Return the orbit and its columns, each with its unit, mean, ripple, least and greatest value.
     fn _settled(&self, py: Python<'_>) -> PyResult<SettledColumns> {
         let document = &self.document;
-        let found = py.detach(|| Ready::of(document)?.settle(document)).raised()?;
+        let found = py.detach(|| Ready::of(document)?.settle(document)).or_exception()?;
         let (orbit, rows) = (found.orbit, found.rows);
         let of = |row: Settling| {
             let ripple = row.ripple();

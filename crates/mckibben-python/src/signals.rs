@@ -4,8 +4,8 @@
 //! Ctrl-C has no effect unless it is checked. Work on the caller's own thread checks by a [`Watch`]; for work on the threads of
 //! the pool, [`interruptible`] checks from the caller's thread, which waits for them.
 
+use crate::exceptions::{OrException, exception};
 use crate::pool;
-use crate::raised::{OrException, exception};
 use mckibben::Error;
 use mckibben_run::failure::Failure;
 use pyo3::prelude::*;
@@ -40,7 +40,9 @@ impl Watch {
     /// Goes on unless a signal has raised something; `time` in s is what has been reached.
     pub(crate) fn at(&mut self, time: f64) -> Result<(), Error> {
         self.calls = self.calls.wrapping_add(1);
-        if !self.calls.is_multiple_of(CALLS_PER_CHECK) || self.last_check.is_some_and(|last_check| last_check.elapsed() < PATIENCE) {
+        if !self.calls.is_multiple_of(CALLS_PER_CHECK)
+            || self.last_check.is_some_and(|last_check| last_check.elapsed() < PATIENCE)
+        {
             return Ok(());
         }
         self.last_check = Some(Instant::now());
@@ -56,7 +58,7 @@ impl Watch {
 
     /// What came of the work, unless a signal ended it.
     pub(crate) fn outcome<T, E: Into<Failure>>(self, result: Result<T, E>) -> PyResult<T> {
-        self.raised.map_or_else(|| result.raised(), Err)
+        self.raised.map_or_else(|| result.or_exception(), Err)
     }
 }
 
@@ -123,7 +125,7 @@ pub(crate) fn followed_to_its_end<T: Send>(
             });
         })
     })
-    .raised()?;
+    .or_exception()?;
     match (raised, outcome) {
         (raised, Some(value)) => Ok((raised, value)),
         (Some(error), None) => Err(error),

@@ -1,7 +1,7 @@
 //! Static force, stiffness and volume of an actuator, and their inverses, number by number: the class `_Statics`.
 
 use crate::arguments;
-use crate::raised::OrException;
+use crate::exceptions::OrException;
 use crate::scenario::Scenario;
 use crate::typed::{Numbers, Sequence};
 use mckibben::{Actuator, GaugePressure};
@@ -24,7 +24,7 @@ impl _Statics {
         (names, first, second): ([&str; 2], &[f64], &[f64]),
         value: impl Fn(f64, f64) -> Option<f64> + Sync,
     ) -> PyResult<Numbers<'py>> {
-        [first, second].into_iter().zip(names).try_for_each(|(of, name)| arguments::finite(name, of)).raised()?;
+        [first, second].into_iter().zip(names).try_for_each(|(of, name)| arguments::finite(name, of)).or_exception()?;
         let values = py.detach(|| {
             let pairs = first.iter().zip(second);
             pairs.map(|(first, second)| value(*first, *second).unwrap_or(f64::NAN)).collect()
@@ -57,8 +57,9 @@ impl _Statics {
 impl _Statics {
     #[new]
     fn new(scenario: &Scenario) -> PyResult<Self> {
-        let of = scenario.of_one().raised()?;
-        let actuator = of.driven().map_err(|error| Failure::of_core(&error, &scenario.document)).raised()?.actuator;
+        let of = scenario.of_one().or_exception()?;
+        let actuator =
+            of.driven().map_err(|error| Failure::of_core(&error, &scenario.document)).or_exception()?.actuator;
         Ok(Self { actuator, supply: of.supply.as_ref().map(|supply| supply.gauge_pressure) })
     }
 
@@ -108,7 +109,7 @@ impl _Statics {
         most: f64,
     ) -> PyResult<Numbers<'py>> {
         arguments::number("max_gauge_pressure", most, "Pa", "a gauge pressure in Pa above zero", most > 0.0)
-            .raised()?;
+            .or_exception()?;
         Self::each(py, (["length", "force"], &length.0, &force.0), |length, force| {
             self.actuator.pressure_under(length, force, GaugePressure(most)).map(|gauge| gauge.0)
         })

@@ -1,6 +1,6 @@
 //! A sweep by its parts: the class `Sweep`.
 
-use crate::raised::OrException;
+use crate::exceptions::OrException;
 use crate::scenario::Scenario;
 use crate::typed::{Items, Names};
 use mckibben_run::failure::Failure;
@@ -109,7 +109,7 @@ impl Sweep {
                 };
                 Ok::<_, Failure>((prepared, choice))
             })
-            .raised()?;
+            .or_exception()?;
         Ok(Self { scenario, prepared, choice })
     }
 
@@ -185,7 +185,7 @@ impl Sweep {
                     format!("parts are counted from 0, and there are {parts}"),
                 )),
             })
-            .raised()?;
+            .or_exception()?;
         Ok(PyBytes::new(py, &bytes))
     }
 
@@ -210,7 +210,7 @@ impl Sweep {
     /// OutputError
     ///     The folder cannot be written to.
     fn missing(&self, folder: PathBuf) -> PyResult<(Vec<u64>, u64)> {
-        self.prepared.folder(&folder).and_then(|folder| self.missing_in(&folder)).raised()
+        self.prepared.folder(&folder).and_then(|folder| self.missing_in(&folder)).or_exception()
     }
 
     /// Write a part into the folder, whole or not at all.
@@ -236,7 +236,7 @@ impl Sweep {
             let written = output::write(&folder.part(part), bytes);
             written.map_err(|failure| failure.staying(|| folder.stays(&self.prepared.plan())))
         })
-        .raised()
+        .or_exception()
     }
 
     /// Compute the missing parts into the folder on several threads.
@@ -272,10 +272,11 @@ impl Sweep {
         let jobs = jobs.map_or_else(cores, NonZeroUsize::get);
         if jobs > MOST_JOBS {
             let remedy = format!("give {MOST_JOBS} at most; more than there are cores are of no use");
-            return Err(Failure::input(format!("{jobs} jobs are more threads than can be started"), remedy)).raised();
+            return Err(Failure::input(format!("{jobs} jobs are more threads than can be started"), remedy))
+                .or_exception();
         }
         let mut totals = SweepCounts::new(self.prepared.sweep(), false);
-        let (missing, _) = py.detach(|| self.missing_in(&self.prepared.folder(&folder)?)).raised()?;
+        let (missing, _) = py.detach(|| self.missing_in(&self.prepared.folder(&folder)?)).or_exception()?;
         let mut done = self.parts() - missing.len() as u64;
         let of_rows = |rows: u64| (rows * jobs as u64).div_ceil(self.prepared.plan().part_rows.max(1));
         let together = match progress {
@@ -288,7 +289,7 @@ impl Sweep {
                 let place = Place::Folder(self.prepared.folder(&folder)?);
                 self.prepared.simulate(self.choice.as_ref(), parts.to_vec(), jobs, place, &mut totals)
             })
-            .raised()?;
+            .or_exception()?;
             done += parts.len() as u64;
             progress.as_ref().map_or(Ok(()), |progress| progress.call1((done, self.parts())).map(|_| ()))?;
         }

@@ -2,8 +2,8 @@
 
 use crate::arguments;
 use crate::columns::{array, dictionary};
+use crate::exceptions::OrException;
 use crate::python;
-use crate::raised::OrException;
 use crate::scenario::Scenario;
 use crate::signals::Watch;
 use crate::typed::{
@@ -72,7 +72,7 @@ pub(crate) fn simulate(
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Trajectory> {
     let finished = run(py, scenario.get(), progress)?;
-    let (columns, log) = py.detach(|| finished.columns().map(|columns| (columns, finished.log()))).raised()?;
+    let (columns, log) = py.detach(|| finished.columns().map(|columns| (columns, finished.log()))).or_exception()?;
     let of_column = |column: mckibben_run::record::Filled| {
         Ok(Column { name: column.name, unit: column.unit.to_owned(), values: array(py, column.values)?.unbind() })
     };
@@ -88,7 +88,7 @@ pub(crate) fn simulate(
 }
 
 fn run(py: Python<'_>, scenario: &Scenario, progress: Option<Bound<'_, PyAny>>) -> PyResult<Finished> {
-    let ready = py.detach(|| Ready::of(&scenario.document)).raised()?;
+    let ready = py.detach(|| Ready::of(&scenario.document)).or_exception()?;
     let mut watch = Watch::new().reporting(progress, ready.plan().duration);
     let finished = py.detach(|| ready.run(&scenario.document, End::Duration, &mut |time| watch.at(time)));
     watch.outcome(finished.map(|(finished, _)| finished))
@@ -241,7 +241,7 @@ impl Trajectory {
 
     fn between<'py>(&self, py: Python<'py>, times: &[f64]) -> PyResult<Bound<'py, PyDict>> {
         let finished = self.finished(py)?;
-        let columns = py.detach(|| finished.columns_at(times)).raised()?;
+        let columns = py.detach(|| finished.columns_at(times)).or_exception()?;
         dictionary(py, columns)
     }
 
@@ -254,7 +254,7 @@ impl Trajectory {
             finished.write(&Provenance { document, set: &set, scenario }, (&path, format), file.writer())?;
             file.commit()
         })
-        .raised()
+        .or_exception()
     }
 }
 
@@ -427,7 +427,7 @@ impl Trajectory {
     fn warnings(&self, py: Python<'_>) -> PyResult<Vec<String>> {
         let (finished, document) = (self.finished(py)?, &self.scenario.get().document);
         let found = py.detach(|| Ok::<_, Failure>(of_run(Ready::of(document)?.warnings(), &finished.figures()?)));
-        let found = found.raised()?;
+        let found = found.or_exception()?;
         Ok(found.iter().map(ToString::to_string).collect())
     }
 
@@ -472,7 +472,7 @@ impl Trajectory {
     /// InputError
     ///     A time is not finite or outside the run.
     fn at_times<'py>(&self, py: Python<'py>, times: Sequence) -> PyResult<Columns<'py>> {
-        arguments::finite("times", &times.0).raised()?;
+        arguments::finite("times", &times.0).or_exception()?;
         Ok(Columns(self.between(py, &times.0)?.into_any()))
     }
 
@@ -534,7 +534,7 @@ impl Trajectory {
     /// Return numbers with their names and units, counts of events, and assumed values.
     fn _figures(&self, py: Python<'_>) -> PyResult<Figured> {
         let (finished, assumed) = (self.finished(py)?, self.scenario.get().document.assumed());
-        let summary = py.detach(|| finished.figures().map(|figures| figures.summary())).raised()?;
+        let summary = py.detach(|| finished.figures().map(|figures| figures.summary())).or_exception()?;
         let numbers = summary.numbers.into_iter().map(|number| (number.name, number.value, number.unit)).collect();
         let assumed = assumed.into_iter().map(|of| (of.parameter.key.to_owned(), of.text)).collect();
         Ok((numbers, summary.events.into_iter().collect(), assumed))
@@ -646,9 +646,10 @@ impl Trajectory {
     #[pyo3(signature = (over = AxisWord::from("time")))]
     fn to_svg(&self, py: Python<'_>, over: AxisWord) -> PyResult<String> {
         let title = || format!("over = \"{}\" is no horizontal axis of a run", over.0);
-        let over: TrajectoryAxis = over.0.parse().map_err(|remedy: String| Failure::input(title(), remedy)).raised()?;
+        let over: TrajectoryAxis =
+            over.0.parse().map_err(|remedy: String| Failure::input(title(), remedy)).or_exception()?;
         let (finished, title) = (self.finished(py)?, self.scenario.get().title());
-        py.detach(|| Ok::<_, Failure>(finished.figure(over, &title)?.to_svg(Theme::Light)?)).raised()
+        py.detach(|| Ok::<_, Failure>(finished.figure(over, &title)?.to_svg(Theme::Light)?)).or_exception()
     }
 
     fn _repr_svg_(&self, py: Python<'_>) -> PyResult<String> {

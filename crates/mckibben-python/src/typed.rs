@@ -1,6 +1,6 @@
 //! Python objects with the types that the stubs give them.
 
-use crate::raised::exception;
+use crate::exceptions::exception;
 use mckibben_run::failure::Failure;
 use numpy::ndarray::Dimension;
 use numpy::{

@@ -1,6 +1,6 @@
 //! Values of Python as TOML, and back.
 
-use crate::raised::exception;
+use crate::exceptions::exception;
 use crate::typed::kind;
 use mckibben_run::failure::Failure;
 use pyo3::exceptions::PyTypeError;

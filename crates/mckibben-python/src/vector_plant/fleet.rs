@@ -103,7 +103,8 @@ impl Fleet {
         };
         for (row, actions) in actions.chunks(valves).enumerate() {
             for (number, solenoid) in actions.iter().zip(self.file.solenoids()) {
-                let commanded = self.action_mode.command(*number).and_then(|commanded| solenoid.check_command(&commanded));
+                let commanded =
+                    self.action_mode.command(*number).and_then(|commanded| solenoid.check_command(&commanded));
                 commanded.map_err(|error| (row, error.into()))?;
             }
         }

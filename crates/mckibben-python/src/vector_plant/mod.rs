@@ -11,9 +11,9 @@ mod file;
 mod fleet;
 
 use crate::arguments;
+use crate::exceptions::{OrException, exception};
 use crate::pace::Span;
 use crate::pool;
-use crate::raised::{OrException, exception};
 use crate::scenario::Scenario;
 use crate::typed::{ActionWord, Count, Flags, Items, NewArguments, Numbers as Array, Rows, Sequence, Table};
 use file::File;
@@ -151,8 +151,9 @@ impl VectorPlant {
 
     fn begin(&mut self, py: Python<'_>, values: Option<Table<'_>>) -> PyResult<()> {
         let (values, count) = (values.map(|values| values.read("values")).transpose()?, self.count);
-        let (fleet, values) = self.valued(values.as_ref().map(|of| of.as_slice()).transpose()?, count).raised()?;
-        py.detach(|| together(count, || fleet.begin(&values).map_err(of_plant))).raised()
+        let (fleet, values) =
+            self.valued(values.as_ref().map(|of| of.as_slice()).transpose()?, count).or_exception()?;
+        py.detach(|| together(count, || fleet.begin(&values).map_err(of_plant))).or_exception()
     }
 
     /// The plants with the values of each; a failure where they are as many as there should not be, or not finite.
@@ -220,7 +221,8 @@ impl VectorPlant {
         action_mode: ActionWord,
         pulse_frequency: Option<f64>,
     ) -> PyResult<Self> {
-        let mut plants = Self::of(py, &scenario, &parameters.0, (&action_mode.0, pulse_frequency), count.0).raised()?;
+        let mut plants =
+            Self::of(py, &scenario, &parameters.0, (&action_mode.0, pulse_frequency), count.0).or_exception()?;
         arguments::room(py, count.0, "plants", plants.fleet.bytes())?;
         plants.begin(py, None)?;
         Ok(plants)
@@ -265,12 +267,12 @@ impl VectorPlant {
             Failure::input(format!("rows: number {row} of a plant is meant that there is not"), remedy)
         };
         let rows = rows.as_slice()?.iter().map(|row| number(row).ok_or_else(|| unknown(row)));
-        let rows = rows.collect::<Result<Vec<_>, _>>().raised()?;
+        let rows = rows.collect::<Result<Vec<_>, _>>().or_exception()?;
         let values = values.map(|values| values.read("values")).transpose()?;
         let (fleet, values) =
-            plants.valued(values.as_ref().map(|of| of.as_slice()).transpose()?, rows.len()).raised()?;
+            plants.valued(values.as_ref().map(|of| of.as_slice()).transpose()?, rows.len()).or_exception()?;
         let rows: Vec<(usize, &[f64])> = rows.into_iter().zip(values).collect();
-        py.detach(|| together(count, || fleet.restart(&rows).map_err(of_plant))).raised()
+        py.detach(|| together(count, || fleet.restart(&rows).map_err(of_plant))).or_exception()
     }
 
     /// Command the valves, advance all instances, and write their observations.
@@ -310,21 +312,21 @@ impl VectorPlant {
         let (actions, mut observations, mut stopped) =
             (actions.read("actions")?, observations.write("observations")?, stopped.write("stopped")?);
         let actions = actions.as_slice().ok();
-        shaped("actions", actions.map(<[f64]>::len), (count, valves)).raised()?;
+        shaped("actions", actions.map(<[f64]>::len), (count, valves)).or_exception()?;
         let actions = actions.unwrap_or_default();
-        arguments::finite_table("actions", actions, valves).raised()?;
-        crate::actuator::check_dt(dt).raised()?;
+        arguments::finite_table("actions", actions, valves).or_exception()?;
+        crate::actuator::check_dt(dt).or_exception()?;
         let steps = (dt / *longest - ROUNDING).ceil().max(1.0);
         let parts = steps + 2.0 * dt * pulses.unwrap_or(0.0);
         if parts > MOST_PARTS {
             let title = format!("dt = {dt:?} s takes {parts:.3e} steps and edges of pulses, more than {MOST_PARTS:e}");
             return Err(Failure::input(title, "give a shorter dt, a longer run.step or a lower pulse_frequency"))
-                .raised();
+                .or_exception();
         }
-        fleet.check(actions).map_err(of_plant).raised()?;
+        fleet.check(actions).map_err(of_plant).or_exception()?;
         let (observations, stopped) = (observations.as_slice_mut()?, stopped.as_slice_mut()?);
-        shaped("observations", Some(observations.len()), (count, width)).raised()?;
-        shaped("stopped", Some(stopped.len()), (count, 1)).raised()?;
+        shaped("observations", Some(observations.len()), (count, width)).or_exception()?;
+        shaped("stopped", Some(stopped.len()), (count, 1)).or_exception()?;
         // Between spans Ctrl-C is handled; commands that are repeated meanwhile change nothing.
         let spans = (parts * count as f64 / PARTS_PER_CHECK).ceil().max(1.0);
         let span = Span { duration: dt / spans, steps: (steps / spans).ceil() as u64 };
@@ -338,7 +340,7 @@ impl VectorPlant {
                     Ok(())
                 })
             })
-            .raised()?;
+            .or_exception()?;
         }
         Ok(())
     }
@@ -359,7 +361,7 @@ impl VectorPlant {
     fn observe(&mut self, rows: Rows<'_>, observations: Table<'_>) -> PyResult<()> {
         let (width, rows, mut observations) = (self.width, rows.read("rows")?, observations.write("observations")?);
         let observations = observations.as_slice_mut()?;
-        shaped("observations", Some(observations.len()), (self.count, width)).raised()?;
+        shaped("observations", Some(observations.len()), (self.count, width)).or_exception()?;
         for row in rows.as_slice()?.iter().filter_map(|row| usize::try_from(*row).ok()) {
             if let Some(into) = observations.get_mut(row * width..(row + 1) * width) {
                 self.fleet.observe(row, into);
@@ -389,9 +391,9 @@ impl VectorPlant {
         let values = [one.0.as_slice(), other.0.as_slice()];
         if values.iter().any(|values| values.len() != self.parameters.len()) {
             let remedy = format!("give a value for each of {}, in SI", self.parameters.join(", "));
-            return Err(Failure::input("values are missing, or there are too many", remedy)).raised();
+            return Err(Failure::input("values are missing, or there are too many", remedy)).or_exception();
         }
-        self.fleet.differ(values).raised()
+        self.fleet.differ(values).or_exception()
     }
 
     /// Time in s of each instance on the clock of the pulses, which all share and `start` restarts.
@@ -447,7 +449,7 @@ impl VectorPlant {
     ///     The model finds a contradiction in the scenario.
     #[staticmethod]
     fn columns_of(scenario: &Scenario) -> PyResult<Vec<String>> {
-        let columns = file::columns_of(scenario).raised()?;
+        let columns = file::columns_of(scenario).or_exception()?;
         Ok(columns.into_iter().map(|column| column.name).collect())
     }
 

@@ -27,8 +27,8 @@ mod prediction;
 mod responses;
 mod rings;
 mod sensors;
-mod unknowns;
 mod trajectories;
+mod unknowns;
 mod values;
 mod valve;
 

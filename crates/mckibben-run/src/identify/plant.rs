@@ -2,8 +2,8 @@
 
 use super::Material;
 use super::sensors::{self, OfSensor};
-use super::unknowns::{self, OfRun};
 use super::trajectories::held_at_its_end;
+use super::unknowns::{self, OfRun};
 use crate::failure::Failure;
 use mckibben::network::NodeKind;
 use mckibben_identify::least_squares::Unknown;

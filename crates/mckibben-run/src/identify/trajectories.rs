@@ -359,7 +359,8 @@ fn predictions(task: &Task, found: &Identified) -> Vec<Prediction> {
         measured: recorded.values.clone(),
         predicted: task.runs[run].readings(recorded, (&found.simulated[run], &values), &recorded.times),
     };
-    let of_run = |run: usize| task.runs[run].courses.iter().map(|recorded| of_course(run, recorded)).collect::<Vec<_>>();
+    let of_run =
+        |run: usize| task.runs[run].courses.iter().map(|recorded| of_course(run, recorded)).collect::<Vec<_>>();
     (0..task.runs.len()).flat_map(of_run).collect()
 }
 
@@ -377,7 +378,8 @@ fn plate(task: &Task, found: &Identified, index: usize, stem: &'static str) -> P
         let times: Vec<f64> = (0..=600).map(|part| last * f64::from(part) / 600.0).collect();
         let curve = run.readings(recorded, fitted, &times);
         let predicted = run.readings(recorded, fitted, &recorded.times);
-        let off: Vec<f64> = predicted.iter().zip(&recorded.values).map(|(predicted, value)| predicted - value).collect();
+        let off: Vec<f64> =
+            predicted.iter().zip(&recorded.values).map(|(predicted, value)| predicted - value).collect();
         let (words, unit) = (recorded.observed.words(), recorded.observed.unit());
         let panel =
             Panel::new(Axis::new(words, unit)).legend(if panels.is_empty() { Legend::Above } else { Legend::Hidden });
@@ -385,7 +387,8 @@ fn plate(task: &Task, found: &Identified, index: usize, stem: &'static str) -> P
             panel
                 .height_mm(height)
                 .series(
-                    Series::dots("measured", recorded.times.clone(), recorded.values.clone()).colour(Colour::Category(1)),
+                    Series::dots("measured", recorded.times.clone(), recorded.values.clone())
+                        .colour(Colour::Category(1)),
                 )
                 .series(Series::line("simulated", times, curve)),
         );

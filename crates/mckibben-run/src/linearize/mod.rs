@@ -2,7 +2,7 @@
 //!
 //! | part | what |
 //! |---|---|
-//! | `found` | the model of whatever the scenario describes |
+//! | `linear_model` | the model of whatever the scenario describes |
 //! | `given` | the requested point |
 //! | `account` | the model in words and tables |
 //! | `export` | the model as JSON and as a MATLAB or Octave script |
@@ -15,15 +15,15 @@
 mod account;
 mod bode;
 mod export;
-mod found;
 mod given;
 mod joint;
+mod linear_model;
 mod plant;
 
 use crate::failure::Failure;
 use crate::quantities;
 pub use account::{Account, Block, Line};
-pub use found::LinearModel;
+pub use linear_model::LinearModel;
 use mckibben::linearize::{Controllability, Linearization, Pole, StateSpace};
 use mckibben_scenario::Assumed;
 

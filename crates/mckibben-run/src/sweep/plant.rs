@@ -49,7 +49,8 @@ impl<'a> Recorder<'a> {
             PlantReduced::Error(..) | PlantReduced::Air => None,
         };
         let records = |wanted: fn(PlantReduced) -> bool| reductions.into_iter().flatten().any(|of| wanted(of.of));
-        let keeper = records(|of| of == PlantReduced::Air).then(|| PlantLedgerKeeper::new(&of.plant, of.run.stepping()));
+        let keeper =
+            records(|of| of == PlantReduced::Air).then(|| PlantLedgerKeeper::new(&of.plant, of.run.stepping()));
         let follower = records(|of| matches!(of, PlantReduced::Error(..))).then(|| Follower::new(of));
         let duration = of.run.duration;
         let period = slowest_period(of).unwrap_or(LAST_PART * duration);

@@ -163,7 +163,9 @@ fn with_conductance(
 ) -> Result<(Scenario, Vec<Estimate>), Failure> {
     if ratio.value < 0.0 {
         let with_interval = with_interval(ratio, 1.0, "");
-        warnings.push(format!("{WARNED}b comes out as {with_interval}; the scenario has 0, the least that a flow path has."));
+        warnings.push(format!(
+            "{WARNED}b comes out as {with_interval}; the scenario has 0, the least that a flow path has."
+        ));
     }
     let [sonic_conductance, critical_ratio] = [conductance.value, ratio.value.max(0.0)];
     let flow_path = FlowPath::Iso6358 { sonic_conductance, critical_ratio };

@@ -2,7 +2,7 @@
 
 use super::super::outcome::{self, Outcome, WARNED, file};
 use super::super::{Material, Prediction, pressure_over_time, values};
-use super::{Stems, at_its_end, failed, named, put, says_its_end, with_interval, valve_of};
+use super::{Stems, at_its_end, failed, named, put, says_its_end, valve_of, with_interval};
 use crate::failure::Failure;
 use crate::figure::symbols;
 use crate::report::{Data, Plate, Section, Table};

@@ -2,7 +2,9 @@
 
 use super::super::outcome::{self, Outcome, WARNED, file};
 use super::super::{Material, Prediction, column, values};
-use super::{absolute_pressures, actuator_of, conductance, law_of, named, flow_path_of, put, rows, with_interval, valve_of};
+use super::{
+    absolute_pressures, actuator_of, conductance, flow_path_of, law_of, named, put, rows, valve_of, with_interval,
+};
 use super::{says_its_end, with_conductance, with_flow_path};
 use crate::failure::Failure;
 use crate::quantities::quantity;

@@ -4,8 +4,8 @@ use super::super::outcome::{self, Outcome, WARNED};
 use super::super::prediction::Prediction;
 use super::super::{Material, pressure_over_time, values};
 use super::steady::{CURVE, curve_plate};
-use super::{Stems, actuator_of, at_its_end, conductance, failed, law_of, named, flow_path_of};
-use super::{put, says_its_end, with_interval, valve_of, with_conductance};
+use super::{Stems, actuator_of, at_its_end, conductance, failed, flow_path_of, law_of, named};
+use super::{put, says_its_end, valve_of, with_conductance, with_interval};
 use crate::failure::Failure;
 use crate::quantities::quantity;
 use crate::report::{Data, Plate, Section, Table};
@@ -260,7 +260,8 @@ fn by_windows(runs: &[Experiment<'_>], windows: usize, warnings: &mut Vec<String
 fn by_trajectory(runs: &[Experiment<'_>], warnings: &mut Vec<String>) -> Result<Found, Failure> {
     let names = names(runs);
     let records: Vec<(Tank, &TankRecord)> = runs.iter().map(|of| (of.tank, &of.record)).collect();
-    let found = Tank::fit_together(&records, tank_unknown(&runs[0])?, runs[0].entry.heat).map_err(|e| failed(&names, &e))?;
+    let found =
+        Tank::fit_together(&records, tank_unknown(&runs[0])?, runs[0].entry.heat).map_err(|e| failed(&names, &e))?;
     for (of, [scatter, noise]) in runs.iter().zip(&found.of_records).filter(|(_, [left, noise])| *left > MISFIT * noise)
     {
         warnings.push(format!(
