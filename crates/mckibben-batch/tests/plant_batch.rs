@@ -37,7 +37,7 @@ pub(crate) fn rows(plant: &Plant, start: &PlantStart, method: Method, count: usi
 
 /// Steps a batch of every width and a scalar instance of each row, which have to agree; returns the scalar instances.
 pub(crate) fn agree(rows: &[PlantSteps], step: f64, steps: u32) {
-    let mut alone = rows.to_vec();
+    let mut scalar = rows.to_vec();
     let mut faults: Vec<Option<Error>> = vec![None; rows.len()];
     let mut batches: Vec<PlantBatch> = Vec::new();
     for width in Width::available() {
@@ -45,7 +45,7 @@ pub(crate) fn agree(rows: &[PlantSteps], step: f64, steps: u32) {
     }
     for count in 1..=steps {
         let until = step * f64::from(count);
-        for (row, fault) in alone.iter_mut().zip(&mut faults) {
+        for (row, fault) in scalar.iter_mut().zip(&mut faults) {
             if fault.is_none() {
                 *fault = row.advance_to(until).err();
             }
@@ -53,7 +53,7 @@ pub(crate) fn agree(rows: &[PlantSteps], step: f64, steps: u32) {
         for batch in &mut batches {
             batch.advance_to(until).expect("a time");
             let width = batch.width();
-            for (index, (row, fault)) in alone.iter().zip(&faults).enumerate() {
+            for (index, (row, fault)) in scalar.iter().zip(&faults).enumerate() {
                 match (batch.row(index), fault) {
                     (Ok(found), None) => {
                         let same = bits(found.state()) == bits(row.state());
@@ -206,14 +206,14 @@ fn proportional_regulators_equal_scalar_instances() {
 fn rows_on_bottles_whose_ends_hosts_move_equal_scalar_instances() {
     let (plant, start, _) = on_a_bottle();
     assert!(PlantBatch::covers(&plant), "it goes in lanes");
-    let mut alone = rows(&plant, &start, Method::Stable, 19).expect("rows");
-    let mut batch = PlantBatch::new(alone.clone()).expect("a batch");
+    let mut scalar = rows(&plant, &start, Method::Stable, 19).expect("rows");
+    let mut batch = PlantBatch::new(scalar.clone()).expect("a batch");
     let mut before = [0.085, 0.088];
     for count in 0..200 {
         let (demands, distances) = requested(count);
         let rates = [0, 1].map(|k| (distances[k] - before[k]) / 1e-3);
         before = distances;
-        for (index, row) in alone.iter_mut().enumerate() {
+        for (index, row) in scalar.iter_mut().enumerate() {
             for (valve, commanded) in demands.into_iter().flatten().enumerate() {
                 if (valve + index) % 3 != 0 {
                     row.set(valve, commanded).expect("a demand");
@@ -226,7 +226,7 @@ fn rows_on_bottles_whose_ends_hosts_move_equal_scalar_instances() {
             row.advance_to(f64::from(count + 1) * 1e-3).expect("on");
         }
         batch.advance_to(f64::from(count + 1) * 1e-3).expect("on");
-        for (index, row) in alone.iter().enumerate() {
+        for (index, row) in scalar.iter().enumerate() {
             assert_eq!(bits(batch.row(index).expect("it goes on").state()), bits(row.state()), "{index} after {count}");
         }
     }
@@ -236,25 +236,25 @@ fn rows_on_bottles_whose_ends_hosts_move_equal_scalar_instances() {
 #[test]
 fn rows_are_set_and_restarted() {
     let (plant, start) = as_plant(&Paper::pwm(25.0, 0.5).gauge(30.0 * PSI).friction(3.5, 1e-4));
-    let mut alone = rows(&plant, &start, Method::Stable, 20).expect("rows");
-    let mut batch = PlantBatch::new(alone.clone()).expect("a batch");
+    let mut scalar = rows(&plant, &start, Method::Stable, 20).expect("rows");
+    let mut batch = PlantBatch::new(scalar.clone()).expect("a batch");
     let pulses = |duty| RuntimeCommand::Pulses { frequency: 40.0, duty, pulse: Request::Fill, rest: Request::Exhaust };
     for count in 1..=120 {
         let until = 1e-3 * f64::from(count);
         let row = count as usize % 20;
         let duty = f64::from(count % 7) / 7.0;
-        alone[row].set(0, pulses(duty)).expect("a demand");
+        scalar[row].set(0, pulses(duty)).expect("a demand");
         batch.set(row, 0, pulses(duty)).expect("a demand");
-        alone.iter_mut().for_each(|row| row.advance_to(until).expect("on"));
+        scalar.iter_mut().for_each(|row| row.advance_to(until).expect("on"));
         batch.advance_to(until).expect("on");
         if count == 60 {
             let mut restarted = PlantRun::new(&varied(&plant, 30), &start, 1e-9).expect("a run");
             restarted.advance_to(until).expect("on");
             let restarted = restarted.steps(Method::Stable);
-            alone[3] = restarted.clone();
+            scalar[3] = restarted.clone();
             batch.restart(3, restarted).expect("equal structure");
         }
-        for (index, row) in alone.iter().enumerate() {
+        for (index, row) in scalar.iter().enumerate() {
             assert_eq!(bits(batch.row(index).expect("it goes on").state()), bits(row.state()), "{index} at {until} s");
         }
     }

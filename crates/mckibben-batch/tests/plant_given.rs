@@ -96,17 +96,17 @@ fn moving_poppets_in_long_spans_equal_scalar_instances() {
         let start = rig.start(&paper.initial()).expect("a start");
         let (plant, start) = (Plant::of_rig(&rig), Plant::start_of_rig(&rig, &start));
         for method in [Method::Rk4, Method::Stable] {
-            let mut alone = rows(&plant, &start, method, 5).expect("rows");
-            let mut batch = PlantBatch::new(alone.clone()).expect("a batch");
+            let mut scalar = rows(&plant, &start, method, 5).expect("rows");
+            let mut batch = PlantBatch::new(scalar.clone()).expect("a batch");
             for count in 0..20 {
                 let from = batch.time();
                 let until = f64::from(count + 1) * 0.05;
                 batch.advance(until, 500).expect("on");
                 for step in 1..=500_u32 {
                     let end = if step == 500 { until } else { from + (until - from) * (f64::from(step) / 500.0) };
-                    alone.iter_mut().for_each(|row| row.advance_to(end).expect("on"));
+                    scalar.iter_mut().for_each(|row| row.advance_to(end).expect("on"));
                 }
-                for (index, row) in alone.iter().enumerate() {
+                for (index, row) in scalar.iter().enumerate() {
                     let found = batch.row(index).expect("it goes on").state().to_vec();
                     assert_eq!(bits(&found), bits(row.state()), "row {index}, {method:?}, {until} s: {found:?}");
                 }

@@ -53,13 +53,13 @@ fn agree(
     steps: usize,
     command: impl Fn(usize, usize) -> Option<RuntimeCommand> + Sync,
 ) {
-    let mut alone = made.to_vec();
+    let mut scalar = made.to_vec();
     let mut faults: Vec<Option<Error>> = vec![None; made.len()];
     let widths = Width::available().into_iter();
     let mut batches: Vec<PlantBatch> =
         widths.map(|width| PlantBatch::with_width(made.to_vec(), width).expect("rows at one time")).collect();
     batches.iter_mut().for_each(|batch| batch.limit_step(longest).expect("a limit"));
-    alone.iter_mut().for_each(|row| row.limit_step(longest).expect("a limit"));
+    scalar.iter_mut().for_each(|row| row.limit_step(longest).expect("a limit"));
     let places: Vec<Vec<usize>> = made
         .iter()
         .map(|row| {
@@ -69,7 +69,7 @@ fn agree(
             hosts.flat_map(|(_, here)| (0..here.coordinates).map(|k| here.position(k))).collect()
         })
         .collect();
-    let mut at: Vec<Vec<f64>> = alone
+    let mut at: Vec<Vec<f64>> = scalar
         .iter()
         .zip(&places)
         .map(|(row, places)| places.iter().map(|place| row.state()[*place]).collect())
@@ -82,7 +82,7 @@ fn agree(
         let distances = at.concat();
         // Responses are evaluated at rates that differ from those of the ends.
         let rates: Vec<f64> = (0..distances.len()).map(|k| between(count * 13 + k, 7, -0.05, 0.05)).collect();
-        for (index, row) in alone.iter_mut().enumerate() {
+        for (index, row) in scalar.iter_mut().enumerate() {
             if faults[index].is_some() {
                 continue;
             }
@@ -93,7 +93,7 @@ fn agree(
         }
         let mut first = 0;
         let mut answers: Vec<Vec<Response>> = Vec::new();
-        for (row, at) in alone.iter_mut().zip(&at) {
+        for (row, at) in scalar.iter_mut().zip(&at) {
             let mut own = (0..row.plant().actuators().len()).map(|i| row.compute(i).expect("one")).collect::<Vec<_>>();
             if at.iter().all(|distance| *distance > 0.0) {
                 row.compute_at(at, &rates[first..first + at.len()], &mut own).expect("answers");
@@ -106,7 +106,7 @@ fn agree(
             batch.set_each(0, |row| command(row, count)).expect("commands");
             batch.move_to(until, &distances).expect("a move");
             batch.compute_at(&distances, &rates).expect("answers");
-            for (index, (row, fault)) in alone.iter().zip(&faults).enumerate() {
+            for (index, (row, fault)) in scalar.iter().zip(&faults).enumerate() {
                 match (batch.responses(index).map(<[Response]>::to_vec), fault) {
                     (Ok(found), None) => {
                         for (i, (ours, theirs)) in found.iter().zip(&answers[index]).enumerate() {

@@ -156,7 +156,7 @@ fn end_of(rows: &[Row], method: Method, width: Width) -> Vec<End> {
 }
 
 /// The end of a row stepped alone.
-fn alone(row: &Row, method: Method) -> End {
+fn scalar(row: &Row, method: Method) -> End {
     let mut stepper = row.steps(method)?;
     let mut from = 0.0;
     for (until, steps) in SPANS {
@@ -177,7 +177,7 @@ fn go_on(stepper: &mut PlantSteps, [from, until]: [f64; 2], steps: u64) -> Resul
 fn a_row_is_the_run_of_its_steps_bit_for_bit_at_any_width() {
     let rows = rows(45);
     for method in [Method::Rk4, Method::Stable] {
-        let expected: Vec<End> = rows.iter().map(|row| alone(row, method)).collect();
+        let expected: Vec<End> = rows.iter().map(|row| scalar(row, method)).collect();
         for width in Width::available() {
             for (index, (found, expected)) in end_of(&rows, method, width).iter().zip(&expected).enumerate() {
                 assert_eq!(found, expected, "row {index}, {method:?}, {width:?}");
@@ -212,7 +212,7 @@ fn rigs_on_a_tendon_go_on_wherever_they_stand() {
         let Row { rig, start } = row(index);
         Row { rig: rig.with_tendon(tendon), start }
     });
-    let expected = on_tendon.each_ref().map(|row| alone(row, Method::Stable));
+    let expected = on_tendon.each_ref().map(|row| scalar(row, Method::Stable));
     for width in Width::available() {
         let mut mixed = others.clone();
         let places = [0, 6, 18];
@@ -237,7 +237,7 @@ fn doomed() -> Row {
 fn a_row_that_fails_has_an_error_and_changes_no_other() {
     let others = rows(16);
     let good = end_of(&others, Method::Rk4, Width::widest());
-    let expected = alone(&doomed(), Method::Rk4);
+    let expected = scalar(&doomed(), Method::Rk4);
     assert!(matches!(expected, Err(Error::Stopped { .. })), "{expected:?}");
     for width in Width::available() {
         for place in [0, 3, 8, 16] {

@@ -356,18 +356,18 @@ fn a_row_that_has_stopped_does_not_hold_up_those_that_begin_again() {
         let other = row(7);
         let start = Plant::start_of_rig(&other.rig, &other.start);
         let again = other.run().begin_again(&start, 0.2).expect("a start").steps(Method::Stable);
-        let [mut alone, mut beside] = [again.clone(), rows[2].steps(Method::Stable)];
+        let [mut scalar, mut beside] = [again.clone(), rows[2].steps(Method::Stable)];
         batch.restart(1, again).expect("begins again");
         batch.advance(0.3, 100).expect("a time");
         (1..=200).for_each(|count| beside.advance_to(0.2 * (f64::from(count) / 200.0)).expect("a step"));
-        for steps in [&mut alone, &mut beside] {
+        for steps in [&mut scalar, &mut beside] {
             let length = 0.3 - 0.2;
             (1..100).for_each(|count| {
                 steps.advance_to(0.2 + length * (f64::from(count) / 100.0)).expect("a step");
             });
             steps.advance_to(0.3).expect("a step");
         }
-        assert_eq!(batch.row(1).map(end), Ok(end(&alone)), "{width:?}");
+        assert_eq!(batch.row(1).map(end), Ok(end(&scalar)), "{width:?}");
         assert_eq!(batch.row(2).map(end), Ok(end(&beside)), "{width:?}");
     }
 }

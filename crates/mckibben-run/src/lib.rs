@@ -32,7 +32,6 @@
 
 #![forbid(unsafe_code)]
 
-mod alone;
 pub mod axis;
 pub mod closed_loop;
 pub mod curves;
@@ -55,6 +54,7 @@ pub mod report;
 pub mod reproduce;
 pub mod run;
 pub mod settle;
+mod single_actuator;
 pub mod size;
 pub mod summary;
 pub mod sweep;

@@ -2,13 +2,12 @@
 //!
 //! | kind of scenario | run by |
 //! |---|---|
-//! | an actuator on a load, with or without a controller | [`engine`], as `alone` says |
+//! | an actuator on a load, with or without a controller | [`engine`], as `single_actuator` says |
 //! | a joint of two actuators, with or without a controller | [`engine`], as `joint::pair` says |
 //! | a plant of several actuators | [`plant`] |
 //!
 //! Every command and every other host that runs whole scenarios does so here. Checked by the program's `tests/simulate.rs`.
 
-use crate::alone::Alone;
 use crate::axis::TrajectoryAxis;
 use crate::closed_loop::{Closed, Goals};
 use crate::engine::{self, Kept, Reached, Stepping, Subject};
@@ -20,6 +19,7 @@ use crate::observation::{Ended, Observation, Observes as _};
 use crate::plant::{self, PlantFigures, PlantOutcome};
 use crate::record::{self, Field, Filled, Format, Provenance, Target, filled};
 use crate::settle::{self, End, Settled};
+use crate::single_actuator::SingleActuator;
 use mckibben::plant::{
     JointPlant, PlantLedgerKeeper, PlantReader, PlantSample, PlantView, RigPlant, ViewReader, ViewRunEnd,
     ViewTrajectory,
@@ -130,8 +130,8 @@ impl Ready {
         let actuator = |(run, settled)| (Finished::Actuator(Box::new(run)), settled);
         let joint = |(run, settled)| (Finished::Joint(Box::new(run)), settled);
         let finished = match self {
-            Self::Actuator(of) => keep(&Alone::from(&*of), end, reached).map(actuator),
-            Self::Controlled(of) => keep(&Alone::from(&*of), end, reached).map(actuator),
+            Self::Actuator(of) => keep(&SingleActuator::from(&*of), end, reached).map(actuator),
+            Self::Controlled(of) => keep(&SingleActuator::from(&*of), end, reached).map(actuator),
             Self::Joint(of) => keep(&Pair::from(&*of), end, reached).map(joint),
             Self::ControlledJoint(of) => keep(&Pair::from(&*of), end, reached).map(joint),
             Self::Plant(of) => {
@@ -156,8 +156,8 @@ impl Ready {
         let actuator = |(figures, settled)| (Figures::Actuator(Box::new(figures)), settled);
         let joint = |(figures, settled)| (Figures::Joint(Box::new(figures)), settled);
         match self {
-            Self::Actuator(subject) => stream(&Alone::from(&*subject), of).map(actuator),
-            Self::Controlled(subject) => stream(&Alone::from(&*subject), of).map(actuator),
+            Self::Actuator(subject) => stream(&SingleActuator::from(&*subject), of).map(actuator),
+            Self::Controlled(subject) => stream(&SingleActuator::from(&*subject), of).map(actuator),
             Self::Joint(subject) => stream(&Pair::from(&*subject), of).map(joint),
             Self::ControlledJoint(subject) => stream(&Pair::from(&*subject), of).map(joint),
             Self::Plant(plant) => {
@@ -324,7 +324,9 @@ impl Finished {
     pub fn columns(&self) -> Result<Vec<Filled>, Failure> {
         let interval = self.plan().sample_interval;
         match self {
-            Self::Actuator(of) => filled(fields::<Alone<'_>>(of), &mut |each| rows(&of.trajectory, interval, each)),
+            Self::Actuator(of) => {
+                filled(fields::<SingleActuator<'_>>(of), &mut |each| rows(&of.trajectory, interval, each))
+            }
             Self::Joint(of) => filled(fields::<Pair<'_>>(of), &mut |each| rows(&of.trajectory, interval, each)),
             Self::Plant(of) => filled(of.fields(), &mut |each| of.each_sample(each)),
         }
@@ -343,7 +345,9 @@ impl Finished {
             ));
         }
         match self {
-            Self::Actuator(of) => filled(fields::<Alone<'_>>(of), &mut |each| rows_at(&of.trajectory, times, each)),
+            Self::Actuator(of) => {
+                filled(fields::<SingleActuator<'_>>(of), &mut |each| rows_at(&of.trajectory, times, each))
+            }
             Self::Joint(of) => filled(fields::<Pair<'_>>(of), &mut |each| rows_at(&of.trajectory, times, each)),
             Self::Plant(of) => {
                 let mut reader = PlantReader::new(&of.trajectory);
@@ -375,9 +379,11 @@ impl Finished {
     ) -> Result<(), Failure> {
         let (interval, target) = (self.plan().sample_interval, Target { provenance, path, format, out });
         match self {
-            Self::Actuator(of) => {
-                record::write(&fields::<Alone<'_>>(of), &mut |each| rows(&of.trajectory, interval, each), target)
-            }
+            Self::Actuator(of) => record::write(
+                &fields::<SingleActuator<'_>>(of),
+                &mut |each| rows(&of.trajectory, interval, each),
+                target,
+            ),
             Self::Joint(of) => {
                 record::write(&fields::<Pair<'_>>(of), &mut |each| rows(&of.trajectory, interval, each), target)
             }
@@ -391,7 +397,7 @@ impl Finished {
     /// None but those of the engine.
     pub fn figures(&self) -> Result<Figures, Failure> {
         Ok(match self {
-            Self::Actuator(of) => Figures::Actuator(Box::new(figures::<Alone<'_>>(of)?)),
+            Self::Actuator(of) => Figures::Actuator(Box::new(figures::<SingleActuator<'_>>(of)?)),
             Self::Joint(of) => Figures::Joint(Box::new(figures::<Pair<'_>>(of)?)),
             Self::Plant(of) => Figures::Plant(Box::new(of.figures())),
         })

@@ -2,7 +2,7 @@
 //!
 //! The cases are in `cases.rs`. A key without a case fails, so that a new key gets one. What is compared is what the program
 //! writes, so that a key which is read and then lost on its way to the engine is found too. That each number also goes to its
-//! own place, and not to that of its neighbour, is tested in `mckibben-scenario`, `tests/own_place.rs`.
+//! own place, and not to that of its neighbour, is tested in `mckibben-scenario`, `tests/each_parameter.rs`.
 
 #[path = "../common/mod.rs"]
 mod common;

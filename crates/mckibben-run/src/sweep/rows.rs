@@ -12,13 +12,13 @@ use super::plant;
 use super::reduce::{Reducer, Seen};
 use super::series::Windows;
 use super::step::{self, Choice};
-use crate::alone::Alone;
 use crate::closed_loop::Goal;
 use crate::engine::Subject;
 use crate::joint::pair::Pair;
 use crate::record::{Field, of_actuator, of_joint_alone};
 use crate::run::Ready;
 use crate::settle;
+use crate::single_actuator::SingleActuator;
 use crate::table::Cell;
 use crate::warnings::Warning;
 use mckibben::Error;
@@ -153,7 +153,7 @@ pub fn simulate_rows(sweep: &Sweep, choice: Option<&Choice>, rows: Range<u64>) -
         outcomes.push(match ready {
             Err(reason) => Outcome::Failed(reason),
             Ok(ready) if ready.goes_along() && sweep.over() == StatisticsOver::Run => {
-                Group::join(&mut groups, Kin::of(sweep, *row, &ready), (index, ready));
+                Group::join(&mut groups, GroupKey::of(sweep, *row, &ready), (index, ready));
                 // What the batch will compute is put in its place afterwards.
                 Outcome::Reduced(Vec::new())
             }
@@ -169,7 +169,7 @@ pub fn simulate_rows(sweep: &Sweep, choice: Option<&Choice>, rows: Range<u64>) -
 
 /// Rows that go through time side by side, each with its place among the outcomes.
 struct Group<'a> {
-    kin: Kin<'a>,
+    key: GroupKey<'a>,
     rows: Vec<(usize, Row<'a>)>,
     /// How many it may have.
     most: usize,
@@ -180,19 +180,19 @@ const ROUNDING: f64 = 1e-9;
 
 impl<'a> Group<'a> {
     /// Puts a row to its like, or begins a group.
-    fn join(groups: &mut Vec<Self>, kin: Kin<'a>, row: (usize, Row<'a>)) {
-        match groups.iter_mut().find(|group| group.kin == kin && group.rows.len() < group.most) {
+    fn join(groups: &mut Vec<Self>, key: GroupKey<'a>, row: (usize, Row<'a>)) {
+        match groups.iter_mut().find(|group| group.key == key && group.rows.len() < group.most) {
             Some(group) => group.rows.push(row),
             None => {
                 let most = if PlantBatch::covers(row.1.run.plant()) { side_by_side() } else { 1 };
-                groups.push(Self { kin, rows: vec![row], most });
+                groups.push(Self { key, rows: vec![row], most });
             }
         }
     }
 
     /// Takes all of them through time.
     fn simulate(self, record: &Record, outcomes: &mut [Outcome]) {
-        let Self { kin: Kin { how: TimeStepping::Fixed { method, step }, .. }, rows, .. } = self else { return };
+        let Self { key: GroupKey { how: TimeStepping::Fixed { method, step }, .. }, rows, .. } = self else { return };
         let Some(plan) = rows.first().map(|(_, row)| row.plan) else { return };
         let mut steps: Vec<_> = rows.iter().map(|(_, row)| row.run.steps(method)).collect();
         let mut samplers: Vec<_> = steps.iter().map(PlantSampler::new).collect();
@@ -243,16 +243,16 @@ impl Row<'_> {
     }
 }
 
-/// What rows share that go through time side by side: their times, and the words of the sweep, on which the form of their laws
-/// hangs.
+/// What rows that are stepped side by side share: their times, and the words of the sweep, on which the form of their laws
+/// depends.
 #[derive(Clone, Debug, PartialEq)]
-struct Kin<'a> {
+struct GroupKey<'a> {
     span: [f64; 2],
     how: TimeStepping,
     words: Vec<&'a str>,
 }
 
-impl<'a> Kin<'a> {
+impl<'a> GroupKey<'a> {
     fn of(sweep: &'a Sweep, index: u64, row: &Row<'_>) -> Self {
         let word = |axis| match sweep.value(axis, index) {
             AxisValue::Word(word) => Some(word),
@@ -301,8 +301,8 @@ impl Ready {
     /// Before its first step.
     fn row<'b>(&'b self, sweep: &'b Sweep, choice: Option<&Choice>) -> Result<Row<'b>, Error> {
         match self {
-            Self::Actuator(of) => ready(Alone::from(&**of), choice, sweep.record()),
-            Self::Controlled(of) => ready(Alone::from(&**of), choice, sweep.record()),
+            Self::Actuator(of) => ready(SingleActuator::from(&**of), choice, sweep.record()),
+            Self::Controlled(of) => ready(SingleActuator::from(&**of), choice, sweep.record()),
             Self::Joint(of) => ready(Pair::from(&**of), choice, sweep.record()),
             Self::ControlledJoint(of) => ready(Pair::from(&**of), choice, sweep.record()),
             Self::Plant(of) => plant::ready(of, choice, sweep),
@@ -342,7 +342,7 @@ trait Swept: Subject {
 type RigOf<S> = <<S as Subject>::View as PlantView>::Rig;
 type SampleOf<S> = <<S as Subject>::View as PlantView>::Sample;
 
-impl Swept for Alone<'_> {
+impl Swept for SingleActuator<'_> {
     fn seen<'s>(rig: &'s Rig, sample: &'s Sample) -> Seen<'s> {
         Seen::Actuator(sample, rig.actuator().air().atmosphere().0)
     }

@@ -12,24 +12,24 @@ use mckibben_scenario::{ControlledExperiment, Experiment, Run};
 
 /// One actuator of a scenario.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Alone<'e> {
+pub(crate) struct SingleActuator<'e> {
     experiment: &'e Experiment,
     control: Option<&'e ControlledExperiment>,
 }
 
-impl<'e> From<&'e Experiment> for Alone<'e> {
+impl<'e> From<&'e Experiment> for SingleActuator<'e> {
     fn from(experiment: &'e Experiment) -> Self {
         Self { experiment, control: None }
     }
 }
 
-impl<'e> From<&'e ControlledExperiment> for Alone<'e> {
+impl<'e> From<&'e ControlledExperiment> for SingleActuator<'e> {
     fn from(of: &'e ControlledExperiment) -> Self {
         Self { experiment: &of.experiment, control: Some(of) }
     }
 }
 
-impl Subject for Alone<'_> {
+impl Subject for SingleActuator<'_> {
     type View = RigPlant;
     type Observer = Observer;
 

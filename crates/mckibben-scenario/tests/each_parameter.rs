@@ -1,4 +1,4 @@
-//! Each number of a file goes to its own place in the core: what is built from a file whose numbers all differ is what is
+//! Each parameter of a file sets its parameter in the core: what is built from a file whose numbers all differ is what is
 //! built by hand from the same numbers, so that two which trade places are found. That each place means what it says is tested
 //! in the core, against closed forms; that each key matters is tested in `mckibben-cli`, `tests/keys`.
 
