@@ -126,7 +126,7 @@ def test_noise_has_its_standard_deviation_and_acts_on_observations_only() -> Non
     low, high = many.unwrapped._episodes.task.targets["length_m"]
     seen = low + (high - low) * observed[:, 0].astype(float)
     error = seen - many.unwrapped.observations[:, 0]
-    # Four deviations of what 4000 draws leave of a mean and of a deviation.
+    # Four standard errors of the mean and of the standard deviation of 4000 draws.
     assert abs(error.mean()) < 4 * 2e-4 / np.sqrt(4000)
     assert abs(error.std() / 2e-4 - 1.0) < 4 / np.sqrt(8000)
     assert len(set(many.unwrapped.observations[:, 0])) == 1

@@ -11,7 +11,7 @@ const RIG: &str = "[supply]\ngauge_pressure = \"6 bar\"\n[valve]\nkind = \"three
                    opening_delay = \"1 ms\"\nclosing_delay = \"1 ms\"\n[command]\nkind = \"exhaust\"\n[load]\nkind = \"isometric\"\n\
                    [initial]\ngauge_pressure = \"6 bar\"\nlength = \"90 mm\"\n[run]\nduration = \"1 s\"\n";
 
-/// Numbers that look random, of mean 0 and deviation 1, the same in every run.
+/// Numbers that look random, of mean 0 and standard deviation 1, equal in every run.
 struct Noise(u64);
 
 impl Noise {

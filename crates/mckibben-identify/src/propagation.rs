@@ -1,4 +1,4 @@
-//! From the deviations of measured numbers to the interval of what follows from them, to first order, by exact derivatives.
+//! From the standard errors of measured numbers to the interval of what follows from them, to first order, by exact derivatives.
 
 use crate::least_squares::Estimate;
 use mckibben::Dual;
@@ -11,7 +11,7 @@ pub(crate) type Slope = Dual<f64, 1>;
 pub(crate) struct Measured<'a> {
     pub(crate) values: &'a [f64],
     pub(crate) standard_errors: &'a [f64],
-    /// Of the deviations: how many samples more than unknowns they were estimated from.
+    /// Degrees of freedom of the standard errors: samples less unknowns.
     pub(crate) degrees_of_freedom: usize,
 }
 

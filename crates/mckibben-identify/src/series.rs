@@ -156,8 +156,8 @@ impl Polynomial {
         finite.then_some(Self { coefficients, covariance, squares, degrees_of_freedom: count - terms })
     }
 
-    /// Standard deviation of a function of the coefficients with this gradient, over that of a sample.
-    pub(crate) fn deviation(&self, gradient: &[f64]) -> f64 {
+    /// Standard error of a function of the coefficients with this gradient, relative to the standard deviation of a sample.
+    pub(crate) fn standard_error(&self, gradient: &[f64]) -> f64 {
         let part = |i: usize, j: usize| gradient[i] * self.covariance[(i, j)] * gradient[j];
         let all = (0..gradient.len()).flat_map(|i| (0..gradient.len()).map(move |j| (i, j)));
         all.map(|(i, j)| part(i, j)).sum::<f64>().max(0.0).sqrt()
@@ -168,7 +168,7 @@ impl Polynomial {
 mod tests {
     use super::noise;
 
-    /// Noise of deviation 1 that is the same in every run: a sum of twelve uniform numbers less six.
+    /// Noise of standard deviation 1 that is equal in every run: a sum of twelve uniform numbers less six.
     fn normal(seed: u64, count: usize) -> Vec<f64> {
         let mut state = seed;
         let mut uniform = move || {

@@ -33,7 +33,7 @@ fn certified(curve: &Curve<Plain>, starts: &[&[f64]], expected: &[[f64; 2]], sca
         let unknowns: Vec<Unknown> = start.iter().enumerate().map(unknown).collect();
         let fit = fit(curve, &unknowns, &Search::default()).expect("a fit");
         for (estimate, [value, deviation]) in fit.estimates.iter().zip(expected) {
-            // What matters of a place in a flat valley is how far it is in deviations.
+            // In a flat valley the distance counts in standard errors.
             let off = (estimate.value - value).abs() / deviation;
             assert!(off < 1e-6, "{}: {} is {off:e} deviations off from {start:?}", estimate.name, estimate.value);
             let found = estimate.standard_error.expect("it is identifiable");

@@ -63,7 +63,7 @@ fn column(document: &Document, name: &str) -> Observed {
     Observed::of_part(&of, part, Quantity::of_part(word).expect("a quantity")).expect("a column")
 }
 
-/// A run as a rig would record it, each column with the deviation of a reading.
+/// A run as a rig would record it, each column with the standard deviation of a reading.
 fn recorded(document: &Document, paths: &[&str], columns: &[(&str, f64)], seed: u64) -> Recorded {
     let of = document.plant_experiment().unwrap_or_else(|error| panic!("{error}")).expect("a plant");
     let run = simulate_plant(&of.plant, &of.start, of.run.duration, 1e-10).expect("a run");
@@ -103,7 +103,7 @@ fn identified(task: &Task) -> Identified {
     task.identify().unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Every estimate is within four of its deviations of the truth, and known to a part of it.
+/// Every estimate is within four standard errors of the truth, and known to a part of it.
 fn check(found: &Identified, truths: &[f64], part: f64) {
     for (estimate, truth) in found.found.fit.estimates.iter().zip(truths) {
         let deviation = estimate.standard_error.expect("a deviation");
@@ -221,7 +221,7 @@ fn an_arm_gives_back_its_parts() {
     let held_out = task.held_out(&found);
     assert_eq!(held_out.len(), 2);
     for (run, left_out) in held_out.iter().enumerate() {
-        // Predictions are off by the noise, and by at most what twice the deviations of the parameters come to.
+        // Predictions are off by the noise, and by at most what twice the standard errors of the parameters come to.
         let other = identified(&Task { runs: vec![task.runs[1 - run].clone()], ..task.clone() }).found.fit;
         let courses = &task.runs[run].courses;
         let sampling = Sampling {

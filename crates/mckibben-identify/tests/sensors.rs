@@ -76,7 +76,7 @@ impl Dirt {
     }
 }
 
-/// Records a run by two sensors, with noise of deviations in m and Pa.
+/// Records a run by two sensors, with noise of standard deviations in m and Pa.
 fn recorded(supply: f64, paths: &[&str], dirt: [(Dirt, Sensor); 2], deviations: [f64; 2]) -> Recorded {
     let mut truth = scenario(supply);
     let experiment = truth.experiment().expect("an experiment");

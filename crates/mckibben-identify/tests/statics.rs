@@ -87,7 +87,7 @@ fn what_was_put_in_comes_back_out() {
     }
     assert!(found.errors.worst < 1e-10 && found.fit.untold.is_empty(), "{:?}", found.errors);
 
-    // With noise the truth lies within the intervals widened to 4 deviations, and the scatter is the noise.
+    // With noise the truth lies within the intervals widened to 4 standard errors, and the scatter is the noise.
     let found = fit("ideal-braid + saturating bladder", &map_of(&truth, 2.0), &elsewhere);
     for (estimate, expected) in found.fit.estimates.iter().zip(expected) {
         let off = (estimate.value - expected).abs() / estimate.standard_error.expect("a deviation");

@@ -35,7 +35,7 @@ fn an_oscillation_has_the_numbers_of_its_closed_form() {
         for noise in [0.0, 2e-5] {
             let values = Noise::new(3).added_to(&oscillation(damping), noise);
             let found = StepInfo::of_readings(&times(), &values).expect("it is step-like");
-            // Two deviations of noise are 0.4 % of the stroke; a parabola about the peak is good to a hundredth of the swing.
+            // Two standard deviations of noise are 0.4 % of the stroke; a parabola about the peak is good to a hundredth of the swing.
             assert!((found.stroke / STROKE - 1.0).abs() < 4e-3, "{found:?}");
             assert!((found.overshoot - overshoot).abs() < 1e-2, "{} is not {overshoot}", found.overshoot);
             assert!((found.first_peak.expect("one") / peak - 1.0).abs() < 2e-2, "{found:?}, not {peak}");
@@ -58,7 +58,7 @@ fn a_course_without_oscillation_has_neither_peak_nor_frequency() {
     for noise in [0.0, 2e-5] {
         let found = StepInfo::of_readings(&times(), &Noise::new(5).added_to(&values, noise)).expect("it is step-like");
         assert_eq!((found.overshoot, found.first_peak, found.frequency), (0.0, None, None), "{noise}");
-        // It comes within 5 % at ln(20)/15, where noise of 0.2 % moves it by up to four deviations in its slope of 0.75 /s.
+        // It comes within 5 % at ln(20)/15, where noise of 0.2 % moves it by up to four standard deviations in its slope of 0.75 /s.
         assert!((found.settling - 20.0_f64.ln() / rate).abs() < 0.02, "{found:?}");
     }
 }

@@ -118,7 +118,7 @@ fn noise_is_estimated_for_each_quantity_and_intervals_contain_the_truth() {
         assert!(estimate.standard_error.expect("one") < 0.2 * truth, "{estimate:?}");
     }
     for ((observed, left), deviation) in found.left.iter().zip(deviations) {
-        // Of 400 readings: a twentieth is one and a half deviations.
+        // Of 400 readings: a twentieth is one and a half standard deviations.
         assert!((left / deviation - 1.0).abs() < 0.1, "{observed:?}: {left}, not {deviation}");
     }
 }
@@ -294,7 +294,7 @@ fn a_run_that_was_left_out_is_predicted() {
     assert_eq!(held_out.len(), 3);
     for (observed, [inside, outside]) in held_out.iter().flat_map(|run| &run.errors) {
         let noise = deviations[observed.index().expect("one of two")];
-        // Noise of 200 readings has a deviation of 5 %; a run that was left out is not predicted better than its noise.
+        // The noise of 200 readings has a standard deviation of 5 %; a run that was left out is not predicted better than its noise.
         assert!((0.8..1.2).contains(&(inside / noise)), "{observed:?} {inside}");
         assert!((0.8..1.5).contains(&(outside / noise)), "{observed:?} {outside}");
     }
@@ -389,7 +389,7 @@ fn joint(antagonist: f64) -> Scenario {
     Scenario::from_str(&text, "joint.toml").unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// What is read of a joint, with the deviation of a reading.
+/// The readings of a joint, with the standard deviation of each.
 const OF_JOINT: [(Observed, f64); 3] =
     [(Observed::Angle, 1e-3), (Observed::GaugePressure, 1e3), (Observed::AntagonistGaugePressure, 1e3)];
 

@@ -22,7 +22,7 @@
 //! | `poll` | steps without derivatives |
 //! | `statistics` | standard errors, intervals, and what is not identifiable |
 //!
-//! Checked by `tests/least_squares.rs`: certified values and deviations of the NIST's reference data sets, and how often an
+//! Checked by `tests/least_squares.rs`: certified values and standard errors of the NIST's reference data sets, and how often an
 //! interval holds the truth; `tests/ends.rs`: kinks, limits, interruptions and several minima, against closed forms.
 
 mod monitor;
@@ -38,7 +38,7 @@ pub use statistics::{Direction, Estimate, Fit};
 use crate::median;
 use thiserror::Error;
 
-/// How often the deviation of the residuals is estimated again where it is not known: it settles at once where outliers
+/// How often the standard deviation of the residuals is estimated again where it is not known: it settles at once where outliers
 /// are few.
 const PASSES: usize = 3;
 
@@ -126,15 +126,15 @@ pub(crate) fn starting_at(unknowns: &[Unknown], values: &[f64]) -> Vec<Unknown> 
     unknowns.iter().zip(values).map(|(unknown, start)| Unknown { start: *start, ..unknown.clone() }).collect()
 }
 
-/// How much a large residual counts, by its size in deviations.
+/// How much a large residual counts, by its size in standard deviations.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Loss {
     /// By its square.
     #[default]
     Squares,
-    /// By its square up to this many deviations and linearly beyond (Huber).
+    /// By its square up to this many standard deviations and linearly beyond (Huber).
     Huber(f64),
-    /// By the logarithm of its square beyond so many deviations (Cauchy): an outlier hardly counts.
+    /// By the logarithm of its square beyond so many standard deviations (Cauchy): an outlier hardly counts.
     Cauchy(f64),
 }
 
@@ -160,7 +160,7 @@ impl Loss {
         if cost.is_finite() { cost } else { f64::INFINITY }
     }
 
-    /// The loss of residuals whose deviation is this.
+    /// The loss of residuals with this standard deviation.
     fn of_deviation(self, deviation: f64) -> Self {
         match self {
             Self::Squares => Self::Squares,

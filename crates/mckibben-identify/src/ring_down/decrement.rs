@@ -11,9 +11,9 @@
 //! position x₀ that is free is the same as least squares on the half swings with their covariance. The term `a X²`, how far
 //! both sides of a swing are moved by the spring's curvature, is fitted from eight turns on.
 //!
-//! Intervals: of two cycles, from the noise of the samples by way of the turns' deviations, to first order by exact
+//! Intervals: of two cycles, from the noise of the samples by way of the turns' standard errors, to first order by exact
 //! derivatives, with as many degrees of freedom as the noise has; they hold no error of the model. Of all turns, from the scatter
-//! of the turns about the recursion, by [`least_squares`](crate::least_squares); the period's deviation is added to that of c.
+//! of the turns about the recursion, by [`least_squares`](crate::least_squares); the period's standard error is added to that of c.
 
 use super::RingDownError;
 use super::turns::{Turn, Turns};
@@ -139,7 +139,7 @@ impl Turns {
         (self.turns.len() >= CURVED).then(|| Unknown::new("curvature", "1/m", 0.0).between(-most, most))
     }
 
-    /// Lengths of the turns and the period, with their deviations.
+    /// Lengths of the turns and the period, with their standard errors.
     fn measured(&self) -> (Vec<f64>, Vec<f64>) {
         let lengths = self.turns.iter().map(|turn| (turn.length, turn.deviation));
         lengths.chain([(self.period, self.period_deviation)]).unzip()

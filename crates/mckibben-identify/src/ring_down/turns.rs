@@ -1,7 +1,7 @@
 //! Where the motion turns: the peaks and troughs of a ring-down, finer than the samples and despite their noise.
 //!
 //! A turn is looked for in lengths that parabolas over a twelfth of a period have smoothed, as a rise that is followed by a fall
-//! by six deviations of such a length or more, and the other way round. Its place is the vertex of the parabola through the samples
+//! by six standard deviations of such a length or more, and the other way round. Its place is the vertex of the parabola through the samples
 //! within a twelfth of a period of it on both sides, by least squares. The parabola's error is the same part of every
 //! amplitude (2·10⁻⁴), which leaves β as it is. The scatter about all of the parabolas is the noise.
 //!
@@ -17,7 +17,7 @@ use crate::series::{self, Polynomial};
 const LEAST_TURNS: usize = 5;
 /// Part of the range by which a swing stands out at first.
 const PROMINENT: f64 = 0.2;
-/// Deviations of a smoothed length by which a swing stands out from noise.
+/// Standard deviations of a smoothed length by which a swing stands out from noise.
 const STANDING_OUT: f64 = 6.0;
 /// Part of the range by which a swing without noise must stand out.
 const RESOLVED: f64 = 1e-4;
@@ -28,7 +28,7 @@ const LEAST_SAMPLES: [usize; 2] = [5, 2];
 /// How often the lesser fall goes into the greater next to a velocity reversal at most: friction alone makes it three,
 /// `(X + Q)/(X − Q)` with X > 2Q, and the rest is for noise.
 const MOST_UNEVEN: f64 = 5.0;
-/// Deviations by which a fall stands out from noise.
+/// Standard deviations by which a fall stands out from noise.
 const CLEAR: f64 = 3.0;
 /// Reach of a parabola to either side over the period, and how far it may grow where samples are few.
 const REACH: [f64; 2] = [1.0 / 12.0, 1.0 / 6.0];
@@ -38,11 +38,11 @@ const REACH: [f64; 2] = [1.0 / 12.0, 1.0 / 6.0];
 pub struct Turn {
     /// When, in s.
     pub time: f64,
-    /// Standard deviation of the time in s.
+    /// Standard error of the time in s.
     pub time_deviation: f64,
     /// Length in m.
     pub length: f64,
-    /// Standard deviation of the length in m.
+    /// Standard error of the length in m.
     pub deviation: f64,
     /// Whether the length is greatest there.
     pub is_peak: bool,
@@ -55,7 +55,7 @@ pub struct Turns {
     pub turns: Vec<Turn>,
     /// Time in s from one turn to the next on the same side.
     pub period: f64,
-    /// Standard deviation of the period in s.
+    /// Standard error of the period in s.
     pub period_deviation: f64,
     /// Standard deviation of a sample in m, from the scatter about the parabolas.
     pub noise: f64,
@@ -183,7 +183,7 @@ fn smoothed(record: &Record, reach: f64) -> Smoothed {
     let at = |place: usize| {
         let around = series::between(time, time[place] - reach, time[place] + reach);
         match Polynomial::fit(&time[around.clone()], &length[around], time[place], 2) {
-            Some(parabola) => (parabola.coefficients[0], parabola.deviation(&[1.0, 0.0, 0.0])),
+            Some(parabola) => (parabola.coefficients[0], parabola.standard_error(&[1.0, 0.0, 0.0])),
             None => (length[place], 1.0),
         }
     };
@@ -194,7 +194,7 @@ fn smoothed(record: &Record, reach: f64) -> Smoothed {
     Smoothed { first, length, noise }
 }
 
-/// The vertex of a parabola; deviations over that of a sample.
+/// The vertex of a parabola; standard errors relative to the standard deviation of a sample.
 struct Vertex {
     time: f64,
     time_deviation: f64,
@@ -231,9 +231,9 @@ impl Vertex {
             let offset = -b / (2.0 * c);
             let found = Self {
                 time: centre + offset,
-                time_deviation: parabola.deviation(&[0.0, -0.5 / c, 0.5 * b / (c * c)]),
+                time_deviation: parabola.standard_error(&[0.0, -0.5 / c, 0.5 * b / (c * c)]),
                 length: a + 0.5 * b * offset,
-                deviation: parabola.deviation(&[1.0, offset, offset * offset]),
+                deviation: parabola.standard_error(&[1.0, offset, offset * offset]),
                 is_peak: c < 0.0,
                 falls_on_both_sides: true,
                 squares: parabola.squares,

@@ -138,7 +138,7 @@ pub struct RunEntry {
 pub struct FitEntry {
     /// Its path in the scenario.
     pub path: String,
-    /// Text of start, bounds and prior (mean and deviation), as far as they are given.
+    /// Text of start, bounds and prior (mean and standard deviation), as far as they are given.
     pub start: Option<String>,
     /// The least value.
     pub from: Option<String>,

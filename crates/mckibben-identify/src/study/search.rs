@@ -18,7 +18,7 @@ pub struct SearchEntry {
     pub most_steps: Option<u64>,
     /// Time in s after which the search ends.
     pub time_limit: Option<f64>,
-    /// By how many deviations a residual counts in full; beyond it counts less (Huber).
+    /// Standard deviations up to which a residual counts in full; beyond it counts less (Huber).
     pub robust: Option<f64>,
     /// How much of the trajectories is fitted, and in which parts.
     pub horizon: Horizon,

@@ -9,7 +9,7 @@
 //! the event-located engine's, and its derivatives with respect to θ are exact: they come with the run in
 //! dual numbers, through every stick, slip and switching of the valve. Runs go side by side on all cores.
 //!
-//! The scale s of a quantity is the deviation of its readings where that is known. Else a first fit weighs each
+//! The scale s of a quantity is the standard deviation of its readings where that is known. Else a first fit weighs each
 //! quantity by its span, and a second by the scatter that the first has left: so a poor pressure sensor does not
 //! outweigh a good length sensor.
 //!

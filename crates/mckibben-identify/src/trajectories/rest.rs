@@ -7,7 +7,7 @@
 use super::{Identified, Observed, Runs, Task};
 use crate::series::{self, Polynomial};
 
-/// Deviations of its slope from zero above which the residual of a time series drifts.
+/// Standard errors of its slope above which the residual of a time series drifts.
 const SIGNIFICANT: f64 = 8.0;
 /// Change over the time series, in scatters of a reading about the line, below which it is not reported.
 const SIZE: f64 = 1.0;
@@ -70,7 +70,7 @@ impl Task {
                 let (Some(first), Some(last)) = (recorded.times.first(), recorded.times.last()) else { continue };
                 let Some(line) = Polynomial::fit(&recorded.times, own, 0.5 * (first + last), 1) else { continue };
                 let scatter = (line.squares / line.degrees_of_freedom.max(1) as f64).sqrt();
-                let (slope, deviation) = (line.coefficients[1], scatter * line.deviation(&[0.0, 1.0]));
+                let (slope, deviation) = (line.coefficients[1], scatter * line.standard_error(&[0.0, 1.0]));
                 let change = -slope * (last - first);
                 if slope.abs() > SIGNIFICANT * deviation && change.abs() > SIZE * scatter {
                     drifts.push(Drift { run: run.name.clone(), observed: recorded.observed.clone(), change, scatter });

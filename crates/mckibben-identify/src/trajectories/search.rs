@@ -264,7 +264,7 @@ impl Task {
         self.series_of(observed).any(|recorded| !recorded.values.is_empty())
     }
 
-    /// The deviation of a quantity's readings and that it is known, or their span.
+    /// The standard deviation of a quantity's readings and that it is known, or their span.
     fn scale(&self, observed: &Observed) -> (f64, bool) {
         let deviations: Vec<f64> = self.series_of(observed).filter_map(|recorded| recorded.deviation).collect();
         if let Some(deviation) = deviations.first().filter(|_| deviations.len() == self.series_of(observed).count()) {

@@ -18,11 +18,11 @@ use crate::series::{self, Polynomial};
 
 /// Of the stroke: how far the end of a step-like run may move.
 const AT_REST: f64 = 0.03;
-/// Deviations of the noise that a stroke has at least.
+/// The least stroke, in standard deviations of the noise.
 const STROKE: f64 = 20.0;
 /// Of the stroke: the band in which a time series has settled.
 const SETTLED: f64 = 0.05;
-/// The band about the end that an oscillation leaves: in deviations of the noise, and in parts of the stroke.
+/// The band about the end that an oscillation leaves: in standard deviations of the noise, and in parts of the stroke.
 const BAND: [f64; 2] = [3.0, 0.01];
 /// Readings that determine the first level at most: a step may begin with the first of them.
 const FIRST: usize = 3;

@@ -9,7 +9,7 @@
 //!
 //! Each onset is found by least squares to a fraction of the sample interval, from the samples between the middle of the
 //! pause before the edge and the next edge, then once more from the nearer half of them, so that cubics are enough. A delay
-//! longer than half of the pause is not seen. An edge where the pressure does not change by four deviations counts as
+//! longer than half of the pause is not seen. An edge where the pressure does not change by four standard deviations counts as
 //! missed: a pulse shorter than `t_open` does not open the valve.
 //!
 //! Intervals are those of the mean over the pulses, from their scatter; of a single pulse, those of its fit with the fewest
@@ -33,7 +33,7 @@ const CHANGE: usize = 2;
 const LEAST_SAMPLES: usize = 16;
 /// Of these on either side of the onset.
 const ON_A_SIDE: usize = 5;
-/// Deviations by which the slope must change at an onset.
+/// Standard errors by which the slope must change at an onset.
 const CLEAR: f64 = 4.0;
 /// Golden sections of three sample intervals: to a millionth of one.
 const SECTIONS: usize = 30;
@@ -209,7 +209,7 @@ impl Delays {
     }
 }
 
-/// Mean delay of the openings or of the closings; of a single one, by its own deviation.
+/// Mean delay of the openings or of the closings; of a single one, with its standard error.
 fn mean_delay(onsets: &[Onset], energised: bool) -> Option<Estimate> {
     let label = (if energised { "opening_delay" } else { "closing_delay" }, "s");
     let seen: Vec<&Onset> = onsets.iter().filter(|onset| onset.energised == energised).collect();
@@ -226,7 +226,7 @@ fn mean_delay(onsets: &[Onset], energised: bool) -> Option<Estimate> {
     }
 }
 
-/// Time in s and its deviation of the onset between the beginning of a window and its end, after an edge.
+/// Time in s and standard error of the onset between the beginning of a window and its end, after an edge.
 fn onset(time: &[f64], pressure: &[f64], [from, edge, to]: [f64; 3]) -> Option<[f64; 2]> {
     let mut window = [from, to];
     let mut found = None;
@@ -252,7 +252,7 @@ struct Bend<'a> {
 }
 
 impl Bend<'_> {
-    /// When it does, after an edge, and the deviation of that; `None` when it does not.
+    /// When it does, after an edge, with the standard error; `None` when it does not.
     fn fit(&self, edge: f64) -> Option<[f64; 2]> {
         let count = self.time.len();
         if count < LEAST_SAMPLES {

@@ -36,7 +36,7 @@ pub struct FlowCurve {
     pub critical_ratio: Estimate,
     /// C from the choked points alone; without an interval when there is only one.
     pub choked_conductance: Estimate,
-    /// b from the subsonic points with that C; its interval holds the deviation of C.
+    /// b from the subsonic points with that C; its interval includes the standard error of C.
     pub subsonic_ratio: Estimate,
     /// How many points are choked.
     pub choked: usize,
@@ -144,7 +144,7 @@ fn subsonic_ratio(
     let found = with(conductance.value)?;
     let ratio = found.estimates[0].clone();
     let Some((own, of_conductance)) = ratio.standard_error.zip(conductance.standard_error) else { return Ok(ratio) };
-    // What a C that is larger by its deviation would make of it.
+    // The effect of a C that is larger by its standard error.
     let moved = with(conductance.value + of_conductance)?.estimates[0].value - ratio.value;
     Ok(estimate(("critical_ratio", ""), ratio.value, own.hypot(moved), found.degrees_of_freedom))
 }

@@ -5,7 +5,7 @@ use mckibben_identify::least_squares::Estimate;
 
 /// Trials of an interval.
 pub(crate) const TRIALS: u64 = 500;
-/// How many of them hold the truth: binomial with 0.95, 475 with a deviation of 4.87, by 2.5 of these to either side, which
+/// How many of them hold the truth: binomial with 0.95, 475 with a standard deviation of 4.87, by 2.5 of these to either side, which
 /// chance leaves once in eighty.
 pub(crate) const HITS: std::ops::RangeInclusive<u32> = 463..=487;
 
@@ -28,7 +28,7 @@ impl Noise {
         ((mixed >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
     }
 
-    /// Of mean 0 and deviation 1.
+    /// Of mean 0 and standard deviation 1.
     pub(crate) fn normal(&mut self) -> f64 {
         (-2.0 * self.uniform().ln()).sqrt() * (std::f64::consts::TAU * self.uniform()).cos()
     }

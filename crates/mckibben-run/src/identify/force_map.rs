@@ -136,7 +136,7 @@ fn points_of(recording: &Recording, run: usize, atmosphere: f64) -> Result<(Vec<
     Ok(points.zip(lines.iter().copied()).filter(|(point, _)| complete(point)).unzip())
 }
 
-/// The deviation of a tension in N, where every run knows the same.
+/// The standard deviation of a tension in N, where every run knows the same.
 fn deviation(recordings: &[Recording]) -> Option<f64> {
     recordings.first()?.column(Quantity::Tension)?.deviation
 }

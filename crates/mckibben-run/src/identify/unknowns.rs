@@ -193,7 +193,7 @@ pub(super) fn more_starts(study: &Study, unknowns: &[Unknown], count: usize) -> 
     (0..count).map(start).collect()
 }
 
-/// The value at a part of an unknown's range of starts: two deviations about the mean of its prior; else its bounds where the study
+/// The value at a part of an unknown's range of starts: two standard deviations about the mean of its prior; else its bounds where the study
 /// says how large it may be, or where they lie within ten times its start, in equal ratios where they are positive and a
 /// hundred times apart; else from 0.3 of its start to its start over 0.3.
 fn spread(study: &Study, unknown: &Unknown, part: f64) -> f64 {

@@ -69,7 +69,7 @@ mod tests {
     #[test]
     fn quantiles_of_each_distribution() {
         let close = |found: f64, expected: f64| assert!((found / expected - 1.0).abs() < 1e-14, "{found} {expected}");
-        // 1.959963984540054 deviations above the mean.
+        // 1.959963984540054 standard deviations above the mean.
         close(Distribution::Normal { mean: 4e-3, deviation: 5e-4 }.quantile(0.975), 4.979_981_992_270_027e-3);
         let log_normal = Distribution::LogNormal { median: 3.5, factor: 1.5 };
         close(log_normal.quantile(0.5), 3.5);

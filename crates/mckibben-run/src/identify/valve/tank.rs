@@ -20,7 +20,7 @@ use mckibben_scenario::{ExhaustTemperature, Process, Scenario};
 
 /// Largest pressure ratio of a window: nearer to equal pressures the flow falls too fast for its cubic.
 const LARGEST_RATIO: f64 = 0.9;
-/// Deviations of a reading by which a trajectory may be off before it is reported.
+/// Standard deviations of a reading by which a trajectory may be off before it is reported.
 const MISFIT: f64 = 1.5;
 
 /// The files of the runs' pressures; a page has no more.
