@@ -1,5 +1,5 @@
-//! What a step of many actuators whose ends a host moves costs in Rust: each by itself (`PlantSteps::move_to`), and all in lanes
-//! (`PlantBatch::move_to`), which `mckibben.Actuators` of the Python package is measured beside.
+//! What a step of many actuators whose ends a host moves costs in Rust: each as a scalar instance (`PlantSteps::move_to`), and all in lanes
+//! (`PlantBatch::move_to`), the reference for `mckibben.Actuators` of the Python package.
 //!
 //! `cargo run --release --bin modular -- ../examples/paper/fig-12.toml 4096 200`
 //!
@@ -65,7 +65,7 @@ impl Row {
     }
 }
 
-/// Nanoseconds for a row's step: each row by itself, in lanes, and of a row alone where the caller keeps its state.
+/// Nanoseconds for a row's step: as scalar instances, in lanes, and as a scalar instance whose state the caller keeps.
 struct Measured {
     plain: f64,
     lanes: f64,

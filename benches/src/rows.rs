@@ -1,4 +1,4 @@
-//! What a step costs of rows of a batch: one alone, and many on one thread and on two.
+//! What a step costs of rows of a batch: a scalar instance, and many rows on one thread and on two.
 //!
 //! `cargo run --release --bin rows -- ../examples/antagonistic-joint.toml ../examples/control/joint-bang-bang.toml ../examples/tendon.toml`
 //!
@@ -71,7 +71,7 @@ fn steps<V: PlantView>(view: &V, start: &V::State, driver: Option<Driver>) -> Re
     Ok(PlantRun::with_drivers(view.plant(), &view.start(start), 1e-9, drivers)?.steps(METHOD))
 }
 
-/// Nanoseconds a step of a row of plants: alone, among many on one thread, and on two.
+/// Nanoseconds a step of a row of plants: as a scalar instance, among many on one thread, and on two.
 fn measure_plants(begin: impl Fn() -> Result<PlantSteps, Error>) -> Result<[f64; 3], String> {
     let batch = |rows: usize| PlantBatch::new((0..rows).map(|_| begin()).collect::<Result<_, Error>>()?);
     measure_batches(batch, |batch| {
@@ -80,7 +80,7 @@ fn measure_plants(begin: impl Fn() -> Result<PlantSteps, Error>) -> Result<[f64;
     })
 }
 
-/// Nanoseconds a step of a row: alone, among many on one thread, and on two.
+/// Nanoseconds a step of a row: as a scalar instance, among many on one thread, and on two.
 fn measure_batches<B: Send>(
     begin: impl Fn(usize) -> Result<B, Error>,
     go: impl Fn(&mut B) -> Result<(), Error> + Sync,

@@ -1,4 +1,4 @@
-"""Environments of any scenario file: every plant is the plant alone, whatever goes beside it and on how many threads."""
+"""Environments of any scenario file: every plant is bit-identical to a scalar instance, in any batch and on any number of threads."""
 
 import hashlib
 import os

@@ -105,7 +105,7 @@ impl PlantBatch {
     }
 
     /// Whether plants of a structure go side by side. Left out are tendons of actuators whose dry friction falls with velocity: such
-    /// plants go alone, with the same results.
+    /// plants are stepped as scalar instances, with the same results.
     pub fn covers(plant: &Plant) -> bool {
         held::covers_structure(plant)
     }

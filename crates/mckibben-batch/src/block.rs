@@ -1,8 +1,8 @@
 //! Plants of equal structure side by side: their states in lanes, and how they go through time together.
 //!
 //! A step of all rows is one step of the method in lanes, after which [`Watch`] says which rows have kept their mode. A row that
-//! has not, or for which something is due within the step, takes the step again alone, from where it was: so each row goes the
-//! way of [`PlantSteps`], bit for bit. What is evaluated individually is the mode of each element, and only where that
+//! has not, or for which something is due within the step, repeats the step as a scalar instance, from where it was: so each row is
+//! bit-identical to [`PlantSteps`]. What is evaluated individually is the mode of each element, and only where that
 //! changes.
 
 use crate::deal::{Blank, Deal, List};
@@ -325,7 +325,7 @@ impl<W: Wide<Lane = f64>> Block<W> {
         self.time = until;
     }
 
-    /// Takes the step of those rows that have not kept their mode, each alone.
+    /// Takes the step of those rows that have not kept their mode, each as a scalar instance.
     #[inline(never)]
     fn part(&mut self, rows: &mut [Row], come: W, until: f64) {
         let mut changed = false;
@@ -349,7 +349,7 @@ impl<W: Wide<Lane = f64>> Block<W> {
         }
     }
 
-    /// Takes back a row that has gone alone, and has had so many events before; whether its mode has changed.
+    /// Takes back a row that was stepped as a scalar instance, and has had so many events before; whether its mode has changed.
     fn take_back(&mut self, lane: usize, row: &mut Row, (events, done): (u64, Result<(), Error>)) -> bool {
         match done {
             Err(fault) => {
@@ -381,8 +381,8 @@ impl<W: Wide<Lane = f64>> Block<W> {
         self.arrived.fill(false);
     }
 
-    /// Passes what is due where the rows have come to; those that have not kept their mode go alone. Whether enough of them have
-    /// not come to `until` in s to go on side by side.
+    /// Passes what is due where the rows have come to; those that have not kept their mode continue as scalar instances. Whether
+    /// enough rows have not come to `until` in s to go on side by side.
     #[inline(never)]
     fn pass_goals(&mut self, rows: &mut [Row], come: W, until: f64) -> bool {
         let mut left = 0;

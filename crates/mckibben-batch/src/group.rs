@@ -17,7 +17,7 @@ use mckibben::{Error, Response};
 
 /// Elements that a thread takes together where they are stepped individually.
 const INDIVIDUALLY: usize = 8;
-/// Rows that go on side by side; where they are fewer than this, each alone, which is less work.
+/// The least number of rows that are stepped side by side; fewer are stepped as scalar instances, which is less work.
 pub(crate) const FEW: usize = 4;
 
 /// Rows that are taken together.

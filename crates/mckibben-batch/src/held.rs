@@ -1,7 +1,7 @@
 //! The discrete state of several plants side by side, as masks.
 //!
 //! Where a border lies between pieces of a law that agree there, each lane takes the piece of its state by a select.
-//! The formulas are those that a [`PlantMode`] names, so that a lane has the numbers of its plant alone, bit for bit.
+//! The formulas are those that a [`PlantMode`] names, so that a lane is bit-identical to a scalar instance.
 
 use crate::flows::{HeldFlows, enter_line};
 use crate::wide::{Number, Wide};

@@ -1,8 +1,8 @@
 //! Batches of plants: many of equal structure, each with its own numbers, commands and start, stepped together.
 //!
 //! A step is taken side by side, by as many plants as two registers of this machine have lanes, with masks where their discrete
-//! states differ. What ends a mode is watched in lanes; a plant to which something happens takes the step again alone, which
-//! locates the event. Where valves move or controllers sample, each plant goes to its own instant. Some go alone from the start:
+//! states differ. What ends a mode is watched in lanes; a plant with an event repeats the step as a scalar instance, which
+//! locates the event. Where valves move or controllers sample, each plant goes to its own instant. Some are scalar instances from the start:
 //! while air in a hose goes at the speed of sound, and plants with parts that [`PlantBatch::covers`] leaves out.
 //!
 //! A host that moves the ends of actuators gives distances to [`PlantBatch::move_to`], and gets tensions from
@@ -21,7 +21,7 @@
 //!
 //! The physics is that of the crate `mckibben`, over another scalar.
 //!
-//! Checked by `tests/`: every row is the run of [`PlantSteps`](mckibben::plant::PlantSteps) alone, bit for bit.
+//! Checked by `tests/`: every row is bit-identical to a scalar instance, [`PlantSteps`](mckibben::plant::PlantSteps).
 
 #![forbid(unsafe_code)]
 

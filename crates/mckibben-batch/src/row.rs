@@ -87,7 +87,7 @@ impl Row {
         self.edge = self.steps.pulse_edge();
     }
 
-    /// Goes through a span alone.
+    /// Steps through a span as a scalar instance.
     pub(crate) fn advance(&mut self, span: &Span<'_>) {
         if self.is_alive() {
             self.fault = self.go(span).err();

@@ -12,7 +12,7 @@
 //! | of the end of an actuator on a tendon | see [ends](crate::ends) |
 //! | the poppet of a regulator, and what limits it | its error and the margin of its inlet, conservatively |
 //!
-//! A step that leaves a range is taken again by the row alone, which finds the event. That a range is left although no guard is
+//! A step that leaves a range is repeated by the row as a scalar instance, which locates the event. That a range is left although no guard is
 //! violated is harmless; so states that are no numbers and chambers without air are found by ranges, too.
 
 use crate::ends::Ends;
@@ -30,10 +30,10 @@ use mckibben::plant::{ContactEvent, PlantGuard, PlantMode};
 use mckibben::scalar::{Mask, Scalar};
 use mckibben::simulation::Guard;
 
-/// Part of the forces on a coordinate by which those that hold it must have more room, or the row looks itself.
+/// Part of the forces on a coordinate by which those that hold it must have a larger margin, or the row evaluates its guards.
 pub(crate) const HOLD_MARGIN: f64 = 1e-9;
 
-/// Part of the atmosphere by which the error of a regulator must have more room, or the row looks itself.
+/// Part of the atmosphere by which the error of a regulator must have a larger margin, or the row evaluates its guards.
 const ERROR_MARGIN: f64 = 1e-9;
 /// Part of its outlet's pressure above which the inlet of a regulator is watched no more: its guard is far below.
 const FAR_FROM_EMPTY: f64 = 2e-3;

@@ -85,7 +85,7 @@ fn pulsed_actuators_with_dry_friction_equal_scalar_instances() {
     }
 }
 
-/// Joints with muscles that stick, and the stops of the joint, beside each other.
+/// Joints with muscles that stick and with stops.
 #[test]
 fn joints_of_two_muscles_equal_scalar_instances() {
     for coulomb in [0.0, 1e-4] {
@@ -115,7 +115,7 @@ fn legs_on_belts_equal_scalar_instances() {
 }
 
 /// Muscles on tendons that come loose and tight, whose ends slide by viscous friction, by the stiffness of their air alone, and
-/// with bristles; and a table of effectiveness and a measured map beside them.
+/// with bristles; with a table of effectiveness and a measured map.
 #[test]
 fn actuators_on_tendons_equal_scalar_instances() {
     let pulsed = |viscous, coulomb| Paper::pwm(25.0, 0.5).gauge(40.0 * PSI).friction(viscous, coulomb);
@@ -146,7 +146,7 @@ fn branches(relaxation_time: [f64; 2]) -> Viscoelastic {
     Viscoelastic::new(&[100.0, 0.0], &[0.1, 0.2], &relaxation_time).expect("branches")
 }
 
-/// Muscles that creep, of other numbers in other rows: they go side by side, and each as alone.
+/// Muscles that creep, with different parameters in each row: they are stepped side by side, each as its scalar instance.
 #[test]
 fn muscles_that_creep_equal_scalar_instances_and_have_one_structure() {
     let steps = |time: f64, method: Method| {
@@ -201,7 +201,7 @@ fn proportional_regulators_equal_scalar_instances() {
     }
 }
 
-/// Ends that a host moves, a shared bottle and a mass beside them: each row goes its own way.
+/// Ends that a host moves, a shared bottle and a further mass: each row has a different motion.
 #[test]
 fn rows_on_bottles_whose_ends_hosts_move_equal_scalar_instances() {
     let (plant, start, _) = on_a_bottle();
@@ -232,7 +232,7 @@ fn rows_on_bottles_whose_ends_hosts_move_equal_scalar_instances() {
     }
 }
 
-/// A row that is set, and one that is reset with other parameters, go on as they would alone.
+/// A row that is set, and one that is reset with other parameters, go on as their scalar instances.
 #[test]
 fn rows_are_set_and_restarted() {
     let (plant, start) = as_plant(&Paper::pwm(25.0, 0.5).gauge(30.0 * PSI).friction(3.5, 1e-4));
@@ -280,7 +280,7 @@ fn rows_with_controllers_equal_scalar_instances() {
     }
 }
 
-/// Steps of RK4 of which a stage has no air left end a row in lanes as they end it alone, and no other.
+/// A step of RK4 with a stage without air ends a row in lanes as it ends its scalar instance, and no other row.
 #[test]
 fn rows_whose_steps_are_too_long_stop_individually() {
     let paper = |area| Paper::pwm(25.0, 0.5).with(|rig| rig.standard = FlowStandard::Orifice { flow_area: area });
@@ -318,7 +318,7 @@ fn what_does_not_fit_is_refused() {
 /// Random plants that are stepped.
 const STEPPED: u32 = 60;
 
-/// Whatever plants are made of, those of a batch are those alone, to the bit. Some of these have parts that lanes leave out, so
+/// Plants of any structure in a batch are bit-identical to scalar instances. Some of these have parts that lanes leave out, so
 /// that their rows are stepped individually.
 #[test]
 fn random_plants_in_a_batch_equal_scalar_instances() {

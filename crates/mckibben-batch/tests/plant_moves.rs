@@ -157,7 +157,7 @@ fn muscles_with_memory_that_a_host_moves_equal_scalar_instances() {
     }
 }
 
-/// Two muscles on a bottle, and a mass beside them which no host moves.
+/// Two muscles on a bottle, and a further mass which no host moves.
 #[test]
 fn bottles_whose_ends_a_host_moves_equal_scalar_instances() {
     let (plant, start, _) = on_a_bottle();

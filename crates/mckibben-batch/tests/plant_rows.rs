@@ -1,5 +1,5 @@
-//! Batches of plants of many kinds: a row is the run of its steps alone, bit for bit, wherever it stands and whatever steps it; a
-//! row that fails says so and touches no other.
+//! Batches of plants of many kinds: a row is bit-identical to its scalar instance, wherever it stands and whatever steps it; a
+//! row that fails reports an error and changes no other.
 //!
 //! `cargo xtask rows` tries ten million random rows.
 
@@ -155,7 +155,7 @@ fn end_of(rows: &[Row], method: Method, width: Width) -> Vec<End> {
     ends(&mut batch)
 }
 
-/// The end of a row stepped alone.
+/// The end of a row stepped as a scalar instance.
 fn scalar(row: &Row, method: Method) -> End {
     let mut stepper = row.steps(method)?;
     let mut from = 0.0;

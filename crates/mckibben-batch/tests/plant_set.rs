@@ -108,7 +108,7 @@ fn row(index: usize) -> (Row, CommandOf) {
 }
 
 /// All commands to a row, as a command known beforehand. A request that is repeated changes nothing: left in, its
-/// instant could meet that of a poppet and stand for it, a rounding beside.
+/// instant could differ by a rounding from that of a poppet, and replace it.
 fn known(index: usize, command_of: CommandOf, at: impl Fn(usize) -> f64) -> Command {
     let mut commands: Vec<(f64, RuntimeCommand)> =
         (0..COMMANDS).map(|count| (at(count), command_of(index, count))).collect();

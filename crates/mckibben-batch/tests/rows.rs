@@ -1,4 +1,4 @@
-//! Plants side by side: each has the bits of its steps alone.
+//! Plants side by side: each is bit-identical to a scalar instance.
 //!
 //! One program: the engine of plants is compiled once. `cargo test -p mckibben-batch NAME::` runs one file.
 

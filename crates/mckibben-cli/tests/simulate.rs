@@ -480,7 +480,7 @@ fn the_exergy_of_the_supply_is_reported_where_there_is_a_valve() {
     }
 }
 
-/// What the actuators of a joint have beside their valves adds columns behind each one's valve; what happens to the bottle of
+/// Parts of the actuators of a joint other than the valves add columns behind each one's valve; what happens to the bottle of
 /// both is the supply's, and a sweep varies each of it.
 #[test]
 fn a_joint_on_a_bottle_with_hoses_and_tendons_has_columns_events_and_sweeps() {

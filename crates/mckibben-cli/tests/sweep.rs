@@ -410,7 +410,7 @@ fn a_run_with_a_non_physical_state_stops_and_the_others_go_on() {
         assert_eq!(line["error"].contains("left the physics"), failed, "{line:?}");
         assert_eq!(line["length_final_m"].is_empty(), failed, "{line:?}");
     }
-    // The others went through time beside them, and end as they do alone.
+    // The other rows of the batch end as they do without the failed ones.
     folder.file("mild.toml", &wide(""));
     run(&folder, &["sweep", "mild.toml", "-o", "mild.csv"]);
     let final_of = |line: &BTreeMap<String, String>| line["length_final_m"].clone();

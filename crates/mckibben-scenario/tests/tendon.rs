@@ -56,7 +56,7 @@ fn a_prescribed_motion_is_that_of_both() {
     assert!((sample.tension - (12e3 * (distance - 0.06 - sample.length)).max(0.0)).abs() < 1e-6);
 }
 
-/// Without an engine its events are located; fixed steps find their step beside that.
+/// Without an engine its events are located; the fixed-step engine chooses its step.
 #[test]
 fn both_engines_take_it() {
     let of = |run: &str| document(&[TENDON, LOAD, run]).experiment().unwrap_or_else(|error| panic!("{error}"));

@@ -55,7 +55,7 @@ fn the_papers_filling_makes_energy() {
     assert_close(audit.total.heat, made, 1e-7);
     assert!(audit.total.heat_loss < 0.0, "warm air from nowhere is worth something: {audit:?}");
     assert_within(audit.exergy.residual, 0.0, 1e-7 * audit.exergy.turnover);
-    // The energy balance without heat makes none, and what it destroys beside the throttle is the mixing.
+    // The energy balance without heat makes none, and what it destroys in addition to the throttle is due to mixing.
     let adiabatic = Process::EnergyBalance { heat_transfer: 0.0, wall_temperature: ROOM };
     let (.., adiabatic) = fill(adiabatic, 0.3);
     assert_within(adiabatic.total.heat, 0.0, 1e-9 * adiabatic.total.drawn);

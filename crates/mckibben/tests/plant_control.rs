@@ -566,7 +566,7 @@ fn an_external_mechanism_follows_its_host_under_a_driver() {
     assert!(matches!(run.set_rates(0, &[f64::NAN]), Err(Error::OutOfRange { .. })));
 }
 
-/// A given pressure in one actuator beside a controlled one, on one mass: what is measured of it is what is given.
+/// A prescribed pressure in one actuator and a controlled one in the other, on one mass: the measurement is the prescribed pressure.
 #[test]
 fn a_prescribed_pressure_and_a_driver_act_in_one_plant() {
     let paper = fill_hold_exhaust();

@@ -79,7 +79,7 @@ fn assert_same(
     assert_eq!(places.len(), old.states.len(), "{:?}", new.states);
     let columns: Vec<Option<usize>> = new.inputs.iter().map(|it| input(*it).and_then(|name| old.input(name))).collect();
     assert_eq!(columns.iter().flatten().count(), old.inputs.len(), "{:?}", new.inputs);
-    // What a usual change of each state or input does to a row, beside which less is rounding.
+    // The effect of a usual change of each state or input on a row, relative to which less is rounding.
     let usual = |name: &str| match name {
         "pressure" | "agonist_pressure" | "antagonist_pressure" => 1e5,
         "air_mass" | "agonist_air_mass" | "antagonist_air_mass" => 1e-5,

@@ -150,7 +150,7 @@ fn what_has_gone_through_numbers_goes_on_to_the_same_bits() {
     }
 }
 
-/// Actuators that stick together on a joint, stops, several valves on one bottle beside a mass.
+/// Actuators that stick together on a joint, stops, several valves on one bottle, and a mass.
 #[test]
 fn restored_runs_without_a_host_are_bit_identical() {
     let pair = Pair::of(Paper::pwm(25.0, 0.4).gauge(25.0 * PSI).friction(3.5, 1e-4));

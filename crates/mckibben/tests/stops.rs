@@ -24,7 +24,7 @@ fn count(run: &RigTrajectory, kind: EventKind) -> usize {
 fn clause_6_an_exhaust_at_equal_pressure_does_not_chatter() {
     for process in PROCESSES {
         let exhaust = Paper::driven(Command::Constant(Request::Exhaust)).process(process);
-        // Held at exactly the atmosphere's pressure, or a hair beside it: nothing happens for 10 s.
+        // Held at exactly the atmosphere's pressure, or slightly off it: nothing happens for 10 s.
         for gauge in [0.0, 1e-9, -1e-9, 1e-3, -1e-3] {
             let run = exhaust.clone().gauge(gauge).isometric(0.085).run(10.0, 1e-8);
             assert!(run.statistics().events <= 2, "{process:?} from {gauge} Pa: {:?}", run.events());

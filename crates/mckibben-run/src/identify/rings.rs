@@ -1,4 +1,4 @@
-//! Ring-downs to friction: every estimator beside the others.
+//! Friction from ring-downs: all estimators, for comparison.
 
 use super::Material;
 use super::outcome::{self, Outcome, Stems, WARNED};

@@ -173,7 +173,7 @@ fn plate(stem: &'static str, label: &str, pair: &[Pulsed; 2]) -> Plate {
             figure = figure.panel(panel);
             continue;
         }
-        // What settles is too small to be seen beside a throw: a second panel shows it over its own range.
+        // The settled ripple is too small to be seen next to the first swing: a second panel shows it over its own range.
         let (mean, ripple) = (each.mean() / INCH, each.ripple() / INCH);
         let around = (SETTLED * ripple).max(LEAST_SETTLED);
         let axis = Axis::new("settled part", "in").starting_at(mean - around).ending_at(mean + around);

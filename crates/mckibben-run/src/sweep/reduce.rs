@@ -194,7 +194,7 @@ mod tests {
     use mckibben::valve::Ports;
     use std::f64::consts::PI;
 
-    /// The reductions of a length over `duration` s in samples of 1 ms, with the air's mass and the open ports beside it.
+    /// The reductions of a length over `duration` s in samples of 1 ms, with the air's mass and the open ports.
     fn reduced(
         names: &[(Quantity, Statistic)],
         (duration, window): (f64, f64),

@@ -5,8 +5,8 @@
 //! | side by side with others, in a [`PlantBatch`] | at fixed steps, if its samples are all that is looked at |
 //! | individually, each step handed on and not kept | by the event-located engine; where steps are looked at: for air that sources gave, and for how far a controller missed; and where it goes on to its orbit |
 //!
-//! Rows of a batch have the same times and words, so that the batch is one group and stays on the unit's thread. A row is, bit for
-//! bit, what it is alone. A row that cannot be built or cannot go on gives its reason and nothing else.
+//! Rows of a batch have the same times and words, so that the batch is one group and stays on the unit's thread. A row is
+//! bit-identical to its individual run. A row that cannot be built or cannot go on gives its reason and nothing else.
 
 use super::plant;
 use super::reduce::{Reducer, Seen};
@@ -87,7 +87,7 @@ impl<'r> Row<'r> {
         Ok(Self { plan, run: PlantRun::with_drivers(plant, start, how, drivers)?, recorder })
     }
 
-    /// Goes through time alone, and on to the orbit where statistics are taken over that.
+    /// Simulates the row individually, and on to the orbit where statistics are taken over that.
     fn simulate(mut self, record: &Record, over: StatisticsOver) -> Result<Outcome, Error> {
         let Self { plan, run, recorder } = &mut self;
         let mut reading = Reading::new(times(record, plan), plan.duration);

@@ -169,7 +169,7 @@ pub(crate) fn leg_on_its_belt(paper: &Paper) -> (Plant, PlantStart) {
     (plant, start)
 }
 
-/// Two unlike actuators with their valves on one bottle, beside a mass that a third one carries.
+/// Two unlike actuators with their valves on one bottle, and a mass that a third one carries.
 pub(crate) fn on_a_bottle() -> (Plant, PlantStart, usize) {
     let papers =
         [Paper::sealed().gauge(1e5), Paper::sealed().gauge(2e5).friction(20.0, 1e-4), Paper::sealed().gauge(3e5)];
