@@ -173,7 +173,7 @@ def test_scenarios_and_runs(swing, again):
     changed = swing.with_values({"load.mass": "6 lb", "run.duration": "0.5 s"})
     assert again(changed) == changed
     run = mckibben.simulate(changed)
-    assert run.events, "it turns round"
+    assert run.events, "the velocity reverses"
     copied = again(run)
     same(run, copied)
     assert copied.scenario == changed and not copied.length.flags.writeable

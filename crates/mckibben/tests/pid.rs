@@ -71,7 +71,7 @@ fn the_integral_does_not_wind_up() {
     // At the limit v − u settles at K e T_t/T_i.
     let excess = 0.6 + memory.integral - 1.0;
     assert_close(excess, 0.1 * error * tracking / integral, 1e-9);
-    // Without it the integral would be 30. The error turns round: the output leaves the limit at once.
+    // Without it the integral would be 30. The error changes sign: the output leaves the limit at once.
     assert!(pid.act(20.0, -error, 0.0, &mut memory) < 1.0);
     // By the customary time: √(T_i T_d), or T_i.
     for (ahead, customary) in [(0.0, 0.4), (0.1, 0.2)] {

@@ -49,8 +49,9 @@ fn ratio(map: &ForceMap, actuator: &Actuator, low: f64, high: f64) -> Option<Rat
     let value = pairs.iter().map(|[ideal, measured]| ideal * measured).sum::<f64>() / squares;
     let freedom = points.checked_sub(1).filter(|freedom| *freedom > 0).map(|freedom| freedom as f64);
     let interval = freedom.and_then(|freedom| {
-        let left: f64 = pairs.iter().map(|[ideal, measured]| (measured - value * ideal).powi(2)).sum();
-        let half = StudentsT::new(0.0, 1.0, freedom).ok()?.inverse_cdf(0.975) * (left / freedom / squares).sqrt();
+        let squares_of_residuals: f64 = pairs.iter().map(|[ideal, measured]| (measured - value * ideal).powi(2)).sum();
+        let half = StudentsT::new(0.0, 1.0, freedom).ok()?.inverse_cdf(0.975)
+            * (squares_of_residuals / freedom / squares).sqrt();
         Some([value - half, value + half])
     });
     let gauge_pressure = here.map(|point| point.gauge_pressure).sum::<f64>() / points as f64;

@@ -199,9 +199,9 @@ impl Task {
             let scatter = runs.scatter(&found.0.fit.residuals);
             let rough = runs.scales.clone();
             for ((of, scale), _) in runs.scales.iter_mut().zip(&spans).filter(|(_, (_, (_, known)))| !known) {
-                let left = scatter.iter().find(|(other, _)| other == of).map_or(1.0, |(_, left)| *left);
+                let residual = scatter.iter().find(|(other, _)| other == of).map_or(1.0, |(_, residual)| *residual);
                 // The residual of noiseless data says nothing: its scale is the span's rounding.
-                *scale *= left.max(1e-9);
+                *scale *= residual.max(1e-9);
             }
             unknowns = least_squares::starting_at(&unknowns, &found.0.fit.values());
             let polish = Search { any_end: found.0.fit.ending != Ending::Minimum, ..search.clone() };
@@ -222,7 +222,7 @@ impl Task {
         let whole = || self.runs.iter().map(|run| run.simulated(&values, self.tolerance)).collect();
         let simulated = joined.map_or_else(whole, Ok)?;
         let scatter = runs.scatter(&found.fit.residuals);
-        let left = scatter.into_iter().map(|(of, left)| (of.clone(), left * runs.scale(&of))).collect();
+        let residual = scatter.into_iter().map(|(of, residual)| (of.clone(), residual * runs.scale(&of))).collect();
         let scales = runs.scales;
         let stopped = self.search.monitor.ending();
         Ok(Identified { found, scenarios, left, scales, simulated, segments, stopped })

@@ -314,7 +314,7 @@ impl<R: Real> System<R> {
                     self.bring_to_rest(i, time, state, mode, at);
                     self.settle(m, time, state, mode, at);
                 } else {
-                    // On one given distance all turn round together.
+                    // On one given distance all reverse together.
                     let given = !self.plant.mechanisms[m].is_dynamic();
                     let together = given && self.plant.places.mechanisms[m].coordinates == 1;
                     for &other in &self.plant.places.members[m] {

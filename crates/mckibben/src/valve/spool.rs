@@ -181,7 +181,7 @@ impl<S: Real> Spool<S> {
         motion.time.value() + if still { 0.0 } else { TIME_CONSTANTS / (slow * omega) }
     }
 
-    /// The instants in s at which the spool turns round, in order, and last that after which it rests: in between it goes
+    /// The instants in s at which the spool reverses, in order, and last that after which it rests: in between it goes
     /// one way.
     pub(super) fn turns(&self, motion: &SpoolMotion<S>) -> impl Iterator<Item = f64> + use<S> {
         let (omega, zeta) = (self.angular_frequency.value(), self.damping_ratio.value());

@@ -263,11 +263,11 @@ impl AirSolver<'_> {
         };
         let norm = |values: &[f64]| values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
         let (mut step, longest, growth) = STEPS;
-        let mut left = residual(frame);
+        let mut residuals = residual(frame);
         let mut settled = 0;
         for _ in 0..MOST_STEPS {
-            if norm(&left) == 0.0 {
-                return self.check(frame, &unknowns, &left);
+            if norm(&residuals) == 0.0 {
+                return self.check(frame, &unknowns, &residuals);
             }
             let mut jacobian = vec![0.0; count * count];
             for (column, unknown) in unknowns.iter().enumerate() {
@@ -282,7 +282,7 @@ impl AirSolver<'_> {
                     jacobian[column * count + column] += unknown.size / unknown.row_size / step;
                 }
             }
-            let Some(change) = matrix::solve(jacobian, left.clone()) else {
+            let Some(change) = matrix::solve(jacobian, residuals.clone()) else {
                 step /= growth;
                 continue;
             };
@@ -315,7 +315,7 @@ impl AirSolver<'_> {
             let mut next = tried(whole, frame);
             // A flow goes with the root of a small difference of pressure, and a whole step goes as far beyond its end: less of
             // it may bring more. Where nothing does, air on its way may be farther from rest before it comes nearer.
-            let brings = |next: &[f64]| norm(next) < LESS * norm(&left);
+            let brings = |next: &[f64]| norm(next) < LESS * norm(&residuals);
             if !brings(&next) {
                 let mut part = whole;
                 for _ in 0..MOST_HALVINGS {
@@ -330,19 +330,19 @@ impl AirSolver<'_> {
                     next = tried(whole, frame);
                 }
             }
-            let is_better = norm(&next).is_finite() && norm(&next) <= 2.0 * norm(&left) + STILL;
+            let is_better = norm(&next).is_finite() && norm(&next) <= 2.0 * norm(&residuals) + STILL;
             if !is_better && step > 1e-12 {
                 *frame = before;
                 step /= 2.0 * growth;
                 continue;
             }
-            left = next;
+            residuals = next;
             if step < longest {
                 step *= growth;
             } else if largest <= 1.0 && norm(&change) < CLOSE {
                 settled += 1;
                 if settled > 2 || norm(&change) < ROUNDING {
-                    return self.check(frame, &unknowns, &left);
+                    return self.check(frame, &unknowns, &residuals);
                 }
             }
         }
@@ -351,17 +351,17 @@ impl AirSolver<'_> {
     }
 
     /// Checks that nothing was kept from where it would go.
-    fn check(&self, frame: &Frame, unknowns: &[Unknown], left: &[f64]) -> Result<(), Error> {
-        for (unknown, left) in unknowns.iter().zip(left) {
+    fn check(&self, frame: &Frame, unknowns: &[Unknown], residuals: &[f64]) -> Result<(), Error> {
+        for (unknown, residuals) in unknowns.iter().zip(residuals) {
             if let UnknownKind::Drive(valve) = unknown.kind
                 && let Drive::Duty(command) | Drive::Spool(command) | Drive::SetPoint(command, _) = frame.drives[valve]
             {
                 let [low, high] = self.command_range(valve);
-                if (command <= low || command >= high) && left.abs() > STILL {
+                if (command <= low || command >= high) && residuals.abs() > STILL {
                     return Err(no_command(&frame.drives[valve]));
                 }
             }
-            if left.abs() > MOVING {
+            if residuals.abs() > MOVING {
                 return Err(NO_STEADY_AIR);
             }
         }

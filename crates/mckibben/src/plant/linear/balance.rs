@@ -46,7 +46,7 @@ pub(super) fn balance(frame: &mut Frame) -> Result<(), Error> {
         return Ok(());
     }
     let mut instant = frame.evaluate(&[]);
-    let mut left = unknowns.residual(&instant);
+    let mut residuals = unknowns.residual(&instant);
     let mut shift = 0.0;
     for _ in 0..MOST_STEPS {
         let mut stiffness = vec![0.0; count * count];
@@ -56,21 +56,24 @@ pub(super) fn balance(frame: &mut Frame) -> Result<(), Error> {
                 stiffness[row * count + column] = -unknowns.slope(&along, row);
             }
         }
-        let rests = left.iter().zip(&unknowns.usual).all(|(left, usual)| left.abs() <= FORCE_ROUNDING * usual);
-        let (change, used) = unknowns.step(&stiffness, &left, shift);
+        let rests =
+            residuals.iter().zip(&unknowns.usual).all(|(residuals, usual)| residuals.abs() <= FORCE_ROUNDING * usual);
+        let (change, used) = unknowns.step(&stiffness, &residuals, shift);
         let part = change
             .iter()
             .zip(&unknowns.largest)
             .fold(1.0_f64, |part, (change, largest)| part.min(largest / change.abs().max(1e-300)));
         if rests {
-            // One step more takes off what rounding has left, if the balance is a firm one.
+            // One step more removes the residual of rounding, if the stiffness is positive definite without a shift.
             if used == 0.0 && part == 1.0 {
                 unknowns.shift(frame, &change, 1.0);
             }
             return Ok(());
         }
-        let power = |left: &[f64]| left.iter().zip(&change).map(|(left, change)| left * change).sum::<f64>();
-        let downhill = power(&left);
+        let power = |residuals: &[f64]| {
+            residuals.iter().zip(&change).map(|(residuals, change)| residuals * change).sum::<f64>()
+        };
+        let downhill = power(&residuals);
         let before = frame.state.clone();
         let mut part = part;
         let mut accepted = false;
@@ -81,7 +84,7 @@ pub(super) fn balance(frame: &mut Frame) -> Result<(), Error> {
             let next = unknowns.residual(&instant);
             let is_inside = unknowns.is_inside(frame, &instant);
             if is_inside && next.iter().all(|value| value.is_finite()) && power(&next) >= -0.5 * downhill {
-                left = next;
+                residuals = next;
                 accepted = true;
                 break;
             }
@@ -182,8 +185,8 @@ impl Mechanical {
     }
 
     /// The step of a stiffness that is shifted, if it must be, until it is positive; and by how much it was.
-    fn step(&self, stiffness: &[f64], left: &[f64], mut shift: f64) -> (Vec<f64>, f64) {
-        let count = left.len();
+    fn step(&self, stiffness: &[f64], residuals: &[f64], mut shift: f64) -> (Vec<f64>, f64) {
+        let count = residuals.len();
         let size: Vec<f64> =
             (0..count).map(|k| stiffness[k * count + k].abs().max(1e-3 * self.usual[k] / self.largest[k])).collect();
         loop {
@@ -195,7 +198,7 @@ impl Mechanical {
                 (0..count * count).map(|n| 0.5 * (shifted[n] + shifted[(n % count) * count + n / count])).collect();
             dense::factor(&mut symmetric, count);
             let is_positive = dense::pivots_exceed(&symmetric, count, |k| 1e-12 * size[k]);
-            if is_positive && let Some(change) = matrix::solve(shifted, left.to_vec()) {
+            if is_positive && let Some(change) = matrix::solve(shifted, residuals.to_vec()) {
                 return (change, shift);
             }
             if shift > 1e12 {
