@@ -2,12 +2,12 @@
 # # Compare with the paper
 #
 # The model is that of Colbrunn, Nelson & Quinn (2001), "Modeling of Braided Pneumatic Actuators for Robotic Control".
-# `examples/paper` holds a scenario file for each of its experiments; this page runs them and asks of each what can be
+# `examples/paper` holds a scenario file for each of its experiments; this page runs them and compares what can be
 # compared.
 #
 # **The paper's text is at hand, the curves in its figures are not.** Each finding therefore says what the text states,
 # what comes out here, and whether the two can be compared at all. **No agreement with a curve is claimed.** `mckibben
-# reproduce` writes the whole report; here is how its figures come about, for who wants to ask something else.
+# reproduce` writes the whole report; this page shows how its figures are made, as a start for other comparisons.
 #
 # | comparison | means |
 # |---|---|
@@ -118,8 +118,8 @@ found(
 # ## Figs. 8 and 9: a sealed muscle rings down
 #
 # The paper put its average damping, Q = 0.0044 in and c = 0.02 lbf·s/in, into the model. So did we, and then identify
-# both from the simulated peaks by the paper's own equations (25) to (31). That can tell how good the method is, not how
-# good the model is: a **round trip**.
+# both from the simulated peaks by the paper's own equations (25) to (31). That tests the method, not
+# the model: a **round trip**.
 
 
 # %%
@@ -188,7 +188,7 @@ pictures.save(figure, "paper-ring-down")
 
 # %% [markdown]
 # A model that is fed with the Q of (28) is thus less damped than the ring-down that gave it. The paper reports that its
-# model "is less damped than the experiment"; how much of that is this, nobody can say without its curves.
+# model "is less damped than the experiment"; how much of that this explains cannot be determined without its curves.
 #
 # ## Fig. 10: commanded and actual duty cycle
 #

@@ -18,7 +18,7 @@ import scipy.optimize
 
 import mckibben
 
-DUTY = 0.45  # of both valves where nothing is asked: how much the muscles co-contract
+DUTY = 0.45  # of both valves without a command: how much the muscles co-contract
 PERIOD = 5e-3  # s, of the pulses and of the controller
 scenario = mckibben.Scenario.from_file(pictures.EXAMPLES / "linearize-joint.toml").with_values(
     {"command.duty": DUTY, "antagonist.command.duty": DUTY, "run.duration": "2 s", "run.sample_interval": "1 ms"}
@@ -54,11 +54,11 @@ plant = control.c2d(control.ss(A, B, np.eye(3), 0), PERIOD)
 lift, push = plant.A, plant.B[:, 0]
 
 # %% [markdown]
-# ## A loop of one's own
+# ## A custom loop
 #
 # Before a controller is designed by a model, the thing that it will meet: two `Actuator`s, each with its air and its
-# valve's seats, and a limb. The muscles come from the package; the limb is two lines, which one would have from a
-# robot's simulator. `decide` is asked once a period, and a computer takes its time: its answer is done in the next one.
+# valve's poppets, and a limb. The muscles come from the package; the limb is two lines, in place of a robot's
+# simulator. `decide` is called once a period, and a computer has a delay: its command takes effect one period later.
 
 # %%
 described = scenario.to_dict()
@@ -95,7 +95,7 @@ def run_loop(decide: Decide, duration: float, gauge_pressure: float, step: float
         first, pull, _ = agonist.step(first, REST - RADIUS * angle, -RADIUS * rate, next(duties), step)
         second, counter_pull, _ = antagonist.step(second, REST + RADIUS * angle, RADIUS * rate, next(duties), step)
         rows.append(((count + 1) * step, angle, first.absolute_pressure, second.absolute_pressure, commanded))
-    return dict(zip(("time", "angle", "pressure", "counter_pressure", "asked"), np.array(rows).T))
+    return dict(zip(("time", "angle", "pressure", "counter_pressure", "command"), np.array(rows).T))
 
 
 # The package's own joint, every event located, says whether the loop is right: driven by 0.5 and 0.4 from 30 psi.
@@ -103,7 +103,7 @@ checked = scenario.with_values({"command.duty": DUTY + 0.05, "antagonist.command
 located = mckibben.simulate(checked)
 ours = run_loop(lambda *_: 0.05, 2.0, gauge_pressure=206842.7187950509)
 apart = np.abs(ours["angle"] - located.at_times(np.minimum(ours["time"], 2.0))["angle_rad"]).max()
-print(f"loop of one's own and `simulate`: {math.degrees(apart):.3f}° apart at most")
+print(f"custom loop and `simulate`: {math.degrees(apart):.3f}° apart at most")
 assert math.degrees(apart) < 0.05
 
 # %% [markdown]
@@ -134,12 +134,12 @@ assert errors[1] < errors[0] < 0.1, "friction counts less in the larger step"
 # %% [markdown]
 # ## The controller
 #
-# Linear-quadratic, on the angle, its rate, the difference of the pressures, what was asked last (the sample of delay),
+# Linear-quadratic, on the angle, its rate, the difference of the pressures, the last command (the sample of delay),
 # and the integral of the angle's error, without which friction and gravity would keep the joint off its aim. The
 # encoder gives no rate: it is the difference of two readings, half a sample late, and the margins below count that.
 
 # %%
-# States: angle, rate, pressure difference, what was asked last, integral of the angle.
+# States: angle, rate, pressure difference, last command, integral of the angle.
 dynamics = np.zeros((5, 5))
 dynamics[:3, :3], dynamics[:3, 3] = lift, push
 dynamics[4, 0], dynamics[4, 4] = PERIOD, 1.0
@@ -247,8 +247,8 @@ axes[0].plot(moved["time"], np.degrees(moved["angle"]), label="controlled")
 axes[0].plot(moved["time"], [math.degrees(aim(time)) for time in moved["time"]], ":", color="#5c6166", label="aim")
 axes[0].set_ylabel("angle (°)")
 axes[0].legend()
-axes[1].plot(moved["time"], DUTY + moved["asked"], label="agonist")
-axes[1].plot(moved["time"], DUTY - moved["asked"], label="antagonist")
+axes[1].plot(moved["time"], DUTY + moved["command"], label="agonist")
+axes[1].plot(moved["time"], DUTY - moved["command"], label="antagonist")
 axes[1].set(xlabel="time (s)", ylabel="duty", ylim=(0, 1))
 axes[1].legend(ncols=2)
 pictures.save(figure, "joint-step")

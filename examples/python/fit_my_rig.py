@@ -95,7 +95,7 @@ file = "joint.csv"
 
 [fit."load.damping"]
 
-[fit."actuator.turns"]                      # of the agonist, since the antagonist's are looked for by themselves
+[fit."actuator.turns"]                      # of the agonist, since the antagonist's are estimated separately
 
 [fit."antagonist.actuator.turns"]
 """
@@ -107,8 +107,8 @@ for note in [*found.notes, *found.warnings]:
 # %% [markdown]
 # ## How sure
 #
-# Every number comes with its 95 % interval, from the curvature of the misfit and the scatter that is left. Beside it
-# stand the drawing's number and the one that the data were made with: what nobody has on a bench.
+# Every number comes with its 95 % interval, from the curvature of the misfit and the residual scatter. The table also
+# has the drawing's number and the one that the data were made with, which is unknown on a real rig.
 
 # %%
 MADE_WITH = {
@@ -147,7 +147,7 @@ for estimate in found.estimates:
 # ## Held out
 #
 # A fit that follows its own data proves little. In the half second that was held out the muscles change places and the
-# joint is thrown to the other side; the fitted model has to foretell it within the noise of the sensors.
+# joint is thrown to the other side; the fitted model has to predict it within the noise of the sensors.
 
 # %%
 fitted = measured_at(found.scenarios["scenario.toml"])
@@ -179,23 +179,23 @@ assert np.all(rms["fitted"] < 1.3 * NOISE) and np.all(rms["fitted"] > 0.7 * NOIS
 assert np.all(rms["drawing"] > 10 * rms["fitted"])
 
 # %% [markdown]
-# ## What these data cannot tell
+# ## What is not identifiable from these data
 #
 # Would the limb's mass and the place of its centre not be good to know too? They act through the moment of gravity $M g
-# d$ and the inertia about the joint $J + M d^2$ alone, three numbers in two: whoever asks for all of them gets a fit as
-# good as before, three numbers without an interval, and is told why.
+# d$ and the inertia about the joint $J + M d^2$ alone, three numbers in two: a fit of all of them is as
+# good as before, and has three numbers without an interval, with the reason.
 
 # %%
 (work / "greedy.toml").write_text(STUDY + '\n[fit."load.mass"]\n\n[fit."load.distance"]\n')
 greedy = mckibben.identify(work / "greedy.toml")
 for estimate in greedy.estimates:
-    untold = "not identifiable from these data" if estimate.confidence_interval is None else ""
-    print(f"{estimate.name:28s}{estimate.value:12.5g}  {untold}")
+    unidentified = "not identifiable from these data" if estimate.confidence_interval is None else ""
+    print(f"{estimate.name:28s}{estimate.value:12.5g}  {unidentified}")
 print(greedy.warnings[-1])
-untold = {estimate.name for estimate in greedy.estimates if estimate.confidence_interval is None}
-assert untold == {"load.mass", "load.distance", "load.inertia"}
+unidentified = {estimate.name for estimate in greedy.estimates if estimate.confidence_interval is None}
+assert unidentified == {"load.mass", "load.distance", "load.inertia"}
 product = greedy["load.mass"].value * greedy["load.distance"].value
-assert abs(product / (0.5 * 0.1) - 1) < 0.01, "their product is told, and well"
+assert abs(product / (0.5 * 0.1) - 1) < 0.01, "their product is identifiable"
 
 # %% [markdown]
 # Weigh the limb, and the study of before is right. `found.scenarios["scenario.toml"].to_toml()` is the rig from here

@@ -56,7 +56,7 @@ print(f"{todo.rows} runs in {todo.parts} parts, in steps of 0.1 ms")
 #
 # `ray.init()` starts a little cluster on this machine; `ray.init("auto")` or an address joins one that is there.
 # Nothing else changes: each worker takes a part at a time, a part whose worker dies is computed again by another, and a
-# sweep that was stopped goes on where it was. The folder holds Parquet parts, which nobody has to merge.
+# sweep that was stopped goes on where it was. The folder holds Parquet parts, which need not be merged.
 
 # %%
 began = time.perf_counter()
@@ -75,10 +75,9 @@ print(f"{done.rows} runs, {done.failed} of them failed")
 assert done.rows == 384 and done.failed == 0
 
 # %% [markdown]
-# ## Who computed does not matter
+# ## The result does not depend on the machine
 #
-# The cores of this process write the same bytes. A result that was found on a cluster is one's own machine's, and the
-# other way round.
+# The cores of this process write the same bytes. The result of a cluster is identical to that of this machine.
 
 # %%
 alone = mckibben.sweep(scenario, work / "alone")

@@ -1,9 +1,9 @@
 # %% [markdown]
 # # Train a controller
 #
-# A muscle of the paper hangs with a mass of 2 to 3 kg, drawn anew for each episode, and is to bring it to a length
-# that is drawn too. The controller sees length, velocity, pressure and target, each with noise, and says every 5 ms
-# whether its valve is to fill, to hold or to exhaust; the valve takes 4 ms to open. It is a small network of 37
+# A muscle of the paper hangs with a mass of 2 to 3 kg, drawn for each episode, and is to bring it to a length
+# that is drawn too. The controller sees length, velocity, pressure and target, each with noise, and requests every 5 ms
+# that its valve fills, holds or exhausts; the valve takes 4 ms to open. It is a small network of 37
 # numbers, and the standard library [cma](https://pypi.org/project/cma) looks for them: CMA-ES tries many networks at
 # once, each on some muscles of one vector environment.
 

@@ -108,7 +108,7 @@ fn files(root: &Path) -> Result<Vec<PathBuf>, String> {
             .filter(|path| path.is_file() && path.file_name().is_some_and(|name| is_read(&name.to_string_lossy()))),
     );
     collect(&root.join("docs"), "md", &mut files)?;
-    for folder in ["python/mckibben", "python/tests", "benches/python"] {
+    for folder in ["python/mckibben", "python/tests", "examples/python", "benches/python"] {
         collect(&root.join(folder), "py", &mut files)?;
     }
     for folder in ["benches/src", "xtask/src"] {
