@@ -10,12 +10,12 @@ mod classes {
     pyo3::import_exception!(mckibben.errors, SimulationError);
 }
 
-/// What failed is raised in Python.
+/// Converts failures to exceptions of Python.
 pub(crate) trait OrException<T> {
     /// The value, or the exception for why there is none.
     fn or_exception(self) -> Result<T, PyErr>;
 
-    /// As [`OrException::or_exception`], of work whose messages name options of the program: with the arguments of the function in place of them.
+    /// As [`OrException::or_exception`], with names of arguments in place of the command line's options in the message.
     fn or_exception_of_arguments(self) -> Result<T, PyErr>;
 }
 

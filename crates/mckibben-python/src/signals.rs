@@ -1,4 +1,4 @@
-//! Ctrl-C while the core works: Python's signals are looked at now and then, and what one of them raises ends the work.
+//! Ctrl-C while the core works: Python's signals are checked now and then, and what one of them raises ends the work.
 //!
 //! Python runs its handlers on the main thread, between instructions of the interpreter; as long as a call does not return
 //! Ctrl-C has no effect unless it is checked. Work on the caller's own thread checks by a [`Watch`]; for work on the threads of

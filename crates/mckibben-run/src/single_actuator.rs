@@ -1,4 +1,4 @@
-//! An actuator on its load, with its controller if it has one, as what is run.
+//! An actuator on its load, with its controller if it has one, as the subject of a run.
 
 use crate::closed_loop::{self, Goal, Goals};
 use crate::engine::Subject;

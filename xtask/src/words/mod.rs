@@ -46,7 +46,6 @@ const ENTRIES: &[Entry] = &[
     entry("passages", "flow paths, or ports"),
     entry("plumbing", "air network"),
     entry("portrait", "trajectory plot"),
-    entry("rub", "slide, or have friction"),
     entry("rubbing", "sliding state, or friction"),
     entry("rubs", "slides, or has friction"),
     entry("somebody", "users, or the caller"),

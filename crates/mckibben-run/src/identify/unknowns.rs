@@ -1,4 +1,4 @@
-//! The numbers that a study looks for: their places, bounds, priors and starts.
+//! The unknowns of a study: their places, bounds, priors and starts.
 
 use super::Material;
 use super::sensors::{self, OfSensor};

@@ -1,4 +1,4 @@
-//! The linear model of whatever a scenario describes.
+//! The linear model of the actuator, joint or plant that a scenario describes.
 
 use super::joint::JointModel;
 use super::plant::PlantModel;

@@ -1,4 +1,4 @@
-//! A pressure that is given, what the actuator pulls on, how it starts, and how long it is watched.
+//! The prescribed pressure, the tendon, the load, the initial state and the duration of a run.
 //!
 //! An isometric load takes its length from `initial.length`, which must then be a length; a prescribed motion says its
 //! own length and velocity at the start, so neither may be given.

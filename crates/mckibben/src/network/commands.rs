@@ -1,15 +1,14 @@
 //! A valve that receives commands at run time.
 //!
-//! A command at run time becomes the continuation of the valve's own command: the run is that of the command which
-//! would have been known beforehand, poppets move at the same exact instants, and no step is divided where a command only
-//! arrives. What has been passed of the command is dropped, so that it holds what is still on its way and no more,
-//! however many commands arrive.
+//! A command at run time continues the command of the valve. The run is bit-identical to one with the whole command known
+//! beforehand: poppets move at the same exact instants, and no step is divided where a command only arrives. Entries that have
+//! taken effect are dropped, so that memory is bounded however many commands arrive.
 //!
 //! | command at t | effect |
 //! |---|---|
-//! | request, set point, position | takes the place of all that was to come from t on |
-//! | pulses, while others go on | the pulse under way ends as it was to; the next period has the new duty |
-//! | pulses, while none go on | the previous command goes on until a period begins |
+//! | request, set point, position | replaces all entries from t on |
+//! | pulses, during other pulses | the current pulse ends as before; the next period has the new duty |
+//! | pulses, without other pulses | the previous command goes on until a period begins |
 //!
 //! Of two commands at one instant the later counts.
 //!
@@ -36,14 +35,14 @@ pub(crate) struct RuntimeCommands<R> {
 }
 
 impl<R: Real> RuntimeCommands<R> {
-    /// Nothing so far.
+    /// No command yet.
     pub(crate) fn nothing() -> Self {
         let never = R::constant(f64::INFINITY);
         Self { last: None, modulator: Modulator::idle(), pulse_frequency: R::one(), edge: never, is_pending: false }
     }
 
-    /// Takes up what needs nothing of the valve and no time, the request that holds or another duty cycle of the pulses that
-    /// go on; whether it is that.
+    /// Takes a command that changes nothing before the next period: the current request, or another duty cycle of the current
+    /// pulses. Returns whether the command is one of these.
     #[inline]
     pub(super) fn follow(&mut self, commanded: &RuntimeCommand<R>) -> bool {
         match (&self.last, commanded) {
@@ -63,7 +62,7 @@ impl<R: Real> RuntimeCommands<R> {
         }
     }
 
-    /// Commands a valve that has come to `time` in s from then on; the valve can carry out the command.
+    /// Applies a command from `time` in s on, to which the valve has advanced; the command has been checked.
     #[inline]
     pub(crate) fn apply(
         &mut self,
@@ -151,7 +150,7 @@ impl<R: Real> RuntimeCommands<R> {
 }
 
 impl<R: Real> RuntimeCommands<R> {
-    /// As numbers in a row, of a valve that has come to `time` in s.
+    /// Saves or restores the commands as numbers of a row, for a valve that has advanced to `time` in s.
     pub(crate) fn each_number(&mut self, solenoid: &Solenoid<R>, time: R, row: &mut impl Row<R>) {
         let Self { last, modulator, pulse_frequency, edge, is_pending } = self;
         let (mut kind, mut number, mut duty, mut requests) = match *last {
@@ -183,7 +182,7 @@ impl<R: Real> RuntimeCommands<R> {
         let mut instant = Some(*edge).filter(|edge| edge.value() != f64::INFINITY);
         row.instant(&mut instant);
         *edge = instant.unwrap_or(R::constant(f64::INFINITY));
-        // Pulses up to now have been laid out.
+        // The edges of pulses up to now have been appended.
         if edge.value() != modulator.next(*pulse_frequency).map_or(f64::INFINITY, R::value) || !is_due(time, *edge) {
             row.refuse();
         }

@@ -1,7 +1,7 @@
-//! Valves that are set during a run: what they do from then on takes the place of their own command.
+//! Valves that are set during a run: the setting replaces their command from then on.
 //!
-//! What has been set becomes a command of which only what is still on its way is kept, so that poppets move at the instants
-//! that they would have if all had been known beforehand, and memory stays bounded however often a valve is set.
+//! Settings become a command, of which only the entries that have not taken effect are kept. So poppets move at the instants
+//! of a command known beforehand, and memory is bounded however often a valve is set.
 
 use super::commands::RuntimeCommands;
 use super::mode::{BranchMode, NetworkMode, NodeMode, ValveMode};
@@ -19,7 +19,7 @@ use alloc::vec::Vec;
 /// What a valve has been set to during a run.
 #[derive(Debug)]
 pub(crate) struct Setting<R> {
-    /// The valve, with what of its command is still on its way.
+    /// The valve, with the entries of its command that have not taken effect.
     actuation: Actuation<R>,
     commands: RuntimeCommands<R>,
     /// Of pulses that go on, in Hz.
@@ -231,8 +231,8 @@ impl<R: Real> Network<R> {
         Ok(())
     }
 
-    /// Sets a valve that has been set before to what needs nothing of where it is: the request that holds, or another duty cycle
-    /// of the pulses that go on. Whether it is that; else nothing has changed.
+    /// Applies a command that does not depend on the state of a valve that has been set before: the current request, or another
+    /// duty cycle of the current pulses. Returns whether the command is one of these; otherwise nothing changes.
     ///
     /// # Errors
     /// As [`Network::set_valve`].
@@ -247,7 +247,7 @@ impl<R: Real> Network<R> {
         Ok(setting.as_mut().is_some_and(|setting| setting.commands.follow(commanded)))
     }
 
-    /// Drops the set points of a valve that has been set which have taken effect, but for the last, which is still in force.
+    /// Drops the set points of a valve that have taken effect, except the last, which is still in force.
     fn forget_set_points(&self, valve: usize, mode: &mut NetworkMode<R>) {
         let Some(setting) = &mut mode.valves[valve].setting else { return };
         let of_valve = |node: &NodeKind<R>| matches!(node, NodeKind::Port { valve: its, .. } if *its == valve);
@@ -262,7 +262,7 @@ impl<R: Real> Network<R> {
         }
     }
 
-    /// Lays the pulses of a valve that has been set out to `until`, from `time` on, both in s.
+    /// Appends the edges of a valve's pulses from `time` to `until`, both in s.
     ///
     /// # Errors
     /// [`Error::TooMany`] for more pulses than a run may have.
@@ -283,7 +283,7 @@ impl<R: Real> Network<R> {
         Ok(())
     }
 
-    /// Takes over into the valves' own commands what they have been set to from a time in s on.
+    /// Records the settings from a time in s on in the commands of the valves.
     pub(crate) fn record_settings(&mut self, valves: &[usize], from: R, mode: &NetworkMode<R>) {
         for &valve in valves {
             if let Some(setting) = &mode.valves[valve].setting {

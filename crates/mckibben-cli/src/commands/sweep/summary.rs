@@ -1,4 +1,4 @@
-//! What a sweep came to, as text for people.
+//! The printed summary of a sweep.
 
 use super::{SweepArguments, Target};
 use crate::describe;
