@@ -1,6 +1,6 @@
 //! The log of events in words, and as CSV.
 //!
-//! The columns of the CSV are `time_s,event,valve,supply_flow,exhaust_flow,length_regime,sliding,tension_clamped`; after the name
+//! The columns of the CSV are `time_s,event,valve,supply_flow,exhaust_flow,extent,sliding,tension_clamped`; after the name
 //! of the event they say what holds from then on.
 //!
 //! [`Log`] holds the same in memory, of an actuator, a joint or a plant.
@@ -69,7 +69,7 @@ impl Log {
 pub(crate) fn words<'w>(mode: &Mode) -> [&'w str; 6] {
     let [supply, exhaust] = [mode.supply_zone, mode.exhaust_zone].map(|flow| flow.map_or("", zone));
     let clamped = if mode.clamped { "true" } else { "false" };
-    [mode.ports.name(), supply, exhaust, length_regime(mode.length_regime), sliding(mode.sliding), clamped]
+    [mode.ports.name(), supply, exhaust, length_regime(mode.extent), sliding(mode.sliding), clamped]
 }
 
 /// The name of a piece of the flow law.

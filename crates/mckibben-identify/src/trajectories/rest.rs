@@ -44,7 +44,7 @@ impl Task {
     pub fn unexplained(&self, found: &Identified) -> Vec<Unexplained> {
         let of = |(observed, left): &(Observed, f64)| {
             let (mut squares, mut count) = (0.0, 0.0);
-            for recorded in self.courses(observed) {
+            for recorded in self.series_of(observed) {
                 let readings = recorded.times.len() as f64;
                 squares += readings * series::noise(&recorded.times, &recorded.values).powi(2);
                 count += readings;

@@ -222,7 +222,7 @@ impl Task {
         let whole = || self.runs.iter().map(|run| run.simulated(&values, self.tolerance)).collect();
         let simulated = joined.map_or_else(whole, Ok)?;
         let scatter = runs.scatter(&found.fit.residuals);
-        let residual = scatter.into_iter().map(|(of, residual)| (of.clone(), residual * runs.scale(&of))).collect();
+        let left = scatter.into_iter().map(|(of, residual)| (of.clone(), residual * runs.scale(&of))).collect();
         let scales = runs.scales;
         let stopped = self.search.monitor.ending();
         Ok(Identified { found, scenarios, left, scales, simulated, segments, stopped })

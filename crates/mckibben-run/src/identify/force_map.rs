@@ -107,7 +107,7 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
         introduction: introduction(&map, &judged, best, by, deviation),
         sections,
         table,
-        values: values,
+        values,
         predictions: prediction(&map, best).into_iter().collect(),
         correlations: best.fit.fit.correlations.clone(),
         estimates: best.fit.fit.estimates.clone(),

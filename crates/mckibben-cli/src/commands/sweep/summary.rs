@@ -6,7 +6,7 @@ use crate::terminal::{self, FAINT, HEADING, NOTABLE, styled};
 use mckibben_run::quantities::{count, digits, given, quantity};
 use mckibben_run::sweep::plan::{Plan, Shard};
 use mckibben_run::sweep::step::Choice;
-use mckibben_run::sweep::totals::{SweepCounts, Warned};
+use mckibben_run::sweep::counts::{SweepCounts, Warned};
 use mckibben_run::text::{Alignment, Side};
 use mckibben_run::units::units;
 use mckibben_scenario::Sweep;

@@ -168,7 +168,7 @@ fn train(
     // An edge counts where the record goes on for half of the shorter of pulse and pause.
     let least = duty.min(1.0 - duty) / frequency;
     let train = train.within(entry.begins, [first, last - 0.5 * least]);
-    Ok(if inverted { train.inverted() } else { train })
+    Ok(if inverted { train.turned() } else { train })
 }
 
 /// The scenario with the delays; one that scatters below zero is zero.
