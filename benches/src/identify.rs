@@ -165,7 +165,7 @@ fn recorded(scenario: &Scenario, number: usize) -> Result<Recorded, String> {
         name: format!("{number}"),
         subject: Adjustable::new(base, places, [true; 2]).into(),
         unknowns: (0..UNKNOWNS.len()).collect(),
-        series,
+        courses: series,
     })
 }
 
@@ -183,7 +183,7 @@ fn peer(problems: &[Problem], task: &Task) -> Result<(f64, u64, f64, Vec<f64>), 
         .zip(problems)
         .map(|(run, problem)| {
             let atmosphere = problem.scenario.air.atmospheric_pressure;
-            let pairs = run.series[0].values.iter().zip(&run.series[1].values);
+            let pairs = run.courses[0].values.iter().zip(&run.courses[1].values);
             pairs.map(|(length, gauge)| [*length, gauge + atmosphere]).collect()
         })
         .collect();
