@@ -273,6 +273,9 @@ fn drive(w: &mut Writer, scenario: &Scenario) {
         w.word(PRESSURE_AT, course.at.name());
         w.list(&p::COURSE_TIME, &course.time);
         w.list(&p::COURSE_GAUGE_PRESSURE, &course.gauge_pressure);
+        w.number(&p::COURSE_OFFSET, course.sensor.offset);
+        w.number(&p::COURSE_SCALE, course.sensor.scale);
+        w.number(&p::COURSE_SHIFT, course.sensor.shift);
     }
     series_tendon(w, scenario);
 }

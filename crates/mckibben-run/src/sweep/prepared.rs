@@ -150,8 +150,8 @@ fn engine_by_default(document: &Document) -> Result<Engine, Failure> {
     let mut stepped = document.clone();
     stepped.set_text("run.engine", &format!("\"{}\"", Engine::FixedStep.name()))?;
     // A sweep with mistakes is read again, and reports them.
-    // What a controller decides may magnify the error of a step: that is chosen for it where it is asked for. An orbit returns to
-    // within the tolerance of located steps, and not to that within fixed ones of any length.
+    // What a controller decides may magnify the error of a step: that is chosen for it where it is requested. An orbit is found by
+    // located steps, and its run goes alone, so that no steps of many runs side by side have to be chosen.
     let is_located = |of: Sweep| of.over() == StatisticsOver::Orbit || (of.has_controllers() && !of.gives_step());
     let is_located = stepped.sweep().is_ok_and(|sweep| sweep.is_some_and(is_located));
     Ok(if is_located { Engine::EventLocated } else { Engine::FixedStep })
