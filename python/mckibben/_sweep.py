@@ -45,6 +45,8 @@ class SweepResult:
         Units of the columns of numbers by their names, in SI.
     logarithmic : tuple of str
         Names of the columns of varied keys whose values are spaced or distributed evenly in their logarithm.
+    left_out : tuple of str
+        Keys that runs left out, since they have no meaning under a word of another key that varies: a sentence each.
 
     Examples
     --------
@@ -66,6 +68,7 @@ class SweepResult:
     failed: int
     units: dict[str, str]
     logarithmic: tuple[str, ...] = ()
+    left_out: tuple[str, ...] = ()
 
     @property
     def parts(self) -> list[pathlib.Path]:
@@ -275,7 +278,7 @@ def sweep(
         _on_executor(executor, todo, missing, put)
     missing, failed = todo.missing(folder)
     assert not missing, missing
-    return SweepResult(folder, todo.rows, failed, todo.units, tuple(todo.logarithmic))
+    return SweepResult(folder, todo.rows, failed, todo.units, tuple(todo.logarithmic), tuple(todo.left_out))
 
 
 Put = collections.abc.Callable[[int, bytes], None]

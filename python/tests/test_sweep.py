@@ -226,6 +226,14 @@ def test_runs_that_fail_say_why(swept, tmp_path):
     assert "thread_length" in done.to_polars()["error"][1]
 
 
+def test_keys_that_runs_leave_out_are_listed(swing, tmp_path):
+    """An end factor has a meaning under its own law alone."""
+    laws = {"actuator.force.law": ["ideal-braid", "tondu-lopez"], "actuator.force.end_factor": [1.05]}
+    done = mckibben.sweep(swing, tmp_path, vary=laws, reductions=["tension.final"])
+    assert done.left_out == ("actuator.force.end_factor in rows with actuator.force.law = ideal-braid",)
+    assert done.failed == 0
+
+
 def test_impossible_arguments_are_refused(swing, swept, tmp_path):
     with pytest.raises(mckibben.InputError, match="no section \\[sweep\\]"):
         mckibben.sweep(swing, tmp_path)

@@ -4,6 +4,8 @@
 mod common;
 #[path = "identify/creep.rs"]
 mod creep;
+#[path = "identify/driving.rs"]
+mod driving;
 #[path = "identify/hose.rs"]
 mod hose;
 #[path = "identify/plant.rs"]

@@ -9,7 +9,7 @@ use mckibben_identify::least_squares::{Ending, Loss, Search, Unknown};
 use mckibben_identify::trajectories::{
     Horizon, Identified, Observed, Recorded, Sampling, Sensor, Subject, Task, TimeSeries, TrajectoryError,
 };
-use mckibben_scenario::{Effectiveness, Load, Place, PressurePlace, PressureSeries, Scenario};
+use mckibben_scenario::{Effectiveness, Load, Place, PressurePlace, PressureSensor, PressureSeries, Scenario};
 use noise::{Noise, holds};
 
 /// The paper's muscle under pulses at a pressure of the supply in psi, from 40 psi.
@@ -315,7 +315,8 @@ fn driven_by_its_pressure(supply: f64, [length, pressure]: [f64; 2]) -> Recorded
     let gauges: Vec<f64> = time.iter().map(gauge).collect();
     let gauge_pressure = Noise::new(5).added_to(&gauges, pressure);
     (truth.valve, truth.supply, truth.command) = (None, None, None);
-    truth.pressure = Some(PressureSeries { at: PressurePlace::Muscle, time, gauge_pressure });
+    truth.pressure =
+        Some(PressureSeries { at: PressurePlace::Muscle, time, gauge_pressure, sensor: PressureSensor::default() });
     run.courses.retain(|series| series.observed == Observed::Length);
     let places: Vec<Place> = STATIC.iter().map(|path| Place::find(path, &mut truth).expect("a number")).collect();
     Recorded { subject: Adjustable::new(truth, places, [false; 2]).into(), ..run }

@@ -153,6 +153,12 @@ impl Sweep {
         axes.filter(|axis| axis.is_logarithmic()).map(mckibben_scenario::Axis::column).collect()
     }
 
+    /// Keys that runs leave out, since they have no meaning under a word of another key that varies: a sentence each.
+    #[getter]
+    fn left_out(&self) -> Vec<String> {
+        self.prepared.sweep().left_out().iter().map(ToString::to_string).collect()
+    }
+
     /// Longest step in s of the fixed-step engine, chosen for all runs; `None` where each run has its own.
     #[getter]
     fn step(&self) -> Option<f64> {

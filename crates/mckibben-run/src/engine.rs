@@ -18,8 +18,8 @@ use mckibben::Error;
 use mckibben::command::Driver;
 use mckibben::engine::Statistics;
 use mckibben::plant::{
-    PlantStepError, PlantView, STEPS_WATCHED, TimeStepping, ViewRunEnd, ViewStep, ViewTrajectory, record_view,
-    stream_view,
+    PlantRun, PlantStepError, PlantView, STEPS_WATCHED, TimeStepping, ViewRunEnd, ViewStep, ViewTrajectory,
+    record_view, stream_view,
 };
 use mckibben::simulation::SampleTimes;
 use mckibben_scenario::{Engine, Run};
@@ -113,16 +113,17 @@ pub struct Kept<V: PlantView> {
     stepping: Stepping,
 }
 
-/// Runs a subject and keeps every step. `reached` is called with the time in s now and then, and may end the run.
+/// Runs a subject and keeps every step; with what is kept comes the run at its end. `reached` is called with the time in s now and
+/// then, and may end the run.
 ///
 /// # Errors
 /// [`Error::Stopped`] when the simulation cannot go on, and what the core finds out of range.
-pub(crate) fn run<S: Subject>(of: &S, reached: &mut Reached<'_>) -> Result<Kept<S::View>, Error> {
+pub(crate) fn run<S: Subject>(of: &S, reached: &mut Reached<'_>) -> Result<(Kept<S::View>, PlantRun), Error> {
     let (plan, view) = (*of.plan(), of.view()?);
     let stepping = Stepping::of(&plan, || of.stepping())?;
     let mut way = Way::begin(&plan).keeping(view.plant().bytes_per_step());
     let driver = of.driver(&view)?;
-    let trajectory = record_view(&view, of.start(), (plan.duration, stepping.how), driver, &mut |time| {
+    let (trajectory, end) = record_view(&view, of.start(), (plan.duration, stepping.how), driver, &mut |time| {
         way.kept(time);
         reached(time)
     })?;
@@ -131,7 +132,7 @@ pub(crate) fn run<S: Subject>(of: &S, reached: &mut Reached<'_>) -> Result<Kept<
         decisions.iter().for_each(|decision| of.add(&mut goals, decision));
         Closed { goals, samples: decisions.len(), requests: S::requests(trajectory.rig()) }
     });
-    Ok(Kept { plan, trajectory, control, stepping })
+    Ok((Kept { plan, trajectory, control, stepping }, end))
 }
 
 /// Takes each accepted step of a run; its error ends the run.
@@ -165,11 +166,6 @@ pub(crate) fn stream<S: Subject>(
 }
 
 impl<V: PlantView> Kept<V> {
-    /// How it went through time.
-    pub(crate) fn how(&self) -> TimeStepping {
-        self.stepping.how
-    }
-
     /// What was to be reached, and how far it was.
     pub(crate) fn goals(&self) -> &[Goal] {
         self.control.as_ref().map_or(&[], |closed| &closed.goals)

@@ -18,10 +18,10 @@ use crate::joint::{self, pair::Pair};
 use crate::observation::{Ended, Observation, Observes as _};
 use crate::plant::{self, PlantFigures, PlantOutcome};
 use crate::record::{self, Field, Filled, Format, Provenance, Target, filled};
-use crate::settle::{self, End, Settled};
+use crate::settle::{End, Settled};
 use crate::single_actuator::SingleActuator;
 use mckibben::plant::{
-    JointPlant, PlantLedgerKeeper, PlantReader, PlantSample, PlantView, RigPlant, ViewReader, ViewRunEnd,
+    JointPlant, PlantLedgerKeeper, PlantReader, PlantRun, PlantSample, PlantView, RigPlant, ViewReader, ViewRunEnd,
     ViewTrajectory,
 };
 use mckibben::simulation::{JointRig, Readable, Reading, Rig, SampleTimes};
@@ -167,19 +167,21 @@ impl Ready {
     }
 }
 
-/// Runs a subject and keeps every step. The core hands on no run that was recorded, so one that goes on is made again, by the steps
-/// that were chosen.
+/// Runs a subject and keeps every step up to `run.duration`; what it settles to is read where `end` says so.
 fn keep<S: Subject>(
     of: &S,
     end: End,
     reached: &mut Reached<'_>,
 ) -> Result<(Kept<S::View>, Option<Settled>), mckibben::Error> {
-    let kept = engine::run(of, reached)?;
-    let settled = match end {
-        End::Duration => None,
-        End::Orbit => Some(settle::of_subject(of, kept.how())?),
-    };
-    Ok((kept, settled))
+    let (kept, run) = engine::run(of, reached)?;
+    Ok((kept, go_on(of, end, run)?))
+}
+
+/// Goes on with a run of a subject from its end, where that is wanted.
+fn go_on<S: Subject>(of: &S, end: End, run: PlantRun) -> Result<Option<Settled>, mckibben::Error> {
+    let view = of.view()?;
+    let fields = S::fields(view.rig(), &Goals::default());
+    end.go_on((run, of.plan()), &fields, |sample| view.sample(sample))
 }
 
 /// What is made of a run, and how it ends.
@@ -220,8 +222,7 @@ fn stream<S: Subject>(
         steps: stepping.steps(counts),
     };
     let figures = ViewFigures { rig, observation: observer.finish(sample, ended), control };
-    let fields = S::fields(view.rig(), &Goals::default());
-    let settled = end.go_on(run, &fields, |sample| view.sample(sample)).map_err(shown)?;
+    let settled = go_on(of, end, run).map_err(shown)?;
     Ok((figures, settled))
 }
 

@@ -5,16 +5,14 @@
 //!
 //! Checked by the tests below, and by the program's `tests/settle.rs`.
 
-use crate::closed_loop::Goals;
-use crate::engine::Subject;
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::record::Field;
 use crate::run::Ready;
 use crate::table::{Cell, Kind};
 use crate::units::stem;
-use mckibben::plant::{Orbit, PlantRun, PlantSample, PlantView as _, TimeStepping};
-use mckibben_scenario::Document;
+use mckibben::plant::{Orbit, PlantRun, PlantSample};
+use mckibben_scenario::{Document, Run};
 
 /// Instants of a period at which it is read.
 const POINTS: u32 = 1000;
@@ -86,31 +84,23 @@ impl End {
     /// What the core finds.
     pub(crate) fn go_on<T>(
         self,
-        run: PlantRun,
+        (run, plan): (PlantRun, &Run),
         fields: &[Field<T>],
         sample: impl Fn(&PlantSample) -> T,
     ) -> Result<Option<Settled>, mckibben::Error> {
         match self {
             Self::Duration => Ok(None),
-            Self::Orbit => read(run, fields, sample).map(Some),
+            Self::Orbit => read((run, plan), fields, sample).map(Some),
         }
     }
 }
 
-/// Runs a subject again to its end, as a run that is kept went, and on to its orbit.
-pub(crate) fn of_subject<S: Subject>(of: &S, how: TimeStepping) -> Result<Settled, mckibben::Error> {
-    let view = of.view()?;
-    let drivers = of.driver(&view)?.into_iter().collect();
-    let mut run = PlantRun::with_drivers(view.plant(), &view.start(of.start()), how, drivers)?;
-    run.advance_to(of.plan().duration)?;
-    read(run, &S::fields(view.rig(), &Goals::default()), |sample| view.sample(sample))
-}
-
-/// Takes a run from its end to its orbit.
+/// Takes a run from its end to its orbit: by the event-located engine, also where it took fixed steps.
 ///
 /// # Errors
 /// What the core finds.
-pub(crate) fn to_orbit(run: &mut PlantRun) -> Result<Orbit, mckibben::Error> {
+pub(crate) fn to_orbit(run: &mut PlantRun, plan: &Run) -> Result<Orbit, mckibben::Error> {
+    run.set_stepping(plan.relative_tolerance)?;
     let progress = Progress::begin("settling", Some(MOST_PERIODS));
     let mut periods = 0;
     run.settle(LOOK, MOST_PERIODS, &mut |_| {
@@ -140,11 +130,11 @@ pub(crate) fn over_periods(
 
 /// Goes on from the end of a run to the orbit, and reads the columns over a period of it.
 fn read<T>(
-    mut run: PlantRun,
+    (mut run, plan): (PlantRun, &Run),
     fields: &[Field<T>],
     sample: impl Fn(&PlantSample) -> T,
 ) -> Result<Settled, mckibben::Error> {
-    let orbit = to_orbit(&mut run)?;
+    let orbit = to_orbit(&mut run, plan)?;
     if !orbit.settled {
         return Ok(Settled { orbit, rows: Vec::new() });
     }

@@ -11,7 +11,34 @@ use mckibben::control::{
     Sampling, Sensor, Sensors, SetPoint, StaticAim, Tracker,
 };
 use mckibben::plant::{PlantStepError, RigPlant, TimeStepping};
-use mckibben::{Actuator, Error, GaugePressure};
+use mckibben::{Actuator, Error, GaugePressure, parameter};
+
+/// The greatest gauge pressure that a controller may request.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GreatestRequest {
+    /// The key that says so.
+    pub key: &'static str,
+    /// The pressure in Pa.
+    pub gauge_pressure: f64,
+}
+
+impl Aim {
+    /// The greatest gauge pressure that it may request, where it requests any.
+    pub fn greatest_request(&self) -> Option<GreatestRequest> {
+        match self {
+            Self::Track { quantity: Quantity::Pressure, set_point } => {
+                Some(GreatestRequest { key: parameter::SET_GAUGE_PRESSURE.key, gauge_pressure: set_point.ends()[1] })
+            }
+            Self::Track { .. } => None,
+            Self::Model { highest_gauge_pressure, .. } | Self::Joint { highest_gauge_pressure, .. } => {
+                Some(GreatestRequest {
+                    key: parameter::HIGHEST_GAUGE_PRESSURE.key,
+                    gauge_pressure: *highest_gauge_pressure,
+                })
+            }
+        }
+    }
+}
 
 /// A scenario with a controller ready to run.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,6 +55,8 @@ pub struct ControlledExperiment {
     pub regulated: Quantity,
     /// The set points of the file.
     pub set_points: Vec<(Quantity, SetPoint)>,
+    /// The greatest gauge pressure that it may request, where it requests any.
+    pub greatest_request: Option<GreatestRequest>,
 }
 
 impl ControlledExperiment {
@@ -132,9 +161,9 @@ impl Document {
 fn controlled(scenario: &Scenario, of: &Controller) -> Result<ControlledExperiment, Error> {
     let ways = ways(scenario)?;
     let experiment = scenario.open_loop().experiment()?;
-    let ActuatorLoop { law, sampling, sensors, regulated, set_points } =
+    let ActuatorLoop { law, sampling, sensors, regulated, set_points, greatest_request } =
         loop_of(of, ways, experiment.rig.actuator(), experiment.run.duration)?;
-    Ok(ControlledExperiment { experiment, law, sampling, sensors, regulated, set_points })
+    Ok(ControlledExperiment { experiment, law, sampling, sensors, regulated, set_points, greatest_request })
 }
 
 /// A controller of one actuator, with when and what it measures.
@@ -144,6 +173,7 @@ pub(crate) struct ActuatorLoop {
     pub(crate) sensors: Sensors,
     pub(crate) regulated: Quantity,
     pub(crate) set_points: Vec<(Quantity, SetPoint)>,
+    pub(crate) greatest_request: Option<GreatestRequest>,
 }
 
 /// Builds the controller of an actuator for a run of `duration` s.
@@ -188,7 +218,8 @@ pub(crate) fn loop_of(
         }
         Aim::Joint { .. } => Vec::new(),
     };
-    Ok(ActuatorLoop { law, sampling, sensors, regulated, set_points })
+    let greatest_request = of.aim.greatest_request();
+    Ok(ActuatorLoop { law, sampling, sensors, regulated, set_points, greatest_request })
 }
 
 /// An aim of a joint where there is none; a file is refused before.

@@ -1,6 +1,6 @@
 //! From a controller of a joint in a file to the core's: the same numbers, in the core's types.
 
-use crate::controlled::{core_regulator, core_sampling, ways};
+use crate::controlled::{GreatestRequest, core_regulator, core_sampling, ways};
 use crate::diagnostic::Diagnostics;
 use crate::document::Document;
 use crate::model::JointExperiment;
@@ -29,6 +29,8 @@ pub struct ControlledJointExperiment {
     pub regulated: Quantity,
     /// The set points of the file.
     pub set_points: Vec<(Quantity, SetPoint)>,
+    /// The greatest gauge pressure that it may request, where it requests any.
+    pub greatest_request: Option<GreatestRequest>,
 }
 
 impl ControlledJointExperiment {
@@ -134,9 +136,9 @@ fn controlled(
             remedy: "remove valve.kind from [antagonist.valve]",
         });
     }
-    let JointLoop { law, sampling, sensors, regulated, set_points } =
+    let JointLoop { law, sampling, sensors, regulated, set_points, greatest_request } =
         joint_loop(of, own, || Ok(experiment.rig.clone()), experiment.run.duration)?;
-    Ok(ControlledJointExperiment { experiment, law, sampling, sensors, regulated, set_points })
+    Ok(ControlledJointExperiment { experiment, law, sampling, sensors, regulated, set_points, greatest_request })
 }
 
 /// A controller of two actuators about a joint, with when and what it measures.
@@ -146,6 +148,7 @@ pub(crate) struct JointLoop {
     pub(crate) sensors: JointSensors,
     pub(crate) regulated: Quantity,
     pub(crate) set_points: Vec<(Quantity, SetPoint)>,
+    pub(crate) greatest_request: Option<GreatestRequest>,
 }
 
 /// Builds the controller of a joint for a run of `duration` s; `model` is the joint that a law by the model needs.
@@ -196,5 +199,6 @@ pub(crate) fn joint_loop(
     };
     let sampling = core_sampling(of)?;
     sampling.check_counts(duration)?;
-    Ok(JointLoop { law, sampling, sensors, regulated, set_points })
+    let greatest_request = of.aim.greatest_request();
+    Ok(JointLoop { law, sampling, sensors, regulated, set_points, greatest_request })
 }

@@ -73,7 +73,7 @@ pub use choice::{
     FrictionStart, HoseKind, HysteresisLaw, InletKind, LoadKind, MechanismKind, Method, PressurePlace, ProcessKind,
     RecordKind, SetPointTable, Spacing, StatisticsOver, ValveKind, ValveOutput,
 };
-pub use controlled::{ControlLaw, ControlledExperiment};
+pub use controlled::{ControlLaw, ControlledExperiment, GreatestRequest};
 pub use controlled_joint::{ControlledJointExperiment, JointLaw};
 pub use diagnostic::{Diagnostic, Diagnostics, Style};
 pub use dimension::Dimension;
@@ -90,8 +90,8 @@ pub use plant::{
 pub use scenario::{
     Actuator, Aim, Air, Antagonist, Bladder, Command, Compressor, Controller, Effectiveness, FlowPath, Force, Friction,
     Hose, Hysteresis, Initial, InitialAngle, InitialLength, Joint, Limit, Load, MomentArm, Motion, PressureRegulator,
-    PressureSeries, Process, ProportionalRegulator, Regulator, Reservoir, Run, Scenario, SeriesTendon, Spool, Supply,
-    Taper, Tendon, TonduLopezCoefficients, Valve, Viscoelastic,
+    PressureSensor, PressureSeries, Process, ProportionalRegulator, Regulator, Reservoir, Run, Scenario, SeriesTendon,
+    Spool, Supply, Taper, Tendon, TonduLopezCoefficients, Valve, Viscoelastic,
 };
 pub use schema::schema;
 pub use starter::{Starter, default_of};

@@ -7,7 +7,8 @@ use crate::diagnostic::Diagnostics;
 use crate::document::Document;
 use crate::scenario::{
     self, Antagonist, Command, Effectiveness, FlowPath, Force, Friction, Hysteresis, InitialAngle, InitialLength,
-    Joint, Load, MomentArm, Motion, Process, ProportionalRegulator, Run, Scenario, Supply, Tendon, Valve, Viscoelastic,
+    Joint, Load, MomentArm, Motion, PressureSensor, Process, ProportionalRegulator, Run, Scenario, Supply, Tendon,
+    Valve, Viscoelastic,
 };
 use mckibben::command::Driver;
 use mckibben::force::{self, Characteristic, Effective, LengthLimits, Statics};
@@ -389,7 +390,9 @@ impl Scenario {
 
     /// The pressure over time, where it is given.
     pub(crate) fn core_pressure(&self) -> Result<Option<PressureSeries>, Error> {
-        self.pressure.as_ref().map(|pressure| PressureSeries::new(&pressure.time, &pressure.gauge_pressure)).transpose()
+        let Some(series) = &self.pressure else { return Ok(None) };
+        let PressureSensor { offset, scale, shift } = series.sensor;
+        PressureSeries::new(&series.time, &series.gauge_pressure)?.with_sensor(offset, scale, shift).map(Some)
     }
 
     /// The air line: hose, leak, reservoir and regulator, as far as there are such.

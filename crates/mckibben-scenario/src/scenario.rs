@@ -367,8 +367,36 @@ pub struct PressureSeries {
     pub at: PressurePlace,
     /// Times in s, strictly increasing, from zero on.
     pub time: Vec<f64>,
-    /// Gauge pressure in Pa at each.
+    /// Gauge pressure in Pa at each, as it was recorded.
     pub gauge_pressure: Vec<f64>,
+    /// What its sensor makes of the pressure.
+    pub sensor: PressureSensor,
+}
+
+/// What the sensor of a given pressure makes of it: r(t) = s P(t − δ) + o.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PressureSensor {
+    /// Reading o in Pa at zero gauge pressure.
+    pub offset: f64,
+    /// Reading over the gauge pressure s.
+    pub scale: f64,
+    /// By how much readings come late, δ in s.
+    pub shift: f64,
+}
+
+impl Default for PressureSensor {
+    /// Shows the pressure as it is.
+    fn default() -> Self {
+        Self { offset: 0.0, scale: 1.0, shift: 0.0 }
+    }
+}
+
+impl PressureSeries {
+    /// The gauge pressures in Pa at its rows.
+    pub fn values(&self) -> impl Iterator<Item = f64> + '_ {
+        let PressureSensor { offset, scale, .. } = self.sensor;
+        self.gauge_pressure.iter().map(move |shown| (shown - offset) / scale)
+    }
 }
 
 /// An elastic tendon between actuator and load.

@@ -273,6 +273,9 @@ fn drive(w: &mut Writer, scenario: &Scenario) {
         w.word(PRESSURE_AT, series.at.name());
         w.list(&p::COURSE_TIME, &series.time);
         w.list(&p::COURSE_GAUGE_PRESSURE, &series.gauge_pressure);
+        w.number(&p::COURSE_OFFSET, series.sensor.offset);
+        w.number(&p::COURSE_SCALE, series.sensor.scale);
+        w.number(&p::COURSE_SHIFT, series.sensor.shift);
     }
     series_tendon(w, scenario);
 }

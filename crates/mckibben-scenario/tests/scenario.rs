@@ -3,7 +3,7 @@
 
 use mckibben_scenario::{
     Command, CommandState, Document, Effectiveness, Engine, FlowPath, InitialLength, Load, Method, MomentArm, Motion,
-    PressurePlace, PressureSeries, Process, Scenario, Starter, ValveKind,
+    PressurePlace, PressureSensor, PressureSeries, Process, Scenario, Starter, ValveKind,
 };
 use proptest::prelude::*;
 
@@ -423,7 +423,12 @@ fn a_pressure_over_time_is_read_built_and_written() {
     let file = "[pressure]\ntime = [\"0 s\", \"100 ms\"]\ngauge_pressure = [\"1 bar\", \"3 bar\"]\n\
                 [load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n[run]\nduration = \"0.2 s\"\n";
     let read = Scenario::from_str(file, "test.toml").unwrap_or_else(|error| panic!("{error}"));
-    let series = PressureSeries { at: PressurePlace::Muscle, time: vec![0.0, 0.1], gauge_pressure: vec![1e5, 3e5] };
+    let series = PressureSeries {
+        at: PressurePlace::Muscle,
+        time: vec![0.0, 0.1],
+        gauge_pressure: vec![1e5, 3e5],
+        sensor: PressureSensor::default(),
+    };
     assert_eq!(read.pressure, Some(series));
     let experiment = read.experiment().expect("an experiment");
     assert!((experiment.start.pressure.0 - 201_325.0).abs() < 1e-6);

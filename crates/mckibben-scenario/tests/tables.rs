@@ -91,9 +91,12 @@ fn text_for(path: &str) -> &'static str {
              spool.natural_frequency = \"80 Hz\"\nspool.damping_ratio = 0.8\n\
              [command]\nkind = \"positions\"\ntime = [\"0 s\", \"1 s\"]\nposition = [0.2, -0.4]"
         }
-        "pressure.at" | "pressure.time" | "pressure.gauge_pressure" => {
-            "[pressure]\ntime = [\"0 s\", \"1 s\"]\ngauge_pressure = [\"1 bar\", \"2 bar\"]"
-        }
+        "pressure.at"
+        | "pressure.time"
+        | "pressure.gauge_pressure"
+        | "pressure.offset"
+        | "pressure.scale"
+        | "pressure.shift" => "[pressure]\ntime = [\"0 s\", \"1 s\"]\ngauge_pressure = [\"1 bar\", \"2 bar\"]",
         "command.time" | "command.state" => {
             "[supply]\ngauge_pressure = \"1 bar\"\n[valve]\npreset = \"matrix-eight-channel\"\n\
              [command]\nkind = \"table\"\ntime = [\"0 s\", \"1 s\"]\nstate = [\"fill\", \"exhaust\"]"

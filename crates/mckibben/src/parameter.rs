@@ -482,6 +482,15 @@ parameters! {
     COURSE_GAUGE_PRESSURE = "pressure.gauge_pressure", "P_g(t)", "Pa", Range::FINITE, None,
         "Gauge pressure in the actuator at each of those times, with straight lines between them.",
         "choice of the experiment", "give gauge pressures above minus the atmospheric pressure";
+    COURSE_OFFSET = "pressure.offset", "o", "Pa", Range::FINITE, Some(0.0),
+        "What the sensor that recorded the given pressure shows at zero gauge pressure: it is subtracted.",
+        "calibration of the sensor", "give a finite pressure, or leave it out";
+    COURSE_SCALE = "pressure.scale", "s", "", Range::POSITIVE, Some(1.0),
+        "Reading of that sensor over the gauge pressure: what is recorded is divided by it.",
+        "calibration of the sensor", "give a number above zero, or leave it out";
+    COURSE_SHIFT = "pressure.shift", "delta", "s", Range::FINITE, Some(0.0),
+        "By how much readings of that sensor come late; the pressure holds that much earlier than its rows say.",
+        "clocks of the rig", "give a finite time, or leave it out";
     TENDON_STIFFNESS = "tendon.stiffness", "k", "N/m", Range::POSITIVE, None,
         "Stiffness of an elastic tendon in series with the actuator.",
         "Hooke", "give a stiffness above zero, or leave [tendon] out";

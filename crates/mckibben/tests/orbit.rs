@@ -2,7 +2,8 @@
 
 use crate::common::{ATMOSPHERE, GRAVITY, Paper, assert_close, assert_within};
 use mckibben::Error;
-use mckibben::plant::{Orbit, Plant, PlantRun, RigPlant};
+use mckibben::plant::{Orbit, Plant, PlantRun, RigPlant, TimeStepping};
+use mckibben::simulation::Method;
 use mckibben::valve::{Command, Request};
 
 const TOLERANCE: f64 = 1e-9;
@@ -27,6 +28,29 @@ fn over_a_period(run: &mut PlantRun, period: f64, place: usize) -> [f64; 3] {
         seen = [seen[0] + value / f64::from(POINTS), seen[1].min(value), seen[2].max(value)];
     }
     seen
+}
+
+/// Steps behind the end of a run of fixed ones are those that are set, and none that are out of range.
+#[test]
+fn other_steps_go_on_where_a_run_is() {
+    let paper = Paper::pwm(25.0, 0.4).mass(2.0);
+    let view = RigPlant::new(&paper.rig());
+    let fixed = TimeStepping::Fixed { method: Method::Rk4, step: 1e-4 };
+    let mut run = PlantRun::new(view.plant(), &view.start(&paper.start()), fixed).expect("a run");
+    run.advance_to(0.3).expect("it goes on");
+    let (there, cost) = (run.state().to_vec(), run.statistics());
+    assert!(matches!(run.set_stepping(0.0), Err(Error::OutOfRange { .. })));
+    assert_eq!(run.stepping(), fixed);
+    run.set_stepping(TOLERANCE).expect("within its range");
+    assert_eq!((run.state(), run.statistics()), (&there[..], cost));
+    let mut other = run.clone();
+    other.set_stepping(TimeStepping::Fixed { method: Method::Rk4, step: 1e-5 }).expect("within its range");
+    for run in [&mut run, &mut other] {
+        run.advance_to(0.6).expect("it goes on");
+    }
+    for (located, stepped) in run.state().iter().zip(other.state()) {
+        assert_within(*stepped, *located, 1e-5 * located.abs().max(1e-2));
+    }
 }
 
 /// Nothing damps the swing of a muscle without friction in a period: no number of plain periods ends it, and guesses do. On the

@@ -102,16 +102,62 @@ fn the_air_follows_by_its_process() {
     }
 }
 
+/// A pressure as a sensor shows it that has a zero, a slope and a clock of its own.
+fn recorded([offset, scale, shift]: [f64; 3]) -> PressureSeries {
+    let shown = GAUGE.map(|gauge| scale * gauge + offset);
+    PressureSeries::new(&TIME.map(|time| time + shift), &shown)
+        .and_then(|series| series.with_sensor(offset, scale, shift))
+        .expect("a series")
+}
+
+/// What the sensor adds is taken off: the run is that of the pressure itself, by both engines, also where the first rows lie before
+/// the start.
+#[test]
+fn what_the_sensor_adds_is_taken_off() {
+    let paper = Paper::sealed().mass(6.0);
+    for sensor in [[2e4, 1.0, 0.0], [0.0, 1.1, 0.0], [0.0, 1.0, 0.013], [-1.5e4, 0.93, -0.01]] {
+        let (plain, shown) = (given(&paper), paper.rig().with_pressure(recorded(sensor)).expect("a rig"));
+        let [plain, shown] = [plain, shown].map(|rig| {
+            let start = rig.start(&paper.initial()).expect("a start");
+            let mut steps = RigSteps::new(&rig, start, Method::Rk4);
+            for step in 1..=3500 {
+                steps.advance_to(1e-4 * f64::from(step)).expect("it goes on");
+            }
+            (simulate(&rig, start, 0.35, 1e-11).expect("a run").at(0.35), steps.sample())
+        });
+        for (plain, shown) in [(plain.0, shown.0), (plain.1, shown.1)] {
+            assert_close(shown.length, plain.length, 1e-8);
+            assert_close(shown.pressure.0, plain.pressure.0, 1e-12);
+        }
+    }
+    // At t = 0 half of the way between two rows is gone.
+    let series = PressureSeries::new(&[0.0, 0.2], &[1e5, 3e5]).and_then(|series| series.with_sensor(0.0, 1.0, 0.1));
+    let rig = paper.rig().with_pressure(series.expect("a series")).expect("a rig");
+    let start = rig.start(&paper.initial()).expect("a start");
+    let run = simulate(&rig, start, 0.2, 1e-9).expect("a run");
+    for (time, gauge) in [(0.0, 2e5), (0.05, 2.5e5), (0.1, 3e5), (0.2, 3e5)] {
+        assert_close(run.at(time).pressure.0, gauge + ATMOSPHERE, 1e-12);
+    }
+    for (sensor, key) in
+        [([f64::NAN, 1.0, 0.0], "offset"), ([0.0, 0.0, 0.0], "scale"), ([0.0, 1.0, f64::INFINITY], "shift")]
+    {
+        let error = pressure_series().with_sensor(sensor[0], sensor[1], sensor[2]).expect_err("no sensor").to_string();
+        assert!(error.contains(&format!("pressure.{key}")), "{error}");
+    }
+}
+
 #[test]
 fn derivatives_are_those_of_differences() {
     let paper = Paper::sealed().mass(6.0);
-    let rig = given(&paper);
+    let rig = paper.rig().with_pressure(recorded([3e4, 1.1, 4e-3])).expect("a rig");
     let run = |rig: &Rig| {
         let start = rig.start(&paper.initial()).expect("a start");
         let sample = simulate(rig, start, 0.25, 1e-12).expect("a run").at(0.25);
         [sample.length, sample.velocity]
     };
-    for row in [&parameter::MASS, &parameter::VISCOUS, &parameter::TURNS, &parameter::COURSE_GAUGE_PRESSURE] {
+    let of_sensor = [&parameter::COURSE_OFFSET, &parameter::COURSE_SCALE, &parameter::COURSE_SHIFT];
+    let others = [&parameter::MASS, &parameter::VISCOUS, &parameter::TURNS, &parameter::COURSE_GAUGE_PRESSURE];
+    for row in others.into_iter().chain(of_sensor) {
         type One = crate::common::Seeded;
         let seeded = seeded(&rig, row);
         let start = seeded.begin(&paper.initial().map(|_, value| One::constant(value))).expect("a start");

@@ -116,6 +116,7 @@ fn measured_pressures_drive_some_actuators() {
         column("\"latissimus.tension\"", "latissimus.tension_n", "N"),
         pressure.clone(),
         "[[run]]\nfile = \"moves.csv\"\n[fit.\"mechanism.joints.shoulder.inertia\"]\n[fit.\"actuators.latissimus.turns\"]\n".to_owned(),
+        "[fit.\"columns.deltoid.absolute_pressure.offset\"]\nstart = \"2 kPa\"\n".to_owned(),
     ]
     .concat();
     let printed = printed(&identify(&folder, &folder.file("study.toml", &study)));
@@ -126,6 +127,8 @@ fn measured_pressures_drive_some_actuators() {
         // Straight lines through a pressure every 0.5 ms.
         assert!((value / truth - 1.0).abs() < 2e-3, "{name}: {value} is not {truth}\n{printed}");
     }
+    // The sensor that drives it has no offset.
+    assert!(cell(&values, "columns.deltoid.absolute_pressure.offset", "value").abs() < 300.0, "{values}");
     // Of the quantities that are fitted the pressure is none.
     assert!(!read(&folder, "out/comparison.csv").contains("pressure of deltoid"));
     let found = Document::load(folder.path("out/scenario.toml")).expect("a scenario");
@@ -135,7 +138,15 @@ fn measured_pressures_drive_some_actuators() {
     assert!(its.names.valves[1..].iter().all(Option::is_some));
     let run = folder.mckibben().args(["simulate", "out/scenario.toml"]).output().expect("the program runs");
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
-    let output = identify(&folder, &folder.file("study.toml", &study.replace(&pressure, "")));
+    let output = identify(
+        &folder,
+        &folder.file(
+            "study.toml",
+            &study
+                .replace(&pressure, "")
+                .replace("columns.deltoid.absolute_pressure.offset", "actuators.deltoid.turns"),
+        ),
+    );
     let error = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(output.status.code() == Some(2) && error.contains("columns.\"deltoid.gauge_pressure\""), "{error}");
 }

@@ -683,7 +683,13 @@ const GROUPS: &[Group] = &[
     (
         &[BODY, PRESSURE, LOADED, RUN],
         &[],
-        &[("pressure.time", "[\"0 s\", \"40 ms\"]"), ("pressure.gauge_pressure", "[\"2 bar\", \"3 bar\"]")],
+        &[
+            ("pressure.time", "[\"0 s\", \"40 ms\"]"),
+            ("pressure.gauge_pressure", "[\"2 bar\", \"3 bar\"]"),
+            ("pressure.offset", "0.1 bar"),
+            ("pressure.scale", "1.05"),
+            ("pressure.shift", "3 ms"),
+        ],
     ),
     (
         MUSCLE,

@@ -64,8 +64,7 @@ impl Pressures {
     /// start. A scenario without any has those of the paper's Fig. 3.
     pub fn of_scenario(scenario: &Scenario) -> Self {
         let supply = scenario.supply.as_ref().map(|supply| supply.gauge_pressure);
-        let given =
-            || Some(scenario.pressure.as_ref()?.gauge_pressure.iter().copied().fold(f64::NEG_INFINITY, f64::max));
+        let given = || Some(scenario.pressure.as_ref()?.values().fold(f64::NEG_INFINITY, f64::max));
         let greatest = supply.or_else(given).unwrap_or(scenario.initial.gauge_pressure);
         if !(greatest.is_finite() && greatest >= 1.0) {
             return Self::of_pascals(&OF_THE_PAPER.map(|psi| psi * PSI));

@@ -3,7 +3,7 @@
 use super::Material;
 use super::sensors::{self, OfSensor};
 use super::trajectories::held_at_its_end;
-use super::unknowns::{self, OfRun};
+use super::unknowns::{self, OfRun, Stands};
 use crate::failure::Failure;
 use mckibben::network::NodeKind;
 use mckibben_identify::least_squares::Unknown;
@@ -18,16 +18,27 @@ pub(super) fn runs(material: &Material, warnings: &mut Vec<String>) -> Result<(V
         let mut document = material.document_of(recording)?;
         let mut experiment = read(&document)?;
         if material.study.input == Input::GaugePressure {
-            give_pressures(&mut document, &experiment, recording, warnings)?;
+            give_pressures(&mut document, &experiment, (material, recording), warnings)?;
             experiment = read(&document)?;
         }
         plants.push((document, experiment));
     }
-    let (unknowns, numbers) = unknowns::of_runs(material, |run, entry| {
-        let found = plants[run].0.find_in_plant(&entry.path);
+    let (unknowns, numbers) = unknowns::of_runs(material, |run, entry, sensor| {
+        let (document, experiment) = &plants[run];
+        let path = match sensor {
+            None => entry.path.clone(),
+            Some(of) => match driven(material, of, experiment) {
+                None => return Ok(Stands::Sensor(of)),
+                Some(actuator) => {
+                    let section = format!("actuators.{actuator}.pressure");
+                    sensors::key_of_given(material, of, &section)?
+                }
+            },
+        };
+        let found = document.find_in_plant(&path);
         let place = found.map_err(|error| unknowns::misplaced(&error, Some(&material.recordings[run].name)))?;
         let (row, value) = (place.parameter(), place.value());
-        Ok((place, row, value))
+        Ok(Stands::Scenario((place, row, value)))
     })?;
     let mut runs = Vec::new();
     for ((recording, (document, experiment)), OfRun { places, unknowns, sensors }) in
@@ -38,6 +49,25 @@ pub(super) fn runs(material: &Material, warnings: &mut Vec<String>) -> Result<(V
         runs.push(Recorded { name: recording.name.clone(), subject, unknowns, courses });
     }
     Ok((runs, unknowns))
+}
+
+/// The name of the actuator that the column of a sensor drives, if it drives one.
+fn driven<'e>(material: &Material, of: OfSensor, experiment: &'e PlantExperiment) -> Option<&'e str> {
+    let column = &material.study.columns[of.column];
+    let Some(Observed::Column(found)) = Observed::of_part(experiment, column.part.as_deref()?, column.quantity) else {
+        return None;
+    };
+    let actuator = match found.quantity {
+        PlantQuantity::Pressure(actuator) => {
+            experiment.plant.actuators()[actuator].pressure.is_some().then_some(actuator)
+        }
+        PlantQuantity::NodePressure(node) | PlantQuantity::NodeGaugePressure(node) => {
+            let is_given = matches!(experiment.plant.network().nodes[node].kind, NodeKind::Given { .. });
+            experiment.names.hoses.iter().position(|hose| *hose == Some(node)).filter(|_| is_given)
+        }
+        _ => None,
+    };
+    actuator.map(|actuator| experiment.names.actuators[actuator].as_str())
 }
 
 /// The plant of a file.
@@ -132,7 +162,7 @@ fn over_time(recording: &Recording, sheet: &Sheet, column: &Column) -> Result<(V
 fn give_pressures(
     document: &mut Document,
     of: &PlantExperiment,
-    recording: &Recording,
+    (material, recording): (&Material, &Recording),
     warnings: &mut Vec<String>,
 ) -> Result<(), Failure> {
     let atmosphere = of.plant.network().atmosphere;
@@ -145,7 +175,8 @@ fn give_pressures(
                     values.iter_mut().for_each(|pressure| *pressure -= atmosphere);
                 }
                 if !given.iter().any(|(other, _)| *other == actuator) {
-                    given.push((actuator, PressureSeries { at: PressurePlace::Muscle, time, gauge_pressure: values }));
+                    let its = (column.quantity, column.part.as_deref());
+                    given.push((actuator, sensors::recorded(material, its, PressurePlace::Muscle, [time, values])?));
                 }
             }
             // At the end of its hose it counts for more than in the muscle, which it drives through the hose.
@@ -156,7 +187,8 @@ fn give_pressures(
                     values.iter_mut().for_each(|pressure| *pressure -= atmosphere);
                 }
                 given.retain(|(other, _)| *other != actuator);
-                given.push((actuator, PressureSeries { at: PressurePlace::Hose, time, gauge_pressure: values }));
+                let its = (column.quantity, column.part.as_deref());
+                given.push((actuator, sensors::recorded(material, its, PressurePlace::Hose, [time, values])?));
             }
             _ => until = until.max(time.last().copied().unwrap_or(0.0)),
         }

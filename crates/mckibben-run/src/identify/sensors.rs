@@ -4,8 +4,9 @@ use super::Material;
 use super::unknowns::read;
 use crate::failure::Failure;
 use mckibben_identify::least_squares::Unknown;
-use mckibben_identify::study::{Column, ColumnEntry, FitEntry, Quantity};
+use mckibben_identify::study::{Column, ColumnEntry, FitEntry, Input, Quantity, SensorEntry};
 use mckibben_identify::trajectories::{AMOUNTS, Amount, Sensor};
+use mckibben_scenario::{PressurePlace, PressureSensor, PressureSeries};
 
 /// How the path of a number of a sensor begins in [fit].
 const COLUMNS: &str = "columns.";
@@ -97,6 +98,74 @@ fn range(material: &Material, is_of: impl Fn(&Column) -> bool) -> [f64; 2] {
 fn known(column: &ColumnEntry, amount: usize) -> f64 {
     let sensor = &column.sensor;
     [0.0, sensor.drift, 1.0, sensor.shift, sensor.lag][amount]
+}
+
+/// The section of a scenario that a column gives the pressure of, where it drives the run of one actuator or a joint.
+pub(super) fn of_driving(material: &Material, of: OfSensor) -> Option<&'static str> {
+    let columns = &material.study.columns;
+    let in_hose = |entry: &ColumnEntry| matches!(entry.quantity, Quantity::HosePressure | Quantity::HoseGaugePressure);
+    let column = &columns[of.column];
+    if material.study.input != Input::GaugePressure || column.part.is_some() {
+        return None;
+    }
+    match column.quantity {
+        // Where it was measured in the hose too, that drives the run.
+        Quantity::GaugePressure | Quantity::AbsolutePressure => (!columns.iter().any(in_hose)).then_some("pressure"),
+        Quantity::HosePressure | Quantity::HoseGaugePressure => Some("pressure"),
+        Quantity::AntagonistGaugePressure | Quantity::AntagonistAbsolutePressure => Some("antagonist.pressure"),
+        _ => None,
+    }
+}
+
+/// The key in the section of a given pressure that a number of the sensor is which recorded it.
+pub(super) fn key_of_given(material: &Material, of: OfSensor, section: &str) -> Result<String, Failure> {
+    let (column, amount) = (&material.study.columns[of.column], AMOUNTS[of.amount]);
+    let title = |why: &str| format!("`{COLUMNS}{}.{amount}` in [fit]: {why}", key(column));
+    match amount {
+        "offset" | "shift" => Ok(format!("{section}.{amount}")),
+        "scale" if !is_absolute(column.quantity) => Ok(format!("{section}.{amount}")),
+        "scale" => Err(Failure::input(
+            title("an absolute pressure that drives the run has an offset and a shift to estimate, and no scale"),
+            "estimate its offset, or give gauge pressures",
+        )),
+        _ => Err(Failure::input(
+            title("a pressure that drives the run has an offset, a scale and a shift to estimate"),
+            "say what is known of its drift in the column, and filter readings that lag before",
+        )),
+    }
+}
+
+fn is_absolute(quantity: Quantity) -> bool {
+    matches!(quantity, Quantity::AbsolutePressure | Quantity::AntagonistAbsolutePressure | Quantity::HosePressure)
+}
+
+/// A pressure that drives a run, as its column recorded it: times in s and gauge pressures in Pa.
+///
+/// # Errors
+/// [`Failure::input`] for a sensor that lags or holds.
+pub(super) fn recorded(
+    material: &Material,
+    (quantity, part): (Quantity, Option<&str>),
+    at: PressurePlace,
+    [time, mut gauge_pressure]: [Vec<f64>; 2],
+) -> Result<PressureSeries, Failure> {
+    let is_it = |entry: &&ColumnEntry| entry.quantity == quantity && entry.part.as_deref() == part;
+    let mut sensor = PressureSensor::default();
+    if let Some(column) = material.study.columns.iter().find(is_it) {
+        let SensorEntry { drift, shift, lag, hold } = column.sensor;
+        if lag > 0.0 || hold.is_some() {
+            let title = format!("`{COLUMNS}{}` drives the run, and its sensor lags or holds", key(column));
+            return Err(Failure::input(
+                title,
+                "leave out `lag` and `hold`, and state a `shift` of half the hold and all of the lag",
+            ));
+        }
+        sensor.shift = shift;
+        for (reading, time) in gauge_pressure.iter_mut().zip(&time) {
+            *reading -= drift * time;
+        }
+    }
+    Ok(PressureSeries { at, time, gauge_pressure, sensor })
 }
 
 /// The sensor of a column whose zero of the quantity is at `base` on the sensor, with the numbers that are looked for.

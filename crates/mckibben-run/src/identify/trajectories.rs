@@ -3,7 +3,7 @@
 use super::outcome::{self, Outcome, Stems, WARNED};
 use super::prediction::Prediction;
 use super::sensors::{self, OfSensor};
-use super::unknowns::{self, OfRun};
+use super::unknowns::{self, OfRun, Stands};
 use super::{Material, minima, plant, pressure_of, responses, values};
 use crate::failure::Failure;
 use crate::progress::Progress;
@@ -18,7 +18,7 @@ use mckibben_identify::trajectories::{
     Unexplained,
 };
 use mckibben_plot::{Axis, Colour, Figure, Legend, Panel, Series};
-use mckibben_scenario::{Load, PressurePlace, PressureSeries, Scenario};
+use mckibben_scenario::{Load, Place, PressurePlace, PressureSeries, Scenario};
 
 /// More starts than the first, unless the study says how many: so many are evaluated once, and the search goes from so many of
 /// them, those of least cost.
@@ -104,7 +104,7 @@ fn runs(material: &Material, warnings: &mut Vec<String>) -> Result<(Vec<Recorded
         let document = material.document_of(recording)?;
         let mut scenario = document.scenario()?;
         if material.study.input == Input::GaugePressure {
-            give_pressure(&mut scenario, recording, warnings)?;
+            give_pressure(&mut scenario, (material, recording), warnings)?;
         }
         if let Some((_, column)) = recording.of_parts().next() {
             let title =
@@ -114,8 +114,17 @@ fn runs(material: &Material, warnings: &mut Vec<String>) -> Result<(Vec<Recorded
         scenarios.push((recording.name.clone(), scenario));
         documents.push(document);
     }
-    let (unknowns, numbers) = unknowns::of_runs(material, |run, entry| {
-        unknowns::in_run(material, entry, (&documents[run], &mut scenarios[run]))
+    let (unknowns, numbers) = unknowns::of_runs(material, |run, entry, sensor| {
+        let (name, scenario) = &mut scenarios[run];
+        match (sensor, sensor.and_then(|of| sensors::of_driving(material, of))) {
+            (None, _) => unknowns::in_run(material, entry, (&documents[run], name, scenario)).map(Stands::Scenario),
+            (Some(of), None) => Ok(Stands::Sensor(of)),
+            (Some(of), Some(section)) => {
+                let path = sensors::key_of_given(material, of, section)?;
+                let place = Place::find(&path, scenario).map_err(|error| unknowns::misplaced(&error, Some(name)))?;
+                Ok(Stands::Scenario((place, place.parameter(), place.value(scenario).unwrap_or(0.0))))
+            }
+        }
     })?;
     let mut runs = Vec::new();
     for (((name, scenario), OfRun { places, unknowns, sensors }), (recording, document)) in
@@ -140,7 +149,11 @@ fn runs(material: &Material, warnings: &mut Vec<String>) -> Result<(Vec<Recorded
 
 /// Drives a run by the pressure that was measured, of a joint by both, in place of what the scenario says: by that at the end of
 /// the hose where it was measured there, so that the hose takes part.
-fn give_pressure(scenario: &mut Scenario, recording: &Recording, warnings: &mut Vec<String>) -> Result<(), Failure> {
+fn give_pressure(
+    scenario: &mut Scenario,
+    (material, recording): (&Material, &Recording),
+    warnings: &mut Vec<String>,
+) -> Result<(), Failure> {
     let had_valve = scenario.valve.is_some() || scenario.of_antagonist().is_some_and(|of| of.valve.is_some());
     let in_muscle = [Quantity::GaugePressure, Quantity::AbsolutePressure];
     let in_hose = [Quantity::HoseGaugePressure, Quantity::HosePressure];
@@ -151,10 +164,11 @@ fn give_pressure(scenario: &mut Scenario, recording: &Recording, warnings: &mut 
         return Err(Failure::input(title, help));
     }
     let at = if at_hose { PressurePlace::Hose } else { PressurePlace::Muscle };
-    let its = measured_series(recording, if at_hose { in_hose } else { in_muscle }, (scenario, at), warnings)?;
+    let of = (material, recording);
+    let its = measured_series(of, if at_hose { in_hose } else { in_muscle }, (scenario, at), warnings)?;
     let of_other = [Quantity::AntagonistGaugePressure, Quantity::AntagonistAbsolutePressure];
     let others = match scenario.has_joint() {
-        true => Some(measured_series(recording, of_other, (scenario, at), warnings)?),
+        true => Some(measured_series(of, of_other, (scenario, at), warnings)?),
         false => None,
     };
     let words = match at {
@@ -172,8 +186,8 @@ fn give_pressure(scenario: &mut Scenario, recording: &Recording, warnings: &mut 
     if at_hose {
         // What was read in the muscle first, else what was read in the hose: then no air flows at the start.
         let first = in_muscle.iter().any(|quantity| recording.column(*quantity).is_some());
-        let first = if first { measured_series(recording, in_muscle, (scenario, at), warnings)? } else { its.clone() };
-        scenario.initial.gauge_pressure = first.gauge_pressure.first().copied().unwrap_or_default();
+        let first = if first { measured_series(of, in_muscle, (scenario, at), warnings)? } else { its.clone() };
+        scenario.initial.gauge_pressure = first.values().next().unwrap_or_default();
     } else {
         scenario.hose = None;
     }
@@ -189,7 +203,7 @@ fn give_pressure(scenario: &mut Scenario, recording: &Recording, warnings: &mut 
 
 /// A pressure that was measured, gauge or absolute, over time.
 fn measured_series(
-    recording: &Recording,
+    (material, recording): (&Material, &Recording),
     of: [Quantity; 2],
     (scenario, at): (&Scenario, PressurePlace),
     warnings: &mut Vec<String>,
@@ -201,7 +215,7 @@ fn measured_series(
     let last = |(times, _): (Vec<f64>, Vec<f64>)| times.last().copied();
     let others = FOLLOWING.into_iter().filter_map(|of| last(recording.channel(of)?));
     held_at_its_end(recording, "the pressure", (&time, others.fold(0.0, f64::max)), warnings);
-    Ok(PressureSeries { at, time, gauge_pressure })
+    sensors::recorded(material, (measured, None), at, [time, gauge_pressure])
 }
 
 /// That a measured pressure ends before what follows it, which goes on until a time in s.

@@ -30,11 +30,20 @@ pub(super) struct OfRun<P> {
 /// A number in a scenario: its place, its row in the table of parameters, and the value that it has there.
 pub(super) type InScenario<P> = (P, &'static Parameter, f64);
 
-/// All of them in the scenarios of runs; `find` finds that of an entry in the scenario of a run by its index. A number that is
-/// each run's or each session's own is an unknown for each, named behind its path; a common one starts at the first run's value.
+/// Where a number of [fit] stands.
+pub(super) enum Stands<P> {
+    /// In the scenario.
+    Scenario(InScenario<P>),
+    /// In the sensor of a time series that is compared.
+    Sensor(OfSensor),
+}
+
+/// All of them in the scenarios of runs; `find` finds that of an entry, which may name a number of a sensor, in a run by its index. A
+/// number that is each run's or each session's own is an unknown for each, named behind its path; a common one starts at the first
+/// run's value.
 pub(super) fn of_runs<P>(
     material: &Material,
-    mut find: impl FnMut(usize, &FitEntry) -> Result<InScenario<P>, Failure>,
+    mut find: impl FnMut(usize, &FitEntry, Option<OfSensor>) -> Result<Stands<P>, Failure>,
 ) -> Result<(Vec<Unknown>, Vec<OfRun<P>>), Failure> {
     let mut unknowns: Vec<Unknown> = Vec::new();
     let nothing = || OfRun { places: Vec::new(), unknowns: Vec::new(), sensors: Vec::new() };
@@ -51,26 +60,22 @@ pub(super) fn of_runs<P>(
                 unknowns.push(Unknown { name, ..own });
                 unknowns.len() - 1
             };
-            let unknown = match of_sensor {
-                Some(of_sensor) => {
-                    let unknown = match known {
-                        Some(unknown) => unknown,
-                        None => begin(sensors::unknown(material, entry, of_sensor)?, &mut unknowns),
-                    };
-                    of.sensors.push((of_sensor, unknown));
-                    unknown
-                }
-                None => {
-                    let (place, row, value) = find(run, entry)?;
-                    let unknown = match known {
-                        Some(unknown) => unknown,
-                        None => begin(self::unknown(&material.study, entry, row, value)?, &mut unknowns),
-                    };
-                    of.unknowns.push(unknown);
-                    of.places.push(place);
-                    unknown
+            let stands = find(run, entry, of_sensor)?;
+            let unknown = match (known, of_sensor, &stands) {
+                (Some(unknown), ..) => unknown,
+                (_, Some(its), _) => begin(sensors::unknown(material, entry, its)?, &mut unknowns),
+                (_, None, Stands::Sensor(its)) => begin(sensors::unknown(material, entry, *its)?, &mut unknowns),
+                (_, None, Stands::Scenario((_, row, value))) => {
+                    begin(self::unknown(&material.study, entry, row, *value)?, &mut unknowns)
                 }
             };
+            match stands {
+                Stands::Sensor(its) => of.sensors.push((its, unknown)),
+                Stands::Scenario((place, ..)) => {
+                    of.unknowns.push(unknown);
+                    of.places.push(place);
+                }
+            }
             if known.is_none() {
                 owners.push((owner, unknown));
             }
@@ -98,7 +103,7 @@ fn owner<'m>(material: &'m Material, entry: &FitEntry, run: usize) -> Result<&'m
 pub(super) fn in_run(
     material: &Material,
     entry: &FitEntry,
-    (document, (name, scenario)): (&Document, &mut (String, Scenario)),
+    (document, name, scenario): (&Document, &str, &mut Scenario),
 ) -> Result<InScenario<Place>, Failure> {
     let place = place(material, entry, (document, scenario), Some(name))?;
     Ok((place, place.parameter(), place.value(scenario).unwrap_or(0.0)))

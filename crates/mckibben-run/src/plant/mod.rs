@@ -119,7 +119,7 @@ pub fn run(
 /// # Errors
 /// What the core finds.
 pub(crate) fn settle(of: &PlantExperiment, end: End, run: PlantRun) -> Result<Option<Settled>, Error> {
-    end.go_on(run, &columns::fields(of, &Goals::default(), &[]), PlantSample::clone)
+    end.go_on((run, &of.run), &columns::fields(of, &Goals::default(), &[]), PlantSample::clone)
 }
 
 /// Runs a plant and hands each accepted step to `consumer`; of the run nothing is kept but what the controllers did, which

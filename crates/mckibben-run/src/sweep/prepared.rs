@@ -150,8 +150,8 @@ fn engine_by_default(document: &Document) -> Result<Engine, Failure> {
     let mut stepped = document.clone();
     stepped.set_text("run.engine", &format!("\"{}\"", Engine::FixedStep.name()))?;
     // A sweep with mistakes is read again, and reports them.
-    // A controller may magnify the error of a step: the step is chosen for that error where it is recorded. An orbit returns to
-    // within the tolerance of located steps, and not to that within fixed ones of any length.
+    // A controller may magnify the error of a step: the step is chosen for that error where it is recorded. Orbits are located
+    // individually by steps of the event-located engine, so that no common step has to be chosen for them.
     let is_located = |of: Sweep| of.over() == StatisticsOver::Orbit || (of.has_controllers() && !of.gives_step());
     let is_located = stepped.sweep().is_ok_and(|sweep| sweep.is_some_and(is_located));
     Ok(if is_located { Engine::EventLocated } else { Engine::FixedStep })

@@ -103,16 +103,16 @@ impl<'r> Row<'r> {
             Ok::<_, Error>(())
         })?;
         if over == StatisticsOver::Orbit {
-            over_orbit(run.clone(), recorder.as_mut())?;
+            over_orbit((run.clone(), plan), recorder.as_mut())?;
         }
         Ok(self.recorder.finish(Some(&self.run)))
     }
 }
 
 /// Takes a run on from its end to its orbit, and over two periods of it.
-fn over_orbit(mut run: PlantRun, recorder: &mut dyn Recorder) -> Result<(), Error> {
+fn over_orbit((mut run, plan): (PlantRun, &Run), recorder: &mut dyn Recorder) -> Result<(), Error> {
     const PERIODS: u32 = 2;
-    let orbit = settle::to_orbit(&mut run)?;
+    let orbit = settle::to_orbit(&mut run, plan)?;
     let end = run.time() + f64::from(PERIODS) * orbit.period;
     recorder.turn_to_orbit(orbit.settled.then(|| Windows::last(orbit.period, end)));
     if orbit.settled {

@@ -2,11 +2,15 @@
 
 use super::{PRESSURE, Parts, STRETCH, Warning, behind, fed, reached, valve};
 use crate::quantities::{given, quantity};
-use mckibben::control::{Quantity, SetPoint};
 use mckibben::network::{BranchKind, Network, NodeKind};
+use mckibben::parameter;
 use mckibben::plant::{Plant, PlantStart};
 use mckibben::valve::Port;
+use mckibben_scenario::GreatestRequest;
 
+/// The key of the pressure that feeds a valve, and of that up to which a compressor fills a tank.
+const SUPPLY: &str = parameter::SUPPLY_GAUGE_PRESSURE.key;
+const CUT_OUT: &str = parameter::CUT_OUT.key;
 /// A share of a length that is rounding of its unit.
 const ROUNDING: f64 = 1e-9;
 
@@ -67,17 +71,17 @@ fn of_network(of: &Parts<'_>) -> Vec<Warning> {
     }
     for index in 0..network.valves.len() {
         let name = of.valves.get(index).map_or("", String::as_str);
-        let Some(feed) = feed(network, index) else { continue };
+        let Some((key, feed)) = feed(network, index) else { continue };
         if feed > PRESSURE && fed(network, index).is_some() {
-            let text = format!("supply.gauge_pressure = {} is", given(feed, "Pa"));
-            found.push(reached::beyond_pressure(name, &text, "supply.gauge_pressure"));
+            let text = format!("{key} = {} is", given(feed, "Pa"));
+            found.push(reached::beyond_pressure(name, &text, key));
         }
     }
     found
 }
 
-/// The gauge pressure in Pa of what feeds a valve, where it does not change.
-fn feed(network: &Network, valve: usize) -> Option<f64> {
+/// The gauge pressure in Pa of what feeds a valve, of a tank the highest, with the key that sets it.
+fn feed(network: &Network, valve: usize) -> Option<(&'static str, f64)> {
     let is_fed = |kind: &BranchKind| match kind {
         BranchKind::Path { valve: its, port, .. } => *its == valve && *port == Port::Supply,
         _ => false,
@@ -85,8 +89,13 @@ fn feed(network: &Network, valve: usize) -> Option<f64> {
     let from = network.branches.iter().find(|branch| is_fed(&branch.kind))?.from;
     let node = &network.nodes[from];
     match node.kind {
-        NodeKind::Source => Some(node.gauge),
-        NodeKind::Port { feed, .. } => Some(feed),
+        NodeKind::Source => Some((SUPPLY, node.gauge)),
+        NodeKind::Port { feed, .. } => Some((SUPPLY, feed)),
+        NodeKind::Reservoir(tank) => {
+            let start = (SUPPLY, tank.start().0 - network.atmosphere);
+            let filled = tank.switch_pressures().map(|[_, cut_out]| (CUT_OUT, cut_out - network.atmosphere));
+            Some(filled.filter(|filled| filled.1 > start.1).unwrap_or(start))
+        }
         _ => None,
     }
 }
@@ -95,29 +104,22 @@ fn feed(network: &Network, valve: usize) -> Option<f64> {
 pub(crate) fn feed_of(plant: &Plant, actuator: usize, gauge: f64) -> Option<String> {
     let network = plant.network();
     let valve = (0..network.valves.len()).find(|valve| fed(network, *valve) == Some(actuator))?;
-    let feed = feed(network, valve)?;
-    (gauge > feed * (1.0 + ROUNDING)).then(|| {
-        format!(
-            "exceeds supply.gauge_pressure = {}, which cannot make it; raise supply.gauge_pressure or ask for less",
-            given(feed, "Pa")
-        )
+    let (key, feed) = feed(network, valve)?;
+    (gauge > feed * (1.0 + ROUNDING))
+        .then(|| format!("exceeds {key} = {}, which cannot make it; raise {key} or request less", given(feed, "Pa")))
+}
+
+/// What a controller may request of a valve, against what feeds that.
+pub(super) fn of_request(of: &Parts<'_>, request: GreatestRequest, valve: usize) -> Option<Warning> {
+    let (supply, feed) = feed(of.plant.network(), valve)?;
+    let GreatestRequest { key, gauge_pressure } = request;
+    let name = of.valves.get(valve).map_or("", String::as_str);
+    (gauge_pressure > feed * (1.0 + ROUNDING)).then(|| {
+        let text = format!(
+            "the requested pressure {key} = {} exceeds {supply} = {} and is never reached; lower {key} or raise {supply}",
+            given(gauge_pressure, "Pa"),
+            given(feed, "Pa"),
+        );
+        Warning::new("supply-exceeded", name, text)
     })
-}
-
-/// The set points of a controller, against the supply of the only valve.
-pub(super) fn of_set_points(of: &Parts<'_>, set_points: &[(Quantity, SetPoint)]) -> Option<Warning> {
-    let feed = feed(of.plant.network(), 0)?;
-    let pressures = set_points.iter().filter(|(quantity, _)| *quantity == Quantity::Pressure);
-    let highest = pressures.map(|(_, set_point)| set_point.ends()[1]).reduce(f64::max)?;
-    (highest > feed * (1.0 + ROUNDING)).then(|| exceeded("", "command.set_point", highest, feed))
-}
-
-fn exceeded(name: &str, key: &str, requested: f64, feed: f64) -> Warning {
-    let text = format!(
-        "the requested pressure {key} = {} exceeds supply.gauge_pressure = {} and is never reached; lower {key} or raise \
-         supply.gauge_pressure",
-        given(requested, "Pa"),
-        given(feed, "Pa"),
-    );
-    Warning::new("supply-exceeded", name, text)
 }

@@ -4,9 +4,9 @@
 //!
 //! | code | when | known |
 //! |---|---|---|
-//! | `valve-never-opens` | under PWM, a path that the command requests stays shut: the pulse is shorter than the delay | before |
-//! | `valve-never-closes` | under PWM, a path stays open: the pause is shorter than the delay | before |
-//! | `supply-exceeded` | the pressure that a controller aims for is above that of the supply; of linear models, that of the point | before |
+//! | `valve-never-opens` | a path that the command requests stays shut: its pulses are shorter than the delay | before |
+//! | `valve-never-closes` | a path stays open: the pauses of the command are shorter than the delay | before |
+//! | `supply-exceeded` | a controller may request a pressure above that of the supply; of linear models, that of the point | before |
 //! | `starts-slack` | an actuator starts shorter than `actuator.min_length` | before |
 //! | `overstretched` | an actuator is longer than its taut length by more than [`STRETCH`] | both |
 //! | `pressure` | a gauge pressure is above [`PRESSURE`] | both |
@@ -38,6 +38,7 @@ use crate::plant;
 use crate::run::{Figures, Ready};
 use mckibben::network::{Network, NodeKind};
 use mckibben::plant::{JointPlant, Part, Plant, PlantStart, RigPlant};
+use mckibben_scenario::{GreatestRequest, PlantControl};
 use std::fmt;
 
 /// Gauge pressure in Pa above which a scenario is doubted: chosen.
@@ -91,13 +92,16 @@ impl Ready {
     /// The warnings that are known before anything is simulated.
     pub fn warnings(&self) -> Vec<Warning> {
         match self {
-            Self::Actuator(of) => of_rig(&of.rig, |of_rig| of_rig.start(&of.start), &[]),
+            Self::Actuator(of) => of_rig(&of.rig, |of_rig| of_rig.start(&of.start), None),
             Self::Controlled(of) => {
                 let (rig, start) = (&of.experiment.rig, of.experiment.start);
-                of_rig(rig, |of_rig| of_rig.start(&start), &of.set_points)
+                of_rig(rig, |of_rig| of_rig.start(&start), of.greatest_request)
             }
-            Self::Joint(of) => of_joint(&of.rig, |view| view.start(&of.start)),
-            Self::ControlledJoint(of) => of_joint(&of.experiment.rig, |view| view.start(&of.experiment.start)),
+            Self::Joint(of) => of_joint(&of.rig, |view| view.start(&of.start), None),
+            Self::ControlledJoint(of) => {
+                let (rig, start) = (&of.experiment.rig, of.experiment.start);
+                of_joint(rig, |view| view.start(&start), of.greatest_request)
+            }
             Self::Plant(of) => {
                 let parts = Parts {
                     plant: &of.plant,
@@ -106,7 +110,9 @@ impl Ready {
                         .map(|valve| plant::name_of(of, Part::Valve(valve)).to_owned())
                         .collect(),
                 };
-                before::warnings(&parts, &of.start)
+                let requests = of.controls.iter().filter_map(PlantControl::greatest_request);
+                let requests = requests.flat_map(|(request, valves)| valves.iter().map(move |valve| (request, *valve)));
+                parts.warnings(&of.start, requests)
             }
         }
     }
@@ -115,19 +121,22 @@ impl Ready {
 fn of_rig(
     rig: &mckibben::simulation::Rig,
     start: impl FnOnce(&RigPlant) -> PlantStart,
-    set_points: &[(mckibben::control::Quantity, mckibben::control::SetPoint)],
+    request: Option<GreatestRequest>,
 ) -> Vec<Warning> {
     let view = RigPlant::new(rig);
     let parts = Parts::named(view.plant(), &[""]);
-    let mut found = before::warnings(&parts, &start(&view));
-    found.extend(before::of_set_points(&parts, set_points));
-    found
+    parts.warnings(&start(&view), request.map(|request| (request, 0)))
 }
 
-fn of_joint(rig: &mckibben::simulation::JointRig, start: impl FnOnce(&JointPlant) -> PlantStart) -> Vec<Warning> {
+fn of_joint(
+    rig: &mckibben::simulation::JointRig,
+    start: impl FnOnce(&JointPlant) -> PlantStart,
+    request: Option<GreatestRequest>,
+) -> Vec<Warning> {
     // A joint that was read has been checked; what cannot be built fails in the run, which says why.
     let Ok(view) = JointPlant::new(rig) else { return Vec::new() };
-    before::warnings(&Parts::named(view.plant(), &NAMES), &start(&view))
+    let requests = (0..view.plant().network().valves.len()).filter_map(|valve| Some((request?, valve)));
+    Parts::named(view.plant(), &NAMES).warnings(&start(&view), requests)
 }
 
 impl Figures {
@@ -158,6 +167,17 @@ struct Parts<'p> {
 }
 
 impl<'p> Parts<'p> {
+    /// The warnings before a run from a start, under controllers that may request pressures of valves.
+    fn warnings(
+        &self,
+        start: &PlantStart,
+        requests: impl IntoIterator<Item = (GreatestRequest, usize)>,
+    ) -> Vec<Warning> {
+        let mut found = before::warnings(self, start);
+        found.extend(requests.into_iter().filter_map(|(request, valve)| before::of_request(self, request, valve)));
+        found
+    }
+
     /// Of a plant whose valves have the names of the actuators that they feed.
     fn named(plant: &'p Plant, names: &[&str]) -> Self {
         let actuators: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
@@ -232,6 +252,24 @@ mod tests {
         assert_eq!(of("0.9001"), ["valve-never-closes"]);
     }
 
+    /// Of a table the longest pulse counts, two states that are alike as one, and the longest pause behind a pulse.
+    #[test]
+    fn a_table_of_pulses_that_are_too_short_is_warned_of() {
+        let of = |times: &str, states: &str| {
+            let table = format!("{{ kind = \"table\", time = [{times}], state = [{states}] }}");
+            codes(&[("command", &table)])[0].clone()
+        };
+        let pulses = "\"fill\", \"exhaust\", \"fill\", \"exhaust\"";
+        assert_eq!(of("\"10 ms\", \"12 ms\", \"50 ms\", \"53 ms\"", pulses), ["valve-never-opens"]);
+        assert!(of("\"10 ms\", \"12 ms\", \"50 ms\", \"55 ms\"", pulses).is_empty());
+        let joined = "\"fill\", \"fill\", \"exhaust\"";
+        assert!(of("\"10 ms\", \"12 ms\", \"15 ms\"", joined).is_empty());
+        let again = "\"fill\", \"exhaust\", \"fill\"";
+        assert_eq!(of("\"10 ms\", \"20 ms\", \"20.9 ms\"", again), ["valve-never-closes"]);
+        assert!(of("\"10 ms\", \"20 ms\", \"21.1 ms\"", again).is_empty());
+        assert!(of("\"10 ms\"", "\"fill\"").is_empty() && of("\"10 ms\"", "\"exhaust\"").is_empty());
+    }
+
     #[test]
     fn what_no_braid_holds_is_warned_of() {
         let [before, all] = codes(&[("supply.gauge_pressure", "600 bar"), ("run.duration", "0.5 s")]);
@@ -264,7 +302,28 @@ mod tests {
         document.set_text("supply.gauge_pressure", "\"55 psi\"").unwrap();
         let found = Ready::of(&document).unwrap().warnings();
         assert_eq!(found.iter().map(|of| of.code).collect::<Vec<_>>(), ["supply-exceeded"]);
-        assert!(found[0].text.contains("4.137 bar exceeds supply.gauge_pressure = 3.792 bar"), "{}", found[0]);
+        let text = "controller.gauge_pressure = 4.137 bar exceeds supply.gauge_pressure = 3.792 bar";
+        assert!(found[0].text.contains(text), "{}", found[0]);
+    }
+
+    /// What the model of a joint may request is known of both valves; of a plant each controller's.
+    #[test]
+    fn requests_of_joints_and_plants_are_compared_with_the_supply() {
+        let of = |file: &str, set: &[(&str, &str)]| {
+            let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples").join(file);
+            let mut document = Document::load(path).unwrap();
+            set.iter().for_each(|(key, value)| document.set_plain_from("--set", key, value).unwrap());
+            let found = Ready::of(&document).unwrap().warnings();
+            let found = found.into_iter().filter(|of| of.code == "supply-exceeded");
+            found.map(|of| of.part).collect::<Vec<_>>()
+        };
+        let joint = "control/joint-air-mass.toml";
+        assert_eq!(of(joint, &[("supply.gauge_pressure", "80 psi")]), ["agonist", "antagonist"]);
+        assert!(of(joint, &[("supply.gauge_pressure", "85 psi")]).is_empty());
+        // The compressor fills the tank up to 4.5 bar.
+        let (plant, key) = ("plant/controlled.toml", "actuators.gripper.controller.gauge_pressure");
+        assert!(of(plant, &[(key, "[\"1 bar\", \"4.4 bar\", \"2 bar\"]")]).is_empty());
+        assert_eq!(of(plant, &[(key, "[\"1 bar\", \"4.6 bar\", \"2 bar\"]")]), ["gripper"]);
     }
 
     #[test]

@@ -1,15 +1,12 @@
-//! Valves that never open or never close under PWM.
+//! Valves that never open or never close under a command of pulses: PWM, or a table of requests.
 //!
-//! A path that the command requests is open a share of each period; the core's [`actual_duty_cycle`] says which, delays
-//! and ramps included. A share of zero is a path that never opens, a share of one a path that never closes.
+//! A pulse that is shorter than the delay of its path does not move the poppet, and neither does a pause that is shorter than the
+//! delay of the way back. One pulse, or pause, that is long enough is enough.
 
 use super::{Parts, Warning};
 use crate::quantities::given;
 use mckibben::simulation::Actuation;
-use mckibben::valve::{Command, Request, ValveKind, actual_duty_cycle};
-
-/// A path that is open for this share of a period is open all the time: the shares of its intervals add up to one but for rounding.
-const WHOLE: f64 = 1.0 - 1e-12;
+use mckibben::valve::{Command, Request, ValveKind};
 
 pub(super) fn warnings(of: &Parts<'_>) -> Vec<Warning> {
     let valves = of.plant.network().valves.iter().zip(&of.valves);
@@ -17,48 +14,83 @@ pub(super) fn warnings(of: &Parts<'_>) -> Vec<Warning> {
 }
 
 fn of_valve(of: &Actuation, name: &str) -> Option<Warning> {
-    let Command::Pwm { frequency, duty, pulse, rest } = of.command else { return None };
-    let shares = actual_duty_cycle(&of.solenoid, &of.command)?;
-    // What is commanded all the time is meant.
-    if pulse == rest || duty <= 0.0 || duty >= 1.0 {
-        return None;
-    }
-    let lasting = [duty, 1.0 - duty].map(|share| share / frequency);
-    for (port, request, where_to) in [(0, Request::Fill, "supply"), (1, Request::Exhaust, "exhaust")] {
-        let (requested, during_pulse) = match (pulse == request, rest == request) {
-            (true, false) => (lasting[0], true),
-            (false, true) => (lasting[1], false),
-            _ => continue,
-        };
-        let (names, unasked) =
-            if during_pulse { (["pulse", "pause"], lasting[1]) } else { (["pause", "pulse"], lasting[0]) };
-        let [more, less] = if during_pulse { ["raise", "lower"] } else { ["lower", "raise"] };
+    for (request, where_to) in [(Request::Fill, "supply"), (Request::Exhaust, "exhaust")] {
+        let Some(longest) = Longest::of(&of.command, request) else { continue };
         let [opens, closes] = delays(of, request);
-        if shares[port] <= 0.0 {
-            let text = format!(
-                "the valve never opens to the {where_to}: a {} of {} is shorter than {} = {}; {more} command.duty or lower \
-                 command.frequency",
-                names[0],
-                given(requested, "s"),
-                opens.0,
-                given(opens.1, "s"),
-            );
-            return Some(Warning::new("valve-never-opens", name, text));
-        }
-        if shares[port] >= WHOLE {
-            let text = format!(
-                "the valve never closes to the {where_to}: a {} of {} is shorter than {} = {}; {less} command.duty or lower \
-                 command.frequency",
-                names[1],
-                given(unasked, "s"),
-                closes.0,
-                given(closes.1, "s"),
-            );
-            return Some(Warning::new("valve-never-closes", name, text));
+        let Longest { pulse, pause, words, remedies } = longest;
+        let found = [
+            ("valve-never-opens", "opens", pulse, opens, words[0], remedies[0]),
+            ("valve-never-closes", "closes", pause, closes, words[1], remedies[1]),
+        ];
+        for (code, verb, lasting, (key, delay), word, remedy) in found {
+            if let Some(lasting) = lasting.filter(|lasting| *lasting < delay) {
+                let (lasting, delay) = (given(lasting, "s"), given(delay, "s"));
+                let text = format!(
+                    "the valve never {verb} to the {where_to}: {word} of {lasting} is shorter than {key} = {delay}; {remedy}"
+                );
+                return Some(Warning::new(code, name, text));
+            }
         }
     }
     None
 }
+
+/// The longest pulse of a request in s, and the longest pause behind one; none where there is no such.
+struct Longest {
+    pulse: Option<f64>,
+    pause: Option<f64>,
+    /// What they are called in the command, and what makes each of them longer.
+    words: [&'static str; 2],
+    remedies: [&'static str; 2],
+}
+
+impl Longest {
+    /// None where the command makes no pulses of the request.
+    fn of(command: &Command, request: Request) -> Option<Self> {
+        match command {
+            Command::Pwm { frequency, duty, pulse, rest } => {
+                // What is commanded all the time is meant.
+                if !(*duty > 0.0 && *duty < 1.0) {
+                    return None;
+                }
+                let lasting = [duty / frequency, (1.0 - duty) / frequency];
+                let (words, remedies) = (["a pulse", "a pause"], [RAISE, LOWER]);
+                match (*pulse == request, *rest == request) {
+                    (true, false) => Some(Self { pulse: Some(lasting[0]), pause: Some(lasting[1]), words, remedies }),
+                    (false, true) => {
+                        let (words, remedies) = (["a pause", "a pulse"], [LOWER, RAISE]);
+                        Some(Self { pulse: Some(lasting[1]), pause: Some(lasting[0]), words, remedies })
+                    }
+                    _ => None,
+                }
+            }
+            Command::Table { time, request: requests } => {
+                let (words, remedies) = (["the longest pulse", "the longest pause"], [LATER; 2]);
+                let mut longest = Self { pulse: None, pause: None, words, remedies };
+                // Whether it is requested, and since when.
+                let mut begun: Option<(bool, f64)> = None;
+                let ends = time.iter().copied().skip(1).chain([f64::INFINITY]);
+                for ((start, end), is_on) in time.iter().zip(ends).zip(requests.iter().map(|of| *of == request)) {
+                    let since = match begun {
+                        Some((was_on, since)) if was_on == is_on => since,
+                        // Before its first pulse a path is shut anyway.
+                        None if !is_on => continue,
+                        _ => *start,
+                    };
+                    begun = Some((is_on, since));
+                    let lasting = if is_on { &mut longest.pulse } else { &mut longest.pause };
+                    *lasting = Some(lasting.unwrap_or(0.0).max(end - since));
+                }
+                Some(longest)
+            }
+            _ => None,
+        }
+    }
+}
+
+const RAISE: &str = "raise command.duty or lower command.frequency";
+const LOWER: &str = "lower command.duty or lower command.frequency";
+const LATER: &str = "let it last longer in command.time";
 
 /// The delays after which the path of a request opens and closes, with their keys.
 fn delays(of: &Actuation, request: Request) -> [(&'static str, f64); 2] {

@@ -21,7 +21,7 @@ use crate::muscle::BRAID;
 use crate::place::{Place, PlaceError};
 use crate::quantity;
 use crate::read::describes_braid;
-use crate::scenario::PressureSeries;
+use crate::scenario::{PressureSensor, PressureSeries};
 use mckibben::parameter::{self as p, Parameter};
 use mckibben::plant::{Part, Plant, PlantStart, StartNumber};
 use mckibben::{Dual, Error};
@@ -159,6 +159,14 @@ impl Document {
                 numbers.iter().map(|number| format!("\"{}\"", quantity::format(*number, row.unit))).collect();
             let (path, list) = (format!("{ACTUATORS}.{actuator}.{}", row.key), format!("[{}]", said.join(", ")));
             self.set_text_from("the measured pressure", &path, &list)?;
+        }
+        let PressureSensor { offset, scale, shift } = series.sensor;
+        for (row, number) in [(&p::COURSE_OFFSET, offset), (&p::COURSE_SCALE, scale), (&p::COURSE_SHIFT, shift)] {
+            let said = match row.unit {
+                "" => number.to_string(),
+                unit => format!("\"{}\"", quantity::format(number, unit)),
+            };
+            self.set_text_from("the measured pressure", &format!("{ACTUATORS}.{actuator}.{}", row.key), &said)?;
         }
         let path = format!("{ACTUATORS}.{actuator}.{}", keys::PRESSURE_AT);
         self.set_text_from("the measured pressure", &path, &format!("\"{}\"", series.at.name()))?;

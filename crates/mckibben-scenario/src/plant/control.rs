@@ -1,7 +1,7 @@
 //! The controllers of a plant: of single actuators, and of joints with an agonist and an antagonist.
 
 use super::{Frame, JointController, Member, Mount, PlantScenario};
-use crate::controlled::{ActuatorLoop, ControlLaw, loop_of, ways};
+use crate::controlled::{ActuatorLoop, ControlLaw, GreatestRequest, loop_of, ways};
 use crate::controlled_joint::{JointLaw, JointLoop, joint_loop};
 use crate::scenario::Command;
 use mckibben::Error;
@@ -38,6 +38,8 @@ pub struct ActuatorControl {
     pub regulated: Quantity,
     /// The set points of the file.
     pub set_points: Vec<(Quantity, SetPoint)>,
+    /// The greatest gauge pressure that it may request, where it requests any.
+    pub greatest_request: Option<GreatestRequest>,
 }
 
 /// A controller of two actuators about a joint of a plant.
@@ -59,6 +61,8 @@ pub struct JointControl {
     pub regulated: Quantity,
     /// The set points of the file.
     pub set_points: Vec<(Quantity, SetPoint)>,
+    /// The greatest gauge pressure that it may request, where it requests any.
+    pub greatest_request: Option<GreatestRequest>,
     /// The joint that a law by the model knows.
     pub model: Option<JointRig>,
 }
@@ -82,6 +86,15 @@ impl PlantControl {
         }
     }
 
+    /// The greatest gauge pressure that it may request, where it requests any, and the valves that are to make it.
+    pub fn greatest_request(&self) -> Option<(GreatestRequest, &[usize])> {
+        let (request, valves) = match self {
+            Self::Actuator(of) => (of.greatest_request, core::slice::from_ref(&of.valve)),
+            Self::Joint(of) => (of.greatest_request, &of.valves[..]),
+        };
+        request.map(|request| (request, valves))
+    }
+
     /// The set points of the file.
     pub fn set_points(&self) -> &[(Quantity, SetPoint)] {
         match self {
@@ -100,9 +113,9 @@ pub(super) fn of_member(
 ) -> Result<Option<PlantControl>, Error> {
     let (Some(Command::Controller(of)), Some(valve)) = (&member.alone.command, valve) else { return Ok(None) };
     let mounted = &plant.actuators()[actuator].actuator;
-    let ActuatorLoop { law, sampling, sensors, regulated, set_points } =
+    let ActuatorLoop { law, sampling, sensors, regulated, set_points, greatest_request } =
         loop_of(of, ways(&member.alone)?, mounted, duration)?;
-    let control = ActuatorControl { actuator, valve, law, sampling, sensors, regulated, set_points };
+    let control = ActuatorControl { actuator, valve, law, sampling, sensors, regulated, set_points, greatest_request };
     Ok(Some(PlantControl::Actuator(Box::new(control))))
 }
 
@@ -134,7 +147,7 @@ pub(super) fn of_joint(
     }
     let model = || model(plant, &scenario.frames[mechanism], (mechanism, *joint), scenario, actuators);
     let kept = model();
-    let JointLoop { law, sampling, sensors, regulated, set_points } =
+    let JointLoop { law, sampling, sensors, regulated, set_points, greatest_request } =
         joint_loop(of, first, || kept.clone(), scenario.run.duration)?;
     let control = JointControl {
         joint: (mechanism, *joint),
@@ -145,6 +158,7 @@ pub(super) fn of_joint(
         sensors,
         regulated,
         set_points,
+        greatest_request,
         model: kept.ok(),
     };
     Ok(PlantControl::Joint(Box::new(control)))

@@ -9,7 +9,7 @@ use crate::diagnostic::{Class, Diagnostic};
 use crate::keys::{self, EQUILIBRIUM};
 use crate::quantity;
 use crate::reader::{Reader, out_of_range};
-use crate::scenario::{Air, Initial, InitialLength, Load, Motion, PressureSeries, Run, SeriesTendon};
+use crate::scenario::{Air, Initial, InitialLength, Load, Motion, PressureSensor, PressureSeries, Run, SeriesTendon};
 use mckibben::parameter::{self as p, Parameter};
 use mckibben::plant::{INITIAL_FRICTION_FORCE, InitialFriction};
 
@@ -58,15 +58,16 @@ pub(super) fn pressure(r: &mut Reader<'_>) -> Option<PressureSeries> {
     }
     let (time, gauges) = (r.list(&p::COURSE_TIME), r.list(&p::COURSE_GAUGE_PRESSURE));
     let (time, gauge_pressure) = columns(r, &p::COURSE_TIME, time, p::COURSE_GAUGE_PRESSURE.key, gauges);
-    Some(PressureSeries { at, time, gauge_pressure })
+    let [offset, scale, shift] = [&p::COURSE_OFFSET, &p::COURSE_SCALE, &p::COURSE_SHIFT].map(|row| r.value(row, None));
+    Some(PressureSeries { at, time, gauge_pressure, sensor: PressureSensor { offset, scale, shift } })
 }
 
 /// The gauge pressure that the air in an actuator starts at: behind a hose with a given pressure that of its first row, unless
 /// the file says another.
 pub(super) fn first_pressure(r: &mut Reader<'_>, given: Option<&PressureSeries>, air: &Air) -> f64 {
-    let first = given.filter(|given| given.at == PressurePlace::Hose).and_then(|given| given.gauge_pressure.first());
+    let first = given.filter(|given| given.at == PressurePlace::Hose).and_then(|given| given.values().next());
     match first {
-        Some(first) if !r.has(p::INITIAL_GAUGE_PRESSURE.key) => *first,
+        Some(first) if !r.has(p::INITIAL_GAUGE_PRESSURE.key) => first,
         _ => gauge_pressure(r, &p::INITIAL_GAUGE_PRESSURE, air),
     }
 }

@@ -6,6 +6,7 @@ use super::axis::Values;
 use super::vary::{self, Varied};
 use crate::document::Document;
 use crate::keys::{self, Key};
+use std::fmt;
 
 /// A key that rows leave out: it has no meaning under a word of another key, and has one under another of its words.
 #[derive(Clone, Debug, Eq, PartialEq)]
@@ -16,6 +17,12 @@ pub struct LeftOut {
     pub chooses: String,
     /// Its word in these rows.
     pub word: String,
+}
+
+impl fmt::Display for LeftOut {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} in rows with {} = {}", self.key, self.chooses, self.word)
+    }
 }
 
 impl LeftOut {

@@ -24,7 +24,7 @@
 //!
 //! Checked by `tests/orbit.rs`.
 
-use super::{Plant, PlantRun, PlantSnapshot};
+use super::{Plant, PlantRun, PlantSnapshot, TimeStepping};
 use crate::error::Error;
 use crate::friction::Friction;
 use crate::load::Motion;
@@ -192,8 +192,22 @@ impl Past {
 }
 
 impl PlantRun {
+    /// Goes on by other steps from where the run is. What it has cost is counted on.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a tolerance or a step outside its range. Then nothing has changed.
+    pub fn set_stepping(&mut self, stepping: impl Into<TimeStepping>) -> Result<(), Error> {
+        let stepping = stepping.into();
+        stepping.check()?;
+        self.go_on_by(stepping);
+        Ok(())
+    }
+
     /// Goes on, period by period, until the states return; `watch` is called with the time in s behind each period, and may end it
     /// by an error. A plant that has no period is evaluated in steps of `usual` s.
+    ///
+    /// Take a run of fixed steps on by the event-located engine ([`PlantRun::set_stepping`]): where an event passes the end of a step
+    /// the number of steps of a period changes, so its states return no closer than the error of a step.
     ///
     /// After `most` periods it stops where it is, and says that it has not settled.
     ///

@@ -351,6 +351,13 @@ impl<R: Instantiate> PlantRun<R> {
         *pace = pace.restarted();
     }
 
+    /// Takes other steps from now on; the discrete state stays, with the widths of borders that they have.
+    pub(crate) fn go_on_by(&mut self, stepping: TimeStepping) {
+        self.system = System::new(&self.system.plant, stepping.tolerance());
+        self.stepping = stepping;
+        self.reached.pace = self.reached.pace.restarted();
+    }
+
     /// Sets what a valve does from now on, in place of all that was to come.
     ///
     /// # Errors

@@ -135,7 +135,8 @@ fn begin<V: PlantView<R>, R: Instantiate>(
 }
 
 /// Simulates what a plant is from a state at t = 0 for `duration` s and keeps every step, with a driver in place of its own
-/// commands if there is one. `watch` is called with the time in s now and then, and may end the run.
+/// commands if there is one. `watch` is called with the time in s now and then, and may end the run. With what was kept comes the
+/// run, which can go on.
 ///
 /// # Errors
 /// As [`RigPlant::record`](super::RigPlant::record).
@@ -145,9 +146,10 @@ pub fn record_view<V: PlantView<R>, R: Instantiate>(
     (duration, stepping): (R, TimeStepping),
     driver: Option<Driver<R>>,
     watch: &mut dyn FnMut(f64) -> Result<(), Error>,
-) -> Result<ViewTrajectory<V, R>, Error> {
+) -> Result<(ViewTrajectory<V, R>, PlantRun<R>), Error> {
     let mut run = begin(view, state, (duration, stepping), driver)?;
-    Ok(ViewTrajectory::of(view, run.record_to(duration, watch)?))
+    let trajectory = run.record_to(duration, watch)?;
+    Ok((ViewTrajectory::of(view, trajectory), run))
 }
 
 /// Simulates what a plant is as [`record_view`] does and hands each accepted step to `consumer`; nothing is kept but the requests

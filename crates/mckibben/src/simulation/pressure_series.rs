@@ -1,13 +1,19 @@
 //! The pressure in the actuator, or at the inlet of its hose, as a given function of time in place of a valve.
 //!
 //! ```text
-//! P_g(t)   straight lines between (t, P_g), constant before the first row and after the last
+//! P_g(t) = (r(t + δ) − o)/s   r: straight lines between the rows (t, r), constant before the first and after the last
 //! ṁ        what the process of the air then takes: κ P (ṁ/m − V̇/V) = dP/dt, or by the energy balance
 //! ```
 //!
 //! So what a rig does, and the numbers of its load, force law and friction, follow from a pressure that was measured, whatever
 //! made it: nothing of valve, supply or hose need be known. What comes in is as warm as the air inside; the motion does not
 //! depend on it. The rows are exact instants, at which the rate jumps.
+//!
+//! | symbol | name in code | meaning | unit |
+//! |---|---|---|---|
+//! | o | `offset` | what the sensor shows at zero gauge pressure | Pa |
+//! | s | `scale` | its reading over the gauge pressure | – |
+//! | δ | `shift` | by how much its readings come late | s |
 //!
 //! Behind a hose it is the pressure at the end that a valve would open into: what a sensor at the valve measures. The hose's
 //! first volume has that pressure, the air in the actuator follows by flows. A lumped hose passes it on its delay later.
@@ -23,7 +29,6 @@ use crate::convert::Convert;
 use crate::error::Error;
 #[cfg(feature = "alloc")]
 use crate::line::Line;
-#[cfg(feature = "alloc")]
 use crate::parameter;
 #[cfg(feature = "alloc")]
 use crate::pressure::GaugePressure;
@@ -46,8 +51,10 @@ type Rows<S> = [[S; 2]; 0];
 /// Gauge pressures over time, with straight lines between them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PressureSeries<S = f64> {
-    /// Time in s and gauge pressure in Pa.
+    /// Time in s and gauge pressure in Pa, as they were recorded.
     rows: Rows<S>,
+    /// Offset in Pa and scale of the sensor, and by how many seconds its readings come late.
+    sensor: [S; 3],
 }
 
 #[cfg(feature = "alloc")]
@@ -68,22 +75,38 @@ impl PressureSeries {
         }
         crate::valve::check_times(parameter::COURSE_TIME.key, time)?;
         let row = |(time, gauge): (&f64, &f64)| Ok([*time, parameter::COURSE_GAUGE_PRESSURE.check(*gauge)?]);
-        Ok(Self { rows: time.iter().zip(gauge_pressure).map(row).collect::<Result<_, Error>>()? })
+        let rows = time.iter().zip(gauge_pressure).map(row).collect::<Result<_, Error>>()?;
+        Ok(Self { rows, sensor: [0.0, 1.0, 0.0] })
+    }
+
+    /// What was recorded by a sensor that shows `offset` in Pa at zero gauge pressure, is `scale` times as steep, and comes `shift` in
+    /// s late: P(t) = (r(t + δ) − o)/s. Rows that lie before t = 0 then have passed at the start.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a number that is not finite, and a scale that is not above zero.
+    pub fn with_sensor(self, offset: f64, scale: f64, shift: f64) -> Result<Self, Error> {
+        let offset = parameter::COURSE_OFFSET.check(offset)?;
+        let scale = parameter::COURSE_SCALE.check(scale)?;
+        Ok(Self { sensor: [offset, scale, parameter::COURSE_SHIFT.check(shift)?], ..self })
     }
 
     /// The least of its gauge pressures.
     pub fn least(&self) -> GaugePressure {
-        GaugePressure(self.rows.iter().fold(f64::INFINITY, |least, [_, gauge]| least.min(*gauge)))
+        GaugePressure(self.values().fold(f64::INFINITY, f64::min))
     }
 
     /// The greatest of its gauge pressures.
     pub fn greatest(&self) -> GaugePressure {
-        GaugePressure(self.rows.iter().fold(f64::NEG_INFINITY, |greatest, [_, gauge]| greatest.max(*gauge)))
+        GaugePressure(self.values().fold(f64::NEG_INFINITY, f64::max))
+    }
+
+    fn values(&self) -> impl Iterator<Item = f64> + '_ {
+        (0..self.rows.len()).filter_map(|row| Some(self.point(row)?[1]))
     }
 
     /// The time in s of its last row, from which on it is constant.
     pub fn end(&self) -> f64 {
-        self.rows.last().map_or(0.0, |[time, _]| *time)
+        self.rows.len().checked_sub(1).and_then(|last| self.row(last)).unwrap_or(0.0)
     }
 
     /// Checks that nothing else makes the pressure in an actuator with an air line, or at the inlet of its hose, and
@@ -117,7 +140,20 @@ impl<S: Scalar> PressureSeries<S> {
             };
             self.rows.iter().map(row).collect()
         };
-        PressureSeries { rows }
+        let [offset, scale, shift] = self.sensor;
+        let sensor = [
+            convert.parameter(&parameter::COURSE_OFFSET, offset),
+            convert.parameter(&parameter::COURSE_SCALE, scale),
+            convert.parameter(&parameter::COURSE_SHIFT, shift),
+        ];
+        PressureSeries { rows, sensor }
+    }
+
+    /// When the pressure of a row holds in s, and that gauge pressure in Pa.
+    fn point(&self, row: usize) -> Option<[S; 2]> {
+        let [offset, scale, shift] = self.sensor;
+        let [time, shown] = *self.rows.get(row)?;
+        Some([time - shift, (shown - offset) / scale])
     }
 
     /// How many rows there are.
@@ -128,17 +164,20 @@ impl<S: Scalar> PressureSeries<S> {
 
     /// Instant in s of the row of index `row`.
     pub fn row(&self, row: usize) -> Option<S> {
-        self.rows.get(row).map(|[time, _]| *time)
+        self.point(row).map(|[time, _]| time)
     }
 
     /// The straight line of gauge pressures in Pa after so many rows; before the first and after the last it stays.
     pub fn line(&self, passed: usize) -> StraightLine<S> {
-        let rows = &self.rows[..];
-        match (passed.checked_sub(1).and_then(|last| rows.get(last)), rows.get(passed)) {
-            (Some(last), Some(next)) => StraightLine::between(*last, *next),
+        let last = passed.checked_sub(1).and_then(|last| self.point(last));
+        match (last, self.point(passed)) {
+            (Some(last), Some(next)) => StraightLine::between(last, next),
             (Some(only), None) | (None, Some(only)) => StraightLine::constant(only[1]),
             // More rows than there are have passed, or there is none: neither can be.
-            (None, None) => StraightLine::constant(rows.last().map_or(S::zero(), |row| row[1])),
+            (None, None) => {
+                let end = self.rows.len().checked_sub(1).and_then(|last| self.point(last));
+                StraightLine::constant(end.map_or(S::zero(), |row| row[1]))
+            }
         }
     }
 

@@ -46,8 +46,8 @@ between samples while the supply is open; of an event-located run it is the inte
 
 With --settle, or sweep.over = \"orbit\", each run goes on until its states return after a period of the pulses. Statistics of \
 a quantity are then those of the orbit, and empty where a run has none; settling_time, overshoot, air.used and errors of \
-controllers stay those of the run. Without run.engine such runs take the event-located engine: by fixed steps states \
-return no closer than the error of a step, and many runs count as not settled.
+controllers stay those of the run. The orbit is that of the event-located engine, whatever the run took up to its end; \
+without run.engine the run takes that engine too.
 
 The fixed-step engine takes run.step; without it, one step for all runs: the least that eight of them, evenly spread, need \
 for run.accuracy. One of them that no step is short enough for, as when it bounces without end, is named in the summary; \

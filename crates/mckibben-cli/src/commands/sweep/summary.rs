@@ -31,7 +31,7 @@ pub(super) fn summary(
     let varied: Vec<&str> = sweep.axes().iter().map(|axis| axis.path.as_str()).collect();
     text.push_str(&line("varied", &format!("{} ({})", varied.join(", "), sweep.design().name())));
     for of in sweep.left_out() {
-        text.push_str(&line("left out", &format!("{} in rows with {} = {}", of.key, of.chooses, of.word)));
+        text.push_str(&line("left out", &of.to_string()));
     }
     let first = match sweep.plant(0) {
         Some(first) => first.ok().map(|first| first.run),

@@ -46,7 +46,7 @@ impl<R: Instantiate> JointPlant<R> {
         driver: Option<Driver<R>>,
         watch: &mut dyn FnMut(f64) -> Result<(), Error>,
     ) -> Result<JointTrajectory<R>, Error> {
-        view::record_view(self, state, (duration, stepping.into()), driver, watch)
+        view::record_view(self, state, (duration, stepping.into()), driver, watch).map(|(trajectory, _)| trajectory)
     }
 }
 

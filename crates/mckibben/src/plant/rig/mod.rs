@@ -188,7 +188,7 @@ impl<R: Instantiate> RigPlant<R> {
         driver: Option<Driver<R>>,
         watch: &mut dyn FnMut(f64) -> Result<(), Error>,
     ) -> Result<RigTrajectory<R>, Error> {
-        view::record_view(self, state, (duration, stepping.into()), driver, watch)
+        view::record_view(self, state, (duration, stepping.into()), driver, watch).map(|(trajectory, _)| trajectory)
     }
 }
 
