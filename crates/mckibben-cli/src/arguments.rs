@@ -38,7 +38,7 @@ Examples:
 Exit codes:
   0  done
   2  the input is wrong: arguments, a missing file, a scenario; nothing was written
-  3  the simulation could not go on; nothing was written
+  3  the simulation could not go on; nothing was written but the report of identify
   4  the output could not be written; what was finished before stays
   129, 130, 143  stopped by SIGHUP, SIGINT, SIGTERM: what was under way was removed, what was finished stays"
 )]

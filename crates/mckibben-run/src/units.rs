@@ -216,7 +216,10 @@ impl Units {
     /// The unit for values in an SI unit of which the largest size is given; another unit than those of the table is itself.
     pub fn shown(&self, si: &str, largest: f64) -> Shown {
         let found = self.0.iter().find(|((_, unit, _), _)| *unit == si).map(|(_, unit)| unit.clone());
-        let own = || Unit { symbol: si.to_owned(), size: 1.0, zero: 0.0, prefixes: !si.is_empty(), small: None };
+        // A prefix before a power would be raised with it.
+        let first = si.split(['*', '/']).next().unwrap_or_default();
+        let prefixes = !first.is_empty() && first.chars().all(char::is_alphabetic);
+        let own = || Unit { symbol: si.to_owned(), size: 1.0, zero: 0.0, prefixes, small: None };
         found.unwrap_or_else(own).shown(largest)
     }
 

@@ -70,7 +70,7 @@ limits! {
         "let it draw from a supply of constant pressure, or choose a valve with seats";
     JOINT_ALONE: "load.kind = \"antagonistic-joint\"", "where one actuator is due",
         "run it with `mckibben simulate`, or choose another load.kind";
-    CONTROLLER_HERE: "command.kind = \"controller\"", "where a command known beforehand is due",
+    CONTROLLER_HERE: "command.kind = \"controllers\"", "where a command known beforehand is due",
         "run it by `mckibben simulate`, or choose another command.kind";
     CONTROLLER_VALVE: "a controller", "with a valve that is neither three-way nor fill-hold-exhaust",
         "set valve.kind to one of these";

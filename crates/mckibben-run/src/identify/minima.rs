@@ -3,6 +3,7 @@
 use super::outcome::WARNED;
 use super::values::rounded;
 use crate::report::Table;
+use crate::units::units;
 use mckibben_identify::least_squares::{Ending, Found, Minimum, Unknown};
 
 /// The sum of squares of another minimum, over the least, up to which it casts doubt on the estimates.
@@ -61,7 +62,8 @@ pub(super) fn of(found: &Found, unknowns: &[Unknown]) -> Minima {
     let rivals: Vec<&OtherMinimum> = others.iter().filter(|of| of.error_ratio.powi(2) <= RIVAL).collect();
     let rivals = rivals.first().map(|nearest| {
         let value = |(unknown, value): (&Unknown, &f64)| {
-            format!("`{}` = {}", unknown.name, format!("{} {}", rounded(*value, None), unknown.unit).trim_end())
+            let shown = units().shown(unknown.unit, value.abs());
+            format!("`{}` = {}", unknown.name, shown.with(&rounded(shown.number(*value), None)))
         };
         let values: Vec<String> = unknowns.iter().zip(&nearest.values).map(value).take(NAMED).collect();
         let more = if unknowns.len() > NAMED { " …" } else { "" };

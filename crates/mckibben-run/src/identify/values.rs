@@ -3,6 +3,7 @@
 use super::outcome::WARNED;
 use crate::quantities::digits;
 use crate::report::Table;
+use crate::units::units;
 use mckibben_identify::least_squares::{Direction, Ending, Estimate, Fit, Unknown};
 use mckibben_scenario::keys::in_antagonist;
 
@@ -60,14 +61,24 @@ pub(super) fn of(caption: String, estimates: &[Estimate]) -> Table {
 
 /// A value with its name, unit and interval.
 pub(super) fn row(estimate: &Estimate) -> Vec<String> {
-    let value = rounded(estimate.value, estimate.standard_error);
-    let interval = match estimate.confidence_interval {
-        Some([low, high]) => {
-            format!("{} to {}", rounded(low, estimate.standard_error), rounded(high, estimate.standard_error))
-        }
-        None => silence(estimate).to_owned(),
-    };
-    vec![format!("`{}`", estimate.name), value, estimate.unit.to_owned(), interval]
+    let (value, interval, unit) = in_units(estimate);
+    let interval = interval.map_or_else(|| silence(estimate).to_owned(), |[low, high]| format!("{low} to {high}"));
+    vec![format!("`{}`", estimate.name), value, unit, interval]
+}
+
+/// A value in the unit that is printed, with the ends of its interval, rounded alike.
+fn in_units(estimate: &Estimate) -> (String, Option<[String; 2]>, String) {
+    let shown = units().shown(estimate.unit, estimate.value.abs());
+    let error = estimate.standard_error.map(|error| shown.number(error) - shown.number(0.0));
+    let number = |value: f64| rounded(shown.number(value), error);
+    (number(estimate.value), estimate.confidence_interval.map(|ends| ends.map(number)), shown.text)
+}
+
+/// A value with its interval and unit in words, such as `0.60 (0.59 to 0.61) L/(s·bar)`.
+pub(super) fn with_interval(estimate: &Estimate) -> String {
+    let (value, interval, unit) = in_units(estimate);
+    let interval = interval.map(|[low, high]| format!(" ({low} to {high})"));
+    format!("{value}{} {unit}", interval.unwrap_or_default()).trim_end().to_owned()
 }
 
 /// The name of the part of a plant that a path leads into.

@@ -67,22 +67,24 @@ impl Table {
         let mut table = Cow::Borrowed(self);
         for column in 0..self.head.len() {
             let Some((name, unit)) = self.head[column].rsplit_once(' ') else { continue };
+            let in_brackets = unit.strip_prefix('(').and_then(|unit| unit.strip_suffix(')'));
             let cells = || self.rows.iter().filter_map(|row| row.get(column));
-            // What holds more than a number, as an interval does, stays, and so does its column.
-            let is_whole = |cell: &String| value_of(cell).is_some() || !cell.contains(|c: char| c.is_ascii_digit());
-            let largest =
-                cells().filter_map(|cell| value_of(cell)).fold(0.0, |largest: f64, value| largest.max(value.abs()));
-            let Some(Conversion { unit, factor, zero }) =
-                units::chosen(unit, largest).filter(|_| cells().all(is_whole))
+            // What holds more than numbers and intervals stays, and so does its column.
+            let is_whole = |cell: &String| is_numbers(cell) || !cell.contains(|c: char| c.is_ascii_digit());
+            let numbers = cells().flat_map(|cell| cell.split(' ')).filter_map(value_of);
+            let largest = numbers.fold(0.0, |largest: f64, value| largest.max(value.abs()));
+            let Some(conversion) =
+                units::chosen(in_brackets.unwrap_or(unit), largest).filter(|_| cells().all(is_whole))
             else {
                 continue;
             };
             let table = table.to_mut();
-            table.head[column] = format!("{name} {unit}");
+            let unit = &conversion.unit;
+            table.head[column] =
+                if in_brackets.is_some() { format!("{name} ({unit})") } else { format!("{name} {unit}") };
             for cell in table.rows.iter_mut().filter_map(|row| row.get_mut(column)) {
-                if let Some(value) = value_of(cell) {
-                    let before = cell.split_once('.').map_or(0, |(_, decimals)| decimals.len());
-                    *cell = number(factor * value - zero, units::decimals(before, factor));
+                if is_numbers(cell) {
+                    *cell = converted(cell, &conversion);
                 }
             }
         }
@@ -181,6 +183,34 @@ fn value_of(cell: &str) -> Option<f64> {
     cell.replace('−', "-").parse().ok().filter(|value: &f64| value.is_finite())
 }
 
+/// Whether a cell is a number, perhaps with half of its interval (`1.5 ± 0.1`), or an interval (`1.4 to 1.6`).
+fn is_numbers(cell: &str) -> bool {
+    let is_due = |(place, word): (usize, &str)| match place % 2 {
+        0 => value_of(word).is_some(),
+        _ => matches!(word, "±" | "to"),
+    };
+    cell.split(' ').enumerate().all(is_due)
+}
+
+/// Such a cell in another unit, to as many digits.
+fn converted(cell: &str, Conversion { factor, zero, .. }: &Conversion) -> String {
+    let mut is_half = false;
+    let word = |word: &str| {
+        let Some(value) = value_of(word) else {
+            is_half = word == "±";
+            return word.to_owned();
+        };
+        let value = factor * value - if is_half { 0.0 } else { *zero };
+        let (mantissa, power) = word.split_once('e').map_or((word, None), |(mantissa, power)| (mantissa, Some(power)));
+        let before = mantissa.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+        match power {
+            Some(_) => format!("{value:.before$e}"),
+            None => number(value, units::decimals(before, *factor)),
+        }
+    };
+    cell.split(' ').map(word).collect::<Vec<_>>().join(" ")
+}
+
 /// Words without the marks that only the page understands.
 fn plain(words: &str) -> String {
     words.replace(['`', '{', '}'], "")
@@ -218,6 +248,23 @@ mod tests {
             "           held\n           out:\n          worst\nlaw           %\n\
              ────────  ─────\na longer   10.5\nname\nb           2.0\n"
         );
+    }
+
+    #[test]
+    fn numbers_and_intervals_are_converted_to_as_many_digits() {
+        let to_inches = Conversion { unit: "in".to_owned(), factor: 1.0 / 25.4, zero: 0.0 };
+        for (cell, expected) in [
+            ("25.40", "1.000"),
+            ("25.40 ± 0.254", "1.000 ± 0.0100"),
+            ("−25.4 to 50.8", "−1.00 to 2.00"),
+            ("2.54e-7", "1.00e-8"),
+        ] {
+            assert!(is_numbers(cell), "{cell}");
+            assert_eq!(converted(cell, &to_inches), expected);
+        }
+        let to_celsius = Conversion { unit: "°C".to_owned(), factor: 1.0, zero: 273.15 };
+        assert_eq!(converted("293.15 ± 0.50", &to_celsius), "20.00 ± 0.50");
+        assert!(["3 of 4", "1.5 mm", "", "± 2"].iter().all(|cell| !is_numbers(cell)));
     }
 
     #[test]

@@ -15,6 +15,7 @@ pub(super) use steady::{flow_curve, steady_flow};
 pub(super) use tank::tank;
 
 use super::outcome::{Stems, WARNED};
+use super::values::with_interval;
 use super::{Material, column};
 use crate::failure::Failure;
 use mckibben::Actuator;
@@ -80,19 +81,6 @@ fn absolute_pressures(
 /// An estimate under the path of the number that it is of.
 fn named(estimate: &Estimate, row: &Parameter) -> Estimate {
     Estimate { name: row.key.to_owned(), unit: row.unit, ..estimate.clone() }
-}
-
-/// A sonic conductance as data sheets have it.
-fn conductance(estimate: &Estimate) -> String {
-    with_interval(estimate, 1e8, "L/(s·bar)")
-}
-
-/// A value with its interval, in a unit that is so many times smaller.
-fn with_interval(estimate: &Estimate, factor: f64, unit: &str) -> String {
-    let standard_error = estimate.standard_error.map(|standard_error| factor * standard_error);
-    let rounded = |value: f64| super::values::rounded(factor * value, standard_error);
-    let interval = estimate.confidence_interval.map(|[low, high]| format!(" ({} to {})", rounded(low), rounded(high)));
-    format!("{}{} {unit}", rounded(estimate.value), interval.unwrap_or_default()).trim_end().to_owned()
 }
 
 /// Sets numbers of a scenario by their paths.
@@ -162,10 +150,8 @@ fn with_conductance(
     warnings: &mut Vec<String>,
 ) -> Result<(Scenario, Vec<Estimate>), Failure> {
     if ratio.value < 0.0 {
-        let with_interval = with_interval(ratio, 1.0, "");
-        warnings.push(format!(
-            "{WARNED}b comes out as {with_interval}; the scenario has 0, the least that a flow path has."
-        ));
+        let b = with_interval(ratio);
+        warnings.push(format!("{WARNED}b comes out as {b}; the scenario has 0, the least that a flow path has."));
     }
     let [sonic_conductance, critical_ratio] = [conductance.value, ratio.value.max(0.0)];
     let flow_path = FlowPath::Iso6358 { sonic_conductance, critical_ratio };

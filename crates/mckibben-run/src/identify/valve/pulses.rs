@@ -46,8 +46,8 @@ pub(in super::super) fn pulse_train(material: &Material) -> Result<Outcome, Fail
     let points = duties(&runs);
     let mut introduction = vec![format!(
         "From energised to the opening {}, from released to the closing {}, over {} onsets of {} runs.",
-        with_interval(&delays[0], 1e3, "ms"),
-        with_interval(&delays[1], 1e3, "ms"),
+        with_interval(&delays[0]),
+        with_interval(&delays[1]),
         runs.iter().map(|run| run.found.onsets.len()).sum::<usize>(),
         runs.len()
     )];
@@ -56,7 +56,7 @@ pub(in super::super) fn pulse_train(material: &Material) -> Result<Outcome, Fail
         let difference = delay_difference(&points).map_err(|error| super::failed("all", &error))?;
         introduction.push(format!(
             "The paper’s way, by what the effective duty lacks over the frequency: the opening takes {} longer than the closing.",
-            with_interval(&difference, 1e3, "ms")
+            with_interval(&difference)
         ));
     }
     let mut plates: Vec<Plate> = runs.iter().zip(STEMS).map(|(run, stem)| onset_plate(run, stem)).collect();
@@ -191,11 +191,7 @@ fn with_delays(
     }
     for (row, delay) in rows.iter().zip(delays) {
         if delay.value < 0.0 {
-            warnings.push(format!(
-                "{WARNED}`{}` comes out as {}; the scenario has 0.",
-                row.key,
-                with_interval(delay, 1e3, "ms")
-            ));
+            warnings.push(format!("{WARNED}`{}` comes out as {}; the scenario has 0.", row.key, with_interval(delay)));
         }
         put(&mut scenario, &[(*row, delay.value.max(0.0))])?;
     }

@@ -2,9 +2,7 @@
 
 use super::super::outcome::{self, Outcome, WARNED, file};
 use super::super::{Material, Prediction, column, values};
-use super::{
-    absolute_pressures, actuator_of, conductance, flow_path_of, law_of, named, put, rows, valve_of, with_interval,
-};
+use super::{absolute_pressures, actuator_of, flow_path_of, law_of, named, put, rows, valve_of, with_interval};
 use super::{says_its_end, with_conductance, with_flow_path};
 use crate::failure::Failure;
 use crate::quantities::quantity;
@@ -73,8 +71,8 @@ pub(in super::super) fn flow_curve(material: &Material) -> Result<Outcome, Failu
         "{} points of steady flow, {} of them choked: C = {} and b = {}, by least squares over all of them at once. {}",
         points.points.len(),
         found.choked,
-        conductance(&found.sonic_conductance),
-        with_interval(&found.critical_ratio, 1.0, ""),
+        with_interval(&found.sonic_conductance),
+        with_interval(&found.critical_ratio),
         scatter_words(entry.scatter)
     );
     let sections = vec![
@@ -147,7 +145,7 @@ pub(in super::super) fn steady_flow(material: &Material) -> Result<Outcome, Fail
     let introduction = format!(
         "{} points of steady flow: the {name} of (22), measured over calculated flow, is {}. {}",
         points.points.len(),
-        with_interval(&found.factor, 1.0, ""),
+        with_interval(&found.factor),
         scatter_words(entry.scatter)
     );
     let sections = vec![

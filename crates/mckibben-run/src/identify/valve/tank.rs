@@ -4,7 +4,7 @@ use super::super::outcome::{self, Outcome, WARNED};
 use super::super::prediction::Prediction;
 use super::super::{Material, pressure_over_time, values};
 use super::steady::{CURVE, curve_plate};
-use super::{Stems, actuator_of, at_its_end, conductance, failed, flow_path_of, law_of, named};
+use super::{Stems, actuator_of, at_its_end, failed, flow_path_of, law_of, named};
 use super::{put, says_its_end, valve_of, with_conductance, with_interval};
 use crate::failure::Failure;
 use crate::quantities::quantity;
@@ -242,8 +242,8 @@ fn by_windows(runs: &[Experiment<'_>], windows: usize, warnings: &mut Vec<String
     let (scenarios, numbers) = with_both(runs, both, warnings)?;
     let words = format!(
         "C = {} and b = {} from the slopes of {} windows with a pressure ratio below {LARGEST_RATIO}, as of an isothermal tank.",
-        conductance(&found.sonic_conductance),
-        with_interval(&found.critical_ratio, 1.0, ""),
+        with_interval(&found.sonic_conductance),
+        with_interval(&found.critical_ratio),
         points.len()
     );
     let mut plates: Vec<Plate> = runs.iter().zip(PRESSURES).map(|(of, stem)| pressure_plate(of, None, stem)).collect();
@@ -277,7 +277,7 @@ fn by_trajectory(runs: &[Experiment<'_>], warnings: &mut Vec<String>) -> Result<
     {
         (Some(c), Some(b), _) => {
             let (scenarios, numbers) = with_both(runs, [c, b], warnings)?;
-            (scenarios, numbers, format!("C = {} and b = {}", conductance(c), with_interval(b, 1.0, "")))
+            (scenarios, numbers, format!("C = {} and b = {}", with_interval(c), with_interval(b)))
         }
         (_, _, Some(volume)) => with_volumes(runs, volume)?,
         _ => return Err(Failure::stopped("nothing was found")),
@@ -286,7 +286,7 @@ fn by_trajectory(runs: &[Experiment<'_>], warnings: &mut Vec<String>) -> Result<
         for scenario in &mut scenarios {
             put(scenario, &[(&parameter::HEAT_TRANSFER, heat.value)])?;
         }
-        words.push_str(&format!(", h A = {}", with_interval(heat, 1.0, "W/K")));
+        words.push_str(&format!(", h A = {}", with_interval(heat)));
         numbers.push(named(heat, &parameter::HEAT_TRANSFER));
     }
     words.push_str(&format!(
@@ -383,7 +383,7 @@ fn with_volume(of: &Experiment<'_>, volume: &Estimate) -> Result<(Scenario, Vec<
         return Err(Failure::input(title, "leave `[hose]` out, or fit `actuator.external_volume` to `trajectories`"));
     }
     let mut scenario = of.scenario.clone();
-    let words = format!("a volume of {}", with_interval(volume, 1e6, "cm³"));
+    let words = format!("a volume of {}", with_interval(volume));
     let (braid, words) = match of.entry.length {
         None => (0.0, words),
         Some(length) => {
