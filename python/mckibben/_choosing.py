@@ -51,8 +51,13 @@ class SizedMuscle:
         Mass in kg of the air that a stroke takes, all muscles together.
     sonic_conductance : float or None
         Least sonic conductance in m³/(s·Pa) of the valve of each muscle; `None` without a time, or where none is enough.
+    pwm_frequency : float or None
+        Least frequency in Hz at which pulses of that valve keep the middle of the stroke within the ripple; `None` without one, or
+        where no pulses do.
+    pwm_duty : float or None
+        Duty cycle that holds the load there.
     scenario : Scenario
-        One of the muscles with its share of the load, and the valve where there is a time.
+        One of the muscles with its share of the load, and the valve where there is a time; under its pulses where there is a ripple.
     """
 
     name: str
@@ -66,6 +71,8 @@ class SizedMuscle:
     force_at_rest: float
     air: float
     sonic_conductance: float | None
+    pwm_frequency: float | None
+    pwm_duty: float | None
     scenario: Scenario
 
 
@@ -78,16 +85,18 @@ class Sizes(collections.abc.Sequence[SizedMuscle]):
     def __init__(self, arguments: tuple[typing.Any, ...]) -> None:
         self._arguments = arguments
         self._of = of = _Sizes(*arguments)
-        names = [field.name for field in dataclasses.fields(SizedMuscle)][2:-2]
+        names = [field.name for field in dataclasses.fields(SizedMuscle)][2:-4]
         self._muscles = [
             SizedMuscle(
                 name,
                 count,
                 **dict(zip(names, numbers)),
                 sonic_conductance=conductance,
+                pwm_frequency=None if pulses is None else pulses[0],
+                pwm_duty=None if pulses is None else pulses[1],
                 scenario=Scenario(of.scenario(place), f"{name}.toml"),
             )
-            for place, (name, count, numbers, conductance) in enumerate(of.candidates())
+            for place, (name, count, numbers, conductance, pulses) in enumerate(of.candidates())
         ]
 
     def __reduce__(self) -> tuple[type[Sizes], tuple[tuple[typing.Any, ...]]]:
@@ -186,6 +195,7 @@ def size(
     most_length: float | str | None = None,
     most_diameter: float | str | None = None,
     time: float | str | None = None,
+    ripple: float | str | None = None,
 ) -> Sizes:
     """Look for muscles that lift a load over a stroke at a pressure, as `mckibben size` does.
 
@@ -210,6 +220,9 @@ def size(
         Greatest diameter at rest in m, or text with a unit.
     time : float or str, optional
         Time in s within which nine tenths of the stroke are to be done: the conductances of valves follow.
+    ripple : float or str, optional
+        Peak to peak swing of the length in m that pulses may leave in the middle of the stroke: their frequency follows. Only with
+        `time`.
 
     Returns
     -------
@@ -230,7 +243,7 @@ def size(
     (176.2, 6.3)
     """
     angles = tuple(braid_angles)
-    return Sizes((load, stroke, gauge_pressure, angles, effectiveness, most_length, most_diameter, time))
+    return Sizes((load, stroke, gauge_pressure, angles, effectiveness, most_length, most_diameter, time, ripple))
 
 
 @dataclasses.dataclass(frozen=True)

@@ -56,15 +56,20 @@ def test_braids_made_to_measure_hold_the_load_at_the_stroke():
 
 def test_it_is_what_the_program_writes(program, tmp_path):
     wanted = [part for name, value in WANTED.items() for part in (f"--{name.replace('_', '-')}", value)]
-    program(tmp_path, "size", *wanted, "--time", "0.3 s", "--braid-angles", "25", "--output", "sizes.csv")
+    program(tmp_path, "size", *wanted, "--time", "0.3 s", "--ripple", "0.2 mm", "--braid-angles", "25", "--output",
+            "sizes.csv")
     with (tmp_path / "sizes.csv").open() as file:
         rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
-    sizes = mckibben.size(**WANTED, time="0.3 s", braid_angles=["25 deg"])
-    assert len(rows) == len(sizes)
+    sizes = mckibben.size(**WANTED, time="0.3 s", ripple="0.2 mm", braid_angles=["25 deg"])
+    assert any(muscle.pwm_frequency is not None for muscle in sizes) and len(rows) == len(sizes)
     for row, muscle in zip(rows, sizes):
         assert float(row["length_m"]) == muscle.length and float(row["air_kg"]) == muscle.air
-        least = row["sonic_conductance_m3_s_pa"]
-        assert (float(least) if least else None) == muscle.sonic_conductance
+        for column, value in [
+            ("sonic_conductance_m3_s_pa", muscle.sonic_conductance),
+            ("pwm_frequency_hz", muscle.pwm_frequency),
+            ("pwm_duty", muscle.pwm_duty),
+        ]:
+            assert (float(row[column]) if row[column] else None) == value
 
 
 def test_the_valve_is_in_time_and_a_hose_needs_a_larger_one():

@@ -8,6 +8,7 @@ mod book;
 mod c;
 mod counts;
 mod dist;
+mod figures;
 mod python;
 mod steps;
 mod words;
@@ -17,12 +18,14 @@ use std::process::ExitCode;
 const HELP: &str = "\
 usage: cargo xtask test [STEP...]
        cargo xtask accuracy
+       cargo xtask figures [WORD...]
        cargo xtask rows [COUNT]
        cargo xtask dist
 
 test      runs every check, or only the named ones: format, lint, docs, no-std, reference, test,
           package, python, book.
 accuracy  measures the fixed-step engine against the event-located one and writes docs/accuracy.md and its figure.
+figures   draws the figures of the pages again, each by the command under it; or those whose names contain a word.
 rows      steps COUNT random rows in batches, ten million unless given: each goes on or says why not (ten minutes).
 dist      makes what a release carries, in target/release-files, and tries it: the program and the C library in an archive,
           a wheel, its source, checksums (ten minutes).
@@ -33,6 +36,7 @@ fn main() -> ExitCode {
     match arguments.split_first() {
         Some((command, chosen)) if command == "test" => steps::run(chosen),
         Some((command, [])) if command == "accuracy" => steps::accuracy(),
+        Some((command, words)) if command == "figures" => figures::figures(words),
         Some((command, rest)) if command == "rows" && rest.len() < 2 => steps::rows(rest.first()),
         Some((command, [])) if command == "dist" => dist::run(),
         _ => {

@@ -221,8 +221,8 @@ pub(crate) fn accuracy() -> ExitCode {
     let mut command = cargo(&root());
     command.args([
         "test",
-        "--package",
-        "mckibben-cli",
+        // As the check compiles it: then all is there already.
+        "--workspace",
         "--test",
         "accuracy",
         "--locked",

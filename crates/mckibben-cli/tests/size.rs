@@ -91,6 +91,41 @@ fn the_valve_is_quick_enough_and_not_wider_than_need_be() {
     assert!(reached(&format!("valve.sonic_conductance={} L/(min*bar)", 0.97 * least)) < 0.027);
 }
 
+/// On the orbit of the scenario that is written the length swings as much as was allowed, about the middle of the stroke, and at a
+/// lower frequency more. Nothing damps the load.
+#[test]
+fn pulses_keep_the_muscle_as_still_as_requested() {
+    let folder = Folder::new("size-ripple");
+    let options = [
+        "--time",
+        "0.3 s",
+        "--ripple",
+        "0.2 mm",
+        "--braid-angles",
+        "25",
+        "--scenario",
+        "muscle.toml",
+        "--output",
+        "sizes.csv",
+    ];
+    let printed = text(&size(&folder, &options));
+    let table = Numbers::read(&folder, "sizes.csv");
+    let frequency = table.at(0, "pwm_frequency_hz");
+    assert!(frequency > 1.0 && (0.1..0.9).contains(&table.at(0, "pwm_duty")), "{printed}");
+    let settled = |set: &str| {
+        let simulate = ["simulate", "muscle.toml", "--set", set, "--settle", "--format", "json"];
+        let all: serde_json::Value =
+            serde_json::from_str(&text(&folder.mckibben().args(simulate).output().expect("it runs"))).expect("JSON");
+        assert_eq!(all["settled"]["settled"], true, "{all}");
+        ["length_mean_m", "length_ripple_m"].map(|name| all["settled"]["numbers"][name].as_f64().expect("a number"))
+    };
+    let [mean, ripple] = settled("run.duration=0.5 s");
+    assert!((ripple / 2e-4 - 1.0).abs() < 0.05, "{ripple} m, {printed}");
+    assert!((mean - (table.at(0, "length_m") - 0.015)).abs() < 1e-3, "{mean} m");
+    let [_, more] = settled(&format!("command.frequency={} Hz", 0.8 * frequency));
+    assert!(more > 1.2 * ripple, "{more} m for {ripple} m");
+}
+
 #[test]
 fn limits_are_kept_or_named() {
     let folder = Folder::new("size-limits");
@@ -113,6 +148,8 @@ fn what_cannot_be_is_refused_in_words() {
         (&["--pick", "99"], "no muscle does it"),
         (&["--time", "3 mm"], "is no time"),
         (&["--hose", "2 m"], "--time"),
+        (&["--ripple", "0.1 mm"], "--time"),
+        (&["--time", "0.3 s", "--ripple", "0 mm"], "`--ripple` is 0 m"),
     ] {
         let output = size(&folder, more);
         let error = String::from_utf8_lossy(&output.stderr).into_owned();

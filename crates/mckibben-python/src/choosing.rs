@@ -23,8 +23,8 @@ use pyo3::types::PyDict;
 #[pyclass(frozen, module = "mckibben")]
 pub(crate) struct _Sizes(Sizes);
 
-/// A candidate: name and count, its sizes, and the least conductance of its valve.
-type Sized = (String, usize, [f64; 8], Option<f64>);
+/// A candidate: name and count, its sizes, the least conductance of its valve, and frequency and duty of its pulses.
+type Sized = (String, usize, [f64; 8], Option<f64>, Option<(f64, f64)>);
 
 #[pymethods]
 impl _Sizes {
@@ -40,6 +40,7 @@ impl _Sizes {
         most_length: Option<Quantity>,
         most_diameter: Option<Quantity>,
         time: Option<Quantity>,
+        ripple: Option<Quantity>,
     ) -> PyResult<Self> {
         let read = |name: &str, of: Quantity, [what, unit, example]: [&str; 3]| {
             of.read(name, |text| quantities::read(text, what, unit, example), |number| number)
@@ -56,6 +57,7 @@ impl _Sizes {
             most_length: maybe("most_length", most_length, length).or_exception()?,
             most_diameter: maybe("most_diameter", most_diameter, length).or_exception()?,
             time: maybe("time", time, ["time", "s", "0.3 s"]).or_exception()?,
+            ripple: maybe("ripple", ripple, length).or_exception()?,
         };
         py.detach(|| Sizes::of(requirement)).or_exception_of_arguments().map(Self)
     }
@@ -66,7 +68,8 @@ impl _Sizes {
             let ([thread, turns], [length, diameter]) = (its.thread, [its.length, its.diameter]);
             let numbers =
                 [length, diameter, thread, turns, its.contraction, its.needed_pressure, its.force_at_rest, its.air];
-            (its.name.clone(), its.count, numbers, its.quickness.as_ref().and_then(Quickness::conductance))
+            let pulses = its.pulses.as_ref().map(|of| (of.frequency, of.duty));
+            (its.name.clone(), its.count, numbers, its.quickness.as_ref().and_then(Quickness::conductance), pulses)
         };
         self.0.candidates.iter().map(of).collect()
     }

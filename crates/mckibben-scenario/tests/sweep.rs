@@ -249,6 +249,12 @@ fn file_for(path: &str) -> String {
         let wave = "kind = \"prescribed-motion\"\nlength = \"9 cm\"\namplitude = \"1 mm\"\nfrequency = \"1 Hz\"";
         base = base.replace(mass, wave);
     }
+    if path.starts_with("pressure.") {
+        // It stands in place of a valve and what belongs to that.
+        base = "[pressure]\ntime = [\"0 s\", \"0.5 s\"]\ngauge_pressure = [\"1 bar\", \"3 bar\"]\n\
+                [load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n[run]\nduration = \"1 s\"\n"
+            .to_owned();
+    }
     if path.starts_with("tendon.") {
         base.push_str("[tendon]\nstiffness = \"10 kN/m\"\n");
     }

@@ -10,7 +10,7 @@ use mckibben_run::linearize::Measure;
 use mckibben_run::output;
 use mckibben_run::quantities::given;
 use mckibben_run::report::{Table, number};
-use mckibben_run::size::{Requirement, Sizes, force_of};
+use mckibben_run::size::{Pulses, Requirement, Sizes, ValveTime, force_of};
 use mckibben_run::units;
 use std::path::PathBuf;
 
@@ -22,11 +22,14 @@ Examples:
   mckibben size --load '80 N' --stroke '40 mm' --gauge-pressure '5 bar' --most-diameter '20 mm' --plot sizes.svg
   mckibben size --load '5 kg' --stroke '30 mm' --gauge-pressure '4 bar' --time '0.3 s' --hose '2 m'
   mckibben size --load '5 kg' --stroke '30 mm' --gauge-pressure '4 bar' --time '0.3 s' --scenario muscle.toml
+  mckibben size --load '5 kg' --stroke '30 mm' --gauge-pressure '4 bar' --time '0.3 s' --ripple '0.2 mm'
 
 A muscle hangs under the load at rest, at its greatest length and without pressure. Its stroke is how much shorter it
 is where it holds the load at the whole pressure. Friction is left out. A braid that is made to measure is the ideal
 one unless --effectiveness says how much of its force a real one has. With --time the valve opens at once and the load
-is lifted from rest; the time is that of nine tenths of the stroke.")]
+is lifted from rest; the time is that of nine tenths of the stroke. With --ripple the valve is pulsed in the middle of
+the stroke, at the duty whose mean flow holds the load there; the ripple is that of the linear model. The scenario that
+is written then starts there. A named valve is too slow where its delays are longer than the pulses.")]
 pub struct SizeArguments {
     /// What is moved: a mass that hangs, such as `5 kg`, or a force, such as `40 N`.
     #[arg(long, value_name = "QUANTITY", value_parser = Measure::read)]
@@ -52,6 +55,9 @@ pub struct SizeArguments {
     /// Within which time nine tenths of the stroke are to be done: the valve follows.
     #[arg(long, value_name = "QUANTITY", value_parser = measured("time", "s", "0.3 s"))]
     pub time: Option<f64>,
+    /// How much pulses may make the length swing in the middle of the stroke, peak to peak: their frequency follows.
+    #[arg(long, value_name = "QUANTITY", value_parser = measured("length", "m", "0.2 mm"), requires = "time")]
+    pub ripple: Option<f64>,
     /// The length of the hose from the valve: its diameter follows.
     #[arg(long, value_name = "QUANTITY", value_parser = measured("length", "m", "30 mm"), requires = "time")]
     pub hose: Option<f64>,
@@ -89,6 +95,7 @@ pub fn run(arguments: &SizeArguments) -> Result<(), Failure> {
         most_length: arguments.most_length,
         most_diameter: arguments.most_diameter,
         time: arguments.time,
+        ripple: arguments.ripple,
     })?;
     let pick = arguments.pick.wrapping_sub(1);
     let scenario = sizes.scenario(pick)?;
@@ -121,12 +128,22 @@ pub fn run(arguments: &SizeArguments) -> Result<(), Failure> {
 
 /// How quick valves that can be bought are.
 fn valves(sizes: &Sizes, pick: usize) -> Result<Table, Failure> {
-    let row = |its: mckibben_run::size::ValveTime| {
-        vec![its.name.to_owned(), its.time.map_or("longer".to_owned(), |time| number(1e3 * time, 1))]
+    let is_pulsed = sizes.requirement().ripple.is_some();
+    let row = |its: ValveTime| {
+        let mut row = vec![its.name.to_owned(), its.time.map_or("longer".to_owned(), |time| number(1e3 * time, 1))];
+        if is_pulsed {
+            row.extend(match its.pulses {
+                Some(Pulses { frequency, duty, follows: true, .. }) => [number(frequency, 1), number(duty, 3)],
+                Some(_) => ["too slow", "–"].map(String::from),
+                None => ["none", "–"].map(String::from),
+            });
+        }
+        row
     };
+    let more: &[&str] = if is_pulsed { &["PWM Hz", "duty"] } else { &[] };
     Ok(Table {
         caption: format!("Named valves, one on each muscle of place {}:", pick + 1),
-        head: ["valve", "time ms"].map(String::from).to_vec(),
+        head: ["valve", "time ms"].iter().chain(more).map(|head| (*head).to_owned()).collect(),
         rows: sizes.valves(pick)?.into_iter().map(row).collect(),
     })
 }

@@ -8,10 +8,12 @@
 //! |---|---|
 //! | `free` | the braid of a braid angle that takes the least air |
 //! | `valve` | how much a valve must let through for a time, by simulation |
+//! | `ripple` | how fast it must be pulsed so that the muscle keeps still, by the linear model |
 //!
 //! Checked by the tests of `free` and by the program's `tests/size.rs`.
 
 mod free;
+mod ripple;
 mod valve;
 
 use crate::failure::Failure;
@@ -21,6 +23,7 @@ use crate::report::{Data, Table, number};
 use mckibben::{Actuator, GaugePressure};
 use mckibben_plot::{Axis, Colour, Figure, Panel, Series};
 use mckibben_scenario::{Document, presets};
+pub use ripple::Pulses;
 pub use valve::{Hose, Quickness, ValveTime};
 
 /// More muscles side by side than anybody mounts.
@@ -31,6 +34,8 @@ const ROOM: f64 = 293.15;
 const GRAVITY: f64 = 9.80665;
 /// Points of a curve in the figure.
 const POINTS: usize = 80;
+/// What to do where a time is missing.
+const NO_TIME: &str = "say with --time within which time nine tenths of the stroke are to be done";
 /// How much of a stroke may be missing by rounding of the sizes.
 const ROUNDING: f64 = 1e-6;
 
@@ -61,6 +66,8 @@ pub struct Requirement {
     pub most_diameter: Option<f64>,
     /// Time in s within which nine tenths of the stroke are to be done.
     pub time: Option<f64>,
+    /// Peak to peak swing of the length in m that pulses may leave in the middle of the stroke; with a time.
+    pub ripple: Option<f64>,
 }
 
 /// Muscles that do it.
@@ -86,6 +93,8 @@ pub struct Candidate {
     pub air: f64,
     /// How quick a valve makes it, where a time was requested.
     pub quickness: Option<Quickness>,
+    /// The slowest pulses that keep it still, where a ripple was requested.
+    pub pulses: Option<Pulses>,
     /// The scenario of one of them, without a valve.
     scenario: String,
     actuator: Actuator,
@@ -115,12 +124,16 @@ impl Requirement {
             ("--most-length", self.most_length, "m"),
             ("--most-diameter", self.most_diameter, "m"),
             ("--time", self.time, "s"),
+            ("--ripple", self.ripple, "m"),
         ];
         for (name, value, unit) in positive {
             if let Some(value) = value.filter(|value| !(*value > 0.0 && value.is_finite())) {
                 let title = format!("`{name}` is {}, which is not above zero", quantities::given(value, unit));
                 return Err(Failure::input(title, "give a value above zero"));
             }
+        }
+        if self.ripple.is_some() && self.time.is_none() {
+            return Err(Failure::input("a ripple is that of a valve, which is chosen by a time", NO_TIME));
         }
         let neutral = free::neutral_angle();
         if let Some(angle) = self.braid_angles.iter().find(|angle| !(5f64.to_radians()..neutral).contains(*angle)) {
@@ -163,7 +176,11 @@ impl Sizes {
         candidates.sort_by(|one, other| one.air.total_cmp(&other.air));
         if let Some(time) = requirement.time {
             for candidate in &mut candidates {
-                candidate.quickness = Some(valve::quickness(&candidate.scenario, &requirement, time, None)?);
+                let quickness = valve::quickness(&candidate.scenario, &requirement, time, None)?;
+                if let (Some(least), Some(swing)) = (quickness.conductance(), requirement.ripple) {
+                    candidate.pulses = ripple::of_conductance(&candidate.scenario, &requirement, least, swing)?;
+                }
+                candidate.quickness = Some(quickness);
             }
         }
         Ok(Self { requirement, candidates, left_out })
@@ -208,8 +225,7 @@ impl Sizes {
     }
 
     fn time(&self) -> Result<f64, Failure> {
-        let help = "say with --time within which time nine tenths of the stroke are to be done";
-        self.requirement.time.ok_or_else(|| Failure::input("valves and hoses are chosen by a time", help))
+        self.requirement.time.ok_or_else(|| Failure::input("valves and hoses are chosen by a time", NO_TIME))
     }
 
     /// The candidates for people.
@@ -219,6 +235,9 @@ impl Sizes {
         head.extend(["pressure bar", "force at rest N", "air mg"]);
         if self.requirement.time.is_some() {
             head.push("valve C L/(min·bar)");
+        }
+        if self.requirement.ripple.is_some() {
+            head.extend(["PWM Hz", "duty"]);
         }
         let rows = self.candidates.iter().enumerate().map(|(place, its)| {
             let mut row = vec![
@@ -235,6 +254,12 @@ impl Sizes {
                 number(1e6 * its.air, 1),
             ];
             row.extend(its.quickness.as_ref().map(Quickness::words));
+            if self.requirement.ripple.is_some() {
+                row.extend(match &its.pulses {
+                    Some(Pulses { frequency, duty, .. }) => [number(*frequency, 1), number(*duty, 3)],
+                    None => ["none", "–"].map(String::from),
+                });
+            }
             row
         });
         let rows = rows.collect();
@@ -245,8 +270,15 @@ impl Sizes {
             ),
             None => String::new(),
         };
+        let still = match self.requirement.ripple {
+            Some(swing) => format!(
+                "; PWM at that frequency and duty holds the middle of the stroke within {}, peak to peak",
+                quantities::given(swing, "m")
+            ),
+            None => String::new(),
+        };
         let caption = format!(
-            "Muscles for {} over {} at {} gauge, the least air first{each}:",
+            "Muscles for {} over {} at {} gauge, the least air first{each}{still}:",
             quantities::given(self.requirement.load, "N"),
             quantities::given(self.requirement.stroke, "m"),
             quantities::given(self.requirement.gauge_pressure, "Pa"),
@@ -271,14 +303,17 @@ impl Sizes {
             "force_at_rest_n",
             "air_kg",
             "sonic_conductance_m3_s_pa",
+            "pwm_frequency_hz",
+            "pwm_duty",
         ];
-        let mut data = Data::new(&columns).lacking(&["sonic_conductance_m3_s_pa"]);
+        let mut data = Data::new(&columns).lacking(&columns[columns.len() - 3..]);
         for (place, its) in self.candidates.iter().enumerate() {
             let least = its.quickness.as_ref().and_then(Quickness::conductance).unwrap_or(f64::NAN);
             let [thread, turns] = its.thread;
             let (length, diameter) = (its.length, its.diameter);
             let sizes = [(place + 1) as f64, its.count as f64, length, diameter, thread, turns];
-            let rest = [its.contraction, its.needed_pressure, its.force_at_rest, its.air, least];
+            let [frequency, duty] = its.pulses.as_ref().map_or([f64::NAN; 2], |of| [of.frequency, of.duty]);
+            let rest = [its.contraction, its.needed_pressure, its.force_at_rest, its.air, least, frequency, duty];
             data.rows.push(sizes.into_iter().chain(rest).collect());
         }
         data.check()?;
@@ -364,6 +399,7 @@ impl Candidate {
             force_at_rest: count as f64 * actuator.static_force(limits.max_length(), whole),
             air: count as f64 * (content(high, end) - content(0.0, limits.max_length())),
             quickness: None,
+            pulses: None,
             name,
             scenario,
             actuator,

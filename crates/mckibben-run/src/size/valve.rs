@@ -3,6 +3,7 @@
 //! The valve opens at t = 0, at the supply's pressure; the muscle starts at rest without pressure. The time is that at which nine
 //! tenths of the stroke are done for the first time: the last tenth goes as slowly as the pressures meet.
 
+use super::ripple::{self, Pulses};
 use super::{Candidate, Requirement};
 use crate::failure::Failure;
 use crate::quantities;
@@ -51,6 +52,8 @@ pub struct ValveTime {
     pub name: &'static str,
     /// Time in s; none if it takes longer than was looked at.
     pub time: Option<f64>,
+    /// The slowest pulses that keep the muscle still, where a ripple was requested; none where there are no such.
+    pub pulses: Option<Pulses>,
 }
 
 impl Quickness {
@@ -78,7 +81,7 @@ fn litres_per_minute_and_bar(conductance: f64) -> f64 {
 }
 
 /// A valve by its sonic conductance, as keys of a file.
-fn valve_of(conductance: f64) -> String {
+pub(super) fn valve_of(conductance: f64) -> String {
     format!(
         "[valve]\nkind = \"three-way\"\nsonic_conductance = \"{:.4} L/(min*bar)\"\ncritical_ratio = {CRITICAL_RATIO}\n",
         litres_per_minute_and_bar(conductance)
@@ -89,12 +92,13 @@ fn hose_of(length: f64, diameter: f64) -> String {
     format!("[hose]\nlength = \"{length} m\"\ndiameter = \"{diameter} m\"\n")
 }
 
-/// A scenario with what feeds its muscle.
-fn fed(scenario: &str, requirement: &Requirement, valve: &str, hose: &str) -> String {
-    format!(
-        "{scenario}\n[supply]\ngauge_pressure = \"{} Pa\"\n\n{valve}\n[command]\nkind = \"fill\"\n\n{hose}",
-        requirement.gauge_pressure
-    )
+/// The command of a valve that opens to the supply, and stays open.
+const FILL: &str = "[command]\nkind = \"fill\"\n";
+
+/// A scenario with what feeds its muscle: valve, command and hose.
+pub(super) fn fed(scenario: &str, requirement: &Requirement, [valve, command, hose]: [&str; 3]) -> String {
+    let pressure = requirement.gauge_pressure;
+    format!("{scenario}\n[supply]\ngauge_pressure = \"{pressure} Pa\"\n\n{valve}\n{command}\n{hose}")
 }
 
 /// When in s nine tenths of the stroke are done; none up to `until`.
@@ -124,10 +128,10 @@ pub(super) fn quickness(
 ) -> Result<Quickness, Failure> {
     let hose = hose.map_or(String::new(), |[length, diameter]| hose_of(length, diameter));
     let of = |conductance: f64, until: f64| {
-        time_of(&fed(scenario, requirement, &valve_of(conductance), &hose), requirement, until)
+        time_of(&fed(scenario, requirement, [&valve_of(conductance), FILL, &hose]), requirement, until)
     };
     let [mut low, mut high] = CONDUCTANCES.map(f64::ln);
-    let first = fed(scenario, requirement, &valve_of(CONDUCTANCES[1]), &hose);
+    let first = fed(scenario, requirement, [&valve_of(CONDUCTANCES[1]), FILL, &hose]);
     if Document::parse(&first, "the candidate")?.experiment().is_err() {
         return Ok(Quickness::NoStart);
     }
@@ -158,10 +162,14 @@ pub(super) fn of_presets(scenario: &str, requirement: &Requirement, time: f64) -
     let mut found = Vec::new();
     for preset in presets::VALVES {
         let valve = format!("[valve]\npreset = \"{}\"\n", preset.name);
-        let text = fed(scenario, requirement, &valve, "");
+        let text = fed(scenario, requirement, [&valve, FILL, ""]);
         let is_filled = Document::parse(&text, preset.name).is_ok_and(|document| document.experiment().is_ok());
         if is_filled {
-            found.push(ValveTime { name: preset.name, time: time_of(&text, requirement, 10.0 * time)? });
+            let pulses = match requirement.ripple {
+                Some(swing) => ripple::pulses(scenario, requirement, &valve, swing)?,
+                None => None,
+            };
+            found.push(ValveTime { name: preset.name, time: time_of(&text, requirement, 10.0 * time)?, pulses });
         }
     }
     found.sort_by(|one, other| {
@@ -181,9 +189,15 @@ pub(super) fn written(candidate: &Candidate, requirement: &Requirement) -> Strin
             count => format!("one of {count} muscles side by side, with its share of the load"),
         }
     );
-    match candidate.quickness.as_ref().and_then(Quickness::conductance) {
-        Some(least) => head + &fed(&candidate.scenario, requirement, &valve_of(least), ""),
-        None => {
+    let least = candidate.quickness.as_ref().and_then(Quickness::conductance);
+    match (least, &candidate.pulses) {
+        (Some(least), Some(Pulses { frequency, duty, gauge_pressure, .. })) => {
+            let start = format!("[initial]\ngauge_pressure = \"{gauge_pressure} Pa\"\n");
+            let command = ripple::command(*frequency, *duty);
+            head + &fed(&candidate.scenario, requirement, [&valve_of(least), &command, &start])
+        }
+        (Some(least), None) => head + &fed(&candidate.scenario, requirement, [&valve_of(least), FILL, ""]),
+        (None, _) => {
             let start = format!("\n[initial]\ngauge_pressure = \"{} Pa\"\n", candidate.needed_pressure);
             head + &candidate.scenario + &start
         }

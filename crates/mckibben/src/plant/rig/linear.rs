@@ -222,8 +222,8 @@ impl Linearization {
         self.view.words().controllability(&self.plant, system, input)
     }
 
-    /// How far one output swings, peak to peak, under the valve's switching: by the fundamental of its openings through the
-    /// model. `None` without a PWM.
+    /// How far one output swings, peak to peak, under the valve's switching: by 24 harmonics of its openings through the model.
+    /// `None` without a PWM.
     #[cfg(feature = "analysis")]
     pub fn ripple(&self, output: &str) -> Option<f64> {
         let words = self.view.words();
