@@ -117,7 +117,7 @@ static inline double limit(const struct muscle *k, double length, double velocit
 static inline double force(const struct muscle *k, const struct mode *mode, const double *y) {
     double sum =
         static_force(k, y[0], y[2]) + k->viscous * y[1] + mode->sliding * coulomb(k, y[0], y[2]);
-    if (mode->extent == TAUT)
+    if (mode->length_regime == TAUT)
         sum += limit(k, y[0], y[1]);
     return sum;
 }
@@ -136,7 +136,7 @@ static inline double flow(const struct muscle *k, enum zone zone, double up, dou
 }
 
 bool muscle_rates(const struct muscle *k, const struct mode *mode, const double *y, double *rates) {
-    const bool slack = mode->extent == SLACK, stuck = mode->sliding == 0;
+    const bool slack = mode->length_regime == SLACK, stuck = mode->sliding == 0;
     const double length = slack ? k->min_length : y[0];
     const double velocity = slack || stuck ? 0.0 : y[1];
     const double thread2 = k->thread_length * k->thread_length, length2 = length * length;
@@ -179,7 +179,7 @@ void muscle_guards(const struct muscle *k, const struct mode *mode, const double
         if (mode->zone < CHOKED_OUT)
             guards[PRESSURE_UP] = bounds[mode->zone] * (1.0 + k->band) - y[2];
     }
-    if (mode->extent == SLACK) {
+    if (mode->length_regime == SLACK) {
         guards[LENGTH_LOW] = k->min_length - y[0];
         return;
     }
@@ -191,10 +191,10 @@ void muscle_guards(const struct muscle *k, const struct mode *mode, const double
         return;
     }
     guards[VELOCITY_ZERO] = mode->sliding * y[1];
-    if (mode->extent == FREE) {
+    if (mode->length_regime == FREE) {
         guards[LENGTH_LOW] = y[0] - k->min_length;
         guards[LENGTH_HIGH] = k->max_length - y[0];
-    } else if (mode->extent == TAUT) {
+    } else if (mode->length_regime == TAUT) {
         guards[LENGTH_HIGH] = limit(k, y[0], y[1]);
     } else {
         guards[LENGTH_LOW] = y[0] - k->max_length;
@@ -205,14 +205,14 @@ void muscle_guards(const struct muscle *k, const struct mode *mode, const double
 }
 
 static void clamp(const struct muscle *k, const double *y, struct mode *mode) {
-    const bool moves = mode->extent != SLACK && mode->sliding != 0;
+    const bool moves = mode->length_regime != SLACK && mode->sliding != 0;
     mode->clamped = moves && force(k, mode, y) < 0.0;
 }
 
 static void slide(const struct muscle *k, int direction, const double *y, struct mode *mode) {
     mode->sliding = direction;
     if (direction < 0 && y[0] <= k->min_length)
-        mode->extent = SLACK;
+        mode->length_regime = SLACK;
     clamp(k, y, mode);
 }
 
@@ -241,13 +241,13 @@ void muscle_open(const struct muscle *k, const double *y, enum port port, struct
 }
 
 struct mode muscle_begin(const struct muscle *k, const double *y) {
-    struct mode mode = {.extent = FREE, .sliding = y[1] < 0.0 ? -1 : 1, .clamped = false};
+    struct mode mode = {.length_regime = FREE, .sliding = y[1] < 0.0 ? -1 : 1, .clamped = false};
     muscle_open(k, y, (enum port)k->initial_port, &mode);
     if (y[0] > k->max_length)
-        mode.extent = limit(k, y[0], y[1]) >= 0.0 ? TAUT : REBOUND;
+        mode.length_regime = limit(k, y[0], y[1]) >= 0.0 ? TAUT : REBOUND;
     else if (y[0] < k->min_length)
-        mode.extent = SLACK;
-    if (y[1] == 0.0 && mode.extent != SLACK)
+        mode.length_regime = SLACK;
+    if (y[1] == 0.0 && mode.length_regime != SLACK)
         rest_or_slide(k, y, &mode);
     clamp(k, y, &mode);
     return mode;
@@ -262,29 +262,29 @@ void muscle_cross(const struct muscle *k, int guard, double *y, struct mode *mod
         mode->zone++;
         break;
     case LENGTH_LOW:
-        if (mode->extent == REBOUND) {
+        if (mode->length_regime == REBOUND) {
             y[0] = k->max_length;
-            mode->extent = FREE;
+            mode->length_regime = FREE;
             clamp(k, y, mode);
             break;
         }
         y[0] = k->min_length;
         if (rests_on_the_stop(k, y)) {
             y[1] = 0.0;
-            mode->extent = FREE;
+            mode->length_regime = FREE;
             slide(k, 0, y, mode);
-        } else if (mode->extent == FREE) {
-            mode->extent = SLACK;
+        } else if (mode->length_regime == FREE) {
+            mode->length_regime = SLACK;
             clamp(k, y, mode);
         } else {
-            mode->extent = FREE;
+            mode->length_regime = FREE;
             slide(k, 1, y, mode);
         }
         break;
     case LENGTH_HIGH:
-        if (mode->extent == FREE)
+        if (mode->length_regime == FREE)
             y[0] = k->max_length;
-        mode->extent = mode->extent == TAUT ? REBOUND : TAUT;
+        mode->length_regime = mode->length_regime == TAUT ? REBOUND : TAUT;
         clamp(k, y, mode);
         break;
     case VELOCITY_ZERO:

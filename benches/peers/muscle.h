@@ -15,12 +15,12 @@ enum port { CLOSED = -1, SUPPLY = 0, EXHAUST = 1 };
 /* The pieces of the flow law in order of rising pressure in the actuator. */
 enum zone { CHOKED_IN, SUBSONIC_IN, LAMINAR_IN, LAMINAR_OUT, SUBSONIC_OUT, CHOKED_OUT };
 
-enum extent { SLACK, FREE, TAUT, REBOUND };
+enum length_regime { SLACK, FREE, TAUT, REBOUND };
 
 struct mode {
     enum port port;
     enum zone zone;
-    enum extent extent;
+    enum length_regime length_regime;
     int sliding; /* +1 lengthening, -1 shortening, 0 stuck */
     bool clamped;
 };

@@ -6,7 +6,7 @@
 // `textbook` writes the orifice with one power, u = r^((γ−1)/γ), and every quotient as the equations have it; the power
 // is libmvec's. `polynomial` writes it as √(1−r) g(r) with g fitted at the start, and merges the divisions. Both take
 // sgn(v), slack and taut where the rates are evaluated. `located` is `polynomial` with the direction of sliding and the
-// extent (slack, free, taut) held, and the few rows in which one of them ends inside a step taken again one by one: to
+// length_regime (slack, free, taut) held, and the few rows in which one of them ends inside a step taken again one by one: to
 // that instant, and on with what holds from there.
 #include <algorithm>
 #include <array>
@@ -50,12 +50,12 @@ struct alignas(64) Block {
     double length[LANES], velocity[LANES], pressure[LANES], air[LANES];
     double per_mass[LANES], supply[LANES];
     double sliding[LANES];  // -1, 0 (stuck) or 1
-    double extent[LANES];   // -1 (slack), 0 or 1 (taut)
+    double length_regime[LANES];   // -1 (slack), 0 or 1 (taut)
 };
 
 // What holds over a step of one row. In the loop over rows the two are passed one by one: a pair is no vector.
 struct Held {
-    double sliding, extent;
+    double sliding, length_regime;
 };
 
 struct State {
@@ -143,7 +143,7 @@ inline __attribute__((always_inline)) double psi(const Muscle& m, double r) {
 
 template <Form FORM, bool FILLING>
 inline __attribute__((always_inline)) State rates(const Muscle& m, double per_mass, double supply, double sliding,
-                                                  double extent, const State& y) {
+                                                  double length_regime, const State& y) {
     const double L = y.length, P = y.pressure, air = y.air;
     const bool stuck = FORM == Form::located && sliding == 0;
     const double v = stuck ? 0.0 : y.velocity;
@@ -153,12 +153,12 @@ inline __attribute__((always_inline)) State rates(const Muscle& m, double per_ma
     const double volume = length * (m.square_thread - square) * m.per_turns + m.external_volume;
     const double secant = 3 * gauge * (length + m.min_length) * m.per_turns * m.effectiveness;
     const double stretched = m.stiffness * (L - m.max_length) + m.damping * v;
-    const double taut = FORM == Form::located ? (extent > 0 ? stretched : 0.0)
+    const double taut = FORM == Form::located ? (length_regime > 0 ? stretched : 0.0)
                                               : (L > m.max_length ? std::max(stretched, 0.0) : 0.0);
     const double friction = m.coulomb_width * std::max(secant, 0.0);
     const double coulomb = FORM == Form::located ? sliding * friction : v > 0 ? friction : v < 0 ? -friction : 0.0;
     const double force = std::max(taut + m.viscous * v + coulomb - m.effectiveness * gauge * slope, 0.0);
-    const bool slack = FORM == Form::located ? extent < 0 : L < m.min_length;
+    const bool slack = FORM == Form::located ? length_regime < 0 : L < m.min_length;
     const double tension = slack ? 0.0 : force, volume_rate = slack ? 0.0 : slope * v;
 
     const double beyond = FILLING ? supply : m.atmosphere;
@@ -185,9 +185,9 @@ inline __attribute__((always_inline)) State rates(const Muscle& m, double per_ma
 // One step of the classical Runge-Kutta method.
 template <Form FORM, bool FILLING>
 inline __attribute__((always_inline)) State step(const Muscle& m, double per_mass, double supply, double sliding,
-                                                 double extent, const State& y, double h) {
+                                                 double length_regime, const State& y, double h) {
     const auto slope = [&](const State& at) __attribute__((always_inline)) {
-        return rates<FORM, FILLING>(m, per_mass, supply, sliding, extent, at);
+        return rates<FORM, FILLING>(m, per_mass, supply, sliding, length_regime, at);
     };
     const auto ahead = [&](const State& k, double by) __attribute__((always_inline)) {
         return State{y.length + by * k.length, y.velocity + by * k.velocity, y.pressure + by * k.pressure,
@@ -216,16 +216,16 @@ inline __attribute__((always_inline)) double slides(const Muscle& m, double per_
     return sliding == 0 ? std::min(can.most - pull, pull - can.least) : sliding * y.velocity;
 }
 
-// Negative where the extent has ceased to hold, as a force of the taut braid.
-inline __attribute__((always_inline)) double extends(const Muscle& m, double extent, const State& y) {
+// Negative where the length_regime has ceased to hold, as a force of the taut braid.
+inline __attribute__((always_inline)) double extends(const Muscle& m, double length_regime, const State& y) {
     const double above = m.stiffness * (y.length - m.min_length), beyond = m.stiffness * (y.length - m.max_length);
     const double taut = std::min(beyond, beyond + m.damping * y.velocity);
-    return extent < 0 ? -above : extent > 0 ? taut : std::min(above, -taut);
+    return length_regime < 0 ? -above : length_regime > 0 ? taut : std::min(above, -taut);
 }
 
-inline __attribute__((always_inline)) double lasts(const Muscle& m, double per_mass, double sliding, double extent,
+inline __attribute__((always_inline)) double lasts(const Muscle& m, double per_mass, double sliding, double length_regime,
                                                   const State& y) {
-    return std::min(slides(m, per_mass, sliding, y), extends(m, extent, y));
+    return std::min(slides(m, per_mass, sliding, y), extends(m, length_regime, y));
 }
 
 double from_rest(const Muscle& m, double per_mass, const State& y) {
@@ -235,11 +235,11 @@ double from_rest(const Muscle& m, double per_mass, const State& y) {
     return pull > can.most ? 1 : pull < can.least ? -1 : 0;
 }
 
-// What holds from an instant at which the extent or the direction of sliding ended.
+// What holds from an instant at which the length_regime or the direction of sliding ended.
 void pass(const Muscle& m, double per_mass, bool by_extent, Held& held, State& y) {
     if (by_extent) {
-        const bool was_free = held.extent == 0, is_short = y.length < (m.min_length + m.max_length) / 2;
-        held.extent = !was_free ? 0 : is_short ? -1 : 1;
+        const bool was_free = held.length_regime == 0, is_short = y.length < (m.min_length + m.max_length) / 2;
+        held.length_regime = !was_free ? 0 : is_short ? -1 : 1;
     } else if (held.sliding != 0) {
         y.velocity = 0;
         held.sliding = from_rest(m, per_mass, y);
@@ -254,19 +254,19 @@ void pass(const Muscle& m, double per_mass, bool by_extent, Held& held, State& y
 template <bool FILLING>
 State turn(const Muscle& m, double per_mass, double supply, Held& held, State y, double h) {
     const auto to = [&](double part) {
-        return step<Form::located, FILLING>(m, per_mass, supply, held.sliding, held.extent, y, part * h);
+        return step<Form::located, FILLING>(m, per_mass, supply, held.sliding, held.length_regime, y, part * h);
     };
     for (int count = 0; count < TURNS; count++) {
         const State end = to(1);
         // What holds at the end is taken to hold throughout; of two that do not, the one nearer to its end goes first.
-        const bool ends[] = {slides(m, per_mass, held.sliding, end) < 0, extends(m, held.extent, end) < 0};
+        const bool ends[] = {slides(m, per_mass, held.sliding, end) < 0, extends(m, held.length_regime, end) < 0};
         if (!ends[0] && !ends[1]) return end;
         bool by_extent = false;
         const auto value = [&](const State& at) {
             const double sliding = ends[0] ? slides(m, per_mass, held.sliding, at) : 1e300;
-            const double extent = ends[1] ? extends(m, held.extent, at) : 1e300;
-            by_extent = extent < sliding;
-            return std::min(sliding, extent);
+            const double length_regime = ends[1] ? extends(m, held.length_regime, at) : 1e300;
+            by_extent = length_regime < sliding;
+            return std::min(sliding, length_regime);
         };
         double low = 0, high = 1, at_low = value(y), at_high = value(end), part = FROM_REST;
         if (at_low <= 0) low = FROM_REST, at_low = value(to(FROM_REST));
@@ -295,9 +295,9 @@ void step(const Muscle& muscle, Block& block, double h) {
     for (int i = 0; i < LANES; i++) {
         const State y{block.length[i], block.velocity[i], block.pressure[i], block.air[i]};
         const double per_mass = block.per_mass[i];
-        const double sliding = block.sliding[i], extent = block.extent[i];
-        const State end = step<FORM, FILLING>(m, per_mass, block.supply[i], sliding, extent, y, h);
-        if constexpr (FORM == Form::located) least = std::min(least, lasts(m, per_mass, sliding, extent, end));
+        const double sliding = block.sliding[i], length_regime = block.length_regime[i];
+        const State end = step<FORM, FILLING>(m, per_mass, block.supply[i], sliding, length_regime, y, h);
+        if constexpr (FORM == Form::located) least = std::min(least, lasts(m, per_mass, sliding, length_regime, end));
         next.length[i] = end.length, next.velocity[i] = end.velocity;
         next.pressure[i] = end.pressure, next.air[i] = end.air;
     }
@@ -305,11 +305,11 @@ void step(const Muscle& muscle, Block& block, double h) {
         for (int i = 0; i < LANES; i++) {
             const double per_mass = block.per_mass[i];
             State end{next.length[i], next.velocity[i], next.pressure[i], next.air[i]};
-            Held held{block.sliding[i], block.extent[i]};
-            if (lasts(m, per_mass, held.sliding, held.extent, end) >= 0) continue;
+            Held held{block.sliding[i], block.length_regime[i]};
+            if (lasts(m, per_mass, held.sliding, held.length_regime, end) >= 0) continue;
             const State y{block.length[i], block.velocity[i], block.pressure[i], block.air[i]};
             end = turn<FILLING>(m, per_mass, block.supply[i], held, y, h);
-            block.sliding[i] = held.sliding, block.extent[i] = held.extent;
+            block.sliding[i] = held.sliding, block.length_regime[i] = held.length_regime;
             next.length[i] = end.length, next.velocity[i] = end.velocity;
             next.pressure[i] = end.pressure, next.air[i] = end.air;
         }
@@ -359,7 +359,7 @@ Work read() {
         const bool moves = velocity != 0;
         block.sliding[i] = moves ? std::copysign(1, velocity)
                                  : from_rest(work.muscle, 1 / mass, {length, velocity, pressure, air});
-        block.extent[i] = length < work.muscle.min_length ? -1 : length > work.muscle.max_length ? 1 : 0;
+        block.length_regime[i] = length < work.muscle.min_length ? -1 : length > work.muscle.max_length ? 1 : 0;
     }
     return work;
 }

@@ -123,7 +123,7 @@ fn compare() -> Result<(), String> {
     let mut furthest = 0.0_f64;
     for (place, estimate) in found.estimates.iter().enumerate() {
         let deviation = estimate.standard_error.ok_or_else(|| {
-            format!("{} is not identifiable at {:e}: {:?}", estimate.name, estimate.value, found.untold)
+            format!("{} is not identifiable at {:e}: {:?}", estimate.name, estimate.value, found.unidentifiable)
         })?;
         let apart = (estimate.value - values[place]).abs() / deviation;
         furthest = furthest.max(apart);
@@ -165,7 +165,7 @@ fn recorded(scenario: &Scenario, number: usize) -> Result<Recorded, String> {
         name: format!("{number}"),
         subject: Adjustable::new(base, places, [true; 2]).into(),
         unknowns: (0..UNKNOWNS.len()).collect(),
-        courses: series,
+        time_series: series,
     })
 }
 
@@ -183,7 +183,7 @@ fn peer(problems: &[Problem], task: &Task) -> Result<(f64, u64, f64, Vec<f64>), 
         .zip(problems)
         .map(|(run, problem)| {
             let atmosphere = problem.scenario.air.atmospheric_pressure;
-            let pairs = run.courses[0].values.iter().zip(&run.courses[1].values);
+            let pairs = run.time_series[0].values.iter().zip(&run.time_series[1].values);
             pairs.map(|(length, gauge)| [*length, gauge + atmosphere]).collect()
         })
         .collect();

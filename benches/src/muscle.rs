@@ -28,7 +28,7 @@ pub enum LengthRegime {
 pub struct Mode {
     port: Port,
     zone: usize,
-    extent: LengthRegime,
+    length_regime: LengthRegime,
     /// +1 lengthening, −1 shortening, 0 stuck.
     sliding: f64,
     clamped: bool,
@@ -130,7 +130,7 @@ impl Muscle {
         let force = self.static_force(length, pressure)
             + self.viscous * velocity
             + mode.sliding * self.coulomb(length, pressure);
-        if mode.extent == LengthRegime::Taut { force + self.limit(length, velocity) } else { force }
+        if mode.length_regime == LengthRegime::Taut { force + self.limit(length, velocity) } else { force }
     }
 
     /// (21)(23): flow over `√T_up` in a zone, between two pressures.
@@ -153,7 +153,7 @@ impl Muscle {
     #[inline]
     pub fn rates(&self, mode: &Mode, state: &State) -> State {
         let &[length, velocity, pressure, mass] = state;
-        let (slack, stuck) = (mode.extent == LengthRegime::Slack, mode.sliding == 0.0);
+        let (slack, stuck) = (mode.length_regime == LengthRegime::Slack, mode.sliding == 0.0);
         let (length, moving) = if slack { (self.min_length, 0.0) } else { (length, velocity) };
         let (thread2, length2) = (self.thread_length * self.thread_length, length * length);
         let volume = length * (thread2 - length2) * self.inverse_turns + self.external_volume;
@@ -196,7 +196,7 @@ impl Muscle {
                 guards[PRESSURE_UP] = bounds[mode.zone] * (1.0 + self.band) - pressure;
             }
         }
-        if mode.extent == LengthRegime::Slack {
+        if mode.length_regime == LengthRegime::Slack {
             guards[LENGTH_LOW] = self.min_length - length;
             return guards;
         }
@@ -207,7 +207,7 @@ impl Muscle {
             return guards;
         }
         guards[VELOCITY_ZERO] = mode.sliding * velocity;
-        match mode.extent {
+        match mode.length_regime {
             LengthRegime::Taut => guards[LENGTH_HIGH] = self.limit(length, velocity),
             LengthRegime::Rebound => {
                 guards[LENGTH_LOW] = length - self.max_length;
@@ -224,14 +224,14 @@ impl Muscle {
     }
 
     fn clamp(&self, mode: &mut Mode, state: &State) {
-        let moves = mode.extent != LengthRegime::Slack && mode.sliding != 0.0;
+        let moves = mode.length_regime != LengthRegime::Slack && mode.sliding != 0.0;
         mode.clamped = moves && self.force(mode, state) < 0.0;
     }
 
     fn slide(&self, sliding: f64, mode: &mut Mode, state: &State) {
         mode.sliding = sliding;
         if sliding < 0.0 && state[0] <= self.min_length {
-            mode.extent = LengthRegime::Slack;
+            mode.length_regime = LengthRegime::Slack;
         }
         self.clamp(mode, state);
     }
@@ -266,15 +266,15 @@ impl Muscle {
     /// The mode at the start.
     pub fn begin(&self, port: Port, state: &State) -> Mode {
         let sliding = if state[1] < 0.0 { -1.0 } else { 1.0 };
-        let mut mode = Mode { port, zone: 0, extent: LengthRegime::Free, sliding, clamped: false };
+        let mut mode = Mode { port, zone: 0, length_regime: LengthRegime::Free, sliding, clamped: false };
         self.open(port, &mut mode, state);
         if state[0] > self.max_length {
             let pulls = self.limit(state[0], state[1]) >= 0.0;
-            mode.extent = if pulls { LengthRegime::Taut } else { LengthRegime::Rebound };
+            mode.length_regime = if pulls { LengthRegime::Taut } else { LengthRegime::Rebound };
         } else if state[0] < self.min_length {
-            mode.extent = LengthRegime::Slack;
+            mode.length_regime = LengthRegime::Slack;
         }
-        if state[1] == 0.0 && mode.extent != LengthRegime::Slack {
+        if state[1] == 0.0 && mode.length_regime != LengthRegime::Slack {
             self.rest_or_slide(&mut mode, state);
         }
         self.clamp(&mut mode, state);
@@ -286,31 +286,31 @@ impl Muscle {
         match guard {
             PRESSURE_DOWN => mode.zone -= 1,
             PRESSURE_UP => mode.zone += 1,
-            LENGTH_LOW if mode.extent == LengthRegime::Rebound => {
+            LENGTH_LOW if mode.length_regime == LengthRegime::Rebound => {
                 state[0] = self.max_length;
-                mode.extent = LengthRegime::Free;
+                mode.length_regime = LengthRegime::Free;
                 self.clamp(mode, state);
             }
             LENGTH_LOW => {
                 state[0] = self.min_length;
                 if self.rests_on_the_stop(state) {
                     state[1] = 0.0;
-                    mode.extent = LengthRegime::Free;
+                    mode.length_regime = LengthRegime::Free;
                     self.slide(0.0, mode, state);
-                } else if mode.extent == LengthRegime::Free {
-                    mode.extent = LengthRegime::Slack;
+                } else if mode.length_regime == LengthRegime::Free {
+                    mode.length_regime = LengthRegime::Slack;
                     self.clamp(mode, state);
                 } else {
-                    mode.extent = LengthRegime::Free;
+                    mode.length_regime = LengthRegime::Free;
                     self.slide(1.0, mode, state);
                 }
             }
             LENGTH_HIGH => {
-                if mode.extent == LengthRegime::Free {
+                if mode.length_regime == LengthRegime::Free {
                     state[0] = self.max_length;
                 }
-                mode.extent =
-                    if mode.extent == LengthRegime::Taut { LengthRegime::Rebound } else { LengthRegime::Taut };
+                mode.length_regime =
+                    if mode.length_regime == LengthRegime::Taut { LengthRegime::Rebound } else { LengthRegime::Taut };
                 self.clamp(mode, state);
             }
             VELOCITY_ZERO => {

@@ -52,7 +52,7 @@ impl Problem {
             && matches!(scenario.load, Load::HangingMass { .. })
             && scenario.valve.as_ref().is_none_or(|valve| {
                 valve.kind == ValveKind::ThreeWay
-                    && matches!(valve.passage, FlowPath::FlowArea(_))
+                    && matches!(valve.flow_path, FlowPath::FlowArea(_))
                     && valve.exhaust.is_none()
             });
         if !known {
@@ -96,7 +96,7 @@ impl Problem {
         let (supply_pressure, temperature) = supply.as_ref().map_or((air.atmospheric_pressure, 293.15), |s| {
             (s.gauge_pressure + air.atmospheric_pressure, s.temperature)
         });
-        let (area, laminar_ratio) = valve.as_ref().map_or((0.0, 0.999), |valve| match valve.passage {
+        let (area, laminar_ratio) = valve.as_ref().map_or((0.0, 0.999), |valve| match valve.flow_path {
             FlowPath::FlowArea(area) => (valve.efficiency * area, valve.laminar_ratio),
             FlowPath::Iso6358 { .. } | FlowPath::Kv { .. } | FlowPath::Cv { .. } => (f64::NAN, f64::NAN),
         });

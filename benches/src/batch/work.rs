@@ -1,7 +1,7 @@
 //! The work: many hanging masses on the paper's actuator, each with its own mass and supply pressure.
 
 use mckibben::simulation::{Initial, InitialLength, Rig, State};
-use mckibben::valve::SeatClock;
+use mckibben::valve::PoppetClock;
 use mckibben::{GaugePressure, parameter};
 use mckibben_scenario::{Document, Effectiveness, FlowPath, Load, Scenario};
 use std::fmt::Write;
@@ -108,13 +108,13 @@ impl Work {
     /// The steps of a run, each in `divisions` equal steps, those divided at every instant at which the poppet moves.
     pub fn parts(&self, divisions: u64) -> Vec<Part> {
         let Some(drive) = self.rig.actuation() else { return Vec::new() };
-        let mut clock = SeatClock::released();
+        let mut clock = PoppetClock::released();
         clock.advance(0.0, &drive.solenoid, &drive.command);
         let mut parts = Vec::new();
         let mut time = 0.0;
         for step in 1..=STEPS * divisions {
             let end = step as f64 * STEP / divisions as f64;
-            let mut to = |until: f64, clock: &SeatClock| {
+            let mut to = |until: f64, clock: &PoppetClock| {
                 // An edge on a border of steps differs from it by a rounding.
                 if until - time > 1e-9 * STEP {
                     parts.push(Part { time, step: until - time, filling: clock.ports(&drive.solenoid).supply });
@@ -160,7 +160,7 @@ impl Work {
             return Err("the batch is of valves and hanging masses".into());
         };
         let (FlowPath::FlowArea(area), Effectiveness::Constant(effectiveness)) =
-            (valve.passage, &actuator.effectiveness)
+            (valve.flow_path, &actuator.effectiveness)
         else {
             return Err("the peers know the paper's orifice and a constant effectiveness".into());
         };

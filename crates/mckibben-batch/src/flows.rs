@@ -67,7 +67,7 @@ impl<W: Wide> HeldValve<W> {
         match openings {
             Openings::Whole => {}
             Openings::Shares(its) => shares = *its,
-            Openings::Seats { strokes, .. } => {
+            Openings::Poppets { strokes, .. } => {
                 for (of_lanes, its) in self.strokes.iter_mut().zip(strokes) {
                     of_lanes.start.put(lane, its.start);
                     of_lanes.end.put(lane, its.end);
@@ -85,7 +85,7 @@ impl<W: Wide> HeldValve<W> {
         for (of_lanes, its) in self.shares.iter_mut().zip(shares) {
             of_lanes.put(lane, its);
         }
-        self.moves_flag.mark(lane, matches!(openings, Openings::Seats { .. } | Openings::Spool { .. }));
+        self.moves_flag.mark(lane, matches!(openings, Openings::Poppets { .. } | Openings::Spool { .. }));
         self.partial_flag.mark(lane, !matches!(openings, Openings::Whole));
     }
 

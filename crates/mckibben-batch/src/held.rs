@@ -221,12 +221,12 @@ impl<W: Wide> Held<W> {
     /// Enters the mode of the row in a lane; [`Held::update`] makes masks of it.
     pub(crate) fn enter(&mut self, lane: usize, plant: &Plant<W::Lane>, mode: &PlantMode<W::Lane>) {
         for (flags, (its, mounted)) in self.flags.iter_mut().zip(mode.actuators.iter().zip(plant.actuators())) {
-            let (slack, stuck) = (its.mode.extent == LengthRegime::Slack, its.mode.sliding == Sliding::Stuck);
+            let (slack, stuck) = (its.mode.length_regime == LengthRegime::Slack, its.mode.sliding == Sliding::Stuck);
             flags.slack.mark(lane, slack);
-            flags.taut.mark(lane, its.mode.extent == LengthRegime::Taut);
+            flags.taut.mark(lane, its.mode.length_regime == LengthRegime::Taut);
             flags.stuck.mark(lane, stuck);
             flags.on_stop.mark(lane, its.on_stop);
-            flags.free.mark(lane, its.mode.extent == LengthRegime::Free && !its.on_stop);
+            flags.free.mark(lane, its.mode.length_regime == LengthRegime::Free && !its.on_stop);
             flags.still.mark(lane, its.mode.sliding == Sliding::Held);
             flags.directed.mark(lane, mounted.actuator.friction().has_direction());
             flags.loose.mark(lane, its.loose);

@@ -261,7 +261,7 @@ impl<W: Wide> Watch<W> {
                 let (wire, its, ranges) = (&system.wires[i], &mode.actuators[i].mode, &mut self.actuators[i]);
                 let band = wire.member.force_band;
                 let watched = &mut self.of_lanes[lane][i];
-                let (by_length, _) = wire.member.length_regime_guards(its.extent);
+                let (by_length, _) = wire.member.length_regime_guards(its.length_regime);
                 if let Some((_, bound, lasts_above)) = by_length.into_iter().flatten().find(|(own, ..)| *own == guard) {
                     ranges.length.bound(lane, (bound, lasts_above));
                     watched.ends = true;

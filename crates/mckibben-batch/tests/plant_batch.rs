@@ -210,11 +210,11 @@ fn rows_on_bottles_whose_ends_hosts_move_equal_scalar_instances() {
     let mut batch = PlantBatch::new(scalar.clone()).expect("a batch");
     let mut before = [0.085, 0.088];
     for count in 0..200 {
-        let (demands, distances) = requested(count);
+        let (commands, distances) = requested(count);
         let rates = [0, 1].map(|k| (distances[k] - before[k]) / 1e-3);
         before = distances;
         for (index, row) in scalar.iter_mut().enumerate() {
-            for (valve, commanded) in demands.into_iter().flatten().enumerate() {
+            for (valve, commanded) in commands.into_iter().flatten().enumerate() {
                 if (valve + index) % 3 != 0 {
                     row.set(valve, commanded).expect("a demand");
                     batch.set(index, valve, commanded).expect("a demand");

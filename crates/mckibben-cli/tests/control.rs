@@ -117,7 +117,7 @@ fn static_curves_need_no_controller_and_linear_models_refuse_one() {
     assert!(
         linear.status.code() == Some(2)
             && printed
-                .contains("command.kind = \"controller\" is not implemented where a command known beforehand is due"),
+                .contains("command.kind = \"controllers\" is not implemented where a command known beforehand is due"),
         "{printed}"
     );
 }

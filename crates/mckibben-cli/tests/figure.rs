@@ -87,7 +87,7 @@ fn agonist_and_antagonist_have_separate_colours_everywhere() {
     // Both valves have a strip, also the antagonist's, and nothing is painted over the panels.
     for panel in &figure.panels {
         assert_eq!(panel.strips.iter().map(|strip| strip.colour).collect::<Vec<_>>(), [agonist, antagonist]);
-        assert!(panel.spans.iter().all(|span| matches!(&span.extent, Extent::Horizontal(of) if of.is_empty())));
+        assert!(panel.spans.iter().all(|span| matches!(&span.length_regime, Extent::Horizontal(of) if of.is_empty())));
     }
     assert!(figure.panels[0].series.iter().all(|series| series.colour == Colour::Neutral), "the joint is neither");
 }
@@ -145,7 +145,7 @@ fn fast_pulses_are_an_envelope_that_contains_every_sample() {
     let run = example("paper/fig-13");
     let Picture::SideBySide(beside) = usual(&run) else { panic!("no detail") };
     let panel = beside.figures[0].panels.iter().find(|panel| panel.y.label == "gauge pressure").expect("a panel");
-    let Some(Extent::Between { x, lower, upper }) = panel.spans.iter().map(|span| &span.extent).next() else {
+    let Some(Extent::Between { x, lower, upper }) = panel.spans.iter().map(|span| &span.length_regime).next() else {
         panic!("no envelope")
     };
     let columns = run.columns().expect("columns");

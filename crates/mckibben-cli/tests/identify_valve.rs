@@ -141,7 +141,7 @@ fn a_measured_exhaust_keeps_the_other_flow_path() {
     let folder = Folder::new("valve-exhaust");
     steady_data(&folder);
     folder.file("rig.toml", &RIG.replace("opening_delay", "efficiency = 0.8\nopening_delay"));
-    let printed = found(&folder, &steady("flow-curve", "[flow]\npassage = \"exhaust\"\n"));
+    let printed = found(&folder, &steady("flow-curve", "[flow]\nflow_path = \"exhaust\"\n"));
     holds(&folder, "valve.exhaust.sonic_conductance", CONDUCTANCE, 0.03);
     // 1 L/(s·bar) with an efficiency of 0.8 is 0.8 L/(s·bar) with one of 1.
     assert!(printed.contains("valve.efficiency was 0.8 and is 1 now"), "{printed}");

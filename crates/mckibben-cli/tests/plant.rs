@@ -93,7 +93,7 @@ fn columns_carry_the_names() {
         assert!(svg.contains(words), "{words}");
     }
     let log = std::fs::read_to_string(folder.path("events.csv")).expect("written");
-    assert!(log.starts_with("time_s,event,part,valve,extent,sliding,tension_clamped\n"), "{log}");
+    assert!(log.starts_with("time_s,event,part,valve,length_regime,sliding,tension_clamped\n"), "{log}");
     assert!(log.lines().any(|line| line.contains(",valve,deltoid,supply,")), "{log}");
 }
 

@@ -297,7 +297,7 @@ fn events_are_printed_and_written() {
     folder.file("muscle.toml", PWM);
     let text = run(&folder, &["simulate", "muscle.toml", "--quiet", "--events", "--events-output", "events.csv"]);
     let written = std::fs::read_to_string(folder.path("events.csv")).expect("written");
-    assert!(written.starts_with("time_s,event,valve,supply_flow,exhaust_flow,extent,sliding,tension_clamped\n"));
+    assert!(written.starts_with("time_s,event,valve,supply_flow,exhaust_flow,length_regime,sliding,tension_clamped\n"));
     assert!(written.contains("\n0.004,valve,supply,choked-in,,"), "{written}");
     assert_eq!(text.lines().count(), written.lines().count());
 }

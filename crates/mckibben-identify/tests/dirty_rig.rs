@@ -40,8 +40,8 @@ fn clean(session: usize) -> (Vec<f64>, [Vec<f64>; 2]) {
     let times: Vec<f64> = (1..=80).map(|step| DURATION * f64::from(step) / 80.0).collect();
     let length = |time: &f64| run.at((time - SHIFT).max(0.0)).length + OFFSETS[session];
     let pressure = |time: &f64| run.at(HOLD * (time / HOLD + 1e-9).floor()).pressure.0 - ATMOSPHERE;
-    let courses = [times.iter().map(length).collect(), times.iter().map(pressure).collect()];
-    (times, courses)
+    let time_series = [times.iter().map(length).collect(), times.iter().map(pressure).collect()];
+    (times, time_series)
 }
 
 fn recorded(session: usize, (times, [lengths, pressures]): &(Vec<f64>, [Vec<f64>; 2]), noise: &mut Noise) -> Recorded {
@@ -49,7 +49,7 @@ fn recorded(session: usize, (times, [lengths, pressures]): &(Vec<f64>, [Vec<f64>
     let places: Vec<Place> = UNKNOWNS.iter().map(|path| Place::find(path, &mut base).expect("a number")).collect();
     let shown: Vec<f64> =
         noise.added_to(lengths, NOISE[0]).into_iter().map(|length| STEP * (length / STEP).round()).collect();
-    let late = Sensor { offset: Amount::Sought(3 + session), shift: Amount::Sought(2), ..Sensor::default() };
+    let late = Sensor { offset: Amount::Unknown(3 + session), shift: Amount::Unknown(2), ..Sensor::default() };
     let held = Sensor { hold: Some(HOLD), ..Sensor::default() };
     let series =
         |observed, values, sensor| TimeSeries { observed, times: times.clone(), values, deviation: None, sensor };
@@ -57,7 +57,7 @@ fn recorded(session: usize, (times, [lengths, pressures]): &(Vec<f64>, [Vec<f64>
         name: format!("session {session}"),
         subject: Adjustable::new(base, places, [false; 2]).into(),
         unknowns: vec![0, 1],
-        courses: vec![
+        time_series: vec![
             series(Observed::Length, shown, late),
             series(Observed::GaugePressure, noise.added_to(pressures, NOISE[1]), held),
         ],

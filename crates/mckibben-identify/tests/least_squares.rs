@@ -40,7 +40,7 @@ fn certified(curve: &Curve<Plain>, starts: &[&[f64]], expected: &[[f64; 2]], sca
             assert!((found / deviation - 1.0).abs() < 1e-6, "{}: {found} for {deviation}", estimate.name);
         }
         assert!((fit.scatter / scatter - 1.0).abs() < 1e-9, "{}", fit.scatter);
-        assert!(fit.untold.is_empty());
+        assert!(fit.unidentifiable.is_empty());
     }
 }
 
@@ -150,8 +150,8 @@ fn unknowns_that_are_not_identifiable_are_named_and_have_no_interval() {
     let curve = |x: f64, b: &[f64]| (b[0] * b[1] * x + b[2], vec![b[1] * x, b[0] * x, 1.0]);
     let fit =
         fit(&Curve { points, curve }, &unknowns(&["width", "height", "offset"]), &Search::default()).expect("a fit");
-    assert_eq!(fit.untold.len(), 1);
-    let names: Vec<&str> = fit.untold[0].shares.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(fit.unidentifiable.len(), 1);
+    let names: Vec<&str> = fit.unidentifiable[0].shares.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(names, ["width", "height"]);
     let intervals: Vec<bool> = fit.estimates.iter().map(|estimate| estimate.confidence_interval.is_some()).collect();
     assert_eq!(intervals, [false, false, true]);
@@ -245,7 +245,7 @@ fn a_fit_in_which_every_unknown_rests_on_a_bound_has_values_and_no_intervals() {
             found.estimates
         );
         assert!((found.estimates[0].value - 1.0).abs() < 1e-6, "{:?}", found.estimates);
-        assert!(found.condition.is_finite() && found.untold.is_empty());
+        assert!(found.condition.is_finite() && found.unidentifiable.is_empty());
     }
 }
 

@@ -83,7 +83,7 @@ fn recorded(document: &Document, paths: &[&str], columns: &[(&str, f64)], seed: 
     };
     Recorded {
         name: format!("seed {seed}"),
-        courses: columns.iter().map(series).collect(),
+        time_series: columns.iter().map(series).collect(),
         subject: subject(document, paths),
         unknowns: (0..paths.len()).collect(),
     }
@@ -109,7 +109,7 @@ fn check(found: &Identified, truths: &[f64], part: f64) {
         let deviation = estimate.standard_error.expect("a deviation");
         assert!((estimate.value - truth).abs() < 4.0 * deviation && deviation < part * truth, "{estimate:?}: {truth}");
     }
-    assert!(found.found.fit.untold.is_empty());
+    assert!(found.found.fit.unidentifiable.is_empty());
 }
 
 /// Parameters of every section, those of one part and those of all, of a list, and of the start.
@@ -223,10 +223,10 @@ fn an_arm_gives_back_its_parts() {
     for (run, left_out) in held_out.iter().enumerate() {
         // Predictions are off by the noise, and by at most what twice the standard errors of the parameters come to.
         let other = identified(&Task { runs: vec![task.runs[1 - run].clone()], ..task.clone() }).found.fit;
-        let courses = &task.runs[run].courses;
+        let time_series = &task.runs[run].time_series;
         let sampling = Sampling {
-            observed: courses.iter().map(|series| series.observed.clone()).collect(),
-            times: courses[0].times.clone(),
+            observed: time_series.iter().map(|series| series.observed.clone()).collect(),
+            times: time_series[0].times.clone(),
             tolerance: 1e-9,
         };
         let values: Vec<f64> = other.estimates.iter().map(|estimate| estimate.value).collect();
@@ -301,7 +301,8 @@ fn a_plant_of_one_joint_is_that_joint() {
         ["load.damping", "antagonist.actuator.turns"].map(|path| Place::find(path, &mut joint).expect("a number"));
     let mut by_itself = run.clone();
     by_itself.subject = Adjustable::new(joint, places.to_vec(), [false; 2]).into();
-    for (series, observed) in by_itself.courses.iter_mut().zip([Observed::Angle, Observed::AntagonistGaugePressure]) {
+    for (series, observed) in by_itself.time_series.iter_mut().zip([Observed::Angle, Observed::AntagonistGaugePressure])
+    {
         series.observed = observed;
     }
     let found = [run, by_itself].map(|run| identified(&task(vec![run], &plant, &paths, 1.2)).found.fit);
@@ -337,7 +338,7 @@ fn what_a_plant_cannot_do_says_why() {
     );
     let said = with(&|task| task.unknowns[0].start = -1.0);
     assert!(said.contains("actuator.turns"), "{said}");
-    let said = with(&|task| task.runs[0].courses[0].observed = Observed::Angle);
+    let said = with(&|task| task.runs[0].time_series[0].observed = Observed::Angle);
     assert!(said.contains("readings of the angle"), "{said}");
     // A value that contradicts the rest of the file is refused as the file would be.
     let said = with(&|task| {

@@ -68,7 +68,7 @@ impl Dirt {
         let mut sensor = Sensor { hold: self.hold, base: self.base, ..Sensor::default() };
         for ((amount, name), number) in sensor.amounts_mut().into_iter().zip(AMOUNTS).zip(self.amounts) {
             *amount = match names.iter().position(|of| *of == name) {
-                Some(place) => Amount::Sought(first + place),
+                Some(place) => Amount::Unknown(first + place),
                 None => Amount::Known(number),
             };
         }
@@ -87,18 +87,18 @@ fn recorded(supply: f64, paths: &[&str], dirt: [(Dirt, Sensor); 2], deviations: 
         (Observed::Length, &|time| run.at(time).length),
         (Observed::GaugePressure, &|time| run.at(time).pressure.0 - ATMOSPHERE),
     ];
-    let courses =
+    let time_series =
         quantities.into_iter().zip(dirt).zip(deviations).map(|(((observed, of), (dirt, sensor)), deviation)| {
             let values = noise.added_to(&dirt.read(&times, of), deviation);
             TimeSeries { observed, times: times.clone(), values, deviation: None, sensor }
         });
-    let courses = courses.collect();
+    let time_series = time_series.collect();
     let places: Vec<Place> = paths.iter().map(|path| Place::find(path, &mut truth).expect("a number")).collect();
     Recorded {
         name: format!("{supply} psi"),
         subject: Adjustable::new(truth, places, [false; 2]).into(),
         unknowns: (0..paths.len()).collect(),
-        courses,
+        time_series,
     }
 }
 
@@ -148,7 +148,7 @@ fn each_run_may_have_an_offset_and_intervals_cover_the_noise() {
     let run = |supply: f64, offset: f64, own: usize| {
         let dirt = dirt(offset);
         let mut sensor = dirt.sensor(&["shift"], 1);
-        sensor.offset = Amount::Sought(own);
+        sensor.offset = Amount::Unknown(own);
         recorded(supply, &[VISCOUS], [(dirt, sensor), (CLEAN, Sensor::default())], [3e-5, 300.0])
     };
     let runs = vec![run(100.0, 1e-3, 2), run(75.0, -5e-4, 3)];
@@ -179,7 +179,7 @@ fn each_run_may_have_an_offset_and_intervals_cover_the_noise() {
         assert!(*outside < 1.2 * inside && *inside < 4e-5, "{of_run:?}");
     }
     // What the model says that the sensor reads is within the noise of what it read.
-    let series = &task.runs[0].courses[0];
+    let series = &task.runs[0].time_series[0];
     let fitted = (&found.simulated[0], &found.found.fit.values()[..]);
     let predicted = task.runs[0].readings(series, fitted, &series.times);
     let squares: f64 = predicted.iter().zip(&series.values).map(|(one, other)| (one - other).powi(2)).sum();

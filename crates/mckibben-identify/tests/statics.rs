@@ -85,7 +85,7 @@ fn what_was_put_in_comes_back_out() {
     for (value, expected) in found.fit.values().into_iter().zip(expected) {
         assert!((value / expected - 1.0).abs() < 1e-8, "{value} is not {expected}");
     }
-    assert!(found.errors.worst < 1e-10 && found.fit.untold.is_empty(), "{:?}", found.errors);
+    assert!(found.errors.worst < 1e-10 && found.fit.unidentifiable.is_empty(), "{:?}", found.errors);
 
     // With noise the truth lies within the intervals widened to 4 standard errors, and the scatter is the noise.
     let found = fit("ideal-braid + saturating bladder", &map_of(&truth, 2.0), &elsewhere);
@@ -203,7 +203,7 @@ fn every_candidate_is_fitted_and_polynomials_go_astray() {
                 candidate.unknowns.len(),
                 fit.errors,
                 out,
-                fit.fit.untold
+                fit.fit.unidentifiable
             );
             figures.push((candidate.name, fit.errors.root_mean_square, out.map(|errors| errors.root_mean_square)));
         }

@@ -59,7 +59,7 @@ fn a_clean_table_is_read_to_si() {
     let (times, lengths) = recording.channel(Quantity::Length).expect("a time series");
     assert_eq!((times.len(), times[1], lengths[0]), (40, 0.01, 0.09));
     assert_eq!(recording.column(Quantity::Tension).expect("one").deviation, Some(0.5));
-    assert!(recording.notes.iter().all(|note| note.severity == Severity::Told), "{}", notes(&recording));
+    assert!(recording.notes.iter().all(|note| note.severity == Severity::Noted), "{}", notes(&recording));
     assert!(notes(&recording).contains("40 readings, 100"), "{}", notes(&recording));
 }
 
@@ -297,8 +297,8 @@ fn sections_of_a_valve_are_read_to_si() {
     let read = study("tank", tank).expect("a study").tank.expect("a tank");
     assert_eq!((read.find, read.transfer), (TankTarget::Valve, Direction::Supply));
     assert_eq!((read.volume, read.temperature, read.begins, read.windows), (5e-4, Some(293.15), Some(0.01), Some(40)));
-    let flow = study("steady-flow", "[flow]\npassage = \"exhaust\"\narea = \"3 mm^2\"").expect("a study").flow;
-    assert_eq!((flow.passage, flow.area), (Direction::Exhaust, Some(3e-6)));
+    let flow = study("steady-flow", "[flow]\nflow_path = \"exhaust\"\narea = \"3 mm^2\"").expect("a study").flow;
+    assert_eq!((flow.flow_path, flow.area), (Direction::Exhaust, Some(3e-6)));
     let pulses = study("pulse-train", "[pulses]\nbegins = \"0.2 s\"\nthreshold = 2.5").expect("a study").pulses;
     assert_eq!((pulses.begins, pulses.threshold), (0.2, Some(2.5)));
     for (kind, section) in [("force-map", "pulses"), ("flow-curve", "pulses"), ("trajectories", "flow")] {

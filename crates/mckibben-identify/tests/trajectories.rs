@@ -44,7 +44,7 @@ fn recorded(truth: &Scenario, paths: &[&str], deviations: [f64; 2], duration: f6
         deviation: None,
         sensor: Sensor::default(),
     };
-    let courses = vec![
+    let time_series = vec![
         series(Observed::Length, noise.added_to(&lengths, length)),
         series(Observed::GaugePressure, noise.added_to(&pressures, pressure)),
     ];
@@ -54,7 +54,7 @@ fn recorded(truth: &Scenario, paths: &[&str], deviations: [f64; 2], duration: f6
         name: format!("{} Pa", truth.supply.map_or(0.0, |supply| supply.gauge_pressure)),
         subject: Adjustable::new(base, places, [false; 2]).into(),
         unknowns: (0..paths.len()).collect(),
-        courses,
+        time_series,
     }
 }
 
@@ -101,7 +101,7 @@ fn numbers_put_in_come_back_out() {
         // The recording is good to a relative 1e-10 a step, the fit to 1e-9.
         assert!((estimate.value / truth - 1.0).abs() < 1e-5, "{}: {} is not {truth}", estimate.name, estimate.value);
     }
-    assert!(found.found.fit.untold.is_empty());
+    assert!(found.found.fit.unidentifiable.is_empty());
     assert_eq!(found.scenarios.len(), 2);
     found.scenarios[1].scenario().expect("one").experiment().expect("a scenario that runs");
 }
@@ -135,8 +135,14 @@ fn what_scales_together_is_named() {
     let run = recorded(&truth, &paths, [0.0; 2], 0.4);
     let found =
         identified(&Task { search: Search { most_steps: 400, ..Search::default() }, ..task(vec![run], &paths, 1.0) });
-    let names: Vec<&str> =
-        found.found.fit.untold.iter().flat_map(|direction| &direction.shares).map(|(name, _)| name.as_str()).collect();
+    let names: Vec<&str> = found
+        .found
+        .fit
+        .unidentifiable
+        .iter()
+        .flat_map(|direction| &direction.shares)
+        .map(|(name, _)| name.as_str())
+        .collect();
     for name in paths {
         assert!(names.contains(&name), "{name} is not among {names:?}; condition {}", found.found.fit.condition);
     }
@@ -171,10 +177,10 @@ fn what_cannot_be_fitted_says_why() {
         change(&mut task);
         task.identify().expect_err("bad")
     };
-    assert_eq!(with(|task| task.runs[0].courses.clear()), TrajectoryError::NoReadings);
-    let error = with(|task| task.runs[0].courses[1].times[3] = 0.0);
+    assert_eq!(with(|task| task.runs[0].time_series.clear()), TrajectoryError::NoReadings);
+    let error = with(|task| task.runs[0].time_series[1].times[3] = 0.0);
     assert!(error.to_string().contains("gauge pressure of the run"), "{error}");
-    let error = with(|task| task.runs[0].courses[0].values[3] = f64::NAN);
+    let error = with(|task| task.runs[0].time_series[0].values[3] = f64::NAN);
     assert!(error.to_string().contains("length of sample 4 is not a finite number"), "{error}");
     let error = with(|task| task.unknowns[0].start = -1.0);
     assert!(
@@ -220,9 +226,9 @@ fn an_interrupted_search_has_values_no_worse_than_its_start() {
         let of = |values: &[f64]| -> f64 {
             let built = run.subject.clone();
             let sampling =
-                Sampling { observed: vec![Observed::Length], times: run.courses[0].times.clone(), tolerance: 1e-9 };
+                Sampling { observed: vec![Observed::Length], times: run.time_series[0].times.clone(), tolerance: 1e-9 };
             let lengths = sampling.values(&built, values, &|_| Ok(())).expect("a run");
-            lengths.iter().zip(&run.courses[0].values).map(|(a, b)| (a - b).powi(2)).sum()
+            lengths.iter().zip(&run.time_series[0].values).map(|(a, b)| (a - b).powi(2)).sum()
         };
         // In segments the joints give way first: there the values are only those that had been reached.
         let values = found.found.fit.values();
@@ -238,7 +244,7 @@ fn bouncing() -> Recorded {
     let truth = pulsed(100.0, 10.0, 0.35);
     let deviations = [1e-4, 1.5e3];
     let mut run = recorded(&truth, &BOUNCING, deviations, 1.5);
-    for (series, deviation) in run.courses.iter_mut().zip(deviations) {
+    for (series, deviation) in run.time_series.iter_mut().zip(deviations) {
         series.deviation = Some(deviation);
     }
     run
@@ -272,7 +278,7 @@ fn segments_find_what_a_whole_run_hides() {
 #[test]
 fn a_sensor_that_drifts_is_named() {
     let mut run = recorded(&scenario(100.0), &UNKNOWNS, [2e-5, 1e3], 0.4);
-    let pressure = &mut run.courses[1];
+    let pressure = &mut run.time_series[1];
     let ramp = pressure.times.iter().map(|time| 2e4 * time / 0.4);
     pressure.values = pressure.values.iter().zip(ramp).map(|(value, drift)| value + drift).collect();
     let paths = task(vec![run], &UNKNOWNS, 1.0);
@@ -317,7 +323,7 @@ fn driven_by_its_pressure(supply: f64, [length, pressure]: [f64; 2]) -> Recorded
     (truth.valve, truth.supply, truth.command) = (None, None, None);
     truth.pressure =
         Some(PressureSeries { at: PressurePlace::Muscle, time, gauge_pressure, sensor: PressureSensor::default() });
-    run.courses.retain(|series| series.observed == Observed::Length);
+    run.time_series.retain(|series| series.observed == Observed::Length);
     let places: Vec<Place> = STATIC.iter().map(|path| Place::find(path, &mut truth).expect("a number")).collect();
     Recorded { subject: Adjustable::new(truth, places, [false; 2]).into(), ..run }
 }
@@ -403,7 +409,7 @@ fn recorded_joint(truth: &Scenario, paths: &[&str], seed: u64) -> Recorded {
     let times: Vec<f64> = (1..=200).map(|step| 2.5e-3 * f64::from(step)).collect();
     let mut noise = Noise::new(seed);
     let gauge = |sample: &JointSample, i: usize| sample.actuators[i].pressure.0 - truth.air.atmospheric_pressure;
-    let courses = OF_JOINT.map(|(observed, deviation)| {
+    let time_series = OF_JOINT.map(|(observed, deviation)| {
         let of = |time: &f64| match (&observed, run.at(*time)) {
             (Observed::Angle, sample) => sample.angle,
             (Observed::GaugePressure, sample) => gauge(&sample, 0),
@@ -424,7 +430,7 @@ fn recorded_joint(truth: &Scenario, paths: &[&str], seed: u64) -> Recorded {
         name: format!("seed {seed}"),
         subject: Adjustable::new(base, places, [false; 2]).into(),
         unknowns: (0..paths.len()).collect(),
-        courses: courses.to_vec(),
+        time_series: time_series.to_vec(),
     }
 }
 
@@ -450,7 +456,11 @@ fn a_joint_gives_back_its_limb_and_both_braids() {
         assert!(holds(estimate, *truth), "{estimate:?}: {truth}");
         assert!((estimate.value / truth - 1.0).abs() < 0.02, "{estimate:?}: {truth}");
     }
-    assert!(found.found.fit.untold.is_empty() && task.drifts(&found).is_empty() && task.unexplained(&found).is_empty());
+    assert!(
+        found.found.fit.unidentifiable.is_empty()
+            && task.drifts(&found).is_empty()
+            && task.unexplained(&found).is_empty()
+    );
     let [angle, agonist, antagonist] = OF_JOINT;
     for ((observed, left), (of, deviation)) in found.left.iter().zip([agonist, angle, antagonist]) {
         assert!(*observed == of && (left / deviation - 1.0).abs() < 0.1, "{observed:?}: {left}, not {deviation}");
@@ -482,12 +492,12 @@ fn a_number_of_both_actuators_is_fitted_as_one() {
     run.subject = Adjustable::new(truth.clone(), vec![thread], [false, true]).into();
     let mut paths = task(vec![run], &[path], 1.05);
     paths.search = Search { loss: Loss::Huber(2.5), ..paths.search };
-    for (series, (_, deviation)) in paths.runs[0].courses.iter_mut().zip(OF_JOINT) {
+    for (series, (_, deviation)) in paths.runs[0].time_series.iter_mut().zip(OF_JOINT) {
         series.deviation = Some(deviation);
     }
     let value = thread.value(&mut truth).expect("a value");
     // A reading that is far off: a robust loss spares it.
-    paths.runs[0].courses[0].values[50] += 0.2;
+    paths.runs[0].time_series[0].values[50] += 0.2;
     let found = identified(&paths);
     let estimate = &found.found.fit.estimates[0];
     assert!(holds(estimate, value) && (estimate.value / value - 1.0).abs() < 1e-3, "{estimate:?}: {value}");
@@ -506,7 +516,7 @@ fn a_number_of_both_actuators_is_fitted_as_one() {
 fn what_a_joint_cannot_do_says_why() {
     let rig = recorded(&scenario(100.0), &UNKNOWNS, [0.0; 2], 0.4);
     let mut paths = task(vec![rig], &UNKNOWNS, 1.0);
-    paths.runs[0].courses[0].observed = Observed::Angle;
+    paths.runs[0].time_series[0].observed = Observed::Angle;
     let error = paths.identify().expect_err("a rig has no angle").to_string();
     assert!(error.contains("readings of the angle") && error.contains("\"antagonistic-joint\""), "{error}");
     let mut paths = task(vec![recorded_joint(&joint(20.0), &OF_BOTH, 1)], &OF_BOTH, 1.0);

@@ -82,7 +82,7 @@ impl Panel {
         };
         self.strips.iter_mut().for_each(|strip| strip.intervals.iter_mut().for_each(ends));
         for span in &mut self.spans {
-            match &mut span.extent {
+            match &mut span.length_regime {
                 Extent::Horizontal(intervals) => intervals.iter_mut().for_each(ends),
                 Extent::Between { x, .. } => by.apply_all(x),
                 Extent::Vertical(..) => {}
@@ -101,7 +101,7 @@ impl Panel {
         self.marks.iter_mut().for_each(|marks| by.apply_all(&mut marks.y));
         self.field.iter_mut().for_each(|field| by.apply_all(&mut field.y));
         for span in &mut self.spans {
-            match &mut span.extent {
+            match &mut span.length_regime {
                 Extent::Vertical(from, to) => {
                     by.apply(from);
                     by.apply(to);
@@ -149,7 +149,7 @@ mod tests {
         assert_eq!((first.y.min, first.y.max), (Some(0.0), Some(200.0)));
         assert_eq!((&first.series[0].x, &first.series[0].y), (&vec![0.0, 1000.0], &vec![100.0, 200.0]));
         assert_eq!(first.references, [Reference::Horizontal { y: 150.0, label: "limit".to_owned() }]);
-        assert_eq!(first.spans[0].extent, Extent::Vertical(100.0, 120.0));
+        assert_eq!(first.spans[0].length_regime, Extent::Vertical(100.0, 120.0));
         assert_eq!((&first.marks[0].x, &first.marks[0].y), (&vec![1000.0], &vec![200.0]));
         assert!((second.series[0].y[0] - 26.85).abs() < 1e-12);
         assert_eq!(figure.clone().converted(&|_, _| None), figure);

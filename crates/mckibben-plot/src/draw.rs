@@ -173,7 +173,7 @@ fn distance(a: Point, b: Point) -> f64 {
 fn draw_span(scene: &mut Scene, span: &Span, frame: &Frame<'_>) {
     let (ink, area) = (Ink::from(span.colour), frame.area);
     let mut shade = Outline::filled(ink, SHADE);
-    match &span.extent {
+    match &span.length_regime {
         Extent::Vertical(from, to) => {
             let (a, b) = (frame.page_y(*from), frame.page_y(*to));
             let (top, bottom) = (a.min(b).max(area.top), a.max(b).min(area.bottom));

@@ -36,18 +36,18 @@ impl Bar {
     /// The bar of a field beside axes of this height.
     pub(super) fn new(field: &Field, height: f64, faces: &Faces) -> Self {
         let finite = field.values.iter().copied().filter(|value| value.is_finite());
-        let extent = finite.fold(None, |extent: Option<(f64, f64)>, value| {
-            Some(extent.map_or((value, value), |(low, high)| (low.min(value), high.max(value))))
+        let length_regime = finite.fold(None, |length_regime: Option<(f64, f64)>, value| {
+            Some(length_regime.map_or((value, value), |(low, high)| (low.min(value), high.max(value))))
         });
-        let (least, greatest) = extent.unwrap_or((0.0, 0.0));
+        let (least, greatest) = length_regime.unwrap_or((0.0, 0.0));
         let largest = greatest.max(-least);
         let diverges = greatest > TWO_SIGNS * largest && -least > TWO_SIGNS * largest;
         let axis = match least > 0.0 && (greatest / least).log10() > DECADES {
             true => Axis::logarithmic(&field.label, &field.unit),
             false => Axis::new(&field.label, &field.unit),
         };
-        let extent = if diverges { Some((-largest, largest)) } else { extent };
-        let range = Range::new(extent, &axis, 0.0);
+        let length_regime = if diverges { Some((-largest, largest)) } else { length_regime };
+        let range = Range::new(length_regime, &axis, 0.0);
         let ticks = ticks(&axis, range, height, ROW);
         let numbers = ticks.at.iter().map(|tick| faces.width(&tick.1, TICK_SIZE, false)).fold(0.0, f64::max);
         let label = faces.wrap(&ticks.label, LABEL_SIZE, false, height + 4.0);

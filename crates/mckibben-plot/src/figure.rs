@@ -172,7 +172,7 @@ pub struct Span {
     /// Its name in the legend; without one it is not listed.
     pub label: String,
     /// What it covers.
-    pub extent: Extent,
+    pub length_regime: Extent,
     /// Its colour, which is drawn thin.
     pub colour: Colour,
 }
@@ -180,17 +180,17 @@ pub struct Span {
 impl Span {
     /// Grey intervals of x, such as those in which a valve is open.
     pub fn intervals(label: impl Into<String>, intervals: Vec<(f64, f64)>) -> Self {
-        Self { label: label.into(), extent: Extent::Horizontal(intervals), colour: Colour::Neutral }
+        Self { label: label.into(), length_regime: Extent::Horizontal(intervals), colour: Colour::Neutral }
     }
 
     /// A grey strip between two values of y.
     pub fn strip(label: impl Into<String>, from: f64, to: f64) -> Self {
-        Self { label: label.into(), extent: Extent::Vertical(from, to), colour: Colour::Neutral }
+        Self { label: label.into(), length_regime: Extent::Vertical(from, to), colour: Colour::Neutral }
     }
 
     /// The area between two curves, in the first colour.
     pub fn between(label: impl Into<String>, x: Vec<f64>, lower: Vec<f64>, upper: Vec<f64>) -> Self {
-        Self { label: label.into(), extent: Extent::Between { x, lower, upper }, colour: Colour::Category(0) }
+        Self { label: label.into(), length_regime: Extent::Between { x, lower, upper }, colour: Colour::Category(0) }
     }
 
     /// Returns the span in another colour.
@@ -515,7 +515,7 @@ impl Panel {
             equal(&marks.label, marks.x.len(), marks.y.len())?;
         }
         for span in &self.spans {
-            if let Extent::Between { x, lower, upper } = &span.extent {
+            if let Extent::Between { x, lower, upper } = &span.length_regime {
                 equal(&span.label, x.len(), lower.len())?;
                 equal(&span.label, x.len(), upper.len())?;
             }

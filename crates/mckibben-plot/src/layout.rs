@@ -234,30 +234,30 @@ fn x_ticks(axis: &Axis, (range, in_powers): (Range, bool), width: f64, faces: &F
     [24.0, 32.0, 44.0, 60.0, 80.0].into_iter().map(attempt).find(spaced).unwrap_or_else(|| attempt(110.0))
 }
 
-/// Grows an extent by a value, if that has a place on the scale.
-fn grow(extent: &mut Option<(f64, f64)>, scale: Scale, value: f64) {
+/// Grows an length_regime by a value, if that has a place on the scale.
+fn grow(length_regime: &mut Option<(f64, f64)>, scale: Scale, value: f64) {
     if scale.admits(value) {
-        let (low, high) = extent.unwrap_or((value, value));
-        *extent = Some((low.min(value), high.max(value)));
+        let (low, high) = length_regime.unwrap_or((value, value));
+        *length_regime = Some((low.min(value), high.max(value)));
     }
 }
 
 /// The common range of x: that of the data, tight around curves that only go forth, with a margin around others.
 fn x_range(figure: &Figure) -> Range {
     let scale = figure.x.scale;
-    let mut extent = None;
+    let mut length_regime = None;
     let mut frames = None;
     for panel in &figure.panels {
         let edges = panel.field.iter().flat_map(|field| field::edges(&field.x, scale));
-        edges.for_each(|x| grow(&mut extent, scale, x));
+        edges.for_each(|x| grow(&mut length_regime, scale, x));
         for series in &panel.series {
             let points = series.x.iter().zip(&series.y).filter(|(_, y)| panel.y.scale.admits(**y));
-            points.for_each(|(x, _)| grow(&mut extent, scale, *x));
+            points.for_each(|(x, _)| grow(&mut length_regime, scale, *x));
         }
-        panel.marks.iter().flat_map(|m| &m.x).for_each(|x| grow(&mut extent, scale, *x));
+        panel.marks.iter().flat_map(|m| &m.x).for_each(|x| grow(&mut length_regime, scale, *x));
         for span in &panel.spans {
-            match &span.extent {
-                Extent::Between { x, .. } => x.iter().for_each(|x| grow(&mut extent, scale, *x)),
+            match &span.length_regime {
+                Extent::Between { x, .. } => x.iter().for_each(|x| grow(&mut length_regime, scale, *x)),
                 Extent::Horizontal(spans) => spans.iter().for_each(|s| {
                     grow(&mut frames, scale, s.0);
                     grow(&mut frames, scale, s.1);
@@ -273,48 +273,48 @@ fn x_range(figure: &Figure) -> Range {
         }
         for reference in &panel.references {
             if let Reference::Vertical { x, .. } = reference {
-                grow(&mut extent, scale, *x);
+                grow(&mut length_regime, scale, *x);
             }
         }
     }
     let forth = |s: &Series| !matches!(s.style, Style::Points | Style::Dots | Style::LineAndPoints) && s.x.is_sorted();
     let tight = figure.panels.iter().flat_map(|p| &p.series).all(forth);
     let margin = if figure.x.words.is_empty() { 0.04 } else { 0.25 };
-    Range::new(extent.or(frames), &figure.x, if tight { 0.0 } else { margin })
+    Range::new(length_regime.or(frames), &figure.x, if tight { 0.0 } else { margin })
 }
 
 /// The range of y of a panel: that of what is seen within the range of x.
 fn y_range(panel: &Panel, x: Range) -> Range {
     let scale = panel.y.scale;
-    let mut extent = None;
+    let mut length_regime = None;
     let mut column = |xs: &[f64], ys: &[f64]| {
         let seen = xs.iter().zip(ys).filter(|(at, _)| x.contains(**at, 1e-9));
-        seen.for_each(|(_, y)| grow(&mut extent, scale, *y));
+        seen.for_each(|(_, y)| grow(&mut length_regime, scale, *y));
     };
     panel.series.iter().for_each(|s| column(&s.x, &s.y));
     panel.marks.iter().for_each(|m| column(&m.x, &m.y));
     for span in &panel.spans {
-        if let Extent::Between { x, lower, upper } = &span.extent {
+        if let Extent::Between { x, lower, upper } = &span.length_regime {
             column(x, lower);
             column(x, upper);
         }
     }
     for span in &panel.spans {
-        if let Extent::Vertical(from, to) = span.extent {
-            grow(&mut extent, scale, from);
-            grow(&mut extent, scale, to);
+        if let Extent::Vertical(from, to) = span.length_regime {
+            grow(&mut length_regime, scale, from);
+            grow(&mut length_regime, scale, to);
         }
     }
     for reference in &panel.references {
         if let Reference::Horizontal { y, .. } = reference {
-            grow(&mut extent, scale, *y);
+            grow(&mut length_regime, scale, *y);
         }
     }
     if let Some(field) = &panel.field {
-        field::edges(&field.y, scale).into_iter().for_each(|y| grow(&mut extent, scale, y));
-        return Range::new(extent, &panel.y, 0.0);
+        field::edges(&field.y, scale).into_iter().for_each(|y| grow(&mut length_regime, scale, y));
+        return Range::new(length_regime, &panel.y, 0.0);
     }
-    Range::new(extent, &panel.y, if panel.y.words.is_empty() { 0.06 } else { 0.25 })
+    Range::new(length_regime, &panel.y, if panel.y.words.is_empty() { 0.06 } else { 0.25 })
 }
 
 /// How far to the right a curve ends, 1 at the edge of the axes.

@@ -80,7 +80,7 @@ fn panel(out: &mut String, of: &Panel) {
         );
         let _ = write!(out, ",\"x\":{},\"y\":{}}}", numbers(&series.x), numbers(&series.y));
     });
-    let bands = of.spans.iter().filter_map(|span| match &span.extent {
+    let bands = of.spans.iter().filter_map(|span| match &span.length_regime {
         Extent::Between { x, lower, upper } => Some((span.colour, x, lower, upper)),
         _ => None,
     });

@@ -23,16 +23,16 @@ pub(super) struct Range {
 }
 
 impl Range {
-    /// The range of an axis over data between the two values of `extent`, with a margin of `pad` times the span on
+    /// The range of an axis over data between the two values of `length_regime`, with a margin of `pad` times the span on
     /// each side that the axis does not fix. What hardly changes is shown as a level line in the middle. The values
     /// have places on the scale of the axis.
-    pub(super) fn new(extent: Option<(f64, f64)>, axis: &Axis, pad: f64) -> Self {
+    pub(super) fn new(length_regime: Option<(f64, f64)>, axis: &Axis, pad: f64) -> Self {
         let scale = axis.scale;
         let coordinate = |value: f64| match scale {
             Scale::Linear => value.clamp(-HUGE, HUGE),
             Scale::Logarithmic => scale.coordinate(value).clamp(-DECADES.0, DECADES.0),
         };
-        let (low, high) = extent.map_or((0.0, 1.0), |(low, high)| (coordinate(low), coordinate(high)));
+        let (low, high) = length_regime.map_or((0.0, 1.0), |(low, high)| (coordinate(low), coordinate(high)));
         let (span, largest) = (high - low, low.abs().max(high.abs()));
         let margin = match scale {
             Scale::Linear if span >= TINY && span > 1e-12 * largest => pad * span,

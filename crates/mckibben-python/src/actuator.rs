@@ -60,7 +60,7 @@ impl Model {
             },
         };
         let rig = &experiment.rig;
-        let pulsed = rig.actuation().filter(|actuation| actuation.solenoid.has_seats());
+        let pulsed = rig.actuation().filter(|actuation| actuation.solenoid.has_poppets());
         let pulses = Pulses::of(pulsed.map(|actuation| &actuation.command), pulse_frequency)?;
         let (mut steps, begin) = begun(&experiment).map_err(of_core)?;
         let size = steps.state_size();

@@ -1,6 +1,6 @@
 //! The log of events in words, and as CSV.
 //!
-//! The columns of the CSV are `time_s,event,valve,supply_flow,exhaust_flow,extent,sliding,tension_clamped`; after the name
+//! The columns of the CSV are `time_s,event,valve,supply_flow,exhaust_flow,length_regime,sliding,tension_clamped`; after the name
 //! of the event they say what holds from then on.
 //!
 //! [`Log`] holds the same in memory, of an actuator, a joint or a plant.
@@ -16,7 +16,8 @@ use std::io::Write;
 use std::path::Path;
 
 /// The columns of the CSV that say what holds of an actuator.
-pub const OF_ACTUATOR: [&str; 6] = ["valve", "supply_flow", "exhaust_flow", "extent", "sliding", "tension_clamped"];
+pub const OF_ACTUATOR: [&str; 6] =
+    ["valve", "supply_flow", "exhaust_flow", "length_regime", "sliding", "tension_clamped"];
 
 /// How many events of each kind there are.
 pub fn counts(events: &[RigEvent]) -> BTreeMap<EventKind, u64> {
@@ -69,7 +70,7 @@ impl Log {
 pub(crate) fn words<'w>(mode: &Mode) -> [&'w str; 6] {
     let [supply, exhaust] = [mode.supply_zone, mode.exhaust_zone].map(|flow| flow.map_or("", zone));
     let clamped = if mode.clamped { "true" } else { "false" };
-    [mode.ports.name(), supply, exhaust, length_regime(mode.extent), sliding(mode.sliding), clamped]
+    [mode.ports.name(), supply, exhaust, length_regime(mode.length_regime), sliding(mode.sliding), clamped]
 }
 
 /// The name of a piece of the flow law.

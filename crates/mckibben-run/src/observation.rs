@@ -81,16 +81,16 @@ pub struct AirUse {
     /// Back into the supply, as with a vacuum.
     pub to_supply: f64,
     /// In from the atmosphere.
-    pub from_surroundings: f64,
+    pub from_atmosphere: f64,
     /// Out to the atmosphere.
-    pub to_surroundings: f64,
+    pub to_atmosphere: f64,
 }
 
 impl AirUse {
     /// Adds the flow of an actuator without an air line at a point of a quadrature with its weight in s.
     pub fn see_actuator(&mut self, actuator: &Actuator, weight: f64, sample: &Sample, mode: &Mode) {
         let (length, velocity, pressure, mass) = (sample.length, sample.velocity, sample.pressure.0, sample.air_mass);
-        let chamber = actuator.chamber(length, velocity, pressure, mass, mode.extent == LengthRegime::Slack);
+        let chamber = actuator.chamber(length, velocity, pressure, mass, mode.length_regime == LengthRegime::Slack);
         let supply = actuator.flow(&chamber, sample.ports.supply, false);
         let atmosphere = actuator.flow(&chamber, false, sample.ports.exhaust);
         self.see(weight, [supply, atmosphere]);
@@ -100,8 +100,8 @@ impl AirUse {
     pub fn see(&mut self, weight: f64, [supply, atmosphere]: [Flow; 2]) {
         self.from_supply += weight * supply.inward;
         self.to_supply += weight * supply.outward;
-        self.from_surroundings += weight * atmosphere.inward;
-        self.to_surroundings += weight * atmosphere.outward;
+        self.from_atmosphere += weight * atmosphere.inward;
+        self.to_atmosphere += weight * atmosphere.outward;
     }
 }
 

@@ -78,9 +78,9 @@ impl Summary {
 
     fn air(&mut self, prefix: &str, air: &AirUse) {
         self.put(format!("{prefix}air.from_supply"), "kg", air.from_supply);
-        self.put(format!("{prefix}air.to_exhaust"), "kg", air.to_surroundings);
+        self.put(format!("{prefix}air.to_exhaust"), "kg", air.to_atmosphere);
         self.put(format!("{prefix}air.to_supply"), "kg", air.to_supply);
-        self.put(format!("{prefix}air.from_exhaust"), "kg", air.from_surroundings);
+        self.put(format!("{prefix}air.from_exhaust"), "kg", air.from_atmosphere);
     }
 
     /// Where the work of the gas and the exergy of the air went.

@@ -645,7 +645,7 @@ pub(crate) fn core_valve(valve: &Valve, supply: &Supply, air: &air::Air) -> Resu
     let law = |port, flow_path: FlowPath| {
         valve::FlowLaw::of_flow_path(port, flow_path.standard(), valve.efficiency, valve.laminar_ratio, air)
     };
-    let inlet = law(valve::Port::Supply, valve.passage)?;
+    let inlet = law(valve::Port::Supply, valve.flow_path)?;
     let outlet = valve.exhaust.map(|flow_path| law(valve::Port::Exhaust, flow_path)).transpose()?;
     let supply = valve::Supply::new(GaugePressure(supply.gauge_pressure), supply.temperature, air)?;
     let exhaust_temperature = match valve.exhaust_temperature {

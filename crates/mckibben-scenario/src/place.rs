@@ -122,8 +122,8 @@ static LISTS: &[(&Parameter, List)] = &[
         Some(Command::Positions { position, .. }) => Some(position),
         _ => None,
     }),
-    (&p::COURSE_TIME, |s| s.pressure.as_mut().map(|series| series.time.as_mut_slice())),
-    (&p::COURSE_GAUGE_PRESSURE, |s| s.pressure.as_mut().map(|series| series.gauge_pressure.as_mut_slice())),
+    (&p::SERIES_TIME, |s| s.pressure.as_mut().map(|series| series.time.as_mut_slice())),
+    (&p::SERIES_GAUGE_PRESSURE, |s| s.pressure.as_mut().map(|series| series.gauge_pressure.as_mut_slice())),
     (&p::MOTION_TIME, |s| match &mut s.load {
         Load::PrescribedMotion(Motion::Table { time, .. }) => Some(time),
         _ => None,

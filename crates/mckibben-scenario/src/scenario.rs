@@ -414,7 +414,7 @@ pub struct Valve {
     /// How it joins the actuator to supply and exhaust.
     pub kind: ValveKind,
     /// How much it lets through.
-    pub passage: FlowPath,
+    pub flow_path: FlowPath,
     /// How much the flow path to the atmosphere lets through, where it differs.
     pub exhaust: Option<FlowPath>,
     /// Factor η on the calculated mass flow.

@@ -271,11 +271,11 @@ fn drive(w: &mut Writer, scenario: &Scenario) {
     command(w, scenario);
     if let Some(series) = &scenario.pressure {
         w.word(PRESSURE_AT, series.at.name());
-        w.list(&p::COURSE_TIME, &series.time);
-        w.list(&p::COURSE_GAUGE_PRESSURE, &series.gauge_pressure);
-        w.number(&p::COURSE_OFFSET, series.sensor.offset);
-        w.number(&p::COURSE_SCALE, series.sensor.scale);
-        w.number(&p::COURSE_SHIFT, series.sensor.shift);
+        w.list(&p::SERIES_TIME, &series.time);
+        w.list(&p::SERIES_GAUGE_PRESSURE, &series.gauge_pressure);
+        w.number(&p::SERIES_OFFSET, series.sensor.offset);
+        w.number(&p::SERIES_SCALE, series.sensor.scale);
+        w.number(&p::SERIES_SHIFT, series.sensor.shift);
     }
     series_tendon(w, scenario);
 }
@@ -334,7 +334,7 @@ fn tendon(w: &mut Writer, tendon: &Tendon) {
 fn valve(w: &mut Writer, scenario: &Scenario) {
     let Some(valve) = &scenario.valve else { return };
     w.word("valve.kind", valve.kind.name());
-    flow_path(w, &flow_path::SUPPLY, valve.passage);
+    flow_path(w, &flow_path::SUPPLY, valve.flow_path);
     w.number(&p::EFFICIENCY, valve.efficiency);
     w.number(&p::VALVE_DEAD_TIME, valve.dead_time);
     match valve.regulator {

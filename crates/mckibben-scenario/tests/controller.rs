@@ -75,7 +75,7 @@ fn what_is_wrong_is_said() {
 fn where_controllers_are_not_supported_it_is_said() {
     let document = document(LAWS[0], "three-way");
     let error = document.experiment().expect_err("refused").to_string();
-    assert!(error.contains("command.kind = \"controller\" is not implemented"), "{error}");
+    assert!(error.contains("command.kind = \"controllers\" is not implemented"), "{error}");
     let start = START.replace("KIND", "three-way").replace("controllers", "fill");
     let error = Document::parse(&(start + LAWS[0]), "controller.toml").expect("TOML").scenario().expect_err("refused");
     assert!(error.to_string().contains("`command.kind` does not ask for it"), "{error}");

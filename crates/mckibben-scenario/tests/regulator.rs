@@ -27,7 +27,7 @@ fn a_regulator_is_read_built_and_written() {
     let read = scenario(&[SUPPLY, VALVE, COMMAND]);
     let valve = read.valve.expect("a valve");
     assert_eq!(valve.kind, ValveKind::PressureRegulator);
-    assert_eq!(valve.passage, FlowPath::FlowArea(1e-6));
+    assert_eq!(valve.flow_path, FlowPath::FlowArea(1e-6));
     let expected = ProportionalRegulator { time_constant: 0.03, rate_limit: 2e6 };
     assert_eq!((valve.regulator, valve.dead_time), (Some(expected), 5e-3));
     let points = Command::SetPoints { time: vec![0.0, 0.5], gauge_pressure: vec![4e5, 1e5] };

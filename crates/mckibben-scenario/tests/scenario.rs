@@ -87,7 +87,7 @@ fn the_specification_s_example() {
     assert_eq!(scenario.actuator.effectiveness, Effectiveness::Constant(0.9));
     assert_eq!(scenario.air.process, Process::Isentropic);
     let valve = scenario.valve.expect("a valve");
-    assert_eq!((valve.kind, valve.passage), (ValveKind::ThreeWay, FlowPath::FlowArea(1.672_254_72e-6)));
+    assert_eq!((valve.kind, valve.flow_path), (ValveKind::ThreeWay, FlowPath::FlowArea(1.672_254_72e-6)));
     assert_eq!(scenario.initial.length, InitialLength::Equilibrium);
     let (pulse, rest) = (CommandState::Fill, CommandState::Exhaust);
     assert_eq!(scenario.command, Some(Command::Pwm { frequency: 25.0, duty: 0.5, pulse, rest }));
@@ -152,7 +152,7 @@ fn named_valve() {
     assert_eq!((valve.kind, valve.efficiency, valve.opening_delay), (ValveKind::ThreeWay, 0.85, 0.004));
     // Another way to state the flow path takes the place of the preset's.
     let iso = text.replace("[load]", "sonic_conductance = \"0.5 L/(s*bar) ANR\"\ncritical_ratio = 0.3\n[load]");
-    let flow_path = read(&iso).valve.map(|valve| valve.passage);
+    let flow_path = read(&iso).valve.map(|valve| valve.flow_path);
     assert_eq!(flow_path, Some(FlowPath::Iso6358 { sonic_conductance: 5e-9, critical_ratio: 0.3 }));
     round_trip(&read(&iso));
 }
@@ -409,7 +409,7 @@ fn a_pressure_at_the_end_of_a_hose_is_read_built_and_written() {
         let read = Scenario::from_str(&format!("{file}{more}"), "test.toml").unwrap_or_else(|error| panic!("{error}"));
         let experiment = read.experiment().expect("an experiment");
         assert!((experiment.start.pressure.0 - 101_325.0 - start).abs() < 1e-6);
-        assert!(experiment.rig.line().hose.is_some() && experiment.rig.pressure_course().is_some());
+        assert!(experiment.rig.line().hose.is_some() && experiment.rig.pressure_series().is_some());
         let text = read.to_toml();
         let again = Scenario::from_str(&text, "again.toml").unwrap_or_else(|error| panic!("{error}\n{text}"));
         assert_eq!(again, read);
@@ -452,7 +452,7 @@ fn a_pressure_over_time_is_read_built_and_written() {
     let tendon =
         Document::parse(&format!("{file}[tendon]\nstiffness = \"10 kN/m\"\n"), "test.toml").expect("it is TOML");
     let rig = tendon.experiment().unwrap_or_else(|error| panic!("{error}")).rig;
-    assert!(rig.tendon().is_some() && rig.pressure_course().is_some());
+    assert!(rig.tendon().is_some() && rig.pressure_series().is_some());
     let short = file.replace(", \"3 bar\"", "");
     let error = Document::parse(&short, "test.toml").expect("it is TOML").experiment().expect_err("short").to_string();
     assert!(error.contains("equally long"), "{error}");

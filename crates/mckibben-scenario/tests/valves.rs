@@ -1,6 +1,6 @@
 //! The section `[valve]`: the ways to state its flow paths, presets and what overrides them, and every kind of valve.
 
-use mckibben::valve::{Ports, SeatClock};
+use mckibben::valve::{PoppetClock, Ports};
 use mckibben_scenario::{Command, CommandState, Document, FlowPath, Scenario, Valve, ValveKind};
 
 const AROUND: &str = "[supply]\ngauge_pressure = \"6 bar\"\n[command]\nkind = \"fill\"\n\
@@ -27,7 +27,7 @@ fn refused(text: &str) -> String {
 
 #[test]
 fn a_flow_path_is_stated_in_one_of_four_ways() {
-    let of = |text: &str| valve(&format!("kind = \"three-way\"\n{text}")).passage;
+    let of = |text: &str| valve(&format!("kind = \"three-way\"\n{text}")).flow_path;
     // 0.36 m³/h are 1e-4 m³/s, and 6 L/min the same.
     let FlowPath::Kv { kv, pressure_drop_ratio } = of("kv = \"0.36 m^3/h\"") else { panic!("not by Kv") };
     assert!((kv / 1e-4 - 1.0).abs() < 1e-15);
@@ -71,17 +71,17 @@ fn flow_paths_of_the_file_replace_those_of_the_preset() {
         ) => (a / b - 1.0).abs() < 1e-14 && x == y,
         _ => false,
     };
-    assert!(close(whole.passage, iso(2.3, 0.36)) && close(whole.exhaust.expect("its own"), iso(2.9, 0.24)));
+    assert!(close(whole.flow_path, iso(2.3, 0.36)) && close(whole.exhaust.expect("its own"), iso(2.9, 0.24)));
     assert_eq!((whole.kind, whole.opening_delay, whole.closing_delay), (ValveKind::ThreeWay, 0.019, 0.019));
     // A part of what the preset states so.
     let part = valve(&format!("{preset}exhaust.critical_ratio = 0.5"));
-    assert!(close(part.passage, iso(2.3, 0.36)) && close(part.exhaust.expect("its own"), iso(2.9, 0.5)));
+    assert!(close(part.flow_path, iso(2.3, 0.36)) && close(part.exhaust.expect("its own"), iso(2.9, 0.5)));
     // Another way: of the exhaust alone, or of both.
     let throttled = valve(&format!("{preset}exhaust.cv = 0.1"));
     assert_eq!(throttled.exhaust, Some(FlowPath::Cv { cv: 0.1, pressure_drop_ratio: 0.7 }));
-    assert!(close(throttled.passage, iso(2.3, 0.36)));
+    assert!(close(throttled.flow_path, iso(2.3, 0.36)));
     let own = valve(&format!("{preset}cv = 0.1"));
-    assert_eq!((own.passage, own.exhaust), (FlowPath::Cv { cv: 0.1, pressure_drop_ratio: 0.7 }, None));
+    assert_eq!((own.flow_path, own.exhaust), (FlowPath::Cv { cv: 0.1, pressure_drop_ratio: 0.7 }, None));
 }
 
 #[test]
@@ -152,7 +152,7 @@ fn each_kind_takes_the_commands_that_it_can_follow() {
     }
     let two_way = with("two-way", "kind = \"pwm\"\nfrequency = \"10 Hz\"\nduty = 0.5").expect("an experiment");
     let actuation = two_way.rig.actuation().expect("a valve");
-    let mut clock = SeatClock::released();
+    let mut clock = PoppetClock::released();
     clock.advance(0.06, &actuation.solenoid, &actuation.command);
     assert_eq!(clock.ports(&actuation.solenoid), Ports::CLOSED);
 }
@@ -168,7 +168,7 @@ fn a_five_way_valve_drives_both_actuators_of_a_joint() {
     let document = Document::parse(JOINT, "joint.toml").expect("TOML");
     let joint = document.joint_experiment().unwrap_or_else(|error| panic!("{error}")).expect("a joint");
     let [a, b] = [0, 1].map(|member| joint.rig.driven()[member].actuation.clone().expect("a valve"));
-    let (mut of_a, mut of_b) = (SeatClock::released(), SeatClock::released());
+    let (mut of_a, mut of_b) = (PoppetClock::released(), PoppetClock::released());
     for step in 1..400 {
         let time = 2.5e-3 * f64::from(step) + 1e-5;
         of_a.advance(time, &a.solenoid, &a.command);

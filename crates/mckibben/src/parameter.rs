@@ -476,19 +476,19 @@ parameters! {
     COMMAND_POSITION = "command.position", "u", "", Range { low: -1.0, low_included: true, high: 1.0, high_included: true }, None,
         "Positions of a proportional spool from each of those times on, as shares of its stroke: 1 opens the supply, -1 the exhaust.",
         "choice of the experiment", "give positions from -1 to 1";
-    COURSE_TIME = "pressure.time", "t", "s", Range::NON_NEGATIVE, None,
+    SERIES_TIME = "pressure.time", "t", "s", Range::NON_NEGATIVE, None,
         "Times of the rows of a pressure that is given, strictly rising.",
         "choice of the experiment", "give times of zero or more in rising order";
-    COURSE_GAUGE_PRESSURE = "pressure.gauge_pressure", "P_g(t)", "Pa", Range::FINITE, None,
+    SERIES_GAUGE_PRESSURE = "pressure.gauge_pressure", "P_g(t)", "Pa", Range::FINITE, None,
         "Gauge pressure in the actuator at each of those times, with straight lines between them.",
         "choice of the experiment", "give gauge pressures above minus the atmospheric pressure";
-    COURSE_OFFSET = "pressure.offset", "o", "Pa", Range::FINITE, Some(0.0),
+    SERIES_OFFSET = "pressure.offset", "o", "Pa", Range::FINITE, Some(0.0),
         "What the sensor that recorded the given pressure shows at zero gauge pressure: it is subtracted.",
         "calibration of the sensor", "give a finite pressure, or leave it out";
-    COURSE_SCALE = "pressure.scale", "s", "", Range::POSITIVE, Some(1.0),
+    SERIES_SCALE = "pressure.scale", "s", "", Range::POSITIVE, Some(1.0),
         "Reading of that sensor over the gauge pressure: what is recorded is divided by it.",
         "calibration of the sensor", "give a number above zero, or leave it out";
-    COURSE_SHIFT = "pressure.shift", "delta", "s", Range::FINITE, Some(0.0),
+    SERIES_SHIFT = "pressure.shift", "delta", "s", Range::FINITE, Some(0.0),
         "By how much readings of that sensor come late; the pressure holds that much earlier than its rows say.",
         "clocks of the rig", "give a finite time, or leave it out";
     TENDON_STIFFNESS = "tendon.stiffness", "k", "N/m", Range::POSITIVE, None,

@@ -2,7 +2,7 @@
 
 use crate::common::assert_within;
 use mckibben::Error;
-use mckibben::valve::{Command, FiveWay, FiveWayOutput, FiveWayRest, Ports, Request, SeatClock, Solenoid, ValveKind};
+use mckibben::valve::{Command, FiveWay, FiveWayOutput, FiveWayRest, PoppetClock, Ports, Request, Solenoid, ValveKind};
 use std::iter::successors;
 
 const OPEN: f64 = 4e-3;
@@ -12,7 +12,7 @@ const EXHAUST: Ports = Ports { supply: false, exhaust: true };
 
 /// Instants at which the flow paths change up to `until`, each with the flow paths from then on; before them the first.
 fn motions(solenoid: &Solenoid, command: &Command, until: f64) -> Vec<(f64, Ports)> {
-    let mut clock = SeatClock::released();
+    let mut clock = PoppetClock::released();
     let first = (0.0, clock.ports(solenoid));
     successors(Some(first), |_| {
         let next = clock.next_motion(solenoid, command, until)?;

@@ -369,13 +369,13 @@ fn valves_that_are_set_at_run_time_run_as_under_the_schedule() {
             set_points.iter().map(|gauge| RuntimeCommand::SetPoint(GaugePressure(*gauge))).collect(),
         ),
     ];
-    for (name, solenoid, schedule, before, demands) in cases {
+    for (name, solenoid, schedule, before, commands) in cases {
         let (plant, start) = under(solenoid, schedule);
         let known = simulate_plant(&plant, &start, 0.3, TOLERANCE).expect(name);
         let (plant, start) = under(solenoid, before);
         let mut run = PlantRun::new(&plant, &start, TOLERANCE).expect(name);
         let mut most: f64 = 0.0;
-        for (time, commanded) in times.iter().zip(&demands) {
+        for (time, commanded) in times.iter().zip(&commands) {
             run.advance_to(*time).expect(name);
             run.set(0, *commanded).expect(name);
             let (state, _) = known.at(*time);
@@ -412,12 +412,12 @@ fn a_function_drives_several_valves_by_what_any_node_shows() {
     // One driver of both valves: it fills the one whose chamber is lower, as long as the bottle is above 6.5 bar.
     let papers = [fill_hold_exhaust(), fill_hold_exhaust().gauge(10.0 * PSI)];
     let (plant, start, bottle) = on_one_bottle(&papers, 1e-4);
-    let decide = move |seen: &PlantMeasurement, filled: &mut u32, demands: &mut [Option<RuntimeCommand>]| {
+    let decide = move |seen: &PlantMeasurement, filled: &mut u32, commands: &mut [Option<RuntimeCommand>]| {
         let lower = usize::from(seen.actuators[1].pressure.0 < seen.actuators[0].pressure.0);
         let fills = seen.nodes[bottle].0 > 6.5e5;
         *filled += u32::from(fills);
-        demands[lower] = Some(if fills { Request::Fill } else { Request::Hold }.into());
-        demands[1 - lower] = Some(Request::Hold.into());
+        commands[lower] = Some(if fills { Request::Fill } else { Request::Hold }.into());
+        commands[1 - lower] = Some(Request::Hold.into());
     };
     let driver = Driver::of_function(decide, 0, &[0, 1], sampling(100.0, 0), PlantSensors::perfect());
     let run = record(&plant, &start, vec![driver], 1.0);
@@ -433,7 +433,7 @@ fn a_function_drives_several_valves_by_what_any_node_shows() {
         for valve in 0..2 {
             let place = plant.indices().actuators[valve].mass();
             let mass = |after: f64| run.at(decision.seen.time + after).0[place];
-            let fills = decision.demands[valve] == Some(Request::Fill.into());
+            let fills = decision.commands[valve] == Some(Request::Fill.into());
             if fills {
                 assert!(mass(0.01) > mass(0.005), "valve {valve} at {} s", decision.seen.time);
                 assert!(decision.seen.actuators[valve].pressure.0 <= decision.seen.actuators[1 - valve].pressure.0);
@@ -445,7 +445,7 @@ fn a_function_drives_several_valves_by_what_any_node_shows() {
     }
     assert!(filled.iter().all(|count| *count > 0), "{filled:?}");
     let last = &run.decisions().last().expect("a decision").1;
-    assert!(last.demands.iter().all(|commanded| *commanded == Some(Request::Hold.into())));
+    assert!(last.commands.iter().all(|commanded| *commanded == Some(Request::Hold.into())));
     assert_close(last.seen.nodes[bottle].0, tank, 1e-9);
 }
 
@@ -454,8 +454,8 @@ fn what_makes_no_sense_is_refused() {
     let papers = [fill_hold_exhaust(), fill_hold_exhaust()];
     let (plant, start, _) = on_one_bottle(&papers, 1e-3);
     let steady = |commanded: RuntimeCommand, valves: &[usize]| {
-        let decide = move |_: &PlantMeasurement, (): &mut (), demands: &mut [Option<RuntimeCommand>]| {
-            demands.fill(Some(commanded))
+        let decide = move |_: &PlantMeasurement, (): &mut (), commands: &mut [Option<RuntimeCommand>]| {
+            commands.fill(Some(commanded))
         };
         Driver::of_function(decide, (), valves, sampling(50.0, 0), PlantSensors::perfect())
     };

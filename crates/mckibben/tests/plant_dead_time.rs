@@ -6,7 +6,9 @@ use mckibben::line::{Hose, HoseKind, Line};
 use mckibben::parameter;
 use mckibben::plant::{Part, Plant, PlantRun, PlantStart, PlantTrajectory, simulate_plant};
 use mckibben::simulation::{Actuation, EventKind, Method, Rig, State, simulate};
-use mckibben::valve::{Command, FiveWay, FiveWayRest, Ramp, Regulator, Request, SeatClock, Solenoid, Spool, ValveKind};
+use mckibben::valve::{
+    Command, FiveWay, FiveWayRest, PoppetClock, Ramp, Regulator, Request, Solenoid, Spool, ValveKind,
+};
 use mckibben::{GaugePressure, Scalar};
 
 const OPEN: f64 = 4e-3;
@@ -155,7 +157,7 @@ fn both_outputs_of_a_five_way_valve_are_late() {
         let motions = |dead_time: f64| {
             let valve = FiveWay::new(rest, OPEN, CLOSE).and_then(|valve| valve.with_dead_time(dead_time)).expect("one");
             valve.outputs(&command).expect("outputs").map(|output| {
-                let mut clock = SeatClock::released();
+                let mut clock = PoppetClock::released();
                 let mut times = vec![];
                 while let Some(time) = clock.next_motion(&output.solenoid, &output.command, 0.4 + dead_time) {
                     clock.advance(time, &output.solenoid, &output.command);

@@ -159,8 +159,8 @@ fn a_tendon_that_is_let_go_hangs_loose() {
 
 fn driven(steps: &mut PlantSteps, from: i32, until: i32) {
     for count in from..until {
-        let (demands, distances) = requested(count);
-        for (valve, command) in demands.into_iter().flatten().enumerate() {
+        let (commands, distances) = requested(count);
+        for (valve, command) in commands.into_iter().flatten().enumerate() {
             steps.set(valve, command).expect("a demand");
         }
         steps.move_to(f64::from(count + 1) * 1e-3, &distances).expect("a step");
@@ -184,8 +184,8 @@ fn actuators_on_one_bottle_are_one_system() {
     let mut run = PlantRun::new(&plant, &start, 1e-10).expect("a run");
     let mut before = [0.085, 0.088];
     for count in 0..200 {
-        let (demands, distances) = requested(count);
-        for (valve, command) in demands.into_iter().flatten().enumerate() {
+        let (commands, distances) = requested(count);
+        for (valve, command) in commands.into_iter().flatten().enumerate() {
             run.set(valve, command).expect("a demand");
         }
         let rates = [0, 1].map(|k| (distances[k] - before[k]) / 1e-3);

@@ -165,9 +165,9 @@ fn restored_runs_without_a_host_are_bit_identical() {
             other.restore_from(&numbers).expect("a state");
             assert_eq!(bits(&saved(&mut other)), bits(&numbers), "step {count}");
             for steps in [&mut one, &mut other] {
-                let (demands, distances) = requested(count);
+                let (commands, distances) = requested(count);
                 if steps.plant().actuators().len() == 3 {
-                    for (valve, commanded) in demands.into_iter().flatten().enumerate() {
+                    for (valve, commanded) in commands.into_iter().flatten().enumerate() {
                         steps.set(valve, commanded).expect("a demand");
                     }
                     steps.move_to(f64::from(count + 1) * STEP, &distances).expect("a step");
@@ -265,8 +265,8 @@ fn what_numbers_cannot_hold_is_named() {
     let late = steps.save_to(&mut numbers).expect_err("too many");
     assert!(late.to_string().contains("64 commands"), "{late}");
 
-    let decide = |_: &PlantMeasurement, _: &mut u32, demands: &mut [Option<RuntimeCommand>]| {
-        demands[0] = Some(Request::Hold.into());
+    let decide = |_: &PlantMeasurement, _: &mut u32, commands: &mut [Option<RuntimeCommand>]| {
+        commands[0] = Some(Request::Hold.into());
     };
     let sampling = Sampling::new(100.0, 0).expect("a rate");
     let driver = Driver::of_function(decide, 0, &[0], sampling, PlantSensors::perfect());

@@ -155,8 +155,8 @@ fn derivatives_are_those_of_differences() {
         let sample = simulate(rig, start, 0.25, 1e-12).expect("a run").at(0.25);
         [sample.length, sample.velocity]
     };
-    let of_sensor = [&parameter::COURSE_OFFSET, &parameter::COURSE_SCALE, &parameter::COURSE_SHIFT];
-    let others = [&parameter::MASS, &parameter::VISCOUS, &parameter::TURNS, &parameter::COURSE_GAUGE_PRESSURE];
+    let of_sensor = [&parameter::SERIES_OFFSET, &parameter::SERIES_SCALE, &parameter::SERIES_SHIFT];
+    let others = [&parameter::MASS, &parameter::VISCOUS, &parameter::TURNS, &parameter::SERIES_GAUGE_PRESSURE];
     for row in others.into_iter().chain(of_sensor) {
         type One = crate::common::Seeded;
         let seeded = seeded(&rig, row);

@@ -4,7 +4,7 @@ use crate::common;
 use common::{Paper, assert_within};
 use mckibben::Error;
 use mckibben::simulation::EventKind;
-use mckibben::valve::{Command, Ports, Request, SeatClock, Solenoid, ValveKind};
+use mckibben::valve::{Command, PoppetClock, Ports, Request, Solenoid, ValveKind};
 use proptest::prelude::*;
 
 const OPEN: f64 = 4e-3;
@@ -28,7 +28,7 @@ fn table(time: &[f64], request: &[Request]) -> Command {
 
 /// The flow paths at t = 0 and each motion until `until`.
 fn motions(solenoid: &Solenoid, command: &Command, until: f64) -> Vec<(f64, Ports)> {
-    let mut clock = SeatClock::released();
+    let mut clock = PoppetClock::released();
     clock.advance(0.0, solenoid, command);
     let mut list = vec![(0.0, clock.ports(solenoid))];
     while let Some(time) = clock.next_motion(solenoid, command, until) {
@@ -143,7 +143,7 @@ fn a_pulse_that_was_not_followed_leaves_nothing_behind() {
 #[test]
 fn the_millionth_pulse_starts_exactly_at_its_period() {
     let (valve, command) = (solenoid(ValveKind::ThreeWay), pwm(30.0, 0.5));
-    let mut clock = SeatClock::released();
+    let mut clock = PoppetClock::released();
     let period = |index: f64| index / 30.0;
     clock.advance(period(999_999.0) - 1e-6, &valve, &command);
     assert_eq!(clock.ports(&valve), EXHAUST);

@@ -109,7 +109,7 @@ fn the_first_blow_on_the_braid_is_that_of_a_damped_spring() {
     assert_close(run.at(time).velocity, speed(time), 1e-6);
     // From there it flies freely at that speed.
     let free = run.events().iter().find(|event| event.kind == EventKind::TautEnd).expect("it comes free");
-    assert_eq!(free.after.extent, LengthRegime::Free);
+    assert_eq!(free.after.length_regime, LengthRegime::Free);
     assert_close(run.at(free.time + 1e-3).velocity, speed(time), 1e-6);
 }
 

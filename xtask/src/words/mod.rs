@@ -66,21 +66,6 @@ const ENTRIES: &[Entry] = &[
     entry("whoever", "a caller that, or its owner"),
 ];
 
-/// Where names and keys of public interfaces stand that have such words: a whole identifier, and how the paths of its files begin.
-const PUBLIC: &[(&str, &[&str])] = &[
-    ("Sought", &["crates/mckibben-identify/", "crates/mckibben-run/src/identify/"]),
-    ("Told", &["crates/mckibben-identify/"]),
-    ("courses", &["crates/mckibben-identify/", "crates/mckibben-run/src/identify/", "benches/"]),
-    ("from_surroundings", &["crates/"]),
-    ("passage", &["crates/", "benches/"]),
-    ("sought", &["crates/mckibben-identify/src/study/", "crates/mckibben-run/src/identify/"]),
-    ("to_surroundings", &["crates/"]),
-    (
-        "told",
-        &["crates/mckibben-identify/src/least_squares/statistics.rs", "crates/mckibben-run/src/identify/values.rs"],
-    ),
-];
-
 /// How no summary of a doc comment or docstring begins: it stands alone in an index.
 const OPENING: &str = "the same";
 
@@ -151,17 +136,11 @@ fn hits(path: &str, text: &str) -> Vec<(usize, &'static str, &'static str)> {
         _ => vec![Text { lines: numbered(text), ..Text::default() }],
     };
     texts.push(Text::of_name((1, path.to_owned())));
-    let is_public = |text: &&Text| {
-        let is_here =
-            |(name, under): &(&str, &[&str])| text.name == *name && under.iter().any(|start| path.starts_with(start));
-        PUBLIC.iter().any(is_here)
-    };
     let mut found = Vec::new();
-    for text in texts.iter().filter(|text| !is_public(text)) {
+    for text in &texts {
         let (words, lines) = plain(text);
-        let is_key = |end: usize| words[end..].trim_start().starts_with('=');
         for entry in ENTRIES {
-            let at = places(&words, entry.phrase).filter(|at| !is_key(at + entry.phrase.len()));
+            let at = places(&words, entry.phrase);
             found.extend(at.map(|at| (lines[at], entry.phrase, entry.instead)));
         }
         if text.is_doc && places(&words, OPENING).next() == Some(0) {
@@ -212,14 +191,6 @@ mod tests {
         let source = "/// Two of the same kind.\nfn valve() {\n    let key = \"passage\";\n    // `told`: see.\n}\n";
         assert_eq!(found("crates/a/src/a.rs", source), []);
         assert_eq!(found("python/mckibben/a.py", "\"\"\"Return the same.\"\"\"\nestimated = 'anew'\n"), []);
-        assert_eq!(found("docs/identify.md", "    passage = 1\n"), []);
-    }
-
-    #[test]
-    fn public_names_stay() {
-        let source = "let valve = Valve { passage };\n// A passage.\n";
-        assert_eq!(found("crates/a/src/a.rs", source), [(2, "passage")]);
-        assert_eq!(found("xtask/src/a.rs", "let passage = 1;\n"), [(1, "passage")]);
     }
 
     #[test]

@@ -6,8 +6,6 @@ pub(super) struct Text {
     pub(super) lines: Vec<(usize, String)>,
     /// Whether its first line is a summary.
     pub(super) is_doc: bool,
-    /// The identifier or path whose words it has.
-    pub(super) name: String,
 }
 
 impl Text {
@@ -19,7 +17,7 @@ impl Text {
             words.extend(is_begin.then_some(' '));
             words.push(if letter.is_alphanumeric() { letter } else { ' ' });
         }
-        Self { lines: vec![(line, words)], is_doc: false, name }
+        Self { lines: vec![(line, words)], is_doc: false }
     }
 }
 

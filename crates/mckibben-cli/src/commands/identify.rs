@@ -57,7 +57,7 @@ Of a valve:
   downstream_absolute_pressure (or _gauge_pressure), temperature, and mass_flow or volume_flow (\"L/min ANR\")
   [flow]
   scatter = \"constant\"                    # of the flow: the same for all readings, or \"proportional\" to each
-  passage = \"supply\"                      # the one that was measured, or \"exhaust\"
+  flow_path = \"supply\"                      # the one that was measured, or \"exhaust\"
   area = \"3 mm^2\"                         # of \"steady-flow\": the flow coefficient of this area in place of the efficiency
 
   kind = \"tank\" finds C and b, or a volume, from absolute_pressure (or gauge_pressure) over time

@@ -134,8 +134,7 @@ fn valves(sizes: &Sizes, pick: usize) -> Result<Table, Failure> {
         if is_pulsed {
             row.extend(match its.pulses {
                 Some(Pulses { frequency, duty, follows: true, .. }) => [number(frequency, 1), number(duty, 3)],
-                Some(_) => ["too slow", "–"].map(String::from),
-                None => ["none", "–"].map(String::from),
+                _ => ["too slow", "–"].map(String::from),
             });
         }
         row

@@ -106,7 +106,7 @@ fn air(page: &Page, used: [AirUse; 2]) {
     }
     page.heading("Air");
     for (name, air) in NAMES.into_iter().zip(used) {
-        let (from, to) = (page.quantity(air.from_supply, "kg"), page.quantity(air.to_surroundings, "kg"));
+        let (from, to) = (page.quantity(air.from_supply, "kg"), page.quantity(air.to_atmosphere, "kg"));
         page.line(name, &format!("{from} from the supply, {to} to the exhaust"));
     }
 }

@@ -168,13 +168,13 @@ impl Summary<'_> {
         if page.verbose {
             page.heading("Air");
             page.line("from supply", &said(air.from_supply));
-            page.line("to exhaust", &said(air.to_surroundings));
+            page.line("to exhaust", &said(air.to_atmosphere));
         } else {
             page.line("air", &format!("{} from the supply", said(air.from_supply)));
         }
         // Flow against the usual direction is worth a line only where there is any.
-        for (name, mass) in [("to supply", air.to_supply), ("from exhaust", air.from_surroundings)] {
-            if page.sound(mass) > 1e-12 * (air.from_supply + air.to_surroundings) {
+        for (name, mass) in [("to supply", air.to_supply), ("from exhaust", air.from_atmosphere)] {
+            if page.sound(mass) > 1e-12 * (air.from_supply + air.to_atmosphere) {
                 page.line(name, &said(mass));
             }
         }

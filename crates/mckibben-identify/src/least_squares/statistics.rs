@@ -43,7 +43,7 @@ pub struct Estimate {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Direction {
     /// Its singular value over the largest.
-    pub told: f64,
+    pub strength: f64,
     /// The unknowns in it with their shares, each relative to the unknown's size; those above a tenth.
     pub shares: Vec<(String, f64)>,
 }
@@ -66,7 +66,7 @@ pub struct Fit {
     /// Largest over least singular value of the derivatives, each by the size of its unknown; infinite when one is zero.
     pub condition: f64,
     /// The combinations that are not identifiable.
-    pub untold: Vec<Direction>,
+    pub unidentifiable: Vec<Direction>,
     /// Where the search has ended; only a minimum has intervals.
     pub ending: Ending,
 }
@@ -142,7 +142,7 @@ impl Fit {
             scatter,
             correlations,
             condition: sensitivity.condition(),
-            untold: sensitivity.untold(&names),
+            unidentifiable: sensitivity.unidentifiable(&names),
             ending: Ending::Minimum,
         }
     }
@@ -175,7 +175,7 @@ impl Fit {
             scatter: (squares / degrees_of_freedom.max(1) as f64).sqrt(),
             correlations: (0..unknowns.len()).map(row).collect(),
             condition: f64::INFINITY,
-            untold: Vec::new(),
+            unidentifiable: Vec::new(),
             ending,
         }
     }
@@ -227,8 +227,9 @@ impl Sensitivity {
     }
 
     fn standard_error(&self, place: usize) -> Option<f64> {
-        let untold = |k: usize| !self.is_identifiable(k) && self.directions[(k, place)].abs() > self.least.sqrt();
-        (!(0..self.values.len()).any(untold)).then(|| self.covariance(place, place).sqrt())
+        let unidentifiable =
+            |k: usize| !self.is_identifiable(k) && self.directions[(k, place)].abs() > self.least.sqrt();
+        (!(0..self.values.len()).any(unidentifiable)).then(|| self.covariance(place, place).sqrt())
     }
 
     fn correlation(&self, i: usize, j: usize) -> f64 {
@@ -243,12 +244,12 @@ impl Sensitivity {
         if self.values.is_empty() { 1.0 } else { self.largest() / least }
     }
 
-    fn untold(&self, names: &[&str]) -> Vec<Direction> {
+    fn unidentifiable(&self, names: &[&str]) -> Vec<Direction> {
         let direction = |k: usize| {
             let share = |(place, name): (usize, &&str)| ((*name).to_owned(), self.directions[(k, place)]);
             let shares = names.iter().enumerate().map(share).filter(|(_, share)| share.abs() > NAMED).collect();
             let largest = self.largest();
-            Direction { told: if largest > 0.0 { self.values[k] / largest } else { 0.0 }, shares }
+            Direction { strength: if largest > 0.0 { self.values[k] / largest } else { 0.0 }, shares }
         };
         (0..self.values.len()).filter(|k| !self.is_identifiable(*k)).map(direction).collect()
     }

@@ -67,7 +67,7 @@ pub struct Rules {
 #[derive(Clone, Copy, Debug, Eq, Ord, PartialEq, PartialOrd)]
 pub enum Severity {
     /// Good to know.
-    Told,
+    Noted,
     /// Something was done, or should be looked at.
     Warned,
 }
@@ -174,7 +174,10 @@ impl Work<'_> {
         });
         if entry.rules.offset != 0.0 {
             let (of, unit) = (entry.words(), entry.quantity.unit());
-            self.note(Severity::Told, format!("an offset of {:.4e} {unit} was taken off the {of}", entry.rules.offset));
+            self.note(
+                Severity::Noted,
+                format!("an offset of {:.4e} {unit} was taken off the {of}", entry.rules.offset),
+            );
         }
         let values: Vec<f64> = values.unwrap_or_default();
         Column {
@@ -194,7 +197,7 @@ impl Work<'_> {
         let keep: Vec<bool> = (0..self.lines.len()).map(measured).collect();
         let gone = keep.iter().filter(|keep| !**keep).count();
         if gone > 0 {
-            self.note(Severity::Told, format!("{gone} rows without a reading or without a time were left out"));
+            self.note(Severity::Noted, format!("{gone} rows without a reading or without a time were left out"));
             self.retain(columns, &keep);
         }
     }
@@ -330,7 +333,7 @@ impl Work<'_> {
         let rate = 1.0 / usual;
         // As many digits as it takes, of six.
         let rate = (1e6 * rate).round() / 1e6;
-        self.note(Severity::Told, format!("{} readings, {rate} a second", times.len()));
+        self.note(Severity::Noted, format!("{} readings, {rate} a second", times.len()));
         if largest > 5.0 * usual {
             let at = steps.iter().position(|step| *step == largest).unwrap_or(0);
             self.note(Severity::Warned, format!("a gap of {largest:.4} s after {:.4} s", times[at]));
@@ -338,7 +341,7 @@ impl Work<'_> {
         let uneven = steps.iter().filter(|step| (*step / usual - 1.0).abs() > 0.1).count();
         if uneven * 20 > steps.len() {
             let text = format!("{uneven} of {} steps in time differ from the usual by more than a tenth", steps.len());
-            self.note(Severity::Told, text);
+            self.note(Severity::Noted, text);
         }
     }
 
@@ -464,7 +467,7 @@ impl Work<'_> {
                 "{count} readings of the {} are at or below {end} N: slack, which says only that the muscle does not pull",
                 column.words()
             );
-            self.note(Severity::Told, text);
+            self.note(Severity::Noted, text);
         }
     }
 

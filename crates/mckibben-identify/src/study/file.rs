@@ -82,7 +82,7 @@ pub struct Study {
     /// The runs.
     pub runs: Vec<RunEntry>,
     /// The numbers that are looked for, in rising order of their paths; those of a force map follow from its laws.
-    pub sought: Vec<FitEntry>,
+    pub fit_entries: Vec<FitEntry>,
     /// How it is searched.
     pub search: SearchEntry,
     /// Whether units that seem wrong are right.
@@ -325,7 +325,7 @@ impl Study {
         for raw in file.run {
             runs.push(within.run(raw)?);
         }
-        let sought = file.fit.into_iter().map(|(path, raw)| FitEntry {
+        let fit_entries = file.fit.into_iter().map(|(path, raw)| FitEntry {
             path,
             start: raw.start.map(Text::text),
             from: raw.from.map(Text::text),
@@ -334,14 +334,14 @@ impl Study {
             per_run: raw.per_run,
             per_session: raw.per_session,
         });
-        let sought: Vec<FitEntry> = sought.collect();
+        let fit_entries: Vec<FitEntry> = fit_entries.collect();
         let is_own = |entry: &&FitEntry| entry.per_run || entry.per_session;
-        if let Some(entry) = sought.iter().find(|entry| is_own(entry) && head.kind != Kind::Trajectories) {
+        if let Some(entry) = fit_entries.iter().find(|entry| is_own(entry) && head.kind != Kind::Trajectories) {
             let owner = if entry.per_run { "per_run" } else { "per_session" };
             let what = format!("`{owner}` of `{}` in [fit] is of a study of the kind \"trajectories\"", entry.path);
             return Err(within.fault(None, what, "leave it out"));
         }
-        if let Some(entry) = sought.iter().find(|entry| entry.per_run && entry.per_session) {
+        if let Some(entry) = fit_entries.iter().find(|entry| entry.per_run && entry.per_session) {
             let what = format!("`{}` in [fit] is each run’s and each session’s own at once", entry.path);
             return Err(within.fault(None, what, "leave out `per_run` or `per_session`"));
         }
@@ -364,7 +364,7 @@ impl Study {
             input: head.input,
             columns,
             runs,
-            sought,
+            fit_entries,
             search,
             units_are_right: head.units_are_right,
             flow: of_valve.flow,

@@ -3,7 +3,7 @@
 //! ```toml
 //! [flow]                        # of "flow-curve" and "steady-flow"
 //! scatter = "constant"          # of the flow: the same for all readings, or "proportional" to each
-//! passage = "supply"            # the one that was measured, or "exhaust"
+//! flow_path = "supply"            # the one that was measured, or "exhaust"
 //! area = "3.1 mm^2"             # of "steady-flow": C_q of this area is found, in place of the efficiency
 //!
 //! [tank]                        # of "tank"
@@ -48,7 +48,7 @@ pub struct FlowEntry {
     /// How the scatter of the flow goes with its size.
     pub scatter: Scatter,
     /// The flow path.
-    pub passage: Direction,
+    pub flow_path: Direction,
     /// Its area A_p in m², whose flow coefficient is found.
     pub area: Option<f64>,
 }
@@ -107,7 +107,7 @@ enum RawScatter {
 pub(super) struct RawFlow {
     scatter: Option<RawScatter>,
     #[serde(default)]
-    passage: Direction,
+    flow_path: Direction,
     area: Option<Spanned<String>>,
 }
 
@@ -222,7 +222,7 @@ impl Within<'_> {
 
     fn flow(&self, raw: Option<Spanned<RawFlow>>, kind: Kind) -> Result<FlowEntry, StudyError> {
         let Some(raw) = raw.map(Spanned::into_inner) else {
-            return Ok(FlowEntry { scatter: Scatter::Constant, passage: Direction::Supply, area: None });
+            return Ok(FlowEntry { scatter: Scatter::Constant, flow_path: Direction::Supply, area: None });
         };
         if let Some(area) = raw.area.as_ref().filter(|_| kind != Kind::SteadyFlow) {
             let what = "`flow.area` belongs to a study of the kind \"steady-flow\"";
@@ -233,7 +233,7 @@ impl Within<'_> {
             Some(RawScatter::Constant) | None => Scatter::Constant,
         };
         let area = raw.area.map(|area| self.positive("flow.area", &area, AREA)).transpose()?;
-        Ok(FlowEntry { scatter, passage: raw.passage, area })
+        Ok(FlowEntry { scatter, flow_path: raw.flow_path, area })
     }
 
     fn tank(&self, raw: RawTank) -> Result<TankEntry, StudyError> {

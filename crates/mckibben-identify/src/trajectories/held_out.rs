@@ -40,7 +40,7 @@ impl Task {
                 values[*unknown] = value;
             }
             // What they do not identify cannot be predicted, nor can what was not searched to the end.
-            (fit.untold.is_empty() && !fit.ending.is_early()).then_some(())
+            (fit.unidentifiable.is_empty() && !fit.ending.is_early()).then_some(())
         };
         let without = |place: usize| {
             let others = [&self.runs[..place], &self.runs[place + 1..]].concat();

@@ -76,7 +76,7 @@ pub struct Recorded {
     /// Which unknown each of these numbers is.
     pub unknowns: Vec<usize>,
     /// Its time series.
-    pub courses: Vec<TimeSeries>,
+    pub time_series: Vec<TimeSeries>,
 }
 
 /// All runs, as far as a horizon.
@@ -99,14 +99,14 @@ impl Recorded {
             let times = series.times.iter().filter(|time| **time <= until);
             times.fold(0.0, |last: f64, time| sensor.until(*time).max(last))
         };
-        self.courses.iter().map(of_course).fold(0.0, f64::max)
+        self.time_series.iter().map(of_course).fold(0.0, f64::max)
     }
 
     /// The unknowns that are looked for in the run: those of its subject, then those of its sensors.
     pub(crate) fn all_unknowns(&self) -> Vec<usize> {
         let mut all = self.unknowns.clone();
         let sensors: std::collections::BTreeSet<usize> =
-            self.courses.iter().flat_map(|series| series.sensor.unknowns()).collect();
+            self.time_series.iter().flat_map(|series| series.sensor.unknowns()).collect();
         all.extend(sensors);
         all
     }
@@ -125,17 +125,17 @@ impl Recorded {
         let place =
             |(number, unknown): (usize, &usize)| Some((number, unknowns_of.iter().position(|of| of == unknown)?));
         let (numbers, unknowns): (Vec<usize>, Vec<usize>) = self.unknowns.iter().enumerate().filter_map(place).unzip();
-        let mut courses = self.courses.clone();
-        for amount in courses.iter_mut().flat_map(|series| series.sensor.amounts_mut()) {
-            if let Amount::Sought(unknown) = amount {
+        let mut time_series = self.time_series.clone();
+        for amount in time_series.iter_mut().flat_map(|series| series.sensor.amounts_mut()) {
+            if let Amount::Unknown(unknown) = amount {
                 *amount = match unknowns_of.iter().position(|of| of == unknown) {
-                    Some(place) => Amount::Sought(place),
+                    Some(place) => Amount::Unknown(place),
                     None => Amount::Known(values[*unknown]),
                 };
             }
         }
         let subject = self.subject.only(&numbers, &self.own(values))?;
-        Ok(Self { name: self.name.clone(), subject, unknowns, courses })
+        Ok(Self { name: self.name.clone(), subject, unknowns, time_series })
     }
 
     /// The run with values of all unknowns.
@@ -171,7 +171,7 @@ impl<'a> Runs<'a> {
 impl Runs<'_> {
     /// Times and values of the readings of a run, time series by time series.
     fn readings<'r>(&'r self, run: &'r Recorded) -> impl Iterator<Item = (f64, f64)> + 'r {
-        run.courses.iter().flat_map(|series| self.within(series))
+        run.time_series.iter().flat_map(|series| self.within(series))
     }
 
     /// Times and values of the readings of a time series.
@@ -259,7 +259,7 @@ impl Runs<'_> {
         mut visit: impl FnMut(usize, R, &[(usize, f64)]),
     ) {
         let mut row = 0;
-        for series in &run.courses {
+        for series in &run.time_series {
             let scale = self.scale(&series.observed);
             let readings: Vec<(f64, f64)> = self.within(series).collect();
             let mut measured = readings.iter().map(|(_, value)| *value);
@@ -269,7 +269,7 @@ impl Runs<'_> {
                 let by_amount = series.sensor.amounts().into_iter().zip(reading.by_amounts);
                 let by_sensor: Vec<(usize, f64)> = by_amount
                     .filter_map(|(amount, slope)| match amount {
-                        Amount::Sought(unknown) => Some((unknown, slope / scale)),
+                        Amount::Unknown(unknown) => Some((unknown, slope / scale)),
                         Amount::Known(_) => None,
                     })
                     .collect();
@@ -283,7 +283,7 @@ impl Runs<'_> {
     pub(crate) fn scatter(&self, residuals: &[f64]) -> Vec<(Observed, f64)> {
         let mut sums: Vec<(Observed, f64, u32)> = observed_in(self.runs).into_iter().map(|of| (of, 0.0, 0)).collect();
         let mut residuals = residuals.iter();
-        for series in self.runs.iter().flat_map(|run| &run.courses) {
+        for series in self.runs.iter().flat_map(|run| &run.time_series) {
             let Some((_, squares, count)) = sums.iter_mut().find(|(of, ..)| *of == series.observed) else { continue };
             for (_, residual) in self.within(series).zip(residuals.by_ref()) {
                 (*squares, *count) = (*squares + residual * residual, *count + 1);
@@ -298,7 +298,7 @@ impl Runs<'_> {
 /// of the runs.
 fn observed_in(runs: &[Recorded]) -> Vec<Observed> {
     let mut found: Vec<Observed> = Vec::new();
-    for series in runs.iter().flat_map(|run| &run.courses) {
+    for series in runs.iter().flat_map(|run| &run.time_series) {
         if !found.contains(&series.observed) {
             found.push(series.observed.clone());
         }

@@ -64,7 +64,7 @@ impl Task {
             let mut residuals = Vec::new();
             runs.compare(run, simulated, &values, |_, residual, _| residuals.push(residual));
             let mut rest = residuals.as_slice();
-            for recorded in &run.courses {
+            for recorded in &run.time_series {
                 let (own, behind) = rest.split_at(recorded.times.len());
                 rest = behind;
                 let (Some(first), Some(last)) = (recorded.times.first(), recorded.times.last()) else { continue };

@@ -86,7 +86,7 @@ pub enum TrajectoryError {
     },
     /// Times that are no times.
     #[error("the {} of the run `{run}`: {why}", observed.words())]
-    BadCourse {
+    BadSeries {
         /// The run.
         run: String,
         /// Of what.
@@ -257,7 +257,7 @@ impl Task {
     }
 
     pub(super) fn series_of<'s>(&'s self, observed: &'s Observed) -> impl Iterator<Item = &'s TimeSeries> {
-        self.runs.iter().flat_map(|run| &run.courses).filter(move |recorded| recorded.observed == *observed)
+        self.runs.iter().flat_map(|run| &run.time_series).filter(move |recorded| recorded.observed == *observed)
     }
 
     fn has(&self, observed: &Observed) -> bool {
@@ -282,9 +282,9 @@ impl Task {
         }
         let first: Vec<f64> = self.unknowns.iter().map(|unknown| unknown.start).collect();
         for run in &self.runs {
-            for recorded in &run.courses {
+            for recorded in &run.time_series {
                 let observed = &recorded.observed;
-                let bad = |why| TrajectoryError::BadCourse { run: run.name.clone(), observed: observed.clone(), why };
+                let bad = |why| TrajectoryError::BadSeries { run: run.name.clone(), observed: observed.clone(), why };
                 series::check(&recorded.times, &recorded.values, observed.quantity().words(), 0)
                     .map_err(|error| bad(error.to_string()))?;
                 if let Some(first) = recorded.times.first().filter(|first| **first < 0.0) {
@@ -294,7 +294,8 @@ impl Task {
                 }
             }
             let built = run.built(&first).and_then(|built| Ok(built.ready()?)).map_err(|error| run.failed(error))?;
-            if let Some(recorded) = run.courses.iter().find(|recorded| recorded.observed.place(&built.plant).is_none())
+            if let Some(recorded) =
+                run.time_series.iter().find(|recorded| recorded.observed.place(&built.plant).is_none())
             {
                 let (run, observed) = (run.name.clone(), recorded.observed.clone());
                 return Err(match observed.is_of_joint() {

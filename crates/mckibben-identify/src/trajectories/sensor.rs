@@ -26,7 +26,7 @@ pub enum Amount {
     /// It is known.
     Known(f64),
     /// It is looked for: the index of the unknown.
-    Sought(usize),
+    Unknown(usize),
 }
 
 /// What a sensor makes of a quantity.
@@ -73,7 +73,7 @@ impl Sensor {
     /// The unknowns that are looked for in it.
     pub(super) fn unknowns(&self) -> impl Iterator<Item = usize> + use<> {
         self.amounts().into_iter().filter_map(|amount| match amount {
-            Amount::Sought(unknown) => Some(unknown),
+            Amount::Unknown(unknown) => Some(unknown),
             Amount::Known(_) => None,
         })
     }
@@ -83,9 +83,9 @@ impl Sensor {
         let amounts = self.amounts();
         let [offset, drift, scale, shift, lag] = amounts.map(|amount| match amount {
             Amount::Known(number) => number,
-            Amount::Sought(unknown) => values[unknown],
+            Amount::Unknown(unknown) => values[unknown],
         });
-        let is_unknown = amounts.map(|amount| matches!(amount, Amount::Sought(_)));
+        let is_unknown = amounts.map(|amount| matches!(amount, Amount::Unknown(_)));
         KnownSensor { offset, drift, scale, shift, lag: lag.max(0.0), hold: self.hold, base: self.base, is_unknown }
     }
 }

@@ -100,7 +100,7 @@ impl Chain {
 /// temperature.
 fn measured(run: &Recorded, rig: &Rig, reached: State, joint: f64, every: f64) -> State {
     let near = |observed: Observed| {
-        let recorded = run.courses.iter().find(|recorded| recorded.observed == observed)?;
+        let recorded = run.time_series.iter().find(|recorded| recorded.observed == observed)?;
         let range = crate::series::between(&recorded.times, joint - 0.2 * every, joint + 0.2 * every);
         Polynomial::fit(&recorded.times[range.clone()], &recorded.values[range], joint, 2)
     };

@@ -42,7 +42,7 @@ impl Judged {
 
     /// Whether the data identify all of its parameters.
     fn is_identifiable(&self) -> bool {
-        self.fit.fit.untold.is_empty()
+        self.fit.fit.unidentifiable.is_empty()
     }
 
     /// The error by which laws are compared, of which there is but one: the root mean square where the groups were left out one by
@@ -374,7 +374,7 @@ fn comparison(judged: &[Judged], by: Option<Grouping>) -> Table {
                 row.push(between);
             }
         }
-        row.push(if of.fit.fit.untold.is_empty() {
+        row.push(if of.fit.fit.unidentifiable.is_empty() {
             format!("{:.1e}", of.fit.fit.condition)
         } else {
             "– not identifiable".to_owned()

@@ -44,9 +44,9 @@ pub(super) fn runs(material: &Material, warnings: &mut Vec<String>) -> Result<(V
     for ((recording, (document, experiment)), OfRun { places, unknowns, sensors }) in
         material.recordings.iter().zip(plants).zip(numbers)
     {
-        let courses = time_series(material, (recording, &sensors), &experiment)?;
+        let time_series = time_series(material, (recording, &sensors), &experiment)?;
         let subject = Subject::Plant(AdjustablePlant { document, places });
-        runs.push(Recorded { name: recording.name.clone(), subject, unknowns, courses });
+        runs.push(Recorded { name: recording.name.clone(), subject, unknowns, time_series });
     }
     Ok((runs, unknowns))
 }

@@ -27,7 +27,7 @@ pub(super) fn of(task: &Task, found: &Identified, held_out: &[HeldOutRun]) -> Ve
     for (run, simulated) in task.runs.iter().zip(&found.simulated) {
         let out = held_out.iter().find(|of| of.name == run.name).map(|of| (&of.simulated, &of.values[..]));
         let predictions = [Some((simulated, &values[..])), out];
-        all.extend(run.courses.iter().filter_map(|series| compared(run, series, predictions)));
+        all.extend(run.time_series.iter().filter_map(|series| compared(run, series, predictions)));
     }
     all
 }

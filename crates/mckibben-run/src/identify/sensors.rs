@@ -183,7 +183,7 @@ pub(super) fn sensor(
     for (amount, into) in sensor.amounts_mut().into_iter().enumerate() {
         *into = Amount::Known(known(&columns[place], amount));
         if let Some((_, unknown)) = unknowns.iter().find(|(of, _)| of.column == place && of.amount == amount) {
-            *into = Amount::Sought(*unknown);
+            *into = Amount::Unknown(*unknown);
         }
     }
     sensor

@@ -131,7 +131,7 @@ fn runs(material: &Material, warnings: &mut Vec<String>) -> Result<(Vec<Recorded
         scenarios.into_iter().zip(numbers).zip(material.recordings.iter().zip(documents))
     {
         let given = document.says_of_each(parameter::MIN_LENGTH.key);
-        let mut courses = time_series(material, (recording, &sensors), scenario.air.atmospheric_pressure);
+        let mut time_series = time_series(material, (recording, &sensors), scenario.air.atmospheric_pressure);
         let others = scenario.of_antagonist();
         // A pressure that drives the run is not compared with it.
         let driven = scenario.pressure.as_ref().map(|given| match given.at {
@@ -140,9 +140,9 @@ fn runs(material: &Material, warnings: &mut Vec<String>) -> Result<(Vec<Recorded
         });
         let driven_too = others.and_then(|of| of.pressure).map(|_| Observed::AntagonistGaugePressure);
         for pressure in driven.into_iter().chain(driven_too) {
-            courses.retain(|recorded| recorded.observed != pressure);
+            time_series.retain(|recorded| recorded.observed != pressure);
         }
-        runs.push(Recorded { name, subject: Adjustable::new(scenario, places, given).into(), unknowns, courses });
+        runs.push(Recorded { name, subject: Adjustable::new(scenario, places, given).into(), unknowns, time_series });
     }
     Ok((runs, unknowns))
 }
@@ -280,7 +280,7 @@ fn time_series(
 }
 
 fn introduction(task: &Task, found: &Identified) -> Vec<String> {
-    let readings: usize = task.runs.iter().flat_map(|run| &run.courses).map(|recorded| recorded.values.len()).sum();
+    let readings: usize = task.runs.iter().flat_map(|run| &run.time_series).map(|recorded| recorded.values.len()).sum();
     let numbers = counted(task.unknowns.len(), "parameter");
     let runs = counted(task.runs.len(), "run");
     let condition = match found.found.fit.ending {
@@ -374,7 +374,7 @@ fn predictions(task: &Task, found: &Identified) -> Vec<Prediction> {
         predicted: task.runs[run].readings(recorded, (&found.simulated[run], &values), &recorded.times),
     };
     let of_run =
-        |run: usize| task.runs[run].courses.iter().map(|recorded| of_course(run, recorded)).collect::<Vec<_>>();
+        |run: usize| task.runs[run].time_series.iter().map(|recorded| of_course(run, recorded)).collect::<Vec<_>>();
     (0..task.runs.len()).flat_map(of_run).collect()
 }
 
@@ -386,8 +386,8 @@ fn plate(task: &Task, found: &Identified, index: usize, stem: &'static str) -> P
     let mut data = Data::new(&["quantity", "time_s", "measured", "simulated"]);
     let mut panels = Vec::new();
     // Many quantities take lower panels, so that a figure stays on one page.
-    let [height, height_off] = if run.courses.len() > 3 { [24.0, 15.0] } else { [32.0, 16.0] };
-    for (place, recorded) in run.courses.iter().enumerate() {
+    let [height, height_off] = if run.time_series.len() > 3 { [24.0, 15.0] } else { [32.0, 16.0] };
+    for (place, recorded) in run.time_series.iter().enumerate() {
         let kind = recorded.observed.index().unwrap_or(Observed::ALL.len() + place);
         let times: Vec<f64> = (0..=600).map(|part| last * f64::from(part) / 600.0).collect();
         let curve = run.readings(recorded, fitted, &times);

@@ -110,7 +110,7 @@ pub(super) fn in_run(
 }
 
 fn entries(material: &Material) -> Result<&[FitEntry], Failure> {
-    let entries = &material.study.sought;
+    let entries = &material.study.fit_entries;
     if entries.is_empty() {
         let help = "add for instance `[fit.\"actuator.friction.viscous\"]` with `from` and `to`";
         return Err(Failure::input("the study does not say what to look for", help));
@@ -124,7 +124,7 @@ fn place(
     (document, scenario): (&Document, &mut Scenario),
     run: Option<&str>,
 ) -> Result<Place, Failure> {
-    let all = material.study.sought.iter().map(|other| other.path.as_str());
+    let all = material.study.fit_entries.iter().map(|other| other.path.as_str());
     document.find(&entry.path, all, scenario).map_err(|error| misplaced(&error, run))
 }
 
@@ -203,7 +203,7 @@ pub(super) fn more_starts(study: &Study, unknowns: &[Unknown], count: usize) -> 
 /// hundred times apart; else from 0.3 of its start to its start over 0.3.
 fn spread(study: &Study, unknown: &Unknown, part: f64) -> f64 {
     let [least, largest] = unknown.bounds;
-    let entry = study.sought.iter().find(|entry| match unknown.name.strip_prefix(entry.path.as_str()) {
+    let entry = study.fit_entries.iter().find(|entry| match unknown.name.strip_prefix(entry.path.as_str()) {
         Some(run) => run.is_empty() || run.starts_with(" ["),
         None => false,
     });

@@ -61,24 +61,20 @@ pub(super) fn of(caption: String, estimates: &[Estimate]) -> Table {
 
 /// A value with its name, unit and interval.
 pub(super) fn row(estimate: &Estimate) -> Vec<String> {
-    let (value, interval, unit) = in_units(estimate);
+    let number = |value: f64| rounded(value, estimate.standard_error);
+    let interval = estimate.confidence_interval.map(|ends| ends.map(number));
     let interval = interval.map_or_else(|| silence(estimate).to_owned(), |[low, high]| format!("{low} to {high}"));
-    vec![format!("`{}`", estimate.name), value, unit, interval]
-}
-
-/// A value in the unit that is printed, with the ends of its interval, rounded alike.
-fn in_units(estimate: &Estimate) -> (String, Option<[String; 2]>, String) {
-    let shown = units().shown(estimate.unit, estimate.value.abs());
-    let error = estimate.standard_error.map(|error| shown.number(error) - shown.number(0.0));
-    let number = |value: f64| rounded(shown.number(value), error);
-    (number(estimate.value), estimate.confidence_interval.map(|ends| ends.map(number)), shown.text)
+    vec![format!("`{}`", estimate.name), number(estimate.value), estimate.unit.to_owned(), interval]
 }
 
 /// A value with its interval and unit in words, such as `0.60 (0.59 to 0.61) L/(s·bar)`.
 pub(super) fn with_interval(estimate: &Estimate) -> String {
-    let (value, interval, unit) = in_units(estimate);
+    let shown = units().shown(estimate.unit, estimate.value.abs());
+    let error = estimate.standard_error.map(|error| shown.number(error) - shown.number(0.0));
+    let number = |value: f64| rounded(shown.number(value), error);
+    let interval = estimate.confidence_interval.map(|ends| ends.map(number));
     let interval = interval.map(|[low, high]| format!(" ({low} to {high})"));
-    format!("{value}{} {unit}", interval.unwrap_or_default()).trim_end().to_owned()
+    shown.with(&format!("{}{}", number(estimate.value), interval.unwrap_or_default()))
 }
 
 /// The name of the part of a plant that a path leads into.
@@ -233,7 +229,7 @@ fn not_identifiable(direction: &Direction) -> String {
 /// What a reader must know of a fit before believing its numbers. `unknowns` are those of the fit, where they are the study's.
 pub(super) fn warnings(fit: &Fit, unknowns: &[Unknown]) -> Vec<String> {
     let mut warnings: Vec<String> = ended(fit.ending).into_iter().collect();
-    warnings.extend(fit.untold.iter().map(not_identifiable));
+    warnings.extend(fit.unidentifiable.iter().map(not_identifiable));
     for (place, estimate) in fit.estimates.iter().enumerate().filter(|(_, estimate)| estimate.on_bound) {
         warnings.push(resting(estimate, unknowns.get(place)));
     }
@@ -249,7 +245,7 @@ pub(super) fn warnings(fit: &Fit, unknowns: &[Unknown]) -> Vec<String> {
             false => format!("the interval of `{}` contains zero: it is hardly identifiable from the data.", estimate.name),
         });
     }
-    if fit.ending == Ending::Minimum && fit.condition > 1e6 && fit.untold.is_empty() {
+    if fit.ending == Ending::Minimum && fit.condition > 1e6 && fit.unidentifiable.is_empty() {
         warnings.push(format!(
             "the condition number is {:.1e}: the parameters are identifiable, but only together.",
             fit.condition
@@ -297,7 +293,7 @@ mod tests {
     #[test]
     fn a_delay_longer_than_all_pulses_is_named() {
         let direction = |names: &[&str]| Direction {
-            told: 0.0,
+            strength: 0.0,
             shares: names.iter().map(|name| ((*name).to_owned(), 0.7)).collect(),
         };
         let alone = not_identifiable(&direction(&["valve.opening_delay"]));

@@ -1,7 +1,7 @@
 //! The log of a joint's events.
 //!
 //! The columns of the CSV are `time_s,event,actuator,turning,contact` and, for each actuator with its name before them,
-//! `valve,supply_flow,exhaust_flow,extent,sliding,tension_clamped`; `actuator` is empty for what happens to the joint
+//! `valve,supply_flow,exhaust_flow,length_regime,sliding,tension_clamped`; `actuator` is empty for what happens to the joint
 //! itself and `supply` for what happens to a supply of both, and what stands behind it holds from then on.
 
 use super::NAMES;

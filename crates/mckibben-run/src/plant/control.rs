@@ -69,9 +69,9 @@ impl<'e> Follower<'e> {
     pub(crate) fn see(&mut self, (driver, decision): (usize, &PlantDecision)) {
         let Some(control) = self.experiment.controls.get(driver) else { return };
         self.samples[driver] += 1;
-        if self.last[driver] != decision.demands {
+        if self.last[driver] != decision.commands {
             self.requests[driver] += 1;
-            self.last[driver].clone_from(&decision.demands);
+            self.last[driver].clone_from(&decision.commands);
         }
         let mut goals = self.goals.borrow_mut();
         let own = self.first[driver]..self.first.get(driver + 1).copied().unwrap_or(goals.len());

@@ -1,6 +1,6 @@
 //! The log of a plant's events.
 //!
-//! The columns of the CSV are `time_s,event,part,valve,extent,sliding,tension_clamped`; `part` is the name of what it happened
+//! The columns of the CSV are `time_s,event,part,valve,length_regime,sliding,tension_clamped`; `part` is the name of what it happened
 //! to, and what stands behind it holds of that part from then on, as far as it is an actuator or its valve.
 
 use super::{PlantOutcome, name_of};
@@ -10,7 +10,7 @@ use std::borrow::Cow;
 
 /// The log in words.
 pub(crate) fn log(run: &PlantOutcome) -> Log {
-    let columns = ["event", "part", "valve", "extent", "sliding", "tension_clamped"].map(str::to_owned).to_vec();
+    let columns = ["event", "part", "valve", "length_regime", "sliding", "tension_clamped"].map(str::to_owned).to_vec();
     let (mut reader, names) = (PlantReader::new(&run.trajectory), &run.experiment.names);
     let mut row = |event: &PlantEvent| {
         let mut then = [""; 4];
@@ -18,8 +18,8 @@ pub(crate) fn log(run: &PlantOutcome) -> Log {
             Part::Valve(valve) => then[0] = reader.read(event.time).valves[valve].ports.name(),
             Part::Actuator(index) => {
                 let (_, mode) = run.trajectory.at(event.time);
-                let [_, _, _, extent, sliding, clamped] = words(&mode.actuators[index].mode);
-                then = ["", extent, sliding, clamped];
+                let [_, _, _, length_regime, sliding, clamped] = words(&mode.actuators[index].mode);
+                then = ["", length_regime, sliding, clamped];
                 if let Some(valve) = names.valves[index] {
                     then[0] = reader.read(event.time).valves[valve].ports.name();
                 }

@@ -61,10 +61,29 @@ impl Report {
 }
 
 impl Table {
-    /// The table in the units that were chosen: columns of numbers whose heads end with a unit, as in `length mm`. Without a choice it
-    /// stays.
+    /// The table in the units that were chosen: columns of numbers whose heads end with a unit, as in `length mm`, and rows that have
+    /// their unit in a column `unit`. Without a choice it stays.
     pub(super) fn in_units(&self) -> Cow<'_, Self> {
         let mut table = Cow::Borrowed(self);
+        if let Some(place) = self.head.iter().position(|head| head == "unit") {
+            let of_row = |row: &Vec<String>| {
+                let numbers = row.iter().filter(|cell| is_numbers(cell)).flat_map(|cell| cell.split(' '));
+                let largest = numbers.filter_map(value_of).fold(0.0, |largest: f64, value| largest.max(value.abs()));
+                units::chosen(row.get(place)?, largest)
+            };
+            for (index, conversion) in
+                self.rows.iter().enumerate().filter_map(|(index, row)| Some((index, of_row(row)?)))
+            {
+                for (column, cell) in table.to_mut().rows[index].iter_mut().enumerate() {
+                    if column == place {
+                        cell.clone_from(&conversion.unit);
+                    } else if is_numbers(cell) {
+                        *cell = converted(cell, &conversion);
+                    }
+                }
+            }
+            return table;
+        }
         for column in 0..self.head.len() {
             let Some((name, unit)) = self.head[column].rsplit_once(' ') else { continue };
             let in_brackets = unit.strip_prefix('(').and_then(|unit| unit.strip_suffix(')'));

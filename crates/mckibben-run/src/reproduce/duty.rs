@@ -1,13 +1,13 @@
 //! Fig. 10: commanded against actual duty cycle, measured from the motion of the poppet.
 //!
-//! The poppet of the scenario's valve is followed from instant to instant (`SeatClock`) over whole periods, and the time
+//! The poppet of the scenario's valve is followed from instant to instant (`PoppetClock`) over whole periods, and the time
 //! that it stands open is added up; the formula `d − (t_open − t_close) f` is drawn beside it for reference only.
 
 use super::files;
 use crate::failure::Failure;
 use crate::report::{Data, Finding, Plate, Section, Verdict, number};
 use mckibben::simulation::Actuation;
-use mckibben::valve::SeatClock;
+use mckibben::valve::PoppetClock;
 use mckibben_plot::{Axis, Colour, Dash, Figure, Marks, Panel, Series, Symbol};
 use mckibben_scenario::Document;
 
@@ -102,7 +102,7 @@ impl Driven {
     fn actual(&self, frequency: f64) -> f64 {
         let Actuation { solenoid, command } = &self.actuation;
         let (from, until) = (SETTLE / frequency, (SETTLE + MEASURED) / frequency);
-        let mut clock = SeatClock::released();
+        let mut clock = PoppetClock::released();
         clock.advance(0.0, solenoid, command);
         let (mut now, mut open) = (0.0_f64, 0.0);
         while now < until {

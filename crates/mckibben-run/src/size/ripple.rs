@@ -29,61 +29,77 @@ pub struct Pulses {
     pub follows: bool,
 }
 
+/// The keys of a start that was filled at a gauge pressure in Pa.
+pub(super) fn start(gauge_pressure: f64) -> String {
+    format!("[initial]\ngauge_pressure = \"{gauge_pressure} Pa\"\n")
+}
+
 /// The keys of pulses that fill and exhaust.
 pub(super) fn command(frequency: f64, duty: f64) -> String {
     format!("[command]\nkind = \"pwm\"\nfrequency = \"{frequency} Hz\"\nduty = {duty}\n")
 }
 
-/// The muscle in the middle of its stroke under pulses of a frequency in Hz; none where no duty holds the load there.
+/// The muscle in the middle of its stroke under pulses of a frequency in Hz, with air that was filled in at a gauge pressure in Pa; none
+/// where no duty holds the load there.
 fn at(
-    scenario: &str,
+    (scenario, valve): (&str, &str),
     requirement: &Requirement,
-    valve: &str,
     frequency: f64,
+    filled_at: f64,
 ) -> Result<Option<Linearization>, Failure> {
-    let text = fed(scenario, requirement, [valve, &command(frequency, 0.5), ""]);
-    // A muscle that does not hang unfilled has no start; of valves that follow set points there are no pulses.
+    let text = fed(scenario, requirement, [valve, &command(frequency, 0.5), &start(filled_at)]);
+    // Of valves that follow set points there are no pulses.
     let Ok(experiment) = Document::parse(&text, "the candidate")?.experiment() else { return Ok(None) };
     let middle = experiment.rig.actuator().limits().max_length() - 0.5 * requirement.stroke;
     let aim = Aim::Balance(Balance::AtLength(middle));
     Ok(linearize_driven(&experiment.rig, aim, Content::Of(experiment.start)).ok())
 }
 
-/// The slowest pulses of a valve, by its keys, whose ripple of the length is no more than so many m; none where there are no such.
+/// The slowest pulses of a valve, by its keys, whose ripple of the length is no more than so many m; none where the valve is too slow
+/// for such, or takes no pulses.
 pub(super) fn pulses(
     scenario: &str,
     requirement: &Requirement,
     valve: &str,
     ripple: f64,
 ) -> Result<Option<Pulses>, Failure> {
-    let of = |frequency: f64| -> Result<Option<(f64, Linearization)>, Failure> {
-        let model = at(scenario, requirement, valve, frequency)?;
-        Ok(model.and_then(|model| Some((model.ripple("length")?, model))))
-    };
-    let is_still = |found: &Option<(f64, Linearization)>| found.as_ref().is_some_and(|(swing, _)| *swing <= ripple);
-    let [least, mut high] = FREQUENCIES;
-    let mut best = of(high)?;
-    if !is_still(&best) {
-        return Ok(None);
-    }
-    let mut low = high;
-    while low > least {
-        low *= STEP;
-        let found = of(low)?;
-        if !is_still(&found) {
+    let [least, most] = FREQUENCIES;
+    let mut frequencies = std::iter::successors(Some(most), |frequency| Some(STEP * frequency))
+        .take_while(|frequency| *frequency > STEP * least);
+    // The fastest pulses that the valve can make hold the load at a pressure, at which the muscle was filled.
+    let mut fastest = None;
+    for frequency in frequencies.by_ref() {
+        if let Some(model) = at((scenario, valve), requirement, frequency, 0.5 * requirement.gauge_pressure)? {
+            fastest = Some((frequency, model.point.gauge_pressure().0));
             break;
         }
-        (high, best) = (low, found);
     }
-    while high / low > 1.0 + WITHIN {
-        let middle = (low * high).sqrt();
-        let found = of(middle)?;
-        if is_still(&found) { (high, best) = (middle, found) } else { low = middle }
+    let Some((mut high, gauge)) = fastest else { return Ok(None) };
+    let of = |frequency: f64| -> Result<Option<Linearization>, Failure> {
+        let model = at((scenario, valve), requirement, frequency, gauge)?;
+        Ok(model.filter(|model| model.ripple("length").is_some_and(|swing| swing <= ripple)))
+    };
+    let Some(mut best) = of(high)? else { return Ok(None) };
+    let mut low = None;
+    for frequency in frequencies {
+        match of(frequency)? {
+            Some(model) => (high, best) = (frequency, model),
+            None => {
+                low = Some(frequency);
+                break;
+            }
+        }
     }
-    Ok(best.and_then(|(_, model)| {
-        let averaged = model.averaged()?;
+    while let Some(below) = low.filter(|below| high / below > 1.0 + WITHIN) {
+        let middle = (below * high).sqrt();
+        match of(middle)? {
+            Some(model) => (high, best) = (middle, model),
+            None => low = Some(middle),
+        }
+    }
+    Ok(best.averaged().map(|averaged| {
         let (duty, follows) = (averaged.duty, averaged.follows());
-        Some(Pulses { frequency: high, duty, gauge_pressure: model.point.gauge_pressure().0, follows })
+        Pulses { frequency: high, duty, gauge_pressure: gauge, follows }
     }))
 }
 

@@ -192,7 +192,7 @@ pub(super) fn written(candidate: &Candidate, requirement: &Requirement) -> Strin
     let least = candidate.quickness.as_ref().and_then(Quickness::conductance);
     match (least, &candidate.pulses) {
         (Some(least), Some(Pulses { frequency, duty, gauge_pressure, .. })) => {
-            let start = format!("[initial]\ngauge_pressure = \"{gauge_pressure} Pa\"\n");
+            let start = ripple::start(*gauge_pressure);
             let command = ripple::command(*frequency, *duty);
             head + &fed(&candidate.scenario, requirement, [&valve_of(least), &command, &start])
         }

@@ -130,7 +130,7 @@ impl Prepared {
     fn unit(&self, rows: u64, jobs: usize) -> u64 {
         const SHARE: u64 = 8;
         let sweep = &self.sweep;
-        let least = if sweep.asks_for(Engine::EventLocated) { 1 } else { rows::side_by_side() as u64 };
+        let least = if sweep.uses_engine(Engine::EventLocated) { 1 } else { rows::side_by_side() as u64 };
         (rows / (SHARE * jobs as u64)).clamp(least, 128) / least * least
     }
 

@@ -44,7 +44,7 @@ impl Choice {
     /// As [`schedule::in_order`].
     pub fn of(sweep: &Sweep, jobs: usize) -> Result<Option<Self>, Failure> {
         let varies_accuracy = sweep.axes().iter().any(|axis| axis.path == p::ACCURACY.key);
-        if sweep.gives_step() || varies_accuracy || !sweep.asks_for(Engine::FixedStep) {
+        if sweep.gives_step() || varies_accuracy || !sweep.uses_engine(Engine::FixedStep) {
             return Ok(None);
         }
         let _progress = Progress::begin("choosing the step", None);

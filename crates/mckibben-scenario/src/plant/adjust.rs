@@ -154,14 +154,14 @@ impl Document {
         for section in ["valve", "command", "controller", "supply", "pressure"].iter().chain(also) {
             self.remove(&format!("{ACTUATORS}.{actuator}.{section}"));
         }
-        for (row, numbers) in [(&p::COURSE_TIME, &series.time), (&p::COURSE_GAUGE_PRESSURE, &series.gauge_pressure)] {
+        for (row, numbers) in [(&p::SERIES_TIME, &series.time), (&p::SERIES_GAUGE_PRESSURE, &series.gauge_pressure)] {
             let said: Vec<String> =
                 numbers.iter().map(|number| format!("\"{}\"", quantity::format(*number, row.unit))).collect();
             let (path, list) = (format!("{ACTUATORS}.{actuator}.{}", row.key), format!("[{}]", said.join(", ")));
             self.set_text_from("the measured pressure", &path, &list)?;
         }
         let PressureSensor { offset, scale, shift } = series.sensor;
-        for (row, number) in [(&p::COURSE_OFFSET, offset), (&p::COURSE_SCALE, scale), (&p::COURSE_SHIFT, shift)] {
+        for (row, number) in [(&p::SERIES_OFFSET, offset), (&p::SERIES_SCALE, scale), (&p::SERIES_SHIFT, shift)] {
             let said = match row.unit {
                 "" => number.to_string(),
                 unit => format!("\"{}\"", quantity::format(number, unit)),

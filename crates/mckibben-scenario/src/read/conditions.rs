@@ -16,7 +16,7 @@ use mckibben::plant::{INITIAL_FRICTION_FORCE, InitialFriction};
 /// The pressure over time, if the file gives it: then there is no valve, and the start follows.
 pub(super) fn pressure(r: &mut Reader<'_>) -> Option<PressureSeries> {
     let section = r.key_place("pressure")?;
-    for path in [p::COURSE_TIME.key, p::COURSE_GAUGE_PRESSURE.key] {
+    for path in [p::SERIES_TIME.key, p::SERIES_GAUGE_PRESSURE.key] {
         if !r.has(path) {
             r.missing(path, "");
         }
@@ -56,9 +56,9 @@ pub(super) fn pressure(r: &mut Reader<'_>) -> Option<PressureSeries> {
             .help("add a section `[hose]`, or set `pressure.at = \"muscle\"`"),
         );
     }
-    let (time, gauges) = (r.list(&p::COURSE_TIME), r.list(&p::COURSE_GAUGE_PRESSURE));
-    let (time, gauge_pressure) = columns(r, &p::COURSE_TIME, time, p::COURSE_GAUGE_PRESSURE.key, gauges);
-    let [offset, scale, shift] = [&p::COURSE_OFFSET, &p::COURSE_SCALE, &p::COURSE_SHIFT].map(|row| r.value(row, None));
+    let (time, gauges) = (r.list(&p::SERIES_TIME), r.list(&p::SERIES_GAUGE_PRESSURE));
+    let (time, gauge_pressure) = columns(r, &p::SERIES_TIME, time, p::SERIES_GAUGE_PRESSURE.key, gauges);
+    let [offset, scale, shift] = [&p::SERIES_OFFSET, &p::SERIES_SCALE, &p::SERIES_SHIFT].map(|row| r.value(row, None));
     Some(PressureSeries { at, time, gauge_pressure, sensor: PressureSensor { offset, scale, shift } })
 }
 

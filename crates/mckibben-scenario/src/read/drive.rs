@@ -90,7 +90,7 @@ fn valve(r: &mut Reader<'_>) -> Option<Valve> {
     let exhaust_temperature = r.word("valve.exhaust_temperature").unwrap_or(ExhaustTemperature::Actuator);
     Some(Valve {
         kind: kind?,
-        passage: flow_path,
+        flow_path,
         exhaust,
         efficiency,
         regulator,

@@ -114,9 +114,9 @@ static FIELDS: &[(&Parameter, Field)] = &[
     (&p::CLEARANCE, |s| Some(&mut compressor(s)?.clearance)),
     (&p::CUT_IN, |s| Some(&mut compressor(s)?.cut_in)),
     (&p::CUT_OUT, |s| Some(&mut compressor(s)?.cut_out)),
-    (&p::COURSE_OFFSET, |s| Some(&mut s.pressure.as_mut()?.sensor.offset)),
-    (&p::COURSE_SCALE, |s| Some(&mut s.pressure.as_mut()?.sensor.scale)),
-    (&p::COURSE_SHIFT, |s| Some(&mut s.pressure.as_mut()?.sensor.shift)),
+    (&p::SERIES_OFFSET, |s| Some(&mut s.pressure.as_mut()?.sensor.offset)),
+    (&p::SERIES_SCALE, |s| Some(&mut s.pressure.as_mut()?.sensor.scale)),
+    (&p::SERIES_SHIFT, |s| Some(&mut s.pressure.as_mut()?.sensor.shift)),
     (&p::LAG, |s| Some(&mut regulator(s)?.lag)),
     (&p::DROOP, |s| Some(&mut regulator(s)?.droop)),
     (&p::DEAD_BAND, |s| Some(&mut regulator(s)?.dead_band)),
@@ -243,7 +243,7 @@ fn tondu_lopez(scenario: &mut Scenario) -> Option<&mut TonduLopezCoefficients> {
 }
 
 fn supply(scenario: &mut Scenario) -> Option<&mut FlowPath> {
-    Some(&mut scenario.valve.as_mut()?.passage)
+    Some(&mut scenario.valve.as_mut()?.flow_path)
 }
 
 fn exhaust(scenario: &mut Scenario) -> Option<&mut FlowPath> {

@@ -188,7 +188,7 @@ impl Sweep {
     }
 
     /// Whether there are rows for an engine.
-    pub fn asks_for(&self, engine: Engine) -> bool {
+    pub fn uses_engine(&self, engine: Engine) -> bool {
         match &self.plant {
             Some(swept) => swept.run.engine == engine || self.varies("run.engine"),
             None => self.bases.iter().any(|base| base.scenario.run.engine == engine),

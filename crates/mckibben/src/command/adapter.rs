@@ -11,7 +11,7 @@ use core::fmt::{self, Debug};
 
 /// A controller with its memory, whatever its type.
 pub(super) trait Unit<R: Real>: Debug + Send + Sync {
-    fn decide(&mut self, seen: &PlantMeasurement<R>, demands: &mut [Option<RuntimeCommand<R>>]);
+    fn decide(&mut self, seen: &PlantMeasurement<R>, commands: &mut [Option<RuntimeCommand<R>>]);
     fn aims(&self, seen: &PlantMeasurement<R>) -> Vec<(Quantity, R)>;
     fn copy(&self) -> Box<dyn Unit<R>>;
 }
@@ -33,8 +33,8 @@ where
     R: Real + 'static,
     C: PlantController<R, Memory: Send + Sync> + Debug + Send + Sync + 'static,
 {
-    fn decide(&mut self, seen: &PlantMeasurement<R>, demands: &mut [Option<RuntimeCommand<R>>]) {
-        self.controller.decide(seen, &mut self.memory, demands);
+    fn decide(&mut self, seen: &PlantMeasurement<R>, commands: &mut [Option<RuntimeCommand<R>>]) {
+        self.controller.decide(seen, &mut self.memory, commands);
     }
 
     fn aims(&self, seen: &PlantMeasurement<R>) -> Vec<(Quantity, R)> {
@@ -79,8 +79,8 @@ impl<R: Real, C: Controller<R>> PlantController<R> for OnActuator<C, R> {
         self.controller.begin()
     }
 
-    fn decide(&self, seen: &PlantMeasurement<R>, memory: &mut C::Memory, demands: &mut [Option<RuntimeCommand<R>>]) {
-        if let (Some(seen), [its]) = (seen.actuators.get(self.actuator), demands) {
+    fn decide(&self, seen: &PlantMeasurement<R>, memory: &mut C::Memory, commands: &mut [Option<RuntimeCommand<R>>]) {
+        if let (Some(seen), [its]) = (seen.actuators.get(self.actuator), commands) {
             *its = Some(command(self.controller.decide(seen, memory), self.pulse_frequency));
         }
     }
@@ -106,9 +106,9 @@ impl<R: Real, C: JointController<R>> PlantController<R> for OnJoint<C, R> {
         self.controller.begin()
     }
 
-    fn decide(&self, seen: &PlantMeasurement<R>, memory: &mut C::Memory, demands: &mut [Option<RuntimeCommand<R>>]) {
+    fn decide(&self, seen: &PlantMeasurement<R>, memory: &mut C::Memory, commands: &mut [Option<RuntimeCommand<R>>]) {
         let Some(seen) = seen.of_joint(self.joint, self.actuators) else { return };
-        for (its, drive) in demands.iter_mut().zip(self.controller.decide(&seen, memory)) {
+        for (its, drive) in commands.iter_mut().zip(self.controller.decide(&seen, memory)) {
             *its = Some(command(drive, self.pulse_frequency));
         }
     }
@@ -143,7 +143,7 @@ where
         self.memory.clone()
     }
 
-    fn decide(&self, seen: &PlantMeasurement<R>, memory: &mut M, demands: &mut [Option<RuntimeCommand<R>>]) {
-        (self.function)(seen, memory, demands);
+    fn decide(&self, seen: &PlantMeasurement<R>, memory: &mut M, commands: &mut [Option<RuntimeCommand<R>>]) {
+        (self.function)(seen, memory, commands);
     }
 }

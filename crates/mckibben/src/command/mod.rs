@@ -53,7 +53,7 @@ pub trait PlantController<R: Real = f64> {
     fn begin(&self) -> Self::Memory;
 
     /// Sets what each of its valves is to do, in their order; a valve that is left at `None` goes on with what it does.
-    fn decide(&self, seen: &PlantMeasurement<R>, memory: &mut Self::Memory, demands: &mut [Option<RuntimeCommand<R>>]);
+    fn decide(&self, seen: &PlantMeasurement<R>, memory: &mut Self::Memory, commands: &mut [Option<RuntimeCommand<R>>]);
 
     /// What it tries to reach at a sampling instant and in which quantities, if it has such aims.
     fn aims(&self, seen: &PlantMeasurement<R>) -> Vec<(Quantity, R)> {
@@ -73,13 +73,13 @@ pub struct PlantDecision<R = f64> {
     /// What the controller tried to reach and in which quantities.
     pub aims: Vec<(Quantity, R)>,
     /// What each of the driver's valves is to do once the decision takes effect; `None` where it goes on as it does.
-    pub demands: Demands<R>,
+    pub commands: Demands<R>,
 }
 
 impl<R: Real> PlantDecision<R> {
     /// What the poppets of one of the driver's valves are to do; none where it goes on as it does, or has no seats.
     pub fn drive(&self, valve: usize) -> Option<Drive<R>> {
-        match self.demands.get(valve)?.as_ref()? {
+        match self.commands.get(valve)?.as_ref()? {
             RuntimeCommand::Request(request) => Some(Drive::Steady(*request)),
             RuntimeCommand::Pulses { duty, pulse, rest, .. } => {
                 Some(Drive::Pulses { duty: *duty, pulse: *pulse, rest: *rest })
@@ -218,14 +218,14 @@ impl<R: Real> Driver<R> {
     pub(crate) fn take(&mut self, truth: PlantMeasurement<R>) -> Option<Demands<R>> {
         let plan = self.plan.clone();
         let seen = plan.sensors.show(truth);
-        let mut demands = vec![None; plan.valves.len()];
+        let mut commands = vec![None; plan.valves.len()];
         let mut aims = Vec::new();
         let effective = self.sampled.take(&plan.sampling, |unit| {
-            unit.decide(&seen, &mut demands);
+            unit.decide(&seen, &mut commands);
             aims = unit.aims(&seen);
-            demands.clone()
+            commands.clone()
         });
-        self.last = Some(Arc::new(PlantDecision { seen, aims, demands }));
+        self.last = Some(Arc::new(PlantDecision { seen, aims, commands }));
         effective
     }
 

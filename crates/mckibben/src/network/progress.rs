@@ -4,12 +4,12 @@
 use crate::numbered::Row;
 use crate::scalar::Real;
 use crate::simulation::Actuation;
-use crate::valve::{Openings, Ports, SeatClock, SpoolClock};
+use crate::valve::{Openings, PoppetClock, Ports, SpoolClock};
 
 /// How far along its command a valve is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Progress<S> {
-    clock: SeatClock<S>,
+    clock: PoppetClock<S>,
     spool: SpoolClock<S>,
     /// How many instants of the spool have been passed.
     spool_passed: u64,
@@ -18,7 +18,7 @@ pub(crate) struct Progress<S> {
 impl<S: Real> Progress<S> {
     /// Before the first instant.
     pub(crate) fn none() -> Self {
-        Self { clock: SeatClock::released(), spool: SpoolClock::resting(), spool_passed: 0 }
+        Self { clock: PoppetClock::released(), spool: SpoolClock::resting(), spool_passed: 0 }
     }
 
     /// The next instant in s, up to and with `until`, at which a poppet or a spool moves or arrives.
@@ -60,7 +60,7 @@ impl<S: Real> Progress<S> {
     pub(crate) fn settle(&mut self, actuation: &mut Actuation<S>, time: S, before: S) {
         self.drop_passed(actuation, before);
         let Actuation { solenoid, command } = actuation;
-        if solenoid.has_seats() {
+        if solenoid.has_poppets() {
             // Coils that have been driven without a poppet that moved.
             self.clock.advance(time, solenoid, command);
         }
@@ -69,7 +69,7 @@ impl<S: Real> Progress<S> {
     /// Drops of a command all that has been passed up to `time` in s; coils that no poppet has followed are passed as well.
     pub(crate) fn forget_passed(&mut self, actuation: &mut Actuation<S>, time: S) {
         let Actuation { solenoid, command } = actuation;
-        if solenoid.has_seats() && self.clock.next_motion(solenoid, command, time).is_none() {
+        if solenoid.has_poppets() && self.clock.next_motion(solenoid, command, time).is_none() {
             self.clock.advance(time, solenoid, command);
         }
         self.drop_passed(actuation, S::constant(f64::INFINITY));

@@ -203,7 +203,7 @@ impl<'a> Bookkeeper<'a> {
         of.branches += weight * branches.dissipated;
         of.branch_exchange += weight * branches.exchanged;
         of.branch_storage -= weight * (branches.dissipated + branches.exchanged);
-        if of_actuator.mode.extent == LengthRegime::Slack {
+        if of_actuator.mode.length_regime == LengthRegime::Slack {
             return;
         }
         let (limits, friction) = (actuator.limits(), actuator.friction());
@@ -227,7 +227,7 @@ impl<'a> Bookkeeper<'a> {
         let viscous = friction.viscous_at::<f64>(secant) * velocity;
         let branch_force = observer.system.branch_force(i, state, mode, [length, pressure]);
         let (hysteresis, slipping) = (secant * widths[0], direction * secant * widths[1]);
-        let taut = of_actuator.mode.extent == LengthRegime::Taut;
+        let taut = of_actuator.mode.length_regime == LengthRegime::Taut;
         let limit: f64 = if taut { limits.taut_force(length, velocity) } else { 0.0 };
         let stretch = (length - limits.max_length()).larger(0.0);
         of.viscous += weight * viscous * velocity;

@@ -289,7 +289,7 @@ impl<R: Real> System<R> {
             Guard::Slack | Guard::Tight => {
                 self.put_on(i, limits.min_length(), state);
                 if self.rests_on_the_shortest(i, time, state, mode, at) {
-                    mode.actuators[i].mode.extent = LengthRegime::Free;
+                    mode.actuators[i].mode.length_regime = LengthRegime::Free;
                     mode.actuators[i].mode.clamped = false;
                     mode.actuators[i].on_stop = true;
                     self.bring_to_rest(i, time, state, mode, at);
@@ -297,14 +297,14 @@ impl<R: Real> System<R> {
                     return Ok(EventKind::Stick);
                 }
                 let slack = guard == Guard::Slack;
-                mode.actuators[i].mode.extent = if slack { LengthRegime::Slack } else { LengthRegime::Free };
+                mode.actuators[i].mode.length_regime = if slack { LengthRegime::Slack } else { LengthRegime::Free };
                 self.start_sliding(i, time, state, mode, at);
                 Ok(if slack { EventKind::Slack } else { EventKind::Tight })
             }
             Guard::Taut | Guard::TautEnd => {
                 self.put_on(i, limits.max_length(), state);
                 let taut = guard == Guard::Taut;
-                mode.actuators[i].mode.extent = if taut { LengthRegime::Taut } else { LengthRegime::Free };
+                mode.actuators[i].mode.length_regime = if taut { LengthRegime::Taut } else { LengthRegime::Free };
                 self.clamp_all(m, time, state, mode, at);
                 Ok(if taut { EventKind::Taut } else { EventKind::TautEnd })
             }
@@ -375,10 +375,10 @@ impl<R: Real> System<R> {
         self.enter_distances(time, state, mode, at);
         let rate = at.units[i].rate.value();
         // As it would be at rest, on its shortest length and slack.
-        let at_rest = |extent: LengthRegime, at: &mut Evaluation<R>| {
+        let at_rest = |length_regime: LengthRegime, at: &mut Evaluation<R>| {
             let (mut state, mut mode) = (state.to_vec(), mode.clone());
-            mode.actuators[i].mode.extent = extent;
-            mode.actuators[i].on_stop = extent == LengthRegime::Free;
+            mode.actuators[i].mode.length_regime = length_regime;
+            mode.actuators[i].on_stop = length_regime == LengthRegime::Free;
             self.bring_to_rest(i, time, &mut state, &mut mode, at);
             self.settle(m, time, &mut state, &mut mode, at);
             self.evaluate(time, &state, &mode, at);

@@ -40,7 +40,7 @@ impl<R: Real> System<R> {
         let its = &mut mode.actuators[i];
         its.loose = (unit.distance - unit.length - tendon.rest_length()).value() <= 0.0;
         let beyond = unit.length.value() > limits.max_length().value();
-        its.mode.extent = if beyond { LengthRegime::Taut } else { LengthRegime::Free };
+        its.mode.length_regime = if beyond { LengthRegime::Taut } else { LengthRegime::Free };
         its.mode.sliding = Sliding::Stuck;
         let friction = member.actuator.friction();
         let on_the_stop = unit.length.value() <= limits.min_length().value();
@@ -171,8 +171,8 @@ impl<R: Real> System<R> {
                 let its = &mut mode.actuators[i];
                 if friction.has_coulomb() {
                     its.mode.sliding = Sliding::Stuck;
-                    if its.mode.extent == LengthRegime::Rebound {
-                        its.mode.extent = LengthRegime::Taut;
+                    if its.mode.length_regime == LengthRegime::Rebound {
+                        its.mode.length_regime = LengthRegime::Taut;
                     }
                     EventKind::Stick
                 } else {
@@ -194,7 +194,7 @@ impl<R: Real> System<R> {
             Guard::Taut | Guard::TautEnd => {
                 state[place] = limits.max_length();
                 let taut = guard == Guard::Taut;
-                its.mode.extent = if taut { LengthRegime::Taut } else { LengthRegime::Free };
+                its.mode.length_regime = if taut { LengthRegime::Taut } else { LengthRegime::Free };
                 if taut { EventKind::Taut } else { EventKind::TautEnd }
             }
             Guard::Slip => EventKind::Slip,

@@ -634,7 +634,7 @@ impl<R: Real> Wire<R> {
     #[inline(always)]
     pub(super) fn bristle_rate<T: Over<R>>(&self, deflection: T, velocity: T, of_actuator: &ActuatorMode<R>) -> T {
         match self.member.lugre() {
-            Some(law) if of_actuator.mode.extent != LengthRegime::Slack => {
+            Some(law) if of_actuator.mode.length_regime != LengthRegime::Slack => {
                 law.rate(deflection, velocity, T::constant(of_actuator.mode.sliding.direction()))
             }
             _ => T::zero(),

@@ -31,7 +31,7 @@ impl Feed {
     /// # Errors
     /// [`Error::Misuse`] when there is no valve, or one without seats.
     pub(super) fn poppet_valve<R: Real>(&self, plant: &Plant<R>) -> Result<usize, Error> {
-        with_poppets(self.valve, |valve| plant.network().valves[*valve].solenoid.has_seats())
+        with_poppets(self.valve, |valve| plant.network().valves[*valve].solenoid.has_poppets())
     }
 
     /// The sample of an actuator and of what feeds it.

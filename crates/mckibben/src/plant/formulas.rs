@@ -104,7 +104,7 @@ impl<R: Real> Formulas<R> for PlantMode<R> {
 
     #[inline(always)]
     fn is_slack(&self, actuator: usize) -> bool {
-        self.actuators[actuator].mode.extent == LengthRegime::Slack
+        self.actuators[actuator].mode.length_regime == LengthRegime::Slack
     }
 
     #[inline(always)]
@@ -179,7 +179,7 @@ impl<R: Real> Formulas<R> for PlantMode<R> {
 
     #[inline(always)]
     fn is_damped(&self, system: &System<R>, actuator: usize) -> bool {
-        let is_taut = self.actuators[actuator].mode.extent == LengthRegime::Taut;
+        let is_taut = self.actuators[actuator].mode.length_regime == LengthRegime::Taut;
         super::tendon::is_damped(&system.plant.actuators[actuator].actuator, is_taut)
     }
 

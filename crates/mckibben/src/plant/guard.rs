@@ -156,7 +156,7 @@ impl<R: Real> System<R> {
         let mechanism = &self.plant.mechanisms[mounted.mechanism];
         let held = matches!(mechanism, Mechanism::Fixed) && here.length.is_none();
         if !stuck && !held {
-            let (by_length, by_force) = member.length_regime_guards(its.extent);
+            let (by_length, by_force) = member.length_regime_guards(its.length_regime);
             for (guard, bound, lasts_above) in by_length.into_iter().flatten() {
                 add(guard, self.length_form(i, bound, lasts_above));
             }
@@ -169,7 +169,7 @@ impl<R: Real> System<R> {
                 add(Guard::Rest, GuardForm::Function);
             }
             Sliding::Lengthening | Sliding::Shortening
-                if its.extent != LengthRegime::Slack && self.leads_to_rest(i, mode) =>
+                if its.length_regime != LengthRegime::Slack && self.leads_to_rest(i, mode) =>
             {
                 add(Guard::Rest, self.rest_form(i, its.sliding));
             }
@@ -179,7 +179,7 @@ impl<R: Real> System<R> {
             }
             _ => {}
         }
-        if its.extent != LengthRegime::Slack
+        if its.length_regime != LengthRegime::Slack
             && let Some((end, lasts_above)) = of_actuator.trace.as_ref().and_then(Trace::end)
         {
             add(Guard::Slip, self.length_form(i, end, lasts_above));
@@ -190,7 +190,7 @@ impl<R: Real> System<R> {
         let mut add = |guard, form| guards.push((PlantGuard::Of(i, guard), form));
         if mounted.tendon.is_some() {
             add(if of_actuator.loose { Guard::TendonTight } else { Guard::TendonLoose }, GuardForm::Function);
-        } else if !stuck && its.extent != LengthRegime::Slack {
+        } else if !stuck && its.length_regime != LengthRegime::Slack {
             add(if its.clamped { Guard::TensionBack } else { Guard::TensionZero }, GuardForm::Function);
         }
         for guard in [
@@ -269,7 +269,7 @@ impl<R: Real> System<R> {
         let sliding_towards = |&&other: &&usize| {
             let its = &mode.actuators[other].mode;
             let sliding = matches!(its.sliding, Sliding::Lengthening | Sliding::Shortening);
-            sliding && its.extent != LengthRegime::Slack && self.plant.places.actuators[other].length.is_none()
+            sliding && its.length_regime != LengthRegime::Slack && self.plant.places.actuators[other].length.is_none()
         };
         self.plant.places.members[mounted.mechanism].iter().find(sliding_towards) == Some(&i)
     }

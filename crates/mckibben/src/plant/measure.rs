@@ -87,10 +87,10 @@ impl<R: Real> System<R> {
         let truth = self.measure(mode.drivers[index].next(), state, mode, at);
         let PlantMode { drivers, network, .. } = mode;
         let driver = &mut drivers[index];
-        let demands = driver.take(truth);
+        let commands = driver.take(truth);
         let until = driver.next();
         for (place, &valve) in driver.valves().iter().enumerate() {
-            if let Some(commanded) = demands.as_ref().and_then(|demands| demands[place]) {
+            if let Some(commanded) = commands.as_ref().and_then(|commands| commands[place]) {
                 self.plant.network.set_valve(valve, time, commanded, network)?;
             }
             self.plant.network.pulse_valve(valve, [time, until], network)?;

@@ -119,7 +119,7 @@ impl<R: Real> System<R> {
                 effectiveness_piece: member.effectiveness_piece(state[places.pressure]),
                 pressed: member.pressed(state[places.pressure]),
                 force_piece: Default::default(),
-                extent: LengthRegime::Free,
+                length_regime: LengthRegime::Free,
                 sliding: Sliding::Held,
                 clamped: false,
             },

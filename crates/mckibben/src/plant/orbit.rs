@@ -24,7 +24,7 @@
 //!
 //! Checked by `tests/orbit.rs`.
 
-use super::{Plant, PlantRun, PlantSnapshot, TimeStepping};
+use super::{Plant, PlantRun, PlantSnapshot};
 use crate::error::Error;
 use crate::friction::Friction;
 use crate::load::Motion;
@@ -192,17 +192,6 @@ impl Past {
 }
 
 impl PlantRun {
-    /// Goes on by other steps from where the run is. What it has cost is counted on.
-    ///
-    /// # Errors
-    /// [`Error::OutOfRange`] for a tolerance or a step outside its range. Then nothing has changed.
-    pub fn set_stepping(&mut self, stepping: impl Into<TimeStepping>) -> Result<(), Error> {
-        let stepping = stepping.into();
-        stepping.check()?;
-        self.go_on_by(stepping);
-        Ok(())
-    }
-
     /// Goes on, period by period, until the states return; `watch` is called with the time in s behind each period, and may end it
     /// by an error. A plant that has no period is evaluated in steps of `usual` s.
     ///

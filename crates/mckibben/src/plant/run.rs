@@ -351,13 +351,6 @@ impl<R: Instantiate> PlantRun<R> {
         *pace = pace.restarted();
     }
 
-    /// Takes other steps from now on; the discrete state stays, with the widths of borders that they have.
-    pub(crate) fn go_on_by(&mut self, stepping: TimeStepping) {
-        self.system = System::new(&self.system.plant, stepping.tolerance());
-        self.stepping = stepping;
-        self.reached.pace = self.reached.pace.restarted();
-    }
-
     /// Sets what a valve does from now on, in place of all that was to come.
     ///
     /// # Errors
@@ -438,5 +431,21 @@ impl<R: Instantiate> PlantRun<R> {
         watch: &mut dyn FnMut(f64) -> Result<(), Error>,
     ) -> Result<PlantTrajectory<R>, Error> {
         PlantTrajectory::record(self, until, watch)
+    }
+}
+
+impl PlantRun {
+    /// Goes on by other steps from where the run is. What it has cost is counted on.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a tolerance or a step outside its range. Then nothing has changed.
+    pub fn set_stepping(&mut self, stepping: impl Into<TimeStepping>) -> Result<(), Error> {
+        let stepping = stepping.into();
+        stepping.check()?;
+        // Borders between formulas are as wide as the steps need.
+        self.system = System::new(&self.system.plant, stepping.tolerance());
+        self.stepping = stepping;
+        self.reached.pace = self.reached.pace.restarted();
+        Ok(())
     }
 }

@@ -358,7 +358,7 @@ pub(crate) fn actual<R: Instantiate>(
     at: &Evaluation<R>,
 ) -> Actual<R> {
     let unit = &at.units[i];
-    match mode.actuators[i].mode.extent {
+    match mode.actuators[i].mode.length_regime {
         LengthRegime::Slack => {
             Actual { length: system.wires[i].member.actuator.limits().min_length(), velocity: R::zero() }
         }

@@ -101,7 +101,7 @@ impl<R: Instantiate> System<R> {
         for (mounted, its) in self.plant.actuators.iter().zip(actuators) {
             let ActuatorMode { mode, on_stop, loose, trace, isothermal, rows_passed } = its;
             row.choice(
-                &mut mode.extent,
+                &mut mode.length_regime,
                 [LengthRegime::Slack, LengthRegime::Free, LengthRegime::Taut, LengthRegime::Rebound],
             );
             let all = [Sliding::Lengthening, Sliding::Shortening, Sliding::Stuck, Sliding::Held, Sliding::Frictionless];

@@ -77,7 +77,7 @@ impl<R: Real> System<R> {
             for &i in &plant.places.members[m] {
                 let (member, arm) = (&self.wires[i].member, self.arms[i]);
                 usual = usual.min(member.longest / arm);
-                if matches!(mode.actuators[i].mode.extent, LengthRegime::Taut | LengthRegime::Rebound) {
+                if matches!(mode.actuators[i].mode.length_regime, LengthRegime::Taut | LengthRegime::Rebound) {
                     stiff = stiff.min(member.taut_scale / arm);
                 }
                 if let Some(tendon) = &plant.actuators[i].tendon {
@@ -116,7 +116,7 @@ impl<R: Real> System<R> {
             scales[here.pressure] += 0.1 * member.atmosphere;
             scales[here.pressure + 1] += 0.1 * member.air_mass;
             if let (Some(place), Some(tendon)) = (here.length, &plant.actuators[i].tendon) {
-                let taut = matches!(mode.actuators[i].mode.extent, LengthRegime::Taut | LengthRegime::Rebound);
+                let taut = matches!(mode.actuators[i].mode.length_regime, LengthRegime::Taut | LengthRegime::Rebound);
                 let own = if taut { member.taut_scale } else { member.longest };
                 scales[place] = own.min(self.tendon_scale(i, tendon));
             }
@@ -204,7 +204,8 @@ impl<R: Real> System<R> {
         let (member, its) = (&self.wires[i].member, &mode.actuators[i]);
         let unit = &at.units[i];
         let plain = member.damping([unit.length, state[self.plant.places.actuators[i].pressure]], &its.mode);
-        let moves = its.mode.extent != LengthRegime::Slack && its.mode.sliding != Sliding::Stuck && !its.mode.clamped;
+        let moves =
+            its.mode.length_regime != LengthRegime::Slack && its.mode.sliding != Sliding::Stuck && !its.mode.clamped;
         let deflections = self.deflections(i, state);
         match deflections.bristles {
             Some(_) if moves => {
@@ -224,7 +225,7 @@ impl<R: Real> System<R> {
         let mut fastest = self.heat_settling(i, at).value();
         let constant = |number: R| Dual::<R, 1> { value: number, slope: [R::zero()] };
         if let (Some(place), Some(law)) = (here.bristles, self.wires[i].member.lugre())
-            && its.mode.extent != LengthRegime::Slack
+            && its.mode.length_regime != LengthRegime::Slack
         {
             let direction = constant(R::constant(its.mode.sliding.direction()));
             let rate = law.rate(Dual::variable(state[place], 0), constant(at.units[i].velocity), direction);

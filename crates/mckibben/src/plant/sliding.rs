@@ -59,7 +59,7 @@ impl<R: Real> System<R> {
     /// The least and the largest tension in N that an actuator without a tendon can hold at rest.
     pub(crate) fn holdable<T: Over<R>>(&self, i: usize, state: &[T], mode: &PlantMode<R>, length: T) -> (T, T) {
         let of_actuator = &mode.actuators[i];
-        if of_actuator.mode.extent == LengthRegime::Slack {
+        if of_actuator.mode.length_regime == LengthRegime::Slack {
             return (T::zero(), T::zero());
         }
         let member = &self.wires[i].member;
@@ -91,7 +91,7 @@ impl<R: Real> System<R> {
             let slow = at_rest || (is_slow && !self.is_at_dead_centre(i, at));
             mode.actuators[i].mode.sliding = self.sliding_towards(i, at.units[i].rate.value());
             let holds = self.wires[i].member.actuator.friction().has_coulomb() || mode.actuators[i].on_stop;
-            if slow && mode.actuators[i].mode.extent != LengthRegime::Slack {
+            if slow && mode.actuators[i].mode.length_regime != LengthRegime::Slack {
                 if holds {
                     resting.push(i);
                 }
@@ -191,7 +191,7 @@ impl<R: Real> System<R> {
         self.stick(m, state, mode, at, &sticking);
         let frozen = mode.mechanisms[m].frozen;
         for &i in &places.members[m] {
-            if places.actuators[i].length.is_some() || mode.actuators[i].mode.extent == LengthRegime::Slack {
+            if places.actuators[i].length.is_some() || mode.actuators[i].mode.length_regime == LengthRegime::Slack {
                 continue;
             }
             let heading = match resting.iter().position(|&it| it == i) {
@@ -262,7 +262,7 @@ impl<R: Real> System<R> {
     /// falls slack.
     fn head(&self, i: usize, mode: &mut PlantMode<R>, heading: f64) {
         if heading < 0.0 && mode.actuators[i].on_stop {
-            mode.actuators[i].mode.extent = LengthRegime::Slack;
+            mode.actuators[i].mode.length_regime = LengthRegime::Slack;
         }
         mode.actuators[i].on_stop = false;
         mode.actuators[i].mode.sliding = self.sliding_towards(i, heading);

@@ -374,8 +374,8 @@ impl<R: Real> System<R> {
             let on_stop = above[0].abs() <= ON_THE_STOP * limits.min_length().value();
             let above = if on_stop { [0.0, above[1]] } else { above };
             let its = &mut mode.actuators[i];
-            its.mode.extent = member.length_regime_at([unit.distance, unit.rate], above, pushed);
-            its.on_stop = on_stop && its.mode.extent == LengthRegime::Free && unit.rate.value() == 0.0;
+            its.mode.length_regime = member.length_regime_at([unit.distance, unit.rate], above, pushed);
+            its.on_stop = on_stop && its.mode.length_regime == LengthRegime::Free && unit.rate.value() == 0.0;
         }
     }
 }

@@ -54,7 +54,7 @@ impl<R: Real> System<R> {
     /// Force in N of the branches of an actuator at its length in m and absolute pressure in Pa; zero while it is slack.
     pub(super) fn branch_force(&self, i: usize, state: &[R], mode: &PlantMode<R>, ends: [R; 2]) -> R {
         let law = self.wires[i].member.actuator.friction().viscoelastic();
-        if law.is_none() || mode.actuators[i].mode.extent == LengthRegime::Slack {
+        if law.is_none() || mode.actuators[i].mode.length_regime == LengthRegime::Slack {
             return R::zero();
         }
         let at_rest: SlidingState<R> = R::zero().into();
@@ -75,7 +75,7 @@ impl System<f64> {
         let mut powers = BranchPowers::default();
         let wire = &self.wires[i];
         let Some(law) = wire.member.actuator.friction().viscoelastic() else { return powers };
-        let is_slack = mode.actuators[i].mode.extent == LengthRegime::Slack;
+        let is_slack = mode.actuators[i].mode.length_regime == LengthRegime::Slack;
         let length = wire.resting_length(is_slack, unit.length);
         let velocity = if is_slack { 0.0 } else { unit.velocity };
         let moving: [Dual<f64, 1>; 2] =

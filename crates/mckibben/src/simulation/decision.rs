@@ -29,13 +29,13 @@ pub struct JointDecision<R = f64> {
 ///
 /// # Errors
 /// [`Error::Misuse`] when there is no valve, or one without seats.
-pub(crate) fn with_poppets<V>(valve: Option<V>, has_seats: impl FnOnce(&V) -> bool) -> Result<V, Error> {
+pub(crate) fn with_poppets<V>(valve: Option<V>, has_poppets: impl FnOnce(&V) -> bool) -> Result<V, Error> {
     match valve {
         None => Err(Error::Misuse {
             what: "a controller is given, but the actuator has no valve",
             remedy: "give the actuator a valve, or simulate it without a controller",
         }),
-        Some(valve) if has_seats(&valve) => Ok(valve),
+        Some(valve) if has_poppets(&valve) => Ok(valve),
         Some(_) => Err(Error::Misuse {
             what: "a controller drives the seats of a valve, and a pressure regulator or a proportional spool has none",
             remedy: "choose a valve such as valve.kind = \"three-way\", or give set points or positions",

@@ -209,7 +209,7 @@ impl<R: Real> Member<R> {
         let (law, gauge) = (actuator.law(), actuator.gauge(ends[2]));
         let effectiveness = law.effectiveness.in_piece(mode.effectiveness_piece, gauge);
         let factors = [effectiveness, law.law.force_in_piece(mode.force_piece, ends[0], gauge)];
-        actuator.signed_force(ends, sliding_state, mode.extent == LengthRegime::Taut, factors)
+        actuator.signed_force(ends, sliding_state, mode.length_regime == LengthRegime::Taut, factors)
     }
 
     /// Tension in N while the ends move: what the load feels.
@@ -220,7 +220,7 @@ impl<R: Real> Member<R> {
         mode: &Mode,
         remembered: (&Option<Trace<R>>, Deflections<T>),
     ) -> T {
-        if mode.extent == LengthRegime::Slack || mode.clamped {
+        if mode.length_regime == LengthRegime::Slack || mode.clamped {
             return T::zero();
         }
         self.signed_force(ends, mode, remembered)
@@ -229,10 +229,11 @@ impl<R: Real> Member<R> {
     /// Rate of the force in N with the velocity, from viscous friction and the taut braid, at a length and a pressure while the
     /// ends move.
     pub(crate) fn damping(&self, [length, pressure]: [R; 2], mode: &Mode) -> f64 {
-        if mode.extent == LengthRegime::Slack || mode.clamped || mode.sliding == Sliding::Stuck {
+        if mode.length_regime == LengthRegime::Slack || mode.clamped || mode.sliding == Sliding::Stuck {
             return 0.0;
         }
-        let taut = if mode.extent == LengthRegime::Taut { self.actuator.limits().damping().value() } else { 0.0 };
+        let taut =
+            if mode.length_regime == LengthRegime::Taut { self.actuator.limits().damping().value() } else { 0.0 };
         let pressing = self.actuator.normal_load(length, pressure, mode.touch());
         self.actuator.friction().viscous_at(pressing.secant_stiffness()).value() + taut
     }
@@ -259,7 +260,7 @@ impl<R: Real> Member<R> {
 
     /// Decides again whether the force is kept from pushing.
     pub(crate) fn enter_clamp(&self, ends: [R; 3], mode: &mut Mode, remembered: (&Option<Trace<R>>, Deflections<R>)) {
-        let moves = mode.extent != LengthRegime::Slack && mode.sliding != Sliding::Stuck;
+        let moves = mode.length_regime != LengthRegime::Slack && mode.sliding != Sliding::Stuck;
         mode.clamped = moves && self.signed_force(ends, mode, remembered).value() < 0.0;
     }
 
@@ -322,7 +323,7 @@ impl<R: Real> Member<R> {
         match guard {
             Guard::Rebound | Guard::Retaut => {
                 let taut = guard == Guard::Retaut;
-                mode.extent = if taut { LengthRegime::Taut } else { LengthRegime::Rebound };
+                mode.length_regime = if taut { LengthRegime::Taut } else { LengthRegime::Rebound };
                 Some(if taut { EventKind::Taut } else { EventKind::Rebound })
             }
             Guard::TensionZero | Guard::TensionBack => {

@@ -62,7 +62,7 @@ pub struct Mode {
     /// The piece of a measured force map; none other has any.
     pub force_piece: Piece,
     /// Slack, free or taut.
-    pub extent: LengthRegime,
+    pub length_regime: LengthRegime,
     /// The direction of sliding, or sticking.
     pub sliding: Sliding,
     /// Whether the sum of forces is kept at zero because a tendon cannot push.

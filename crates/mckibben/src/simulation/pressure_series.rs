@@ -67,14 +67,14 @@ impl PressureSeries {
     pub fn new(time: &[f64], gauge_pressure: &[f64]) -> Result<Self, Error> {
         if time.len() != gauge_pressure.len() || time.is_empty() {
             return Err(Error::Table {
-                name: parameter::COURSE_GAUGE_PRESSURE.key,
+                name: parameter::SERIES_GAUGE_PRESSURE.key,
                 problem: "there is not one pressure for each time",
                 entry: time.len().min(gauge_pressure.len()) + 1,
                 remedy: "give as many pressures as times",
             });
         }
-        crate::valve::check_times(parameter::COURSE_TIME.key, time)?;
-        let row = |(time, gauge): (&f64, &f64)| Ok([*time, parameter::COURSE_GAUGE_PRESSURE.check(*gauge)?]);
+        crate::valve::check_times(parameter::SERIES_TIME.key, time)?;
+        let row = |(time, gauge): (&f64, &f64)| Ok([*time, parameter::SERIES_GAUGE_PRESSURE.check(*gauge)?]);
         let rows = time.iter().zip(gauge_pressure).map(row).collect::<Result<_, Error>>()?;
         Ok(Self { rows, sensor: [0.0, 1.0, 0.0] })
     }
@@ -85,9 +85,9 @@ impl PressureSeries {
     /// # Errors
     /// [`Error::OutOfRange`] for a number that is not finite, and a scale that is not above zero.
     pub fn with_sensor(self, offset: f64, scale: f64, shift: f64) -> Result<Self, Error> {
-        let offset = parameter::COURSE_OFFSET.check(offset)?;
-        let scale = parameter::COURSE_SCALE.check(scale)?;
-        Ok(Self { sensor: [offset, scale, parameter::COURSE_SHIFT.check(shift)?], ..self })
+        let offset = parameter::SERIES_OFFSET.check(offset)?;
+        let scale = parameter::SERIES_SCALE.check(scale)?;
+        Ok(Self { sensor: [offset, scale, parameter::SERIES_SHIFT.check(shift)?], ..self })
     }
 
     /// The least of its gauge pressures.
@@ -118,7 +118,7 @@ impl PressureSeries {
         }
         let (air, least) = (actuator.air(), self.least());
         if least.absolute(air.atmosphere()).0 <= 0.0 {
-            return Err(crate::valve::below_vacuum(&parameter::COURSE_GAUGE_PRESSURE, least, air));
+            return Err(crate::valve::below_vacuum(&parameter::SERIES_GAUGE_PRESSURE, least, air));
         }
         Ok(())
     }
@@ -135,16 +135,16 @@ impl<S: Scalar> PressureSeries<S> {
         #[cfg(feature = "alloc")]
         let rows = {
             let row = |[time, gauge]: &[S; 2]| {
-                let time = convert.parameter(&parameter::COURSE_TIME, *time);
-                [time, convert.parameter(&parameter::COURSE_GAUGE_PRESSURE, *gauge)]
+                let time = convert.parameter(&parameter::SERIES_TIME, *time);
+                [time, convert.parameter(&parameter::SERIES_GAUGE_PRESSURE, *gauge)]
             };
             self.rows.iter().map(row).collect()
         };
         let [offset, scale, shift] = self.sensor;
         let sensor = [
-            convert.parameter(&parameter::COURSE_OFFSET, offset),
-            convert.parameter(&parameter::COURSE_SCALE, scale),
-            convert.parameter(&parameter::COURSE_SHIFT, shift),
+            convert.parameter(&parameter::SERIES_OFFSET, offset),
+            convert.parameter(&parameter::SERIES_SCALE, scale),
+            convert.parameter(&parameter::SERIES_SHIFT, shift),
         ];
         PressureSeries { rows, sensor }
     }

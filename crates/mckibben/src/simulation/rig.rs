@@ -319,7 +319,7 @@ impl<S: Scalar> Rig<S> {
 
     /// The gauge pressure over time in the actuator, or at the inlet of its hose if it has one, where it is given.
     #[inline(always)]
-    pub fn pressure_course(&self) -> Option<&PressureSeries<S>> {
+    pub fn pressure_series(&self) -> Option<&PressureSeries<S>> {
         self.pressure.as_ref()
     }
 

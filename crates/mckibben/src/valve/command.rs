@@ -276,7 +276,7 @@ impl<S: Scalar> Command<S> {
     }
 
     /// Whether any request in the command is `wanted`.
-    pub fn asks_for(&self, wanted: Request) -> bool {
+    pub fn has_request(&self, wanted: Request) -> bool {
         match self {
             Self::Constant(request) => *request == wanted,
             Self::Pwm { pulse, rest, .. } => *pulse == wanted || *rest == wanted,

@@ -15,13 +15,13 @@
 //! A pulse shorter than `t_open` never opens the valve and a gap shorter than `t_close` never shuts it, so the actual duty
 //! cycle is 0 below `t_open f` and 1 above `1 − t_close f`. A dead time shifts pulses and does not change it.
 //!
-//! The openings come from the solenoid's own clock ([`SeatClock`]) in a period long after the start, over any scalar, so the
+//! The openings come from the solenoid's own clock ([`PoppetClock`]) in a period long after the start, over any scalar, so the
 //! derivative with respect to the commanded duty is exact.
 //!
 //! Source: Colbrunn, Nelson & Quinn (2001), section 3.3: 42.5 % at 25 Hz and 35 % at 50 Hz for a commanded 50 %. Checked by
 //! `tests/plant_linear_pulses.rs`, and by `tests/linearize_pwm.rs`.
 
-use super::{Command, Openings, Ports, SeatClock, Solenoid, ValveKind};
+use super::{Command, Openings, PoppetClock, Ports, Solenoid, ValveKind};
 use crate::scalar::{Real, Scalar};
 use alloc::vec::Vec;
 
@@ -47,7 +47,7 @@ pub fn actual_duty_cycle<S: Real>(solenoid: &Solenoid<S>, command: &Command<S>) 
 /// PWM and the valve has seats.
 pub(crate) fn period<S: Real>(solenoid: &Solenoid<S>, command: &Command<S>) -> Option<Vec<Interval<S>>> {
     let Command::Pwm { frequency, .. } = command else { return None };
-    if !solenoid.has_seats() {
+    if !solenoid.has_poppets() {
         return None;
     }
     let ([opening, closing], [rise, fall]) = (solenoid.delays(), solenoid.ramp().times());
@@ -56,7 +56,7 @@ pub(crate) fn period<S: Real>(solenoid: &Solenoid<S>, command: &Command<S>) -> O
     let begun = slow.value() as u64 + 3;
     let at = |period: u64| S::constant(period as f64) / *frequency;
     let (mut time, end) = (at(begun), at(begun + 1));
-    let mut clock = SeatClock::released();
+    let mut clock = PoppetClock::released();
     clock.advance(time, solenoid, command);
     let mut intervals = Vec::new();
     loop {

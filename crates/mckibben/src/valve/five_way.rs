@@ -90,7 +90,7 @@ impl FiveWay {
             FiveWayRest::Exhausted => ([ThreeWay; 2], Request::Exhaust),
             FiveWayRest::Pressurised => ([ThreeWayNormallyOpen; 2], Request::Fill),
         };
-        if self.rest == FiveWayRest::Returned && command.asks_for(Request::Hold) {
+        if self.rest == FiveWayRest::Returned && command.has_request(Request::Hold) {
             return Err(Error::Misuse {
                 what: "a 5/2 valve cannot hold: it has two positions",
                 remedy: "take a 5/3 valve, or ask for fill and exhaust only",

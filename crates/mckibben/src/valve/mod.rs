@@ -42,7 +42,7 @@ pub use opening::Openings;
 pub use ramp::{Ramp, Stroke};
 pub use regulator::{Approach, Regulator};
 pub use runtime_command::RuntimeCommand;
-pub use solenoid::{Ports, SeatClock, Solenoid, ValveKind};
+pub use solenoid::{PoppetClock, Ports, Solenoid, ValveKind};
 pub(crate) use solenoid::{SIMULTANEOUS, is_due};
 pub use spool::{Spool, SpoolMotion};
 pub use spool_clock::SpoolClock;

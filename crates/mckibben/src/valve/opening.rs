@@ -23,7 +23,7 @@ pub enum Openings<S = f64> {
     /// Shares that stay the same.
     Shares([S; 2]),
     /// By poppets, of which at least one is under way.
-    Seats {
+    Poppets {
         /// How the flow paths are arranged.
         kind: ValveKind,
         /// The strokes of both poppets; of most kinds the first alone counts.
@@ -45,7 +45,7 @@ impl<S: Scalar> Openings<S> {
         match self {
             Self::Whole => None,
             Self::Shares(shares) => Some(shares.map(T::of)),
-            Self::Seats { kind, strokes } => Some(kind.shares(strokes.map(|stroke| stroke.opening(time)))),
+            Self::Poppets { kind, strokes } => Some(kind.shares(strokes.map(|stroke| stroke.opening(time)))),
             Self::Spool { spool, motion } => Some(spool.openings(spool.at(motion, time)[0])),
         }
     }

@@ -208,7 +208,7 @@ impl Solenoid {
             (None, false) => {}
         }
         let requests = [Request::Fill, Request::Hold, Request::Exhaust];
-        requests.into_iter().filter(|request| command.asks_for(*request)).try_for_each(|one| self.check_request(one))
+        requests.into_iter().filter(|request| command.has_request(*request)).try_for_each(|one| self.check_request(one))
     }
 }
 
@@ -274,7 +274,7 @@ impl<S: Scalar> Solenoid<S> {
     }
 
     /// Whether it has seats, which coils move on request.
-    pub fn has_seats(&self) -> bool {
+    pub fn has_poppets(&self) -> bool {
         self.regulator.is_none() && self.spool.is_none()
     }
 
@@ -322,7 +322,7 @@ impl<S: Scalar> Solenoid<S> {
 
 /// Positions of coils and poppets and what moves next: the valve's discrete state, owned by the time stepper.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SeatClock<S = f64> {
+pub struct PoppetClock<S = f64> {
     next_change: u64,
     coil: [bool; 2],
     poppet: [bool; 2],
@@ -332,7 +332,7 @@ pub struct SeatClock<S = f64> {
     strokes_counted: u64,
 }
 
-impl<S: Real> SeatClock<S> {
+impl<S: Real> PoppetClock<S> {
     /// The state before t = 0: coils released for long.
     pub fn released() -> Self {
         let strokes = [Stroke::resting(false); 2];
@@ -362,7 +362,7 @@ impl<S: Real> SeatClock<S> {
         if self.strokes.iter().all(|stroke| stroke.end().is_none()) {
             return Openings::Whole;
         }
-        Openings::Seats { kind: solenoid.kind, strokes: self.strokes }
+        Openings::Poppets { kind: solenoid.kind, strokes: self.strokes }
     }
 
     /// The next instant in s at which a coil or a poppet moves, or a poppet arrives.
@@ -441,7 +441,7 @@ impl<S: Real> SeatClock<S> {
 }
 
 #[cfg(feature = "alloc")]
-impl<S: Real> SeatClock<S> {
+impl<S: Real> PoppetClock<S> {
     /// As numbers in a row.
     pub(crate) fn each_number(&mut self, row: &mut impl Row<S>) {
         let Self { next_change, coil, poppet, due, strokes, strokes_counted } = self;

@@ -214,8 +214,8 @@ pub(crate) fn requested(count: i32) -> (Option<[RuntimeCommand; 3]>, [f64; 2]) {
     let phase = f64::from(count) * 0.05;
     let pulses = RuntimeCommand::Pulses { frequency: 25.0, duty: 0.4, pulse: Request::Fill, rest: Request::Exhaust };
     let second = if count % 80 == 0 { Request::Fill } else { Request::Exhaust };
-    let demands = [pulses, second.into(), Request::Fill.into()];
-    ((count % 40 == 0).then_some(demands), [0.085 + 2e-3 * phase.sin(), 0.088 - 1e-3 * phase.cos() + 1e-3])
+    let commands = [pulses, second.into(), Request::Fill.into()];
+    ((count % 40 == 0).then_some(commands), [0.085 + 2e-3 * phase.sin(), 0.088 - 1e-3 * phase.cos() + 1e-3])
 }
 
 pub(crate) fn external(distances: usize) -> Mechanism {

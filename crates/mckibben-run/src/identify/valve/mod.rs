@@ -47,8 +47,8 @@ fn actuator_of(scenario: &Scenario) -> Result<Actuator, Failure> {
 /// The flow path that the air takes.
 fn flow_path_of(valve: &Valve, direction: Direction) -> FlowPath {
     match direction {
-        Direction::Supply => valve.passage,
-        Direction::Exhaust => valve.exhaust.unwrap_or(valve.passage),
+        Direction::Supply => valve.flow_path,
+        Direction::Exhaust => valve.exhaust.unwrap_or(valve.flow_path),
     }
 }
 
@@ -118,7 +118,7 @@ fn with_flow_path(
     let efficiency = valve.efficiency;
     match direction {
         Direction::Exhaust if valve.exhaust.is_some() || split => {
-            valve.passage = valve.passage.scaled(efficiency);
+            valve.flow_path = valve.flow_path.scaled(efficiency);
             valve.exhaust = Some(flow_path);
         }
         _ => {
@@ -126,7 +126,7 @@ fn with_flow_path(
                 warnings
                     .push("the flow path is taken for both ways, as the scenario has no `[valve.exhaust]`.".to_owned());
             }
-            valve.passage = flow_path;
+            valve.flow_path = flow_path;
             valve.exhaust = valve.exhaust.map(|exhaust| exhaust.scaled(efficiency));
         }
     }

@@ -62,8 +62,8 @@ pub(in super::super) fn flow_curve(material: &Material) -> Result<Outcome, Failu
     let points = points(material, &mut warnings)?;
     let found = FlowCurve::fit(&points.points, &air, entry.scatter).map_err(|error| points.failed(&error))?;
     let both = [&found.sonic_conductance, &found.critical_ratio];
-    let split = entry.passage == Direction::Exhaust;
-    let (scenario, numbers) = with_conductance(&scenario, entry.passage, both, split, &mut warnings)?;
+    let split = entry.flow_path == Direction::Exhaust;
+    let (scenario, numbers) = with_conductance(&scenario, entry.flow_path, both, split, &mut warnings)?;
     let estimates = numbers;
     let numbers = values::of("Numbers with their 95 % intervals".to_owned(), &estimates);
     let scenarios = vec![("scenario.toml".to_owned(), file(&scenario))];
@@ -110,7 +110,7 @@ pub(in super::super) fn steady_flow(material: &Material) -> Result<Outcome, Fail
     let failed = |error: ValveError| points.failed(&error);
     let (found, scenario, numbers, name) = match entry.area {
         None => {
-            let law = law_of(flow_path_of(&valve, entry.passage), 1.0, &valve, &actuator)?;
+            let law = law_of(flow_path_of(&valve, entry.flow_path), 1.0, &valve, &actuator)?;
             let found = efficiency(&points.points, &law, entry.scatter).map_err(failed)?;
             let mut scenario = scenario;
             put(&mut scenario, &[(&parameter::EFFICIENCY, found.factor.value)])?;
@@ -124,10 +124,10 @@ pub(in super::super) fn steady_flow(material: &Material) -> Result<Outcome, Fail
         Some(area) => {
             let found = flow_coefficient(&points.points, area, actuator.air(), entry.scatter).map_err(failed)?;
             let effective = area * found.factor.value;
-            let split = entry.passage == Direction::Exhaust;
+            let split = entry.flow_path == Direction::Exhaust;
             let flow_path = FlowPath::FlowArea(effective);
-            let mut scenario = with_flow_path(&scenario, entry.passage, flow_path, split, &mut warnings)?;
-            let row = rows(entry.passage, valve_of(&scenario)?)[2];
+            let mut scenario = with_flow_path(&scenario, entry.flow_path, flow_path, split, &mut warnings)?;
+            let row = rows(entry.flow_path, valve_of(&scenario)?)[2];
             put(&mut scenario, &[(row, effective)])?;
             let of_area = Estimate {
                 value: effective,

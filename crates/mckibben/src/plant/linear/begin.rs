@@ -10,7 +10,7 @@ use crate::parameter;
 use crate::plant::{Plant, PlantStart};
 use crate::scalar::Scalar;
 use crate::simulation::Actuation;
-use crate::valve::{Command, Request, SeatClock, Solenoid};
+use crate::valve::{Command, PoppetClock, Request, Solenoid};
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -140,7 +140,7 @@ fn drive(plant: &Plant, valve: usize, actuation: &Actuation, shut: bool, state: 
         return Drive::Openings([0.0; 2]);
     }
     match command {
-        Command::Pwm { duty, .. } if solenoid.has_seats() => Drive::Duty(*duty),
+        Command::Pwm { duty, .. } if solenoid.has_poppets() => Drive::Duty(*duty),
         Command::Positions { .. } => {
             let last = (0..).map_while(|index| command.position(index)).last();
             Drive::Spool(last.map_or(0.0, |(_, position)| position))
@@ -158,7 +158,7 @@ fn drive(plant: &Plant, valve: usize, actuation: &Actuation, shut: bool, state: 
 
 /// The openings of a valve long after a request.
 fn resting(solenoid: &Solenoid, request: Option<Request>) -> [f64; 2] {
-    let mut clock = SeatClock::released();
+    let mut clock = PoppetClock::released();
     let command = request.map_or(Command::nothing(), Command::Constant);
     let late = solenoid.delays().into_iter().chain(solenoid.ramp().times()).sum::<f64>() + solenoid.transport() + 1.0;
     clock.advance(late, solenoid, &command);

@@ -206,7 +206,7 @@ pub(super) fn derivatives(frame: &Frame) -> PlantStateSpace {
     }
     // Without viscous friction both tensions give the length.
     for (i, mounted) in frame.plant.actuators.iter().enumerate() {
-        let is_taut = none.mode.actuators[i].mode.extent == LengthRegime::Taut;
+        let is_taut = none.mode.actuators[i].mode.length_regime == LengthRegime::Taut;
         if mounted.tendon.is_none() || tendon::is_damped(&mounted.actuator, is_taut) {
             continue;
         }

@@ -297,7 +297,7 @@ fn enter_mode(
         // What is remembered stays as it is: it has no derivative.
         let length = Number::constant(unit.length.value);
         let is_slack = tendon.is_none() && length.value < limits.min_length().value;
-        its.mode.extent = match length.value > limits.max_length().value {
+        its.mode.length_regime = match length.value > limits.max_length().value {
             true => LengthRegime::Taut,
             false if is_slack => LengthRegime::Slack,
             false => LengthRegime::Free,

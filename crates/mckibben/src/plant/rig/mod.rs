@@ -84,7 +84,7 @@ impl<R: Instantiate> Plant<R> {
             Load::Isometric => Mechanism::Fixed,
             Load::Prescribed(motion) => Mechanism::Prescribed(motion.clone()),
         };
-        let (line, tendon, pressure) = (rig.line(), rig.tendon(), rig.pressure_course());
+        let (line, tendon, pressure) = (rig.line(), rig.tendon(), rig.pressure_series());
         let equipment = Equipment { actuator, actuation: rig.actuation(), line, tendon, pressure };
         let mut mounted = vec![];
         let feed = equipment.mount((&mut mounted, &mut network), (0, Coupling::Direct { coordinate: 0 }), None);

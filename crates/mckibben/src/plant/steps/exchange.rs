@@ -319,7 +319,7 @@ impl PlantExchange {
         let (plant, at) = (&*self.system.plant, &self.along);
         for (i, its) in sample.actuators.iter_mut().enumerate() {
             let (unit, chamber, air) = (&at.units[i], &at.chambers[i], plant.actuators()[i].actuator.air());
-            let rests = mode.actuators[i].mode.extent == LengthRegime::Slack;
+            let rests = mode.actuators[i].mode.length_regime == LengthRegime::Slack;
             let moved = |number: Along| if rests { 0.0 } else { number.slope[0] };
             (its.distance, its.rate) = (unit.distance.slope[0], unit.rate.slope[0]);
             (its.length, its.velocity) = (moved(unit.length), moved(unit.velocity));
