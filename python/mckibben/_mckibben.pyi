@@ -1444,6 +1444,11 @@ class Sweep:
         Names of the columns of the table, in their order.
         """
     @property
+    def left_out(self, /) -> list[str]:
+        """
+        Keys that runs leave out, since they have no meaning under a word of another key that varies: a sentence each.
+        """
+    @property
     def logarithmic(self, /) -> list[str]:
         """
         Names of the columns of varied keys whose values are spaced or distributed evenly in their logarithm.
@@ -2138,8 +2143,8 @@ class _Sizes:
     """
     What `mckibben.Sizes` is made of.
     """
-    def __new__(cls, /, load: float | str, stroke: float | str, gauge_pressure: float | str, braid_angles: Sequence[float | str], effectiveness: SupportsFloat | SupportsIndex, most_length: float | str | None, most_diameter: float | str | None, time: float | str | None) -> _Sizes: ...
-    def candidates(self, /) -> list[tuple[str, int, list[float], float | None]]:
+    def __new__(cls, /, load: float | str, stroke: float | str, gauge_pressure: float | str, braid_angles: Sequence[float | str], effectiveness: SupportsFloat | SupportsIndex, most_length: float | str | None, most_diameter: float | str | None, time: float | str | None, ripple: float | str | None) -> _Sizes: ...
+    def candidates(self, /) -> list[tuple[str, int, list[float], float | None, tuple[float, float] | None]]:
         """
         The candidates, those that take the least air first.
         """
