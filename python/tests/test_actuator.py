@@ -69,7 +69,7 @@ def test_derivatives_are_those_of_the_tension(any_scenario):
 
 
 @pytest.mark.parametrize(
-    ("example", "asked"),
+    ("example", "commanded"),
     [("tendon", 0.5), ("valves/pressure-regulator", 2e5), ("valves/proportional-spool", 0.4)],
 )
 def test_a_number_is_a_command_of_the_kind_of_valve(examples, example, commanded):

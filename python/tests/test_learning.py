@@ -18,7 +18,7 @@ SHORT = {"control_period": 0.04, "duration": 0.8}
 
 
 @pytest.mark.parametrize("name", IDS)
-@pytest.mark.parametrize("asked", ["duty", "request"])
+@pytest.mark.parametrize("mode", ["duty", "request"])
 @pytest.mark.parametrize("options", [{}, {"control_period": 1e-3, "duration": 0.02}])
 def test_gymnasiums_own_check_passes(name: str, mode: str, options: dict[str, float]) -> None:
     environment = gymnasium.make(name, action_mode=mode, **options)

@@ -91,7 +91,7 @@ def test_every_action_changes_the_next_observation(name: str, options: dict[str,
         assert (shown[later] == shown[0]).all(), "plants with equal actions are equal"
 
 
-@pytest.mark.parametrize("asked", ["duty", "request"])
+@pytest.mark.parametrize("mode", ["duty", "request"])
 def test_every_action_matters_in_the_single_form(mode: str) -> None:
     alone = gymnasium.make("mckibben/HangingMass-v0", action_mode=mode).unwrapped
     taken, another = action_sequences(alone.action_space, mode, STEPS)

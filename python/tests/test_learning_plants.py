@@ -100,7 +100,7 @@ def test_a_plant_that_begins_again_does_what_it_did_at_first() -> None:
         np.testing.assert_allclose(second, first, rtol=1e-6, atol=1e-7)
 
 
-@pytest.mark.parametrize("name, asked", [("arm", "request"), ("leg", "set-point")])
+@pytest.mark.parametrize("name, mode", [("arm", "request"), ("leg", "set-point")])
 def test_the_examples_are_environments(name: str, mode: str) -> None:
     example = mckibben.Scenario.from_file(PLANTS / f"{name}.toml").with_values({"run.step": "0.5 ms"})
     many = gymnasium.make_vec(f"mckibben/{name.capitalize()}-v0", num_envs=3, scenario=example, action_mode=mode, duration=0.05)
