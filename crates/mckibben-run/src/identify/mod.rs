@@ -147,7 +147,11 @@ impl Material {
     fn document_of(&self, recording: &Recording) -> Result<Document, Failure> {
         let mut document = self.document.clone();
         for (key, value) in &recording.set {
-            document.set_text_from(&format!("run `{}`", recording.name), key, value)?;
+            let name = format!("run `{}`", recording.name);
+            match self.study.numbers_are_si {
+                true => document.set_in_si(&name, key, value)?,
+                false => document.set_text_from(&name, key, value)?,
+            }
         }
         Ok(document)
     }
