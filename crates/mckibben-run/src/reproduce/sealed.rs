@@ -195,7 +195,7 @@ fn effectiveness_plate(named: &[(&Experiment, &Loop)], reduced: &[Experiment]) -
         }
         panel = panel
             .series(ideal.curve(format!("{} psi: ideal", ideal.psi), colour).dash(Dash::Dashed))
-            .series(effective.curve(format!("{} psi: with assumed effectiveness", ideal.psi), colour));
+            .series(effective.curve(format!("{} psi: with Eff", ideal.psi), colour));
     }
     let caption = "Fig. 6 of the paper as an example: the loops at 60 and 90 psi without effectiveness and with an \
                    assumed law. The paper’s own law is not in its text.";
