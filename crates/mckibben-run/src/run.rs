@@ -174,12 +174,12 @@ fn keep<S: Subject>(
     reached: &mut Reached<'_>,
 ) -> Result<(Kept<S::View>, Option<Settled>), mckibben::Error> {
     let (kept, run) = engine::run(of, reached)?;
-    Ok((kept, go_on(of, end, run)?))
+    let settled = go_on(of, kept.trajectory.view(), end, run)?;
+    Ok((kept, settled))
 }
 
 /// Goes on with a run of a subject from its end, where that is wanted.
-fn go_on<S: Subject>(of: &S, end: End, run: PlantRun) -> Result<Option<Settled>, mckibben::Error> {
-    let view = of.view()?;
+fn go_on<S: Subject>(of: &S, view: &S::View, end: End, run: PlantRun) -> Result<Option<Settled>, mckibben::Error> {
     let fields = S::fields(view.rig(), &Goals::default());
     end.go_on((run, of.plan()), &fields, |sample| view.sample(sample))
 }
@@ -222,7 +222,7 @@ fn stream<S: Subject>(
         steps: stepping.steps(counts),
     };
     let figures = ViewFigures { rig, observation: observer.finish(sample, ended), control };
-    let settled = go_on(of, end, run).map_err(shown)?;
+    let settled = go_on(of, &view, end, run).map_err(shown)?;
     Ok((figures, settled))
 }
 

@@ -27,7 +27,7 @@ pub(super) fn runs(material: &Material, warnings: &mut Vec<String>) -> Result<(V
         let (document, experiment) = &plants[run];
         let path = match sensor {
             None => entry.path.clone(),
-            Some(of) => match driven(material, of, experiment) {
+            Some(of) => match driven_by(material, of, experiment) {
                 None => return Ok(Stands::Sensor(of)),
                 Some(actuator) => {
                     let section = format!("actuators.{actuator}.pressure");
@@ -51,23 +51,27 @@ pub(super) fn runs(material: &Material, warnings: &mut Vec<String>) -> Result<(V
     Ok((runs, unknowns))
 }
 
-/// The name of the actuator that the column of a sensor drives, if it drives one.
-fn driven<'e>(material: &Material, of: OfSensor, experiment: &'e PlantExperiment) -> Option<&'e str> {
-    let column = &material.study.columns[of.column];
-    let Some(Observed::Column(found)) = Observed::of_part(experiment, column.part.as_deref()?, column.quantity) else {
-        return None;
-    };
-    let actuator = match found.quantity {
-        PlantQuantity::Pressure(actuator) => {
-            experiment.plant.actuators()[actuator].pressure.is_some().then_some(actuator)
-        }
+/// The actuator that a pressure drives, if it is one that is given.
+fn driven(of: &PlantExperiment, quantity: PlantQuantity) -> Option<usize> {
+    match quantity {
+        PlantQuantity::Pressure(actuator) => of.plant.actuators()[actuator].pressure.is_some().then_some(actuator),
         PlantQuantity::NodePressure(node) | PlantQuantity::NodeGaugePressure(node) => {
-            let is_given = matches!(experiment.plant.network().nodes[node].kind, NodeKind::Given { .. });
-            experiment.names.hoses.iter().position(|hose| *hose == Some(node)).filter(|_| is_given)
+            let is_given = matches!(of.plant.network().nodes[node].kind, NodeKind::Given { .. });
+            of.names.hoses.iter().position(|hose| *hose == Some(node)).filter(|_| is_given)
         }
         _ => None,
-    };
-    actuator.map(|actuator| experiment.names.actuators[actuator].as_str())
+    }
+}
+
+/// The name of the actuator that the column of a sensor drives, if it drives one.
+fn driven_by<'e>(material: &Material, of: OfSensor, experiment: &'e PlantExperiment) -> Option<&'e str> {
+    let column = &material.study.columns[of.column];
+    match Observed::of_part(experiment, column.part.as_deref()?, column.quantity)? {
+        Observed::Column(found) => {
+            driven(experiment, found.quantity).map(|actuator| experiment.names.actuators[actuator].as_str())
+        }
+        _ => None,
+    }
 }
 
 /// The plant of a file.
@@ -98,14 +102,7 @@ fn time_series(
     for (sheet, column) in recording.of_parts() {
         let (observed, quantity) = observed(of, column)?;
         let place = columns.iter().position(|column| column.quantity() == Some(quantity));
-        let is_given = match quantity {
-            PlantQuantity::Pressure(i) => of.plant.actuators()[i].pressure.is_some(),
-            PlantQuantity::NodePressure(node) | PlantQuantity::NodeGaugePressure(node) => {
-                matches!(of.plant.network().nodes[node].kind, NodeKind::Given { .. })
-            }
-            _ => false,
-        };
-        if !is_given {
+        if driven(of, quantity).is_none() {
             let (times, values) = over_time(recording, sheet, column)?;
             let sensor = sensors::sensor(material, (column.quantity, column.part.as_deref()), 0.0, sensors);
             series.push((place, TimeSeries { observed, times, values, deviation: column.deviation, sensor }));

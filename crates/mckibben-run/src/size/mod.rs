@@ -178,7 +178,8 @@ impl Sizes {
             for candidate in &mut candidates {
                 let quickness = valve::quickness(&candidate.scenario, &requirement, time, None)?;
                 if let (Some(least), Some(swing)) = (quickness.conductance(), requirement.ripple) {
-                    candidate.pulses = ripple::of_conductance(&candidate.scenario, &requirement, least, swing)?;
+                    let valve = valve::valve_of(least);
+                    candidate.pulses = ripple::pulses(&candidate.scenario, &requirement, &valve, swing)?;
                 }
                 candidate.quickness = Some(quickness);
             }

@@ -5,7 +5,7 @@
 //! the least frequency is found from above.
 
 use super::Requirement;
-use super::valve::{fed, valve_of};
+use super::valve::fed;
 use crate::failure::Failure;
 use mckibben::linearize::{Aim, Balance, Content, Linearization, linearize_driven};
 use mckibben_scenario::Document;
@@ -101,14 +101,4 @@ pub(super) fn pulses(
         let (duty, follows) = (averaged.duty, averaged.follows());
         Pulses { frequency: high, duty, gauge_pressure: gauge, follows }
     }))
-}
-
-/// The pulses of a valve by its sonic conductance in m³/(s·Pa).
-pub(super) fn of_conductance(
-    scenario: &str,
-    requirement: &Requirement,
-    conductance: f64,
-    ripple: f64,
-) -> Result<Option<Pulses>, Failure> {
-    pulses(scenario, requirement, &valve_of(conductance), ripple)
 }

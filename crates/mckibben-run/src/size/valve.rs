@@ -197,9 +197,6 @@ pub(super) fn written(candidate: &Candidate, requirement: &Requirement) -> Strin
             head + &fed(&candidate.scenario, requirement, [&valve_of(least), &command, &start])
         }
         (Some(least), None) => head + &fed(&candidate.scenario, requirement, [&valve_of(least), FILL, ""]),
-        (None, _) => {
-            let start = format!("\n[initial]\ngauge_pressure = \"{} Pa\"\n", candidate.needed_pressure);
-            head + &candidate.scenario + &start
-        }
+        (None, _) => head + &candidate.scenario + "\n" + &ripple::start(candidate.needed_pressure),
     }
 }
