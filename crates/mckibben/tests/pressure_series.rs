@@ -102,7 +102,7 @@ fn the_air_follows_by_its_process() {
     }
 }
 
-/// A pressure as a sensor shows it that has a zero, a slope and a clock of its own.
+/// The readings of a sensor with an offset, a scale and a clock that is late.
 fn recorded([offset, scale, shift]: [f64; 3]) -> PressureSeries {
     let shown = GAUGE.map(|gauge| scale * gauge + offset);
     PressureSeries::new(&TIME.map(|time| time + shift), &shown)

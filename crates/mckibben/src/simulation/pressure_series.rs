@@ -128,10 +128,7 @@ impl<S: Scalar> PressureSeries<S> {
     /// Converts the pressure series to another scalar type.
     pub(crate) fn convert<T: Scalar>(&self, convert: &mut impl Convert<S, T>) -> PressureSeries<T> {
         #[cfg(not(feature = "alloc"))]
-        let rows = {
-            let _ = convert;
-            []
-        };
+        let rows = [];
         #[cfg(feature = "alloc")]
         let rows = {
             let row = |[time, gauge]: &[S; 2]| {
