@@ -146,3 +146,16 @@ def test_event_mode_and_parameters(unit):
     ]
     end = [run["actuator.length"][-1] for run in runs]
     assert abs(end[0] - end[1]) < 1e-5 < abs(end[0] - end[2])
+
+
+def test_tunable_parameters_change_during_a_run(unit):
+    """In FMPy's input a column is a tunable parameter: the pressure becomes that of the new supply."""
+    path = unit("tunable.fmu", "--motion", "scenario", "--set", "run.step=0.5 ms")
+    signals = numpy.array(
+        [(0.0, 1.0, 6e5), (0.2, 1.0, 6e5), (0.2, 1.0, 3e5), (2.0, 1.0, 3e5)],
+        dtype=[("time", float), ("actuator.duty", float), ("supply.gauge_pressure", float)],
+    )
+    for kind in ("CoSimulation", "ModelExchange"):
+        run = simulate(path, kind, stop_time=2.0, input=signals, output=["actuator.gauge_pressure"])
+        pressure = numpy.interp([0.19, 2.0], run["time"], run["actuator.gauge_pressure"])
+        assert numpy.abs(pressure - [6e5, 3e5]).max() < 1e3

@@ -13,7 +13,7 @@ const STUBS: &str = "python/mckibben/_mckibben.pyi";
 /// The oldest MuJoCo that is tested.
 const OLDEST_MUJOCO: &str = "3.2.7";
 /// As the tests are compiled: then everything but the package's own crate is there already.
-const AS_TESTS: [(&str, &str); 2] = [("CARGO_PROFILE_DEV_OPT_LEVEL", "2"), ("CARGO_INCREMENTAL", "0")];
+const AS_TESTS: [(&str, &str); 2] = [("CARGO_PROFILE_DEV_OPT_LEVEL", "1"), ("CARGO_INCREMENTAL", "0")];
 
 /// Where the reference trajectories lie.
 pub(crate) fn reference_folder(root: &Path) -> PathBuf {

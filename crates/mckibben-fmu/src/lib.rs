@@ -5,6 +5,7 @@
 //! | [`options`] | what is chosen when a unit is written |
 //! | [`model`] | a scenario with its variables, as the unit's library reads it from the unit |
 //! | [`variables`] | names, value references, units, ranges and start values |
+//! | `tunable` | which parameters a host may change while a unit runs |
 //! | [`description`] | `modelDescription.xml` of either version |
 //! | [`export`], [`archive`] | the file: description, library, scenario |
 //! | [`instance`] | an instance between two calls of its host: values, steps, events, saved states |
@@ -23,6 +24,7 @@ pub mod export;
 pub mod instance;
 pub mod model;
 pub mod options;
+mod tunable;
 pub mod variables;
 
 /// The name of the library within a unit.

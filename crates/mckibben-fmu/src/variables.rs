@@ -6,7 +6,7 @@
 //! | 1 | commands of valves: `biceps.duty` | input |
 //! | 2, 3 | `biceps.distance`, `biceps.rate`, where the host moves the ends | input |
 //! | 4 | the columns of a run: `biceps.tension` | output |
-//! | 5 | the numbers that the scenario says, by their paths | parameter, fixed |
+//! | 5 | the numbers that the scenario says, by their paths | parameter, fixed or tunable |
 //! | 6, 7 | states and their derivatives, for model exchange | local |
 //! | 8 | event indicators, for model exchange | local |
 //! | 9 | arrays of the actuators, in FMI 3.0: `distances`, `rates`, `commands`, `tensions`, `pressures`, `mass_flows` | input, output |
@@ -16,6 +16,7 @@
 //!
 //! Checked by `tests/description.rs`.
 
+use crate::tunable::is_tunable;
 use mckibben::parameter::Parameter;
 use mckibben::plant::StateIndices;
 use mckibben_run::host::{CommandMode, HostPlant, Motion};
@@ -82,7 +83,10 @@ pub enum Causality {
     /// Computed.
     Output,
     /// Set by the host before initialisation has ended.
-    Parameter,
+    Parameter {
+        /// Whether it may change later too.
+        is_tunable: bool,
+    },
     /// Inner.
     Local,
 }
@@ -285,7 +289,8 @@ fn capital(words: &str) -> String {
 
 fn parameter(index: usize, number: &DocumentNumber) -> Variable {
     let Parameter { unit, range, meaning, .. } = number.parameter;
-    let of = scalar(Slot::Parameter(index), number.path.clone(), Causality::Parameter, unit, (*meaning).to_owned());
+    let causality = Causality::Parameter { is_tunable: is_tunable(number) };
+    let of = scalar(Slot::Parameter(index), number.path.clone(), causality, unit, (*meaning).to_owned());
     let finite = |number: f64| Some(number).filter(|number| number.is_finite());
     Variable { min: finite(range.low), max: finite(range.high), start: vec![number.value], ..of }
 }

@@ -161,6 +161,89 @@ fn parameters_are_those_of_the_scenario() {
     }
 }
 
+/// Tunable parameters change while the unit runs: the pressure becomes that of the new supply, and the length that of a unit which
+/// has had the new mass from the beginning. Fixed ones are refused, and a saved state has its own values.
+#[test]
+fn tunable_parameters_change_during_a_run() {
+    let text = format!(
+        "{MUSCLE}[actuator.friction]\nviscous = \"0.5 lbf*s/in\"\ncoulomb_width = \"0 m\"\n\
+                        coulomb_force = \"0 N\"\n"
+    );
+    let (unit, messages) = (Unit::new(&text, &scenario()), Messages::default());
+    let [mass, supply, damping] =
+        ["load.mass", "supply.gauge_pressure", "actuator.friction.viscous"].map(|name| unit.reference(name));
+    let (gauge, length) = (unit.reference("actuator.gauge_pressure"), unit.reference("actuator.length"));
+    let [tuned, fixed] = [(); 2].map(|()| {
+        let handle = unit.co_simulation(&messages, false);
+        assert_eq!(set(handle, unit.reference("actuator.duty"), 1.0), OK);
+        handle
+    });
+    assert_eq!(set(fixed, mass, 3.5), OK);
+    assert_eq!(set(fixed, supply, 3e5), OK);
+    let go = |handle, from: u32, to: u32| {
+        (from..to).for_each(|k| assert_eq!(step(handle, f64::from(k) * 1e-2, 1e-2).0, OK, "{}", messages.take()));
+    };
+    for handle in [tuned, fixed] {
+        initialise(handle);
+        go(handle, 0, 30);
+    }
+    assert!((get(tuned, length) - get(fixed, length)).abs() > 1e-3);
+    let mut saved = NULL;
+    // SAFETY: room for a handle.
+    assert_eq!(unsafe { fmi3GetFMUState(tuned, &mut saved) }, OK);
+    let (before, mass_before) = (get(tuned, length), get(tuned, mass));
+    let (references, values) = ([mass, supply], [3.5, 3e5]);
+    // SAFETY: two references and two values.
+    assert_eq!(unsafe { fmi3SetFloat64(tuned, references.as_ptr(), 2, values.as_ptr(), 2) }, OK);
+    assert_eq!(get(tuned, length), before, "the states stay");
+    for (name, value, word) in [
+        ("load.mass", -1.0, "load.mass"),
+        ("initial.gauge_pressure", 2e5, "is fixed"),
+        ("actuator.friction.coulomb_force", 5.0, "cannot gain"),
+    ] {
+        assert_eq!(set(tuned, unit.reference(name), value), ERROR);
+        assert!(messages.take().contains(word), "{name}");
+    }
+    assert_eq!(set(tuned, damping, 200.0), OK);
+    [tuned, fixed].map(|handle| go(handle, 30, 400));
+    assert!((get(tuned, gauge) - 3e5).abs() < 1.0, "{} Pa", get(tuned, gauge));
+    assert!((get(tuned, length) - get(fixed, length)).abs() < 1e-8, "{} m", get(tuned, length) - get(fixed, length));
+    // SAFETY: a state and instances.
+    unsafe {
+        assert_eq!(fmi3SetFMUState(tuned, saved), OK);
+        assert_eq!(get(tuned, length), before);
+        assert_eq!(get(tuned, mass), mass_before);
+        assert_eq!(fmi3FreeFMUState(tuned, &mut saved), OK);
+        fmi3FreeInstance(tuned);
+        fmi3FreeInstance(fixed);
+    }
+}
+
+/// In model exchange tunable parameters change in event mode alone: then the rates are those of the new values.
+#[test]
+fn tunable_parameters_of_model_exchange_change_at_events() {
+    let (unit, messages) = (Unit::new(MUSCLE, &scenario()), Messages::default());
+    let (mass, rate) = (unit.reference("load.mass"), unit.reference("der(state.mechanism_0.0.rate)"));
+    let handle = unit.model_exchange(&messages);
+    initialise(handle);
+    update(handle);
+    // The mass hangs: g minus the tension over the mass.
+    let tension = get(handle, unit.reference("actuator.tension"));
+    let (of, to) = (get(handle, mass), 4.0);
+    let acceleration = |mass: f64| 9.806_65 - tension / mass;
+    assert!((get(handle, rate) - acceleration(of)).abs() < 1e-9, "{}", get(handle, rate));
+    assert_eq!(set(handle, mass, to), OK);
+    update(handle);
+    assert!((get(handle, rate) - acceleration(to)).abs() < 1e-9, "{}", get(handle, rate));
+    // SAFETY: an instance.
+    unsafe {
+        assert_eq!(fmi3EnterContinuousTimeMode(handle), OK);
+        assert_eq!(set(handle, mass, of), ERROR);
+        assert!(messages.take().contains("enter event mode"));
+        fmi3FreeInstance(handle);
+    }
+}
+
 /// With event mode a step ends where a valve moves, at the instants of the pulses.
 #[test]
 fn steps_return_early_at_the_valve() {

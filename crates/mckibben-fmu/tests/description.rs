@@ -27,7 +27,8 @@ fn variables_have_units_ranges_and_starts() {
     assert!(distance.contains("unit=\"m\" displayUnit=\"mm\" min=\"0.0\" max=\"0.109"), "{distance}");
     assert!(distance.contains("start=\"0.09\""), "{distance}");
     let mass = line("load.mass");
-    assert!(mass.contains("causality=\"parameter\" variability=\"fixed\" initial=\"exact\" unit=\"kg\""), "{mass}");
+    assert!(mass.contains("causality=\"parameter\" variability=\"tunable\" initial=\"exact\" unit=\"kg\""), "{mass}");
+    assert!(line("initial.length").contains("causality=\"parameter\" variability=\"fixed\" initial=\"exact\""));
     assert!(line("actuator.tension").contains("causality=\"output\""));
     assert!(!text.contains("\"run.duration\"") && !text.contains("\"command.duty\""), "how it is run is the host's");
     let co_simulation = model_description(&unit.model, "muscle", Version::Two, Interfaces::CoSimulation);

@@ -65,7 +65,8 @@ fn variable(xml: &mut Xml, its: &Variable) {
         Causality::Input { is_discrete: true } => ("input", "discrete", None),
         Causality::Input { is_discrete: false } => ("input", "continuous", None),
         Causality::Output => ("output", "continuous", Some("calculated")),
-        Causality::Parameter => ("parameter", "fixed", Some("exact")),
+        Causality::Parameter { is_tunable: false } => ("parameter", "fixed", Some("exact")),
+        Causality::Parameter { is_tunable: true } => ("parameter", "tunable", Some("exact")),
         Causality::Local => ("local", "continuous", Some("calculated")),
     };
     let mut attributes = vec![

@@ -1,7 +1,9 @@
 //! Values of variables by their references.
 
 use super::{Instance, Phase, Refusal};
-use crate::variables::{Array, Slot, Variable};
+use crate::tunable::changes_parts;
+use crate::variables::{Array, Causality, Slot, Variable};
+use mckibben::plant::PlantExchange;
 use mckibben_run::host::Motion;
 
 /// That there are as many values as the variables have elements.
@@ -97,10 +99,11 @@ impl Instance {
     }
 
     /// Sets the values of variables, the elements of arrays one behind the other. Of two values of one input the later counts.
+    /// Tunable parameters that change while the unit runs take effect at once, all together.
     ///
     /// # Errors
     /// For a reference that no variable has or that is no input and no parameter, another count of values, a value that the
-    /// variable does not take, and a parameter once initialisation has ended. Then nothing has changed.
+    /// variable does not take, and a fixed parameter once initialisation has ended. Then nothing has changed.
     pub fn set(&mut self, references: &[u32], values: &[f64]) -> Result<(), Refusal> {
         check_count(self.count(references)?, values.len())?;
         self.check_phase(&[Phase::Instantiated, Phase::Initialization, Phase::Event, Phase::Step, Phase::Continuous])?;
@@ -111,6 +114,7 @@ impl Instance {
             self.check_values(its, given)?;
             rest = behind;
         }
+        self.retune(references, values)?;
         let mut rest = values;
         for reference in references {
             let (its, count) = self.variable(*reference)?;
@@ -131,10 +135,24 @@ impl Instance {
         let name = &its.name;
         match its.slot {
             Slot::Parameter(index) => {
-                if !is_before {
+                let is_tunable = its.causality == Causality::Parameter { is_tunable: true };
+                if !(is_before || is_tunable) {
                     return Err(Refusal::error(format!("`{name}` is fixed: set it before initialisation has ended")));
                 }
-                self.model.variables().parameters[index].parameter.check(given[0])?;
+                if self.phase == Phase::Continuous {
+                    return Err(Refusal::error(format!(
+                        "`{name}` changes at events: enter event mode, and set it there"
+                    )));
+                }
+                let number = &self.model.variables().parameters[index];
+                number.parameter.check(given[0])?;
+                if !is_before && changes_parts(number, self.parameters[index], given[0]) {
+                    return Err(Refusal::error(format!(
+                        "`{name}` is set from {:?} to {:?}: a run cannot gain or lose it; set it to a small number, or before \
+                         initialisation has ended",
+                        self.parameters[index], given[0]
+                    )));
+                }
             }
             Slot::Command(index) => self.check_command(index, name, given[0])?,
             Slot::Array(Array::Commands) => {
@@ -152,6 +170,39 @@ impl Instance {
             }
             _ => return Err(Refusal::error(format!("`{name}` is computed; set inputs and parameters"))),
         }
+        Ok(())
+    }
+
+    /// Gives the plant that runs the parameters among these values, in the state in which it is.
+    fn retune(&mut self, references: &[u32], values: &[f64]) -> Result<(), Refusal> {
+        if matches!(self.phase, Phase::Instantiated | Phase::Initialization) {
+            return Ok(());
+        }
+        let mut parameters = self.parameters.clone();
+        let mut place = 0;
+        for reference in references {
+            let (its, count) = self.variable(*reference)?;
+            if let Slot::Parameter(index) = its.slot {
+                parameters[index] = values[place];
+            }
+            place += count;
+        }
+        if parameters == self.parameters {
+            return Ok(());
+        }
+        let mut state = vec![0.0; self.plant.state_size()];
+        self.plant.save(&mut state)?;
+        let mut plant = self.model.build(&parameters)?;
+        if plant.state_size() != state.len() {
+            return Err(Refusal::error(
+                "these values change which parts there are: set them before initialisation has ended",
+            ));
+        }
+        plant.restore(&state)?;
+        if self.exchange.is_some() {
+            self.exchange = Some(PlantExchange::new(plant.steps(), self.tolerance)?);
+        }
+        (self.plant, self.parameters, self.are_outputs_known) = (plant, parameters, false);
         Ok(())
     }
 
