@@ -1,8 +1,8 @@
-"""Write scenario files that differ in one part from the paper's pulsed muscle, for the benchmark `laws`.
+"""Write scenario files that differ in one part from the paper's pulsed muscle, for the benchmark `rows`.
 
     python benches/python/cases.py target/cases
     cd benches
-    RAYON_NUM_THREADS=1 cargo run --release --bin laws -- ../target/cases/paper.toml ../target/cases/*.toml
+    cargo run --release --bin rows -- ../target/cases/paper.toml ../target/cases/*.toml
 
 Every file is `examples/paper/fig-12.toml`: 5 lb under PWM of 25 Hz from 100 psi. Numbers of the added parts are assumed.
 """

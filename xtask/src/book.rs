@@ -5,13 +5,14 @@
 
 use crate::counts::Counts;
 use crate::dist::{copy, create, empty};
-use crate::steps::{cargo, command, succeed};
+use crate::steps::{command, succeed};
+use crate::tools::{Tool, install};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
 /// What renders the book, with the features that it is built with: of one major version, or the one does not understand the other.
-const TOOLS: [(&str, &str, &[&str]); 2] =
+const TOOLS: [Tool; 2] =
     [("mdbook", "0.5.3", &["--no-default-features", "--features", "search"]), ("mdbook-katex", "0.10.0", &[])];
 
 /// What stands before the number of an equation, and before what is rendered of one.
@@ -20,8 +21,7 @@ const MATH: &str = "<math ";
 
 /// Builds the book into `target/book` and checks it.
 pub(crate) fn book(root: &Path) -> Result<Counts, String> {
-    let bin = root.join("target/book-tools/bin");
-    install(root)?;
+    let bin = install(root, "target/book-tools", &TOOLS, &[])?;
     let path = std::env::var_os("PATH").unwrap_or_default();
     let path = std::env::join_paths(std::iter::once(bin.clone()).chain(std::env::split_paths(&path)));
     let path = path.map_err(|error| format!("PATH: {error}"))?;
@@ -49,38 +49,6 @@ pub(crate) fn book(root: &Path) -> Result<Counts, String> {
         Ok(Counts::NONE)
     } else {
         Err(format!("the book has mistakes:\n  {}", problems.join("\n  ")))
-    }
-}
-
-/// Installs the tools that are not there, in the versions that are known to fit.
-fn install(root: &Path) -> Result<(), String> {
-    let folder = root.join("target/book-tools");
-    create(&folder)?;
-    for (name, version, features) in TOOLS {
-        let mark = folder.join(format!("{name}-{version}"));
-        if mark.exists() {
-            continue;
-        }
-        let mut install = cargo(root);
-        install.args([
-            "install",
-            name,
-            "--version",
-            &format!("={version}"),
-            "--locked",
-            "--force",
-            "--debug",
-            "--root",
-        ]);
-        install.arg(&folder).args(features).env("CARGO_TARGET_DIR", folder.join("build"));
-        succeed(install.env("CARGO_PROFILE_DEV_DEBUG", "0"))?;
-        fs::write(&mark, "").map_err(|error| format!("{}: {error}", mark.display()))?;
-    }
-    let build = folder.join("build");
-    if build.exists() {
-        fs::remove_dir_all(&build).map_err(|error| format!("{}: {error}", build.display()))
-    } else {
-        Ok(())
     }
 }
 

@@ -9,8 +9,10 @@ mod c;
 mod counts;
 mod dist;
 mod figures;
+mod fmi_sim;
 mod python;
 mod steps;
+mod tools;
 mod words;
 
 use std::process::ExitCode;
@@ -20,6 +22,7 @@ usage: cargo xtask test [STEP...]
        cargo xtask accuracy
        cargo xtask figures [WORD...]
        cargo xtask rows [COUNT]
+       cargo xtask fmi-sim
        cargo xtask dist
 
 test      runs every check, or only the named ones: format, lint, docs, no-std, reference, test,
@@ -27,6 +30,7 @@ test      runs every check, or only the named ones: format, lint, docs, no-std, 
 accuracy  measures the fixed-step engine against the event-located one and writes docs/accuracy.md and its figure.
 figures   draws the figures of the pages again, each by the command under it; or those whose names contain a word.
 rows      steps COUNT random rows in batches, ten million unless given: each goes on or says why not (ten minutes).
+fmi-sim   runs functional mock-up units in the importer fmi-sim, which it builds (five minutes).
 dist      makes what a release carries, in target/release-files, and tries it: the program and the C library in an archive,
           a wheel, its source, checksums (ten minutes).
 ";
@@ -38,6 +42,7 @@ fn main() -> ExitCode {
         Some((command, [])) if command == "accuracy" => steps::accuracy(),
         Some((command, words)) if command == "figures" => figures::figures(words),
         Some((command, rest)) if command == "rows" && rest.len() < 2 => steps::rows(rest.first()),
+        Some((command, [])) if command == "fmi-sim" => fmi_sim::fmi_sim(),
         Some((command, [])) if command == "dist" => dist::run(),
         _ => {
             eprint!("{HELP}");

@@ -4,16 +4,19 @@ use crate::c;
 use crate::counts::{Counts, pytest};
 use crate::dist::empty;
 use crate::steps::{cargo, command, succeed};
+use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// The stubs of what is compiled of the package: made from it, and kept with it for users who install the package.
 const STUBS: &str = "python/mckibben/_mckibben.pyi";
+/// The crate that is compiled of the package.
+const PACKAGE: &str = "mckibben-python";
 /// The oldest MuJoCo that is tested.
 const OLDEST_MUJOCO: &str = "3.2.7";
 /// As the tests are compiled: then everything but the package's own crate is there already.
-const AS_TESTS: [(&str, &str); 2] = [("CARGO_PROFILE_DEV_OPT_LEVEL", "1"), ("CARGO_INCREMENTAL", "0")];
+pub(crate) const AS_TESTS: [(&str, &str); 2] = [("CARGO_PROFILE_DEV_OPT_LEVEL", "1"), ("CARGO_INCREMENTAL", "0")];
 
 /// Where the reference trajectories lie.
 pub(crate) fn reference_folder(root: &Path) -> PathBuf {
@@ -46,6 +49,7 @@ pub(crate) fn package(root: &Path) -> Result<Counts, String> {
     let python = environment(root, "python/tests/requirements.txt")?;
     let stubs = || std::fs::read_to_string(root.join(STUBS)).unwrap_or_default();
     let kept = stubs();
+    check_features(root)?;
     let mut build = command(root, &python);
     build.args(["-m", "maturin", "develop", "--locked", "--generate-stubs", "--features", "as-tests"]);
     build.envs(AS_TESTS);
@@ -75,7 +79,9 @@ pub(crate) fn package(root: &Path) -> Result<Counts, String> {
     let program = target_folder(root).join("debug/mckibben").with_extension(std::env::consts::EXE_EXTENSION);
     let tests = || {
         let mut tests = command(root, &python);
-        tests.args(["-m", "pytest", "--quiet", "--durations=5"]).env("MCKIBBEN_PROGRAM", &program);
+        tests
+            .args(["-m", "pytest", "--quiet", "--durations=5", "--numprocesses=auto"])
+            .env("MCKIBBEN_PROGRAM", &program);
         tests.env("MCKIBBEN_MUJOCO", &plugin);
         tests
     };
@@ -96,6 +102,32 @@ pub(crate) fn package(root: &Path) -> Result<Counts, String> {
     counts.passed += 1;
     counts.notes.push(format!("OpenBLAS kernels: the default, {}", blas_kernels().join(", ")));
     Ok(counts)
+}
+
+/// That the package needs no crate with other features than the tests have compiled it with: each would be compiled again, with
+/// all that uses it.
+fn check_features(root: &Path) -> Result<(), String> {
+    let features_of = |arguments: &[&str]| -> Result<BTreeMap<String, BTreeSet<String>>, String> {
+        let mut tree = cargo(root);
+        tree.args(["tree", "--locked", "--prefix", "none", "--no-dedupe", "--format", "{p}|{f}"]).args(arguments);
+        let printed = tree.output().map_err(|error| format!("`cargo tree` could not be started: {error}"))?;
+        let mut features: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+        for (package, its) in String::from_utf8_lossy(&printed.stdout).lines().filter_map(|line| line.split_once('|')) {
+            features.entry(package.to_owned()).or_default().insert(its.to_owned());
+        }
+        Ok(features)
+    };
+    let tests = features_of(&["--workspace", "--edges", "normal,build,dev"])?;
+    let package = features_of(&["--package", PACKAGE, "--features", "as-tests", "--edges", "normal,build"])?;
+    let is_other = |(package, its): &(&String, &BTreeSet<String>)| {
+        !package.starts_with(PACKAGE) && tests.get(*package).is_some_and(|compiled| !its.is_subset(compiled))
+    };
+    let others: Vec<String> =
+        package.iter().filter(is_other).map(|(package, its)| format!("{package} {its:?}")).collect();
+    if others.is_empty() {
+        return Ok(());
+    }
+    Err(format!("the feature `as-tests` of {PACKAGE} is to ask for what the tests ask of {}", others.join(", ")))
 }
 
 /// Runs the tests in MuJoCo with the oldest version that the plugin knows; those before have run with the newest.
@@ -174,7 +206,7 @@ pub(crate) fn environment(root: &Path, requirements: &str) -> Result<PathBuf, St
         succeed(command(root, system_python()).args(["-m", "venv"]).arg(&folder))?;
     }
     let mut install = command(root, &python);
-    install.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--requirement"]);
+    install.args(["-m", "pip", "install", "--quiet", "--no-compile", "--disable-pip-version-check", "--requirement"]);
     succeed(install.arg(root.join(requirements)))?;
     Ok(python)
 }

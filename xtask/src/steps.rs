@@ -241,7 +241,8 @@ pub(crate) fn rows(count: Option<&String>) -> ExitCode {
     ended(succeed(command.env("MCKIBBEN_CASES", count)))
 }
 
-fn ended(outcome: Result<(), String>) -> ExitCode {
+/// The exit code of an outcome, whose problem is printed.
+pub(crate) fn ended(outcome: Result<(), String>) -> ExitCode {
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(problem) => {

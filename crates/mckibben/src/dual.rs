@@ -48,24 +48,23 @@ impl<S: Scalar, const K: usize> Dual<S, K> {
     /// A function of one argument by its value and its derivative there.
     #[inline(always)]
     fn chain(self, value: S, derivative: S) -> Self {
-        self.zip(self, value, |slope, _| slope * derivative)
+        self.combine(self, value, Scaled(derivative))
     }
 
     #[inline(always)]
-    fn zip(self, other: Self, value: S, combine: impl Fn(S, S) -> S) -> Self {
-        // A loop, so that it is compiled as a part of whatever kernel it stands in.
+    fn combine(self, other: Self, value: S, rule: impl Rule<S>) -> Self {
         if S::IS_ONE && size_of::<Self>() > MOST_INLINE {
-            self.zip_apart(&other, value, combine)
+            self.combine_apart(&other, value, rule)
         } else {
-            self.zip_here(&other, value, combine)
+            self.combine_here(&other, value, rule)
         }
     }
 
     #[inline(always)]
-    fn zip_here(&self, other: &Self, value: S, combine: impl Fn(S, S) -> S) -> Self {
+    fn combine_here(&self, other: &Self, value: S, rule: impl Rule<S>) -> Self {
         let mut slope = self.slope;
         for i in 0..K {
-            slope[i] = combine(self.slope[i], other.slope[i]);
+            slope[i] = rule.slope(self.slope[i], other.slope[i]);
         }
         Self { value, slope }
     }
@@ -73,8 +72,67 @@ impl<S: Scalar, const K: usize> Dual<S, K> {
     /// Derivatives of derivatives are more numbers than there are registers: in separate functions they take no longer,
     /// and the engines half as long to compile.
     #[inline(never)]
-    fn zip_apart(&self, other: &Self, value: S, combine: impl Fn(S, S) -> S) -> Self {
-        self.zip_here(other, value, combine)
+    fn combine_apart(&self, other: &Self, value: S, rule: impl Rule<S>) -> Self {
+        self.combine_here(other, value, rule)
+    }
+}
+
+/// The derivative of a result from those of two operands. No closure: it would be compiled separately, without the instructions
+/// of a batch.
+trait Rule<S> {
+    fn slope(&self, a: S, b: S) -> S;
+}
+
+struct Sum;
+struct Difference;
+/// Of two values.
+struct Product<S>(S, S);
+/// The quotient, and one over the divisor.
+struct Quotient<S>(S, S);
+/// By the derivative of a function of the first operand.
+struct Scaled<S>(S);
+/// Of the first operand where the mask holds.
+struct Choice<M>(M);
+
+impl<S: Scalar> Rule<S> for Sum {
+    #[inline(always)]
+    fn slope(&self, a: S, b: S) -> S {
+        a + b
+    }
+}
+
+impl<S: Scalar> Rule<S> for Difference {
+    #[inline(always)]
+    fn slope(&self, a: S, b: S) -> S {
+        a - b
+    }
+}
+
+impl<S: Scalar> Rule<S> for Product<S> {
+    #[inline(always)]
+    fn slope(&self, a: S, b: S) -> S {
+        a * self.1 + b * self.0
+    }
+}
+
+impl<S: Scalar> Rule<S> for Quotient<S> {
+    #[inline(always)]
+    fn slope(&self, a: S, b: S) -> S {
+        (a - self.0 * b) * self.1
+    }
+}
+
+impl<S: Scalar> Rule<S> for Scaled<S> {
+    #[inline(always)]
+    fn slope(&self, a: S, _: S) -> S {
+        a * self.0
+    }
+}
+
+impl<S: Scalar> Rule<S> for Choice<S::Mask> {
+    #[inline(always)]
+    fn slope(&self, a: S, b: S) -> S {
+        S::select(self.0, a, b)
     }
 }
 
@@ -82,7 +140,7 @@ impl<S: Scalar, const K: usize> Add for Dual<S, K> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        self.zip(other, self.value + other.value, |a, b| a + b)
+        self.combine(other, self.value + other.value, Sum)
     }
 }
 
@@ -90,16 +148,15 @@ impl<S: Scalar, const K: usize> Sub for Dual<S, K> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
-        self.zip(other, self.value - other.value, |a, b| a - b)
+        self.combine(other, self.value - other.value, Difference)
     }
 }
 
-#[expect(clippy::suspicious_arithmetic_impl, reason = "the product rule adds")]
 impl<S: Scalar, const K: usize> Mul for Dual<S, K> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        self.zip(other, self.value * other.value, |a, b| a * other.value + b * self.value)
+        self.combine(other, self.value * other.value, Product(self.value, other.value))
     }
 }
 
@@ -108,7 +165,7 @@ impl<S: Scalar, const K: usize> Div for Dual<S, K> {
     #[inline(always)]
     fn div(self, other: Self) -> Self {
         let (quotient, inverse) = (self.value / other.value, S::one() / other.value);
-        self.zip(other, quotient, |a, b| (a - quotient * b) * inverse)
+        self.combine(other, quotient, Quotient(quotient, inverse))
     }
 }
 
@@ -116,7 +173,11 @@ impl<S: Scalar, const K: usize> Neg for Dual<S, K> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        self.zip(self, -self.value, |slope, _| -slope)
+        let mut slope = self.slope;
+        for i in 0..K {
+            slope[i] = -slope[i];
+        }
+        Self { value: -self.value, slope }
     }
 }
 
@@ -175,7 +236,7 @@ impl<S: Scalar, const K: usize> Scalar for Dual<S, K> {
     }
     #[inline(always)]
     fn select(mask: S::Mask, yes: Self, no: Self) -> Self {
-        yes.zip(no, S::select(mask, yes.value, no.value), |a, b| S::select(mask, a, b))
+        yes.combine(no, S::select(mask, yes.value, no.value), Choice(mask))
     }
 }
 

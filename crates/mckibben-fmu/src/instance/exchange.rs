@@ -160,6 +160,7 @@ impl Instance {
     /// In another phase than Event; discarded where the plant cannot go on.
     pub fn update(&mut self) -> Result<EventUpdate, Refusal> {
         self.check_phase(&[Phase::Event])?;
+        self.retune()?;
         self.send_commands()?;
         self.are_outputs_known = false;
         if let Kind::CoSimulation { .. } = self.kind {

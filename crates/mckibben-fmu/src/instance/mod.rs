@@ -122,7 +122,10 @@ pub struct Instance {
     kind: Kind,
     phase: Phase,
     plant: HostPlant,
+    /// What the host has set.
     parameters: Vec<f64>,
+    /// What the plant has.
+    built: Vec<f64>,
     inputs: Inputs,
     /// The commands that the plant has been given.
     sent: Vec<Option<f64>>,
@@ -152,6 +155,7 @@ impl Instance {
             log,
             kind,
             phase: Phase::Instantiated,
+            built: parameters.clone(),
             parameters,
             entered: inputs.rates.clone(),
             inputs,
@@ -274,6 +278,7 @@ impl Instance {
             return Ok(());
         }
         let mut plant = self.model.build(&self.parameters)?;
+        self.built.clone_from(&self.parameters);
         let changed = Inputs::of_start(&self.model);
         let is_moved = changed.distances != self.inputs.distances || changed.rates != self.inputs.rates;
         if plant.motion() == Motion::Host && is_moved {
@@ -284,6 +289,28 @@ impl Instance {
         self.sent.fill(None);
         self.entered.clone_from(&self.inputs.rates);
         (self.is_stale, self.are_outputs_known) = (false, false);
+        Ok(())
+    }
+
+    /// Gives the plant that runs the parameters that the host has set, in the state in which it is.
+    fn retune(&mut self) -> Result<(), Refusal> {
+        if self.parameters == self.built {
+            return Ok(());
+        }
+        let mut state = vec![0.0; self.plant.state_size()];
+        self.plant.save(&mut state)?;
+        let mut plant = self.model.build(&self.parameters)?;
+        if plant.state_size() != state.len() {
+            return Err(Refusal::error(
+                "these values change which parts there are: set them before initialisation has ended",
+            ));
+        }
+        plant.restore(&state)?;
+        if self.exchange.is_some() {
+            self.exchange = Some(PlantExchange::new(plant.steps(), self.tolerance)?);
+        }
+        (self.plant, self.are_outputs_known) = (plant, false);
+        self.built.clone_from(&self.parameters);
         Ok(())
     }
 
@@ -317,6 +344,7 @@ impl Instance {
     pub fn reset(&mut self) -> Result<(), Refusal> {
         self.plant = self.model.plant().clone();
         self.parameters = self.model.parameters();
+        self.built.clone_from(&self.parameters);
         self.inputs = Inputs::of_start(&self.model);
         self.entered.clone_from(&self.inputs.rates);
         self.sent.fill(None);

@@ -10,7 +10,7 @@ use mckibben_run::host::HostPlant;
 /// How bytes of a state begin.
 const MAGIC: &[u8; 8] = b"mckibfmu";
 /// The version of their layout.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// Bytes of a token.
 const TOKEN: usize = 38;
 /// Bytes before the numbers.
@@ -28,6 +28,7 @@ pub struct Saved {
     /// The state of the plant.
     plant: Vec<f64>,
     parameters: Vec<f64>,
+    built: Vec<f64>,
     inputs: Inputs,
     /// Not a number where nothing has been sent.
     sent: Vec<f64>,
@@ -51,6 +52,7 @@ impl Instance {
             phase: self.phase,
             plant,
             parameters: self.parameters.clone(),
+            built: self.built.clone(),
             inputs: self.inputs.clone(),
             sent: self.sent.iter().map(|number| number.unwrap_or(f64::NAN)).collect(),
             entered: self.entered.clone(),
@@ -74,7 +76,7 @@ impl Instance {
         let same = |ours: &[f64], theirs: &[f64]| {
             ours.iter().map(|its| its.to_bits()).eq(theirs.iter().map(|its| its.to_bits()))
         };
-        if same(&self.parameters, &saved.parameters) {
+        if same(&self.built, &saved.built) {
             let mut before = vec![0.0; self.plant.state_size()];
             self.plant.save(&mut before)?;
             self.plant.restore(&saved.plant)?;
@@ -83,7 +85,7 @@ impl Instance {
                 return Err(refusal);
             }
         } else {
-            let mut plant = self.model.build(&saved.parameters)?;
+            let mut plant = self.model.build(&saved.built)?;
             plant.state_size();
             plant.restore(&saved.plant)?;
             check_pulses(&plant)?;
@@ -92,6 +94,7 @@ impl Instance {
         self.exchange = None;
         self.phase = saved.phase;
         self.parameters.clone_from(&saved.parameters);
+        self.built.clone_from(&saved.built);
         self.inputs.clone_from(&saved.inputs);
         self.sent = saved.sent.iter().map(|number| Some(*number).filter(|number| !number.is_nan())).collect();
         self.entered.clone_from(&saved.entered);
@@ -130,7 +133,7 @@ impl Instance {
         }
         let numbers: Vec<f64> = body.as_chunks::<8>().0.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect();
         let [plant, parameters, commands, motions] = counts;
-        if body.len() != 8 * (plant + parameters + 2 * commands + 3 * motions + 3) {
+        if body.len() != 8 * (plant + 2 * parameters + 2 * commands + 3 * motions + 3) {
             return None;
         }
         let mut rest = numbers.as_slice();
@@ -145,6 +148,7 @@ impl Instance {
             phase,
             plant: list(plant),
             parameters: list(parameters),
+            built: list(parameters),
             inputs: Inputs { commands: list(commands), distances: list(motions), rates: list(motions) },
             sent: list(commands),
             entered: list(motions),
@@ -187,7 +191,7 @@ impl Saved {
 
     fn numbers(&self) -> impl Iterator<Item = f64> + '_ {
         let Inputs { commands, distances, rates } = &self.inputs;
-        let lists = [&self.plant, &self.parameters, commands, distances, rates, &self.sent, &self.entered];
+        let lists = [&self.plant, &self.parameters, &self.built, commands, distances, rates, &self.sent, &self.entered];
         let last = [f64::from(u8::from(self.is_stale)), self.offset, self.tolerance];
         lists.into_iter().flatten().copied().chain(last)
     }

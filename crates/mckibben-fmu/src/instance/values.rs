@@ -3,7 +3,6 @@
 use super::{Instance, Phase, Refusal};
 use crate::tunable::changes_parts;
 use crate::variables::{Array, Causality, Slot, Variable};
-use mckibben::plant::PlantExchange;
 use mckibben_run::host::Motion;
 
 /// That there are as many values as the variables have elements.
@@ -99,7 +98,7 @@ impl Instance {
     }
 
     /// Sets the values of variables, the elements of arrays one behind the other. Of two values of one input the later counts.
-    /// Tunable parameters that change while the unit runs take effect at once, all together.
+    /// Tunable parameters that change while the unit runs take effect at once, all together; in continuous time, at the next event.
     ///
     /// # Errors
     /// For a reference that no variable has or that is no input and no parameter, another count of values, a value that the
@@ -114,7 +113,7 @@ impl Instance {
             self.check_values(its, given)?;
             rest = behind;
         }
-        self.retune(references, values)?;
+        let before = (self.parameters.clone(), self.inputs.clone());
         let mut rest = values;
         for reference in references {
             let (its, count) = self.variable(*reference)?;
@@ -122,6 +121,12 @@ impl Instance {
             let (given, behind) = rest.split_at(count);
             self.write(slot, given);
             rest = behind;
+        }
+        if matches!(self.phase, Phase::Event | Phase::Step)
+            && let Err(refusal) = self.retune()
+        {
+            (self.parameters, self.inputs) = before;
+            return Err(refusal);
         }
         if self.phase == Phase::Continuous && self.plant.motion() == Motion::Host {
             self.place_motion();
@@ -139,18 +144,13 @@ impl Instance {
                 if !(is_before || is_tunable) {
                     return Err(Refusal::error(format!("`{name}` is fixed: set it before initialisation has ended")));
                 }
-                if self.phase == Phase::Continuous {
-                    return Err(Refusal::error(format!(
-                        "`{name}` changes at events: enter event mode, and set it there"
-                    )));
-                }
                 let number = &self.model.variables().parameters[index];
                 number.parameter.check(given[0])?;
-                if !is_before && changes_parts(number, self.parameters[index], given[0]) {
+                if !is_before && changes_parts(number, self.built[index], given[0]) {
                     return Err(Refusal::error(format!(
                         "`{name}` is set from {:?} to {:?}: a run cannot gain or lose it; set it to a small number, or before \
                          initialisation has ended",
-                        self.parameters[index], given[0]
+                        self.built[index], given[0]
                     )));
                 }
             }
@@ -170,39 +170,6 @@ impl Instance {
             }
             _ => return Err(Refusal::error(format!("`{name}` is computed; set inputs and parameters"))),
         }
-        Ok(())
-    }
-
-    /// Gives the plant that runs the parameters among these values, in the state in which it is.
-    fn retune(&mut self, references: &[u32], values: &[f64]) -> Result<(), Refusal> {
-        if matches!(self.phase, Phase::Instantiated | Phase::Initialization) {
-            return Ok(());
-        }
-        let mut parameters = self.parameters.clone();
-        let mut place = 0;
-        for reference in references {
-            let (its, count) = self.variable(*reference)?;
-            if let Slot::Parameter(index) = its.slot {
-                parameters[index] = values[place];
-            }
-            place += count;
-        }
-        if parameters == self.parameters {
-            return Ok(());
-        }
-        let mut state = vec![0.0; self.plant.state_size()];
-        self.plant.save(&mut state)?;
-        let mut plant = self.model.build(&parameters)?;
-        if plant.state_size() != state.len() {
-            return Err(Refusal::error(
-                "these values change which parts there are: set them before initialisation has ended",
-            ));
-        }
-        plant.restore(&state)?;
-        if self.exchange.is_some() {
-            self.exchange = Some(PlantExchange::new(plant.steps(), self.tolerance)?);
-        }
-        (self.plant, self.parameters, self.are_outputs_known) = (plant, parameters, false);
         Ok(())
     }
 

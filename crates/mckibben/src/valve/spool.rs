@@ -106,11 +106,7 @@ impl<S: Scalar> Spool<S> {
     /// The opening λ of the edges to the supply and to the exhaust at a position.
     #[inline(always)]
     pub fn openings<T: Over<S>>(&self, position: T) -> [T; 2] {
-        let edge = |way: T, overlap: S| {
-            let overlap = T::of(overlap);
-            ((way - overlap) / (T::one() - overlap)).larger(T::zero()).smaller(T::one())
-        };
-        [edge(position, self.supply_overlap), edge(-position, self.exhaust_overlap)]
+        [edge(position, T::of(self.supply_overlap)), edge(-position, T::of(self.exhaust_overlap))]
     }
 
     /// Acceleration ẍ in 1/s² between the stops.
@@ -130,6 +126,12 @@ impl<S: Scalar> Spool<S> {
     }
 }
 
+/// The opening of an edge beyond its overlap. No closure: it would be compiled separately, without the instructions of a batch.
+#[inline(always)]
+fn edge<T: Scalar>(way: T, overlap: T) -> T {
+    ((way - overlap) / (T::one() - overlap)).larger(T::zero()).smaller(T::one())
+}
+
 /// c and s after the phase `p = ωt`.
 #[inline(always)]
 fn responses<T: Scalar>(phase: T, zeta: T) -> [T; 2] {
@@ -141,8 +143,8 @@ fn responses<T: Scalar>(phase: T, zeta: T) -> [T; 2] {
     let (mut cosine, mut sine) = (one, one);
     for term in (1..=TERMS).rev() {
         let n = 2.0 * term as f64;
-        cosine = one - q / T::constant((n - 1.0) * n) * cosine;
-        sine = one - q / T::constant(n * (n + 1.0)) * sine;
+        cosine = one - q * T::constant(1.0 / ((n - 1.0) * n)) * cosine;
+        sine = one - q * T::constant(1.0 / (n * (n + 1.0))) * sine;
     }
     let near = [decay * cosine, decay * phase * sine];
     let angle = q.sqrt();
@@ -153,7 +155,11 @@ fn responses<T: Scalar>(phase: T, zeta: T) -> [T; 2] {
     let half = T::constant(0.5);
     let creeping = [half * (slow + fast), half * (slow - fast) / root];
     let (is_near, swings) = (q.magnitude().lt(one), T::zero().lt(q));
-    core::array::from_fn(|n| T::select(is_near, near[n], T::select(swings, swinging[n], creeping[n])))
+    let mut beyond = swinging;
+    for n in 0..2 {
+        beyond[n] = T::select(is_near, near[n], T::select(swings, swinging[n], creeping[n]));
+    }
+    beyond
 }
 
 impl<S: Real> Spool<S> {
