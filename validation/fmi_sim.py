@@ -41,7 +41,7 @@ duration = "0.5 s"
 relative_tolerance = 1e-10
 """
 FIXED = ["--set", "run.engine=fixed-step", "--set", "run.step=0.5 ms"]
-#: Steps of model exchange in s, and the largest error of the length in m that the shortest may leave.
+# Steps of model exchange in s, and the largest error of the length in m that the shortest may leave.
 STEPS = (1e-3, 1e-4, 1e-5)
 LEAST = 3e-4
 
