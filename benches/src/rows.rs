@@ -124,9 +124,9 @@ impl Case {
                 let (spent, found) = pool.install(|| self.least((method, rows), (duration, steps)))?;
                 *least = spent / (rows as f64 * steps as f64) * 1e9;
                 let apart = found.iter().zip(&expected).map(|(found, expected)| (found - expected).abs() / longest);
-                // What is not a number is the largest.
-                let apart = apart.fold(0.0, |most: f64, its| if its <= most { most } else { its });
-                if !(apart <= REFUSED) {
+                // What is not a number stays.
+                let apart = apart.fold(0.0, |most: f64, its| if its.is_nan() || its > most { its } else { most });
+                if apart.is_nan() || apart > REFUSED {
                     return Err(format!("by {name} the distances end {apart:e} of the longest off"));
                 }
                 cost.apart = cost.apart.max(apart);
