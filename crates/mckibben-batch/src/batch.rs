@@ -159,6 +159,19 @@ impl PlantBatch {
         self.living(row).map(|row| &*row.steps)
     }
 
+    /// Why a row has stopped.
+    pub fn fault(&self, row: usize) -> Option<Error> {
+        self.of_living(row).err()
+    }
+
+    /// Saves a row as numbers.
+    ///
+    /// # Errors
+    /// As [`PlantSteps::save_to`] and [`PlantBatch::row`].
+    pub fn save(&mut self, row: usize, numbers: &mut [f64]) -> Result<(), Error> {
+        self.living(row)?.steps.save_to(numbers)
+    }
+
     /// Writes the states of a row, in the places that [`Plant::indices`] says, without bringing more of it up to date.
     ///
     /// # Errors

@@ -7,7 +7,7 @@
 //! | position | position of the spool, −1 (exhaust open) to 1 (supply open) | a proportional spool |
 //! | set-point | gauge pressure in Pa, zero or more | a pressure regulator |
 //!
-//! Checked by `tests/host.rs`.
+//! Checked by `tests/host/`.
 
 use crate::failure::Failure;
 use mckibben::valve::{Command, Request, RuntimeCommand, Solenoid};

@@ -5,7 +5,7 @@ use mckibben_run::host::{CommandMode, HostOptions, HostPlant, Motion};
 use mckibben_scenario::Document;
 
 /// A muscle of the paper with a valve of two poppets, 25 Hz pulses, at 90 mm and 40 psi.
-const MUSCLE: &str = r#"
+pub(crate) const MUSCLE: &str = r#"
 [supply]
 gauge_pressure = "100 psi"
 [valve]
@@ -28,11 +28,11 @@ step = "0.5 ms"
 const PSI: f64 = 6_894.757_293_168_361;
 const POUND: f64 = 0.453_592_37;
 
-fn document(text: &str) -> Document {
+pub(crate) fn document(text: &str) -> Document {
     Document::parse(text, "muscle.toml").expect("TOML")
 }
 
-fn host(text: &str, options: &HostOptions<'_>) -> HostPlant {
+pub(crate) fn host(text: &str, options: &HostOptions<'_>) -> HostPlant {
     HostPlant::read(&document(text), options).expect("a plant")
 }
 

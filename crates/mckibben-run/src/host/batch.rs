@@ -1,0 +1,353 @@
+//! Plants of one kind that a host steps together, side by side in the registers of the processor.
+//!
+//! All arrays have a row for each plant, one after the other. Each plant is bit-identical to a [`HostPlant`] alone, on any
+//! number of threads.
+//!
+//! What does not fit is refused before anything has changed. A plant that leaves the physics stops, and touches no other:
+//! [`HostBatch::failure`] says why, and [`HostBatch::begin_row`], [`HostBatch::begin_at`] or [`HostBatch::restore`] bring it back.
+//!
+//! Checked by `tests/host/batch.rs`.
+
+use super::model::{HostModel, Motion};
+use super::plant::HostPlant;
+use crate::failure::Failure;
+use mckibben::plant::{PlantSampler, PlantSteps};
+use mckibben::{Error, Response, parameter};
+use mckibben_batch::PlantBatch;
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Plants that a host steps together.
+#[derive(Debug)]
+pub struct HostBatch {
+    models: Vec<Arc<HostModel>>,
+    batch: PlantBatch,
+    /// Where the ends of all plants are in m and how they move in m/s.
+    ends: [Vec<f64>; 2],
+    /// The ends of the scenario's own steps in s.
+    steps: Vec<f64>,
+    samplers: Vec<Option<PlantSampler>>,
+    state_size: usize,
+}
+
+impl Clone for HostBatch {
+    fn clone(&self) -> Self {
+        let Self { models, batch, ends, steps, samplers, state_size } = self;
+        Self {
+            models: models.clone(),
+            batch: batch.clone(),
+            ends: ends.clone(),
+            steps: steps.clone(),
+            samplers: samplers.iter().map(|_| None).collect(),
+            state_size: *state_size,
+        }
+    }
+}
+
+impl HostBatch {
+    /// Plants that go on together from where they are. They are of one scenario, or of scenarios that differ in numbers.
+    ///
+    /// # Errors
+    /// Where there is no plant, and where they differ in time, actuators, valves, outputs, states or steps.
+    pub fn new(plants: Vec<HostPlant>) -> Result<Self, Failure> {
+        let Some(first) = plants.first() else {
+            return Err(Failure::input("there is no plant to step", "give one or more"));
+        };
+        let model = Arc::clone(&first.model);
+        let mut sizes = Vec::with_capacity(plants.len());
+        let (models, rows): (Vec<_>, Vec<_>) = plants
+            .into_iter()
+            .map(|mut plant| {
+                sizes.push(plant.state_size());
+                (plant.model, plant.steps)
+            })
+            .unzip();
+        for (row, (its, size)) in models.iter().zip(&sizes).enumerate() {
+            if !(Arc::ptr_eq(its, &model) || its.is_of_kind(&model)) || *size != sizes[0] {
+                return Err(Failure::input(
+                    "its actuators, valves, outputs, states or steps are not those of the first plant",
+                    "make a batch of plants of one scenario, or of scenarios that differ in numbers alone",
+                )
+                .of(&format!("plant {row}")));
+            }
+        }
+        Self::of(models, rows, sizes[0])
+    }
+
+    fn of(models: Vec<Arc<HostModel>>, rows: Vec<PlantSteps>, state_size: usize) -> Result<Self, Failure> {
+        let ends_of = |which: usize| rows.iter().flat_map(|row| ends_of(row).map(move |ends| ends[which])).collect();
+        let ends = match models[0].motion() {
+            Motion::Host => [ends_of(0), ends_of(1)],
+            Motion::Scenario => [Vec::new(), Vec::new()],
+        };
+        let mut batch = PlantBatch::new(rows)?;
+        batch.limit_step(models[0].longest)?;
+        let samplers = models.iter().map(|_| None).collect();
+        Ok(Self { models, batch, ends, steps: Vec::new(), samplers, state_size })
+    }
+
+    /// How many plants there are.
+    pub fn count(&self) -> usize {
+        self.models.len()
+    }
+
+    /// What the first plant is for a host: names, commands and outputs are those of all.
+    pub fn model(&self) -> &HostModel {
+        &self.models[0]
+    }
+
+    /// The time in s that all plants have reached which have not stopped.
+    pub fn time(&self) -> f64 {
+        self.batch.time()
+    }
+
+    /// The distances in m between the ends of all actuators whose ends the host moves; none where the scenario moves them.
+    pub fn distances(&self) -> &[f64] {
+        &self.ends[0]
+    }
+
+    /// Whether the caller's own thread does all: see [`PlantBatch::keep_to_thread`].
+    pub fn keep_to_thread(&mut self, keeps: bool) {
+        self.batch.keep_to_thread(keeps);
+    }
+
+    /// Sets what the valves do from now on: one number for each command of each plant. Those of plants that have stopped are not
+    /// used.
+    ///
+    /// # Errors
+    /// Unless there are as many, and for a number that a valve does not take. Then nothing has changed.
+    pub fn command(&mut self, numbers: &[f64]) -> Result<(), Failure> {
+        let inputs = self.model().commands().len();
+        self.check_count("commands", numbers.len(), inputs)?;
+        if inputs == 0 {
+            return Ok(());
+        }
+        for (row, (model, numbers)) in self.models.iter().zip(numbers.chunks(inputs)).enumerate() {
+            for (input, number) in numbers.iter().enumerate() {
+                model.check_command(input, *number).map_err(|failure| self.of_row(failure, row))?;
+            }
+        }
+        let Self { models, batch, .. } = self;
+        for input in 0..inputs {
+            let valve = models[0].commands()[input].valve;
+            let command = |row: usize| models[row].commands()[input].mode.command(numbers[inputs * row + input]).ok();
+            batch.set_each(valve, command).map_err(|(row, error)| of_row(error.into(), row, models.len()))?;
+        }
+        Ok(())
+    }
+
+    /// Goes on to `until` in s; the ends go in straight lines to `distances` in m: one for each actuator of each plant, none where
+    /// the scenario moves. Nothing where that time has been reached.
+    ///
+    /// # Errors
+    /// Unless there are as many distances; for one that is none, a time that is not later, and more than ten million parts of a
+    /// step. Then nothing has changed.
+    pub fn advance(&mut self, until: f64, distances: &[f64]) -> Result<(), Failure> {
+        let from = self.time();
+        if self.model().motion() == Motion::Scenario {
+            self.model().check_distances(distances)?;
+            self.steps.clear();
+            self.models[0].step_ends(from, until, |end| {
+                self.steps.push(end);
+                Ok(())
+            })?;
+            if !self.steps.is_empty() {
+                self.batch.advance_through(&self.steps)?;
+            }
+            return Ok(());
+        }
+        let span = until - from;
+        let rate = |to: &f64, at: &f64| parameter::INITIAL_VELOCITY.check((to - at) / span).map(drop);
+        if span > 0.0 {
+            self.check_ends("distances", distances, &parameter::INITIAL_LENGTH)?;
+            self.check_each(distances.iter().zip(&self.ends[0]).map(|(to, at)| rate(to, at)))?;
+        }
+        self.batch.move_to(until, distances)?;
+        let [at, rates] = &mut self.ends;
+        for ((at, rate), to) in at.iter_mut().zip(rates).zip(distances) {
+            (*at, *rate) = (*to, (to - *at) / span);
+        }
+        Ok(())
+    }
+
+    /// Computes the responses of all actuators with the ends at `distances` in m and moving at `rates` in m/s.
+    /// [`HostBatch::responses`] has them.
+    ///
+    /// # Errors
+    /// Unless there is one of each for each actuator whose ends the host moves, and for one that is none.
+    pub fn compute_at(&mut self, distances: &[f64], rates: &[f64]) -> Result<(), Failure> {
+        self.check_ends("distances", distances, &parameter::INITIAL_LENGTH)?;
+        self.check_ends("rates", rates, &parameter::INITIAL_VELOCITY)?;
+        Ok(self.batch.compute_at(distances, rates)?)
+    }
+
+    /// Computes the responses of all actuators where the ends are, and while they move as they do now.
+    ///
+    /// # Errors
+    /// As [`HostBatch::compute_at`].
+    pub fn compute(&mut self) -> Result<(), Failure> {
+        let [distances, rates] = &self.ends;
+        Ok(self.batch.compute_at(distances, rates)?)
+    }
+
+    /// The responses of a plant that were computed last.
+    ///
+    /// # Errors
+    /// What has stopped the plant.
+    pub fn responses(&self, row: usize) -> Result<&[Response], Failure> {
+        self.batch.responses(row).map_err(|error| self.of_row(error.into(), row))
+    }
+
+    /// What has stopped a plant.
+    pub fn failure(&self, row: usize) -> Option<Failure> {
+        self.batch.fault(row).map(|error| self.of_row(error.into(), row))
+    }
+
+    /// What has stopped the first plant that has stopped.
+    pub fn first_failure(&self) -> Option<Failure> {
+        (0..self.count()).find_map(|row| self.failure(row))
+    }
+
+    /// Writes the outputs of a plant.
+    ///
+    /// # Errors
+    /// Unless there is one number for each output; what has stopped the plant.
+    pub fn read_outputs(&mut self, row: usize, into: &mut [f64]) -> Result<(), Failure> {
+        let count = self.count();
+        let steps = self.batch.row(row).map_err(|error| of_row(error.into(), row, count))?;
+        let sampler = self.samplers[row].get_or_insert_with(|| PlantSampler::new(steps));
+        self.models[row].read_outputs((steps, sampler), into)
+    }
+
+    /// A plant, where it is.
+    ///
+    /// # Errors
+    /// What has stopped the plant.
+    pub fn plant(&mut self, row: usize) -> Result<HostPlant, Failure> {
+        let count = self.count();
+        let steps = self.batch.row(row).map_err(|error| of_row(error.into(), row, count))?;
+        Ok(HostPlant::of(Arc::clone(&self.models[row]), steps.clone()))
+    }
+
+    /// All begin again at t = 0, with the ends at `distances` in m and moving at `rates` in m/s: see [`HostPlant::begin_at`].
+    ///
+    /// # Errors
+    /// As there. Then nothing has changed.
+    pub fn begin_at(&mut self, distances: &[f64], rates: &[f64]) -> Result<(), Failure> {
+        self.check_ends("distances", distances, &parameter::INITIAL_LENGTH)?;
+        self.check_ends("rates", rates, &parameter::INITIAL_VELOCITY)?;
+        let each = self.model().distance_count();
+        let begun = self.models.par_iter().enumerate().map(|(row, model)| {
+            let its = each * row..each * (row + 1);
+            let begun = model.begin_at(&distances[its.clone()], &rates[its], 0.0);
+            begun.map_err(|failure| self.of_row(failure, row))
+        });
+        *self = Self::of(self.models.clone(), begun.collect::<Result<_, _>>()?, self.state_size)?;
+        Ok(())
+    }
+
+    /// One plant begins again now, while the others go on; its valves are commanded nothing.
+    ///
+    /// # Errors
+    /// As [`HostBatch::begin_at`], and where there is no such plant. Then nothing has changed.
+    pub fn begin_row(&mut self, row: usize, distances: &[f64], rates: &[f64]) -> Result<(), Failure> {
+        let Some(model) = self.models.get(row) else {
+            return Err(Failure::input(
+                format!("there is no plant {row}: the batch has {}", self.count()),
+                "count the plants from 0",
+            ));
+        };
+        for (name, numbers) in [("distances", distances), ("rates", rates)] {
+            check_count(name, numbers.len(), model.distance_count())?;
+        }
+        let begun = model.begin_at(distances, rates, self.time()).map_err(|failure| self.of_row(failure, row))?;
+        self.batch.restart(row, begun)?;
+        let its = distances.len() * row..distances.len() * (row + 1);
+        for (ends, new) in self.ends.iter_mut().zip([distances, rates]) {
+            ends[its.clone()].copy_from_slice(new);
+        }
+        self.samplers[row] = None;
+        Ok(())
+    }
+
+    /// How many numbers the state of a plant is.
+    pub fn state_size(&self) -> usize {
+        self.state_size
+    }
+
+    /// Saves the states of all plants as numbers: see [`PlantSteps::save_to`].
+    ///
+    /// # Errors
+    /// As there, unless there is room for [`HostBatch::state_size`] numbers of each plant, and what has stopped a plant.
+    pub fn save(&mut self, numbers: &mut [f64]) -> Result<(), Failure> {
+        let (size, count) = (self.state_size, self.count());
+        self.check_count("numbers of states", numbers.len(), size)?;
+        for (row, numbers) in numbers.chunks_mut(size).enumerate() {
+            self.batch.save(row, numbers).map_err(|error| of_row(error.into(), row, count))?;
+        }
+        Ok(())
+    }
+
+    /// Brings all plants to states of one time that plants of the same scenarios have saved.
+    ///
+    /// # Errors
+    /// As [`PlantSteps::restore_from`], and where the states are of different times. Then nothing has changed.
+    pub fn restore(&mut self, numbers: &[f64]) -> Result<(), Failure> {
+        self.check_count("numbers of states", numbers.len(), self.state_size)?;
+        let mut rows = self.batch.clone().into_rows();
+        for (row, (steps, numbers)) in rows.iter_mut().zip(numbers.chunks(self.state_size)).enumerate() {
+            steps.restore_from(numbers).map_err(|error| self.of_row(error.into(), row))?;
+        }
+        *self = Self::of(self.models.clone(), rows, self.state_size)?;
+        Ok(())
+    }
+
+    /// That there are so many numbers for each plant.
+    fn check_count(&self, name: &str, given: usize, each: usize) -> Result<(), Failure> {
+        check_count(name, given, self.count() * each)
+    }
+
+    /// That there is one number in its range for each actuator whose ends the host moves.
+    fn check_ends(&self, name: &str, numbers: &[f64], range: &'static parameter::Parameter) -> Result<(), Failure> {
+        self.check_count(name, numbers.len(), self.model().distance_count())?;
+        self.check_each(numbers.iter().map(|number| range.check(*number).map(drop)))
+    }
+
+    /// That everything that is said of the actuators of the plants, one after the other, holds.
+    fn check_each(&self, mut said: impl Iterator<Item = Result<(), Error>>) -> Result<(), Failure> {
+        let actuators = self.model().actuators();
+        match said.by_ref().enumerate().find_map(|(at, said)| said.err().map(|error| (at, error))) {
+            None => Ok(()),
+            Some((at, error)) => {
+                let failure = Failure::from(error).of(&actuators[at % actuators.len()]);
+                Err(self.of_row(failure, at / actuators.len()))
+            }
+        }
+    }
+
+    fn of_row(&self, failure: Failure, row: usize) -> Failure {
+        of_row(failure, row, self.count())
+    }
+}
+
+/// A failure of one of so many plants.
+fn of_row(failure: Failure, row: usize, count: usize) -> Failure {
+    if count == 1 { failure } else { failure.of(&format!("plant {row}")) }
+}
+
+/// That there are so many numbers.
+fn check_count(name: &str, given: usize, due: usize) -> Result<(), Failure> {
+    if given == due {
+        return Ok(());
+    }
+    Err(Failure::input(
+        format!("{given} {name} are given for {due}"),
+        "give one row for each plant, one after the other",
+    ))
+}
+
+/// Where the ends are that a host moves and how fast they move, one after the other.
+fn ends_of(row: &PlantSteps) -> impl Iterator<Item = [f64; 2]> + '_ {
+    let here = row.plant().indices().mechanisms[0];
+    (0..here.coordinates).map(move |k| [row.state()[here.position(k)], row.state()[here.rate(k)]])
+}

@@ -1,0 +1,333 @@
+//! What a scenario is for a host: names, commands, outputs, and how it begins.
+//!
+//! Plants of a host share it; what changes is in [`HostPlant`](super::HostPlant) and in [`HostBatch`](super::HostBatch).
+
+use super::command::{CommandMode, Pulses};
+use super::experiment::experiment_of;
+use crate::failure::Failure;
+use mckibben::plant::{PlantRun, PlantSampler, PlantStart, PlantSteps, TimeStepping, plant_step_for_accuracy};
+use mckibben::simulation::{MOST_PARTS, Method};
+use mckibben_scenario::{Document, PlantColumn, PlantExperiment, PlantQuantity};
+
+/// The relative tolerance by which a start is discerned from rounding.
+const TOLERANCE: f64 = 1e-9;
+/// Part of a step by which a time may miss its end and be there.
+const ROUNDING: f64 = 1e-9;
+
+/// What moves the ends of the actuators.
+#[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
+pub enum Motion {
+    /// The host: each actuator has a distance between its ends.
+    #[default]
+    Host,
+    /// The scenario: its loads and mechanisms.
+    Scenario,
+}
+
+/// What a host chooses.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct HostOptions<'o> {
+    /// What moves the ends.
+    pub motion: Motion,
+    /// What the numbers are that valves are commanded by, by name; each valve's own where none is chosen.
+    pub command_mode: Option<&'o str>,
+    /// Frequency of the pulses of a duty cycle in Hz, in place of that of the scenario's PWM.
+    pub pulse_frequency: Option<f64>,
+    /// The longest part of a step in s; whole steps where none is given, and where the scenario moves, its `run.step`.
+    pub max_step: Option<f64>,
+}
+
+/// A valve that a host commands by a number.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CommandInput {
+    /// Name of the actuator, or of both, and of the mode: `biceps.duty`.
+    pub name: String,
+    /// The actuators that it feeds, by their indices.
+    pub actuators: Vec<usize>,
+    /// What the number is.
+    pub mode: CommandMode,
+    /// Its index in the network.
+    pub(super) valve: usize,
+}
+
+/// A scenario as hosts have it.
+#[derive(Clone, Debug)]
+pub struct HostModel {
+    experiment: PlantExperiment,
+    motion: Motion,
+    commands: Vec<CommandInput>,
+    outputs: Vec<PlantColumn>,
+    quantities: Vec<PlantQuantity>,
+    /// The longest part of a step in s.
+    pub(super) longest: f64,
+    stepping: TimeStepping,
+}
+
+impl HostModel {
+    /// Reads it, as [`HostPlant::read`](super::HostPlant::read) says.
+    pub(super) fn read(document: &Document, options: &HostOptions<'_>) -> Result<Self, Failure> {
+        let failed = |error: mckibben::Error| Failure::of_core(&error, document);
+        let experiment = experiment_of(document)?;
+        let longest = match options.max_step {
+            Some(longest) if !(longest.is_finite() && longest > 0.0) => {
+                return Err(Failure::input(
+                    format!("max_step = {longest:?} s is out of range"),
+                    "give a time in s above zero, such as 1e-4, or leave it out for whole steps",
+                ));
+            }
+            longest => longest.unwrap_or(f64::INFINITY),
+        };
+        // A frequency that is none must not turn duty cycles into requests.
+        Pulses::of(None, options.pulse_frequency)?;
+        let commands = inputs(&experiment, options)?;
+        let valves: Vec<usize> = commands.iter().map(|input| input.valve).collect();
+        let PlantExperiment { plant, start, run, names, .. } = experiment;
+        let mut experiment =
+            PlantExperiment { plant: plant.without_commands(&valves), start, run, names, controls: Vec::new() };
+        let method = experiment.run.core_method();
+        let stepping = match options.motion {
+            Motion::Host => {
+                let (plant, start) = experiment.plant.to_external(&experiment.start).map_err(failed)?;
+                (experiment.plant, experiment.start) = (plant, start);
+                experiment.names.mechanisms = vec![Default::default()];
+                TimeStepping::Located { relative_tolerance: TOLERANCE }
+            }
+            Motion::Scenario => {
+                let chosen = || {
+                    let times = (run.duration, run.sample_interval);
+                    let of = (&experiment.plant, &experiment.start);
+                    plant_step_for_accuracy(of, &Vec::new, times, method, run.accuracy).map(|chosen| chosen.step)
+                };
+                let step = run.step.map_or_else(chosen, Ok).map_err(failed)?;
+                TimeStepping::Fixed { method, step: step.min(longest) }
+            }
+        };
+        let is_output = |column: &PlantColumn| {
+            // What a valve is commanded is the host's own.
+            column.quantity().filter(|quantity| !matches!(quantity, PlantQuantity::SetPoint(..)))
+        };
+        let columns = experiment.columns();
+        let mut outputs: Vec<PlantColumn> = columns.into_iter().filter(|column| is_output(column).is_some()).collect();
+        for (actuator, name) in experiment.names.actuators.iter().enumerate() {
+            let name = format!("{name}.contraction");
+            outputs.push(PlantColumn::number(name, "", PlantQuantity::Contraction(actuator)));
+        }
+        let quantities = outputs.iter().filter_map(is_output).collect();
+        let motion = options.motion;
+        Ok(Self { experiment, motion, commands, outputs, quantities, longest, stepping })
+    }
+
+    /// The names of the actuators.
+    pub fn actuators(&self) -> &[String] {
+        &self.experiment.names.actuators
+    }
+
+    /// What moves the ends.
+    pub fn motion(&self) -> Motion {
+        self.motion
+    }
+
+    /// The step in s by which the scenario's own motion is advanced; none where the host moves the ends.
+    pub fn step(&self) -> Option<f64> {
+        match self.stepping {
+            TimeStepping::Fixed { step, .. } => Some(step),
+            TimeStepping::Located { .. } => None,
+        }
+    }
+
+    /// The valves that are commanded.
+    pub fn commands(&self) -> &[CommandInput] {
+        &self.commands
+    }
+
+    /// What [`HostPlant::read_outputs`] writes: the columns of a run that are numbers, in their order, then the contraction of
+    /// each actuator.
+    pub fn outputs(&self) -> &[PlantColumn] {
+        &self.outputs
+    }
+
+    /// The plant with its names.
+    pub fn experiment(&self) -> &PlantExperiment {
+        &self.experiment
+    }
+
+    /// How many distances a step takes: one for each actuator, or none where the scenario moves.
+    pub fn distance_count(&self) -> usize {
+        match self.motion {
+            Motion::Host => self.actuators().len(),
+            Motion::Scenario => 0,
+        }
+    }
+
+    /// Whether a valve can be commanded a number.
+    pub fn accepts(&self, input: usize, number: f64) -> bool {
+        self.check_command(input, number).is_ok()
+    }
+
+    /// That a valve can be commanded a number.
+    pub(super) fn check_command(&self, input: usize, number: f64) -> Result<(), Failure> {
+        let Some(CommandInput { name, mode, valve, .. }) = self.commands.get(input) else {
+            return Err(Failure::input(
+                format!("there is no command {input}: the plant has {}", self.commands.len()),
+                "count the valves from 0, in their order",
+            ));
+        };
+        let solenoid = &self.experiment.plant.network().valves[*valve].solenoid;
+        let taken = mode.command(number).and_then(|command| solenoid.check_command(&command));
+        taken.map_err(|error| Failure::from(error).of(name))
+    }
+
+    /// Whether plants of both are commanded, moved and read alike.
+    pub(super) fn is_of_kind(&self, other: &Self) -> bool {
+        let names = |its: &Self| (its.motion, its.longest, its.stepping);
+        names(self) == names(other)
+            && self.actuators() == other.actuators()
+            && self.commands == other.commands
+            && self.outputs == other.outputs
+    }
+
+    /// That no distances are given where the scenario moves the ends.
+    pub(super) fn check_distances(&self, distances: &[f64]) -> Result<(), Failure> {
+        if self.motion == Motion::Host || distances.is_empty() {
+            return Ok(());
+        }
+        Err(Failure::input(
+            format!("{} distances are given, but the scenario moves the ends", distances.len()),
+            "give none, or read the scenario with the motion of the host",
+        ))
+    }
+
+    /// Calls `take` with the ends in s of the scenario's own steps, one after the other.
+    ///
+    /// # Errors
+    /// For a time without end and for more than [`MOST_PARTS`] steps; what `take` returns.
+    pub(super) fn step_ends(
+        &self,
+        from: f64,
+        until: f64,
+        mut take: impl FnMut(f64) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
+        if !until.is_finite() {
+            return Err(Failure::input(format!("a step to {until:?} s has no end"), "give a finite time in s"));
+        }
+        if let TimeStepping::Fixed { step, .. } = self.stepping
+            && (until - from) / step > MOST_PARTS
+        {
+            return Err(Failure::input(
+                format!("a step to {until:?} s has more than ten million steps of {step:?} s"),
+                "give a time that is nearer, and go on from there",
+            ));
+        }
+        let mut time = from;
+        while time < until {
+            let mut end = self.stepping.step_end(time, until);
+            // The rest up to the end is no separate step.
+            if until - end < ROUNDING * (end - time) {
+                end = until;
+            }
+            take(end)?;
+            time = end;
+        }
+        Ok(())
+    }
+
+    /// Writes the outputs of steps, by a sampler of their plant.
+    ///
+    /// # Errors
+    /// Unless there is one number for each of [`HostModel::outputs`].
+    pub(super) fn read_outputs(
+        &self,
+        (steps, sampler): (&PlantSteps, &mut PlantSampler),
+        into: &mut [f64],
+    ) -> Result<(), Failure> {
+        if into.len() != self.quantities.len() {
+            return Err(Failure::input(
+                format!("there are {} outputs, and memory for {}", self.quantities.len(), into.len()),
+                "give as many numbers as there are outputs",
+            ));
+        }
+        let sample = sampler.read(steps, steps.time());
+        for (into, quantity) in into.iter_mut().zip(&self.quantities) {
+            *into = quantity.of(steps.plant(), sample);
+        }
+        Ok(())
+    }
+
+    /// Steps from where the scenario begins.
+    ///
+    /// # Errors
+    /// A start that the core finds impossible.
+    pub(super) fn begin(&self) -> Result<PlantSteps, mckibben::Error> {
+        self.steps_of(&PlantRun::new(&self.experiment.plant, &self.experiment.start, self.stepping)?)
+    }
+
+    /// Steps from t = 0, or from a time in s on, with the ends of all actuators at `distances` in m and moving at `rates` in m/s, and
+    /// all else as the scenario starts.
+    ///
+    /// # Errors
+    /// For distances that the actuators cannot have, and where the scenario moves the ends.
+    pub(super) fn begin_at(&self, distances: &[f64], rates: &[f64], time: f64) -> Result<PlantSteps, Failure> {
+        if self.motion == Motion::Scenario {
+            return Err(Failure::input(
+                "the scenario moves the ends: they begin where it says",
+                "set `initial` in the scenario, or read it with the motion of the host",
+            ));
+        }
+        distances.iter().try_for_each(|its| mckibben::parameter::INITIAL_LENGTH.check(*its).map(drop))?;
+        let start = PlantStart {
+            positions: vec![distances.to_vec()],
+            rates: vec![rates.to_vec()],
+            // On a tendon, that at which actuator and tendon balance.
+            lengths: vec![None; self.experiment.start.lengths.len()],
+            ..self.experiment.start.clone()
+        };
+        let begun = PlantRun::new(&self.experiment.plant, &start, self.stepping)?;
+        let begun = if time == 0.0 { begun } else { begun.begin_again(&start, time)? };
+        Ok(self.steps_of(&begun)?)
+    }
+
+    fn steps_of(&self, begun: &PlantRun) -> Result<PlantSteps, mckibben::Error> {
+        // With the host's distances by the method that is stable at any step.
+        let method = match self.stepping {
+            TimeStepping::Located { .. } => Method::Stable,
+            TimeStepping::Fixed { method, .. } => method,
+        };
+        let mut steps = begun.steps(method);
+        steps.limit_step(self.longest)?;
+        // What steps need is laid out before the first one.
+        steps.state_size();
+        Ok(steps)
+    }
+}
+
+/// The valves of the actuators, each once, with their modes.
+fn inputs(experiment: &PlantExperiment, options: &HostOptions<'_>) -> Result<Vec<CommandInput>, Failure> {
+    let network = experiment.plant.network();
+    let mut inputs: Vec<CommandInput> = Vec::new();
+    // A valve without its own pulse frequency has that of the first valve with one.
+    let pulsed = experiment.names.valves.iter().flatten().map(|valve| &network.valves[*valve].command);
+    let pulsed = pulsed.clone().find(|command| matches!(command, mckibben::valve::Command::Pwm { .. }));
+    for (actuator, valve) in experiment.names.valves.iter().enumerate() {
+        let Some(valve) = *valve else { continue };
+        let name = &experiment.names.actuators[actuator];
+        if let Some(input) = inputs.iter_mut().find(|input| input.valve == valve) {
+            input.actuators.push(actuator);
+            let names: Vec<&str> =
+                input.actuators.iter().map(|its| experiment.names.actuators[*its].as_str()).collect();
+            input.name = input.mode.title(&names.join("+"));
+            continue;
+        }
+        let its = &network.valves[valve];
+        let own = matches!(its.command, mckibben::valve::Command::Pwm { .. }).then_some(&its.command);
+        let pulses = || Pulses::of(own.or(pulsed).or(Some(&its.command)), options.pulse_frequency);
+        let mode = match options.command_mode {
+            Some(mode) => {
+                CommandMode::check("command_mode", mode, &its.solenoid).map_err(|failure| failure.of(name))?;
+                CommandMode::named("command_mode", mode, pulses)?
+            }
+            None => CommandMode::of(&its.solenoid, pulses),
+        };
+        inputs.push(CommandInput { name: mode.title(name), actuators: vec![actuator], mode, valve });
+    }
+    Ok(inputs)
+}

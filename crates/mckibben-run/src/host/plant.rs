@@ -1,0 +1,184 @@
+//! One scenario that a host steps.
+
+use super::model::{CommandInput, HostModel, HostOptions, Motion};
+use crate::failure::Failure;
+use mckibben::Response;
+use mckibben::plant::{PlantSampler, PlantSteps};
+use mckibben_scenario::Document;
+use std::ops::Deref;
+use std::sync::Arc;
+
+/// A scenario that a host steps: its [`HostModel`], and where it is.
+#[derive(Debug)]
+pub struct HostPlant {
+    pub(super) model: Arc<HostModel>,
+    /// The number that each valve is commanded, where that is known.
+    commanded: Vec<Option<f64>>,
+    pub(super) steps: PlantSteps,
+    sampler: PlantSampler,
+    /// Where the scenario's steps began, to return there if one fails.
+    before: Vec<f64>,
+}
+
+impl Clone for HostPlant {
+    fn clone(&self) -> Self {
+        let Self { model, commanded, steps, .. } = self;
+        Self { commanded: commanded.clone(), ..Self::of(Arc::clone(model), steps.clone()) }
+    }
+}
+
+impl Deref for HostPlant {
+    type Target = HostModel;
+
+    fn deref(&self) -> &HostModel {
+        &self.model
+    }
+}
+
+impl HostPlant {
+    /// Reads the plant of a scenario. The actuators' own commands and the controllers are not used; supplies follow theirs.
+    ///
+    /// # Errors
+    /// Every mistake in the scenario, with its place; a mode that a valve does not take; an option that is out of
+    /// range.
+    pub fn read(document: &Document, options: &HostOptions<'_>) -> Result<Self, Failure> {
+        let model = HostModel::read(document, options)?;
+        let steps = model.begin().map_err(|error| Failure::of_core(&error, document))?;
+        Ok(Self::of(Arc::new(model), steps))
+    }
+
+    /// A plant with nothing commanded, where these steps are.
+    pub(super) fn of(model: Arc<HostModel>, mut steps: PlantSteps) -> Self {
+        let commanded = vec![None; model.commands().len()];
+        let (sampler, before) = (PlantSampler::new(&steps), vec![0.0; steps.state_size()]);
+        Self { model, commanded, steps, sampler, before }
+    }
+
+    /// The plant where it is.
+    pub fn steps(&self) -> &PlantSteps {
+        &self.steps
+    }
+
+    /// The plant where it is, to be computed.
+    pub fn steps_mut(&mut self) -> &mut PlantSteps {
+        &mut self.steps
+    }
+
+    /// The distance in m between the ends of an actuator whose ends the host moves, with its tendon.
+    pub fn distance(&self, actuator: usize) -> f64 {
+        self.steps.state()[self.steps.plant().indices().mechanisms[0].position(actuator)]
+    }
+
+    /// Sets what a valve does from now on. A number that it has been set to already changes nothing.
+    ///
+    /// # Errors
+    /// When there is no such valve, and for a number that it does not take. Then nothing has changed.
+    pub fn command(&mut self, input: usize, number: f64) -> Result<(), Failure> {
+        let Some(CommandInput { name, mode, valve, .. }) = self.model.commands().get(input) else {
+            return Err(Failure::input(
+                format!("there is no command {input}: the plant has {}", self.model.commands().len()),
+                "count the valves from 0, in their order",
+            ));
+        };
+        if self.commanded[input] == Some(number) {
+            return Ok(());
+        }
+        let set = mode.command(number).and_then(|command| self.steps.set(*valve, command));
+        set.map_err(|error| Failure::from(error).of(name))?;
+        self.commanded[input] = Some(number);
+        Ok(())
+    }
+
+    /// The number that a valve was last commanded since the state was restored; none where it has not been.
+    pub fn commanded(&self, input: usize) -> Option<f64> {
+        self.commanded.get(input).copied().flatten()
+    }
+
+    /// Goes on to `until` in s; the ends go in straight lines to `distances` in m: one for each actuator, none where the scenario
+    /// moves. Nothing where that time has been reached.
+    ///
+    /// # Errors
+    /// For a distance that an actuator cannot have, a time that is not later, more than ten million steps of the scenario, and
+    /// when the plant leaves the physics. Then the plant is where it was.
+    pub fn advance(&mut self, until: f64, distances: &[f64]) -> Result<(), Failure> {
+        match self.model.motion() {
+            Motion::Host => Ok(self.steps.move_to(until, distances)?),
+            Motion::Scenario => {
+                self.model.check_distances(distances)?;
+                self.go_on(until)
+            }
+        }
+    }
+
+    /// Goes on by the scenario's own steps.
+    fn go_on(&mut self, until: f64) -> Result<(), Failure> {
+        let Self { model, steps, before, .. } = self;
+        // A state with more commands on their way than a row of numbers has places for is kept as it is.
+        let kept = steps.save_to(before).is_err().then(|| steps.save());
+        let gone = model.step_ends(steps.time(), until, |end| Ok(steps.advance_to(end)?));
+        if gone.is_err() {
+            match kept {
+                Some(kept) => steps.restore(&kept)?,
+                None => steps.restore_from(before)?,
+            }
+        }
+        gone
+    }
+
+    /// Begins again at t = 0, with the ends of all actuators at `distances` in m and moving at `rates` in m/s, and all else as the
+    /// scenario starts. Allocates.
+    ///
+    /// # Errors
+    /// For distances that the actuators cannot have, and where the scenario moves the ends.
+    pub fn begin_at(&mut self, distances: &[f64], rates: &[f64]) -> Result<(), Failure> {
+        self.steps = self.model.begin_at(distances, rates, 0.0)?;
+        self.commanded.fill(None);
+        Ok(())
+    }
+
+    /// Returns to where the plant began.
+    pub fn reset(&mut self) {
+        self.steps.reset();
+        self.commanded.fill(None);
+    }
+
+    /// Responses of all actuators with the ends at `distances` in m and moving at `rates` in m/s: see
+    /// [`PlantSteps::compute_at`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn compute_at(&mut self, distances: &[f64], rates: &[f64], responses: &mut [Response]) -> Result<(), Failure> {
+        Ok(self.steps.compute_at(distances, rates, responses)?)
+    }
+
+    /// Writes the outputs where the plant is.
+    ///
+    /// # Errors
+    /// Unless there is one number for each of [`HostModel::outputs`].
+    pub fn read_outputs(&mut self, into: &mut [f64]) -> Result<(), Failure> {
+        self.model.read_outputs((&self.steps, &mut self.sampler), into)
+    }
+
+    /// How many numbers a state is.
+    pub fn state_size(&mut self) -> usize {
+        self.steps.state_size()
+    }
+
+    /// Saves the whole state as numbers: see [`PlantSteps::save_to`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn save(&mut self, numbers: &mut [f64]) -> Result<(), Failure> {
+        Ok(self.steps.save_to(numbers)?)
+    }
+
+    /// Returns to a state that a plant of the same scenario has saved.
+    ///
+    /// # Errors
+    /// As [`PlantSteps::restore_from`].
+    pub fn restore(&mut self, numbers: &[f64]) -> Result<(), Failure> {
+        self.steps.restore_from(numbers)?;
+        self.commanded.fill(None);
+        Ok(())
+    }
+}
