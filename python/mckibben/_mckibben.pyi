@@ -773,8 +773,8 @@ class HostedPlant:
     Plants of a scenario whose ends a simulator of your own moves: distances and commands in, tensions and pressures out.
 
     All actuators of the scenario, with the air network that they share, are one plant. The loads and mechanisms of the scenario
-    are not used: the simulator moves the ends. `count` plants, each with its own state, are stepped together on all
-    cores.
+    are not used: the simulator moves the ends. `count` plants, each with its own state, are stepped together, side by side in the
+    vector registers of the processor; many of them on all cores. Each is bit-identical to a plant alone.
 
     Parameters
     ----------
@@ -875,6 +875,8 @@ class HostedPlant:
         ------
         InputError
             An array has another shape, or an actuator cannot have such a distance.
+        SimulationError
+            A plant has stopped.
         """
     @property
     def count(self, /) -> int:
@@ -934,9 +936,10 @@ class HostedPlant:
         Raises
         ------
         InputError
-            An array has another shape, or a valve does not take such a command.
+            An array has another shape, or a valve does not take such a command; nothing has changed.
         SimulationError
-            The step leads to a non-physical state. Other plants may have taken the step.
+            The step leads a plant to a non-physical state. The others have taken the step. That plant has stopped: until `begin` or
+            `restore`, its later steps raise as well.
         """
     @property
     def time(self, /) -> float:

@@ -51,3 +51,36 @@ def test_arrays_have_a_row_for_each_plant():
         plant(2).step(numpy.array([[0.09]]), numpy.ones((1, 1)), 1e-3)
     with pytest.raises(mckibben.InputError, match="no finite number"):
         plant().step(numpy.array([[numpy.nan]]), numpy.ones((1, 1)), 1e-3)
+
+
+def test_plants_together_are_those_alone():
+    count = 200
+    many, alone = plant(count), [plant() for _ in range(3)]
+    number = numpy.arange(count)
+    for step in range(30):
+        distances = 0.09 - 1e-3 * numpy.sin(0.2 * step + number)[:, None] ** 2
+        commands = ((number + step // 10) % 3 - 1.0)[:, None]
+        many.step(distances, commands, 1e-3)
+        for at, of in zip((0, 77, 199), alone, strict=True):
+            of.step(distances[at : at + 1], commands[at : at + 1], 1e-3)
+    velocities = numpy.full((count, 1), 0.01)
+    tensions, observed = many.compute(distances, velocities), many.observe()
+    for at, of in zip((0, 77, 199), alone, strict=True):
+        numpy.testing.assert_array_equal(observed[at], of.observe()[0])
+        numpy.testing.assert_array_equal(tensions[at], of.compute(distances[at : at + 1], velocities[:1])[0])
+
+
+def test_a_plant_that_stops_leaves_the_others():
+    two, one = plant(2), plant()
+    fill = numpy.ones((2, 1))
+    beyond_the_thread = numpy.array([[0.09], [0.5]])
+    for step in (1, 2):
+        with pytest.raises(mckibben.SimulationError, match="plant 1"):
+            two.step(beyond_the_thread if step == 1 else numpy.full((2, 1), 0.09), fill, 1e-3)
+        one.step(numpy.array([[0.09]]), fill[:1], 1e-3)
+    assert two.time == one.time == 2e-3
+    with pytest.raises(mckibben.SimulationError, match="plant 1"):
+        two.observe()
+    two.begin(numpy.full((2, 1), 0.09), numpy.zeros((2, 1)))
+    two.step(numpy.full((2, 1), 0.09), fill, 1e-3)
+    numpy.testing.assert_array_equal(two.observe()[0], two.observe()[1])

@@ -429,9 +429,28 @@ impl PlantBatch {
         self.time = span.until();
     }
 
+    /// All rows as they are now, or why they have stopped.
+    pub fn rows(&mut self) -> Vec<Result<&PlantSteps, Error>> {
+        let bring = |group: &mut Group| {
+            (0..group.rows.len()).for_each(|lane| {
+                group.bring(lane);
+            })
+        };
+        if self.is_shared(1) {
+            self.groups.par_iter_mut().for_each(bring);
+        } else {
+            self.groups.iter_mut().for_each(bring);
+        }
+        let of = |[group, lane]: &[usize; 2]| {
+            let row = &self.groups[*group].rows[*lane];
+            row.fault.clone().map_or(Ok(&*row.steps), Err)
+        };
+        self.places.iter().map(of).collect()
+    }
+
     /// Everything that is known of every row, or why it has stopped.
     pub fn samples(&mut self) -> Vec<Result<PlantSample, Error>> {
-        (0..self.len()).map(|row| self.row(row).map(PlantSteps::sample)).collect()
+        self.rows().into_iter().map(|row| row.map(PlantSteps::sample)).collect()
     }
 
     fn place(&self, row: usize) -> Result<[usize; 2], Error> {

@@ -4,8 +4,8 @@
  * zero or more; a rate is positive where a distance grows; a mass flow is positive into the actuator. Distances are between the ends
  * of an actuator, with its tendon.
  *
- * Every pointer is checked for NULL and alignment, and every count against the plant's. The caller promises the rest: plants and runs
- * are live, arrays have as many elements as their counts say and do not overlap, text ends with a zero byte. A plant may be used by one
+ * Every pointer is checked for NULL and alignment, and every count against the plant's. The caller promises the rest: plants, batches
+ * and runs are live, arrays have as many elements as their counts say and do not overlap, text ends with a zero byte. A plant may be used by one
  * thread at a time; a second one gets MCKIBBEN_STATUS_BUSY. Where a function does not return MCKIBBEN_STATUS_OK, mckibben_last_error
  * says why and what to do. */
 
@@ -28,7 +28,7 @@ typedef enum mckibben_status {
    */
   MCKIBBEN_STATUS_INPUT = 2,
   /**
-   * The simulation could not go on. The plant is where it was.
+   * The simulation could not go on. The plant is where it was; of a batch it has stopped.
    */
   MCKIBBEN_STATUS_STOPPED = 3,
   /**
@@ -40,7 +40,7 @@ typedef enum mckibben_status {
    */
   MCKIBBEN_STATUS_COUNT = 6,
   /**
-   * Another thread uses the plant at this moment. Nothing has changed.
+   * Another thread uses the plant or the batch at this moment. Nothing has changed.
    */
   MCKIBBEN_STATUS_BUSY = 7,
   /**
@@ -62,6 +62,11 @@ typedef enum mckibben_motion {
    */
   MCKIBBEN_MOTION_SCENARIO = 1,
 } mckibben_motion;
+
+/**
+ * Plants that are stepped together.
+ */
+typedef struct mckibben_batch mckibben_batch;
 
 /**
  * A scenario as a plant that a host steps.
@@ -178,7 +183,7 @@ typedef struct mckibben_response {
 } mckibben_response;
 
 /**
- * One step of many plants. Arrays have a row for each plant, one after the other; each row has as many elements as its count says.
+ * One step of a batch. Arrays have a row for each plant, one after the other; each row has as many elements as its count says.
  */
 typedef struct mckibben_step {
   /**
@@ -217,10 +222,6 @@ typedef struct mckibben_step {
    * Outputs of each plant: `mckibben_output_count`; 0 with NULL.
    */
   size_t output_count;
-  /**
-   * Threads to use; 0 and 1 use that of the caller alone. More than there are plants are not used.
-   */
-  size_t threads;
 } mckibben_step;
 
 /**
@@ -419,16 +420,52 @@ enum mckibben_status mckibben_restore(struct mckibben_plant *plant,
                                       size_t count);
 
 /**
- * Steps `plant_count` plants: commands their valves, goes on to `step->until`, and writes responses and outputs. The plants are
- * independent: where one fails, the others go on, its status says why, and its responses and outputs are not numbers (NaN); valves
- * may then have been commanded, but its time has not changed. `statuses` has one status for each plant, or is NULL. Returns the
- * status of the first plant that failed, with its text. Allocates. The caller may as well call `mckibben_command` and
- * `mckibben_advance` from separate threads: the numbers are the same.
+ * Makes a batch of `plant_count` plants, each from where its plant is; the plants themselves stay, and one may stand in the array
+ * many times. They are of one scenario, or of scenarios that differ in numbers alone, and at one time. `threads` threads step them;
+ * 0 and 1 leave all to the caller's. On success `*batch` is a batch to be freed by `mckibben_batch_free`; otherwise it is NULL.
  */
-enum mckibben_status mckibben_step_all(struct mckibben_plant *const *plants,
-                                       size_t plant_count,
-                                       const struct mckibben_step *step,
-                                       enum mckibben_status *statuses);
+enum mckibben_status mckibben_batch_from_plants(const struct mckibben_plant *const *plants,
+                                                size_t plant_count,
+                                                size_t threads,
+                                                struct mckibben_batch **batch);
+
+/**
+ * Ends the threads of a batch and frees it; nothing for NULL.
+ */
+void mckibben_batch_free(struct mckibben_batch *batch);
+
+/**
+ * Returns the number of plants of a batch; 0 for NULL.
+ */
+size_t mckibben_batch_count(const struct mckibben_batch *batch);
+
+/**
+ * Steps all plants of a batch: commands their valves, goes on to `step->until`, and writes responses and outputs. Where an argument
+ * is wrong no plant moves, and nothing is written. A plant that leaves the physics stops, while the others go on: its status says
+ * why, in this step and in later ones, and its responses and outputs are not numbers (NaN). `statuses` has one status for each plant,
+ * or is NULL. Returns the status of the first plant that has stopped, with its text.
+ */
+enum mckibben_status mckibben_batch_step(struct mckibben_batch *batch,
+                                         const struct mckibben_step *step,
+                                         enum mckibben_status *statuses);
+
+/**
+ * A plant of a batch, counted from 0, begins again at the time of the batch, with its ends at `distances` in m and moving at `rates`
+ * in m/s, `count` of each, and all else as the scenario starts. Its valves are commanded nothing. Allocates.
+ */
+enum mckibben_status mckibben_batch_begin_at(struct mckibben_batch *batch,
+                                             size_t plant,
+                                             const double *distances,
+                                             const double *rates,
+                                             size_t count);
+
+/**
+ * Makes a plant from where a plant of a batch is, counted from 0: to save it, or to step it alone. `mckibben_batch_from_plants` takes
+ * it back. On success `*plant` is a plant to be freed by `mckibben_plant_free`; otherwise it is NULL.
+ */
+enum mckibben_status mckibben_batch_plant(struct mckibben_batch *batch,
+                                          size_t index,
+                                          struct mckibben_plant **plant);
 
 /**
  * Runs a scenario from its text in TOML to its end, with its own commands and controllers. `name` stands for a file's name in

@@ -1,16 +1,71 @@
-//! Many plants in one call, on the caller's arrays.
+//! Many plants in one call, on the caller's arrays: a batch.
 //!
-//! Plants are independent and may differ; each goes on as if it were stepped alone, on any number of threads. The threads are
-//! started and joined within the call, so that the library leaves none behind.
+//! The plants of a batch are stepped side by side in the vector registers of the processor. Each is bit-identical to one that is
+//! stepped alone, on any number of threads. The threads belong to the batch, and end when it is freed.
 //!
-//! Checked by `tests/interface/many.rs`: bit-identical to single calls, on any number of threads.
+//! Checked by `tests/interface/many.rs`.
 
-use crate::memory::{array, array_mut, reference, write};
-use crate::plant::Plant;
-use crate::status::{Refusal, Status, caught, status};
+use crate::memory::{array, array_mut, check, reference, write};
+use crate::plant::{Moving, Plant, locked};
+use crate::status::{Refusal, Status, status, value};
 use crate::step::Response;
+use mckibben_run::failure::Failure;
+use mckibben_run::host::HostBatch;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::sync::Mutex;
+use std::thread::JoinHandle;
 
-/// One step of many plants. Arrays have a row for each plant, one after the other; each row has as many elements as its count says.
+/// Plants that are stepped together.
+#[derive(Debug)]
+pub struct Batch {
+    counts: Counts,
+    moving: Mutex<HostBatch>,
+    threads: Option<Threads>,
+}
+
+/// How many numbers each plant takes and has.
+#[derive(Clone, Copy, Debug)]
+struct Counts {
+    plants: usize,
+    commands: usize,
+    distances: usize,
+    actuators: usize,
+    outputs: usize,
+}
+
+/// Threads that end with the batch.
+#[derive(Debug)]
+struct Threads {
+    pool: Option<ThreadPool>,
+    handles: Vec<JoinHandle<()>>,
+}
+
+impl Threads {
+    fn start(count: usize) -> Result<Self, Refusal> {
+        let mut handles = Vec::new();
+        let start = |thread: rayon::ThreadBuilder| {
+            handles.push(std::thread::Builder::new().spawn(|| thread.run())?);
+            Ok(())
+        };
+        match ThreadPoolBuilder::new().num_threads(count).spawn_handler(start).build() {
+            Ok(pool) => Ok(Self { pool: Some(pool), handles }),
+            Err(error) => Err(Refusal::input(format!("threads cannot be started: {error}"), "ask for fewer threads")),
+        }
+    }
+}
+
+impl Drop for Threads {
+    fn drop(&mut self) {
+        // Without its pool a thread comes to its end.
+        self.pool = None;
+        for handle in self.handles.drain(..) {
+            // What a thread has come to does not matter any more.
+            let _ = handle.join();
+        }
+    }
+}
+
+/// One step of a batch. Arrays have a row for each plant, one after the other; each row has as many elements as its count says.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct Step {
@@ -32,13 +87,10 @@ pub struct Step {
     pub outputs: *mut f64,
     /// Outputs of each plant: `mckibben_output_count`; 0 with NULL.
     pub output_count: usize,
-    /// Threads to use; 0 and 1 use that of the caller alone. More than there are plants are not used.
-    pub threads: usize,
 }
 
-/// A plant with its rows of the arrays.
-struct Instance<'a> {
-    plant: Result<&'a Plant, Refusal>,
+/// The arrays of a step.
+struct Arrays<'a> {
     until: f64,
     commands: &'a [f64],
     distances: &'a [f64],
@@ -46,116 +98,198 @@ struct Instance<'a> {
     outputs: &'a mut [f64],
 }
 
-impl Instance<'_> {
-    /// Steps the plant; what it does not reach is not a number.
-    fn step(&mut self) {
-        let stepped = match std::mem::replace(&mut self.plant, Err(Refusal::new(Status::Ok, ""))) {
-            Ok(plant) => caught(|| self.go_on(plant)).map(|()| plant),
-            Err(refusal) => Err(refusal),
-        };
-        if stepped.is_err() {
-            self.responses.fill(Response::NONE);
-            self.outputs.fill(f64::NAN);
-        }
-        self.plant = stepped;
+impl Batch {
+    fn of(plants: Vec<&Plant>, threads: usize) -> Result<Self, Refusal> {
+        let first = plants.first().map(|plant| (plant.names.outputs.len(), plant.distance_count));
+        let hosts = plants.iter().map(|plant| plant.with(|moving| Ok(moving.host.clone())));
+        let mut batch = HostBatch::new(hosts.collect::<Result<_, _>>()?)?;
+        let (outputs, distances) = first.unwrap_or_default();
+        let model = batch.model();
+        let (commands, actuators) = (model.commands().len(), model.actuators().len());
+        let counts = Counts { plants: batch.count(), commands, distances, actuators, outputs };
+        // More threads than plants would have nothing to do.
+        let threads = threads.min(counts.plants);
+        batch.keep_to_thread(threads < 2);
+        let threads = if threads < 2 { None } else { Some(Threads::start(threads)?) };
+        Ok(Self { counts, moving: Mutex::new(batch), threads })
     }
 
-    fn go_on(&mut self, plant: &Plant) -> Result<(), Refusal> {
-        let due = plant.names.commands.len();
-        if !self.commands.is_empty() && self.commands.len() != due {
-            return Err(Refusal::count("commands", self.commands.len(), due, "mckibben_command_count"));
-        }
-        plant.with(|moving| {
-            for (input, number) in self.commands.iter().enumerate() {
-                moving.host.command(input, *number)?;
-            }
-            plant.advance(moving, self.until, self.distances)?;
-            if !self.responses.is_empty() {
-                plant.respond(moving, None, self.responses)?;
-            }
-            if self.outputs.is_empty() { Ok(()) } else { plant.outputs(moving, self.outputs) }
+    /// Does work on the plants, on the threads of the batch.
+    fn with<T: Send>(&self, work: impl FnOnce(&mut HostBatch) -> Result<T, Refusal> + Send) -> Result<T, Refusal> {
+        locked(&self.moving, "batch", |batch| match self.threads.as_ref().and_then(|threads| threads.pool.as_ref()) {
+            Some(pool) => pool.install(|| work(batch)),
+            None => work(batch),
         })
+    }
+
+    /// The arrays of a step.
+    ///
+    /// # Safety
+    /// Each array has a row for each plant, of as many elements as its count says.
+    unsafe fn arrays<'a>(&self, step: &Step) -> Result<Arrays<'a>, Refusal> {
+        let Counts { plants, commands, distances, actuators, outputs } = self.counts;
+        let length = |name: &str, given: usize, due: usize, function: &str| match given == due {
+            true => Ok(plants * due),
+            false => Err(Refusal::count(name, given, due, function)),
+        };
+        let if_any = |count: usize, length: Result<usize, Refusal>| if count == 0 { Ok(0) } else { length };
+        let (commands, distances, responses, outputs) = (
+            if_any(step.command_count, length("commands", step.command_count, commands, "mckibben_command_count"))?,
+            length("distances", step.distance_count, distances, "mckibben_distance_count")?,
+            if_any(
+                step.response_count,
+                length("responses", step.response_count, actuators, "mckibben_actuator_count"),
+            )?,
+            if_any(step.output_count, length("outputs", step.output_count, outputs, "mckibben_output_count"))?,
+        );
+        // SAFETY: the caller's promise.
+        unsafe {
+            Ok(Arrays {
+                until: step.until,
+                commands: array(step.commands, commands, "commands")?,
+                distances: array(step.distances, distances, "distances")?,
+                responses: array_mut(step.responses, responses, "responses")?,
+                outputs: array_mut(step.outputs, outputs, "outputs")?,
+            })
+        }
     }
 }
 
-/// The length of an array with a row for each of so many plants.
-fn length(rows: usize, each: usize, name: &str) -> Result<usize, Refusal> {
-    rows.checked_mul(each).ok_or_else(|| {
-        Refusal::new(
-            Status::Count,
-            format!(
-                "error: {rows} rows of {each} {name} are more than memory can hold\n = help: give their true count"
-            ),
-        )
+impl Arrays<'_> {
+    /// Steps the plants; why those have stopped that have.
+    fn step(self, batch: &mut HostBatch) -> Result<Vec<(usize, Failure)>, Refusal> {
+        let Self { until, commands, distances, responses, outputs } = self;
+        if !commands.is_empty() {
+            batch.command(commands)?;
+        }
+        batch.advance(until, distances)?;
+        if !responses.is_empty() {
+            batch.compute()?;
+            let each = responses.len() / batch.count();
+            for (row, into) in responses.chunks_mut(each).enumerate() {
+                match batch.responses(row) {
+                    Ok(its) => into.iter_mut().zip(its).for_each(|(into, its)| *into = its.into()),
+                    Err(_) => into.fill(Response::NONE),
+                }
+            }
+        }
+        if !outputs.is_empty() {
+            outputs.fill(f64::NAN);
+            batch.read_all_outputs(outputs)?;
+        }
+        Ok((0..batch.count()).filter_map(|row| batch.failure(row).map(|failure| (row, failure))).collect())
+    }
+}
+
+/// Makes a batch of `plant_count` plants, each from where its plant is; the plants themselves stay, and one may stand in the array
+/// many times. They are of one scenario, or of scenarios that differ in numbers alone, and at one time. `threads` threads step them;
+/// 0 and 1 leave all to the caller's. On success `*batch` is a batch to be freed by `mckibben_batch_free`; otherwise it is NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mckibben_batch_from_plants(
+    plants: *const *const Plant,
+    plant_count: usize,
+    threads: usize,
+    batch: *mut *mut Batch,
+) -> Status {
+    status(|| {
+        // SAFETY: memory for a pointer, by the caller's promise.
+        unsafe { write(batch, "batch", std::ptr::null_mut()) }?;
+        // SAFETY: so many pointers, by the caller's promise.
+        let plants = unsafe { array(plants, plant_count, "plants") }?;
+        // SAFETY: each is NULL or a plant, by the caller's promise.
+        let plants = plants.iter().map(|plant| unsafe { reference(*plant, "plants[…]") });
+        let made = Batch::of(plants.collect::<Result<_, _>>()?, threads)?;
+        // SAFETY: as at the head.
+        unsafe { write(batch, "batch", Box::into_raw(Box::new(made))) }
     })
 }
 
-/// Cuts one row after the other off an array that has one for each plant.
-fn row<'a, T>(left: &mut &'a [T], each: usize) -> &'a [T] {
-    left.split_off(..each).unwrap_or_default()
-}
-
-/// Cuts one row after the other off an array that is written.
-fn row_mut<'a, T>(left: &mut &'a mut [T], each: usize) -> &'a mut [T] {
-    left.split_off_mut(..each).unwrap_or_default()
-}
-
-/// Steps `plant_count` plants: commands their valves, goes on to `step->until`, and writes responses and outputs. The plants are
-/// independent: where one fails, the others go on, its status says why, and its responses and outputs are not numbers (NaN); valves
-/// may then have been commanded, but its time has not changed. `statuses` has one status for each plant, or is NULL. Returns the
-/// status of the first plant that failed, with its text. Allocates. The caller may as well call `mckibben_command` and
-/// `mckibben_advance` from separate threads: the numbers are the same.
+/// Ends the threads of a batch and frees it; nothing for NULL.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn mckibben_step_all(
-    plants: *const *mut Plant,
-    plant_count: usize,
-    step: *const Step,
-    statuses: *mut Status,
+pub unsafe extern "C" fn mckibben_batch_free(batch: *mut Batch) {
+    value((), || {
+        if !batch.is_null() {
+            // SAFETY: a batch that has not been freed, by the caller's promise.
+            drop(unsafe { Box::from_raw(batch) });
+        }
+        Ok(())
+    });
+}
+
+/// Returns the number of plants of a batch; 0 for NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mckibben_batch_count(batch: *const Batch) -> usize {
+    // SAFETY: NULL or a batch, by the caller's promise.
+    value(0, || unsafe { reference(batch, "batch") }.map(|batch| batch.counts.plants))
+}
+
+/// Steps all plants of a batch: commands their valves, goes on to `step->until`, and writes responses and outputs. Where an argument
+/// is wrong no plant moves, and nothing is written. A plant that leaves the physics stops, while the others go on: its status says
+/// why, in this step and in later ones, and its responses and outputs are not numbers (NaN). `statuses` has one status for each plant,
+/// or is NULL. Returns the status of the first plant that has stopped, with its text.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mckibben_batch_step(batch: *mut Batch, step: *const Step, statuses: *mut Status) -> Status {
+    status(|| {
+        // SAFETY: the caller's promise.
+        let (batch, arrays) = unsafe {
+            let batch = reference::<Batch>(batch, "batch")?;
+            (batch, batch.arrays(reference(step, "step")?)?)
+        };
+        if !statuses.is_null() {
+            check(statuses, "statuses")?;
+        }
+        let stopped = batch.with(|batch| arrays.step(batch))?;
+        if !statuses.is_null() {
+            let mut left = stopped.iter().peekable();
+            for row in 0..batch.counts.plants {
+                let its = left.next_if(|(stopped, _)| *stopped == row).map_or(Status::Ok, |_| Status::Stopped);
+                // SAFETY: one status for each plant, by the caller's promise.
+                unsafe { write(statuses.wrapping_add(row), "statuses", its) }?;
+            }
+        }
+        match stopped.into_iter().next() {
+            Some((_, failure)) => Err(Refusal { status: Status::Stopped, ..failure.into() }),
+            None => Ok(()),
+        }
+    })
+}
+
+/// A plant of a batch, counted from 0, begins again at the time of the batch, with its ends at `distances` in m and moving at `rates`
+/// in m/s, `count` of each, and all else as the scenario starts. Its valves are commanded nothing. Allocates.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mckibben_batch_begin_at(
+    batch: *mut Batch,
+    plant: usize,
+    distances: *const f64,
+    rates: *const f64,
+    count: usize,
 ) -> Status {
     status(|| {
         // SAFETY: the caller's promise.
-        let (plants, step) = unsafe { (array(plants, plant_count, "plants")?, reference(step, "step")?) };
-        let Step { until, command_count, distance_count, response_count, output_count, threads, .. } = *step;
-        // SAFETY: the caller's promise; each array has a row for each plant.
-        let (mut commands, mut distances, mut responses, mut outputs) = unsafe {
-            (
-                array(step.commands, length(plant_count, command_count, "commands")?, "commands")?,
-                array(step.distances, length(plant_count, distance_count, "distances")?, "distances")?,
-                array_mut(step.responses, length(plant_count, response_count, "responses")?, "responses")?,
-                array_mut(step.outputs, length(plant_count, output_count, "outputs")?, "outputs")?,
-            )
-        };
-        let instance = |plant: &*mut Plant| Instance {
-            // SAFETY: NULL or a plant, by the caller's promise. The same plant twice is safe: it has a lock.
-            plant: unsafe { reference(*plant, "plants[…]") },
-            until,
-            commands: row(&mut commands, command_count),
-            distances: row(&mut distances, distance_count),
-            responses: row_mut(&mut responses, response_count),
-            outputs: row_mut(&mut outputs, output_count),
-        };
-        let mut instances: Vec<Instance<'_>> = plants.iter().map(instance).collect();
-        let each = plant_count.div_ceil(threads.clamp(1, plant_count.max(1))).max(1);
-        if each >= plant_count {
-            instances.iter_mut().for_each(Instance::step);
-        } else {
-            std::thread::scope(|scope| {
-                for part in instances.chunks_mut(each) {
-                    scope.spawn(|| part.iter_mut().for_each(Instance::step));
-                }
-            });
-        }
-        let mut first = Ok(());
-        for (index, instance) in instances.into_iter().enumerate() {
-            let its = instance.plant.as_ref().map_or_else(|refusal| refusal.status, |_| Status::Ok);
-            if !statuses.is_null() {
-                // SAFETY: one status for each plant, by the caller's promise; the pointer is checked for alignment.
-                unsafe { write(statuses.wrapping_add(index), "statuses", its) }?;
+        let (batch, distances, rates) = unsafe {
+            let batch = reference::<Batch>(batch, "batch")?;
+            if count != batch.counts.distances {
+                return Err(Refusal::count("distances", count, batch.counts.distances, "mckibben_distance_count"));
             }
-            if let (Ok(()), Err(refusal)) = (&first, instance.plant) {
-                first = Err(refusal.of(format_args!("plant {index}")));
-            }
-        }
-        first
+            (batch, array(distances, count, "distances")?, array(rates, count, "rates")?)
+        };
+        batch.with(|batch| Ok(batch.begin_row(plant, distances, rates)?))
+    })
+}
+
+/// Makes a plant from where a plant of a batch is, counted from 0: to save it, or to step it alone. `mckibben_batch_from_plants` takes
+/// it back. On success `*plant` is a plant to be freed by `mckibben_plant_free`; otherwise it is NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mckibben_batch_plant(batch: *mut Batch, index: usize, plant: *mut *mut Plant) -> Status {
+    status(|| {
+        // SAFETY: memory for a pointer, by the caller's promise.
+        unsafe { write(plant, "plant", std::ptr::null_mut()) }?;
+        // SAFETY: the caller's promise.
+        let batch = unsafe { reference::<Batch>(batch, "batch") }?;
+        let host = batch.with(|batch| Ok(batch.plant(index)?))?;
+        let responses = vec![mckibben::Response::default(); batch.counts.actuators];
+        let made = Plant::of(Moving { host, responses });
+        // SAFETY: as at the head.
+        unsafe { write(plant, "plant", Box::into_raw(Box::new(made))) }
     })
 }

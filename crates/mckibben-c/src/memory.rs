@@ -7,7 +7,7 @@ use crate::status::{Refusal, Status};
 use std::ffi::{CStr, c_char};
 
 /// That a pointer can point to something.
-fn check<T>(pointer: *const T, name: &str) -> Result<(), Refusal> {
+pub(crate) fn check<T>(pointer: *const T, name: &str) -> Result<(), Refusal> {
     let what = match (pointer.is_null(), pointer.is_aligned()) {
         (true, _) => "is NULL",
         (_, false) => "is not aligned for what it points to",

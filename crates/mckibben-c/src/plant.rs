@@ -119,7 +119,7 @@ impl Plant {
         Ok(Self::of(Moving { host, responses }))
     }
 
-    fn of(mut moving: Moving) -> Self {
+    pub(crate) fn of(mut moving: Moving) -> Self {
         let host = &mut moving.host;
         let names = Names {
             actuators: host.actuators().iter().map(|name| c_text(name)).collect(),
@@ -132,17 +132,28 @@ impl Plant {
 
     /// Works on the part that changes, unless another thread does.
     pub(crate) fn with<T>(&self, work: impl FnOnce(&mut Moving) -> Result<T, Refusal>) -> Result<T, Refusal> {
-        match self.moving.try_lock() {
-            Ok(mut moving) => work(&mut moving),
-            Err(TryLockError::WouldBlock) => Err(Refusal::new(
-                Status::Busy,
-                "error: another thread uses the plant\n = help: give each thread separate plants, or wait",
-            )),
-            Err(TryLockError::Poisoned(_)) => Err(Refusal::new(
-                Status::Defect,
-                "error: a defect of the library has left the plant half stepped\n = help: free it and read it again",
-            )),
-        }
+        locked(&self.moving, "plant", work)
+    }
+}
+
+/// Works on what a lock guards, unless another thread does.
+pub(crate) fn locked<M, T>(
+    lock: &Mutex<M>,
+    what: &str,
+    work: impl FnOnce(&mut M) -> Result<T, Refusal>,
+) -> Result<T, Refusal> {
+    match lock.try_lock() {
+        Ok(mut guarded) => work(&mut guarded),
+        Err(TryLockError::WouldBlock) => Err(Refusal::new(
+            Status::Busy,
+            format!("error: another thread uses the {what}\n = help: give each thread its own, or wait"),
+        )),
+        Err(TryLockError::Poisoned(_)) => Err(Refusal::new(
+            Status::Defect,
+            format!(
+                "error: a defect of the library has left the {what} half stepped\n = help: free it and make it again"
+            ),
+        )),
     }
 }
 

@@ -15,13 +15,13 @@ pub enum Status {
     Ok = 0,
     /// The scenario, a value, an index or an option is wrong. Nothing has changed.
     Input = 2,
-    /// The simulation could not go on. The plant is where it was.
+    /// The simulation could not go on. The plant is where it was; of a batch it has stopped.
     Stopped = 3,
     /// A pointer is NULL or not aligned for what it points to. Nothing has changed.
     Pointer = 5,
     /// An array has more or fewer elements than the plant needs. Nothing has changed.
     Count = 6,
-    /// Another thread uses the plant at this moment. Nothing has changed.
+    /// Another thread uses the plant or the batch at this moment. Nothing has changed.
     Busy = 7,
     /// A defect of the library, which its text describes. Free the plant; no other function accepts it any more.
     Defect = 8,
@@ -50,11 +50,6 @@ impl Refusal {
             Status::Count,
             format!("error: {what}: {given} given, but it takes {due}\n = help: give as many as {function} returns"),
         )
-    }
-
-    /// That of one plant among several.
-    pub(crate) fn of(self, whose: impl std::fmt::Display) -> Self {
-        Self { text: format!("{whose}: {}", self.text), ..self }
     }
 }
 

@@ -3,14 +3,13 @@
 use crate::arguments;
 use crate::exceptions::{OrException, exception};
 use crate::pace::{Pace, Span};
+use crate::pool;
 use crate::scenario::Scenario;
 use crate::typed::{Count, Matrix, Table};
-use mckibben::Response;
 use mckibben_run::failure::Failure;
-use mckibben_run::host::{HostOptions, HostPlant};
+use mckibben_run::host::{HostBatch, HostOptions, HostPlant};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
-use rayon::prelude::*;
 
 /// Register the plugin of MuJoCo with the MuJoCo that is loaded.
 #[pyfunction]
@@ -22,8 +21,8 @@ pub(crate) fn _register_mujoco() -> PyResult<()> {
 /// Plants of a scenario whose ends a simulator of your own moves: distances and commands in, tensions and pressures out.
 ///
 /// All actuators of the scenario, with the air network that they share, are one plant. The loads and mechanisms of the scenario
-/// are not used: the simulator moves the ends. `count` plants, each with its own state, are stepped together on all
-/// cores.
+/// are not used: the simulator moves the ends. `count` plants, each with its own state, are stepped together, side by side in the
+/// vector registers of the processor; many of them on all cores. Each is bit-identical to a plant alone.
 ///
 /// Parameters
 /// ----------
@@ -72,23 +71,24 @@ pub(crate) fn _register_mujoco() -> PyResult<()> {
 ///     (True, ['actuator.request'])
 #[pyclass(module = "mckibben")]
 pub(crate) struct HostedPlant {
-    plants: Vec<HostPlant>,
-    responses: Vec<Response>,
+    batch: HostBatch,
     pace: Pace,
 }
 
 /// Memory that a plant takes at least, in bytes.
 const EACH: usize = 4096;
+/// Plants below which the caller's own thread steps them all: to wake others takes longer.
+const ALONE: usize = 128;
 
 impl HostedPlant {
     fn width(&self) -> usize {
-        self.plants[0].actuators().len()
+        self.batch.model().actuators().len()
     }
 
     /// The numbers of a table with one row for each plant.
     fn rows<'a>(&self, name: &str, table: &'a numpy::PyReadonlyArray2<'_, f64>, width: usize) -> PyResult<&'a [f64]> {
         let wrong = || {
-            let shape = format!("({}, {width})", self.plants.len());
+            let shape = format!("({}, {width})", self.batch.count());
             exception(&Failure::input(
                 format!("`{name}` is no array of the shape {shape} without gaps"),
                 "give one row for each plant",
@@ -96,29 +96,28 @@ impl HostedPlant {
         };
         let numbers = table.as_slice().map_err(|_| wrong())?;
         let [rows, columns] = [table.as_array().nrows(), table.as_array().ncols()];
-        if rows != self.plants.len() || columns != width {
+        if rows != self.batch.count() || columns != width {
             return Err(wrong());
         }
         arguments::finite_table(name, numbers, width).or_exception()?;
         Ok(numbers)
     }
 
-    /// Calls a function for each plant with its rows; the first failure, with the number of its plant.
-    fn each(
+    /// Does work on the threads of the pool where there are enough plants, and else on the caller's own.
+    fn share(
         &mut self,
         py: Python<'_>,
-        function: impl Fn(usize, &mut HostPlant) -> Result<(), Failure> + Sync,
+        work: impl FnOnce(&mut HostBatch) -> Result<(), Failure> + Send,
     ) -> PyResult<()> {
-        let plants = &mut self.plants;
-        let count = plants.len();
-        let of = |(at, plant): (usize, &mut HostPlant)| {
-            function(at, plant).map_err(|failure| if count == 1 { failure } else { failure.of(&format!("plant {at}")) })
-        };
-        let done = py.detach(|| match count {
-            1 => plants.iter_mut().enumerate().try_for_each(of),
-            _ => plants.par_iter_mut().enumerate().try_for_each(of),
-        });
-        done.or_exception()
+        let batch = &mut self.batch;
+        let keeps = batch.count() < ALONE;
+        batch.keep_to_thread(keeps);
+        py.detach(|| if keeps { work(batch) } else { pool::shared(|| work(batch))? }).or_exception()
+    }
+
+    /// What has stopped the first plant that has stopped.
+    fn check(&self) -> PyResult<()> {
+        self.batch.first_failure().map_or(Ok(()), |failure| Err(exception(&failure)))
     }
 }
 
@@ -136,52 +135,49 @@ impl HostedPlant {
     ) -> PyResult<Self> {
         let options =
             HostOptions { command_mode: command_mode.as_deref(), pulse_frequency, max_step, ..HostOptions::default() };
-        let mut plant = HostPlant::read(&scenario.document, &options).or_exception()?;
+        let plant = HostPlant::read(&scenario.document, &options).or_exception()?;
         if count.0 == 0 {
             return Err(exception(&Failure::input("count = 0 plants cannot be stepped", "give a count of 1 or more")));
         }
         arguments::room(py, count.0, "plants", EACH)?;
-        let width = plant.actuators().len();
-        let responses = (0..width).map(|at| plant.steps_mut().compute(at)).collect::<Result<_, _>>().or_exception()?;
-        Ok(Self { plants: vec![plant; count.0], responses, pace: Pace::default() })
+        let batch = HostBatch::new(vec![plant; count.0]).or_exception()?;
+        Ok(Self { batch, pace: Pace::default() })
     }
 
     /// Names of the actuators, in the order of the columns of `distances`.
     #[getter]
     fn actuators(&self) -> Vec<String> {
-        self.plants[0].actuators().to_vec()
+        self.batch.model().actuators().to_vec()
     }
 
     /// Names of the commands, in the order of the columns of `commands`: actuator and mode.
     #[getter]
     fn commands(&self) -> Vec<String> {
-        self.plants[0].commands().iter().map(|input| input.name.clone()).collect()
+        self.batch.model().commands().iter().map(|input| input.name.clone()).collect()
     }
 
     /// Names of what `observe` returns, with their units, such as "biceps.gauge_pressure_pa".
     #[getter]
     fn columns(&self) -> Vec<String> {
-        self.plants[0].outputs().iter().map(mckibben_scenario::PlantColumn::title).collect()
+        self.batch.model().outputs().iter().map(mckibben_scenario::PlantColumn::title).collect()
     }
 
     /// Number of plants.
     #[getter]
     fn count(&self) -> usize {
-        self.plants.len()
+        self.batch.count()
     }
 
     /// Time in s since the start.
     #[getter]
     fn time(&self) -> f64 {
-        self.plants[0].steps().time()
+        self.batch.time()
     }
 
     /// Distances between the ends in m where the plants are, of the shape (count, actuators).
     #[getter]
     fn distances<'py>(&self, py: Python<'py>) -> PyResult<Matrix<'py>> {
-        let width = self.width();
-        let all = self.plants.iter().flat_map(|plant| (0..width).map(|at| plant.distance(at))).collect();
-        matrix(py, all, self.plants.len(), width)
+        matrix(py, self.batch.distances().to_vec(), self.batch.count(), self.width())
     }
 
     /// Begin at t = 0 with the ends at given distances, and all else as the scenario starts.
@@ -202,11 +198,9 @@ impl HostedPlant {
         let width = self.width();
         let distances = self.rows("distances", &distances, width)?;
         let velocities = self.rows("velocities", &velocities, width)?;
+        self.share(py, |batch| batch.begin_at(distances, velocities))?;
         self.pace = Pace::default();
-        self.each(py, |at, plant| {
-            let its = at * width..(at + 1) * width;
-            plant.begin_at(&distances[its.clone()], &velocities[its])
-        })
+        Ok(())
     }
 
     /// Return the tensions with the ends at given distances and velocities.
@@ -227,6 +221,8 @@ impl HostedPlant {
     /// ------
     /// InputError
     ///     An array has another shape, or an actuator cannot have such a distance.
+    /// SimulationError
+    ///     A plant has stopped.
     fn compute<'py>(
         &mut self,
         py: Python<'py>,
@@ -237,13 +233,13 @@ impl HostedPlant {
         let width = self.width();
         let distances = self.rows("distances", &distances, width)?;
         let velocities = self.rows("velocities", &velocities, width)?;
+        self.share(py, |batch| batch.compute_at(distances, velocities))?;
         let mut tensions = Vec::with_capacity(distances.len());
-        for (at, plant) in self.plants.iter_mut().enumerate() {
-            let its = at * width..(at + 1) * width;
-            plant.compute_at(&distances[its.clone()], &velocities[its], &mut self.responses).or_exception()?;
-            tensions.extend(self.responses.iter().map(|response| response.tension));
+        for row in 0..self.batch.count() {
+            let responses = self.batch.responses(row).or_exception()?;
+            tensions.extend(responses.iter().map(|response| response.tension));
         }
-        matrix(py, tensions, self.plants.len(), width)
+        matrix(py, tensions, self.batch.count(), width)
     }
 
     /// Advance all plants by one time step, in which the ends go in straight lines to new distances.
@@ -260,25 +256,25 @@ impl HostedPlant {
     /// Raises
     /// ------
     /// InputError
-    ///     An array has another shape, or a valve does not take such a command.
+    ///     An array has another shape, or a valve does not take such a command; no plant has moved.
     /// SimulationError
-    ///     The step leads to a non-physical state. Other plants may have taken the step.
+    ///     The step leads a plant to a non-physical state. The others have taken the step. That plant has stopped: until `begin` or
+    ///     `restore`, its later steps raise as well.
     fn step(&mut self, py: Python<'_>, distances: Table<'_>, commands: Table<'_>, dt: f64) -> PyResult<()> {
         crate::actuator::check_dt(dt).or_exception()?;
         let (distances, commands) = (distances.read("distances")?, commands.read("commands")?);
-        let (width, inputs) = (self.width(), self.plants[0].commands().len());
+        let (width, inputs) = (self.width(), self.batch.model().commands().len());
         let distances = self.rows("distances", &distances, width)?;
         let commands = self.rows("commands", &commands, inputs)?;
         let pace = self.pace.on(Span { duration: dt, steps: 1 });
         let until = pace.now();
-        self.each(py, |at, plant| {
-            let its = &commands[at * inputs..(at + 1) * inputs];
-            its.iter().enumerate().try_for_each(|(input, number)| plant.command(input, *number))?;
-            plant.advance(until, &distances[at * width..(at + 1) * width])
+        self.share(py, |batch| {
+            batch.command(commands)?;
+            batch.advance(until, distances)
         })?;
         // A step that was refused took no time.
         self.pace = pace;
-        Ok(())
+        self.check()
     }
 
     /// Return the outputs where the plants are, of the shape (count, columns).
@@ -287,13 +283,17 @@ impl HostedPlant {
     /// -------
     /// ndarray
     ///     What `columns` names, in SI.
+    ///
+    /// Raises
+    /// ------
+    /// SimulationError
+    ///     A plant has stopped.
     fn observe<'py>(&mut self, py: Python<'py>) -> PyResult<Matrix<'py>> {
-        let width = self.plants[0].outputs().len();
-        let mut all = vec![0.0; self.plants.len() * width];
-        for (plant, into) in self.plants.iter_mut().zip(all.chunks_mut(width.max(1))) {
-            plant.read_outputs(into).or_exception()?;
-        }
-        matrix(py, all, self.plants.len(), width)
+        let width = self.batch.model().outputs().len();
+        let mut all = vec![0.0; self.batch.count() * width];
+        self.share(py, |batch| batch.read_all_outputs(&mut all))?;
+        self.check()?;
+        matrix(py, all, self.batch.count(), width)
     }
 
     /// Return the states of all plants as numbers, of the shape (count, numbers of a state).
@@ -303,12 +303,10 @@ impl HostedPlant {
     /// ndarray
     ///     What `restore` takes; the order of the numbers may change from one version to the next.
     fn save<'py>(&mut self, py: Python<'py>) -> PyResult<Matrix<'py>> {
-        let width = self.plants[0].state_size();
-        let mut all = vec![0.0; self.plants.len() * width];
-        for (plant, into) in self.plants.iter_mut().zip(all.chunks_mut(width)) {
-            plant.save(into).or_exception()?;
-        }
-        matrix(py, all, self.plants.len(), width)
+        let width = self.batch.state_size();
+        let mut all = vec![0.0; self.batch.count() * width];
+        self.batch.save(&mut all).or_exception()?;
+        matrix(py, all, self.batch.count(), width)
     }
 
     /// Bring all plants back to states that plants of the same scenario have saved.
@@ -324,14 +322,14 @@ impl HostedPlant {
     ///     The numbers are no states of these plants.
     fn restore(&mut self, py: Python<'_>, states: Table<'_>) -> PyResult<()> {
         let states = states.read("states")?;
-        let width = self.plants[0].state_size();
+        let width = self.batch.state_size();
         let wrong =
             || Failure::input("`states` is no array that `save` has returned", "give such an array, of as many plants");
         let numbers = states.as_slice().map_err(|_| exception(&wrong()))?;
-        if numbers.len() != self.plants.len() * width {
+        if numbers.len() != self.batch.count() * width {
             return Err(wrong()).or_exception();
         }
-        self.each(py, |at, plant| plant.restore(&numbers[at * width..(at + 1) * width]))?;
+        self.share(py, |batch| batch.restore(numbers))?;
         self.pace = Pace::at(self.time());
         Ok(())
     }
@@ -339,7 +337,7 @@ impl HostedPlant {
     fn __repr__(&self) -> String {
         format!(
             "<mckibben.HostedPlant, {} of {} at {:?} s>",
-            self.plants.len(),
+            self.batch.count(),
             self.actuators().join(", "),
             self.time()
         )

@@ -8,7 +8,7 @@
 //! ```
 
 use super::common::{MUSCLE, last_error};
-use mckibben_c::many::{Step, mckibben_step_all};
+use mckibben_c::many::*;
 use mckibben_c::plant::*;
 use mckibben_c::simulation::*;
 use mckibben_c::status::Status;
@@ -223,6 +223,25 @@ fn read(random: &mut Random, seen: &mut Seen) -> Option<*mut Plant> {
     done.then_some(plant)
 }
 
+/// A batch of copies of a plant, and calls on it.
+fn in_batch(random: &mut Random, [its, plant]: [*mut Plant; 2], step: &Step, ends: [*const f64; 2]) -> Status {
+    let all = [its.cast_const(), plant.cast_const(), if random.chance(9) { null() } else { plant.cast_const() }];
+    let (mut batch, mut copy, mut statuses) = (null_mut(), null_mut(), [Status::Ok; 3]);
+    unsafe {
+        let (count, threads) = (random.below(4), random.below(3));
+        let made = mckibben_batch_from_plants(all.as_ptr(), count, threads, &raw mut batch);
+        assert_eq!(made == Status::Ok, !batch.is_null());
+        assert_eq!(mckibben_batch_count(batch), if batch.is_null() { 0 } else { count });
+        let stepped = mckibben_batch_step(batch, step, random.pointer(&raw mut statuses[0]));
+        mckibben_batch_begin_at(batch, random.below(4), ends[0], ends[1], step.distance_count);
+        mckibben_batch_step(batch, step, null_mut());
+        mckibben_batch_plant(batch, random.below(4), &raw mut copy);
+        mckibben_plant_free(copy);
+        mckibben_batch_free(batch);
+        if made == Status::Ok { stepped } else { made }
+    }
+}
+
 /// One call on a plant.
 fn call(random: &mut Random, seen: &mut Seen, plant: *mut Plant, saved: &mut Vec<f64>) {
     let mut numbers: Vec<f64> = (0..ROOM).map(|_| 0.0).collect();
@@ -293,8 +312,6 @@ fn call(random: &mut Random, seen: &mut Seen, plant: *mut Plant, saved: &mut Vec
                 mckibben_output_describe(its, index, random.pointer(info.as_mut_ptr()))
             }
             _ => {
-                let all = [its, plant, null_mut()];
-                let mut statuses = [Status::Ok; 3];
                 let step = Step {
                     until,
                     commands: random.pointer(numbers.as_mut_ptr()),
@@ -305,9 +322,9 @@ fn call(random: &mut Random, seen: &mut Seen, plant: *mut Plant, saved: &mut Vec
                     response_count: random.count(actuators, 2),
                     outputs: random.pointer(rates.as_mut_ptr()),
                     output_count: random.count(outputs, 100),
-                    threads: 0,
                 };
-                mckibben_step_all(all.as_ptr(), random.below(4), &raw const step, random.pointer(&raw mut statuses[0]))
+                let moved = [numbers.as_ptr(), rates.as_ptr()];
+                in_batch(random, [its, plant], &step, moved)
             }
         }
     };

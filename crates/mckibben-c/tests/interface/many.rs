@@ -1,16 +1,30 @@
 //! Many plants in one call.
 
-use super::common::{Owned, last_error, muscle};
-use mckibben_c::many::{Step, mckibben_step_all};
-use mckibben_c::plant::{Plant, mckibben_output_count, mckibben_state_size};
+use super::common::{MUSCLE, Owned, last_error, muscle, options, read};
+use mckibben_c::many::*;
+use mckibben_c::plant::{Motion, Plant, mckibben_output_count, mckibben_state_size};
 use mckibben_c::status::Status;
 use mckibben_c::step::*;
 use std::ptr::{null, null_mut};
 
-const COUNT: usize = 7;
+/// One block of vector lanes, and some more.
+const COUNT: usize = 19;
 
-fn handles(plants: &[Owned]) -> Vec<*mut Plant> {
-    plants.iter().map(|plant| plant.0).collect()
+/// A batch that is freed at the end of its scope.
+struct Together(*mut Batch);
+
+impl Drop for Together {
+    fn drop(&mut self) {
+        unsafe { mckibben_batch_free(self.0) };
+    }
+}
+
+fn batch(plants: &[*const Plant], threads: usize) -> Together {
+    let mut batch = null_mut();
+    let made = unsafe { mckibben_batch_from_plants(plants.as_ptr(), plants.len(), threads, &raw mut batch) };
+    assert_eq!(made, Status::Ok, "{}", last_error());
+    assert_eq!(unsafe { mckibben_batch_count(batch) }, plants.len());
+    Together(batch)
 }
 
 fn state(plant: &Owned) -> Vec<u64> {
@@ -19,50 +33,61 @@ fn state(plant: &Owned) -> Vec<u64> {
     numbers.into_iter().map(f64::to_bits).collect()
 }
 
-/// Steps one after the other, each by its own calls.
-fn alone(steps: u32) -> Vec<Vec<u64>> {
-    let plants: Vec<Owned> = (0..COUNT).map(|_| muscle()).collect();
-    for (i, plant) in plants.iter().enumerate() {
-        for k in 1..=steps {
-            let distance = 0.09 - 1e-4 * i as f64;
-            unsafe {
-                assert_eq!(mckibben_command(plant.0, 0, 0.1 * i as f64), Status::Ok);
-                assert_eq!(mckibben_advance(plant.0, f64::from(k) * 1e-3, &raw const distance, 1), Status::Ok);
-            }
-        }
+fn state_in(batch: &Together, index: usize) -> Vec<u64> {
+    let mut plant = null_mut();
+    assert_eq!(unsafe { mckibben_batch_plant(batch.0, index, &raw mut plant) }, Status::Ok, "{}", last_error());
+    state(&Owned(plant))
+}
+
+/// A step to a time in s with these distances, and nothing else.
+fn step(until: f64, distances: &[f64]) -> Step {
+    Step {
+        until,
+        commands: null(),
+        command_count: 0,
+        distances: distances.as_ptr(),
+        distance_count: 1,
+        responses: null_mut(),
+        response_count: 0,
+        outputs: null_mut(),
+        output_count: 0,
     }
-    plants.iter().map(state).collect()
 }
 
 #[test]
 fn each_plant_is_bit_identical_to_a_scalar_instance_on_any_number_of_threads() {
-    let expected = alone(50);
-    for threads in [0, 1, 2, 3, 100] {
-        let plants: Vec<Owned> = (0..COUNT).map(|_| muscle()).collect();
-        let commands: Vec<f64> = (0..COUNT).map(|i| 0.1 * i as f64).collect();
-        let distances: Vec<f64> = (0..COUNT).map(|i| 0.09 - 1e-4 * i as f64).collect();
-        let output_count = unsafe { mckibben_output_count(plants[0].0) };
+    let plants: Vec<Owned> = (0..COUNT).map(|_| muscle()).collect();
+    let handles: Vec<*const Plant> = plants.iter().map(|plant| plant.0.cast_const()).collect();
+    let commands: Vec<f64> = (0..COUNT).map(|i| i as f64 / COUNT as f64).collect();
+    let distances: Vec<f64> = (0..COUNT).map(|i| 0.09 - 1e-4 * i as f64).collect();
+    let batches: Vec<Together> = [0, 1, 2, 3, 100].into_iter().map(|threads| batch(&handles, threads)).collect();
+    // The plants themselves stay, and go on alone.
+    for (i, plant) in plants.iter().enumerate() {
+        for k in 1..=50 {
+            unsafe {
+                assert_eq!(mckibben_command(plant.0, 0, commands[i]), Status::Ok);
+                assert_eq!(mckibben_advance(plant.0, f64::from(k) * 1e-3, &raw const distances[i], 1), Status::Ok);
+            }
+        }
+    }
+    let output_count = unsafe { mckibben_output_count(plants[0].0) };
+    for batch in &batches {
         let (mut outputs, mut statuses) = (vec![0.0; COUNT * output_count], [Status::Defect; COUNT]);
         let mut responses: Vec<Response> = vec![unsafe { std::mem::zeroed() }; COUNT];
         for k in 1..=50 {
             let step = Step {
-                until: f64::from(k) * 1e-3,
                 commands: commands.as_ptr(),
                 command_count: 1,
-                distances: distances.as_ptr(),
-                distance_count: 1,
                 responses: responses.as_mut_ptr(),
                 response_count: 1,
                 outputs: outputs.as_mut_ptr(),
                 output_count,
-                threads,
+                ..step(f64::from(k) * 1e-3, &distances)
             };
-            let handles = handles(&plants);
-            let status = unsafe { mckibben_step_all(handles.as_ptr(), COUNT, &raw const step, statuses.as_mut_ptr()) };
+            let status = unsafe { mckibben_batch_step(batch.0, &raw const step, statuses.as_mut_ptr()) };
             assert_eq!(status, Status::Ok, "{}", last_error());
             assert_eq!(statuses, [Status::Ok; COUNT]);
         }
-        assert_eq!(plants.iter().map(state).collect::<Vec<_>>(), expected, "{threads} threads");
         for (i, plant) in plants.iter().enumerate() {
             let (mut own, mut response) = (vec![0.0; output_count], [responses[0]]);
             unsafe {
@@ -71,79 +96,89 @@ fn each_plant_is_bit_identical_to_a_scalar_instance_on_any_number_of_threads() {
             }
             assert_eq!(own, outputs[i * output_count..(i + 1) * output_count]);
             assert_eq!(response[0], responses[i]);
+            assert_eq!(state_in(batch, i), state(plant));
         }
     }
 }
 
-/// One that fails says so, and what it does not reach is no number; the others go on.
+/// One that fails says so, and what it does not reach is no number; the others go on, and it begins again.
 #[test]
 fn a_plant_that_fails_leaves_the_others() {
-    let plants: Vec<Owned> = (0..3).map(|_| muscle()).collect();
-    let distances = [0.09, 0.5, 0.09];
+    let plant = muscle();
+    let together = batch(&[plant.0.cast_const(); 3], 2);
+    let mut distances = [0.09, 0.5, 0.09];
     let mut responses: Vec<Response> = vec![unsafe { std::mem::zeroed() }; 4];
     let mut statuses = [Status::Defect; 4];
-    let step = Step {
-        until: 1e-3,
-        commands: null(),
-        command_count: 0,
-        distances: distances.as_ptr(),
-        distance_count: 1,
-        responses: responses.as_mut_ptr(),
-        response_count: 1,
-        outputs: null_mut(),
-        output_count: 0,
-        threads: 2,
+    let into = responses.as_mut_ptr();
+    let mut go = |until: f64, distances: &[f64]| unsafe {
+        let step = Step { responses: into, response_count: 1, ..step(until, distances) };
+        let status = mckibben_batch_step(together.0, &raw const step, statuses.as_mut_ptr());
+        (status, statuses)
     };
-    let handles = handles(&plants);
-    let status = unsafe { mckibben_step_all(handles.as_ptr(), 3, &raw const step, statuses.as_mut_ptr()) };
-    assert_eq!(statuses, [Status::Ok, status, Status::Ok, Status::Defect]);
-    assert!(matches!(status, Status::Input | Status::Stopped) && last_error().starts_with("plant 1: "));
+    let (status, statuses) = go(1e-3, &distances);
+    assert_eq!((status, statuses), (Status::Stopped, [Status::Ok, status, Status::Ok, Status::Defect]));
+    assert!(last_error().starts_with("error: plant 1"), "{}", last_error());
     assert!(responses[1].tension.is_nan() && responses[0].tension > 0.0 && responses[0] == responses[2]);
-    let times = plants.iter().map(|plant| {
-        let mut time = f64::NAN;
-        assert_eq!(unsafe { mckibben_time(plant.0, &raw mut time) }, Status::Ok);
-        time
-    });
-    assert_eq!(times.collect::<Vec<_>>(), [1e-3, 0.0, 1e-3]);
+    let mut none = null_mut();
+    assert_ne!(unsafe { mckibben_batch_plant(together.0, 1, &raw mut none) }, Status::Ok);
+    assert!(none.is_null());
+    // It stays so until it begins again.
+    distances[1] = 0.09;
+    assert_eq!(go(2e-3, &distances).0, Status::Stopped);
+    let begun = unsafe { mckibben_batch_begin_at(together.0, 1, &raw const distances[1], [0.0].as_ptr(), 1) };
+    assert_eq!(begun, Status::Ok, "{}", last_error());
+    assert_eq!(go(3e-3, &distances).0, Status::Ok, "{}", last_error());
+    assert!(responses[1].tension > 0.0);
 }
 
-/// One plant twice, no plant, and arrays of the wrong size.
+/// No plant, plants of other kinds, and arrays of the wrong size; no plant moves then.
 #[test]
-fn wrong_arrays_are_refused() {
-    let plant = muscle();
-    let handles = [plant.0, plant.0, null_mut()];
+fn wrong_arguments_are_refused() {
+    let (plant, whole) = (muscle(), read(MUSCLE, &options(Motion::Scenario)));
+    let make = |plants: *const *const Plant, count| unsafe {
+        let mut batch = null_mut();
+        let status = mckibben_batch_from_plants(plants, count, 0, &raw mut batch);
+        assert!(batch.is_null());
+        status
+    };
+    let [one, other, none]: [*const Plant; 3] = [plant.0, whole.0, null()];
+    assert_eq!(make([one, other].as_ptr(), 2), Status::Input, "{}", last_error());
+    assert_eq!(make([one, none].as_ptr(), 2), Status::Pointer);
+    assert_eq!(make(null(), 2), Status::Pointer);
+    assert_eq!(make([one].as_ptr(), usize::MAX), Status::Count);
+    assert_eq!(make(null(), 0), Status::Input);
+    assert_eq!(unsafe { mckibben_batch_count(null()) }, 0);
     let numbers = [0.09; 6];
-    let mut statuses = [Status::Defect; 3];
-    let step = Step {
-        until: 1e-3,
-        commands: null(),
-        command_count: 0,
-        distances: numbers.as_ptr(),
-        distance_count: 1,
-        responses: null_mut(),
-        response_count: 0,
-        outputs: null_mut(),
-        output_count: 0,
-        threads: 0,
-    };
-    let mut all = |plants: *const *mut Plant, count, step: *const Step| unsafe {
-        mckibben_step_all(plants, count, step, statuses.as_mut_ptr())
-    };
-    // A second step to the same time is none.
-    assert_eq!(all(handles.as_ptr(), 3, &raw const step), Status::Input, "{}", last_error());
-    assert_eq!(all(null(), 1, &raw const step), Status::Pointer);
-    assert_eq!(all(handles.as_ptr(), 1, null()), Status::Pointer);
-    assert_eq!(all(handles.as_ptr(), usize::MAX, &raw const step), Status::Count);
-    assert_eq!(all(null(), 0, &raw const step), Status::Ok);
-    for wrong in [
-        Step { distance_count: 2, ..step },
-        Step { distance_count: usize::MAX, ..step },
-        Step { commands: numbers.as_ptr(), command_count: 2, ..step },
-        Step { distances: null(), distance_count: 0, ..step },
+    let (together, its, mut statuses) = (batch(&[one; 3], 0), step(1e-3, &numbers), [Status::Defect; 3]);
+    let mut go = |batch, step: *const Step| unsafe { mckibben_batch_step(batch, step, statuses.as_mut_ptr()) };
+    assert_eq!(go(null_mut(), &raw const its), Status::Pointer);
+    assert_eq!(go(together.0, null()), Status::Pointer);
+    for (wrong, status) in [
+        (Step { distance_count: 2, ..its }, Status::Count),
+        (Step { distance_count: usize::MAX, ..its }, Status::Count),
+        (Step { commands: numbers.as_ptr(), command_count: 2, ..its }, Status::Count),
+        (Step { distances: null(), distance_count: 0, ..its }, Status::Count),
+        (Step { distances: null(), ..its }, Status::Pointer),
+        (Step { until: 0.0, ..its }, Status::Input),
+        (Step { until: f64::NAN, ..its }, Status::Input),
+        (step(1e-3, &[0.09, f64::NAN, 0.09]), Status::Input),
     ] {
-        assert_eq!(all(handles.as_ptr(), 3, &raw const wrong), Status::Count, "{}", last_error());
+        assert_eq!(go(together.0, &raw const wrong), status, "{}", last_error());
     }
-    let later = Step { until: 2e-3, ..step };
-    assert_eq!(all(handles.as_ptr(), 1, &raw const later), Status::Ok, "{}", last_error());
-    assert_eq!(statuses[2], Status::Pointer);
+    assert_eq!(state_in(&together, 2), state(&plant));
+    let mut copy = null_mut();
+    for wrong in [
+        unsafe { mckibben_batch_begin_at(together.0, 3, numbers.as_ptr(), numbers.as_ptr(), 1) },
+        unsafe { mckibben_batch_begin_at(together.0, 0, numbers.as_ptr(), null(), 1) },
+        unsafe { mckibben_batch_begin_at(together.0, 0, numbers.as_ptr(), numbers.as_ptr(), 2) },
+        unsafe { mckibben_batch_plant(together.0, 3, &raw mut copy) },
+        unsafe { mckibben_batch_plant(together.0, 0, null_mut()) },
+    ] {
+        assert_ne!(wrong, Status::Ok);
+    }
+    assert_eq!(go(together.0, &raw const its), Status::Ok, "{}", last_error());
+    let scenario = batch(&[other; 3], 0);
+    let by_itself = Step { distances: null(), distance_count: 0, ..its };
+    assert_eq!(go(scenario.0, &raw const by_itself), Status::Ok, "{}", last_error());
+    assert_eq!(statuses, [Status::Ok; 3]);
 }

@@ -28,11 +28,12 @@ pub struct HostBatch {
     steps: Vec<f64>,
     samplers: Vec<Option<PlantSampler>>,
     state_size: usize,
+    keeps_to_thread: bool,
 }
 
 impl Clone for HostBatch {
     fn clone(&self) -> Self {
-        let Self { models, batch, ends, steps, samplers, state_size } = self;
+        let Self { models, batch, ends, steps, samplers, state_size, keeps_to_thread } = self;
         Self {
             models: models.clone(),
             batch: batch.clone(),
@@ -40,6 +41,7 @@ impl Clone for HostBatch {
             steps: steps.clone(),
             samplers: samplers.iter().map(|_| None).collect(),
             state_size: *state_size,
+            keeps_to_thread: *keeps_to_thread,
         }
     }
 }
@@ -83,7 +85,7 @@ impl HostBatch {
         let mut batch = PlantBatch::new(rows)?;
         batch.limit_step(models[0].longest)?;
         let samplers = models.iter().map(|_| None).collect();
-        Ok(Self { models, batch, ends, steps: Vec::new(), samplers, state_size })
+        Ok(Self { models, batch, ends, steps: Vec::new(), samplers, state_size, keeps_to_thread: false })
     }
 
     /// How many plants there are.
@@ -108,6 +110,7 @@ impl HostBatch {
 
     /// Whether the caller's own thread does all: see [`PlantBatch::keep_to_thread`].
     pub fn keep_to_thread(&mut self, keeps: bool) {
+        self.keeps_to_thread = keeps;
         self.batch.keep_to_thread(keeps);
     }
 
@@ -219,6 +222,30 @@ impl HostBatch {
         self.models[row].read_outputs((steps, sampler), into)
     }
 
+    /// Writes the outputs of all plants; nothing of those that have stopped.
+    ///
+    /// # Errors
+    /// Unless there is one number for each output of each plant.
+    pub fn read_all_outputs(&mut self, into: &mut [f64]) -> Result<(), Failure> {
+        let width = self.model().outputs().len();
+        self.check_count("outputs", into.len(), width)?;
+        let Self { models, batch, samplers, keeps_to_thread, .. } = self;
+        let read =
+            |(((model, row), sampler), into): (((&Arc<HostModel>, _), &mut Option<PlantSampler>), &mut [f64])| {
+                let Ok(steps): &Result<&PlantSteps, Error> = row else { return Ok(()) };
+                let sampler = sampler.get_or_insert_with(|| PlantSampler::new(steps));
+                model.read_outputs((steps, sampler), into)
+            };
+        let rows = batch.rows();
+        let width = width.max(1);
+        if *keeps_to_thread {
+            models.iter().zip(&rows).zip(samplers).zip(into.chunks_mut(width)).try_for_each(read)
+        } else {
+            let all = models.par_iter().zip(&rows).zip(samplers).zip(into.par_chunks_mut(width));
+            all.try_for_each(read)
+        }
+    }
+
     /// A plant, where it is.
     ///
     /// # Errors
@@ -237,12 +264,23 @@ impl HostBatch {
         self.check_ends("distances", distances, &parameter::INITIAL_LENGTH)?;
         self.check_ends("rates", rates, &parameter::INITIAL_VELOCITY)?;
         let each = self.model().distance_count();
-        let begun = self.models.par_iter().enumerate().map(|(row, model)| {
+        let begin = |(row, model): (usize, &Arc<HostModel>)| {
             let its = each * row..each * (row + 1);
             let begun = model.begin_at(&distances[its.clone()], &rates[its], 0.0);
             begun.map_err(|failure| self.of_row(failure, row))
-        });
-        *self = Self::of(self.models.clone(), begun.collect::<Result<_, _>>()?, self.state_size)?;
+        };
+        let begun = match self.keeps_to_thread {
+            true => self.models.iter().enumerate().map(begin).collect::<Result<_, _>>(),
+            false => self.models.par_iter().enumerate().map(begin).collect::<Result<_, _>>(),
+        };
+        self.put(begun?)
+    }
+
+    /// Puts plants in the place of all.
+    fn put(&mut self, rows: Vec<PlantSteps>) -> Result<(), Failure> {
+        let keeps = self.keeps_to_thread;
+        *self = Self::of(self.models.clone(), rows, self.state_size)?;
+        self.keep_to_thread(keeps);
         Ok(())
     }
 
@@ -298,8 +336,7 @@ impl HostBatch {
         for (row, (steps, numbers)) in rows.iter_mut().zip(numbers.chunks(self.state_size)).enumerate() {
             steps.restore_from(numbers).map_err(|error| self.of_row(error.into(), row))?;
         }
-        *self = Self::of(self.models.clone(), rows, self.state_size)?;
-        Ok(())
+        self.put(rows)
     }
 
     /// That there are so many numbers for each plant.
