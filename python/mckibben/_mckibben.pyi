@@ -896,6 +896,11 @@ class HostedPlant:
         -------
         ndarray
             What `columns` names, in SI.
+
+        Raises
+        ------
+        SimulationError
+            A plant has stopped.
         """
     def restore(self, /, states: NDArray[float64]) -> None:
         """
@@ -936,7 +941,7 @@ class HostedPlant:
         Raises
         ------
         InputError
-            An array has another shape, or a valve does not take such a command; nothing has changed.
+            An array has another shape, or a valve does not take such a command; no plant has moved.
         SimulationError
             The step leads a plant to a non-physical state. The others have taken the step. That plant has stopped: until `begin` or
             `restore`, its later steps raise as well.

@@ -441,9 +441,9 @@ size_t mckibben_batch_count(const struct mckibben_batch *batch);
 
 /**
  * Steps all plants of a batch: commands their valves, goes on to `step->until`, and writes responses and outputs. Where an argument
- * is wrong no plant moves, and nothing is written. A plant that leaves the physics stops, while the others go on: its status says
- * why, in this step and in later ones, and its responses and outputs are not numbers (NaN). `statuses` has one status for each plant,
- * or is NULL. Returns the status of the first plant that has stopped, with its text.
+ * is wrong no plant moves, though valves may have been commanded, and nothing is written. A plant that leaves the physics stops,
+ * while the others go on: its status says so, in this step and in later ones, and its responses and outputs are not numbers (NaN).
+ * `statuses` has one status for each plant, or is NULL. Returns the status of the first plant that has stopped, with its text.
  */
 enum mckibben_status mckibben_batch_step(struct mckibben_batch *batch,
                                          const struct mckibben_step *step,

@@ -175,7 +175,7 @@ impl Arrays<'_> {
         }
         if !outputs.is_empty() {
             outputs.fill(f64::NAN);
-            batch.read_all_outputs(outputs)?;
+            batch.read_outputs(outputs)?;
         }
         Ok((0..batch.count()).filter_map(|row| batch.failure(row).map(|failure| (row, failure))).collect())
     }
@@ -224,9 +224,9 @@ pub unsafe extern "C" fn mckibben_batch_count(batch: *const Batch) -> usize {
 }
 
 /// Steps all plants of a batch: commands their valves, goes on to `step->until`, and writes responses and outputs. Where an argument
-/// is wrong no plant moves, and nothing is written. A plant that leaves the physics stops, while the others go on: its status says
-/// why, in this step and in later ones, and its responses and outputs are not numbers (NaN). `statuses` has one status for each plant,
-/// or is NULL. Returns the status of the first plant that has stopped, with its text.
+/// is wrong no plant moves, though valves may have been commanded, and nothing is written. A plant that leaves the physics stops,
+/// while the others go on: its status says so, in this step and in later ones, and its responses and outputs are not numbers (NaN).
+/// `statuses` has one status for each plant, or is NULL. Returns the status of the first plant that has stopped, with its text.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mckibben_batch_step(batch: *mut Batch, step: *const Step, statuses: *mut Status) -> Status {
     status(|| {

@@ -315,14 +315,17 @@ fn inner(plant: &HostPlant, states: &[usize], indicators: usize) -> Vec<Variable
 
 /// Name, unit and unit of the rate of every state of a plant.
 fn state_names(plant: &HostPlant) -> Vec<(String, &'static str, &'static str)> {
-    let StateIndices { mechanisms, actuators, nodes, branches, states, .. } = plant.steps().plant().indices();
+    let indices = plant.steps().plant().indices();
+    let StateIndices { mechanisms, actuators, nodes, branches, states, .. } = indices;
     let mut names: Vec<_> = (0..*states).map(|place| (format!("{place}"), "", "1/s")).collect();
     let experiment = plant.experiment();
     let coordinates = experiment.coordinates();
     for (m, here) in mechanisms.iter().enumerate() {
         for k in 0..here.coordinates {
             let of = coordinates.iter().find(|its| its.mechanism == m && its.index == k);
-            let name = of.map_or_else(|| format!("mechanism_{m}.{k}"), |its| its.name.clone());
+            // What has no name in the file is the load of one actuator.
+            let own = || indices.members[m].first().map(|actuator| format!("{}.load", plant.actuators()[*actuator]));
+            let name = of.map(|its| its.name.clone()).or_else(own).unwrap_or_else(|| format!("mechanism_{m}.{k}"));
             let (unit, rate, acceleration) = match of {
                 Some(its) if its.is_angle => ("rad", "rad/s", "rad/s^2"),
                 _ => ("m", "m/s", "m/s^2"),
@@ -346,7 +349,11 @@ fn state_names(plant: &HostPlant) -> Vec<(String, &'static str, &'static str)> {
     }
     for (node, place) in nodes.iter().enumerate() {
         if let Some(place) = place {
-            names[*place] = (format!("node_{node}.absolute_pressure"), "Pa", "Pa/s");
+            let supply = experiment.names.nodes.iter().find(|(_, its)| *its == node).map(|(name, _)| name.clone());
+            let hose = || experiment.names.hoses.iter().position(|its| *its == Some(node));
+            let name = supply.or_else(|| hose().map(|actuator| format!("{}.hose", plant.actuators()[actuator])));
+            let name = name.unwrap_or_else(|| format!("node_{node}"));
+            names[*place] = (format!("{name}.absolute_pressure"), "Pa", "Pa/s");
         }
     }
     for (branch, place) in branches.iter().enumerate() {

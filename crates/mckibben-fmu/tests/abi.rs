@@ -224,7 +224,7 @@ fn tunable_parameters_change_during_a_run() {
 #[test]
 fn tunable_parameters_of_model_exchange_change_at_events() {
     let (unit, messages) = (Unit::new(MUSCLE, &scenario()), Messages::default());
-    let (mass, rate) = (unit.reference("load.mass"), unit.reference("der(state.mechanism_0.0.rate)"));
+    let (mass, rate) = (unit.reference("load.mass"), unit.reference("der(state.actuator.load.rate)"));
     let handle = unit.model_exchange(&messages);
     initialise(handle);
     update(handle);

@@ -291,7 +291,7 @@ impl HostedPlant {
     fn observe<'py>(&mut self, py: Python<'py>) -> PyResult<Matrix<'py>> {
         let width = self.batch.model().outputs().len();
         let mut all = vec![0.0; self.batch.count() * width];
-        self.share(py, |batch| batch.read_all_outputs(&mut all))?;
+        self.share(py, |batch| batch.read_outputs(&mut all))?;
         self.check()?;
         matrix(py, all, self.batch.count(), width)
     }

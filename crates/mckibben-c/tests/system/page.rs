@@ -6,7 +6,7 @@ use std::process::Command;
 /// What a block on the page takes from around it.
 const AROUND: [&str; 2] = [
     "double length, double velocity, double mass",
-    "double t, const double *duty, const double *length, mckibben_response *response, mckibben_plant **plants, \
+    "double t, const double *duty, const double *length, mckibben_response *response, mckibben_plant *muscle, \
      mckibben_status *statuses",
 ];
 

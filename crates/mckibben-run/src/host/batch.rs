@@ -211,22 +211,11 @@ impl HostBatch {
         (0..self.count()).find_map(|row| self.failure(row))
     }
 
-    /// Writes the outputs of a plant.
-    ///
-    /// # Errors
-    /// Unless there is one number for each output; what has stopped the plant.
-    pub fn read_outputs(&mut self, row: usize, into: &mut [f64]) -> Result<(), Failure> {
-        let count = self.count();
-        let steps = self.batch.row(row).map_err(|error| of_row(error.into(), row, count))?;
-        let sampler = self.samplers[row].get_or_insert_with(|| PlantSampler::new(steps));
-        self.models[row].read_outputs((steps, sampler), into)
-    }
-
     /// Writes the outputs of all plants; nothing of those that have stopped.
     ///
     /// # Errors
     /// Unless there is one number for each output of each plant.
-    pub fn read_all_outputs(&mut self, into: &mut [f64]) -> Result<(), Failure> {
+    pub fn read_outputs(&mut self, into: &mut [f64]) -> Result<(), Failure> {
         let width = self.model().outputs().len();
         self.check_count("outputs", into.len(), width)?;
         let Self { models, batch, samplers, keeps_to_thread, .. } = self;

@@ -25,10 +25,11 @@ fn compare(batch: &mut HostBatch, row: usize, alone: &mut HostPlant) {
     let count = alone.actuators().len();
     let responses: Vec<Response> = (0..count).map(|i| alone.steps_mut().compute(i).expect("a response")).collect();
     assert_eq!(batch.responses(row).expect("responses"), responses, "plant {row}");
-    let mut outputs = [vec![0.0; alone.outputs().len()], vec![0.0; alone.outputs().len()]];
-    alone.read_outputs(&mut outputs[0]).expect("outputs");
-    batch.read_outputs(row, &mut outputs[1]).expect("outputs");
-    assert_eq!(outputs[0], outputs[1], "plant {row}");
+    let width = alone.outputs().len();
+    let (mut outputs, mut all) = (vec![0.0; width], vec![0.0; width * batch.count()]);
+    alone.read_outputs(&mut outputs).expect("outputs");
+    batch.read_outputs(&mut all).expect("outputs");
+    assert_eq!(all[width * row..width * (row + 1)], outputs, "plant {row}");
     let its = batch.plant(row).expect("a plant");
     assert_eq!((its.steps().time(), its.steps().state()), (alone.steps().time(), alone.steps().state()), "plant {row}");
 }
@@ -159,7 +160,7 @@ fn what_cannot_be_is_refused() {
         (batch.begin_row(99, &[0.09], &[0.0]), "99"),
         (batch.begin_row(0, &[0.5], &[0.0]), "plant 0"),
         (batch.begin_row(0, &[], &[]), "0"),
-        (batch.read_outputs(0, &mut []), "outputs"),
+        (batch.read_outputs(&mut []), "outputs"),
         (batch.save(&mut []), "states"),
         (batch.restore(&vec![0.5; COUNT * size]), "plant 0"),
     ] {
