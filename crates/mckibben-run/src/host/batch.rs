@@ -219,19 +219,19 @@ impl HostBatch {
         let width = self.model().outputs().len();
         self.check_count("outputs", into.len(), width)?;
         let Self { models, batch, samplers, keeps_to_thread, .. } = self;
-        let read =
-            |(((model, row), sampler), into): (((&Arc<HostModel>, _), &mut Option<PlantSampler>), &mut [f64])| {
-                let Ok(steps): &Result<&PlantSteps, Error> = row else { return Ok(()) };
-                let sampler = sampler.get_or_insert_with(|| PlantSampler::new(steps));
-                model.read_outputs((steps, sampler), into)
-            };
+        let read = |(model, into): (&Arc<HostModel>, &mut [f64]), row: &Result<&PlantSteps, Error>, sampler: &mut _| {
+            let Ok(steps) = row else { return Ok(()) };
+            let sampler = Option::get_or_insert_with(sampler, || PlantSampler::new(steps));
+            model.read_outputs((steps, sampler), into)
+        };
         let rows = batch.rows();
         let width = width.max(1);
         if *keeps_to_thread {
-            models.iter().zip(&rows).zip(samplers).zip(into.chunks_mut(width)).try_for_each(read)
+            let mut all = models.iter().zip(into.chunks_mut(width)).zip(&rows).zip(samplers);
+            all.try_for_each(|((its, row), sampler)| read(its, row, sampler))
         } else {
-            let all = models.par_iter().zip(&rows).zip(samplers).zip(into.par_chunks_mut(width));
-            all.try_for_each(read)
+            let all = models.par_iter().zip(into.par_chunks_mut(width)).zip(&rows).zip(samplers);
+            all.try_for_each(|((its, row), sampler)| read(its, row, sampler))
         }
     }
 

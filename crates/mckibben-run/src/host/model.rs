@@ -140,8 +140,8 @@ impl HostModel {
         &self.commands
     }
 
-    /// What [`HostPlant::read_outputs`] writes: the columns of a run that are numbers, in their order, then the contraction of
-    /// each actuator.
+    /// What [`HostPlant::read_outputs`](super::HostPlant::read_outputs) writes: the columns of a run that are numbers, in their
+    /// order, then the contraction of each actuator.
     pub fn outputs(&self) -> &[PlantColumn] {
         &self.outputs
     }
