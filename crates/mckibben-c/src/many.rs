@@ -100,13 +100,16 @@ struct Arrays<'a> {
 
 impl Batch {
     fn of(plants: Vec<&Plant>, threads: usize) -> Result<Self, Refusal> {
-        let first = plants.first().map(|plant| (plant.names.outputs.len(), plant.distance_count));
         let hosts = plants.iter().map(|plant| plant.with(|moving| Ok(moving.host.clone())));
         let mut batch = HostBatch::new(hosts.collect::<Result<_, _>>()?)?;
-        let (outputs, distances) = first.unwrap_or_default();
         let model = batch.model();
-        let (commands, actuators) = (model.commands().len(), model.actuators().len());
-        let counts = Counts { plants: batch.count(), commands, distances, actuators, outputs };
+        let counts = Counts {
+            plants: batch.count(),
+            commands: model.commands().len(),
+            distances: model.distance_count(),
+            actuators: model.actuators().len(),
+            outputs: model.outputs().len(),
+        };
         // More threads than plants would have nothing to do.
         let threads = threads.min(counts.plants);
         batch.keep_to_thread(threads < 2);
