@@ -20,8 +20,6 @@ use pyo3::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
-/// Actuators below which the caller's own thread steps them all: to wake others takes longer.
-const ALONE: usize = 128;
 /// Parts of all together between two checks for Ctrl-C.
 const PARTS_PER_CHECK_TOGETHER: f64 = 2e7;
 
@@ -266,9 +264,10 @@ impl Actuators {
 
     /// Does work on the threads of the pool where there are enough actuators, and else on the caller's own.
     fn share<T: Send>(&self, many: &mut Many, work: impl FnOnce(&mut Many) -> T + Send) -> Result<T, Failure> {
-        let keeps = self.count < ALONE;
-        many.batch.keep_to_thread(keeps);
-        if keeps { Ok(work(many)) } else { pool::shared(|| work(many)) }
+        pool::share(self.count, |keeps| {
+            many.batch.keep_to_thread(keeps);
+            work(many)
+        })
     }
 }
 

@@ -77,8 +77,6 @@ pub(crate) struct HostedPlant {
 
 /// Memory that a plant takes at least, in bytes.
 const EACH: usize = 4096;
-/// Plants below which the caller's own thread steps them all: to wake others takes longer.
-const ALONE: usize = 128;
 
 impl HostedPlant {
     fn width(&self) -> usize {
@@ -109,10 +107,12 @@ impl HostedPlant {
         py: Python<'_>,
         work: impl FnOnce(&mut HostBatch) -> Result<(), Failure> + Send,
     ) -> PyResult<()> {
-        let batch = &mut self.batch;
-        let keeps = batch.count() < ALONE;
-        batch.keep_to_thread(keeps);
-        py.detach(|| if keeps { work(batch) } else { pool::shared(|| work(batch))? }).or_exception()
+        let (count, batch) = (self.batch.count(), &mut self.batch);
+        let on_threads = |keeps| {
+            batch.keep_to_thread(keeps);
+            work(batch)
+        };
+        py.detach(|| pool::share(count, on_threads)?).or_exception()
     }
 
     /// What has stopped the first plant that has stopped.

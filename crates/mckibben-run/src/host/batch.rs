@@ -150,10 +150,7 @@ impl HostBatch {
         if self.model().motion() == Motion::Scenario {
             self.model().check_distances(distances)?;
             self.steps.clear();
-            self.models[0].step_ends(from, until, |end| {
-                self.steps.push(end);
-                Ok(())
-            })?;
+            self.steps.extend(self.models[0].step_ends(from, until)?);
             if !self.steps.is_empty() {
                 self.batch.advance_through(&self.steps)?;
             }
@@ -293,7 +290,6 @@ impl HostBatch {
         for (ends, new) in self.ends.iter_mut().zip([distances, rates]) {
             ends[its.clone()].copy_from_slice(new);
         }
-        self.samplers[row] = None;
         Ok(())
     }
 
@@ -340,9 +336,9 @@ impl HostBatch {
     }
 
     /// That everything that is said of the actuators of the plants, one after the other, holds.
-    fn check_each(&self, mut said: impl Iterator<Item = Result<(), Error>>) -> Result<(), Failure> {
+    fn check_each(&self, said: impl Iterator<Item = Result<(), Error>>) -> Result<(), Failure> {
         let actuators = self.model().actuators();
-        match said.by_ref().enumerate().find_map(|(at, said)| said.err().map(|error| (at, error))) {
+        match said.enumerate().find_map(|(at, said)| said.err().map(|error| (at, error))) {
             None => Ok(()),
             Some((at, error)) => {
                 let failure = Failure::from(error).of(&actuators[at % actuators.len()]);

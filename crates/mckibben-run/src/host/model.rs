@@ -166,15 +166,20 @@ impl HostModel {
 
     /// That a valve can be commanded a number.
     pub(super) fn check_command(&self, input: usize, number: f64) -> Result<(), Failure> {
-        let Some(CommandInput { name, mode, valve, .. }) = self.commands.get(input) else {
-            return Err(Failure::input(
-                format!("there is no command {input}: the plant has {}", self.commands.len()),
-                "count the valves from 0, in their order",
-            ));
-        };
+        let CommandInput { name, mode, valve, .. } = self.input(input)?;
         let solenoid = &self.experiment.plant.network().valves[*valve].solenoid;
         let taken = mode.command(number).and_then(|command| solenoid.check_command(&command));
         taken.map_err(|error| Failure::from(error).of(name))
+    }
+
+    /// The valve that is commanded by the number of this index.
+    pub(super) fn input(&self, input: usize) -> Result<&CommandInput, Failure> {
+        self.commands.get(input).ok_or_else(|| {
+            Failure::input(
+                format!("there is no command {input}: the plant has {}", self.commands.len()),
+                "count the valves from 0, in their order",
+            )
+        })
     }
 
     /// Whether plants of both are commanded, moved and read alike.
@@ -197,20 +202,16 @@ impl HostModel {
         ))
     }
 
-    /// Calls `take` with the ends in s of the scenario's own steps, one after the other.
+    /// The ends in s of the scenario's own steps, one after the other.
     ///
     /// # Errors
-    /// For a time without end and for more than [`MOST_PARTS`] steps; what `take` returns.
-    pub(super) fn step_ends(
-        &self,
-        from: f64,
-        until: f64,
-        mut take: impl FnMut(f64) -> Result<(), Failure>,
-    ) -> Result<(), Failure> {
+    /// For a time without end and for more than [`MOST_PARTS`] steps.
+    pub(super) fn step_ends(&self, from: f64, until: f64) -> Result<impl Iterator<Item = f64> + use<>, Failure> {
         if !until.is_finite() {
             return Err(Failure::input(format!("a step to {until:?} s has no end"), "give a finite time in s"));
         }
-        if let TimeStepping::Fixed { step, .. } = self.stepping
+        let stepping = self.stepping;
+        if let TimeStepping::Fixed { step, .. } = stepping
             && (until - from) / step > MOST_PARTS
         {
             return Err(Failure::input(
@@ -218,17 +219,13 @@ impl HostModel {
                 "give a time that is nearer, and go on from there",
             ));
         }
-        let mut time = from;
-        while time < until {
-            let mut end = self.stepping.step_end(time, until);
+        let end = move |time: f64| {
+            let end = stepping.step_end(time, until);
             // The rest up to the end is no separate step.
-            if until - end < ROUNDING * (end - time) {
-                end = until;
-            }
-            take(end)?;
-            time = end;
-        }
-        Ok(())
+            let is_last = until - end < ROUNDING * (end - time);
+            (time < until).then_some(if is_last { until } else { end })
+        };
+        Ok(std::iter::successors(end(from), move |time| end(*time)))
     }
 
     /// Writes the outputs of steps, by a sampler of their plant.

@@ -74,12 +74,7 @@ impl HostPlant {
     /// # Errors
     /// When there is no such valve, and for a number that it does not take. Then nothing has changed.
     pub fn command(&mut self, input: usize, number: f64) -> Result<(), Failure> {
-        let Some(CommandInput { name, mode, valve, .. }) = self.model.commands().get(input) else {
-            return Err(Failure::input(
-                format!("there is no command {input}: the plant has {}", self.model.commands().len()),
-                "count the valves from 0, in their order",
-            ));
-        };
+        let CommandInput { name, mode, valve, .. } = self.model.input(input)?;
         if self.commanded[input] == Some(number) {
             return Ok(());
         }
@@ -113,16 +108,17 @@ impl HostPlant {
     /// Goes on by the scenario's own steps.
     fn go_on(&mut self, until: f64) -> Result<(), Failure> {
         let Self { model, steps, before, .. } = self;
+        let mut ends = model.step_ends(steps.time(), until)?;
         // A state with more commands on their way than a row of numbers has places for is kept as it is.
         let kept = steps.save_to(before).is_err().then(|| steps.save());
-        let gone = model.step_ends(steps.time(), until, |end| Ok(steps.advance_to(end)?));
+        let gone = ends.try_for_each(|end| steps.advance_to(end));
         if gone.is_err() {
             match kept {
                 Some(kept) => steps.restore(&kept)?,
                 None => steps.restore_from(before)?,
             }
         }
-        gone
+        Ok(gone?)
     }
 
     /// Begins again at t = 0, with the ends of all actuators at `distances` in m and moving at `rates` in m/s, and all else as the
