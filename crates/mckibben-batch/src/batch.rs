@@ -136,9 +136,30 @@ impl PlantBatch {
         self.keeps_to_thread = keeps;
     }
 
-    /// Whether threads share what every group does so many times.
-    fn is_shared(&self, times: usize) -> bool {
-        !self.keeps_to_thread && self.groups.len() > 1 && self.groups.len() * times > ALONE
+    /// Whether it does: see [`PlantBatch::keep_to_thread`].
+    pub fn keeps_to_thread(&self) -> bool {
+        self.keeps_to_thread
+    }
+
+    /// What comes out of work that every group does so many times, joined in any order; threads share it where it is much.
+    fn of_all<T: Clone + Send + Sync>(
+        &mut self,
+        times: usize,
+        nothing: &T,
+        work: impl Fn(&mut Group) -> T + Sync + Send,
+        join: impl Fn(T, T) -> T + Sync + Send,
+    ) -> T {
+        let is_shared = !self.keeps_to_thread && self.groups.len() > 1 && self.groups.len() * times > ALONE;
+        if is_shared {
+            self.groups.par_iter_mut().map(work).reduce(|| nothing.clone(), join)
+        } else {
+            self.groups.iter_mut().map(work).fold(nothing.clone(), join)
+        }
+    }
+
+    /// Work that every group does so many times.
+    fn each(&mut self, times: usize, work: impl Fn(&mut Group) + Sync + Send) {
+        self.of_all(times, &(), work, |(), ()| ());
     }
 
     /// The plants where they are, in the order of their rows; those that have stopped, where they were last well.
@@ -230,11 +251,7 @@ impl PlantBatch {
             };
             (one.0.max(other.0), fault)
         };
-        let (edges, fault) = if self.is_shared(1) {
-            self.groups.par_iter_mut().map(set).reduce(|| (0.0, None), first)
-        } else {
-            self.groups.iter_mut().map(set).fold((0.0, None), first)
-        };
+        let (edges, fault) = self.of_all(1, &(0.0, None), set, first);
         self.edges = self.edges.max(edges);
         fault.map_or(Ok(()), Err)
     }
@@ -284,12 +301,7 @@ impl PlantBatch {
         self.check_count("rates", rates)?;
         distances.iter().try_for_each(|its| parameter::INITIAL_LENGTH.check(*its).map(drop))?;
         rates.iter().try_for_each(|its| parameter::INITIAL_VELOCITY.check(*its).map(drop))?;
-        let of_group = |group: &mut Group| group.compute_at([distances, rates]);
-        if self.is_shared(1) {
-            self.groups.par_iter_mut().try_for_each(of_group)
-        } else {
-            self.groups.iter_mut().try_for_each(of_group)
-        }
+        self.of_all(1, &Ok(()), |group| group.compute_at([distances, rates]), Result::and)
     }
 
     /// What the actuators of a row answered when they were last computed; nothing before.
@@ -421,31 +433,19 @@ impl PlantBatch {
 
     /// Takes every living row through a span.
     fn go(&mut self, span: Span<'_>) {
-        if self.is_shared(span.ends.len()) {
-            self.groups.par_iter_mut().for_each(|group| group.advance(span));
-        } else {
-            self.groups.iter_mut().for_each(|group| group.advance(span));
-        }
+        self.each(span.ends.len(), |group| group.advance(span));
         self.time = span.until();
     }
 
     /// All rows as they are now, or why they have stopped.
     pub fn rows(&mut self) -> Vec<Result<&PlantSteps, Error>> {
-        let bring = |group: &mut Group| {
+        self.each(1, |group| {
             (0..group.rows.len()).for_each(|lane| {
                 group.bring(lane);
-            })
-        };
-        if self.is_shared(1) {
-            self.groups.par_iter_mut().for_each(bring);
-        } else {
-            self.groups.iter_mut().for_each(bring);
-        }
-        let of = |[group, lane]: &[usize; 2]| {
-            let row = &self.groups[*group].rows[*lane];
-            row.fault.clone().map_or(Ok(&*row.steps), Err)
-        };
-        self.places.iter().map(of).collect()
+            });
+        });
+        let steps = |row| self.of_living(row).map(|(group, lane)| &*group.rows[lane].steps);
+        (0..self.len()).map(steps).collect()
     }
 
     /// Everything that is known of every row, or why it has stopped.

@@ -1,6 +1,10 @@
-//! A ZIP file of stored entries: no compression, so that every reader takes it and nothing is needed to write it.
+//! A ZIP file of deflated entries, which every reader takes.
 //!
-//! Source: PKWARE, APPNOTE.TXT 6.3.10, sections 4.3.7, 4.3.12 and 4.3.16.
+//! Source: PKWARE, APPNOTE.TXT 6.3.10, sections 4.3.7, 4.3.12 and 4.3.16; RFC 1951 by the crate `flate2`.
+
+use flate2::Compression;
+use flate2::write::DeflateEncoder;
+use std::io::Write as _;
 
 /// The version that a reader needs: 2.0, for folders.
 const NEEDED: u16 = 20;
@@ -8,6 +12,8 @@ const NEEDED: u16 = 20;
 const MADE_BY: u16 = (3 << 8) | NEEDED;
 /// Names are UTF-8.
 const FLAGS: u16 = 1 << 11;
+/// Entries are deflated.
+const METHOD: u16 = 8;
 /// The first of January 1980: archives of equal files are equal.
 const DATE: u16 = (1 << 5) | 1;
 /// Permissions of a plain file that all may read and run, in Unix's attributes.
@@ -28,15 +34,20 @@ impl Archive {
     /// Says why when a file, or all of them together, are beyond 4 GiB or 65535 files.
     pub fn add(&mut self, name: &str, content: &[u8]) -> Result<(), &'static str> {
         let too_large = "a unit of more than 4 GiB cannot be written";
-        let (size, offset) = (u32::try_from(content.len()), u32::try_from(self.bytes.len()));
-        let (Ok(size), Ok(offset), Ok(length)) = (size, offset, u16::try_from(name.len())) else {
+        let mut encoder = DeflateEncoder::new(Vec::new(), Compression::default());
+        let packed = encoder.write_all(content).and_then(|()| encoder.finish()).map_err(|_| too_large)?;
+        let [size, packed_size, offset] =
+            [content.len(), packed.len(), self.bytes.len()].map(|count| u32::try_from(count).ok());
+        let (Some(size), Some(packed_size), Some(offset), Ok(length)) =
+            (size, packed_size, offset, u16::try_from(name.len()))
+        else {
             return Err(too_large);
         };
         let sum = crc32fast::hash(content);
         let mut common = Vec::new();
         let mut short = |numbers: &[u16]| numbers.iter().for_each(|number| common.extend(number.to_le_bytes()));
-        short(&[NEEDED, FLAGS, 0, 0, DATE]);
-        for number in [sum, size, size] {
+        short(&[NEEDED, FLAGS, METHOD, 0, DATE]);
+        for number in [sum, packed_size, size] {
             common.extend(number.to_le_bytes());
         }
         common.extend(length.to_le_bytes());
@@ -44,7 +55,7 @@ impl Archive {
         self.bytes.extend(b"PK\x03\x04");
         self.bytes.extend(&common);
         self.bytes.extend(name.as_bytes());
-        self.bytes.extend(content);
+        self.bytes.extend(&packed);
         self.directory.extend(b"PK\x01\x02");
         self.directory.extend(MADE_BY.to_le_bytes());
         self.directory.extend(&common);

@@ -14,6 +14,7 @@
 //! underneath may itself be dual (second derivatives) or a vector of lanes.
 
 use crate::scalar::{Function, Over, Real, Scalar, Work};
+use core::marker::PhantomData;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 /// Directions of [`Seeded`] numbers.
@@ -45,129 +46,121 @@ impl<S: Scalar, const K: usize> Dual<S, K> {
         Self { value, slope }
     }
 
-    /// A function of one argument by its value and its derivative there.
     #[inline(always)]
-    fn chain(self, value: S, derivative: S) -> Self {
-        self.combine(self, value, Scaled(derivative))
-    }
-
-    #[inline(always)]
-    fn combine(self, other: Self, value: S, rule: impl Rule<S>) -> Self {
+    fn operate(self, other: Self, operation: impl Operation<S>) -> Self {
         if S::IS_ONE && size_of::<Self>() > MOST_INLINE {
-            self.combine_apart(&other, value, rule)
+            self.operate_apart(&other, operation)
         } else {
-            self.combine_here(&other, value, rule)
+            operation.done(&self, &other)
         }
     }
 
-    #[inline(always)]
-    fn combine_here(&self, other: &Self, value: S, rule: impl Rule<S>) -> Self {
-        let mut slope = self.slope;
-        for i in 0..K {
-            slope[i] = rule.slope(self.slope[i], other.slope[i]);
-        }
-        Self { value, slope }
-    }
-
-    /// Derivatives of derivatives are more numbers than there are registers: in separate functions they take no longer,
-    /// and the engines half as long to compile.
+    /// Derivatives of derivatives are more numbers than there are registers: whole operations on them are separate functions, and
+    /// the engines take much less time to compile.
     #[inline(never)]
-    fn combine_apart(&self, other: &Self, value: S, rule: impl Rule<S>) -> Self {
-        self.combine_here(other, value, rule)
+    fn operate_apart(&self, other: &Self, operation: impl Operation<S>) -> Self {
+        operation.done(self, other)
     }
 }
 
-/// The derivative of a result from those of two operands. No closure: it would be compiled separately, without the instructions
-/// of a batch.
-trait Rule<S> {
-    fn slope(&self, a: S, b: S) -> S;
+/// What is done with two operands, or with the first alone. No closure: it would be compiled separately, without the
+/// instructions of a batch.
+trait Operation<S: Scalar> {
+    fn done<const K: usize>(self, first: &Dual<S, K>, second: &Dual<S, K>) -> Dual<S, K>;
 }
 
-struct Sum;
-struct Difference;
-/// Of two values.
-struct Product<S>(S, S);
-/// The quotient, and one over the divisor.
-struct Quotient<S>(S, S);
-/// By the derivative of a function of the first operand.
-struct Scaled<S>(S);
-/// Of the first operand where the mask holds.
+/// An operation from its value, and its derivative from those of the operands.
+macro_rules! operations {
+    ($($name:ident$(<$function:ident>)?($a:ident, $b:ident; $from_a:ident, $from_b:ident) {
+        $(let $known:ident = $by:expr;)*
+        $value:expr => $slope:expr
+    })*) => {$(
+        struct $name$(<$function>(PhantomData<$function>))?;
+
+        impl<S: Scalar, $($function: Function)?> Operation<S> for $name$(<$function>)? {
+            #[inline(always)]
+            fn done<const K: usize>(self, first: &Dual<S, K>, second: &Dual<S, K>) -> Dual<S, K> {
+                let ($a, $b) = (first.value, second.value);
+                $(let $known = $by;)*
+                let mut slope = first.slope;
+                for i in 0..K {
+                    let ($from_a, $from_b) = (first.slope[i], second.slope[i]);
+                    slope[i] = $slope;
+                }
+                Dual { value: $value, slope }
+            }
+        }
+    )*};
+}
+
+operations! {
+    Sum(a, b; da, db) { a + b => da + db }
+    Difference(a, b; da, db) { a - b => da - db }
+    Product(a, b; da, db) { a * b => da * b + db * a }
+    Quotient(a, b; da, db) {
+        let quotient = a / b;
+        let inverse = S::one() / b;
+        quotient => (da - quotient * db) * inverse
+    }
+    Root(a, _b; da, _db) {
+        let root = a.sqrt();
+        let per = S::constant(0.5) / root;
+        root => da * per
+    }
+    Logarithm(a, _b; da, _db) {
+        let per = S::one() / a;
+        a.ln() => da * per
+    }
+    Exponential(a, _b; da, _db) {
+        let exponential = a.exp();
+        exponential => da * exponential
+    }
+    ExponentialLessOne(a, _b; da, _db) {
+        let per = a.exp();
+        a.exp_m1() => da * per
+    }
+    Sine(a, _b; da, _db) {
+        let per = a.cos();
+        a.sin() => da * per
+    }
+    Cosine(a, _b; da, _db) {
+        let per = -a.sin();
+        a.cos() => da * per
+    }
+    Of<F>(a, _b; da, _db) {
+        let value = a.by::<F>();
+        let per = F::slope(a, value);
+        value => da * per
+    }
+}
+
+/// The first where the mask holds.
 struct Choice<M>(M);
 
-impl<S: Scalar> Rule<S> for Sum {
+impl<S: Scalar> Operation<S> for Choice<S::Mask> {
     #[inline(always)]
-    fn slope(&self, a: S, b: S) -> S {
-        a + b
+    fn done<const K: usize>(self, first: &Dual<S, K>, second: &Dual<S, K>) -> Dual<S, K> {
+        let mut slope = first.slope;
+        for i in 0..K {
+            slope[i] = S::select(self.0, first.slope[i], second.slope[i]);
+        }
+        Dual { value: S::select(self.0, first.value, second.value), slope }
     }
 }
 
-impl<S: Scalar> Rule<S> for Difference {
-    #[inline(always)]
-    fn slope(&self, a: S, b: S) -> S {
-        a - b
-    }
+macro_rules! operators {
+    ($($operator:ident $method:ident $operation:ident),*) => {$(
+        impl<S: Scalar, const K: usize> $operator for Dual<S, K> {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                self.operate(other, $operation)
+            }
+        }
+    )*};
 }
 
-impl<S: Scalar> Rule<S> for Product<S> {
-    #[inline(always)]
-    fn slope(&self, a: S, b: S) -> S {
-        a * self.1 + b * self.0
-    }
-}
-
-impl<S: Scalar> Rule<S> for Quotient<S> {
-    #[inline(always)]
-    fn slope(&self, a: S, b: S) -> S {
-        (a - self.0 * b) * self.1
-    }
-}
-
-impl<S: Scalar> Rule<S> for Scaled<S> {
-    #[inline(always)]
-    fn slope(&self, a: S, _: S) -> S {
-        a * self.0
-    }
-}
-
-impl<S: Scalar> Rule<S> for Choice<S::Mask> {
-    #[inline(always)]
-    fn slope(&self, a: S, b: S) -> S {
-        S::select(self.0, a, b)
-    }
-}
-
-impl<S: Scalar, const K: usize> Add for Dual<S, K> {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        self.combine(other, self.value + other.value, Sum)
-    }
-}
-
-impl<S: Scalar, const K: usize> Sub for Dual<S, K> {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        self.combine(other, self.value - other.value, Difference)
-    }
-}
-
-impl<S: Scalar, const K: usize> Mul for Dual<S, K> {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        self.combine(other, self.value * other.value, Product(self.value, other.value))
-    }
-}
-
-impl<S: Scalar, const K: usize> Div for Dual<S, K> {
-    type Output = Self;
-    #[inline(always)]
-    fn div(self, other: Self) -> Self {
-        let (quotient, inverse) = (self.value / other.value, S::one() / other.value);
-        self.combine(other, quotient, Quotient(quotient, inverse))
-    }
-}
+operators!(Add add Sum, Sub sub Difference, Mul mul Product, Div div Quotient);
 
 impl<S: Scalar, const K: usize> Neg for Dual<S, K> {
     type Output = Self;
@@ -181,6 +174,15 @@ impl<S: Scalar, const K: usize> Neg for Dual<S, K> {
     }
 }
 
+macro_rules! functions {
+    ($($function:ident $operation:ident),*) => {$(
+        #[inline(always)]
+        fn $function(self) -> Self {
+            self.operate(self, $operation)
+        }
+    )*};
+}
+
 impl<S: Scalar, const K: usize> Scalar for Dual<S, K> {
     type Mask = S::Mask;
     const IS_ONE: bool = S::IS_ONE;
@@ -192,40 +194,13 @@ impl<S: Scalar, const K: usize> Scalar for Dual<S, K> {
 
     #[inline(always)]
     fn by<F: Function>(self) -> Self {
-        let value = self.value.by::<F>();
-        self.chain(value, F::slope(self.value, value))
+        self.operate(self, Of::<F>(PhantomData))
     }
-
     #[inline(always)]
     fn constant(value: f64) -> Self {
         Self { value: S::constant(value), slope: [S::zero(); K] }
     }
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        let root = self.value.sqrt();
-        self.chain(root, S::constant(0.5) / root)
-    }
-    #[inline(always)]
-    fn ln(self) -> Self {
-        self.chain(self.value.ln(), S::one() / self.value)
-    }
-    #[inline(always)]
-    fn exp(self) -> Self {
-        let exponential = self.value.exp();
-        self.chain(exponential, exponential)
-    }
-    #[inline(always)]
-    fn exp_m1(self) -> Self {
-        self.chain(self.value.exp_m1(), self.value.exp())
-    }
-    #[inline(always)]
-    fn sin(self) -> Self {
-        self.chain(self.value.sin(), self.value.cos())
-    }
-    #[inline(always)]
-    fn cos(self) -> Self {
-        self.chain(self.value.cos(), -self.value.sin())
-    }
+    functions!(sqrt Root, ln Logarithm, exp Exponential, exp_m1 ExponentialLessOne, sin Sine, cos Cosine);
     #[inline(always)]
     fn lt(self, other: Self) -> S::Mask {
         self.value.lt(other.value)
@@ -236,7 +211,7 @@ impl<S: Scalar, const K: usize> Scalar for Dual<S, K> {
     }
     #[inline(always)]
     fn select(mask: S::Mask, yes: Self, no: Self) -> Self {
-        yes.combine(no, S::select(mask, yes.value, no.value), Choice(mask))
+        yes.operate(no, Choice(mask))
     }
 }
 

@@ -17,6 +17,11 @@ pub(crate) trait Row<R: Real> {
     /// The numbers cannot hold what is to be kept, or what has been put back is no state.
     fn refuse(&mut self);
 
+    /// Whether fields are set, so that what follows from them has to follow, and what they may not be is looked for.
+    fn puts_back(&self) -> bool {
+        false
+    }
+
     /// A finite number.
     fn number(&mut self, number: &mut R) {
         self.any(number);
@@ -206,5 +211,9 @@ impl<R: Real> Row<R> for PutBack<'_, R> {
 
     fn refuse(&mut self) {
         self.refused = true;
+    }
+
+    fn puts_back(&self) -> bool {
+        true
     }
 }

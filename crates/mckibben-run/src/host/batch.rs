@@ -28,12 +28,11 @@ pub struct HostBatch {
     steps: Vec<f64>,
     samplers: Vec<Option<PlantSampler>>,
     state_size: usize,
-    keeps_to_thread: bool,
 }
 
 impl Clone for HostBatch {
     fn clone(&self) -> Self {
-        let Self { models, batch, ends, steps, samplers, state_size, keeps_to_thread } = self;
+        let Self { models, batch, ends, steps, samplers, state_size } = self;
         Self {
             models: models.clone(),
             batch: batch.clone(),
@@ -41,7 +40,6 @@ impl Clone for HostBatch {
             steps: steps.clone(),
             samplers: samplers.iter().map(|_| None).collect(),
             state_size: *state_size,
-            keeps_to_thread: *keeps_to_thread,
         }
     }
 }
@@ -85,7 +83,7 @@ impl HostBatch {
         let mut batch = PlantBatch::new(rows)?;
         batch.limit_step(models[0].longest)?;
         let samplers = models.iter().map(|_| None).collect();
-        Ok(Self { models, batch, ends, steps: Vec::new(), samplers, state_size, keeps_to_thread: false })
+        Ok(Self { models, batch, ends, steps: Vec::new(), samplers, state_size })
     }
 
     /// How many plants there are.
@@ -110,7 +108,6 @@ impl HostBatch {
 
     /// Whether the caller's own thread does all: see [`PlantBatch::keep_to_thread`].
     pub fn keep_to_thread(&mut self, keeps: bool) {
-        self.keeps_to_thread = keeps;
         self.batch.keep_to_thread(keeps);
     }
 
@@ -215,15 +212,16 @@ impl HostBatch {
     pub fn read_outputs(&mut self, into: &mut [f64]) -> Result<(), Failure> {
         let width = self.model().outputs().len();
         self.check_count("outputs", into.len(), width)?;
-        let Self { models, batch, samplers, keeps_to_thread, .. } = self;
+        let Self { models, batch, samplers, .. } = self;
         let read = |(model, into): (&Arc<HostModel>, &mut [f64]), row: &Result<&PlantSteps, Error>, sampler: &mut _| {
             let Ok(steps) = row else { return Ok(()) };
             let sampler = Option::get_or_insert_with(sampler, || PlantSampler::new(steps));
             model.read_outputs((steps, sampler), into)
         };
+        let keeps_to_thread = batch.keeps_to_thread();
         let rows = batch.rows();
         let width = width.max(1);
-        if *keeps_to_thread {
+        if keeps_to_thread {
             let mut all = models.iter().zip(into.chunks_mut(width)).zip(&rows).zip(samplers);
             all.try_for_each(|((its, row), sampler)| read(its, row, sampler))
         } else {
@@ -255,7 +253,7 @@ impl HostBatch {
             let begun = model.begin_at(&distances[its.clone()], &rates[its], 0.0);
             begun.map_err(|failure| self.of_row(failure, row))
         };
-        let begun = match self.keeps_to_thread {
+        let begun = match self.batch.keeps_to_thread() {
             true => self.models.iter().enumerate().map(begin).collect::<Result<_, _>>(),
             false => self.models.par_iter().enumerate().map(begin).collect::<Result<_, _>>(),
         };
@@ -264,7 +262,7 @@ impl HostBatch {
 
     /// Puts plants in the place of all.
     fn put(&mut self, rows: Vec<PlantSteps>) -> Result<(), Failure> {
-        let keeps = self.keeps_to_thread;
+        let keeps = self.batch.keeps_to_thread();
         *self = Self::of(self.models.clone(), rows, self.state_size)?;
         self.keep_to_thread(keeps);
         Ok(())

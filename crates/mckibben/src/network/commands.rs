@@ -171,7 +171,7 @@ impl<R: Real> RuntimeCommands<R> {
             3 => Some(RuntimeCommand::SetPoint(GaugePressure(number))),
             _ => Some(RuntimeCommand::Position(number)),
         };
-        if last.is_some_and(|commanded| solenoid.check_command(&commanded).is_err()) {
+        if row.puts_back() && last.is_some_and(|commanded| solenoid.check_command(&commanded).is_err()) {
             row.refuse();
         }
         modulator.each_number(row);

@@ -169,15 +169,21 @@ impl<R: Real> Network<R> {
             row.truth(&mut ports.supply);
             row.truth(&mut ports.exhaust);
             progress.each_number(row);
-            let (mut is_set, mut blank) = (setting.is_some(), Setting::blank(&self.valves[index]));
+            let (mut is_set, mut blank) = (setting.is_some(), None);
             row.truth(&mut is_set);
-            setting.as_deref_mut().unwrap_or(&mut blank).each_number(time, row);
+            match setting.as_deref_mut() {
+                Some(setting) => setting.each_number(time, row),
+                None => blank.insert(Setting::blank(&self.valves[index])).each_number(time, row),
+            }
+            if !row.puts_back() {
+                continue;
+            }
             if is_set && progress.has_passed() {
                 row.refuse();
             }
-            match setting {
-                Some(_) if !is_set => *setting = None,
-                None if is_set => *setting = Some(Box::new(blank)),
+            match blank {
+                Some(blank) if is_set => *setting = Some(Box::new(blank)),
+                None if !is_set => *setting = None,
                 _ => {}
             }
             *openings = progress.openings(&self.valves[index]);
