@@ -374,6 +374,5 @@ impl Instance {
 
 /// Whether numbers are equal bit for bit.
 fn same<'a>(one: impl IntoIterator<Item = impl Borrow<f64>>, other: impl IntoIterator<Item = &'a f64>) -> bool {
-    // Without a branch for each, so that registers compare several at once.
-    one.into_iter().zip(other).fold(0, |apart, (one, other)| apart | (one.borrow().to_bits() ^ other.to_bits())) == 0
+    one.into_iter().zip(other).all(|(one, other)| one.borrow().to_bits() == other.to_bits())
 }

@@ -17,7 +17,7 @@ pub(crate) trait Row<R: Real> {
     /// The numbers cannot hold what is to be kept, or what has been put back is no state.
     fn refuse(&mut self);
 
-    /// Whether fields are set, so that what follows from them has to follow, and what they may not be is looked for.
+    /// Whether fields are set from the numbers: then they are checked, and what follows from them is set as well.
     fn puts_back(&self) -> bool {
         false
     }
