@@ -1,5 +1,5 @@
-//! What a step of a scenario costs: alone, in a batch of 64 rows alike on one thread and on two, by both methods, and a second of
-//! the event-located engine.
+//! What a step of a scenario costs: alone, in a batch of 64 rows alike on one thread, there in single precision and on two threads,
+//! by both methods, and a second of the event-located engine.
 //!
 //! `cargo run --release --bin rows -- ../examples/paper/fig-12.toml ../examples/leg.toml ../examples/control/pid.toml`
 //!
@@ -11,7 +11,7 @@ use mckibben::Error;
 use mckibben::command::Driver;
 use mckibben::plant::{JointPlant, Plant, PlantRun, PlantStart, PlantView, RigPlant};
 use mckibben::simulation::Method;
-use mckibben_batch::PlantBatch;
+use mckibben_batch::{PlantBatch, Precision, Width};
 use mckibben_scenario::{Diagnostics, Document, PlantControl, Run};
 use std::path::Path;
 use std::process::ExitCode;
@@ -22,8 +22,13 @@ const STEP: f64 = 1e-4;
 const LONGEST: f64 = 1.0;
 const REPEATS: usize = 5;
 const METHODS: [(Method, &str); 2] = [(Method::Rk4, "RK4"), (Method::Stable, "stable")];
-/// Rows and threads of a measurement.
-const SIZES: [(usize, usize); 3] = [(1, 1), (ROWS, 1), (ROWS, 2)];
+/// Rows, threads and numbers of a measurement.
+const SIZES: [(usize, usize, Precision); 4] = [
+    (1, 1, Precision::Double),
+    (ROWS, 1, Precision::Double),
+    (ROWS, 1, Precision::Single),
+    (ROWS, 2, Precision::Double),
+];
 /// Difference of the distances at the end, over the longest of them, that is refused. Samplings and contacts that fall to the
 /// other side of a step move the end of a loop or a leg.
 const REFUSED: f64 = 2e-2;
@@ -32,7 +37,7 @@ fn main() -> ExitCode {
     println!("ns for a row and step; {ROWS} rows alike on one thread and on two, and a row alone; steps of 0.1 ms");
     print!("{:<44}", "file");
     for (_, name) in METHODS {
-        print!("{:>10} {:>9} {:>6} {:>9}", format!("{name} alone"), "one", "ratio", "two");
+        print!("{:>12} {:>9} {:>6} {:>9} {:>9}", format!("{name} alone"), "one", "ratio", "single", "two");
     }
     println!("{:>14} {:>9}", "located us/s", "apart");
     let mut first = None;
@@ -51,7 +56,7 @@ fn main() -> ExitCode {
 /// What a file costs.
 struct Cost {
     /// Nanoseconds for a row and step, by method and size.
-    steps: [[f64; 3]; 2],
+    steps: [[f64; 4]; 2],
     /// Microseconds of the event-located engine for a second.
     located: f64,
     /// How far apart the engines are at the end, as a part of the longest distance.
@@ -59,10 +64,10 @@ struct Cost {
 }
 
 impl Cost {
-    fn print(&self, file: &str, base: &[[f64; 3]; 2]) {
+    fn print(&self, file: &str, base: &[[f64; 4]; 2]) {
         print!("{file:<44}");
-        for ([alone, one, two], [_, of_first, _]) in self.steps.iter().zip(base) {
-            print!("{alone:>10.0} {one:>9.1} {:>6.2} {two:>9.1}", one / of_first);
+        for ([alone, one, single, two], [_, of_first, ..]) in self.steps.iter().zip(base) {
+            print!("{alone:>12.0} {one:>9.1} {:>6.2} {single:>9.1} {two:>9.1}", one / of_first);
         }
         println!("{:>14.0} {:>9.1e}", self.located, self.apart);
     }
@@ -116,12 +121,12 @@ impl Case {
         let steps = (duration / STEP).round().max(1.0) as u64;
         let (located, expected) = self.located(duration).map_err(|error| error.to_string())?;
         let longest = expected.iter().copied().fold(0.0, f64::max);
-        let mut cost = Cost { steps: [[f64::INFINITY; 3]; 2], located, apart: 0.0 };
+        let mut cost = Cost { steps: [[f64::INFINITY; 4]; 2], located, apart: 0.0 };
         for ((method, name), costs) in METHODS.into_iter().zip(&mut cost.steps) {
-            for ((rows, threads), least) in SIZES.into_iter().zip(costs) {
+            for ((rows, threads, precision), least) in SIZES.into_iter().zip(costs) {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
                 let pool = pool.map_err(|error| error.to_string())?;
-                let (spent, found) = pool.install(|| self.least((method, rows), (duration, steps)))?;
+                let (spent, found) = pool.install(|| self.least((method, rows, precision), (duration, steps)))?;
                 *least = spent / (rows as f64 * steps as f64) * 1e9;
                 let apart = found.iter().zip(&expected).map(|(found, expected)| (found - expected).abs() / longest);
                 // What is not a number stays.
@@ -149,12 +154,16 @@ impl Case {
     }
 
     /// The least seconds of a batch, and the distances in m that its first row comes to.
-    fn least(&self, (method, rows): (Method, usize), (duration, steps): (f64, u64)) -> Result<(f64, Vec<f64>), String> {
+    fn least(
+        &self,
+        (method, rows, precision): (Method, usize, Precision),
+        (duration, steps): (f64, u64),
+    ) -> Result<(f64, Vec<f64>), String> {
         let (mut least, mut distances) = (f64::INFINITY, Vec::new());
         for _ in 0..REPEATS {
             let stepped = || {
                 let row = self.begin(1e-9)?.steps(method);
-                let mut batch = PlantBatch::new(vec![row; rows])?;
+                let mut batch = PlantBatch::with_lanes(vec![row; rows], Width::widest(), precision)?;
                 let began = Instant::now();
                 batch.advance(duration, steps)?;
                 let spent = began.elapsed().as_secs_f64();

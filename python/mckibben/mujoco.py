@@ -33,7 +33,7 @@ import importlib.util
 import sys
 import types
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, Literal
 from xml.sax.saxutils import quoteattr
 
 import numpy
@@ -171,7 +171,7 @@ class Driver:
         Number of worlds, each with its own `MjData`; 1 by default.
     length_offset : float or sequence of float, optional
         What is added to the lengths of MuJoCo for the distances between the ends of the muscles, in m.
-    command_mode, pulse_frequency, max_step
+    command_mode, pulse_frequency, max_step, precision
         As of `HostedPlant`.
 
     Raises
@@ -221,10 +221,16 @@ class Driver:
         command_mode: str | None = None,
         pulse_frequency: float | None = None,
         max_step: float | None = None,
+        precision: Literal["double", "single"] = "double",
     ) -> None:
         self.model = model
         self.plant = HostedPlant(
-            scenario, worlds, command_mode=command_mode, pulse_frequency=pulse_frequency, max_step=max_step
+            scenario,
+            worlds,
+            command_mode=command_mode,
+            pulse_frequency=pulse_frequency,
+            max_step=max_step,
+            precision=precision,
         )
         names = self.plant.actuators
         motors = [model.actuator(at) for at in range(_actuators(model))]

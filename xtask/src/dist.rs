@@ -48,7 +48,7 @@ fn all(root: &Path) -> Result<PathBuf, String> {
     let python = python::environment(root, "python/tests/requirements.txt")?;
     let name = archive(root, &folder, &python)?;
     let mut wheel = command(root, &python);
-    wheel.args(["-m", "maturin", "build", "--locked", "--profile", "dist", "--out"]);
+    wheel.args(["-m", "maturin", "build", "--locked", "--profile", "dist", "--features", "f32", "--out"]);
     succeed(wheel.arg(&folder))?;
     let mut source = command(root, &python);
     succeed(source.args(["-m", "maturin", "sdist", "--out"]).arg(&folder))?;

@@ -3,7 +3,7 @@
 use crate::work::{Row, STEP};
 use mckibben::plant::{Plant, PlantRun, PlantSteps};
 use mckibben::simulation::Method;
-use mckibben_batch::{PlantBatch, Width};
+use mckibben_batch::{PlantBatch, Precision, Width};
 use std::fmt::{Display, Formatter, Result as Formatted};
 use std::time::Instant;
 
@@ -51,7 +51,7 @@ impl Engine {
         let text = |error: mckibben::Error| error.to_string();
         pool.install(|| {
             let rows = rows.iter().map(begin).collect::<Result<_, _>>().map_err(text)?;
-            let mut batch = PlantBatch::with_width(rows, self.width).map_err(text)?;
+            let mut batch = PlantBatch::with_lanes(rows, self.width, Precision::Double).map_err(text)?;
             let (start, processor) = (Instant::now(), processor_seconds());
             batch.advance(steps as f64 * STEP, steps).map_err(text)?;
             let (seconds, processor_seconds) = (start.elapsed().as_secs_f64(), processor_seconds() - processor);

@@ -3,6 +3,7 @@
 use crate::block;
 use crate::group::{Group, arrange};
 use crate::held;
+use crate::precision::Precision;
 use crate::row::{Change, Row};
 use crate::span::Span;
 use crate::width::Width;
@@ -15,7 +16,7 @@ use rayon::prelude::*;
 /// Groups times steps up to which the caller's own thread takes all: to wake others takes longer.
 const ALONE: usize = 8;
 
-/// Plants that are stepped together, in numbers of `f64`.
+/// Plants that are stepped together.
 ///
 /// ```
 /// use mckibben::plant::{Plant, PlantRun, PlantStart, PlantSteps};
@@ -39,6 +40,7 @@ const ALONE: usize = 8;
 #[derive(Clone, Debug)]
 pub struct PlantBatch {
     width: Width,
+    precision: Precision,
     time: f64,
     groups: Vec<Group>,
     /// The group of each row, and its lane there.
@@ -80,14 +82,16 @@ impl PlantBatch {
     /// # Errors
     /// [`Error::Misuse`] where times or methods differ.
     pub fn new(rows: Vec<PlantSteps>) -> Result<Self, Error> {
-        Self::with_width(rows, Width::widest())
+        Self::with_lanes(rows, Width::widest(), Precision::Double)
     }
 
-    /// A batch with given instructions; where the machine has not got them, others with the same results.
+    /// A batch with given instructions and numbers. Where the machine has not got the instructions, others do the work; rows that are
+    /// stepped individually are in double precision.
     ///
     /// # Errors
     /// As [`PlantBatch::new`].
-    pub fn with_width(rows: Vec<PlantSteps>, width: Width) -> Result<Self, Error> {
+    pub fn with_lanes(rows: Vec<PlantSteps>, width: Width, precision: Precision) -> Result<Self, Error> {
+        precision.check()?;
         let width = width.or_widest();
         let time = rows.first().map_or(0.0, PlantSteps::time);
         let differs = |row: &PlantSteps| row.time() != time || row.method() != rows[0].method();
@@ -98,10 +102,10 @@ impl PlantBatch {
             });
         }
         let edges = rows.iter().map(PlantSteps::edge_rate).fold(0.0, f64::max);
-        let (groups, places, coordinates) = arrange(rows, width);
+        let (groups, places, coordinates) = arrange(rows, width, precision);
         let (longest_part, ends) = (f64::INFINITY, Vec::new());
         let keeps_to_thread = false;
-        Ok(Self { width, time, groups, places, coordinates, longest_part, edges, ends, keeps_to_thread })
+        Ok(Self { width, precision, time, groups, places, coordinates, longest_part, edges, ends, keeps_to_thread })
     }
 
     /// Whether plants of a structure go side by side. Left out are tendons of actuators whose dry friction falls with velocity: such
@@ -128,6 +132,11 @@ impl PlantBatch {
     /// The instructions that are used.
     pub fn width(&self) -> Width {
         self.width
+    }
+
+    /// The numbers that lanes hold.
+    pub fn precision(&self) -> Precision {
+        self.precision
     }
 
     /// Whether the caller's own thread does all, also of many rows. Otherwise, as in a new batch, the threads of rayon's current

@@ -79,7 +79,7 @@ impl Clone for Box<dyn Lanes> {
 
 /// Rows in lanes.
 #[derive(Clone, Debug)]
-pub(crate) struct Block<W: Wide<Lane = f64>> {
+pub(crate) struct Block<W: Wide> {
     pub(crate) method: Method,
     /// The time in s that all rows have reached.
     pub(crate) time: f64,
@@ -109,9 +109,11 @@ pub(crate) struct Block<W: Wide<Lane = f64>> {
     /// Instants up to this time in s are known, and the first of them; infinite when there is none.
     known_until: f64,
     soonest: f64,
+    /// Where times in lanes are counted from, in s.
+    pub(crate) origin: f64,
     /// Within a step in which something is due: where each row is and where it goes next, in s, and whether it has arrived.
-    from: W,
-    goal: W,
+    from: Vec<f64>,
+    goal: Vec<f64>,
     arrived: Vec<bool>,
     row: Vec<f64>,
 }
@@ -120,19 +122,19 @@ pub(crate) struct Block<W: Wide<Lane = f64>> {
 struct Create<'a, W>(&'a mut [Row], PhantomData<W>);
 
 /// A block's way through a span.
-struct Advance<'a, W: Wide<Lane = f64>>(&'a mut Block<W>, &'a mut [Row], Span<'a>);
+struct Advance<'a, W: Wide>(&'a mut Block<W>, &'a mut [Row], Span<'a>);
 
 /// What a block's rows answer with their ends at given distances and rates.
-struct Answer<'a, W: Wide<Lane = f64>>(&'a mut Block<W>, &'a mut [Row], [&'a [f64]; 2], &'a mut [Response]);
+struct Answer<'a, W: Wide>(&'a mut Block<W>, &'a mut [Row], [&'a [f64]; 2], &'a mut [Response]);
 
-impl<W: Wide<Lane = f64>> Block<W> {
+impl<W: Wide> Block<W> {
     /// A block of rows of equal structure, as many as there are lanes at most.
     pub(crate) fn new(rows: &mut [Row]) -> Self {
         compiled(Create::<W>(rows, PhantomData))
     }
 }
 
-impl<W: Wide<Lane = f64>> Lanes for Block<W> {
+impl<W: Wide> Lanes for Block<W> {
     fn copy(&self) -> Box<dyn Lanes> {
         Box::new(self.clone())
     }
@@ -165,7 +167,7 @@ impl<W: Wide<Lane = f64>> Lanes for Block<W> {
             self.bring(lane, row);
         }
         // A row that has stopped does not know the time.
-        *self = Self { time: self.time, ..Self::new(rows) };
+        *self = Self { time: self.time, origin: self.origin, ..Self::new(rows) };
     }
 
     fn compute_at(&mut self, rows: &mut [Row], ends: [&[f64]; 2], responses: &mut [Response]) -> Result<(), Error> {
@@ -173,7 +175,7 @@ impl<W: Wide<Lane = f64>> Lanes for Block<W> {
     }
 }
 
-impl<W: Wide<Lane = f64>> Compiled for Create<'_, W> {
+impl<W: Wide> Compiled for Create<'_, W> {
     type Wide = W;
     type Output = Block<W>;
 
@@ -219,8 +221,9 @@ impl<W: Wide<Lane = f64>> Compiled for Create<'_, W> {
             is_changed: true,
             known_until: f64::NEG_INFINITY,
             soonest: f64::INFINITY,
-            from: zero,
-            goal: zero,
+            origin: 0.0,
+            from: vec![0.0; W::LANES],
+            goal: vec![0.0; W::LANES],
             arrived: vec![false; W::LANES],
             row: vec![0.0; states],
             system,
@@ -228,7 +231,7 @@ impl<W: Wide<Lane = f64>> Compiled for Create<'_, W> {
     }
 }
 
-impl<W: Wide<Lane = f64>> Compiled for Advance<'_, W> {
+impl<W: Wide> Compiled for Advance<'_, W> {
     type Wide = W;
     type Output = ();
 
@@ -248,7 +251,7 @@ impl<W: Wide<Lane = f64>> Compiled for Advance<'_, W> {
     }
 }
 
-impl<W: Wide<Lane = f64>> Compiled for Answer<'_, W> {
+impl<W: Wide> Compiled for Answer<'_, W> {
     type Wide = W;
     type Output = Result<(), Error>;
 
@@ -259,7 +262,7 @@ impl<W: Wide<Lane = f64>> Compiled for Answer<'_, W> {
     }
 }
 
-impl<W: Wide<Lane = f64>> Block<W> {
+impl<W: Wide> Block<W> {
     /// Makes masks of modes that have changed.
     #[inline(always)]
     pub(crate) fn update(&mut self) {
@@ -282,30 +285,34 @@ impl<W: Wide<Lane = f64>> Block<W> {
     #[inline(always)]
     fn step(&mut self, rows: &mut [Row], until: f64) {
         let (zero, one) = (W::zero(), W::one());
+        if until - self.origin > W::LONGEST {
+            self.count_times_from(rows, self.time);
+        }
         let is_divided = is_due(self.soonest, until);
         if is_divided {
             self.set_goals(rows, until);
-        } else {
-            self.from = W::constant(self.time);
-            self.goal = W::constant(until);
         }
         loop {
             self.update();
-            let Self { system, stages, at, state, end, held, watch, .. } = self;
+            let Self { system, stages, at, state, end, held, watch, origin, from, goal, .. } = self;
             let mut together = zero.lt(self.goes);
             let mut believed = together;
             if together.any() {
-                let span = (self.from, self.goal - self.from);
-                believed = believed & stages.take_unchecked(system, self.method, span, state, held, at, end);
-                keep_given(system, self.goal, held, end);
-                keep_rates(system, self.goal, held, at, end);
+                let [start, length, time] = if is_divided {
+                    spans(from, goal, *origin)
+                } else {
+                    [W::constant(self.time - *origin), W::constant(until - self.time), W::constant(until - *origin)]
+                };
+                believed = believed & stages.take_unchecked(system, self.method, (start, length), state, held, at, end);
+                keep_given(system, time, held, end);
+                keep_rates(system, time, held, at, end);
                 for i in 0..system.wires.len() {
-                    system.keep_balance(i, self.goal, end, held, at);
+                    system.keep_balance(i, time, end, held, at);
                 }
                 if self.is_isothermal {
-                    keep_contents(system, self.goal, &self.contents, held, at, end);
+                    keep_contents(system, time, &self.contents, held, at, end);
                 }
-                together = believed & watch.holds(system, (self.goal, end), held, at);
+                together = believed & watch.holds(system, (time, end), held, at);
             }
             // How far the lanes of a row are good for.
             let come = || W::select(together, W::constant(KEEPS), W::select(believed, one, zero));
@@ -375,8 +382,8 @@ impl<W: Wide<Lane = f64>> Block<W> {
     fn set_goals(&mut self, rows: &[Row], until: f64) {
         for lane in 0..W::LANES {
             let next = rows.get(lane).map_or(f64::INFINITY, |row| row.next);
-            self.from.put(lane, self.time);
-            self.goal.put(lane, until.min(next).max(self.time));
+            self.from[lane] = self.time;
+            self.goal[lane] = until.min(next).max(self.time);
         }
         self.arrived.fill(false);
     }
@@ -394,16 +401,16 @@ impl<W: Wide<Lane = f64>> Block<W> {
             let done = if come.lane(lane) == KEEPS && !self.looks[lane] {
                 read(&self.end, lane, &mut self.row);
                 write(&self.row, lane, &mut self.state);
-                self.from.put(lane, self.goal.lane(lane));
+                self.from[lane] = self.goal[lane];
                 if !is_due(row.next, until) {
                     self.arrived[lane] = true;
                     continue;
                 }
-                self.put(lane, row, self.goal.lane(lane));
+                self.put(lane, row, self.goal[lane]);
                 row.steps.pass_on_the_way(until)
             } else {
                 read(&self.state, lane, &mut self.row);
-                self.put(lane, row, self.from.lane(lane));
+                self.put(lane, row, self.from[lane]);
                 row.steps.advance_to(until)
             };
             self.take_back(lane, row, (events, done));
@@ -417,7 +424,7 @@ impl<W: Wide<Lane = f64>> Block<W> {
                 continue;
             }
             if is_together {
-                self.goal.put(lane, until.min(row.next).max(self.from.lane(lane)));
+                self.goal[lane] = until.min(row.next).max(self.from[lane]);
                 continue;
             }
             let events = row.steps.events();
@@ -470,7 +477,7 @@ impl<W: Wide<Lane = f64>> Block<W> {
         let Row { steps, .. } = row;
         let (system, mode, guards) = steps.watched();
         self.looks[lane] = !self.watch.enter(lane, (system, mode), guards, &self.hosts);
-        self.held.enter(lane, &system.plant, mode);
+        self.held.enter(lane, &system.plant, mode, self.origin);
         self.goes.put(lane, if held::covers_mode(mode) { 1.0 } else { 0.0 });
         for (content, its) in self.contents.iter_mut().zip(&mode.actuators) {
             content.put(lane, its.isothermal.unwrap_or(0.0));
@@ -479,21 +486,44 @@ impl<W: Wide<Lane = f64>> Block<W> {
         self.is_changed = true;
     }
 
+    /// Counts the times of lanes from another origin in s.
+    #[inline(never)]
+    fn count_times_from(&mut self, rows: &mut [Row], origin: f64) {
+        self.origin = origin;
+        for (lane, row) in rows.iter_mut().enumerate() {
+            if row.is_alive() {
+                self.bring(lane, row);
+                self.enter(lane, row);
+            }
+        }
+        self.sum_up(rows);
+    }
+
     pub(crate) fn sum_up(&mut self, rows: &[Row]) {
         self.any_looks = self.looks.contains(&true);
         self.soonest = rows.iter().filter(|row| row.is_alive()).map(|row| row.next).fold(f64::INFINITY, f64::min);
     }
 }
 
+/// Where each row is, how long its step is and where it ends, in s, of times that are counted from an origin.
+#[inline(always)]
+fn spans<W: Wide>(from: &[f64], goal: &[f64], origin: f64) -> [W; 3] {
+    [
+        W::from_lanes(|lane| from[lane] - origin),
+        W::from_lanes(|lane| goal[lane] - from[lane]),
+        W::from_lanes(|lane| goal[lane] - origin),
+    ]
+}
+
 /// Reads the numbers of a lane.
-fn read<W: Wide<Lane = f64>>(lanes: &[W], lane: usize, numbers: &mut [f64]) {
+fn read<W: Wide>(lanes: &[W], lane: usize, numbers: &mut [f64]) {
     for (number, of_lanes) in numbers.iter_mut().zip(lanes) {
         *number = of_lanes.lane(lane);
     }
 }
 
 /// Writes the numbers of a lane.
-pub(crate) fn write<W: Wide<Lane = f64>>(numbers: &[f64], lane: usize, lanes: &mut [W]) {
+pub(crate) fn write<W: Wide>(numbers: &[f64], lane: usize, lanes: &mut [W]) {
     for (number, of_lanes) in numbers.iter().zip(lanes) {
         of_lanes.put(lane, *number);
     }

@@ -3,35 +3,34 @@
 //! Systems whose parts are of the same kind hand out their numbers in the same order, so that the numbers of each are listed once
 //! and then dealt to the lanes.
 
-use crate::wide::{Number, Wide};
+use crate::wide::Wide;
 use mckibben::internals::Convert;
 use mckibben::parameter::Parameter;
-use mckibben::scalar::Scalar;
 
 /// All numbers zero.
 pub(crate) struct Blank;
 
-impl<R: Number> Convert<R, R> for Blank {
-    fn parameter(&mut self, _: &'static Parameter, _: R) -> R {
-        R::zero()
+impl Convert<f64, f64> for Blank {
+    fn parameter(&mut self, _: &'static Parameter, _: f64) -> f64 {
+        0.0
     }
-    fn carry(&mut self) -> Option<impl FnMut(R) -> R> {
-        Some(|_| R::zero())
+    fn carry(&mut self) -> Option<impl FnMut(f64) -> f64> {
+        Some(|_| 0.0)
     }
 }
 
 /// The numbers one after the other.
 pub(crate) struct List(pub(crate) Vec<f64>);
 
-impl<R: Number> Convert<R, f64> for List {
-    fn parameter(&mut self, _: &'static Parameter, value: R) -> f64 {
-        self.0.push(value.value());
-        value.value()
+impl Convert<f64, f64> for List {
+    fn parameter(&mut self, _: &'static Parameter, value: f64) -> f64 {
+        self.0.push(value);
+        value
     }
-    fn carry(&mut self) -> Option<impl FnMut(R) -> f64> {
-        Some(|value: R| {
-            self.0.push(value.value());
-            value.value()
+    fn carry(&mut self) -> Option<impl FnMut(f64) -> f64> {
+        Some(|value| {
+            self.0.push(value);
+            value
         })
     }
 }
@@ -52,15 +51,15 @@ impl<'a> Deal<'a> {
     fn deal<W: Wide>(&mut self) -> W {
         let number = self.next;
         self.next += 1;
-        W::from_lanes(|lane| W::Lane::constant(self.lists[lane.min(self.last)][number]))
+        W::from_lanes(|lane| self.lists[lane.min(self.last)][number])
     }
 }
 
-impl<R: Number, W: Wide> Convert<R, W> for Deal<'_> {
-    fn parameter(&mut self, _: &'static Parameter, _: R) -> W {
+impl<W: Wide> Convert<f64, W> for Deal<'_> {
+    fn parameter(&mut self, _: &'static Parameter, _: f64) -> W {
         self.deal()
     }
-    fn carry(&mut self) -> Option<impl FnMut(R) -> W> {
+    fn carry(&mut self) -> Option<impl FnMut(f64) -> W> {
         Some(|_| self.deal())
     }
 }

@@ -10,7 +10,7 @@
 //! | the end jumps | what holds it |
 
 use crate::held::Held;
-use crate::watch::{HOLD_MARGIN, Range, holdable};
+use crate::watch::{Range, holdable};
 use crate::wide::Wide;
 use mckibben::internals::{Evaluation, FASTEST, Formulas, System, tendon_tension};
 use mckibben::plant::PlantMode;
@@ -177,7 +177,7 @@ impl<W: Wide> Work for Hold<'_, W> {
             within = within & its.stretch.holds(unit.distance - unit.length - tendon.rest_length());
             if its.is_held {
                 let (low, high) = holdable(system, i, end, held, at);
-                let margin = W::constant(HOLD_MARGIN) * (pull.magnitude() + high.magnitude());
+                let margin = W::constant(W::MARGIN) * (pull.magnitude() + high.magnitude());
                 let is_held = (low + margin).le(pull) & pull.le(high - margin);
                 within = within & (its.held.le(zero) | is_held);
             }

@@ -10,11 +10,11 @@
 //! ```
 
 use crate::held::Held;
-use crate::watch::{HOLD_MARGIN, holdable};
+use crate::watch::holdable;
 use crate::wide::Wide;
 use mckibben::internals::{Evaluation, Facet, Formulas, System, dot};
 use mckibben::mechanism::chain::MAX_JOINTS;
-use mckibben::scalar::{Mask, Scalar, Work};
+use mckibben::scalar::{Mask, Work};
 
 /// The rank up to which normals are known here.
 const HIGHEST_RANK: usize = 3;
@@ -69,12 +69,7 @@ impl<W: Wide> Facets<W> {
         }
         let is_it = |its: &WatchedFacet<W>| its.mechanism == mechanism && its.facet == *facet;
         let place = self.watched.iter().position(is_it).unwrap_or_else(|| {
-            let new = WatchedFacet {
-                mechanism,
-                facet: facet.clone(),
-                flag: W::from_lanes(|_| W::Lane::constant(0.0)),
-                any: false,
-            };
+            let new = WatchedFacet { mechanism, facet: facet.clone(), flag: W::from_lanes(|_| 0.0), any: false };
             match self.watched.iter().position(WatchedFacet::is_free) {
                 Some(free) => {
                     self.watched[free] = new;
@@ -199,6 +194,6 @@ fn holds<W: Wide>(
         most = most + low.larger(high);
         size = size + low.magnitude() + high.magnitude();
     }
-    let margin = W::constant(HOLD_MARGIN) * size;
+    let margin = W::constant(W::MARGIN) * size;
     (least + margin).le(along_normal) & along_normal.le(most - margin)
 }

@@ -61,22 +61,21 @@ impl<W: Wide> HeldValve<W> {
         }
     }
 
-    fn enter(&mut self, lane: usize, openings: &Openings<W::Lane>) {
-        let one = W::Lane::constant(1.0);
-        let mut shares = [one; 2];
+    fn enter(&mut self, lane: usize, openings: &Openings, origin: f64) {
+        let mut shares = [1.0; 2];
         match openings {
             Openings::Whole => {}
             Openings::Shares(its) => shares = *its,
             Openings::Poppets { strokes, .. } => {
                 for (of_lanes, its) in self.strokes.iter_mut().zip(strokes) {
-                    of_lanes.start.put(lane, its.start);
-                    of_lanes.end.put(lane, its.end);
+                    of_lanes.start.put(lane, its.start - origin);
+                    of_lanes.end.put(lane, its.end - origin);
                     of_lanes.from.put(lane, its.from);
                     of_lanes.to.put(lane, its.to);
                 }
             }
             Openings::Spool { motion, .. } => {
-                self.motion.time.put(lane, motion.time);
+                self.motion.time.put(lane, motion.time - origin);
                 self.motion.position.put(lane, motion.position);
                 self.motion.velocity.put(lane, motion.velocity);
                 self.motion.command.put(lane, motion.command);
@@ -113,9 +112,9 @@ impl<W: Wide> HeldValve<W> {
     }
 }
 
-/// Enters a straight line in a lane.
-pub(crate) fn enter_line<W: Wide>(lane: usize, line: &mut StraightLine<W>, its: &StraightLine<W::Lane>) {
-    line.start.put(lane, its.start);
+/// Enters a straight line in a lane, whose times are counted from an origin in s.
+pub(crate) fn enter_line<W: Wide>(lane: usize, line: &mut StraightLine<W>, its: &StraightLine, origin: f64) {
+    line.start.put(lane, its.start - origin);
     line.from.put(lane, its.from);
     line.slope.put(lane, its.slope);
 }
@@ -160,20 +159,20 @@ impl<W: Wide> HeldFlows<W> {
         }
     }
 
-    /// Enters the mode of the row in a lane; [`HeldFlows::update`] makes masks of it.
-    pub(crate) fn enter(&mut self, lane: usize, network: &Network<W::Lane>, mode: &NetworkMode<W::Lane>) {
+    /// Enters the mode of the row in a lane, whose times are counted from an origin in s; [`HeldFlows::update`] makes masks of it.
+    pub(crate) fn enter(&mut self, lane: usize, network: &Network, mode: &NetworkMode<f64>, origin: f64) {
         for (index, flag) in self.open_flags.iter_mut().enumerate() {
             let rests = matches!(network.branches[index].kind, BranchKind::Compressor) && !mode.branches[index].runs;
             flag.mark(lane, network.is_open(index, mode) && !rests);
         }
         for (held, its) in self.valves.iter_mut().zip(&mode.valves) {
-            held.enter(lane, &its.openings);
+            held.enter(lane, &its.openings, origin);
         }
         for (node, held) in self.given.iter_mut().enumerate() {
             if let Some((line, late)) = held
                 && let Some((its, by)) = network.given_line(node, mode.nodes[node].rows_passed)
             {
-                enter_line(lane, line, &its);
+                enter_line(lane, line, &its, origin);
                 late.put(lane, by);
             }
         }
@@ -190,8 +189,8 @@ impl<W: Wide> HeldFlows<W> {
             };
             held.moves_flag.mark(lane, moves);
             held.limited_flag.mark(lane, its.limited);
-            held.direction.put(lane, W::Lane::constant(direction));
-            held.set.put(lane, network.set_point(index, mode).unwrap_or(W::Lane::constant(0.0)));
+            held.direction.put(lane, direction);
+            held.set.put(lane, network.set_point(index, mode).unwrap_or(0.0));
         }
     }
 

@@ -4,12 +4,11 @@ use crate::batch::PlantBatch;
 #[cfg(target_arch = "x86_64")]
 use crate::block::Block;
 use crate::block::{self, Lanes};
+#[cfg(target_arch = "x86_64")]
+use crate::pair;
+use crate::precision::Precision;
 use crate::row::{Change, Row};
 use crate::span::Span;
-#[cfg(target_arch = "x86_64")]
-use crate::twice::Twice;
-#[cfg(target_arch = "x86_64")]
-use crate::wide::Doubles;
 use crate::width::Width;
 use mckibben::plant::{Plant, PlantSteps};
 use mckibben::valve::RuntimeCommand;
@@ -110,8 +109,12 @@ fn goes_on(command: &RuntimeCommand) -> bool {
 
 /// Deals rows to groups: those of equal structure side by side, all others individually. The groups, the places of the rows in
 /// them, and how many coordinates a host moves.
-pub(crate) fn arrange(rows: Vec<PlantSteps>, width: Width) -> (Vec<Group>, Vec<[usize; 2]>, usize) {
-    let most = if width.rows() > 1 { width.rows() } else { INDIVIDUALLY };
+pub(crate) fn arrange(
+    rows: Vec<PlantSteps>,
+    width: Width,
+    precision: Precision,
+) -> (Vec<Group>, Vec<[usize; 2]>, usize) {
+    let most = if width.rows() > 1 { width.rows() * precision.per_double() } else { INDIVIDUALLY };
     let mut groups: Vec<(Group, Option<Plant>)> = Vec::new();
     // Of each structure the group that has room.
     let mut open: Vec<usize> = Vec::new();
@@ -138,7 +141,7 @@ pub(crate) fn arrange(rows: Vec<PlantSteps>, width: Width) -> (Vec<Group>, Vec<[
     }
     let finished = groups.into_iter().map(|(mut group, form)| {
         if form.is_some() && group.rows.len() >= FEW {
-            group.lanes = in_lanes(&mut group.rows, width);
+            group.lanes = in_lanes(&mut group.rows, width, precision);
         }
         group
     });
@@ -147,12 +150,19 @@ pub(crate) fn arrange(rows: Vec<PlantSteps>, width: Width) -> (Vec<Group>, Vec<[
 
 /// Rows of equal structure in lanes.
 #[cfg_attr(not(target_arch = "x86_64"), allow(unused_variables))]
-fn in_lanes(rows: &mut [Row], width: Width) -> Option<Box<dyn Lanes>> {
-    match width {
-        Width::Baseline => None,
+fn in_lanes(rows: &mut [Row], width: Width, precision: Precision) -> Option<Box<dyn Lanes>> {
+    match (width, precision) {
+        // Where the program is built without single precision, a batch of it is refused.
+        #[cfg(all(target_arch = "x86_64", not(feature = "f32")))]
+        (_, Precision::Single) => None,
+        (Width::Baseline, _) => None,
         #[cfg(target_arch = "x86_64")]
-        Width::Avx2 => Some(Box::new(Block::<Twice<Doubles<pulp::x86::V3>>>::new(rows))),
+        (Width::Avx2, Precision::Double) => Some(Box::new(Block::<pair::Doubles256>::new(rows))),
         #[cfg(target_arch = "x86_64")]
-        Width::Avx512 => Some(Box::new(Block::<Twice<Doubles<pulp::x86::V4>>>::new(rows))),
+        (Width::Avx512, Precision::Double) => Some(Box::new(Block::<pair::Doubles512>::new(rows))),
+        #[cfg(all(target_arch = "x86_64", feature = "f32"))]
+        (Width::Avx2, Precision::Single) => Some(Box::new(Block::<pair::Singles256>::new(rows))),
+        #[cfg(all(target_arch = "x86_64", feature = "f32"))]
+        (Width::Avx512, Precision::Single) => Some(Box::new(Block::<pair::Singles512>::new(rows))),
     }
 }

@@ -4,7 +4,7 @@
 //! The formulas are those that a [`PlantMode`] names, so that a lane is bit-identical to a scalar instance.
 
 use crate::flows::{HeldFlows, enter_line};
-use crate::wide::{Number, Wide};
+use crate::wide::Wide;
 use mckibben::air::Chamber;
 use mckibben::friction::{Deflections, LuGre};
 use mckibben::internals::{
@@ -15,6 +15,7 @@ use mckibben::mechanism::{Contact, Mechanism};
 use mckibben::plant::{Plant, PlantMode};
 use mckibben::scalar::{Differentiable, Mask, Over, Scalar};
 use mckibben::simulation::{LengthRegime, Sliding};
+use std::f64::consts::TAU;
 
 /// Of an actuator in every lane.
 #[derive(Clone, Copy, Debug)]
@@ -52,6 +53,13 @@ struct Flags<W> {
     direction: W,
 }
 
+/// What a given motion does: the line of a table under way, or the phase of a sinusoid in rad.
+#[derive(Clone, Copy, Debug)]
+enum HeldMotion<W> {
+    Line(StraightLine<W>),
+    Phase(W),
+}
+
 /// Which contacts of a chain press.
 #[derive(Clone, Debug)]
 struct HeldContacts<W: Scalar> {
@@ -84,8 +92,9 @@ pub(crate) struct Held<W: Scalar> {
     frozen_flags: Vec<W>,
     /// Whether actuators have a hysteresis that follows the length alone.
     has_branches: Vec<bool>,
-    /// Of mechanisms whose motion is given by a table, and of actuators whose gauge pressure is given: the line under way.
-    motions: Vec<Option<StraightLine<W>>>,
+    /// Of mechanisms whose motion is given.
+    motions: Vec<Option<HeldMotion<W>>>,
+    /// Of actuators whose gauge pressure is given: the line under way.
     pressures: Vec<Option<StraightLine<W>>>,
 }
 
@@ -99,8 +108,25 @@ pub(crate) fn covers_structure(plant: &Plant) -> bool {
 }
 
 /// Whether a lane can take a step in a mode.
-pub(crate) fn covers_mode<R: Number>(mode: &PlantMode<R>) -> bool {
+pub(crate) fn covers_mode(mode: &PlantMode) -> bool {
     mode.network.branches.iter().all(|its| its.sonic.is_none())
+}
+
+impl<W: Wide> HeldMotion<W> {
+    /// Enters what a motion does after so many corners.
+    fn enter(&mut self, lane: usize, motion: &Motion, corners: usize, origin: f64) {
+        match (self, motion) {
+            (Self::Phase(held), Motion::Sinusoid { frequency, phase, .. }) => {
+                held.put(lane, phase + TAU * frequency * origin % TAU);
+            }
+            (Self::Line(line), _) => {
+                if let Some(its) = motion.line(corners) {
+                    enter_line(lane, line, &its, origin);
+                }
+            }
+            _ => {}
+        }
+    }
 }
 
 impl<W: Wide> HeldContacts<W> {
@@ -181,7 +207,8 @@ impl<W: Wide> Held<W> {
         let (mut motions, mut pressures) = (Vec::new(), Vec::new());
         for mechanism in plant.mechanisms() {
             motions.push(match mechanism {
-                Mechanism::Prescribed(Motion::Table { .. }) => Some(StraightLine::constant(zero)),
+                Mechanism::Prescribed(Motion::Table { .. }) => Some(HeldMotion::Line(StraightLine::constant(zero))),
+                Mechanism::Prescribed(Motion::Sinusoid { .. }) => Some(HeldMotion::Phase(zero)),
                 _ => None,
             });
         }
@@ -218,8 +245,8 @@ impl<W: Wide> Held<W> {
         }
     }
 
-    /// Enters the mode of the row in a lane; [`Held::update`] makes masks of it.
-    pub(crate) fn enter(&mut self, lane: usize, plant: &Plant<W::Lane>, mode: &PlantMode<W::Lane>) {
+    /// Enters the mode of the row in a lane, whose times are counted from an origin in s; [`Held::update`] makes masks of it.
+    pub(crate) fn enter(&mut self, lane: usize, plant: &Plant, mode: &PlantMode, origin: f64) {
         for (flags, (its, mounted)) in self.flags.iter_mut().zip(mode.actuators.iter().zip(plant.actuators())) {
             let (slack, stuck) = (its.mode.length_regime == LengthRegime::Slack, its.mode.sliding == Sliding::Stuck);
             flags.slack.mark(lane, slack);
@@ -231,7 +258,7 @@ impl<W: Wide> Held<W> {
             flags.directed.mark(lane, mounted.actuator.friction().has_direction());
             flags.loose.mark(lane, its.loose);
             flags.idle.mark(lane, slack || stuck || its.mode.clamped);
-            flags.direction.put(lane, W::Lane::constant(its.mode.sliding.direction()));
+            flags.direction.put(lane, its.mode.sliding.direction());
         }
         for (held, its) in self.actuators.iter_mut().zip(&mode.actuators) {
             if let Some(trace) = &its.trace {
@@ -255,19 +282,17 @@ impl<W: Wide> Held<W> {
         for (rows, (its, members)) in self.rows.iter_mut().zip(mode.mechanisms.iter().zip(&plant.indices().members)) {
             rows.enter(lane, members, &its.basis);
         }
-        for (line, (mechanism, its)) in self.motions.iter_mut().zip(plant.mechanisms().iter().zip(&mode.mechanisms)) {
-            if let (Some(line), Mechanism::Prescribed(motion)) = (line, mechanism)
-                && let Some(of_row) = motion.line(its.corners_passed)
-            {
-                enter_line(lane, line, &of_row);
+        for (held, (mechanism, its)) in self.motions.iter_mut().zip(plant.mechanisms().iter().zip(&mode.mechanisms)) {
+            if let (Some(held), Mechanism::Prescribed(motion)) = (held, mechanism) {
+                held.enter(lane, motion, its.corners_passed, origin);
             }
         }
         for (line, (mounted, its)) in self.pressures.iter_mut().zip(plant.actuators().iter().zip(&mode.actuators)) {
             if let (Some(line), Some(series)) = (line, &mounted.pressure) {
-                enter_line(lane, line, &series.line(its.rows_passed));
+                enter_line(lane, line, &series.line(its.rows_passed), origin);
             }
         }
-        self.flows.enter(lane, plant.network(), &mode.network);
+        self.flows.enter(lane, plant.network(), &mode.network, origin);
     }
 
     /// Makes masks of what has been entered.
@@ -501,7 +526,13 @@ impl<W: Wide> Formulas<W> for Held<W> {
 
     #[inline(always)]
     fn motion<T: Over<W>>(&self, mechanism: usize, motion: &Motion<W>, time: T) -> [T; 3] {
-        motion.on(time, self.motions[mechanism])
+        match (motion, self.motions[mechanism]) {
+            (&Motion::Sinusoid { length, amplitude, frequency, .. }, Some(HeldMotion::Phase(phase))) => {
+                Motion::Sinusoid { length, amplitude, frequency, phase }.on(time, None)
+            }
+            (_, Some(HeldMotion::Line(line))) => motion.on(time, Some(line)),
+            _ => motion.on(time, None),
+        }
     }
 
     #[inline(always)]

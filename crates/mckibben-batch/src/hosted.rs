@@ -8,13 +8,13 @@ use crate::wide::Wide;
 use mckibben::scalar::Mask;
 use mckibben::{Error, Response};
 
-impl<W: Wide<Lane = f64>> Block<W> {
+impl<W: Wide> Block<W> {
     /// Sends the ends off that a host moves: where a row keeps its mode in its lane, and else by the row.
     #[inline(always)]
     pub(crate) fn set_off(&mut self, rows: &mut [Row], distances: &[f64], span: &Span<'_>) {
         let (zero, one, length) = (W::zero(), W::one(), span.until() - span.from);
         self.update();
-        let Self { system, hosts, firsts, state, end, held, at, lives, behind, .. } = self;
+        let Self { system, hosts, firsts, state, end, held, at, lives, behind, origin, .. } = self;
         end.copy_from_slice(state);
         for (k, ([position, rate], goal)) in hosts.places.iter().zip(&mut hosts.goals).enumerate() {
             for (lane, first) in firsts.iter().enumerate() {
@@ -22,7 +22,7 @@ impl<W: Wide<Lane = f64>> Block<W> {
             }
             end[*rate] = (*goal - state[*position]) / W::constant(length);
         }
-        let keep = hosts.turn(system, (W::constant(span.from), end), held, at) & zero.lt(*lives);
+        let keep = hosts.turn(system, (W::constant(span.from - *origin), end), held, at) & zero.lt(*lives);
         for [_, rate] in &hosts.places {
             state[*rate] = W::select(keep, end[*rate], state[*rate]);
         }
@@ -75,6 +75,7 @@ impl<W: Wide<Lane = f64>> Block<W> {
         let (zero, one) = (W::zero(), W::one());
         self.update();
         let Self { system, hosts, firsts, state, end, held, at, .. } = self;
+        let time = W::constant(self.time - self.origin);
         end.copy_from_slice(state);
         for (k, places) in hosts.places.iter().enumerate() {
             for (lane, first) in firsts.iter().enumerate() {
@@ -82,7 +83,7 @@ impl<W: Wide<Lane = f64>> Block<W> {
                 end[places[1]].put(lane, ends[1][first + k]);
             }
         }
-        let in_lanes = hosts.can_answer(system, (W::constant(self.time), end), held, at) & zero.lt(self.goes);
+        let in_lanes = hosts.can_answer(system, (time, end), held, at) & zero.lt(self.goes);
         // The masks have the ways of these rates.
         self.is_changed = true;
         let mut come = W::select(in_lanes, one, zero);
@@ -94,7 +95,7 @@ impl<W: Wide<Lane = f64>> Block<W> {
         }
         if zero.lt(come).any() {
             let count = system.wires.len();
-            system.evaluate(W::constant(self.time), end, held, at);
+            system.evaluate(time, end, held, at);
             for i in 0..count {
                 let answers = motion::answer(system, i, end, held, at);
                 for lane in 0..firsts.len() {

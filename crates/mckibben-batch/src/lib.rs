@@ -16,12 +16,14 @@
 //! | `motion`, `hosted` | ends that a host moves |
 //! | `kept` | what a step knows exactly |
 //! | `watch`, `ends`, `facets` | the range that each quantity keeps as long as a mode lasts |
-//! | `wide`, `twice`, `width` | registers as one scalar, and which of them this machine has |
+//! | `wide`, `pair`, `width` | registers as one scalar, and which of them this machine has |
+//! | `precision` | the numbers that lanes hold |
 //! | `deal` | the numbers of plants, dealt to lanes |
 //!
 //! The physics is that of the crate `mckibben`, over another scalar.
 //!
-//! Checked by `tests/`: every row is bit-identical to a scalar instance, [`PlantSteps`](mckibben::plant::PlantSteps).
+//! Checked by `tests/`: every row is bit-identical to a scalar instance, [`PlantSteps`](mckibben::plant::PlantSteps); with the feature
+//! `f32` also lanes of single precision, against those of double.
 
 #![forbid(unsafe_code)]
 
@@ -45,10 +47,11 @@ mod hosted;
 mod kept;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 mod motion;
+#[cfg(target_arch = "x86_64")]
+mod pair;
+mod precision;
 mod row;
 mod span;
-#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
-mod twice;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 mod watch;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
@@ -56,4 +59,5 @@ mod wide;
 mod width;
 
 pub use batch::PlantBatch;
+pub use precision::Precision;
 pub use width::Width;

@@ -72,8 +72,8 @@ impl<W: Wide> HostEnds<W> {
             return keep;
         }
         for [position, rate] in &self.places {
-            keep = keep & state[*position].magnitude().le(W::constant(f64::MAX));
-            keep = keep & state[*rate].magnitude().le(W::constant(f64::MAX));
+            keep = keep & state[*position].magnitude().le(W::constant(W::LARGEST));
+            keep = keep & state[*rate].magnitude().le(W::constant(W::LARGEST));
         }
         for &i in &self.members {
             system.enter_ends_of(i, time, state, held, at);
@@ -150,7 +150,7 @@ pub(crate) fn answer<W: Wide>(
 }
 
 /// A lane of answers.
-pub(crate) fn of_lane<W: Wide<Lane = f64>>(answers: &Response<W>, lane: usize) -> Response {
+pub(crate) fn of_lane<W: Wide>(answers: &Response<W>, lane: usize) -> Response {
     Response {
         tension: answers.tension.lane(lane),
         per_length: answers.per_length.lane(lane),

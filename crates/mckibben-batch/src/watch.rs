@@ -30,11 +30,6 @@ use mckibben::plant::{ContactEvent, PlantGuard, PlantMode};
 use mckibben::scalar::{Mask, Scalar};
 use mckibben::simulation::Guard;
 
-/// Part of the forces on a coordinate by which those that hold it must have a larger margin, or the row evaluates its guards.
-pub(crate) const HOLD_MARGIN: f64 = 1e-9;
-
-/// Part of the atmosphere by which the error of a regulator must have a larger margin, or the row evaluates its guards.
-const ERROR_MARGIN: f64 = 1e-9;
 /// Part of its outlet's pressure above which the inlet of a regulator is watched no more: its guard is far below.
 const FAR_FROM_EMPTY: f64 = 2e-3;
 
@@ -107,8 +102,8 @@ impl<W: Wide> Range<W> {
     }
 
     fn put(&mut self, lane: usize, [low, high]: [f64; 2]) {
-        self.low.put(lane, W::Lane::constant(low));
-        self.high.put(lane, W::Lane::constant(high));
+        self.low.put(lane, low);
+        self.high.put(lane, high);
     }
 
     /// Ends nowhere in a lane.
@@ -117,26 +112,23 @@ impl<W: Wide> Range<W> {
     }
 
     pub(crate) fn above(&mut self, lane: usize, bound: f64) {
-        let bound = W::Lane::constant(bound);
-        self.low.put(lane, self.low.lane(lane).larger(bound));
+        self.low.put(lane, Scalar::larger(self.low.lane(lane), bound));
     }
 
     pub(crate) fn below(&mut self, lane: usize, bound: f64) {
-        let bound = W::Lane::constant(bound);
-        self.high.put(lane, self.high.lane(lane).smaller(bound));
+        self.high.put(lane, Scalar::smaller(self.high.lane(lane), bound));
     }
 
     /// Whether it has an end in any lane.
     pub(crate) fn is_any(&self) -> bool {
-        let ends = |lane| {
-            W::Lane::constant(f64::NEG_INFINITY).lt(self.low.lane(lane))
-                || self.high.lane(lane).lt(W::Lane::constant(f64::INFINITY))
-        };
+        let ends = |lane| f64::NEG_INFINITY < self.low.lane(lane) || self.high.lane(lane) < f64::INFINITY;
         (0..W::LANES).any(ends)
     }
 
+    /// Ends at the bound of a guard, where rounding does not pass it.
     pub(crate) fn bound(&mut self, lane: usize, (bound, lasts_above): (f64, bool)) {
-        if lasts_above { self.above(lane, bound) } else { self.below(lane, bound) }
+        let room = W::ROUNDING * bound.abs();
+        if lasts_above { self.above(lane, bound - room) } else { self.below(lane, bound + room) }
     }
 
     /// Where a number lies within; nowhere for what is not a number.
@@ -188,14 +180,14 @@ impl<W: Wide> Watch<W> {
         hosts: &HostEnds<W>,
     ) -> bool {
         for range in &mut self.states {
-            range.put(lane, [-f64::MAX, f64::MAX]);
+            range.put(lane, [-W::LARGEST, W::LARGEST]);
         }
         for place in system.places_of_air() {
-            self.states[place].above(lane, f64::MIN_POSITIVE);
+            self.states[place].above(lane, W::SMALLEST);
         }
         for wire in &system.wires {
             if let Some(place) = wire.length_place() {
-                self.states[place].below(lane, wire.member.thread_length().next_down());
+                self.states[place].below(lane, W::below(wire.member.thread_length()));
             }
         }
         for its in &mut self.actuators {
@@ -251,8 +243,8 @@ impl<W: Wide> Watch<W> {
         (guard, form): (PlantGuard, GuardForm),
     ) -> bool {
         match (form, guard) {
-            (GuardForm::Above { index, bound }, _) => self.states[index].above(lane, bound),
-            (GuardForm::Below { index, bound }, _) => self.states[index].below(lane, bound),
+            (GuardForm::Above { index, bound }, _) => self.states[index].bound(lane, (bound, true)),
+            (GuardForm::Below { index, bound }, _) => self.states[index].bound(lane, (bound, false)),
             (GuardForm::Function, PlantGuard::Jump(i)) => return self.ends.enter(lane, system, mode, (i, None)),
             (GuardForm::Function, PlantGuard::Of(i, guard)) if system.wires[i].places.length.is_some() => {
                 return self.ends.enter(lane, system, mode, (i, Some(guard)));
@@ -326,7 +318,7 @@ impl<W: Wide> Watch<W> {
         let (network, modes) = (system.plant.network(), &mode.network.nodes[node]);
         let Some(ranges) = self.outlets.iter_mut().find(|its| its.node == node) else { return false };
         let NodeKind::Outlet { regulator, .. } = &network.nodes[node].kind else { return false };
-        let room = ERROR_MARGIN * network.atmosphere;
+        let room = W::MARGIN * network.atmosphere;
         match guard {
             NetworkGuard::Poppet { up, .. } => {
                 let rests = modes.poppet == Poppet::Rests;
@@ -482,6 +474,6 @@ fn hold_margin<W: Wide>(system: &System<W>, m: usize, end: &[W], held: &Held<W>,
         most = most + W::select(sticks, by_low.larger(by_high), zero);
         size = size + by_high.magnitude().larger(by_low.magnitude());
     }
-    let margin = W::constant(HOLD_MARGIN) * size;
+    let margin = W::constant(W::MARGIN) * size;
     (least + margin).le(load) & load.le(most - margin)
 }

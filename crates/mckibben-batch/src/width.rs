@@ -2,16 +2,16 @@
 
 use crate::wide::Instructions;
 
-/// The vector instructions of a batch. Its results do not depend on them.
+/// The vector instructions of a batch. In double precision its results do not depend on them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Width {
     /// What every machine of this kind has: one row after the other.
     Baseline,
-    /// 256 bits: eight rows at once, in two registers.
+    /// 256 bits: eight rows of double precision at once, in two registers.
     #[cfg(target_arch = "x86_64")]
     Avx2,
-    /// 512 bits: sixteen rows at once, in two registers.
+    /// 512 bits: sixteen rows of double precision at once, in two registers.
     #[cfg(target_arch = "x86_64")]
     Avx512,
 }
@@ -35,7 +35,7 @@ impl Width {
         Self::available().pop().unwrap_or(Self::Baseline)
     }
 
-    /// How many rows are stepped at once: a batch of no more is one block, which one thread steps.
+    /// How many rows of double precision are stepped at once: a batch of no more is one block, which one thread steps.
     pub fn rows(self) -> usize {
         match self {
             Self::Baseline => 1,

@@ -7,6 +7,7 @@ use crate::common::random::runner;
 use crate::common::random_plants::{drawn, plant};
 use crate::common::tendon::on_tendon;
 use crate::common::{PSI, Paper};
+use crate::single::{self, Singles};
 use mckibben::control::{Output, Pid, Quantity, Regulator, Sampling, Sensors, SetPoint, Tracker};
 use mckibben::force::Effectiveness;
 use mckibben::friction::{Hysteresis, LuGre, Viscoelastic};
@@ -14,7 +15,7 @@ use mckibben::plant::{Plant, PlantRun, PlantStart, PlantSteps, RigPlant};
 use mckibben::simulation::{Actuation, Method, Rig};
 use mckibben::valve::{self, Command, FlowStandard, Request, RuntimeCommand, Solenoid, ValveKind};
 use mckibben::{Error, GaugePressure, parameter};
-use mckibben_batch::{PlantBatch, Width};
+use mckibben_batch::{PlantBatch, Precision, Width};
 
 /// The numbers of a state, to the bit.
 pub(crate) fn bits(state: &[f64]) -> Vec<u64> {
@@ -37,11 +38,15 @@ pub(crate) fn rows(plant: &Plant, start: &PlantStart, method: Method, count: usi
 
 /// Steps a batch of every width and a scalar instance of each row, which have to agree; returns the scalar instances.
 pub(crate) fn agree(rows: &[PlantSteps], step: f64, steps: u32) {
+    step_by_step(rows, step, steps, Some(Singles::new(rows)));
+}
+
+fn step_by_step(rows: &[PlantSteps], step: f64, steps: u32, mut singles: Option<Singles>) {
     let mut scalar = rows.to_vec();
     let mut faults: Vec<Option<Error>> = vec![None; rows.len()];
     let mut batches: Vec<PlantBatch> = Vec::new();
     for width in Width::available() {
-        batches.push(PlantBatch::with_width(rows.to_vec(), width).expect("rows at one time"));
+        batches.push(PlantBatch::with_lanes(rows.to_vec(), width, Precision::Double).expect("rows at one time"));
     }
     for count in 1..=steps {
         let until = step * f64::from(count);
@@ -65,6 +70,12 @@ pub(crate) fn agree(rows: &[PlantSteps], step: f64, steps: u32) {
                 }
             }
         }
+        if let Some(singles) = &mut singles {
+            singles.go_on(until, &scalar, &faults);
+        }
+    }
+    if let Some(singles) = singles {
+        singles.check(&scalar, &faults);
     }
 }
 
@@ -318,8 +329,8 @@ fn what_does_not_fit_is_refused() {
 /// Random plants that are stepped.
 const STEPPED: u32 = 60;
 
-/// Plants of any structure in a batch are bit-identical to scalar instances. Some of these have parts that lanes leave out, so
-/// that their rows are stepped individually.
+/// Plants of any structure in a batch are bit-identical to scalar instances, and in single precision they go on or say why not. Some of
+/// these have parts that lanes leave out, so that their rows are stepped individually.
 #[test]
 fn random_plants_in_a_batch_equal_scalar_instances() {
     let count = std::cell::Cell::new(0);
@@ -328,7 +339,8 @@ fn random_plants_in_a_batch_equal_scalar_instances() {
         let Ok(plant) = plant else { return Ok(()) };
         for (method, step) in [(Method::Stable, 1e-3), (Method::Rk4, 2e-5)] {
             if let Ok(rows) = rows(&plant, &start, method, 18) {
-                agree(&rows, step, 60);
+                step_by_step(&rows, step, 60, None);
+                single::go_on_or_stop(rows, step, 60);
                 count.set(count.get() + 1);
             }
         }

@@ -11,7 +11,7 @@ use mckibben::plant::{Plant, PlantRun, PlantStart, PlantSteps};
 use mckibben::simulation::Method;
 use mckibben::valve::{Request, RuntimeCommand};
 use mckibben::{Error, Response};
-use mckibben_batch::{PlantBatch, Width};
+use mckibben_batch::{PlantBatch, Precision, Width};
 
 const STEP: f64 = 1e-3;
 
@@ -56,8 +56,9 @@ fn agree(
     let mut scalar = made.to_vec();
     let mut faults: Vec<Option<Error>> = vec![None; made.len()];
     let widths = Width::available().into_iter();
-    let mut batches: Vec<PlantBatch> =
-        widths.map(|width| PlantBatch::with_width(made.to_vec(), width).expect("rows at one time")).collect();
+    let mut batches: Vec<PlantBatch> = widths
+        .map(|width| PlantBatch::with_lanes(made.to_vec(), width, Precision::Double).expect("rows at one time"))
+        .collect();
     batches.iter_mut().for_each(|batch| batch.limit_step(longest).expect("a limit"));
     scalar.iter_mut().for_each(|row| row.limit_step(longest).expect("a limit"));
     let places: Vec<Vec<usize>> = made

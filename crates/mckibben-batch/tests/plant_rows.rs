@@ -11,7 +11,7 @@ use mckibben::load::{Load, Motion, SeriesTendon};
 use mckibben::plant::{Plant, PlantRun, PlantSteps};
 use mckibben::simulation::{InitialLength, Method, Rig, State};
 use mckibben::{Error, GaugePressure, air::Process};
-use mckibben_batch::{PlantBatch, Width};
+use mckibben_batch::{PlantBatch, Precision, Width};
 use proptest::strategy::{Strategy, ValueTree};
 use random::{cases, runner};
 
@@ -135,7 +135,7 @@ type End = Result<String, Error>;
 
 fn begun(rows: &[Row], method: Method, width: Width) -> PlantBatch {
     let steps = rows.iter().map(|row| row.steps(method).expect("a start"));
-    PlantBatch::with_width(steps.collect(), width).expect("rows at one time")
+    PlantBatch::with_lanes(steps.collect(), width, Precision::Double).expect("rows at one time")
 }
 
 fn ends(batch: &mut PlantBatch) -> Vec<End> {

@@ -9,7 +9,7 @@ use mckibben::plant::{Plant, PlantRun, PlantSteps};
 use mckibben::simulation::{Actuation, Method, Rig, State};
 use mckibben::valve::{Command, Ramp, Regulator, Request, RuntimeCommand, Solenoid, Spool, ValveKind};
 use mckibben::{Error, GaugePressure};
-use mckibben_batch::{PlantBatch, Width};
+use mckibben_batch::{PlantBatch, Precision, Width};
 
 /// A rig and its state at the start.
 #[derive(Clone, Debug)]
@@ -175,7 +175,8 @@ fn set(mut steps: PlantSteps, from: usize, commanded: impl Fn(usize) -> RuntimeC
 }
 
 fn batch(rows: &[Row], method: Method, width: Width) -> PlantBatch {
-    PlantBatch::with_width(rows.iter().map(|row| row.steps(method)).collect(), width).expect("a batch")
+    PlantBatch::with_lanes(rows.iter().map(|row| row.steps(method)).collect(), width, Precision::Double)
+        .expect("a batch")
 }
 
 fn ends(batch: &mut PlantBatch) -> Vec<String> {

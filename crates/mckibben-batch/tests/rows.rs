@@ -10,3 +10,4 @@ mod plant_given;
 mod plant_moves;
 mod plant_rows;
 mod plant_set;
+mod single;

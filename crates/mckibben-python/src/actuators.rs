@@ -8,10 +8,10 @@ use crate::arguments::{self, fitting};
 use crate::exceptions::{OrException, exception};
 use crate::pool;
 use crate::scenario::Scenario;
-use crate::typed::{Count, Given, Items, MemberWord, NewArguments, Numbers, Table};
+use crate::typed::{Count, Given, Items, MemberWord, NewArguments, Numbers, PrecisionWord, Table};
 use mckibben::parameter;
 use mckibben::plant::PlantSteps;
-use mckibben_batch::PlantBatch;
+use mckibben_batch::{PlantBatch, Precision, Width};
 use mckibben_identify::adjustable::Adjustable;
 use mckibben_run::failure::Failure;
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadwriteArray1};
@@ -47,6 +47,9 @@ const EACH: usize = 20 << 10;
 /// pulse_frequency : float, optional
 ///     Frequency in Hz, above zero, of the pulses of a duty cycle. By default that of the scenario's PWM. Required where the
 ///     valve has poppets and the scenario has no PWM.
+/// precision : {"double", "single"}, optional
+///     Numbers that the actuators are stepped in; double by default. Single precision takes twice as many at once, and keeps seven digits of a
+///     state: what a step changes below the last of them is lost. It needs a package that is built with the feature `f32`.
 ///
 /// Raises
 /// ------
@@ -97,18 +100,19 @@ struct Many {
 }
 
 impl Many {
-    fn new(rows: Vec<PlantSteps>) -> Result<Self, Failure> {
+    fn new(rows: Vec<PlantSteps>, precision: Precision) -> Result<Self, Failure> {
         let distances = rows.iter().map(distance).collect();
         let reaches = rows.iter().map(|row| row.plant().end_distance(0)).collect::<Result<_, _>>()?;
-        Ok(Self { batch: PlantBatch::new(rows)?, distances, reaches })
+        Ok(Self { batch: PlantBatch::with_lanes(rows, Width::widest(), precision)?, distances, reaches })
     }
 
     /// Does something with the plants, and puts them back.
     fn with_rows(&mut self, does: impl FnOnce(&mut [PlantSteps]) -> Result<(), Failure>) -> Result<(), Failure> {
+        let precision = self.batch.precision();
         let batch = std::mem::replace(&mut self.batch, PlantBatch::new(Vec::new())?);
         let mut rows = batch.into_rows();
         does(&mut rows)?;
-        *self = Self::new(rows)?;
+        *self = Self::new(rows, precision)?;
         Ok(())
     }
 
@@ -274,7 +278,7 @@ impl Actuators {
 #[pymethods]
 impl Actuators {
     #[new]
-    #[pyo3(signature = (scenario, count, name = None, *, parameters = Items(Vec::new()), values = None, pulse_frequency = None))]
+    #[pyo3(signature = (scenario, count, name = None, *, parameters = Items(Vec::new()), values = None, pulse_frequency = None, precision = PrecisionWord::from("double")))]
     fn new(
         py: Python<'_>,
         scenario: Py<Scenario>,
@@ -283,7 +287,9 @@ impl Actuators {
         parameters: Items<String>,
         values: Option<Table<'_>>,
         pulse_frequency: Option<f64>,
+        precision: PrecisionWord,
     ) -> PyResult<Self> {
+        let precision = precision.read().or_exception()?;
         let (count, each, name, parameters) = (count.0, EACH, name.map(|name| name.0), parameters.0);
         arguments::room(py, count, "actuators", each)?;
         let model = Model::of(scenario.get(), name.as_deref(), pulse_frequency).or_exception()?;
@@ -305,7 +311,7 @@ impl Actuators {
                 py.detach(|| varied(of, name, &parameters, values.chunks(width), &mut rows)).or_exception()?;
             }
         }
-        let many = Mutex::new(py.detach(|| Many::new(rows)).or_exception()?);
+        let many = Mutex::new(py.detach(|| Many::new(rows, precision)).or_exception()?);
         Ok(Self { scenario, name, parameters, values, pulse_frequency, model, count, many })
     }
 
@@ -476,7 +482,11 @@ impl Actuators {
     }
 
     fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<NewArguments<'py, StateIndices>> {
-        let mut named = BTreeMap::from([("pulse_frequency", self.pulse_frequency.into_bound_py_any(py)?)]);
+        let precision = PrecisionWord::of(self.many()?.batch.precision());
+        let mut named = BTreeMap::from([
+            ("pulse_frequency", self.pulse_frequency.into_bound_py_any(py)?),
+            ("precision", precision.into_bound_py_any(py)?),
+        ]);
         if !self.parameters.is_empty() {
             let values = PyArray1::from_slice(py, &self.values).reshape([self.count, self.parameters.len()])?;
             named.insert("parameters", (&self.parameters).into_bound_py_any(py)?);

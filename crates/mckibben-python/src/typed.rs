@@ -1,6 +1,7 @@
 //! Python objects with the types that the stubs give them.
 
 use crate::exceptions::exception;
+use mckibben_batch::Precision;
 use mckibben_run::failure::Failure;
 use numpy::ndarray::Dimension;
 use numpy::{
@@ -140,10 +141,29 @@ words! {
     AxisWord = "time" | "length";
     /// Actuator of an antagonistic joint.
     MemberWord = "agonist" | "antagonist";
+    /// Numbers that the lanes of a batch hold.
+    PrecisionWord = "double" | "single";
     /// Open ports of a valve.
     PortsWord = "closed" | "supply" | "exhaust" | "both";
     /// Request of a valve with poppets.
     RequestWord = "fill" | "hold" | "exhaust";
+}
+
+impl PrecisionWord {
+    pub(crate) fn read(&self) -> Result<Precision, Failure> {
+        match self.0.as_str() {
+            "double" => Ok(Precision::Double),
+            "single" => Ok(Precision::Single),
+            other => {
+                let title = format!("precision = \"{other}\" is not known");
+                Err(Failure::input(title, "choose \"double\" or \"single\""))
+            }
+        }
+    }
+
+    pub(crate) fn of(precision: Precision) -> Self {
+        Self::from(if precision == Precision::Single { "single" } else { "double" })
+    }
 }
 
 /// Entries of arrays that are read or written in place.

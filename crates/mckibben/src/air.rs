@@ -241,6 +241,7 @@ impl<S: Scalar> Air<S> {
 
     /// The net flow into a chamber in kg/s with which its pressure changes at a rate in Pa/s, when what comes in is as warm as
     /// the air inside: [`Air::pressure_rate`] inverted.
+    #[inline(always)]
     pub fn flow_for<T: Over<S>>(&self, chamber: &Chamber<T>, pressure_rate: T) -> T {
         let Chamber { pressure, mass, volume, volume_rate, .. } = *chamber;
         match self.process {

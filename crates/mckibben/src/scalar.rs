@@ -72,6 +72,9 @@ pub trait Scalar:
     /// Whether it is one number: what only a few elements of a batch need is left out of the code for all of its lanes.
     const IS_ONE: bool = false;
 
+    /// Adding and subtracting it rounds a number to a whole one: one and a half times two to the power of the digits behind the first.
+    const ROUNDS: f64 = 1.5 * (1_u64 << 52) as f64;
+
     /// A number known when the program is written, the same in every lane.
     fn constant(value: f64) -> Self;
     /// The square root; the argument must not be negative where the result is used.

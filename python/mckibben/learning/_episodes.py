@@ -28,6 +28,7 @@ class Episodes:
             parameters=list(options.randomize),
             action_mode=options.action_mode,
             pulse_frequency=options.pulse_frequency,
+            precision=options.precision,
         )
         check(options.randomize, self.plants)
         self.period = options.period(self.plants)

@@ -12,6 +12,7 @@ from mckibben._mckibben import VectorPlant
 from mckibben.errors import InputError
 
 ActionMode = Literal["duty", "request", "position", "set-point"]
+Precision = Literal["double", "single"]
 Draw = tuple[float, float] | Callable[[np.random.Generator, int], Any]
 
 # Least control period in s by default, where actions are no duty cycles.
@@ -46,6 +47,8 @@ class Options:
     controller's own, and have neither noise nor delay. `randomize` are paths of parameters of the plant that are drawn for
     each episode: uniformly between two ends in SI, or by a function of a generator and the number of values. All random
     numbers come from the generator, or generators, that `reset(seed=...)` seeds.
+
+    `precision` is that of `mckibben.VectorPlant`: "double" or "single".
     """
 
     action_mode: ActionMode = "duty"
@@ -61,6 +64,7 @@ class Options:
     sensor_delay: float = 0.0
     action_delay: float = 0.0
     randomize: Mapping[str, Draw] = field(default_factory=dict)
+    precision: Precision = "double"
 
     def __post_init__(self) -> None:
         for name in ("control_period", "duration", "pulse_frequency", "max_pressure", "distance_limit"):

@@ -5,7 +5,7 @@ use super::file::{Begin, File};
 use crate::pace::{Pace, Span};
 use mckibben::parameter;
 use mckibben::plant::{PlantRun, PlantSteps, TimeStepping};
-use mckibben_batch::PlantBatch;
+use mckibben_batch::{PlantBatch, Precision, Width};
 use mckibben_run::failure::Failure;
 use mckibben_run::host::CommandMode;
 use rayon::prelude::*;
@@ -28,9 +28,10 @@ pub(super) struct Fleet {
 
 impl Fleet {
     /// None yet, of this file.
-    pub(super) fn new(file: File, action_mode: CommandMode) -> Result<Self, Failure> {
+    pub(super) fn new(file: File, action_mode: CommandMode, precision: Precision) -> Result<Self, Failure> {
         let first = run(&file, file.begin()).map_err(|error| file.failed(&error))?;
-        let batch = PlantBatch::new(Vec::new()).map_err(|error| file.failed(&error))?;
+        let batch =
+            PlantBatch::with_lanes(Vec::new(), Width::widest(), precision).map_err(|error| file.failed(&error))?;
         let state = first.state().to_vec();
         Ok(Self { file, action_mode, first, pace: Pace::default(), batch, ends: Vec::new(), state })
     }
@@ -38,6 +39,11 @@ impl Fleet {
     /// The file.
     pub(super) fn file(&self) -> &File {
         &self.file
+    }
+
+    /// The numbers that the plants are stepped in.
+    pub(super) fn precision(&self) -> Precision {
+        self.batch.precision()
     }
 
     /// How many valves actions go to.
@@ -72,7 +78,8 @@ impl Fleet {
     pub(super) fn begin(&mut self, values: &[&[f64]]) -> Result<(), (usize, Failure)> {
         let of_row = |(row, values): (usize, &&[f64])| self.begun(values, 0.0).map_err(|failure| (row, failure));
         let rows = values.par_iter().enumerate().map(of_row).collect::<Result<Vec<_>, _>>()?;
-        self.batch = PlantBatch::new(rows).map_err(|error| (0, self.file.failed(&error)))?;
+        self.batch = PlantBatch::with_lanes(rows, Width::widest(), self.precision())
+            .map_err(|error| (0, self.file.failed(&error)))?;
         self.pace = Pace::default();
         Ok(())
     }

@@ -15,7 +15,9 @@ use crate::exceptions::{OrException, exception};
 use crate::pace::Span;
 use crate::pool;
 use crate::scenario::Scenario;
-use crate::typed::{ActionWord, Count, Flags, Items, NewArguments, Numbers as Array, Rows, Sequence, Table};
+use crate::typed::{
+    ActionWord, Count, Flags, Items, NewArguments, Numbers as Array, PrecisionWord, Rows, Sequence, Table,
+};
 use file::File;
 use fleet::Fleet;
 use mckibben::network::NodeKind;
@@ -47,6 +49,9 @@ use pyo3::prelude::*;
 ///     of a proportional spool from -1 to 1; the set point of a pressure regulator, a gauge pressure in Pa.
 /// pulse_frequency : float, optional
 ///     Frequency in Hz, above zero, of the pulses of a duty cycle. By default that of the scenario's PWM.
+/// precision : {"double", "single"}, optional
+///     Numbers that the instances are stepped in; double by default. Single precision takes twice as many at once, and keeps seven digits of a
+///     state: what a step changes below the last of them is lost. It needs a package that is built with the feature `f32`.
 ///
 /// Raises
 /// ------
@@ -109,7 +114,7 @@ impl VectorPlant {
         scenario: &Py<Scenario>,
         parameters: &[String],
         (mode, pulse_frequency): (&str, Option<f64>),
-        count: usize,
+        (count, precision): (usize, &PrecisionWord),
     ) -> Result<Self, Failure> {
         let file = File::read(scenario.clone_ref(py), parameters)?;
         if file.valves.is_empty() {
@@ -129,7 +134,7 @@ impl VectorPlant {
         let valve_delay = file.solenoids().map(of_valve).fold(0.0, f64::max) + hoses.fold(0.0, f64::max);
         let (longest, duration, given) = (file.step, file.run.duration, file.given().to_vec());
         let (width, pulses) = (file.columns.len(), action_mode.pulse_frequency());
-        let fleet = Fleet::new(file, action_mode)?;
+        let fleet = Fleet::new(file, action_mode, precision.read()?)?;
         fleet.check(&vec![action_mode.least(&requests); fleet.valves()]).map_err(|(_, failure)| failure)?;
         let (scenario, parameters, action_mode) = (scenario.clone_ref(py), parameters.to_vec(), mode.to_owned());
         Ok(Self {
@@ -212,7 +217,7 @@ fn shaped(name: &str, slice: Option<usize>, (rows, columns): (usize, usize)) -> 
 #[pymethods]
 impl VectorPlant {
     #[new]
-    #[pyo3(signature = (scenario, count, *, parameters = Items(Vec::new()), action_mode = ActionWord::from("duty"), pulse_frequency = None))]
+    #[pyo3(signature = (scenario, count, *, parameters = Items(Vec::new()), action_mode = ActionWord::from("duty"), pulse_frequency = None, precision = PrecisionWord::from("double")))]
     fn new(
         py: Python<'_>,
         scenario: Py<Scenario>,
@@ -220,9 +225,10 @@ impl VectorPlant {
         parameters: Items<String>,
         action_mode: ActionWord,
         pulse_frequency: Option<f64>,
+        precision: PrecisionWord,
     ) -> PyResult<Self> {
-        let mut plants =
-            Self::of(py, &scenario, &parameters.0, (&action_mode.0, pulse_frequency), count.0).or_exception()?;
+        let actions = (action_mode.0.as_str(), pulse_frequency);
+        let mut plants = Self::of(py, &scenario, &parameters.0, actions, (count.0, &precision)).or_exception()?;
         arguments::room(py, count.0, "plants", plants.fleet.bytes())?;
         plants.begin(py, None)?;
         Ok(plants)
@@ -492,6 +498,7 @@ impl VectorPlant {
             ("parameters", (&self.parameters).into_bound_py_any(py)?),
             ("action_mode", (&self.action_mode).into_bound_py_any(py)?),
             ("pulse_frequency", self.pulse_frequency.into_bound_py_any(py)?),
+            ("precision", PrecisionWord::of(self.fleet.precision()).into_bound_py_any(py)?),
         ];
         Ok(((self.scenario.clone_ref(py), self.count), named.into()))
     }

@@ -13,7 +13,7 @@ use super::plant::HostPlant;
 use crate::failure::Failure;
 use mckibben::plant::{PlantSampler, PlantSteps};
 use mckibben::{Error, Response, parameter};
-use mckibben_batch::PlantBatch;
+use mckibben_batch::{PlantBatch, Precision, Width};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -50,6 +50,14 @@ impl HostBatch {
     /// # Errors
     /// Where there is no plant, and where they differ in time, actuators, valves, outputs, states or steps.
     pub fn new(plants: Vec<HostPlant>) -> Result<Self, Failure> {
+        Self::with_precision(plants, Precision::Double)
+    }
+
+    /// Plants that go on together as in [`HostBatch::new`], in numbers of a precision.
+    ///
+    /// # Errors
+    /// As there, and where this program is built without that precision.
+    pub fn with_precision(plants: Vec<HostPlant>, precision: Precision) -> Result<Self, Failure> {
         let Some(first) = plants.first() else {
             return Err(Failure::input("there is no plant to step", "give one or more"));
         };
@@ -71,16 +79,21 @@ impl HostBatch {
                 .of(&format!("plant {row}")));
             }
         }
-        Self::of(models, rows, sizes[0])
+        Self::of(models, rows, sizes[0], precision)
     }
 
-    fn of(models: Vec<Arc<HostModel>>, rows: Vec<PlantSteps>, state_size: usize) -> Result<Self, Failure> {
+    fn of(
+        models: Vec<Arc<HostModel>>,
+        rows: Vec<PlantSteps>,
+        state_size: usize,
+        precision: Precision,
+    ) -> Result<Self, Failure> {
         let ends_of = |which: usize| rows.iter().flat_map(|row| ends_of(row).map(move |ends| ends[which])).collect();
         let ends = match models[0].motion() {
             Motion::Host => [ends_of(0), ends_of(1)],
             Motion::Scenario => [Vec::new(), Vec::new()],
         };
-        let mut batch = PlantBatch::new(rows)?;
+        let mut batch = PlantBatch::with_lanes(rows, Width::widest(), precision)?;
         batch.limit_step(models[0].longest)?;
         let samplers = models.iter().map(|_| None).collect();
         Ok(Self { models, batch, ends, steps: Vec::new(), samplers, state_size })
@@ -263,7 +276,7 @@ impl HostBatch {
     /// Puts plants in the place of all.
     fn put(&mut self, rows: Vec<PlantSteps>) -> Result<(), Failure> {
         let keeps = self.batch.keeps_to_thread();
-        *self = Self::of(self.models.clone(), rows, self.state_size)?;
+        *self = Self::of(self.models.clone(), rows, self.state_size, self.batch.precision())?;
         self.keep_to_thread(keeps);
         Ok(())
     }

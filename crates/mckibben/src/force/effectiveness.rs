@@ -125,10 +125,14 @@ impl<S: Scalar> Effectiveness<S> {
     pub fn at<T: Over<S>>(&self, gauge: GaugePressure<T>) -> T {
         match self {
             Self::Constant(ratio) => T::of(*ratio),
-            Self::Polynomial(coefficients) => coefficients
-                .iter()
-                .rev()
-                .fold(T::zero(), |sum, &coefficient| sum.multiply_add(gauge.0, T::of(coefficient))),
+            Self::Polynomial(coefficients) => {
+                // No closure: it would be compiled separately, without the instructions of a batch.
+                let mut ratio = T::zero();
+                for coefficient in coefficients.iter().rev() {
+                    ratio = ratio.multiply_add(gauge.0, T::of(*coefficient));
+                }
+                ratio
+            }
             Self::Table(table) => T::apart(Between { table, pressure: gauge.0 }),
         }
     }

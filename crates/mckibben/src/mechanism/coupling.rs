@@ -19,7 +19,7 @@
 //! `tests/moment_arm.rs`.
 
 use super::Mechanism;
-use super::chain::Chain;
+use super::chain::{Chain, Pose};
 use super::parameter::ATTACHMENT;
 use crate::convert::Convert;
 use crate::error::Error;
@@ -242,16 +242,19 @@ fn between<S: Scalar, T: Over<S>>(
     position: &[T],
     gradient: &mut [T],
 ) -> T {
-    let place = |end: &Attachment<S>| [T::of(end.place[0]), T::of(end.place[1])];
-    let first = chain.point(ends[0].segment, place(&ends[0]), position);
-    let second = chain.point(ends[1].segment, place(&ends[1]), position);
+    let mut pose = Pose::new();
+    if let Some(last) = ends[0].segment.max(ends[1].segment) {
+        chain.enter_pose(&position[..=last], &mut pose);
+    }
+    let first = pose.point(ends[0].segment, [T::of(ends[0].place[0]), T::of(ends[0].place[1])]);
+    let second = pose.point(ends[1].segment, [T::of(ends[1].place[0]), T::of(ends[1].place[1])]);
     let apart = [first[0] - second[0], first[1] - second[1]];
     let distance = (apart[0] * apart[0] + apart[1] * apart[1]).sqrt();
     gradient.fill(T::zero());
     for (end, (point, sign)) in ends.iter().zip([(first, T::one()), (second, -T::one())]) {
         let Some(segment) = end.segment else { continue };
         for (joint, entry) in gradient.iter_mut().enumerate().take(segment + 1) {
-            let pivot = chain.joint_place(joint, position);
+            let pivot = pose.joints[joint];
             // A turn about the joint moves the point across its radius.
             let moved = [pivot[1] - point[1], point[0] - pivot[0]];
             *entry = *entry + sign * (apart[0] * moved[0] + apart[1] * moved[1]) / distance;

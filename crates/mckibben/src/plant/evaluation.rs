@@ -27,7 +27,7 @@ use super::formulas::Formulas;
 use super::held_motion::Holding;
 use super::mode::ActuatorMode;
 use super::wire::{Assembly, Span, Wire};
-use crate::air::{Chamber, Flow};
+use crate::air::{Air, Chamber, Flow};
 use crate::friction::Deflections;
 use crate::line::split;
 use crate::load::MomentArm;
@@ -195,6 +195,22 @@ impl<R: Scalar, T: Differentiable<R>, F: Formulas<R>> Work for Compute<'_, R, T,
         if scope == Scope::Rates {
             system.enter_rates(time, state, mode, at, rates);
         }
+    }
+}
+
+/// The flow that the rate of a given pressure takes.
+struct FlowFor<'a, R: Scalar, T> {
+    air: &'a Air<R>,
+    chamber: &'a Chamber<T>,
+    rate: T,
+}
+
+impl<R: Scalar, T: Over<R>> Work for FlowFor<'_, R, T> {
+    type Output = T;
+
+    #[inline(always)]
+    fn done(self) -> T {
+        self.air.flow_for(self.chamber, self.rate)
     }
 }
 
@@ -428,18 +444,13 @@ impl<R: Scalar> System<R> {
                 unit.tension = mode.tension(wire, ends, self.deflections(i, state));
             }
             if wire.is_given {
-                self.enter_given(i, unit, chamber);
+                let air = self.plant.actuators[i].actuator.air();
+                unit.flow = split(T::apart(FlowFor { air, chamber, rate: unit.pressure_rate }));
             } else {
                 unit.pressure_rate = wire.member.actuator.air().pressure_rate_by(chamber, &unit.flow, || unit.warmth);
             }
             unit.mass_rate = unit.flow.net();
         }
-    }
-
-    /// Computes the flow that the rate of a given pressure takes.
-    #[inline(never)]
-    fn enter_given<T: Over<R>>(&self, i: usize, unit: &mut Unit<T>, chamber: &Chamber<T>) {
-        unit.flow = split(self.plant.actuators[i].actuator.air().flow_for(chamber, unit.pressure_rate));
     }
 
     /// Computes the accelerations of a mechanism.

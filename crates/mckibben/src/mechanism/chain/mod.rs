@@ -405,25 +405,30 @@ impl<S: Scalar> Chain<S> {
 
     /// Place in m of a point on a segment, or on the ground: across and up, from the first joint.
     pub fn point<T: Over<S>>(&self, segment: Option<usize>, place: [T; 2], angle: &[T]) -> [T; 2] {
-        let [along, across] = place;
-        let (from, sine, cosine) = match segment {
-            Some(segment) => {
-                let inclination = self.inclination(segment, angle);
-                (self.joint_place(segment, angle), inclination.sin(), inclination.cos())
-            }
-            None => ([T::zero(); 2], T::zero(), T::one()),
-        };
-        [from[0] + along * sine + across * cosine, from[1] - along * cosine + across * sine]
+        let mut pose = Pose::new();
+        if let Some(segment) = segment {
+            self.enter_pose(&angle[..=segment], &mut pose);
+        }
+        pose.point(segment, place)
     }
 
-    /// Place in m of a joint: across and up, from the first.
+    /// Place in m of a joint, or of the last segment's tip: across and up, from the first joint.
     pub fn joint_place<T: Over<S>>(&self, joint: usize, angle: &[T]) -> [T; 2] {
+        let mut pose = Pose::new();
+        self.enter_pose(&angle[..joint], &mut pose);
+        pose.joints[joint]
+    }
+
+    /// Enters where the first segments begin and end, and which way they point.
+    #[inline(always)]
+    pub(super) fn enter_pose<T: Over<S>>(&self, angle: &[T], pose: &mut Pose<T>) {
+        self.enter_directions(angle, &mut pose.directions, true);
         let mut place = [T::zero(); 2];
-        for i in 0..joint {
-            let (length, inclination) = (T::of(self.segments[i].length), self.inclination(i, angle));
-            place = [place[0] + length * inclination.sin(), place[1] - length * inclination.cos()];
+        for (i, segment) in self.segments[..angle.len()].iter().enumerate() {
+            let (length, [sine, cosine]) = (T::of(segment.length), pose.directions[i]);
+            place = [place[0] + length * sine, place[1] - length * cosine];
+            pose.joints[i + 1] = place;
         }
-        place
     }
 
     /// Powers in W that the mechanism loses, and that which the belt puts in, at angles and rates.
@@ -484,6 +489,31 @@ impl<S: Scalar> Chain<S> {
             potential = potential + half * T::of(belt.stiffness) * depth * depth;
         }
         [kinetic, potential]
+    }
+}
+
+/// Where the joints of a chain and its tip are in m, across and up from the first joint, and the sines and cosines of its segments'
+/// inclinations.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pose<T> {
+    pub(super) joints: [[T; 2]; MAX_JOINTS + 1],
+    directions: [[T; 2]; MAX_JOINTS],
+}
+
+impl<T: Scalar> Pose<T> {
+    #[inline(always)]
+    pub(super) fn new() -> Self {
+        Self { joints: [[T::zero(); 2]; MAX_JOINTS + 1], directions: [[T::zero(); 2]; MAX_JOINTS] }
+    }
+
+    /// Place in m of a point on a segment, or on the ground.
+    #[inline(always)]
+    pub(super) fn point(&self, segment: Option<usize>, [along, across]: [T; 2]) -> [T; 2] {
+        let (from, [sine, cosine]) = match segment {
+            Some(segment) => (self.joints[segment], self.directions[segment]),
+            None => ([T::zero(); 2], [T::zero(), T::one()]),
+        };
+        [from[0] + along * sine + across * cosine, from[1] - along * cosine + across * sine]
     }
 }
 
