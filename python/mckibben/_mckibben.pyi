@@ -271,6 +271,9 @@ class Actuators:
     pulse_frequency : float, optional
         Frequency in Hz, above zero, of the pulses of a duty cycle. By default that of the scenario's PWM. Required where the
         valve has poppets and the scenario has no PWM.
+    precision : {"double", "single"}, optional
+        Numbers that the actuators are stepped in; double by default. Single precision takes twice as many at once, and keeps seven digits of a
+        state: what a step changes below the last of them is lost. It needs a package that is built with the feature `f32`.
 
     Raises
     ------
@@ -307,7 +310,7 @@ class Actuators:
         """
         Return the number of actuators.
         """
-    def __new__(cls, /, scenario: Scenario, count: int, name: Literal["agonist", "antagonist"] | None = None, *, parameters: Sequence[str] = ..., values: NDArray[float64] | None = None, pulse_frequency: SupportsFloat | SupportsIndex | None = None) -> Actuators: ...
+    def __new__(cls, /, scenario: Scenario, count: int, name: Literal["agonist", "antagonist"] | None = None, *, parameters: Sequence[str] = ..., values: NDArray[float64] | None = None, pulse_frequency: SupportsFloat | SupportsIndex | None = None, precision: Literal["double", "single"] = ...) -> Actuators: ...
     def __repr__(self, /) -> str: ...
     def __setstate__(self, /, numbers: NDArray[float64]) -> None: ...
     @property
@@ -789,6 +792,9 @@ class HostedPlant:
         Frequency in Hz of the pulses of a duty cycle, above zero; by default that of the scenario's PWM.
     max_step : float, optional
         Longest part of a step in s, above zero: the air takes several in a long step. By default a step is one part.
+    precision : {"double", "single"}, optional
+        Numbers that the plants are stepped in; double by default. Single precision takes twice as many at once, and keeps seven digits of a
+        state: what a step changes below the last of them is lost. It needs a package that is built with the feature `f32`.
 
     Raises
     ------
@@ -822,7 +828,7 @@ class HostedPlant:
         >>> bool(distance[0, 0] < 0.08), plant.commands
         (True, ['actuator.request'])
     """
-    def __new__(cls, /, scenario: Scenario, count: int = ..., *, command_mode: str | None = None, pulse_frequency: SupportsFloat | SupportsIndex | None = None, max_step: SupportsFloat | SupportsIndex | None = None) -> HostedPlant: ...
+    def __new__(cls, /, scenario: Scenario, count: int = ..., *, command_mode: str | None = None, pulse_frequency: SupportsFloat | SupportsIndex | None = None, max_step: SupportsFloat | SupportsIndex | None = None, precision: Literal["double", "single"] = ...) -> HostedPlant: ...
     def __repr__(self, /) -> str: ...
     @property
     def actuators(self, /) -> list[str]:
@@ -1944,6 +1950,9 @@ class VectorPlant:
         of a proportional spool from -1 to 1; the set point of a pressure regulator, a gauge pressure in Pa.
     pulse_frequency : float, optional
         Frequency in Hz, above zero, of the pulses of a duty cycle. By default that of the scenario's PWM.
+    precision : {"double", "single"}, optional
+        Numbers that the instances are stepped in; double by default. Single precision takes twice as many at once, and keeps seven digits of a
+        state: what a step changes below the last of them is lost. It needs a package that is built with the feature `f32`.
 
     Raises
     ------
@@ -1977,7 +1986,7 @@ class VectorPlant:
     """
     def __getnewargs_ex__(self, /) -> tuple[tuple[Scenario, int], dict[str, Any]]: ...
     def __len__(self, /) -> int: ...
-    def __new__(cls, /, scenario: Scenario, count: int, *, parameters: Sequence[str] = ..., action_mode: Literal["duty", "request", "position", "set-point"] = ..., pulse_frequency: SupportsFloat | SupportsIndex | None = None) -> VectorPlant: ...
+    def __new__(cls, /, scenario: Scenario, count: int, *, parameters: Sequence[str] = ..., action_mode: Literal["duty", "request", "position", "set-point"] = ..., pulse_frequency: SupportsFloat | SupportsIndex | None = None, precision: Literal["double", "single"] = ...) -> VectorPlant: ...
     def __repr__(self, /) -> str: ...
     @property
     def columns(self, /) -> list[str]:
