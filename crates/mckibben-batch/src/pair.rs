@@ -234,8 +234,8 @@ pair! {
     select s.avx512f._mm512_mask_blend_pd(m, y, x), and x & y, or x | y, not !x, any x != 0
 }
 
-// Of times up to two seconds the last digit is 1e-7 s. A number jitters by some units of its last digit, 6e-8 of it; what holds something
-// is told by five of the seven digits.
+// The last digit of a number is 6e-8 of it: of times up to two seconds that is 1e-7 s. At rest a number jitters by some of these
+// units; whether something holds takes five digits to say.
 #[cfg(feature = "f32")]
 pair! {
     Singles256, SingleMask256, f32 in __m256, __m256, V3;

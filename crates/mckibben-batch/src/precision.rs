@@ -4,7 +4,7 @@ use mckibben::Error;
 
 /// The numbers of a batch's lanes.
 ///
-/// What switches, and when, is told in double precision whatever the lanes hold: a row whose mode changes takes that step as a scalar
+/// What switches, and when, is found in double precision whatever the lanes hold: a row whose mode changes takes that step as a scalar
 /// instance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Precision {

@@ -21,7 +21,7 @@ pub(crate) trait Wide: Scalar<Mask: Send + Sync> + Send + Sync {
     const ROUNDING: f64;
     /// Part of a sum by which it must keep away from a bound, so that no rounding decides.
     const MARGIN: f64;
-    /// The longest time in s that lanes tell exactly enough: later times are counted from a later origin.
+    /// The longest time in s of which lanes have digits enough: later times are counted from a later origin.
     const LONGEST: f64;
 
     /// Lanes from a function of their index.

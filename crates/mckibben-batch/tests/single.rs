@@ -14,7 +14,7 @@ const RATE: f64 = 5e-2;
 /// What slower rates (m/s, rad/s) and weaker flows (kg/s) are compared with: near rest they are rounding.
 const SLOW: f64 = 1e-3;
 const WEAK: f64 = 1e-5;
-/// The same of an end that sticks and slides on a tendon, in steps of the stable method: it slides a step sooner or later.
+/// Likewise of an end that sticks and slides on a tendon, in steps of the stable method: it slides a step sooner or later.
 const STICKS: f64 = 0.1;
 
 /// Batches of every width in single precision, and how far their states come from those of scalar instances.

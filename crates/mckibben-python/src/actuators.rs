@@ -278,6 +278,7 @@ impl Actuators {
 #[pymethods]
 impl Actuators {
     #[new]
+    #[expect(clippy::too_many_arguments, reason = "each is given by its name")]
     #[pyo3(signature = (scenario, count, name = None, *, parameters = Items(Vec::new()), values = None, pulse_frequency = None, precision = PrecisionWord::from("double")))]
     fn new(
         py: Python<'_>,
