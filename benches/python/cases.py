@@ -1,10 +1,11 @@
-"""Write scenario files that differ in one part from the paper's pulsed muscle, for the benchmark `rows`.
+"""Write scenario files that differ in one part from the paper's pulsed muscle, and a leg, for the benchmark `rows`.
 
     python benches/python/cases.py target/cases
     cd benches
     cargo run --release --bin rows -- ../target/cases/paper.toml ../target/cases/*.toml
 
-Every file is `examples/paper/fig-12.toml`: 5 lb under PWM of 25 Hz from 100 psi. Numbers of the added parts are assumed.
+Every file but one is `examples/paper/fig-12.toml`: 5 lb under PWM of 25 Hz from 100 psi. `leg-points.toml` is `examples/plant/leg.toml` with
+the muscles of one joint between points, where the others have moment arms. Numbers of the added parts are assumed.
 """
 
 import pathlib
@@ -53,10 +54,36 @@ SUPPLIED = {
 }
 
 
+def points(origin: str, insertion: str) -> str:
+    """Return the keys of a muscle between two points."""
+    return f"coupling.origin = {{ {origin} }}\ncoupling.insertion = {{ {insertion} }}\n"
+
+
+#: What of the leg's muscles is replaced.
+BETWEEN_POINTS = {
+    '[coupling]\nrest_length = "80 mm"\n': "",
+    'coupling.arms = { hip = "8 mm", knee = "8 mm" }\n': 'coupling.arms = { hip = "8 mm", knee = "8 mm" }\ncoupling.rest_length = "80 mm"\n',
+    'coupling.arms = { hip = "-8 mm", knee = "-8 mm" }\n': 'coupling.arms = { hip = "-8 mm", knee = "-8 mm" }\ncoupling.rest_length = "80 mm"\n',
+    'coupling.arms.hip = "18 mm"\n': points('along = "0 mm", across = "20 mm"', 'segment = "thigh", along = "78 mm"'),
+    'coupling.arms.hip = "-18 mm"\n': points('along = "0 mm", across = "-20 mm"', 'segment = "thigh", along = "78 mm"'),
+    'coupling.arms.knee = "15 mm"\ncoupling.rest_length = "78 mm"\n': points(
+        'segment = "thigh", along = "165 mm", across = "15 mm"', 'segment = "shank", along = "20 mm"'
+    ),
+    'coupling.arms.knee = "-15 mm"\ncoupling.rest_length = "78 mm"\n': points(
+        'segment = "thigh", along = "165 mm", across = "-15 mm"', 'segment = "shank", along = "20 mm"'
+    ),
+}
+
+
 def main(folder: pathlib.Path) -> None:
     """Write the files."""
     folder.mkdir(parents=True, exist_ok=True)
     paper = (ROOT / "examples/paper/fig-12.toml").read_text()
+    leg = (ROOT / "examples/plant/leg.toml").read_text()
+    for arms, ends in BETWEEN_POINTS.items():
+        assert arms in leg, arms
+        leg = leg.replace(arms, ends)
+    (folder / "leg-points.toml").write_text(leg)
     leaking = paper.replace('preset = "colbrunn-2001"', 'preset = "colbrunn-2001"\nleakage = "1e-11 m^3/(s*Pa)"')
     files = {name: f"{paper}\n{added}" for name, added in ADDED.items()}
     files["line-leak"] = leaking
