@@ -11,7 +11,7 @@ use mckibben::Error;
 use mckibben::command::Driver;
 use mckibben::plant::{JointPlant, Plant, PlantRun, PlantStart, PlantView, RigPlant};
 use mckibben::simulation::Method;
-use mckibben_batch::{PlantBatch, Precision, Width};
+use mckibben_batch::{PlantBatch, Precision};
 use mckibben_scenario::{Diagnostics, Document, PlantControl, Run};
 use std::path::Path;
 use std::process::ExitCode;
@@ -163,7 +163,7 @@ impl Case {
         for _ in 0..REPEATS {
             let stepped = || {
                 let row = self.begin(1e-9)?.steps(method);
-                let mut batch = PlantBatch::with_lanes(vec![row; rows], Width::widest(), precision)?;
+                let mut batch = PlantBatch::with_precision(vec![row; rows], precision)?;
                 let began = Instant::now();
                 batch.advance(duration, steps)?;
                 let spent = began.elapsed().as_secs_f64();

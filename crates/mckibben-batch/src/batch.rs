@@ -82,14 +82,22 @@ impl PlantBatch {
     /// # Errors
     /// [`Error::Misuse`] where times or methods differ.
     pub fn new(rows: Vec<PlantSteps>) -> Result<Self, Error> {
-        Self::with_lanes(rows, Width::widest(), Precision::Double)
+        Self::with_precision(rows, Precision::Double)
+    }
+
+    /// A batch as in [`PlantBatch::new`], whose lanes hold numbers of a precision.
+    ///
+    /// # Errors
+    /// As [`PlantBatch::new`], and [`Error::Misuse`] where this program is built without that precision.
+    pub fn with_precision(rows: Vec<PlantSteps>, precision: Precision) -> Result<Self, Error> {
+        Self::with_lanes(rows, Width::widest(), precision)
     }
 
     /// A batch with given instructions and numbers. Where the machine has not got the instructions, others do the work; rows that are
     /// stepped individually are in double precision.
     ///
     /// # Errors
-    /// As [`PlantBatch::new`].
+    /// As [`PlantBatch::with_precision`].
     pub fn with_lanes(rows: Vec<PlantSteps>, width: Width, precision: Precision) -> Result<Self, Error> {
         precision.check()?;
         let width = width.or_widest();

@@ -30,6 +30,22 @@ macro_rules! binary {
     )*};
 }
 
+/// What comes of the first registers of two pairs, and of the second.
+macro_rules! both {
+    ($mask:ident, ($these:expr, $those:expr), |$s:ident, $x:ident, $y:ident| $work:expr) => {{
+        let $s = $these.simd;
+        let one = {
+            let ($x, $y) = ($these.one, $those.one);
+            $work
+        };
+        let two = {
+            let ($x, $y) = ($these.two, $those.two);
+            $work
+        };
+        $mask { one, two, simd: $s }
+    }};
+}
+
 macro_rules! one_by_one {
     ($($function:ident),*) => {$(
         fn $function(self) -> Self {
@@ -43,7 +59,7 @@ macro_rules! pair {
     ($wide:ident, $mask:ident, $number:ident in $register:ty, $flags:ty, $simd:ty;
      $part:ident: $add:ident $sub:ident $mul:ident $div:ident $min:ident $max:ident $sqrt:ident $splat:ident;
      $bits:ident: $xor:ident;
-     rounding $rounding:literal, margin $margin:literal, longest $longest:expr;
+     margin $margin:literal, longest $longest:expr;
      |$s:ident, $x:ident, $y:ident, $m:ident|
      lt $lt:expr, le $le:expr, select $select:expr, and $and:expr, or $or:expr, not $not:expr, any $any:expr) => {
         #[doc = concat!("Two registers of `", stringify!($number), "`.")]
@@ -77,9 +93,7 @@ macro_rules! pair {
             type Output = Self;
             #[inline(always)]
             fn bitand(self, other: Self) -> Self {
-                let $s = self.simd;
-                let (one, two) = ({ let ($x, $y) = (self.one, other.one); $and }, { let ($x, $y) = (self.two, other.two); $and });
-                Self { one, two, simd: $s }
+                both!($mask, (self, other), |$s, $x, $y| $and)
             }
         }
 
@@ -87,9 +101,7 @@ macro_rules! pair {
             type Output = Self;
             #[inline(always)]
             fn bitor(self, other: Self) -> Self {
-                let $s = self.simd;
-                let (one, two) = ({ let ($x, $y) = (self.one, other.one); $or }, { let ($x, $y) = (self.two, other.two); $or });
-                Self { one, two, simd: $s }
+                both!($mask, (self, other), |$s, $x, $y| $or)
             }
         }
 
@@ -147,15 +159,11 @@ macro_rules! pair {
             }
             #[inline(always)]
             fn lt(self, other: Self) -> $mask {
-                let $s = self.simd;
-                let (one, two) = ({ let ($x, $y) = (self.one, other.one); $lt }, { let ($x, $y) = (self.two, other.two); $lt });
-                $mask { one, two, simd: $s }
+                both!($mask, (self, other), |$s, $x, $y| $lt)
             }
             #[inline(always)]
             fn le(self, other: Self) -> $mask {
-                let $s = self.simd;
-                let (one, two) = ({ let ($x, $y) = (self.one, other.one); $le }, { let ($x, $y) = (self.two, other.two); $le });
-                $mask { one, two, simd: $s }
+                both!($mask, (self, other), |$s, $x, $y| $le)
             }
             #[inline(always)]
             fn select(mask: $mask, yes: Self, no: Self) -> Self {
@@ -182,7 +190,6 @@ macro_rules! pair {
             const LANES: usize = 2 * size_of::<$register>() / size_of::<$number>();
             const LARGEST: f64 = $number::MAX as f64;
             const SMALLEST: f64 = $number::MIN_POSITIVE as f64;
-            const ROUNDING: f64 = $rounding;
             const MARGIN: f64 = $margin;
             const LONGEST: f64 = $longest;
 
@@ -218,7 +225,7 @@ pair! {
     Doubles256, DoubleMask256, f64 in __m256d, __m256d, V3;
     avx: _mm256_add_pd _mm256_sub_pd _mm256_mul_pd _mm256_div_pd _mm256_min_pd _mm256_max_pd _mm256_sqrt_pd _mm256_set1_pd;
     avx: _mm256_xor_pd;
-    rounding 0.0, margin 1e-9, longest f64::INFINITY;
+    margin 1e-9, longest f64::INFINITY;
     |s, x, y, m|
     lt s.avx._mm256_cmp_pd::<_CMP_LT_OQ>(x, y), le s.avx._mm256_cmp_pd::<_CMP_LE_OQ>(x, y),
     select s.avx._mm256_blendv_pd(y, x, m), and s.avx._mm256_and_pd(x, y), or s.avx._mm256_or_pd(x, y),
@@ -228,20 +235,19 @@ pair! {
     Doubles512, DoubleMask512, f64 in __m512d, __mmask8, V4;
     avx512f: _mm512_add_pd _mm512_sub_pd _mm512_mul_pd _mm512_div_pd _mm512_min_pd _mm512_max_pd _mm512_sqrt_pd _mm512_set1_pd;
     avx512dq: _mm512_xor_pd;
-    rounding 0.0, margin 1e-9, longest f64::INFINITY;
+    margin 1e-9, longest f64::INFINITY;
     |s, x, y, m|
     lt s.avx512f._mm512_cmp_pd_mask::<_CMP_LT_OQ>(x, y), le s.avx512f._mm512_cmp_pd_mask::<_CMP_LE_OQ>(x, y),
     select s.avx512f._mm512_mask_blend_pd(m, y, x), and x & y, or x | y, not !x, any x != 0
 }
 
-// The last digit of a number is 6e-8 of it: of times up to two seconds that is 1e-7 s. At rest a number jitters by some of these
-// units; whether something holds takes five digits to say.
+// The last digit of a number is 6e-8 of it: of times up to two seconds that is 1e-7 s. Whether something holds takes five digits to say.
 #[cfg(feature = "f32")]
 pair! {
     Singles256, SingleMask256, f32 in __m256, __m256, V3;
     avx: _mm256_add_ps _mm256_sub_ps _mm256_mul_ps _mm256_div_ps _mm256_min_ps _mm256_max_ps _mm256_sqrt_ps _mm256_set1_ps;
     avx: _mm256_xor_ps;
-    rounding 4e-7, margin 1e-5, longest 2.0;
+    margin 1e-5, longest 2.0;
     |s, x, y, m|
     lt s.avx._mm256_cmp_ps::<_CMP_LT_OQ>(x, y), le s.avx._mm256_cmp_ps::<_CMP_LE_OQ>(x, y),
     select s.avx._mm256_blendv_ps(y, x, m), and s.avx._mm256_and_ps(x, y), or s.avx._mm256_or_ps(x, y),
@@ -252,7 +258,7 @@ pair! {
     Singles512, SingleMask512, f32 in __m512, __mmask16, V4;
     avx512f: _mm512_add_ps _mm512_sub_ps _mm512_mul_ps _mm512_div_ps _mm512_min_ps _mm512_max_ps _mm512_sqrt_ps _mm512_set1_ps;
     avx512dq: _mm512_xor_ps;
-    rounding 4e-7, margin 1e-5, longest 2.0;
+    margin 1e-5, longest 2.0;
     |s, x, y, m|
     lt s.avx512f._mm512_cmp_ps_mask::<_CMP_LT_OQ>(x, y), le s.avx512f._mm512_cmp_ps_mask::<_CMP_LE_OQ>(x, y),
     select s.avx512f._mm512_mask_blend_ps(m, y, x), and x & y, or x | y, not !x, any x != 0

@@ -125,10 +125,8 @@ impl<W: Wide> Range<W> {
         (0..W::LANES).any(ends)
     }
 
-    /// Ends at the bound of a guard, where rounding does not pass it.
     pub(crate) fn bound(&mut self, lane: usize, (bound, lasts_above): (f64, bool)) {
-        let room = W::ROUNDING * bound.abs();
-        if lasts_above { self.above(lane, bound - room) } else { self.below(lane, bound + room) }
+        if lasts_above { self.above(lane, bound) } else { self.below(lane, bound) }
     }
 
     /// Where a number lies within; nowhere for what is not a number.
@@ -243,8 +241,8 @@ impl<W: Wide> Watch<W> {
         (guard, form): (PlantGuard, GuardForm),
     ) -> bool {
         match (form, guard) {
-            (GuardForm::Above { index, bound }, _) => self.states[index].bound(lane, (bound, true)),
-            (GuardForm::Below { index, bound }, _) => self.states[index].bound(lane, (bound, false)),
+            (GuardForm::Above { index, bound }, _) => self.states[index].above(lane, bound),
+            (GuardForm::Below { index, bound }, _) => self.states[index].below(lane, bound),
             (GuardForm::Function, PlantGuard::Jump(i)) => return self.ends.enter(lane, system, mode, (i, None)),
             (GuardForm::Function, PlantGuard::Of(i, guard)) if system.wires[i].places.length.is_some() => {
                 return self.ends.enter(lane, system, mode, (i, Some(guard)));

@@ -17,8 +17,6 @@ pub(crate) trait Wide: Scalar<Mask: Send + Sync> + Send + Sync {
     /// The largest number of a lane, and the smallest above zero that has all of its digits.
     const LARGEST: f64;
     const SMALLEST: f64;
-    /// Part of a number by which it may pass the bound of a guard, since it jitters by that at rest.
-    const ROUNDING: f64;
     /// Part of a sum by which it must keep away from a bound, so that no rounding decides.
     const MARGIN: f64;
     /// The longest time in s of which lanes have digits enough: later times are counted from a later origin.
@@ -73,7 +71,7 @@ impl<K: Compiled> WithSimd for Vectorized<K> {
     }
 }
 
-/// Work in a function of its own.
+/// Work in a separate function.
 pub(crate) struct Apart<W>(pub(crate) W);
 
 impl<W: Work> WithSimd for Apart<W> {

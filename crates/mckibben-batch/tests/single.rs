@@ -82,7 +82,7 @@ impl Singles {
 
 /// Rows in single precision, some of whose steps are too long, have finite states as long as they go on.
 pub(crate) fn go_on_or_stop(rows: Vec<PlantSteps>, step: f64, steps: u32) {
-    let mut batch = PlantBatch::with_lanes(rows, Width::widest(), Precision::Single).expect("rows at one time");
+    let mut batch = PlantBatch::with_precision(rows, Precision::Single).expect("rows at one time");
     for count in 1..=steps {
         batch.advance_to(step * f64::from(count)).expect("a time");
     }

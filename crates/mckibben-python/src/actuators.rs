@@ -11,7 +11,7 @@ use crate::scenario::Scenario;
 use crate::typed::{Count, Given, Items, MemberWord, NewArguments, Numbers, PrecisionWord, Table};
 use mckibben::parameter;
 use mckibben::plant::PlantSteps;
-use mckibben_batch::{PlantBatch, Precision, Width};
+use mckibben_batch::{PlantBatch, Precision};
 use mckibben_identify::adjustable::Adjustable;
 use mckibben_run::failure::Failure;
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadwriteArray1};
@@ -103,7 +103,7 @@ impl Many {
     fn new(rows: Vec<PlantSteps>, precision: Precision) -> Result<Self, Failure> {
         let distances = rows.iter().map(distance).collect();
         let reaches = rows.iter().map(|row| row.plant().end_distance(0)).collect::<Result<_, _>>()?;
-        Ok(Self { batch: PlantBatch::with_lanes(rows, Width::widest(), precision)?, distances, reaches })
+        Ok(Self { batch: PlantBatch::with_precision(rows, precision)?, distances, reaches })
     }
 
     /// Does something with the plants, and puts them back.

@@ -5,7 +5,7 @@ use super::file::{Begin, File};
 use crate::pace::{Pace, Span};
 use mckibben::parameter;
 use mckibben::plant::{PlantRun, PlantSteps, TimeStepping};
-use mckibben_batch::{PlantBatch, Precision, Width};
+use mckibben_batch::{PlantBatch, Precision};
 use mckibben_run::failure::Failure;
 use mckibben_run::host::CommandMode;
 use rayon::prelude::*;
@@ -30,8 +30,7 @@ impl Fleet {
     /// None yet, of this file.
     pub(super) fn new(file: File, action_mode: CommandMode, precision: Precision) -> Result<Self, Failure> {
         let first = run(&file, file.begin()).map_err(|error| file.failed(&error))?;
-        let batch =
-            PlantBatch::with_lanes(Vec::new(), Width::widest(), precision).map_err(|error| file.failed(&error))?;
+        let batch = PlantBatch::with_precision(Vec::new(), precision).map_err(|error| file.failed(&error))?;
         let state = first.state().to_vec();
         Ok(Self { file, action_mode, first, pace: Pace::default(), batch, ends: Vec::new(), state })
     }
@@ -78,8 +77,8 @@ impl Fleet {
     pub(super) fn begin(&mut self, values: &[&[f64]]) -> Result<(), (usize, Failure)> {
         let of_row = |(row, values): (usize, &&[f64])| self.begun(values, 0.0).map_err(|failure| (row, failure));
         let rows = values.par_iter().enumerate().map(of_row).collect::<Result<Vec<_>, _>>()?;
-        self.batch = PlantBatch::with_lanes(rows, Width::widest(), self.precision())
-            .map_err(|error| (0, self.file.failed(&error)))?;
+        self.batch =
+            PlantBatch::with_precision(rows, self.precision()).map_err(|error| (0, self.file.failed(&error)))?;
         self.pace = Pace::default();
         Ok(())
     }

@@ -13,7 +13,7 @@ use super::plant::HostPlant;
 use crate::failure::Failure;
 use mckibben::plant::{PlantSampler, PlantSteps};
 use mckibben::{Error, Response, parameter};
-use mckibben_batch::{PlantBatch, Precision, Width};
+use mckibben_batch::{PlantBatch, Precision};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -93,7 +93,7 @@ impl HostBatch {
             Motion::Host => [ends_of(0), ends_of(1)],
             Motion::Scenario => [Vec::new(), Vec::new()],
         };
-        let mut batch = PlantBatch::with_lanes(rows, Width::widest(), precision)?;
+        let mut batch = PlantBatch::with_precision(rows, precision)?;
         batch.limit_step(models[0].longest)?;
         let samplers = models.iter().map(|_| None).collect();
         Ok(Self { models, batch, ends, steps: Vec::new(), samplers, state_size })
