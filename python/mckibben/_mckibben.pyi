@@ -253,8 +253,8 @@ class Actuators:
     Many actuators of one scenario, each with its own air, valve and hysteresis, stepped together on arrays.
 
     The caller owns the arrays: `step` reads and writes them in place. They are one-dimensional and contiguous, of float64, with
-    one element for each actuator. They are stepped side by side in the vector registers of the processor, from 128 on by all
-    cores. Each is bit-identical to a scalar `Actuator`.
+    one element for each actuator. They are stepped side by side in the vector registers of the processor, and by all cores where
+    they are many. Each is bit-identical to a scalar `Actuator`.
 
     Parameters
     ----------

@@ -4,17 +4,21 @@ use crate::block;
 use crate::group::{Group, arrange};
 use crate::held;
 use crate::precision::Precision;
-use crate::row::{Change, Row};
+use crate::row::{Change, Row, Rows};
 use crate::span::Span;
 use crate::width::Width;
 use mckibben::internals::{check_longest_part, check_move, part_end, parts_of};
-use mckibben::plant::{Plant, PlantSample, PlantSteps};
+use mckibben::plant::{Plant, PlantRow, PlantSample, PlantSteps};
 use mckibben::valve::RuntimeCommand;
 use mckibben::{Error, Response, parameter};
 use rayon::prelude::*;
 
-/// Groups times steps up to which the caller's own thread takes all: to wake others takes longer.
-const ALONE: usize = 8;
+/// How long work must take in ns for other threads to share it: a good deal longer than to wake them.
+const WAKES: f64 = 8e4;
+/// About how long a row takes in ns, for each of its states: to step, to answer, to be set.
+const STEP: f64 = 25.0;
+const ANSWER: f64 = 10.0;
+const SETTING: f64 = 5.0;
 
 /// Plants that are stepped together.
 ///
@@ -101,7 +105,7 @@ impl PlantBatch {
     pub fn with_lanes(rows: Vec<PlantSteps>, width: Width, precision: Precision) -> Result<Self, Error> {
         precision.check()?;
         let width = width.or_widest();
-        let time = rows.first().map_or(0.0, PlantSteps::time);
+        let time = rows.first().map_or(0.0, |row| row.time());
         let differs = |row: &PlantSteps| row.time() != time || row.method() != rows[0].method();
         if rows.iter().any(differs) {
             return Err(Error::Misuse {
@@ -109,11 +113,22 @@ impl PlantBatch {
                 remedy: "begin all of them at the same time with the same method, or make a batch of those that agree",
             });
         }
-        let edges = rows.iter().map(PlantSteps::edge_rate).fold(0.0, f64::max);
+        let edges = rows.iter().map(|row| row.edge_rate()).fold(0.0, f64::max);
         let (groups, places, coordinates) = arrange(rows, width, precision);
         let (longest_part, ends) = (f64::INFINITY, Vec::new());
         let keeps_to_thread = false;
         Ok(Self { width, precision, time, groups, places, coordinates, longest_part, edges, ends, keeps_to_thread })
+    }
+
+    /// Puts other rows in the place of all: as many as there are, all at one time and stepped by one method. Precision, instructions,
+    /// threads and the parts of moves stay.
+    ///
+    /// # Errors
+    /// As [`PlantBatch::new`]. Then nothing has changed.
+    pub fn replace(&mut self, rows: Vec<PlantSteps>) -> Result<(), Error> {
+        let (longest_part, keeps_to_thread) = (self.longest_part, self.keeps_to_thread);
+        *self = Self { longest_part, keeps_to_thread, ..Self::with_lanes(rows, self.width, self.precision)? };
+        Ok(())
     }
 
     /// Whether plants of a structure go side by side. Left out are tendons of actuators whose dry friction falls with velocity: such
@@ -148,7 +163,7 @@ impl PlantBatch {
     }
 
     /// Whether the caller's own thread does all, also of many rows. Otherwise, as in a new batch, the threads of rayon's current
-    /// pool share what takes longer than to wake them.
+    /// pool share what takes much longer than to wake them.
     pub fn keep_to_thread(&mut self, keeps: bool) {
         self.keeps_to_thread = keeps;
     }
@@ -158,15 +173,27 @@ impl PlantBatch {
         self.keeps_to_thread
     }
 
-    /// What comes out of work that every group does so many times, joined in any order; threads share it where it is much.
+    /// Whether so many steps of all rows take much longer than to wake other threads.
+    pub fn is_much(&self, steps: usize) -> bool {
+        self.takes(STEP) * steps as f64 > WAKES
+    }
+
+    /// About how long all rows take in ns, of which each takes so long for each state.
+    fn takes(&self, each: f64) -> f64 {
+        let states = self.groups.first().map_or(0, |group| group.rows.list[0].steps.state().len());
+        each * (states * self.len()) as f64
+    }
+
+    /// What comes out of work of every group, which takes about `long` in ns for all, joined in any order.
     fn of_all<T: Clone + Send + Sync>(
         &mut self,
-        times: usize,
+        long: f64,
         nothing: &T,
         work: impl Fn(&mut Group) -> T + Sync + Send,
         join: impl Fn(T, T) -> T + Sync + Send,
     ) -> T {
-        let is_shared = !self.keeps_to_thread && self.groups.len() > 1 && self.groups.len() * times > ALONE;
+        let may_share = !self.keeps_to_thread && self.groups.len() > 1;
+        let is_shared = may_share && long > WAKES && rayon::current_num_threads() > 1;
         if is_shared {
             self.groups.par_iter_mut().map(work).reduce(|| nothing.clone(), join)
         } else {
@@ -174,9 +201,9 @@ impl PlantBatch {
         }
     }
 
-    /// Work that every group does so many times.
-    fn each(&mut self, times: usize, work: impl Fn(&mut Group) + Sync + Send) {
-        self.of_all(times, &(), work, |(), ()| ());
+    /// Work of every group, which takes about `long` in ns for all.
+    fn each(&mut self, long: f64, work: impl Fn(&mut Group) + Sync + Send) {
+        self.of_all(long, &(), work, |(), ()| ());
     }
 
     /// The plants where they are, in the order of their rows; those that have stopped, where they were last well.
@@ -184,17 +211,17 @@ impl PlantBatch {
         for [group, lane] in &self.places {
             self.groups[*group].bring(*lane);
         }
-        let mut rows: Vec<Row> = self.groups.into_iter().flat_map(|group| group.rows).collect();
+        let mut rows: Vec<Row> = self.groups.into_iter().flat_map(|group| group.rows.list).collect();
         rows.sort_by_key(|row| row.index);
-        rows.into_iter().map(|row| *row.steps).collect()
+        rows.into_iter().map(|row| PlantSteps::of_row(row.steps)).collect()
     }
 
     /// A row, as it is now.
     ///
     /// # Errors
     /// [`Error::Misuse`] when there is no such row; what stopped it.
-    pub fn row(&mut self, row: usize) -> Result<&PlantSteps, Error> {
-        self.living(row).map(|row| &*row.steps)
+    pub fn row(&mut self, row: usize) -> Result<&PlantRow, Error> {
+        self.living(row).map(|(row, _)| &*row.steps)
     }
 
     /// Why a row has stopped.
@@ -207,7 +234,8 @@ impl PlantBatch {
     /// # Errors
     /// As [`PlantSteps::save_to`] and [`PlantBatch::row`].
     pub fn save(&mut self, row: usize, numbers: &mut [f64]) -> Result<(), Error> {
-        self.living(row)?.steps.save_to(numbers)
+        let (row, desk) = self.living(row)?;
+        desk.visit(&mut row.steps, |steps| steps.save_to(numbers))
     }
 
     /// Writes the states of a row, in the places that [`Plant::indices`] says, without bringing more of it up to date.
@@ -216,7 +244,7 @@ impl PlantBatch {
     /// As [`PlantBatch::row`]; [`Error::Misuse`] where there is not one number for each state.
     pub fn read(&self, row: usize, state: &mut [f64]) -> Result<(), Error> {
         let (Group { rows, lanes, .. }, lane) = self.of_living(row)?;
-        let row = &rows[lane];
+        let row = &rows.list[lane];
         if state.len() != row.steps.state().len() {
             return Err(Error::Misuse {
                 what: "the states of an element are requested in a slice whose length is not their number",
@@ -251,11 +279,11 @@ impl PlantBatch {
     ) -> Result<(), (usize, Error)> {
         let set = |group: &mut Group| {
             let (mut edges, mut fault): (f64, Option<(usize, Error)>) = (0.0, None);
-            for lane in 0..group.rows.len() {
-                let index = group.rows[lane].index;
+            for lane in 0..group.rows.list.len() {
+                let index = group.rows.list[lane].index;
                 match command(index).map(|command| group.set(lane, valve, command)) {
                     Some(Ok(its)) => edges = edges.max(its),
-                    Some(Err(error)) if group.rows[lane].is_alive() => fault = fault.or(Some((index, error))),
+                    Some(Err(error)) if group.rows.list[lane].is_alive() => fault = fault.or(Some((index, error))),
                     Some(Err(_)) | None => {}
                 }
             }
@@ -268,7 +296,7 @@ impl PlantBatch {
             };
             (one.0.max(other.0), fault)
         };
-        let (edges, fault) = self.of_all(1, &(0.0, None), set, first);
+        let (edges, fault) = self.of_all(self.takes(SETTING), &(0.0, None), set, first);
         self.edges = self.edges.max(edges);
         fault.map_or(Ok(()), Err)
     }
@@ -318,7 +346,7 @@ impl PlantBatch {
         self.check_count("rates", rates)?;
         distances.iter().try_for_each(|its| parameter::INITIAL_LENGTH.check(*its).map(drop))?;
         rates.iter().try_for_each(|its| parameter::INITIAL_VELOCITY.check(*its).map(drop))?;
-        self.of_all(1, &Ok(()), |group| group.compute_at([distances, rates]), Result::and)
+        self.of_all(self.takes(ANSWER), &Ok(()), |group| group.compute_at([distances, rates]), Result::and)
     }
 
     /// What the actuators of a row answered when they were last computed; nothing before.
@@ -327,7 +355,7 @@ impl PlantBatch {
     /// As [`PlantBatch::row`].
     pub fn responses(&self, row: usize) -> Result<&[Response], Error> {
         let (Group { rows, responses, .. }, lane) = self.of_living(row)?;
-        let count = responses.len() / rows.len();
+        let count = responses.len() / rows.list.len();
         Ok(&responses[count * lane..count * (lane + 1)])
     }
 
@@ -337,7 +365,7 @@ impl PlantBatch {
     /// As [`PlantBatch::row`]; [`Error::Misuse`] when there is no such actuator.
     pub fn pressure(&self, row: usize, actuator: usize) -> Result<f64, Error> {
         let (Group { rows, lanes, .. }, lane) = self.of_living(row)?;
-        let row = &rows[lane];
+        let row = &rows.list[lane];
         let Some(here) = row.steps.plant().indices().actuators.get(actuator) else { return Err(NO_ACTUATOR) };
         Ok(match lanes {
             Some(lanes) if row.change == Change::None => lanes.read_one(lane, here.pressure),
@@ -363,9 +391,9 @@ impl PlantBatch {
     /// # Errors
     /// As [`PlantSteps::set_rates`] and [`PlantBatch::row`].
     pub fn set_rates(&mut self, row: usize, mechanism: usize, rates: &[f64]) -> Result<(), Error> {
-        let row = self.living(row)?;
+        let (row, desk) = self.living(row)?;
         row.changes(Change::All);
-        row.steps.set_rates(mechanism, rates)
+        desk.visit(&mut row.steps, |steps| steps.set_rates(mechanism, rates))
     }
 
     /// Another plant in the place of a row, which lives again if it had stopped.
@@ -375,24 +403,20 @@ impl PlantBatch {
     pub fn restart(&mut self, row: usize, steps: PlantSteps) -> Result<(), Error> {
         let [group, lane] = self.place(row)?;
         let Group { rows, lanes, commands, .. } = &mut self.groups[group];
-        let old = &rows[lane].steps;
+        let old = &rows.list[lane].steps;
         if steps.time() != self.time || steps.method() != old.method() {
             return Err(Error::Misuse {
                 what: "an element is reset at another time than the batch has reached, or with another method",
                 remedy: "give it the time of the batch, and its method",
             });
         }
-        let is_same = steps.plant() == old.plant();
-        let is_covered = Self::covers(old.plant());
-        if is_covered && !is_same && block::structure(steps.plant()) != block::structure(old.plant()) {
+        let mut begun = Row::new(steps, row, rows.list[lane].coordinates.start);
+        let is_same = begun.steps.share(old);
+        if !is_same && block::structure(begun.steps.plant()) != block::structure(old.plant()) {
             return Err(OTHER_STRUCTURE);
         }
-        let edges = steps.edge_rate();
-        let begun = Row::new(steps, row, rows[lane].coordinates.start);
-        if begun.coordinates != rows[lane].coordinates {
-            return Err(OTHER_STRUCTURE);
-        }
-        rows[lane] = begun;
+        let edges = begun.steps.edge_rate();
+        rows.list[lane] = begun;
         commands.clear();
         self.edges = self.edges.max(edges);
         if let Some(lanes) = lanes {
@@ -450,24 +474,24 @@ impl PlantBatch {
 
     /// Takes every living row through a span.
     fn go(&mut self, span: Span<'_>) {
-        self.each(span.ends.len(), |group| group.advance(span));
+        self.each(self.takes(STEP) * span.ends.len() as f64, |group| group.advance(span));
         self.time = span.until();
     }
 
     /// All rows as they are now, or why they have stopped.
-    pub fn rows(&mut self) -> Vec<Result<&PlantSteps, Error>> {
-        self.each(1, |group| {
-            (0..group.rows.len()).for_each(|lane| {
+    pub fn rows(&mut self) -> Vec<Result<&PlantRow, Error>> {
+        self.each(self.takes(ANSWER), |group| {
+            (0..group.rows.list.len()).for_each(|lane| {
                 group.bring(lane);
             });
         });
-        let steps = |row| self.of_living(row).map(|(group, lane)| &*group.rows[lane].steps);
+        let steps = |row| self.of_living(row).map(|(group, lane)| &*group.rows.list[lane].steps);
         (0..self.len()).map(steps).collect()
     }
 
     /// Everything that is known of every row, or why it has stopped.
     pub fn samples(&mut self) -> Vec<Result<PlantSample, Error>> {
-        self.rows().into_iter().map(|row| row.map(PlantSteps::sample)).collect()
+        self.rows().into_iter().map(|row| row.map(PlantRow::sample)).collect()
     }
 
     fn place(&self, row: usize) -> Result<[usize; 2], Error> {
@@ -478,15 +502,19 @@ impl PlantBatch {
     fn of_living(&self, row: usize) -> Result<(&Group, usize), Error> {
         let [group, lane] = self.place(row)?;
         let group = &self.groups[group];
-        group.rows[lane].fault.clone().map_or(Ok((group, lane)), Err)
+        group.rows.list[lane].fault.clone().map_or(Ok((group, lane)), Err)
     }
 
-    fn living(&mut self, row: usize) -> Result<&mut Row, Error> {
+    /// A row that has not stopped, as it is now, and what it computes with.
+    fn living(&mut self, row: usize) -> Result<(&mut Row, &mut PlantSteps), Error> {
         let [group, lane] = self.place(row)?;
-        let row = self.groups[group].bring(lane);
+        let group = &mut self.groups[group];
+        group.bring(lane);
+        let Rows { list, desk } = &mut group.rows;
+        let row = &mut list[lane];
         match &row.fault {
             Some(fault) => Err(fault.clone()),
-            None => Ok(row),
+            None => Ok((row, desk)),
         }
     }
 }

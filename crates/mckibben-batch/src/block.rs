@@ -10,19 +10,19 @@ use crate::group::FEW;
 use crate::held::{self, Held};
 use crate::kept::{keep_contents, keep_given, keep_rates};
 use crate::motion::HostEnds;
-use crate::row::{Change, Row};
+use crate::row::{Change, Row, Rows};
 use crate::span::Span;
 use crate::watch::Watch;
 use crate::wide::{Compiled, Wide, compiled};
 use mckibben::air::Process;
 use mckibben::internals::{Evaluation, Stages, System, is_due};
-use mckibben::plant::Plant;
+use mckibben::plant::{Plant, PlantSteps};
 use mckibben::scalar::Mask;
 use mckibben::simulation::Method;
 use mckibben::{Error, Response};
 use pulp::Simd;
 use std::fmt::Debug;
-use std::marker::PhantomData;
+use std::sync::Arc;
 
 /// Of a row whose step in lanes is believed and has kept its mode; 1 is believed, 0 is not.
 const KEEPS: f64 = 2.0;
@@ -35,10 +35,10 @@ pub(crate) trait Lanes: Debug + Send + Sync {
     fn copy(&self) -> Box<dyn Lanes>;
 
     /// Takes the rows, whose lanes these are, through a span.
-    fn advance(&mut self, rows: &mut [Row], span: Span<'_>);
+    fn advance(&mut self, rows: &mut Rows, span: Span<'_>);
 
     /// Brings a row to where its lane is.
-    fn bring(&mut self, lane: usize, row: &mut Row);
+    fn bring(&mut self, lane: usize, row: &mut Row, desk: &mut PlantSteps);
 
     /// Forgets what a lane has, whose row is another.
     fn forget(&mut self, lane: usize);
@@ -50,19 +50,44 @@ pub(crate) trait Lanes: Debug + Send + Sync {
     fn read_one(&self, lane: usize, place: usize) -> f64;
 
     /// Takes the numbers of the rows again.
-    fn gather(&mut self, rows: &mut [Row]);
+    fn gather(&mut self, rows: &mut Rows);
 
     /// Computes what the actuators of all rows answer, row after row, with the ends that a host moves at these distances in m and
     /// rates in m/s.
     ///
     /// # Errors
     /// Those of a row.
-    fn compute_at(&mut self, rows: &mut [Row], ends: [&[f64]; 2], responses: &mut [Response]) -> Result<(), Error>;
+    fn compute_at(&mut self, rows: &mut Rows, ends: [&[f64]; 2], responses: &mut [Response]) -> Result<(), Error>;
 }
 
 /// A plant with all its numbers zero: two plants of equal structure are equal.
 pub(crate) fn structure(plant: &Plant) -> Plant {
     without_commands(plant).convert(&mut Blank)
+}
+
+/// The plants of rows, with their numbers in lanes.
+#[inline(always)]
+fn deal<W: Wide>(rows: &[Row], known: &mut Known<W>) -> Arc<System<W>> {
+    let list = |row: &Row| {
+        let mut list = List(Vec::new());
+        without_commands(row.steps.plant()).convert(&mut list);
+        list.0
+    };
+    let lists: Vec<Vec<f64>> = rows.iter().map(list).collect();
+    let are_equal =
+        |list: &[f64], other: &[f64]| list.iter().map(|its| its.to_bits()).eq(other.iter().map(|its| its.to_bits()));
+    let is_common = lists.iter().all(|list| are_equal(list, &lists[0]));
+    match known {
+        Some((list, system)) if is_common && are_equal(list, &lists[0]) => system.clone(),
+        _ => {
+            let plant = without_commands(rows[0].steps.plant()).convert(&mut Deal::new(&lists));
+            let system = Arc::new(System::in_lanes(plant));
+            if is_common {
+                *known = lists.into_iter().next().map(|list| (list, system.clone()));
+            }
+            system
+        }
+    }
 }
 
 /// Commands differ from row to row, and no stage needs them.
@@ -83,7 +108,8 @@ pub(crate) struct Block<W: Wide> {
     pub(crate) method: Method,
     /// The time in s that all rows have reached.
     pub(crate) time: f64,
-    pub(crate) system: System<W>,
+    /// The plants with their numbers, in common with other blocks where all are of one plant.
+    pub(crate) system: Arc<System<W>>,
     pub(crate) stages: Stages<W>,
     pub(crate) at: Evaluation<W>,
     pub(crate) state: Vec<W>,
@@ -118,19 +144,23 @@ pub(crate) struct Block<W: Wide> {
     row: Vec<f64>,
 }
 
+/// The last numbers that all rows of a block had, and the plants with them in lanes.
+pub(crate) type Known<W> = Option<(Vec<f64>, Arc<System<W>>)>;
+
 /// What a new block is made of.
-struct Create<'a, W>(&'a mut [Row], PhantomData<W>);
+struct Create<'a, W: Wide>(&'a mut [Row], &'a mut Known<W>);
 
 /// A block's way through a span.
-struct Advance<'a, W: Wide>(&'a mut Block<W>, &'a mut [Row], Span<'a>);
+struct Advance<'a, W: Wide>(&'a mut Block<W>, &'a mut Rows, Span<'a>);
 
 /// What a block's rows answer with their ends at given distances and rates.
-struct Answer<'a, W: Wide>(&'a mut Block<W>, &'a mut [Row], [&'a [f64]; 2], &'a mut [Response]);
+struct Answer<'a, W: Wide>(&'a mut Block<W>, &'a mut Rows, [&'a [f64]; 2], &'a mut [Response]);
 
 impl<W: Wide> Block<W> {
-    /// A block of rows of equal structure, as many as there are lanes at most.
-    pub(crate) fn new(rows: &mut [Row]) -> Self {
-        compiled(Create::<W>(rows, PhantomData))
+    /// A block of rows of equal structure, as many as there are lanes at most. Where all have the numbers that are known, it has them
+    /// in common with the blocks before.
+    pub(crate) fn new(rows: &mut [Row], known: &mut Known<W>) -> Self {
+        compiled(Create::<W>(rows, known))
     }
 }
 
@@ -139,14 +169,14 @@ impl<W: Wide> Lanes for Block<W> {
         Box::new(self.clone())
     }
 
-    fn advance(&mut self, rows: &mut [Row], span: Span<'_>) {
+    fn advance(&mut self, rows: &mut Rows, span: Span<'_>) {
         compiled(Advance(self, rows, span));
     }
 
-    fn bring(&mut self, lane: usize, row: &mut Row) {
+    fn bring(&mut self, lane: usize, row: &mut Row, desk: &mut PlantSteps) {
         if row.is_alive() && (self.behind.lane(lane) > 0.0 || row.steps.time() != self.time) {
             read(&self.state, lane, &mut self.row);
-            self.put(lane, row, self.time);
+            self.put(lane, row, desk, self.time);
         }
     }
 
@@ -162,15 +192,16 @@ impl<W: Wide> Lanes for Block<W> {
         self.state[place].lane(lane)
     }
 
-    fn gather(&mut self, rows: &mut [Row]) {
-        for (lane, row) in rows.iter_mut().enumerate() {
-            self.bring(lane, row);
+    fn gather(&mut self, rows: &mut Rows) {
+        let Rows { list, desk } = rows;
+        for (lane, row) in list.iter_mut().enumerate() {
+            self.bring(lane, row, desk);
         }
         // A row that has stopped does not know the time.
-        *self = Self { time: self.time, origin: self.origin, ..Self::new(rows) };
+        *self = Self { time: self.time, origin: self.origin, ..Self::new(list, &mut None) };
     }
 
-    fn compute_at(&mut self, rows: &mut [Row], ends: [&[f64]; 2], responses: &mut [Response]) -> Result<(), Error> {
+    fn compute_at(&mut self, rows: &mut Rows, ends: [&[f64]; 2], responses: &mut [Response]) -> Result<(), Error> {
         compiled(Answer(self, rows, ends, responses))
     }
 }
@@ -181,16 +212,8 @@ impl<W: Wide> Compiled for Create<'_, W> {
 
     #[inline(always)]
     fn run<S: Simd>(self, _: S) -> Block<W> {
-        let rows = self.0;
-        let lists: Vec<Vec<f64>> = rows
-            .iter()
-            .map(|row| {
-                let mut list = List(Vec::new());
-                without_commands(row.steps.plant()).convert(&mut list);
-                list.0
-            })
-            .collect();
-        let system = System::in_lanes(without_commands(rows[0].steps.plant()).convert(&mut Deal::new(&lists)));
+        let Self(rows, known) = self;
+        let system = deal(rows, known);
         let plant = &system.plant;
         let (states, zero) = (plant.indices().states, W::zero());
         let is_isothermal =
@@ -273,24 +296,26 @@ impl<W: Wide> Block<W> {
     }
 
     /// Takes a row to a time in s and to the state that has been read of its lane.
-    fn put(&mut self, lane: usize, row: &mut Row, time: f64) {
-        row.steps.put(time, |place| self.row[place]);
-        if self.hosts.are_any() {
-            row.steps.turn();
-        }
+    fn put(&mut self, lane: usize, row: &mut Row, desk: &mut PlantSteps, time: f64) {
+        desk.visit(&mut row.steps, |steps| {
+            steps.put(time, |place| self.row[place]);
+            if self.hosts.are_any() {
+                steps.turn();
+            }
+        });
         self.behind.put(lane, 0.0);
     }
 
     /// One step of all rows to a time in s. Where something is due within it each row goes to its own next instant.
     #[inline(always)]
-    fn step(&mut self, rows: &mut [Row], until: f64) {
+    fn step(&mut self, rows: &mut Rows, until: f64) {
         let (zero, one) = (W::zero(), W::one());
         if until - self.origin > W::LONGEST {
             self.count_times_from(rows, self.time);
         }
         let is_divided = is_due(self.soonest, until);
         if is_divided {
-            self.set_goals(rows, until);
+            self.set_goals(&rows.list, until);
         }
         loop {
             self.update();
@@ -334,25 +359,26 @@ impl<W: Wide> Block<W> {
 
     /// Takes the step of those rows that have not kept their mode, each as a scalar instance.
     #[inline(never)]
-    fn part(&mut self, rows: &mut [Row], come: W, until: f64) {
+    fn part(&mut self, rows: &mut Rows, come: W, until: f64) {
         let mut changed = false;
-        for (lane, row) in rows.iter_mut().enumerate() {
+        let Rows { list, desk } = rows;
+        for (lane, row) in list.iter_mut().enumerate() {
             if !row.is_alive() || (come.lane(lane) == KEEPS && !self.looks[lane]) {
                 continue;
             }
-            self.bring(lane, row);
+            self.bring(lane, row, desk);
             let events = row.steps.events();
             let done = if come.lane(lane) > 0.0 {
                 read(&self.end, lane, &mut self.row);
-                row.steps.advance_to_end(until, &self.row)
+                desk.visit(&mut row.steps, |steps| steps.advance_to_end(until, &self.row))
             } else {
-                row.steps.advance_to(until)
+                desk.visit(&mut row.steps, |steps| steps.advance_to(until))
             };
             changed |= self.take_back(lane, row, (events, done));
             write(row.steps.state(), lane, &mut self.end);
         }
         if changed {
-            self.sum_up(rows);
+            self.sum_up(list);
         }
     }
 
@@ -391,9 +417,10 @@ impl<W: Wide> Block<W> {
     /// Passes what is due where the rows have come to; those that have not kept their mode continue as scalar instances. Whether
     /// enough rows have not come to `until` in s to go on side by side.
     #[inline(never)]
-    fn pass_goals(&mut self, rows: &mut [Row], come: W, until: f64) -> bool {
+    fn pass_goals(&mut self, rows: &mut Rows, come: W, until: f64) -> bool {
         let mut left = 0;
-        for (lane, row) in rows.iter_mut().enumerate() {
+        let Rows { list, desk } = rows;
+        for (lane, row) in list.iter_mut().enumerate() {
             if self.arrived[lane] || !row.is_alive() {
                 continue;
             }
@@ -406,12 +433,12 @@ impl<W: Wide> Block<W> {
                     self.arrived[lane] = true;
                     continue;
                 }
-                self.put(lane, row, self.goal[lane]);
-                row.steps.pass_on_the_way(until)
+                self.put(lane, row, desk, self.goal[lane]);
+                desk.visit(&mut row.steps, |steps| steps.pass_on_the_way(until))
             } else {
                 read(&self.state, lane, &mut self.row);
-                self.put(lane, row, self.from[lane]);
-                row.steps.advance_to(until)
+                self.put(lane, row, desk, self.from[lane]);
+                desk.visit(&mut row.steps, |steps| steps.advance_to(until))
             };
             self.take_back(lane, row, (events, done));
             write(row.steps.state(), lane, &mut self.state);
@@ -419,7 +446,7 @@ impl<W: Wide> Block<W> {
             left += usize::from(!self.arrived[lane] && row.is_alive());
         }
         let is_together = left >= FEW;
-        for (lane, row) in rows.iter_mut().enumerate() {
+        for (lane, row) in list.iter_mut().enumerate() {
             if self.arrived[lane] || !row.is_alive() {
                 continue;
             }
@@ -428,31 +455,32 @@ impl<W: Wide> Block<W> {
                 continue;
             }
             let events = row.steps.events();
-            let done = row.steps.advance_to(until);
+            let done = desk.visit(&mut row.steps, |steps| steps.advance_to(until));
             self.take_back(lane, row, (events, done));
             write(row.steps.state(), lane, &mut self.state);
         }
-        self.sum_up(rows);
+        self.sum_up(list);
         is_together
     }
 
     /// Enters rows that have changed, lays out pulses and looks up instants.
     #[inline(never)]
-    fn set_out(&mut self, rows: &mut [Row], span: &Span<'_>) {
+    fn set_out(&mut self, rows: &mut Rows, span: &Span<'_>) {
         let until = span.until();
         let all = self.known_until < until;
         if all {
             self.known_until = until + SPANS_AHEAD * (until - span.from);
         }
         let mut changed = false;
-        for (lane, row) in rows.iter_mut().enumerate() {
+        let Rows { list, desk } = rows;
+        for (lane, row) in list.iter_mut().enumerate() {
             let pulses = !is_due(until, row.edge);
             if !row.is_alive() || !(all || pulses || row.change != Change::None) {
                 continue;
             }
             changed = true;
             if pulses || row.change != Change::None {
-                self.bring(lane, row);
+                self.bring(lane, row, desk);
                 if let Err(fault) = row.steps.lay_out(until) {
                     self.stop(lane, row, fault);
                     continue;
@@ -468,7 +496,7 @@ impl<W: Wide> Block<W> {
             row.change = Change::None;
         }
         if changed {
-            self.sum_up(rows);
+            self.sum_up(list);
         }
     }
 
@@ -488,15 +516,16 @@ impl<W: Wide> Block<W> {
 
     /// Counts the times of lanes from another origin in s.
     #[inline(never)]
-    fn count_times_from(&mut self, rows: &mut [Row], origin: f64) {
+    fn count_times_from(&mut self, rows: &mut Rows, origin: f64) {
         self.origin = origin;
-        for (lane, row) in rows.iter_mut().enumerate() {
+        let Rows { list, desk } = rows;
+        for (lane, row) in list.iter_mut().enumerate() {
             if row.is_alive() {
-                self.bring(lane, row);
+                self.bring(lane, row, desk);
                 self.enter(lane, row);
             }
         }
-        self.sum_up(rows);
+        self.sum_up(list);
     }
 
     pub(crate) fn sum_up(&mut self, rows: &[Row]) {

@@ -2,7 +2,7 @@
 
 use crate::block::{Block, Lanes, write};
 use crate::motion;
-use crate::row::{Change, Row};
+use crate::row::{Change, Rows};
 use crate::span::Span;
 use crate::wide::Wide;
 use mckibben::scalar::Mask;
@@ -11,7 +11,7 @@ use mckibben::{Error, Response};
 impl<W: Wide> Block<W> {
     /// Sends the ends off that a host moves: where a row keeps its mode in its lane, and else by the row.
     #[inline(always)]
-    pub(crate) fn set_off(&mut self, rows: &mut [Row], distances: &[f64], span: &Span<'_>) {
+    pub(crate) fn set_off(&mut self, rows: &mut Rows, distances: &[f64], span: &Span<'_>) {
         let (zero, one, length) = (W::zero(), W::one(), span.until() - span.from);
         self.update();
         let Self { system, hosts, firsts, state, end, held, at, lives, behind, origin, .. } = self;
@@ -38,13 +38,14 @@ impl<W: Wide> Block<W> {
 
     /// Sends the ends of those rows off that do not keep their mode.
     #[inline(never)]
-    fn set_off_alone(&mut self, rows: &mut [Row], alone: W, (distances, length): (&[f64], f64)) {
-        for (lane, row) in rows.iter_mut().enumerate() {
+    fn set_off_alone(&mut self, rows: &mut Rows, alone: W, (distances, length): (&[f64], f64)) {
+        let Rows { list, desk } = rows;
+        for (lane, row) in list.iter_mut().enumerate() {
             if alone.lane(lane) <= 0.0 {
                 continue;
             }
-            self.bring(lane, row);
-            match row.set_off(length, distances) {
+            self.bring(lane, row, desk);
+            match row.set_off(desk, length, distances) {
                 Ok(()) => {
                     write(row.steps.state(), lane, &mut self.state);
                     self.enter(lane, row);
@@ -52,7 +53,7 @@ impl<W: Wide> Block<W> {
                 Err(fault) => self.stop(lane, row, fault),
             }
         }
-        self.sum_up(rows);
+        self.sum_up(list);
     }
 
     /// Puts the ends that a host moves exactly to where they have come.
@@ -68,7 +69,7 @@ impl<W: Wide> Block<W> {
     #[inline(always)]
     pub(crate) fn answer(
         &mut self,
-        rows: &mut [Row],
+        rows: &mut Rows,
         ends: [&[f64]; 2],
         responses: &mut [Response],
     ) -> Result<(), Error> {
@@ -87,7 +88,7 @@ impl<W: Wide> Block<W> {
         // The masks have the ways of these rates.
         self.is_changed = true;
         let mut come = W::select(in_lanes, one, zero);
-        for (lane, row) in rows.iter().enumerate() {
+        for (lane, row) in rows.list.iter().enumerate() {
             // What has changed since, its lane does not know.
             if row.change == Change::All {
                 come.put(lane, 0.0);
@@ -112,16 +113,17 @@ impl<W: Wide> Block<W> {
     #[inline(never)]
     fn answer_alone(
         &mut self,
-        rows: &mut [Row],
+        rows: &mut Rows,
         come: W,
         ends: [&[f64]; 2],
         responses: &mut [Response],
     ) -> Result<(), Error> {
         let count = self.system.wires.len();
-        for (lane, row) in rows.iter_mut().enumerate() {
+        let Rows { list, desk } = rows;
+        for (lane, row) in list.iter_mut().enumerate() {
             if row.is_alive() && come.lane(lane) <= 0.0 {
-                self.bring(lane, row);
-                row.compute_at(ends, &mut responses[count * lane..count * (lane + 1)])?;
+                self.bring(lane, row, desk);
+                row.compute_at(desk, ends, &mut responses[count * lane..count * (lane + 1)])?;
             }
         }
         Ok(())

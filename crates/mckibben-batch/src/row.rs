@@ -1,8 +1,10 @@
 //! An element of a batch: a plant that goes on, or why it has stopped.
+//!
+//! Rows of one group share what they compute with, the desk: each comes to it with what is its own.
 
 use crate::span::Span;
 use mckibben::internals::host_mechanisms;
-use mckibben::plant::PlantSteps;
+use mckibben::plant::{PlantRow, PlantSteps};
 use mckibben::{Error, Response};
 use std::ops::Range;
 
@@ -20,7 +22,7 @@ pub(crate) enum Change {
 #[derive(Clone, Debug)]
 pub(crate) struct Row {
     /// Where it is; its lane may be ahead of it.
-    pub(crate) steps: Box<PlantSteps>,
+    pub(crate) steps: Box<PlantRow>,
     pub(crate) fault: Option<Error>,
     pub(crate) change: Change,
     /// The next instant in s that is known; infinite when none is.
@@ -32,12 +34,28 @@ pub(crate) struct Row {
     pub(crate) coordinates: Range<usize>,
 }
 
+/// The rows of a group, all of equal structure.
+#[derive(Clone, Debug)]
+pub(crate) struct Rows {
+    pub(crate) list: Vec<Row>,
+    /// What they compute with, one after the other.
+    pub(crate) desk: PlantSteps,
+}
+
+impl Rows {
+    /// The first row of a group.
+    pub(crate) fn of(row: Row) -> Self {
+        let desk = PlantSteps::of_row(row.steps.clone());
+        Self { list: vec![row], desk }
+    }
+}
+
 impl Row {
     /// A row of this number, whose coordinates that a host moves begin at `first`.
     pub(crate) fn new(steps: PlantSteps, index: usize, first: usize) -> Self {
         let own: usize = host_mechanisms(steps.plant()).map(|(_, here)| here.coordinates).sum();
         Self {
-            steps: Box::new(steps),
+            steps: steps.into_row(),
             fault: None,
             change: Change::All,
             next: f64::INFINITY,
@@ -48,21 +66,24 @@ impl Row {
     }
 
     /// Sends its ends off, to where they come within a span in s.
-    pub(crate) fn set_off(&mut self, span: f64, distances: &[f64]) -> Result<(), Error> {
+    pub(crate) fn set_off(&mut self, desk: &mut PlantSteps, span: f64, distances: &[f64]) -> Result<(), Error> {
         let own = &distances[self.coordinates.clone()];
-        self.steps.check_moves(span, own)?;
-        self.steps.begin_move(span, own);
-        Ok(())
+        desk.visit(&mut self.steps, |steps| {
+            steps.check_moves(span, own)?;
+            steps.begin_move(span, own);
+            Ok(())
+        })
     }
 
     /// Computes what its actuators answer with the ends at these distances and moving at these rates.
     pub(crate) fn compute_at(
         &mut self,
+        desk: &mut PlantSteps,
         [distances, rates]: [&[f64]; 2],
         responses: &mut [Response],
     ) -> Result<(), Error> {
         let own = self.coordinates.clone();
-        self.steps.compute_at(&distances[own.clone()], &rates[own], responses)
+        desk.visit(&mut self.steps, |steps| steps.compute_at(&distances[own.clone()], &rates[own], responses))
     }
 
     pub(crate) fn is_alive(&self) -> bool {
@@ -88,20 +109,22 @@ impl Row {
     }
 
     /// Steps through a span as a scalar instance.
-    pub(crate) fn advance(&mut self, span: &Span<'_>) {
+    pub(crate) fn advance(&mut self, desk: &mut PlantSteps, span: &Span<'_>) {
         if self.is_alive() {
-            self.fault = self.go(span).err();
+            self.fault = self.go(desk, span).err();
         }
     }
 
-    fn go(&mut self, span: &Span<'_>) -> Result<(), Error> {
+    fn go(&mut self, desk: &mut PlantSteps, span: &Span<'_>) -> Result<(), Error> {
         if let Some(distances) = span.distances {
-            self.set_off(span.until() - span.from, distances)?;
+            self.set_off(desk, span.until() - span.from, distances)?;
         }
-        span.ends.iter().try_for_each(|end| self.steps.advance_to(*end))?;
-        if let Some(distances) = span.distances {
-            self.steps.end_move(&distances[self.coordinates.clone()]);
-        }
-        Ok(())
+        desk.visit(&mut self.steps, |steps| {
+            span.ends.iter().try_for_each(|end| steps.advance_to(*end))?;
+            if let Some(distances) = span.distances {
+                steps.end_move(&distances[self.coordinates.clone()]);
+            }
+            Ok(())
+        })
     }
 }

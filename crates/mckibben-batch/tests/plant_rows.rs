@@ -8,7 +8,7 @@ use crate::common::random;
 use crate::common::{INCH, LB, PSI, Paper, ROOM};
 use mckibben::line::{Compressor, Hose, HoseKind, Leakage, Line, Regulator, Reservoir, SupplyLine};
 use mckibben::load::{Load, Motion, SeriesTendon};
-use mckibben::plant::{Plant, PlantRun, PlantSteps};
+use mckibben::plant::{Plant, PlantRow, PlantRun, PlantSteps};
 use mckibben::simulation::{InitialLength, Method, Rig, State};
 use mckibben::{Error, GaugePressure, air::Process};
 use mckibben_batch::{PlantBatch, Precision, Width};
@@ -143,7 +143,7 @@ fn ends(batch: &mut PlantBatch) -> Vec<End> {
 }
 
 /// What is known of a row, in digits that distinguish any two numbers.
-fn end(steps: &PlantSteps) -> String {
+fn end(steps: &PlantRow) -> String {
     format!("{:?} {:?}", steps.state(), steps.sample())
 }
 
@@ -290,7 +290,7 @@ fn any_admissible_row_goes_on_or_says_why_not() {
                 assert_eq!(text(batch.row(index).map(end)), text(expected), "{of:?}");
                 checked += 1;
             }
-            match batch.row(index).map(PlantSteps::sample) {
+            match batch.row(index).map(PlantRow::sample) {
                 Ok(sample) => {
                     let s = &sample.actuators[0];
                     let numbers = [s.length, s.velocity, s.pressure.0, s.air_mass, s.temperature, s.volume, s.tension];

@@ -5,7 +5,7 @@ use crate::common::{LB, PSI, Paper, ROOM, between, spread};
 use mckibben::friction::Coulomb;
 use mckibben::line::{Hose, HoseKind, Line};
 use mckibben::load::SeriesTendon;
-use mckibben::plant::{Plant, PlantRun, PlantSteps};
+use mckibben::plant::{Plant, PlantRow, PlantRun, PlantSteps};
 use mckibben::simulation::{Actuation, Method, Rig, State};
 use mckibben::valve::{Command, Ramp, Regulator, Request, RuntimeCommand, Solenoid, Spool, ValveKind};
 use mckibben::{Error, GaugePressure};
@@ -150,7 +150,7 @@ fn millisecond(count: usize) -> f64 {
 }
 
 /// All that is known of a row, in digits that distinguish any two numbers.
-fn end(steps: &PlantSteps) -> String {
+fn end(steps: &PlantRow) -> String {
     format!("{:?} {:?}", steps.state(), steps.sample().actuators)
 }
 

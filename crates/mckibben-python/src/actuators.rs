@@ -29,8 +29,8 @@ const EACH: usize = 20 << 10;
 /// Many actuators of one scenario, each with its own air, valve and hysteresis, stepped together on arrays.
 ///
 /// The caller owns the arrays: `step` reads and writes them in place. They are one-dimensional and contiguous, of float64, with
-/// one element for each actuator. They are stepped side by side in the vector registers of the processor, from 128 on by all
-/// cores. Each is bit-identical to a scalar `Actuator`.
+/// one element for each actuator. They are stepped side by side in the vector registers of the processor, and by all cores where
+/// they are many. Each is bit-identical to a scalar `Actuator`.
 ///
 /// Parameters
 /// ----------
@@ -106,14 +106,12 @@ impl Many {
         Ok(Self { batch: PlantBatch::with_precision(rows, precision)?, distances, reaches })
     }
 
-    /// Does something with the plants, and puts them back.
+    /// Does something with the plants, and puts them back. Where that fails, nothing has changed.
     fn with_rows(&mut self, does: impl FnOnce(&mut [PlantSteps]) -> Result<(), Failure>) -> Result<(), Failure> {
-        let precision = self.batch.precision();
-        let batch = std::mem::replace(&mut self.batch, PlantBatch::new(Vec::new())?);
-        let mut rows = batch.into_rows();
+        let mut rows = self.batch.clone().into_rows();
         does(&mut rows)?;
-        *self = Self::new(rows, precision)?;
-        Ok(())
+        self.distances = rows.iter().map(distance).collect();
+        Ok(self.batch.replace(rows)?)
     }
 
     /// Takes on the distances that can be reached; the rows of those that cannot be, and why the first cannot.
@@ -268,7 +266,7 @@ impl Actuators {
 
     /// Does work on the threads of the pool where there are enough actuators, and else on the caller's own.
     fn share<T: Send>(&self, many: &mut Many, work: impl FnOnce(&mut Many) -> T + Send) -> Result<T, Failure> {
-        pool::share(self.count, |keeps| {
+        pool::share(many.batch.is_much(1), |keeps| {
             many.batch.keep_to_thread(keeps);
             work(many)
         })
@@ -507,8 +505,8 @@ impl Actuators {
         let mut numbers = Vec::new();
         let mut many = self.many()?;
         for row in 0..self.count {
-            let mut actuator = many.batch.row(row).map_err(|error| of_row(error.into(), row)).or_exception()?.clone();
-            numbers.extend_from_slice(self.model.state_of(&mut actuator).or_exception()?.numbers());
+            let actuator = many.batch.row(row).map_err(|error| of_row(error.into(), row)).or_exception()?;
+            numbers.extend_from_slice(self.model.state_of(&mut actuator.to_steps()).or_exception()?.numbers());
         }
         let width = numbers.len() / self.count.max(1);
         Ok(Numbers(PyArray1::from_vec(py, numbers).reshape([self.count, width])?.into_any()))

@@ -110,12 +110,12 @@ impl HostedPlant {
         py: Python<'_>,
         work: impl FnOnce(&mut HostBatch) -> Result<(), Failure> + Send,
     ) -> PyResult<()> {
-        let (count, batch) = (self.batch.count(), &mut self.batch);
+        let (is_much, batch) = (self.batch.is_much(), &mut self.batch);
         let on_threads = |keeps| {
             batch.keep_to_thread(keeps);
             work(batch)
         };
-        py.detach(|| pool::share(count, on_threads)?).or_exception()
+        py.detach(|| pool::share(is_much, on_threads)?).or_exception()
     }
 
     /// What has stopped the first plant that has stopped.

@@ -22,13 +22,10 @@ struct Pool {
 /// What the last process that needed threads has made; never freed, because threads may still work on it.
 static POOL: AtomicPtr<Pool> = AtomicPtr::new(ptr::null_mut());
 
-/// Plants below which the caller's own thread steps them all: to wake others takes longer.
-const ALONE: usize = 128;
-
-/// Does work on so many plants: on the caller's own thread if they are few, and else on those of this process. Its argument says
-/// whether to keep to the caller's.
-pub(crate) fn share<T: Send>(count: usize, work: impl FnOnce(bool) -> T + Send) -> Result<T, Failure> {
-    if count < ALONE { Ok(work(true)) } else { shared(|| work(false)) }
+/// Does work on the threads of this process if it is much, and else on the caller's own. Its argument says whether to keep to the
+/// caller's.
+pub(crate) fn share<T: Send>(is_much: bool, work: impl FnOnce(bool) -> T + Send) -> Result<T, Failure> {
+    if is_much { shared(|| work(false)) } else { Ok(work(true)) }
 }
 
 /// Does work that is shared among threads on those of this process.

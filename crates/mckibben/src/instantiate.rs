@@ -14,11 +14,13 @@ use crate::{
     actuator::Response,
     command::{Driver, PlantMeasurement},
     plant::{
-        Plant, PlantMode, PlantReader, PlantRun, PlantSample, PlantStart, PlantSteps, PlantTrajectory, TimeStepping,
+        Plant, PlantMode, PlantReader, PlantRow, PlantRun, PlantSample, PlantStart, PlantSteps, PlantTrajectory,
+        TimeStepping,
     },
     simulation::Method,
     valve::RuntimeCommand,
 };
+use alloc::boxed::Box;
 use alloc::vec::Vec;
 
 /// Calls `watch` with a time in s now and then; its error ends a run.
@@ -67,6 +69,8 @@ entry_points! {
         run.extend(until, &mut |_| Ok(()));
     fn begin_plant_steps(run: &PlantRun<Self>, method: Method) -> PlantSteps<Self> =
         PlantSteps::generic_begin(run, method);
+    fn take_on_plant_row(row: Box<PlantRow<Self>>) -> PlantSteps<Self> = PlantSteps::generic_of_row(row);
+    fn adapt_plant_steps(steps: &mut PlantSteps<Self>) = steps.generic_adapt();
     fn advance_plant_steps(steps: &mut PlantSteps<Self>, until: Self) -> Result<(), Error> =
         steps.generic_advance_to(until);
     fn move_plant_steps(steps: &mut PlantSteps<Self>, until: Self, distances: &[Self]) -> Result<(), Error> =

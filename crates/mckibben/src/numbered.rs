@@ -37,11 +37,15 @@ pub(crate) trait Row<R: Real> {
 
     /// A count, which is far below 2⁵³.
     fn count(&mut self, count: &mut u64) {
-        let mut number = R::constant(*count as f64);
-        self.number(&mut number);
-        *count = number.value() as u64;
-        if *count as f64 != number.value() {
-            self.refuse();
+        // As a number with a sign, which is one instruction.
+        let mut number = R::constant(*count as i64 as f64);
+        self.any(&mut number);
+        if self.puts_back() {
+            let back = number.value() as i64;
+            *count = back.max(0) as u64;
+            if *count as f64 != number.value() {
+                self.refuse();
+            }
         }
     }
 
@@ -100,6 +104,9 @@ pub(crate) trait Row<R: Real> {
     fn choice<T: Copy + PartialEq, const N: usize>(&mut self, choice: &mut T, all: [T; N]) {
         let mut place = all.iter().position(|one| one == choice).unwrap_or(0) as u64;
         self.count(&mut place);
+        if !self.puts_back() {
+            return;
+        }
         match usize::try_from(place).ok().and_then(|place| all.get(place)) {
             Some(one) => *choice = *one,
             None => self.refuse(),

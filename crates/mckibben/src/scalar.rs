@@ -155,7 +155,7 @@ pub trait Scalar:
 }
 
 /// A scalar with one value to branch on: not lanes.
-pub trait Real: Scalar<Mask = bool> {
+pub trait Real: Scalar<Mask = bool> + PartialEq {
     /// Whether it carries derivatives besides its value.
     const HAS_DERIVATIVES: bool = false;
 

@@ -150,6 +150,30 @@ fn what_has_gone_through_numbers_goes_on_to_the_same_bits() {
     }
 }
 
+/// A host that gives a command in every step gives what one that gives it once does: the same numbers, and no events.
+#[test]
+fn a_command_that_holds_changes_nothing_when_it_is_given_again() {
+    for (index, (plant, start, takes)) in plants().into_iter().enumerate() {
+        let command = match takes {
+            Takes::Requests => Request::Exhaust.into(),
+            Takes::SetPoints => RuntimeCommand::SetPoint(GaugePressure(2.3e5)),
+            Takes::Positions => RuntimeCommand::Position(-0.4),
+        };
+        let [mut once, mut always] = [(); 2].map(|()| begun(&plant, &start));
+        once.set(0, command).expect("a command");
+        for count in 0..40 {
+            always.set(0, command).expect("a command");
+            for steps in [&mut once, &mut always] {
+                let place = steps.plant().indices().mechanisms[0].position(0);
+                let there = steps.state()[place] + 1e-4 * (spread(count, 1) - 0.5);
+                steps.move_to(steps.time() + STEP, &[there]).expect("a step");
+            }
+            assert_eq!(bits(&saved(&mut always)), bits(&saved(&mut once)), "plant {index} after step {count}");
+        }
+        assert_eq!(always.events(), once.events(), "plant {index}");
+    }
+}
+
 /// Actuators that stick together on a joint, stops, several valves on one bottle, and a mass.
 #[test]
 fn restored_runs_without_a_host_are_bit_identical() {

@@ -73,28 +73,43 @@ impl Fleet {
         begun.map(|run| run.steps(method)).map_err(|error| self.file.failed(&error))
     }
 
-    /// All begin at t = 0, as many as there are rows of values.
-    pub(super) fn begin(&mut self, values: &[&[f64]]) -> Result<(), (usize, Failure)> {
+    /// All begin at t = 0, as many as there are rows of values, on the threads of the pool or on the caller's own.
+    pub(super) fn begin(&mut self, values: &[&[f64]], keeps: bool) -> Result<(), (usize, Failure)> {
         let of_row = |(row, values): (usize, &&[f64])| self.begun(values, 0.0).map_err(|failure| (row, failure));
-        let rows = values.par_iter().enumerate().map(of_row).collect::<Result<Vec<_>, _>>()?;
-        self.batch =
-            PlantBatch::with_precision(rows, self.precision()).map_err(|error| (0, self.file.failed(&error)))?;
+        let rows = match keeps {
+            true => values.iter().enumerate().map(of_row).collect::<Result<Vec<_>, _>>()?,
+            false => values.par_iter().enumerate().map(of_row).collect::<Result<Vec<_>, _>>()?,
+        };
+        self.batch.replace(rows).map_err(|error| (0, self.file.failed(&error)))?;
         self.pace = Pace::default();
         Ok(())
     }
 
-    /// Some begin again, with nothing commanded of their valves; the others go on.
-    pub(super) fn restart(&mut self, rows: &[(usize, &[f64])]) -> Result<(), (usize, Failure)> {
+    /// Some begin again, with nothing commanded of their valves, on the threads of the pool or on the caller's own; the others go on.
+    pub(super) fn restart(&mut self, rows: &[(usize, &[f64])], keeps: bool) -> Result<(), (usize, Failure)> {
         let time = self.batch.time();
         let of_row = |(row, values): &(usize, &[f64])| match self.begun(values, time) {
             Ok(begun) => Ok((*row, begun)),
             Err(failure) => Err((*row, failure)),
         };
-        let begun = rows.par_iter().map(of_row).collect::<Result<Vec<_>, _>>()?;
+        let begun = match keeps {
+            true => rows.iter().map(of_row).collect::<Result<Vec<_>, _>>()?,
+            false => rows.par_iter().map(of_row).collect::<Result<Vec<_>, _>>()?,
+        };
         for (row, steps) in begun {
             self.batch.restart(row, steps).map_err(|error| (row, self.file.failed(&error)))?;
         }
         Ok(())
+    }
+
+    /// Whether so many steps of all take much longer than to wake other threads.
+    pub(super) fn is_much(&self, steps: u64) -> bool {
+        self.batch.is_much(steps as usize)
+    }
+
+    /// From now on the caller's own thread steps all, or the threads of the pool share them.
+    pub(super) fn keep_to_thread(&mut self, keeps: bool) {
+        self.batch.keep_to_thread(keeps);
     }
 
     /// Whether the valves can be commanded this: a number for each valve of each plant.

@@ -158,7 +158,7 @@ impl VectorPlant {
         let (values, count) = (values.map(|values| values.read("values")).transpose()?, self.count);
         let (fleet, values) =
             self.valued(values.as_ref().map(|of| of.as_slice()).transpose()?, count).or_exception()?;
-        py.detach(|| together(count, || fleet.begin(&values).map_err(of_plant))).or_exception()
+        py.detach(|| pool::share(count > FEW, |keeps| fleet.begin(&values, keeps).map_err(of_plant))?).or_exception()
     }
 
     /// The plants with the values of each; a failure where they are as many as there should not be, or not finite.
@@ -181,6 +181,9 @@ impl VectorPlant {
     }
 }
 
+/// Plants that begin in less time than it takes to wake other threads.
+const FEW: usize = 4;
+
 /// VectorPlant, and the values of each.
 type Valued<'a> = (&'a mut Fleet, Vec<&'a [f64]>);
 
@@ -190,14 +193,6 @@ fn mine<'py>(this: &Bound<'py, VectorPlant>) -> PyResult<PyRefMut<'py, VectorPla
         let remedy = "give each thread a separate VectorPlant, or wait for the other";
         exception(&Failure::input("these VectorPlant are being stepped by another thread", remedy))
     })
-}
-
-/// Does something with so many plants, on all cores; with one on the caller's own thread.
-fn together(count: usize, does: impl FnOnce() -> Result<(), Failure> + Send) -> Result<(), Failure> {
-    match count {
-        1 => does(),
-        _ => pool::shared(does)?,
-    }
 }
 
 /// A failure of a plant by its number.
@@ -278,7 +273,8 @@ impl VectorPlant {
         let (fleet, values) =
             plants.valued(values.as_ref().map(|of| of.as_slice()).transpose()?, rows.len()).or_exception()?;
         let rows: Vec<(usize, &[f64])> = rows.into_iter().zip(values).collect();
-        py.detach(|| together(count, || fleet.restart(&rows).map_err(of_plant))).or_exception()
+        py.detach(|| pool::share(rows.len() > FEW, |keeps| fleet.restart(&rows, keeps).map_err(of_plant))?)
+            .or_exception()
     }
 
     /// Command the valves, advance all instances, and write their observations.
@@ -341,9 +337,9 @@ impl VectorPlant {
                 py.check_signals()?;
             }
             py.detach(|| {
-                together(count, || {
+                pool::share(fleet.is_much(span.steps), |keeps| {
+                    fleet.keep_to_thread(keeps);
                     fleet.step(span, actions, observations, stopped);
-                    Ok(())
                 })
             })
             .or_exception()?;

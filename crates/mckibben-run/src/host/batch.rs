@@ -11,7 +11,7 @@
 use super::model::{HostModel, Motion};
 use super::plant::HostPlant;
 use crate::failure::Failure;
-use mckibben::plant::{PlantSampler, PlantSteps};
+use mckibben::plant::{PlantRow, PlantSampler, PlantSteps};
 use mckibben::{Error, Response, parameter};
 use mckibben_batch::{PlantBatch, Precision};
 use rayon::prelude::*;
@@ -88,11 +88,7 @@ impl HostBatch {
         state_size: usize,
         precision: Precision,
     ) -> Result<Self, Failure> {
-        let ends_of = |which: usize| rows.iter().flat_map(|row| ends_of(row).map(move |ends| ends[which])).collect();
-        let ends = match models[0].motion() {
-            Motion::Host => [ends_of(0), ends_of(1)],
-            Motion::Scenario => [Vec::new(), Vec::new()],
-        };
+        let ends = all_ends(&models[0], &rows);
         let mut batch = PlantBatch::with_precision(rows, precision)?;
         batch.limit_step(models[0].longest)?;
         let samplers = models.iter().map(|_| None).collect();
@@ -122,6 +118,11 @@ impl HostBatch {
     /// Whether the caller's own thread does all: see [`PlantBatch::keep_to_thread`].
     pub fn keep_to_thread(&mut self, keeps: bool) {
         self.batch.keep_to_thread(keeps);
+    }
+
+    /// Whether a step of all plants takes much longer than to wake other threads.
+    pub fn is_much(&self) -> bool {
+        self.batch.is_much(1)
     }
 
     /// Sets what the valves do from now on: one number for each command of each plant. Those of plants that have stopped are not
@@ -226,7 +227,7 @@ impl HostBatch {
         let width = self.model().outputs().len();
         self.check_count("outputs", into.len(), width)?;
         let Self { models, batch, samplers, .. } = self;
-        let read = |(model, into): (&Arc<HostModel>, &mut [f64]), row: &Result<&PlantSteps, Error>, sampler: &mut _| {
+        let read = |(model, into): (&Arc<HostModel>, &mut [f64]), row: &Result<&PlantRow, Error>, sampler: &mut _| {
             let Ok(steps) = row else { return Ok(()) };
             let sampler = Option::get_or_insert_with(sampler, || PlantSampler::new(steps));
             model.read_outputs((steps, sampler), into)
@@ -250,7 +251,7 @@ impl HostBatch {
     pub fn plant(&mut self, row: usize) -> Result<HostPlant, Failure> {
         let count = self.count();
         let steps = self.batch.row(row).map_err(|error| of_row(error.into(), row, count))?;
-        Ok(HostPlant::of(Arc::clone(&self.models[row]), steps.clone()))
+        Ok(HostPlant::of(Arc::clone(&self.models[row]), steps.to_steps()))
     }
 
     /// All begin again at t = 0, with the ends at `distances` in m and moving at `rates` in m/s: see [`HostPlant::begin_at`].
@@ -275,10 +276,8 @@ impl HostBatch {
 
     /// Puts plants in the place of all.
     fn put(&mut self, rows: Vec<PlantSteps>) -> Result<(), Failure> {
-        let keeps = self.batch.keeps_to_thread();
-        *self = Self::of(self.models.clone(), rows, self.state_size, self.batch.precision())?;
-        self.keep_to_thread(keeps);
-        Ok(())
+        self.ends = all_ends(self.model(), &rows);
+        Ok(self.batch.replace(rows)?)
     }
 
     /// One plant begins again now, while the others go on; its valves are commanded nothing.
@@ -377,6 +376,15 @@ fn check_count(name: &str, given: usize, due: usize) -> Result<(), Failure> {
         format!("{given} {name} are given for {due}"),
         "give one row for each plant, one after the other",
     ))
+}
+
+/// Where the ends of all plants are that a host moves, and how fast they move, one plant after the other.
+fn all_ends(model: &HostModel, rows: &[PlantSteps]) -> [Vec<f64>; 2] {
+    let of = |which: usize| rows.iter().flat_map(|row| ends_of(row).map(move |ends| ends[which])).collect();
+    match model.motion() {
+        Motion::Host => [of(0), of(1)],
+        Motion::Scenario => [Vec::new(), Vec::new()],
+    }
 }
 
 /// Where the ends are that a host moves and how fast they move, one after the other.

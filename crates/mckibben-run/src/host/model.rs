@@ -5,7 +5,9 @@
 use super::command::{CommandMode, Pulses};
 use super::experiment::experiment_of;
 use crate::failure::Failure;
-use mckibben::plant::{PlantRun, PlantSampler, PlantStart, PlantSteps, TimeStepping, plant_step_for_accuracy};
+use mckibben::plant::{
+    PlantRow, PlantRun, PlantSampler, PlantStart, PlantSteps, TimeStepping, plant_step_for_accuracy,
+};
 use mckibben::simulation::{MOST_PARTS, Method};
 use mckibben_scenario::{Document, PlantColumn, PlantExperiment, PlantQuantity};
 
@@ -234,7 +236,7 @@ impl HostModel {
     /// Unless there is one number for each of [`HostModel::outputs`].
     pub(super) fn read_outputs(
         &self,
-        (steps, sampler): (&PlantSteps, &mut PlantSampler),
+        (steps, sampler): (&PlantRow, &mut PlantSampler),
         into: &mut [f64],
     ) -> Result<(), Failure> {
         if into.len() != self.quantities.len() {

@@ -195,7 +195,7 @@ impl<'a> Group<'a> {
         let Self { key: GroupKey { how: TimeStepping::Fixed { method, step }, .. }, rows, .. } = self else { return };
         let Some(plan) = rows.first().map(|(_, row)| row.plan) else { return };
         let mut steps: Vec<_> = rows.iter().map(|(_, row)| row.run.steps(method)).collect();
-        let mut samplers: Vec<_> = steps.iter().map(PlantSampler::new).collect();
+        let mut samplers: Vec<_> = steps.iter().map(|its| PlantSampler::new(its)).collect();
         // What is due at the start is passed before the first sample.
         let began = steps.iter_mut().map(PlantSteps::pass_due);
         let (places, mut recorders): (Vec<_>, Vec<_>) =

@@ -6,7 +6,7 @@
 //!
 //! | command at t | effect |
 //! |---|---|
-//! | request, set point, position | replaces all entries from t on |
+//! | request, set point, position | replaces all entries from t on; the one that holds goes on |
 //! | pulses, during other pulses | the current pulse ends as before; the next period has the new duty |
 //! | pulses, without other pulses | the previous command goes on until a period begins |
 //!
@@ -41,12 +41,11 @@ impl<R: Real> RuntimeCommands<R> {
         Self { last: None, modulator: Modulator::idle(), pulse_frequency: R::one(), edge: never, is_pending: false }
     }
 
-    /// Takes a command that changes nothing before the next period: the current request, or another duty cycle of the current
+    /// Takes a command that changes nothing before the next period: the one that holds, or another duty cycle of the current
     /// pulses. Returns whether the command is one of these.
     #[inline]
     pub(super) fn follow(&mut self, commanded: &RuntimeCommand<R>) -> bool {
         match (&self.last, commanded) {
-            (Some(RuntimeCommand::Request(before)), RuntimeCommand::Request(request)) => before == request,
             (
                 Some(RuntimeCommand::Pulses { frequency: before, pulse: pulse_before, rest: rest_before, .. }),
                 RuntimeCommand::Pulses { frequency, duty, pulse, rest },
@@ -58,7 +57,8 @@ impl<R: Real> RuntimeCommands<R> {
                 }
                 goes_on
             }
-            _ => false,
+            (Some(before), now) => before == now,
+            (None, _) => false,
         }
     }
 

@@ -84,21 +84,39 @@ impl<T: Scalar> NetworkState<T> {
     where
         T: Over<S>,
     {
-        let node = |node: &Node<S>| {
-            let pressure = match node.kind {
-                NodeKind::Atmosphere => T::of(network.atmosphere),
-                _ => T::of(network.absolute(node.gauge)),
-            };
-            NodeState {
-                pressure,
-                per_pressure: T::one() / pressure,
-                per_root_temperature: T::one() / T::of(node.temperature).sqrt(),
-                inward: T::zero(),
-                outward: T::zero(),
-                warmth: T::zero(),
-            }
+        let nodes = network.nodes.iter().map(|node| NodeState::of(network, node));
+        Self { nodes: nodes.collect(), flows: vec![T::zero(); network.branches.len()] }
+    }
+
+    /// Takes on the numbers of another network of equal structure.
+    pub(crate) fn adapt<S: Scalar>(&mut self, network: &Network<S>)
+    where
+        T: Over<S>,
+    {
+        for (state, node) in self.nodes.iter_mut().zip(&network.nodes) {
+            *state = NodeState::of(network, node);
+        }
+    }
+}
+
+impl<T: Scalar> NodeState<T> {
+    /// A node through which nothing flows yet.
+    fn of<S: Scalar>(network: &Network<S>, node: &Node<S>) -> Self
+    where
+        T: Over<S>,
+    {
+        let pressure = match node.kind {
+            NodeKind::Atmosphere => T::of(network.atmosphere),
+            _ => T::of(network.absolute(node.gauge)),
         };
-        Self { nodes: network.nodes.iter().map(node).collect(), flows: vec![T::zero(); network.branches.len()] }
+        Self {
+            pressure,
+            per_pressure: T::one() / pressure,
+            per_root_temperature: T::one() / T::of(node.temperature).sqrt(),
+            inward: T::zero(),
+            outward: T::zero(),
+            warmth: T::zero(),
+        }
     }
 }
 

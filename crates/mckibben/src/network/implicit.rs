@@ -119,6 +119,14 @@ pub(crate) struct NodeResponse<R> {
     pub(crate) falls: R,
 }
 
+/// How many equal branches one stands for.
+fn copies_of<R: Scalar>(branch: &Branch<R>) -> R {
+    match branch.kind {
+        BranchKind::Path { copies, .. } => copies,
+        _ => R::one(),
+    }
+}
+
 impl<R: Scalar> Elimination<R> {
     /// That of a plant, without numbers.
     pub(crate) fn new(plant: &Plant<R>) -> Self {
@@ -193,14 +201,26 @@ impl<R: Scalar> Elimination<R> {
                 (Some(from), Some(to)) if hangs(from, to) => Some(from),
                 _ => None,
             };
-            let copies = match branch.kind {
-                BranchKind::Path { copies, .. } => copies,
-                _ => R::one(),
-            };
-            Edge { from, to, child, place: *place, copies, slopes: [zero; 2], share: zero, start: zero }
+            Edge {
+                from,
+                to,
+                child,
+                place: *place,
+                copies: copies_of(branch),
+                slopes: [zero; 2],
+                share: zero,
+                start: zero,
+            }
         });
         let edges = edges.collect();
         Self { rows, edges }
+    }
+
+    /// Takes on the numbers of another plant of equal structure.
+    pub(crate) fn adapt(&mut self, network: &Network<R>) {
+        for (edge, branch) in self.edges.iter_mut().zip(&network.branches) {
+            edge.copies = copies_of(branch);
+        }
     }
 
     /// Sets the numbers of a stage for γh in s.

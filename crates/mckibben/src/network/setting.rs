@@ -237,7 +237,7 @@ impl<R: Real> Network<R> {
         Ok(())
     }
 
-    /// Applies a command that does not depend on the state of a valve that has been set before: the current request, or another
+    /// Applies a command that does not depend on the state of a valve that has been set before: the one that holds, or another
     /// duty cycle of the current pulses. Returns whether the command is one of these; otherwise nothing changes.
     ///
     /// # Errors

@@ -127,6 +127,14 @@ impl<T: Scalar> Evaluation<T> {
             settling: vec![0.0; plant.network.nodes.len()],
         }
     }
+
+    /// Takes on the numbers of another plant of equal structure.
+    pub(super) fn adapt<R: Scalar>(&mut self, plant: &Plant<R>)
+    where
+        T: Over<R>,
+    {
+        self.network.adapt(&plant.network);
+    }
 }
 
 /// A plant with what separates its events from rounding.

@@ -81,7 +81,7 @@ pub use run::{PlantRun, PlantSnapshot};
 pub use sample::{ActuatorSample, BranchSample, MechanismSample, NodeSample, PlantReader, PlantSample, ValveSample};
 pub use start::{InitialAir, PlantStart, StartNumber};
 pub use steps::{
-    EventUpdate, PILOT, PlantExchange, PlantReference, PlantSampler, PlantStepError, PlantSteps, SHORTEST,
+    EventUpdate, PILOT, PlantExchange, PlantReference, PlantRow, PlantSampler, PlantStepError, PlantSteps, SHORTEST,
     TimeStepping, plant_step_for_accuracy,
 };
 pub use stream::{PlantConsumer, PlantLedgerKeeper, PlantStep};

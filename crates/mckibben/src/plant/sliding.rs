@@ -313,8 +313,17 @@ impl<R: Real> System<R> {
         self.clamp_all(m, time, state, mode, at);
     }
 
-    /// Lets them slide the way that they move, or would move next; where that is none they are held.
-    pub(super) fn follow_rates(&self, m: usize, time: R, state: &[R], mode: &mut PlantMode<R>, at: &mut Evaluation<R>) {
+    /// Lets them slide the way that they move, or would move next; where that is none they are held. Whether one slides another
+    /// way than before.
+    pub(super) fn follow_rates(
+        &self,
+        m: usize,
+        time: R,
+        state: &[R],
+        mode: &mut PlantMode<R>,
+        at: &mut Evaluation<R>,
+    ) -> bool {
+        let mut turned = false;
         self.enter_distances(time, state, mode, at);
         let acceleration = match &self.plant.mechanisms[m] {
             Mechanism::Prescribed(motion) => motion.at(time, mode.mechanisms[m].corners_passed)[2].value(),
@@ -326,9 +335,11 @@ impl<R: Real> System<R> {
             }
             let velocity = at.units[i].rate.value();
             let heading = if velocity == 0.0 { acceleration } else { velocity };
-            mode.actuators[i].mode.sliding =
-                if heading == 0.0 { Sliding::Held } else { self.sliding_towards(i, heading) };
+            let sliding = if heading == 0.0 { Sliding::Held } else { self.sliding_towards(i, heading) };
+            let before = core::mem::replace(&mut mode.actuators[i].mode.sliding, sliding);
+            turned |= before != sliding;
         }
+        turned
     }
 
     /// Value of the guard of a facet in N times the facet's unit: positive while what sticks can hold.

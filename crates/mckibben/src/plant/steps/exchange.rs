@@ -107,10 +107,10 @@ impl PlantExchange {
 
     /// Takes on a time in s and the states that `write` sets, in the mode that holds.
     pub fn place(&self, steps: &mut PlantSteps, time: f64, write: impl FnOnce(&mut [f64])) {
-        let (own, state, _) = steps.reached.parts();
+        let (own, state, _) = steps.row.reached.parts();
         *own = time;
         write(state);
-        steps.work.forget_guards();
+        steps.row.forget_guards();
     }
 
     /// Writes the rates of all states per second in the mode that holds, one for each state. A host tries states far beyond the
@@ -214,7 +214,7 @@ impl PlantExchange {
     /// [`Error::Stopped`] when the plant cannot go on, or when events follow each other without end; [`Error::Misuse`] for a
     /// time more than a second before the last update, or after the next instant.
     pub fn update(&mut self, steps: &mut PlantSteps) -> Result<EventUpdate, Error> {
-        let (time, state, _) = steps.reached.parts();
+        let (time, state, _) = steps.row.reached.parts();
         if (*time - self.next).abs() < 10.0 * NEAR * (1.0 + time.abs()) {
             *time = self.next;
         }
@@ -230,12 +230,12 @@ impl PlantExchange {
         let (mut events, mut is_new) = (0, false);
         loop {
             let kind = if let Some(guard) = self.fired(steps, is_new) {
-                let (_, state, mode) = steps.reached.parts();
+                let (_, state, mode) = steps.row.reached.parts();
                 self.system.project(time, state, mode, &mut self.at);
                 self.system.cross(guard, time, state, mode, &mut self.at)?
             } else {
-                steps.reached.pulse(&self.system.plant, time + NEAR * (1.0 + time.abs()))?;
-                let (_, state, mode) = steps.reached.parts();
+                steps.row.reached.pulse(&self.system.plant, time + NEAR * (1.0 + time.abs()))?;
+                let (_, state, mode) = steps.row.reached.parts();
                 if self.system.next_instant(mode, time).is_none() {
                     break;
                 }
@@ -247,20 +247,20 @@ impl PlantExchange {
                 return Err(self.system.halts(time, steps.state(), Halt::Events, Some(kind)));
             }
         }
-        steps.work.forget_guards();
+        steps.row.forget_guards();
         (self.next, self.updated) = (next_of(&self.system, steps), time);
         Ok(EventUpdate { events, has_moved: self.before != steps.state(), next: self.next })
     }
 
     /// Enters the modes that follow from rates and distances of the external mechanisms that have jumped.
     pub fn enter_motion(&mut self, steps: &mut PlantSteps) {
-        let (time, state, mode) = steps.reached.parts();
+        let (time, state, mode) = steps.row.reached.parts();
         for m in 0..self.system.plant.mechanisms().len() {
             if matches!(self.system.plant.mechanisms()[m], crate::mechanism::Mechanism::External { .. }) {
                 self.system.enter_given_motion(m, *time, state, mode, &mut self.at);
             }
         }
-        steps.work.forget_guards();
+        steps.row.forget_guards();
     }
 
     /// Writes the usual sizes of the states in the mode that holds, one for each state.

@@ -54,7 +54,7 @@
 use super::super::run::PlantRun;
 use super::super::sample::ActuatorSample;
 use super::super::{MechanismIndices, Mounted, Plant, PlantStart};
-use super::{Method, NARROW, PlantSteps, part};
+use super::{Method, NARROW, PlantRow, PlantSteps, part};
 use crate::error::Error;
 use crate::force::Statics;
 use crate::instantiate::Instantiate;
@@ -176,7 +176,7 @@ impl<R: Instantiate> PlantSteps<R> {
     /// [`Error::OutOfRange`] unless `longest` is above zero. Then nothing has changed.
     pub fn limit_step(&mut self, longest: f64) -> Result<(), Error> {
         check_longest_part(longest)?;
-        self.longest_part = longest;
+        self.row.longest_part = longest;
         Ok(())
     }
 
@@ -185,13 +185,6 @@ impl<R: Instantiate> PlantSteps<R> {
     pub fn parts_until(&self, until: R) -> f64 {
         let span = (until - self.time()).value();
         parts_of(span, self.longest_part) as f64 + self.edge_rate() * span
-    }
-
-    /// Edges in a second of the pulses that valves have been set to.
-    #[doc(hidden)]
-    pub fn edge_rate(&self) -> f64 {
-        let valves = self.mode().network.valves.iter();
-        valves.filter_map(|valve| valve.pulse_frequency()).map(|frequency| 2.0 * frequency.value()).sum()
     }
 
     /// The ends of all external mechanisms go in straight lines to `distances` in m at `until` in s: one distance for each
@@ -212,11 +205,11 @@ impl<R: Instantiate> PlantSteps<R> {
         check_move(span.value(), || self.parts_until(until))?;
         let parts = parts_of(span.value(), self.longest_part);
         self.check_moves(span, distances)?;
-        self.before.clone_from(&self.reached);
+        self.work.begin(from, self.row.state());
         let moved = self.go_along(from, span, parts, distances);
         if moved.is_err() {
-            self.reached.clone_from(&self.before);
-            self.work.forget_guards();
+            let PlantRow { reached, course, .. } = &mut *self.row;
+            self.work.return_to_begin(reached, course);
         }
         moved
     }
@@ -238,11 +231,12 @@ impl<R: Instantiate> PlantSteps<R> {
     /// Sets all rates and goes on, in so many parts, to where the distances are.
     fn go_along(&mut self, from: R, span: R, parts: u64, distances: &[R]) -> Result<(), Error> {
         self.begin_move(span, distances);
-        let Self { system, method, reached, work, .. } = self;
+        let Self { row, work, .. } = self;
+        let PlantRow { system, method, reached, course, .. } = &mut **row;
         for part in 1..=parts {
             let end = part_end(from, span, (part, parts));
             reached.pulse(&system.plant, end)?;
-            part::advance(system, *method, reached, end, work, None)?;
+            part::advance(system, *method, reached, end, (&mut *work, &mut *course), None)?;
         }
         self.end_move(distances);
         Ok(())
@@ -251,7 +245,8 @@ impl<R: Instantiate> PlantSteps<R> {
     /// Sets the rates by which all ends come to where the distances are within a span in s.
     #[doc(hidden)]
     pub fn begin_move(&mut self, span: R, distances: &[R]) {
-        let Self { system, reached, work, .. } = self;
+        let Self { row, work, .. } = self;
+        let PlantRow { system, reached, course, .. } = &mut **row;
         let mut first = 0;
         for (m, here) in host_mechanisms(&system.plant) {
             let (time, state, mode) = reached.parts();
@@ -259,8 +254,11 @@ impl<R: Instantiate> PlantSteps<R> {
                 state[here.rate(k)] = (distances[first + k] - state[here.position(k)]) / span;
             }
             first += here.coordinates;
+            work.rates_jump(mode);
             system.enter_given_motion(m, *time, state, mode, &mut work.at);
-            work.forget_guards();
+            if work.has_turned(mode) {
+                course.forget_guards();
+            }
         }
     }
 
@@ -268,18 +266,20 @@ impl<R: Instantiate> PlantSteps<R> {
     /// modes changes.
     #[doc(hidden)]
     pub fn turn(&mut self) {
-        let Self { system, reached, work, .. } = self;
+        let Self { row, work, .. } = self;
+        let PlantRow { system, reached, course, .. } = &mut **row;
         let (time, state, mode) = reached.parts();
         for (m, _) in host_mechanisms(&system.plant) {
-            system.follow_rates(m, *time, state, mode, &mut work.at);
-            work.forget_guards();
+            if system.follow_rates(m, *time, state, mode, &mut work.at) {
+                course.forget_guards();
+            }
         }
     }
 
     /// Puts all ends exactly to where they have come, so that nothing adds up over many steps.
     #[doc(hidden)]
     pub fn end_move(&mut self, distances: &[R]) {
-        let Self { system, reached, .. } = self;
+        let PlantRow { system, reached, .. } = &mut *self.row;
         let mut first = 0;
         for (_, here) in host_mechanisms(&system.plant) {
             let (_, state, _) = reached.parts();
@@ -312,7 +312,8 @@ impl PlantSteps {
     /// [`Error::OutOfRange`] and [`Error::Inconsistent`] for a pressure that is not finite or is vacuum; [`Error::Misuse`]
     /// when there is no such actuator, when its pressure is given, and when no host moves its ends. Then nothing has changed.
     pub fn set_pressure(&mut self, actuator: usize, gauge: GaugePressure) -> Result<(), Error> {
-        let Self { system, reached, work, .. } = self;
+        let Self { row, work, .. } = self;
+        let PlantRow { system, reached, course, .. } = &mut **row;
         let plant = &*system.plant;
         let mounted = plant.actuators().get(actuator).ok_or(NO_ACTUATOR)?;
         let is_moved = matches!(plant.mechanisms()[mounted.mechanism], Mechanism::External { .. });
@@ -332,7 +333,7 @@ impl PlantSteps {
         let (time, state, mode) = reached.parts();
         state[here.mass()] *= pressure / state[here.pressure];
         state[here.pressure] = pressure;
-        work.forget_guards();
+        course.forget_guards();
         system.enter_given_motion(mounted.mechanism, *time, state, mode, &mut work.at);
         Ok(())
     }

@@ -94,6 +94,11 @@ impl<R: Scalar> Implicit<R> {
         }
     }
 
+    /// Takes on the numbers of another plant of equal structure.
+    pub(super) fn adapt(&mut self, plant: &Plant<R>) {
+        self.network.adapt(plant.network());
+    }
+
     /// Sets the numbers of a stage for γh in s, at a state where the plant has been evaluated.
     #[inline(always)]
     pub(super) fn factor(

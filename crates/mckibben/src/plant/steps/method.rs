@@ -73,6 +73,12 @@ impl<R: Scalar> Stages<R> {
         Self { slopes, state: zeros, implicit: Implicit::new(plant), second: Evaluation::new(plant) }
     }
 
+    /// Takes on the numbers of another plant of equal structure.
+    pub(super) fn adapt(&mut self, plant: &Plant<R>) {
+        self.second.adapt(plant);
+        self.implicit.adapt(plant);
+    }
+
     /// Takes a step to `end` without looking what comes of it; where the end is to be believed.
     #[allow(clippy::too_many_arguments)]
     #[inline(always)]

@@ -27,6 +27,7 @@ mod method;
 mod part;
 mod pieces;
 mod response;
+mod row;
 mod saved;
 
 pub use accuracy::{PILOT, PlantReference, PlantStepError, SHORTEST, plant_step_for_accuracy};
@@ -35,19 +36,19 @@ pub use host::MOST_PARTS;
 pub use host::{check_longest_part, check_move, host_mechanisms, part_end, parts_of};
 pub use method::Method;
 pub use method::Stages;
+pub use row::PlantRow;
 
 use super::evaluation::System;
-use super::guard::PlantGuard;
 use super::run::{Keep, PlantRun, PlantSnapshot};
 use super::sample::{Observer, PlantSample};
-use super::{Plant, PlantMode};
-use crate::engine::GuardForm;
 use crate::error::Error;
 use crate::instantiate::Instantiate;
 use crate::parameter;
 use crate::valve::RuntimeCommand;
+use alloc::boxed::Box;
+use alloc::sync::Arc;
 use alloc::vec::Vec;
-use part::Workspace;
+use part::{Course, Workspace};
 
 /// The relative width of the borders of modes: no step is controlled by an error, so that only rounding lies within
 /// them.
@@ -121,12 +122,12 @@ pub(super) fn extend<R: Instantiate>(
     until: R,
     keep: &mut Keep<'_, R>,
 ) -> Result<(), Error> {
-    let mut work = Workspace::new(&system.plant);
+    let (mut work, mut course) = (Workspace::new(&system.plant), Course::default());
     while reached.time().lt(until) {
         let end = step_end(reached.time(), step, until);
-        part::advance(system, method, reached, end, &mut work, Some(&mut *keep))?;
+        part::advance(system, method, reached, end, (&mut work, &mut course), Some(&mut *keep))?;
     }
-    reached.pace_mut().add(work.statistics);
+    reached.pace_mut().add(course.statistics);
     Ok(())
 }
 
@@ -150,18 +151,14 @@ pub(super) fn extend<R: Instantiate>(
 /// ```
 #[derive(Clone, Debug)]
 pub struct PlantSteps<R: Instantiate = f64> {
-    system: System<R>,
-    method: Method,
-    reached: PlantSnapshot<R>,
+    row: Box<PlantRow<R>>,
     work: Workspace<R>,
-    /// Where a move began, to return there if it fails; what is saved or restored as numbers on its way.
+    /// Whose numbers the workspace has.
+    adapted_to: Arc<System<R>>,
+    /// What is restored from numbers, until all of it is known to be a state.
     before: PlantSnapshot<R>,
-    /// Where the steps began.
-    start: PlantSnapshot<R>,
     /// How many numbers a state is, where that is known.
     state_size: Option<usize>,
-    /// In s; infinite where moves are not divided.
-    longest_part: f64,
 }
 
 impl<R: Instantiate> PlantRun<R> {
@@ -173,36 +170,15 @@ impl<R: Instantiate> PlantRun<R> {
 
 impl<R: Instantiate> PlantSteps<R> {
     pub(crate) fn generic_begin(run: &PlantRun<R>, method: Method) -> Self {
-        let system = System::new(run.shared_plant(), NARROW);
-        let reached = run.save();
-        let work = Workspace::new(run.plant());
-        let (before, start) = (reached.clone(), reached.clone());
-        Self { system, method, reached, work, before, start, state_size: None, longest_part: f64::INFINITY }
+        let system = Arc::new(System::new(run.shared_plant(), NARROW));
+        let (reached, start) = (run.save(), Arc::new(run.save()));
+        let (course, longest_part) = (Course::default(), f64::INFINITY);
+        Self::generic_of_row(Box::new(PlantRow { system, method, reached, course, start, longest_part }))
     }
 
-    /// The plant.
-    pub fn plant(&self) -> &Plant<R> {
-        &self.system.plant
-    }
-
-    /// The time in s that has been reached.
-    pub fn time(&self) -> R {
-        self.reached.time()
-    }
-
-    /// The states at that time, in the places that [`Plant::indices`] says.
-    pub fn state(&self) -> &[R] {
-        self.reached.state()
-    }
-
-    /// The discrete state at that time.
-    pub fn mode(&self) -> &PlantMode<R> {
-        self.reached.mode()
-    }
-
-    /// Where the steps are; a run or steps of the same plant can be restored to it.
-    pub fn save(&self) -> PlantSnapshot<R> {
-        self.reached.clone()
+    pub(crate) fn generic_of_row(row: Box<PlantRow<R>>) -> Self {
+        let (work, adapted_to, before) = (Workspace::new(row.plant()), row.system.clone(), row.save());
+        Self { row, work, adapted_to, before, state_size: None }
     }
 
     /// Goes back, or on, to where a run or steps of the same plant were.
@@ -210,14 +186,15 @@ impl<R: Instantiate> PlantSteps<R> {
     /// # Errors
     /// [`Error::Misuse`] for a snapshot of another plant.
     pub fn restore(&mut self, snapshot: &PlantSnapshot<R>) -> Result<(), Error> {
-        self.work.forget_guards();
-        self.reached.restore(snapshot)
+        self.row.forget_guards();
+        self.row.reached.restore(snapshot)
     }
 
     /// Returns to where the steps began.
     pub fn reset(&mut self) {
-        self.work.forget_guards();
-        self.reached.clone_from(&self.start);
+        let PlantRow { reached, start, course, .. } = &mut *self.row;
+        course.forget_guards();
+        reached.clone_from(start);
     }
 
     /// Writes the rates of change of all states, per second, at the time that has been reached.
@@ -229,7 +206,8 @@ impl<R: Instantiate> PlantSteps<R> {
     }
 
     pub(crate) fn generic_derivative(&mut self, rates: &mut [R]) -> Result<(), Error> {
-        let Self { system, reached, work, .. } = self;
+        let Self { row, work, .. } = self;
+        let PlantRow { system, reached, .. } = &mut **row;
         let (time, state, mode) = reached.parts();
         if rates.len() != state.len() {
             return Err(Error::Table {
@@ -249,7 +227,7 @@ impl<R: Instantiate> PlantSteps<R> {
     /// # Errors
     /// As [`PlantRun::set`].
     pub fn set(&mut self, valve: usize, command: impl Into<RuntimeCommand<R>>) -> Result<(), Error> {
-        self.reached.set(&self.system.plant, valve, command.into())
+        self.row.set(valve, command.into())
     }
 
     /// Sets the rates (m/s or rad/s) of a mechanism whose motion a host gives.
@@ -257,8 +235,9 @@ impl<R: Instantiate> PlantSteps<R> {
     /// # Errors
     /// As [`PlantRun::set_rates`].
     pub fn set_rates(&mut self, mechanism: usize, rates: &[R]) -> Result<(), Error> {
-        let Self { system, reached, work, .. } = self;
-        work.forget_guards();
+        let Self { row, work, .. } = self;
+        row.forget_guards();
+        let PlantRow { system, reached, .. } = &mut **row;
         reached.set_rates(system, mechanism, rates, &mut work.at)
     }
 
@@ -277,9 +256,9 @@ impl<R: Instantiate> PlantSteps<R> {
     /// # Errors
     /// Those of a driver.
     pub fn pass_due(&mut self) -> Result<(), Error> {
-        let Self { system, method, reached, work, .. } = self;
-        let now = reached.time();
-        part::advance(system, *method, reached, now, work, None)
+        let (row, work) = (&mut *self.row, &mut self.work);
+        let now = row.time();
+        part::advance(&row.system, row.method, &mut row.reached, now, (work, &mut row.course), None)
     }
 
     pub(crate) fn generic_advance_to(&mut self, until: R) -> Result<(), Error> {
@@ -288,11 +267,13 @@ impl<R: Instantiate> PlantSteps<R> {
             return Ok(());
         }
         parameter::DURATION.check(span)?;
-        let Self { system, method, reached, work, .. } = self;
+        let Self { row, work, .. } = self;
+        let PlantRow { system, method, reached, course, .. } = &mut **row;
         reached.pulse(&system.plant, until)?;
-        let done = part::advance(system, *method, reached, until, work, None);
+        work.begin(reached.time(), reached.state());
+        let done = part::advance(system, *method, reached, until, (&mut *work, &mut *course), None);
         if done.is_err() {
-            work.return_to_begin(reached);
+            work.return_to_begin(reached, course);
         }
         done
     }
@@ -302,84 +283,39 @@ impl PlantSteps {
     /// Lays pulses out to `until` in s.
     #[doc(hidden)]
     pub fn lay_out(&mut self, until: f64) -> Result<(), Error> {
-        self.reached.pulse(&self.system.plant, until)
-    }
-
-    /// Sets a valve to what needs nothing of where the steps are: the request that holds, or another duty cycle of the pulses that
-    /// go on. Whether it is that; else nothing has changed.
-    #[doc(hidden)]
-    pub fn set_on(&mut self, valve: usize, command: &RuntimeCommand) -> Result<bool, Error> {
-        self.reached.set_on(&self.system.plant, valve, command)
-    }
-
-    /// The next instant in s up to `until`; infinite when there is none.
-    #[doc(hidden)]
-    pub fn next_instant(&self, until: f64) -> f64 {
-        self.system.next_instant(self.reached.mode(), until).unwrap_or(f64::INFINITY)
-    }
-
-    /// When in s pulses have to be laid out next; infinite when never.
-    #[doc(hidden)]
-    pub fn pulse_edge(&self) -> f64 {
-        self.reached.mode().network.pulse_edge()
-    }
-
-    /// Events since the steps began.
-    #[doc(hidden)]
-    pub fn events(&self) -> u64 {
-        self.work.statistics.events
+        self.row.lay_out(until)
     }
 
     /// Takes on a time in s and a state that have been reached in the mode that holds.
     #[doc(hidden)]
     pub fn put(&mut self, time: f64, state: impl Fn(usize) -> f64) {
-        let (own_time, own_state, mode) = self.reached.parts();
+        let PlantRow { system, reached, .. } = &mut *self.row;
+        let (own_time, own_state, mode) = reached.parts();
         *own_time = time;
         for (place, number) in own_state.iter_mut().enumerate() {
             *number = state(place);
         }
-        self.system.enter_pieces(time, own_state, mode, &mut self.work.at);
+        system.enter_pieces(time, own_state, mode, &mut self.work.at);
     }
 
     /// Passes what is due at the time that has been reached, on the way to `until` in s.
     #[doc(hidden)]
     pub fn pass_on_the_way(&mut self, until: f64) -> Result<(), Error> {
-        let Self { system, method, reached, work, .. } = self;
-        part::pass_on_the_way(system, *method, reached, until, work)
-    }
-
-    /// What watches the mode that holds: the plant, the mode, and the guards that end it with an event.
-    #[doc(hidden)]
-    pub fn watched(&mut self) -> (&System<f64>, &PlantMode, &[(PlantGuard, GuardForm)]) {
-        let Self { system, reached, work, .. } = self;
-        let mode = reached.mode();
-        work.list_guards(system, mode);
-        (system, mode, work.guards())
+        let (row, work) = (&mut *self.row, &mut self.work);
+        part::pass_on_the_way(&row.system, row.method, &mut row.reached, until, (work, &mut row.course))
     }
 
     /// Goes on to `until` in s, before which nothing is due, where the stages of the step have come to `end`.
     #[doc(hidden)]
     pub fn advance_to_end(&mut self, until: f64, end: &[f64]) -> Result<(), Error> {
-        let Self { system, method, reached, work, .. } = self;
-        let done = part::advance_to_end(system, *method, reached, (until, end), work);
+        let Self { row, work, .. } = self;
+        let PlantRow { system, method, reached, course, .. } = &mut **row;
+        work.begin(reached.time(), reached.state());
+        let done = part::advance_to_end(system, *method, reached, (until, end), (&mut *work, &mut *course));
         if done.is_err() {
-            work.return_to_begin(reached);
+            work.return_to_begin(reached, course);
         }
         done
-    }
-
-    /// How a step is taken.
-    pub fn method(&self) -> Method {
-        self.method
-    }
-}
-
-impl PlantSteps {
-    /// Everything that is known at the time that has been reached.
-    pub fn sample(&self) -> PlantSample {
-        let mut sampler = PlantSampler::new(self);
-        sampler.read(self, self.time());
-        sampler.sample
     }
 }
 
@@ -393,18 +329,23 @@ pub struct PlantSampler {
 
 impl PlantSampler {
     /// For steps of a plant.
-    pub fn new(steps: &PlantSteps) -> Self {
+    pub fn new(steps: &PlantRow) -> Self {
         let fixed = TimeStepping::Fixed { method: steps.method, step: 1.0 };
         let plant = &steps.system.plant;
         Self { observer: Observer::new(plant, fixed), state: Vec::new(), sample: PlantSample::new(plant) }
     }
 
     /// Everything that is known where the steps of that plant are, at a time in s that differs from theirs by rounding alone.
-    pub fn read(&mut self, steps: &PlantSteps, time: f64) -> &PlantSample {
+    pub fn read(&mut self, steps: &PlantRow, time: f64) -> &PlantSample {
         let Self { observer, state, sample } = self;
         state.clear();
         state.extend_from_slice(steps.state());
         observer.read(time, state, steps.mode(), sample);
         sample
+    }
+
+    /// The last sample.
+    pub fn into_sample(self) -> PlantSample {
+        self.sample
     }
 }

@@ -11,7 +11,7 @@ use super::super::Plant;
 use super::super::crossing::PlantEventKind;
 use super::super::evaluation::{Evaluation, System};
 use super::super::guard::PlantGuard;
-use super::super::mode::PlantMode;
+use super::super::mode::{ActuatorMode, MechanismMode, PlantMode};
 use super::super::run::{Keep, PlantSnapshot};
 use super::method::Stages;
 use super::pieces::is_between_pieces;
@@ -34,23 +34,51 @@ const FROM_REST: f64 = 1e-3;
 /// Trials after which an event is taken to be where the last one was.
 const MOST_TRIALS: usize = 60;
 
-/// What a step computes with: allocated once.
+/// How the steps of a plant go on: what ends its mode, and what they have cost.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Course {
+    /// The guards that end the mode with an event, as long as it lasts.
+    guards: Vec<(PlantGuard, GuardForm)>,
+    has_guards: bool,
+    pub(super) statistics: Statistics,
+}
+
+impl Course {
+    /// Notes that a mode has been changed by others.
+    pub(super) fn forget_guards(&mut self) {
+        self.has_guards = false;
+    }
+
+    /// The guards that end a mode with an event, listed unless they are known.
+    pub(super) fn guards<R: Instantiate>(
+        &mut self,
+        system: &System<R>,
+        mode: &PlantMode<R>,
+    ) -> &[(PlantGuard, GuardForm)] {
+        if !self.has_guards {
+            system.guards(mode, &mut self.guards);
+            self.guards.retain(|(guard, _)| !is_between_pieces(*guard));
+            self.has_guards = true;
+        }
+        &self.guards
+    }
+}
+
+/// What a step computes with: allocated once, for all plants of one structure.
 #[derive(Clone, Debug)]
 pub(super) struct Workspace<R: Real> {
     pub(super) at: Evaluation<R>,
     pub(super) stages: Stages<R>,
     /// The end of the part that is tried.
     end: Vec<R>,
-    /// The guards of the mode that end it with an event, as long as it lasts.
-    guards: Vec<(PlantGuard, GuardForm)>,
-    has_guards: bool,
     /// Those of the guards that are below zero at the end, and their values at the beginning.
     violated: Vec<(usize, R)>,
     /// Where the step began, to return there if it fails: the mode once it has changed, in memory that is kept.
     begun: (R, Vec<R>),
     mode_begun: Option<PlantMode<R>>,
     has_mode_begun: bool,
-    pub(super) statistics: Statistics,
+    /// What a jump of the rates of ends may change of a mode, as it was before.
+    motion: (Vec<ActuatorMode<R>>, Vec<MechanismMode>),
     /// The part as a polynomial, for those that keep it.
     arc: Arc<R>,
 }
@@ -62,46 +90,30 @@ impl<R: Instantiate> Workspace<R> {
             at: Evaluation::new(plant),
             stages: Stages::new(plant),
             end: vec![R::zero(); states],
-            guards: Vec::new(),
-            has_guards: false,
             violated: Vec::new(),
             begun: (R::zero(), vec![R::zero(); states]),
             mode_begun: None,
             has_mode_begun: false,
-            statistics: Statistics::default(),
+            motion: (Vec::new(), Vec::new()),
             arc: Arc::new(states),
         }
     }
 
-    /// Notes where a step begins.
-    fn begin(&mut self, time: R, state: &[R]) {
+    /// Notes where a step begins, to return there if it fails.
+    pub(super) fn begin(&mut self, time: R, state: &[R]) {
         self.begun.0 = time;
         self.begun.1.copy_from_slice(state);
         self.has_mode_begun = false;
     }
 
-    /// Notes that a mode has been changed by others.
-    pub(super) fn forget_guards(&mut self) {
-        self.has_guards = false;
-    }
-
-    /// Lists the guards that end a mode with an event, unless they are known.
-    pub(super) fn list_guards(&mut self, system: &System<R>, mode: &PlantMode<R>) {
-        if !self.has_guards {
-            system.guards(mode, &mut self.guards);
-            self.guards.retain(|(guard, _)| !is_between_pieces(*guard));
-            self.has_guards = true;
-        }
-    }
-
-    /// The guards that have been listed.
-    pub(super) fn guards(&self) -> &[(PlantGuard, GuardForm)] {
-        &self.guards
+    /// Takes on the numbers of another plant of equal structure.
+    pub(super) fn adapt(&mut self, plant: &Plant<R>) {
+        self.at.adapt(plant);
+        self.stages.adapt(plant);
     }
 
     /// Notes that a mode is about to change.
     fn mode_changes(&mut self, mode: &PlantMode<R>) {
-        self.has_guards = false;
         if !core::mem::replace(&mut self.has_mode_begun, true) {
             match &mut self.mode_begun {
                 Some(begun) => begun.clone_from(mode),
@@ -110,14 +122,45 @@ impl<R: Instantiate> Workspace<R> {
         }
     }
 
+    /// Notes what a jump of the rates of ends may change of a mode.
+    pub(super) fn rates_jump(&mut self, mode: &PlantMode<R>) {
+        let (actuators, mechanisms) = &mut self.motion;
+        actuators.clone_from(&mode.actuators);
+        mechanisms.clone_from(&mode.mechanisms);
+    }
+
+    /// Whether a mode has changed since then; where it has, the one before is kept for a step that fails.
+    pub(super) fn has_turned(&mut self, mode: &mut PlantMode<R>) -> bool {
+        let turned = mode.actuators != self.motion.0 || mode.mechanisms != self.motion.1;
+        if turned && !self.has_mode_begun {
+            self.swap_motion(mode);
+            self.mode_changes(mode);
+            self.swap_motion(mode);
+        }
+        turned
+    }
+
+    /// Returns to where the ends were when their rates jumped, if no step has been taken since. Which pieces of laws of the air
+    /// hold follows from pressures, which have stayed.
+    pub(super) fn return_ends(&mut self, reached: &mut PlantSnapshot<R>) {
+        let (_, state, mode) = reached.parts();
+        state.copy_from_slice(&self.begun.1);
+        self.swap_motion(mode);
+    }
+
+    fn swap_motion(&mut self, mode: &mut PlantMode<R>) {
+        core::mem::swap(&mut mode.actuators, &mut self.motion.0);
+        core::mem::swap(&mut mode.mechanisms, &mut self.motion.1);
+    }
+
     /// Returns to where the step began that failed.
-    pub(super) fn return_to_begin(&mut self, reached: &mut PlantSnapshot<R>) {
+    pub(super) fn return_to_begin(&mut self, reached: &mut PlantSnapshot<R>, course: &mut Course) {
         let (time, state, mode) = reached.parts();
         *time = self.begun.0;
         state.copy_from_slice(&self.begun.1);
         if let Some(begun) = self.mode_begun.as_ref().filter(|_| self.has_mode_begun) {
             mode.clone_from(begun);
-            self.has_guards = false;
+            course.forget_guards();
         }
     }
 }
@@ -128,11 +171,10 @@ pub(super) fn advance<R: Instantiate>(
     method: Method,
     reached: &mut PlantSnapshot<R>,
     until: R,
-    work: &mut Workspace<R>,
+    (work, course): (&mut Workspace<R>, &mut Course),
     mut keep: Option<&mut Keep<'_, R>>,
 ) -> Result<(), Error> {
     let (time, state, mode) = reached.parts();
-    work.begin(*time, state);
     loop {
         let instant = system.next_instant(mode, until);
         let target = match instant {
@@ -142,7 +184,8 @@ pub(super) fn advance<R: Instantiate>(
             None => until,
         };
         let keep = keep.as_deref_mut();
-        let mut part = Part { system, method, time: &mut *time, state: &mut *state, mode: &mut *mode, work, keep };
+        let mut part =
+            Part { system, method, time: &mut *time, state: &mut *state, mode: &mut *mode, work, course, keep };
         part.advance(target, None)?;
         if instant.is_none() {
             return Ok(());
@@ -157,11 +200,10 @@ pub(super) fn advance_to_end<R: Instantiate>(
     method: Method,
     reached: &mut PlantSnapshot<R>,
     (until, end): (R, &[R]),
-    work: &mut Workspace<R>,
+    (work, course): (&mut Workspace<R>, &mut Course),
 ) -> Result<(), Error> {
     let (time, state, mode) = reached.parts();
-    work.begin(*time, state);
-    let mut part = Part { system, method, time, state, mode, work, keep: None };
+    let mut part = Part { system, method, time, state, mode, work, course, keep: None };
     part.advance(until, Some(end))
 }
 
@@ -171,16 +213,15 @@ pub(super) fn pass_on_the_way<R: Instantiate>(
     method: Method,
     reached: &mut PlantSnapshot<R>,
     until: R,
-    work: &mut Workspace<R>,
+    (work, course): (&mut Workspace<R>, &mut Course),
 ) -> Result<(), Error> {
     let (time, state, mode) = reached.parts();
-    work.begin(*time, state);
     while let Some(instant) = system.next_instant(mode, until) {
         if time.lt(until) && time.lt(instant) {
             break;
         }
         let mut part =
-            Part { system, method, time: &mut *time, state: &mut *state, mode: &mut *mode, work, keep: None };
+            Part { system, method, time: &mut *time, state: &mut *state, mode: &mut *mode, work, course, keep: None };
         part.pass_instant()?;
     }
     Ok(())
@@ -194,6 +235,7 @@ struct Part<'p, 'k, R: Real> {
     state: &'p mut [R],
     mode: &'p mut PlantMode<R>,
     work: &'p mut Workspace<R>,
+    course: &'p mut Course,
     keep: Option<&'p mut Keep<'k, R>>,
 }
 
@@ -227,7 +269,7 @@ impl<R: Instantiate> Part<'_, '_, R> {
         self.arrive(step, until)?;
         self.hand_on(None)?;
         for violated in 0..self.work.violated.len() {
-            let (guard, _) = self.work.guards[self.work.violated[violated].0];
+            let (guard, _) = self.course.guards[self.work.violated[violated].0];
             let kind = self.cross(guard)?;
             self.stay();
             self.hand_on(Some(kind))?;
@@ -248,25 +290,28 @@ impl<R: Instantiate> Part<'_, '_, R> {
 
     /// Passes the instant at the current time.
     fn pass_instant(&mut self) -> Result<(), Error> {
+        self.course.forget_guards();
         self.work.mode_changes(self.mode);
         let kind = self.system.pass_instant(*self.time, self.state, self.mode, &mut self.work.at)?;
         self.stay();
-        self.work.statistics.events += 1;
+        self.course.statistics.events += 1;
         self.hand_on(Some(kind))
     }
 
     /// Crosses a guard at the current time.
     fn cross(&mut self, guard: PlantGuard) -> Result<PlantEventKind, Error> {
+        self.course.forget_guards();
         self.work.mode_changes(self.mode);
-        self.work.statistics.events += 1;
+        self.course.statistics.events += 1;
         self.system.cross(guard, *self.time, self.state, self.mode, &mut self.work.at)
     }
 
     /// Takes a step of the method to the trial end.
     fn take(&mut self, step: R) {
-        let (system, Workspace { at, stages, end, statistics, .. }) = (self.system, &mut *self.work);
+        let (system, Workspace { at, stages, end, .. }) = (self.system, &mut *self.work);
         let time = *self.time;
-        statistics.evaluations += stages.take(system, self.method, (time, step), self.state, self.mode, at, end);
+        self.course.statistics.evaluations +=
+            stages.take(system, self.method, (time, step), self.state, self.mode, at, end);
         system.project(time + step, end, self.mode, at);
         self.land(step);
     }
@@ -274,21 +319,22 @@ impl<R: Instantiate> Part<'_, '_, R> {
     /// Takes a trial end that has been computed elsewhere, with what a step knows exactly.
     fn come_to(&mut self, step: R, end: &[R]) {
         self.work.end.copy_from_slice(end);
-        self.work.statistics.evaluations += if self.method == Method::Rk4 { 4 } else { 2 };
+        self.course.statistics.evaluations += if self.method == Method::Rk4 { 4 } else { 2 };
         self.land(step);
     }
 
     /// Enters what holds at the trial end.
     fn land(&mut self, step: R) {
-        let (system, time, Workspace { at, end, statistics, .. }) = (self.system, *self.time, &mut *self.work);
+        let (system, time, Workspace { at, end, .. }) = (self.system, *self.time, &mut *self.work);
         // As if it were in vain, until it arrives.
-        statistics.rejected_steps += 1;
+        self.course.statistics.rejected_steps += 1;
         system.enter_pieces(time + step, end, self.mode, at);
     }
 
     /// Comes to the trial end of a step of a length in s.
     fn arrive(&mut self, step: R, time: R) -> Result<(), Error> {
-        let (system, Workspace { at, stages, end, statistics, arc, .. }) = (self.system, &mut *self.work);
+        let (system, Workspace { at, stages, end, arc, .. }) = (self.system, &mut *self.work);
+        let statistics = &mut self.course.statistics;
         system.check_step(time, end)?;
         if self.keep.is_some() {
             arc.start = *self.time;
@@ -336,18 +382,18 @@ impl<R: Instantiate> Part<'_, '_, R> {
 
     /// The value of a guard at the trial end, after a part of a step in s.
     fn guard_at_end(&mut self, guard: usize, step: R) -> R {
-        let Workspace { at, end, guards, .. } = &mut *self.work;
-        value_of(self.system, guards[guard], *self.time + step, end, self.mode, at)
+        let Workspace { at, end, .. } = &mut *self.work;
+        value_of(self.system, self.course.guards[guard], *self.time + step, end, self.mode, at)
     }
 
     /// Finds the guards that are below zero at the trial end.
     fn find_violated(&mut self, step: R) {
-        self.work.list_guards(self.system, self.mode);
+        let count = self.course.guards(self.system, self.mode).len();
         self.work.violated.clear();
-        for place in 0..self.work.guards.len() {
+        for place in 0..count {
             if self.guard_at_end(place, step).lt(R::zero()) {
-                let Workspace { at, guards, .. } = &mut *self.work;
-                let at_begin = value_of(self.system, guards[place], *self.time, self.state, self.mode, at);
+                let (guard, at) = (self.course.guards[place], &mut self.work.at);
+                let at_begin = value_of(self.system, guard, *self.time, self.state, self.mode, at);
                 self.work.violated.push((place, at_begin));
             }
         }
@@ -386,7 +432,7 @@ impl<R: Instantiate> Part<'_, '_, R> {
             self.take(part);
             let (value, guard) = self.least(part, theta);
             if !R::zero().le(value) {
-                return (part, self.work.guards[guard].0);
+                return (part, self.course.guards[guard].0);
             }
             search = Search::between([theta, value], at_end);
         }
@@ -402,7 +448,7 @@ impl<R: Instantiate> Part<'_, '_, R> {
             }
             search.learn([theta, value], !R::zero().le(value));
         }
-        (part, self.work.guards[first].0)
+        (part, self.course.guards[first].0)
     }
 }
 

@@ -9,8 +9,8 @@
 //!
 //! Source: Colbrunn, Nelson & Quinn (2001), (1), (11), (12). Checked by `tests/plant_host.rs` and `tests/plant_saved.rs`.
 
-use super::PlantSteps;
 use super::host::{NO_ACTUATOR, host_mechanisms};
+use super::{PlantRow, PlantSteps};
 use crate::actuator::Response;
 use crate::dual::Dual;
 use crate::error::Error;
@@ -72,11 +72,13 @@ impl<R: Instantiate> PlantSteps<R> {
             }
             return Ok(());
         }
-        self.before.clone_from(&self.reached);
-        let Self { system, reached, work, .. } = self;
+        let Self { row, work, .. } = self;
+        let PlantRow { system, reached, .. } = &mut **row;
+        let (time, state, mode) = reached.parts();
+        work.begin(*time, state);
+        work.rates_jump(mode);
         let mut first = 0;
         for (m, here) in host_mechanisms(&system.plant) {
-            let (time, state, mode) = reached.parts();
             let theirs = first..first + here.coordinates;
             state[here.position(0)..here.position(0) + here.coordinates].copy_from_slice(&distances[theirs.clone()]);
             state[here.rate(0)..here.rate(0) + here.coordinates].copy_from_slice(&rates[theirs]);
@@ -87,8 +89,7 @@ impl<R: Instantiate> PlantSteps<R> {
         for (actuator, response) in responses.iter_mut().enumerate() {
             *response = self.response(actuator);
         }
-        self.work.forget_guards();
-        core::mem::swap(&mut self.reached, &mut self.before);
+        self.work.return_ends(&mut self.row.reached);
         Ok(())
     }
 
@@ -106,7 +107,8 @@ impl<R: Instantiate> PlantSteps<R> {
 
     /// Evaluates the plant where the steps are, with the tensions that actuators on these mechanisms share.
     fn evaluate(&mut self, mechanisms: impl Iterator<Item = usize>) {
-        let Self { system, reached, work, .. } = self;
+        let Self { row, work, .. } = self;
+        let PlantRow { system, reached, .. } = &mut **row;
         let (time, state, mode) = reached.parts();
         system.enter_pieces(*time, state, mode, &mut work.at);
         system.evaluate(*time, state, mode, &mut work.at);
@@ -115,7 +117,8 @@ impl<R: Instantiate> PlantSteps<R> {
 
     /// The response of an actuator that is there, once the plant has been evaluated.
     fn response(&mut self, actuator: usize) -> Response<R> {
-        let Self { system, reached, work, .. } = self;
+        let Self { row, work, .. } = self;
+        let PlantRow { system, reached, .. } = &mut **row;
         let (_, state, mode) = reached.parts();
         let mounted = &system.plant.actuators()[actuator];
         let (unit, chamber, its) = (work.at.units[actuator], work.at.chambers[actuator], &mode.actuators[actuator]);

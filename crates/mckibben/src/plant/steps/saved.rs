@@ -3,7 +3,7 @@
 //!
 //! Checked by `tests/plant_saved.rs`: what is restored goes on to the same bits.
 
-use super::PlantSteps;
+use super::{PlantRow, PlantSteps};
 use crate::error::Error;
 use crate::instantiate::Instantiate;
 
@@ -14,10 +14,10 @@ impl<R: Instantiate> PlantSteps<R> {
     }
 
     pub(crate) fn generic_state_size(&mut self) -> usize {
-        let Self { system, reached, before, state_size, .. } = self;
+        let Self { row, before, state_size, .. } = self;
         *state_size.get_or_insert_with(|| {
-            before.clone_from(reached);
-            system.saved_size(before)
+            before.clone_from(&row.reached);
+            row.system.saved_size(before)
         })
     }
 
@@ -35,7 +35,7 @@ impl<R: Instantiate> PlantSteps<R> {
 
     pub(crate) fn generic_save_to(&mut self, numbers: &mut [R]) -> Result<(), Error> {
         let size = self.state_size();
-        self.system.save_to(&mut self.reached, numbers, size)
+        self.row.system.save_to(&mut self.row.reached, numbers, size)
     }
 
     /// Returns to where steps of an equal plant were, from the numbers that they saved; from there the steps go on bit
@@ -49,12 +49,13 @@ impl<R: Instantiate> PlantSteps<R> {
     }
 
     pub(crate) fn generic_restore_from(&mut self, numbers: &[R]) -> Result<(), Error> {
-        let Self { system, reached, before, work, .. } = self;
+        let Self { row, before, work, .. } = self;
+        let PlantRow { system, reached, course, .. } = &mut **row;
         before.clone_from(reached);
         system.restore_from(before, numbers, &mut work.at)?;
         core::mem::swap(before, reached);
         // Those of the mode that has been left.
-        work.forget_guards();
+        course.forget_guards();
         Ok(())
     }
 }
