@@ -110,8 +110,10 @@ impl Many {
     fn with_rows(&mut self, does: impl FnOnce(&mut [PlantSteps]) -> Result<(), Failure>) -> Result<(), Failure> {
         let mut rows = self.batch.clone().into_rows();
         does(&mut rows)?;
-        self.distances = rows.iter().map(distance).collect();
-        Ok(self.batch.replace(rows)?)
+        let distances = rows.iter().map(distance).collect();
+        self.batch.replace(rows)?;
+        self.distances = distances;
+        Ok(())
     }
 
     /// Takes on the distances that can be reached; the rows of those that cannot be, and why the first cannot.

@@ -73,13 +73,27 @@ impl Fleet {
         begun.map(|run| run.steps(method)).map_err(|error| self.file.failed(&error))
     }
 
+    /// Those plants that have these numbers, with these values, which begin at a time in s.
+    fn begun_rows(
+        &self,
+        rows: &[(usize, &[f64])],
+        time: f64,
+        keeps: bool,
+    ) -> Result<Vec<(usize, PlantSteps)>, (usize, Failure)> {
+        let begun = |(row, values): &(usize, &[f64])| match self.begun(values, time) {
+            Ok(begun) => Ok((*row, begun)),
+            Err(failure) => Err((*row, failure)),
+        };
+        match keeps {
+            true => rows.iter().map(begun).collect(),
+            false => rows.par_iter().map(begun).collect(),
+        }
+    }
+
     /// All begin at t = 0, as many as there are rows of values, on the threads of the pool or on the caller's own.
     pub(super) fn begin(&mut self, values: &[&[f64]], keeps: bool) -> Result<(), (usize, Failure)> {
-        let of_row = |(row, values): (usize, &&[f64])| self.begun(values, 0.0).map_err(|failure| (row, failure));
-        let rows = match keeps {
-            true => values.iter().enumerate().map(of_row).collect::<Result<Vec<_>, _>>()?,
-            false => values.par_iter().enumerate().map(of_row).collect::<Result<Vec<_>, _>>()?,
-        };
+        let rows: Vec<(usize, &[f64])> = values.iter().copied().enumerate().collect();
+        let rows = self.begun_rows(&rows, 0.0, keeps)?.into_iter().map(|(_, steps)| steps).collect();
         self.batch.replace(rows).map_err(|error| (0, self.file.failed(&error)))?;
         self.pace = Pace::default();
         Ok(())
@@ -87,15 +101,7 @@ impl Fleet {
 
     /// Some begin again, with nothing commanded of their valves, on the threads of the pool or on the caller's own; the others go on.
     pub(super) fn restart(&mut self, rows: &[(usize, &[f64])], keeps: bool) -> Result<(), (usize, Failure)> {
-        let time = self.batch.time();
-        let of_row = |(row, values): &(usize, &[f64])| match self.begun(values, time) {
-            Ok(begun) => Ok((*row, begun)),
-            Err(failure) => Err((*row, failure)),
-        };
-        let begun = match keeps {
-            true => rows.iter().map(of_row).collect::<Result<Vec<_>, _>>()?,
-            false => rows.par_iter().map(of_row).collect::<Result<Vec<_>, _>>()?,
-        };
+        let begun = self.begun_rows(rows, self.batch.time(), keeps)?;
         for (row, steps) in begun {
             self.batch.restart(row, steps).map_err(|error| (row, self.file.failed(&error)))?;
         }

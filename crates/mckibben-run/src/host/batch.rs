@@ -276,8 +276,10 @@ impl HostBatch {
 
     /// Puts plants in the place of all.
     fn put(&mut self, rows: Vec<PlantSteps>) -> Result<(), Failure> {
-        self.ends = all_ends(self.model(), &rows);
-        Ok(self.batch.replace(rows)?)
+        let ends = all_ends(self.model(), &rows);
+        self.batch.replace(rows)?;
+        self.ends = ends;
+        Ok(())
     }
 
     /// One plant begins again now, while the others go on; its valves are commanded nothing.

@@ -139,6 +139,23 @@ fn states_go_on_where_they_were_saved() {
 }
 
 /// What cannot be is said with its place, and changes nothing.
+/// States that are refused leave the batch where it was, also where each of them is a state of its plant.
+#[test]
+fn states_of_different_times_change_nothing() {
+    let mut batch = HostBatch::new(muscles()).expect("a batch");
+    let size = batch.state_size();
+    let mut states = vec![0.0; COUNT * size];
+    batch.save(&mut states).expect("states");
+    batch.advance(1e-3, &[0.088; COUNT]).expect("a step");
+    let mut later = vec![0.0; COUNT * size];
+    batch.save(&mut later).expect("states");
+    batch.advance(2e-3, &[0.087; COUNT]).expect("a step");
+    states[size..].copy_from_slice(&later[size..]);
+    let refused = batch.restore(&states).expect_err("two times").to_string();
+    assert!(refused.contains("different times"), "{refused}");
+    assert_eq!((batch.time(), batch.distances()), (2e-3, &[0.087; COUNT][..]));
+}
+
 #[test]
 fn what_cannot_be_is_refused() {
     let (mut batch, distances) = (HostBatch::new(muscles()).expect("a batch"), vec![0.09; COUNT]);

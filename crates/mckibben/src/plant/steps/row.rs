@@ -163,7 +163,7 @@ impl<R: Instantiate> PlantSteps<R> {
         self.row
     }
 
-    /// Does something with a row, whose plant must be of equal structure, in place of its own.
+    /// Does something with another row, whose plant must be of equal structure.
     #[doc(hidden)]
     pub fn visit<T>(&mut self, row: &mut Box<PlantRow<R>>, does: impl FnOnce(&mut Self) -> T) -> T {
         core::mem::swap(&mut self.row, row);
