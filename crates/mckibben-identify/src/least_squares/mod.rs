@@ -278,7 +278,7 @@ impl Ending {
 ///
 /// # Errors
 /// [`FitError`], when there is nothing to find or it is not found.
-pub fn fit(model: &impl Model, unknowns: &[Unknown], search: &Search) -> Result<Fit, FitError> {
+pub fn fit(model: &dyn Model, unknowns: &[Unknown], search: &Search) -> Result<Fit, FitError> {
     check(model, unknowns)?;
     if search.known_scales || search.loss == Loss::Squares {
         return solver::fit(model, unknowns, search);
@@ -299,7 +299,7 @@ pub fn fit(model: &impl Model, unknowns: &[Unknown], search: &Search) -> Result<
 }
 
 /// That there is something to find, from starts within their bounds.
-fn check(model: &impl Model, unknowns: &[Unknown]) -> Result<(), FitError> {
+fn check(model: &dyn Model, unknowns: &[Unknown]) -> Result<(), FitError> {
     let measurements = model.residuals() + unknowns.iter().filter(|unknown| unknown.prior.is_some()).count();
     if measurements <= unknowns.len() {
         return Err(FitError::TooFew { measurements, unknowns: unknowns.len() });
@@ -313,12 +313,12 @@ fn check(model: &impl Model, unknowns: &[Unknown]) -> Result<(), FitError> {
 }
 
 /// The values where steps by derivatives end from one start, be it a minimum or not: a stage on the way to one.
-pub(crate) fn descended(model: &impl Model, unknowns: &[Unknown], search: &Search) -> Result<Vec<f64>, FitError> {
+pub(crate) fn descended(model: &dyn Model, unknowns: &[Unknown], search: &Search) -> Result<Vec<f64>, FitError> {
     solver::descended(model, unknowns, search)
 }
 
 /// The residuals of a model with those of the priors behind them, without derivatives.
-fn tried(model: &impl Model, unknowns: &[Unknown], values: &[f64]) -> Vec<f64> {
+fn tried(model: &dyn Model, unknowns: &[Unknown], values: &[f64]) -> Vec<f64> {
     let mut residuals = model.residuals_at(values);
     let priors = unknowns.iter().zip(values).filter_map(|(unknown, value)| Some((value, unknown.prior?)));
     residuals.extend(priors.map(|(value, [mean, deviation])| (value - mean) / deviation));
@@ -326,7 +326,7 @@ fn tried(model: &impl Model, unknowns: &[Unknown], values: &[f64]) -> Vec<f64> {
 }
 
 /// The residuals of a model with those of the priors behind them.
-fn with_priors(model: &impl Model, unknowns: &[Unknown], values: &[f64]) -> Evaluation {
+fn with_priors(model: &dyn Model, unknowns: &[Unknown], values: &[f64]) -> Evaluation {
     let mut evaluation = model.evaluate(values);
     for (place, unknown) in unknowns.iter().enumerate() {
         let Some([mean, deviation]) = unknown.prior else { continue };

@@ -4,7 +4,7 @@
 use super::{Ending, Evaluation, Fit, FitError, Loss, Model, Search, Unknown, poll};
 use basin::{
     BoxBounds, CauchyLoss, ConstraintDescription, ConstraintSet, Constraints, DenseMatrix, Executor, HuberLoss,
-    Jacobian, Residual, RobustLeastSquares, Termination, TrustRegionReflective,
+    Jacobian, LossFunction, Residual, RobustLeastSquares, Termination, TrustRegionReflective,
 };
 use nalgebra::{DMatrix, DVector};
 use std::cell::RefCell;
@@ -63,7 +63,7 @@ impl Seen {
 }
 
 /// The fit from one start.
-pub(super) fn fit(model: &impl Model, unknowns: &[Unknown], search: &Search) -> Result<Fit, FitError> {
+pub(super) fn fit(model: &dyn Model, unknowns: &[Unknown], search: &Search) -> Result<Fit, FitError> {
     Ok(of(
         model,
         unknowns,
@@ -73,7 +73,7 @@ pub(super) fn fit(model: &impl Model, unknowns: &[Unknown], search: &Search) -> 
 }
 
 /// The fit from one start, by steps with derivatives alone, wherever they end.
-pub(super) fn ended_by_derivatives(model: &impl Model, unknowns: &[Unknown], search: &Search) -> Result<Fit, FitError> {
+pub(super) fn ended_by_derivatives(model: &dyn Model, unknowns: &[Unknown], search: &Search) -> Result<Fit, FitError> {
     super::check(model, unknowns)?;
     let loss = if search.known_scales { search.loss } else { Loss::Squares };
     let search = Search { loss, ..search.clone() };
@@ -81,11 +81,11 @@ pub(super) fn ended_by_derivatives(model: &impl Model, unknowns: &[Unknown], sea
 }
 
 /// The values where steps by derivatives end, be it a minimum or not.
-pub(super) fn descended(model: &impl Model, unknowns: &[Unknown], search: &Search) -> Result<Vec<f64>, FitError> {
+pub(super) fn descended(model: &dyn Model, unknowns: &[Unknown], search: &Search) -> Result<Vec<f64>, FitError> {
     Ok(ended(model, unknowns, &Search { any_end: true, ..search.clone() }, Steps::ByDerivatives)?.values)
 }
 
-fn of(model: &impl Model, unknowns: &[Unknown], search: &Search, End { values, there, ending }: End) -> Fit {
+fn of(model: &dyn Model, unknowns: &[Unknown], search: &Search, End { values, there, ending }: End) -> Fit {
     match ending {
         Ending::Minimum => Fit::new(model, unknowns, search, (values, there)),
         _ => Fit::without_intervals(unknowns, &values, &there.residuals, model.residuals(), ending),
@@ -104,7 +104,7 @@ enum Steps {
 }
 
 /// Where a search ends.
-fn ended(model: &impl Model, unknowns: &[Unknown], search: &Search, steps: Steps) -> Result<End, FitError> {
+fn ended(model: &dyn Model, unknowns: &[Unknown], search: &Search, steps: Steps) -> Result<End, FitError> {
     let seen = Seen::default();
     let problem = Scaled::new(model, unknowns, search, &seen);
     let mut from: Vec<f64> = unknowns.iter().zip(&problem.sizes).map(|(unknown, size)| unknown.start / size).collect();
@@ -197,8 +197,9 @@ fn ending(by: &Termination, search: &Search) -> Ending {
 }
 
 /// A model with its priors, in unknowns divided by their sizes.
-struct Scaled<'a, M> {
-    model: &'a M,
+#[derive(Clone)]
+struct Scaled<'a> {
+    model: &'a dyn Model,
     unknowns: &'a [Unknown],
     search: &'a Search,
     seen: &'a Seen,
@@ -207,14 +208,8 @@ struct Scaled<'a, M> {
     largest: Vec<f64>,
 }
 
-impl<M> Clone for Scaled<'_, M> {
-    fn clone(&self) -> Self {
-        Self { sizes: self.sizes.clone(), least: self.least.clone(), largest: self.largest.clone(), ..*self }
-    }
-}
-
-impl<'a, M: Model> Scaled<'a, M> {
-    fn new(model: &'a M, unknowns: &'a [Unknown], search: &'a Search, seen: &'a Seen) -> Self {
+impl<'a> Scaled<'a> {
+    fn new(model: &'a dyn Model, unknowns: &'a [Unknown], search: &'a Search, seen: &'a Seen) -> Self {
         let sizes: Vec<f64> = unknowns.iter().map(Unknown::size).collect();
         let bound =
             |side: usize| unknowns.iter().zip(&sizes).map(|(unknown, size)| unknown.bounds[side] / size).collect();
@@ -237,11 +232,13 @@ impl<'a, M: Model> Scaled<'a, M> {
                 }
             };
         }
-        match self.search.loss {
-            Loss::Squares => run!(self.clone()),
-            Loss::Huber(scale) => run!(RobustLeastSquares::new(self.clone(), HuberLoss).with_scale(scale)),
-            Loss::Cauchy(scale) => run!(RobustLeastSquares::new(self.clone(), CauchyLoss).with_scale(scale)),
-        }
+        // One type for both: the method is compiled again for each.
+        let (loss, scale): (&dyn LossFunction, f64) = match self.search.loss {
+            Loss::Squares => return run!(self.clone()),
+            Loss::Huber(scale) => (&HuberLoss, scale),
+            Loss::Cauchy(scale) => (&CauchyLoss, scale),
+        };
+        run!(RobustLeastSquares::new(self.clone(), loss).with_scale(scale))
     }
 
     fn values(&self, at: &[f64]) -> Vec<f64> {
@@ -342,14 +339,14 @@ fn norm(numbers: impl Iterator<Item = f64>) -> f64 {
     numbers.map(|number| number * number).sum::<f64>().sqrt()
 }
 
-impl<M: Model> Constraints for Scaled<'_, M> {
+impl Constraints for Scaled<'_> {
     type Set = ConstraintSet<BoxBounds<Vec<f64>>>;
     fn constraints(&self) -> <Self::Set as ConstraintDescription>::Borrowed<'_> {
         ConstraintSet::new().with_bounds(BoxBounds::new(Some(&self.least), Some(&self.largest)))
     }
 }
 
-impl<M: Model> Residual for Scaled<'_, M> {
+impl Residual for Scaled<'_> {
     type Param = Vec<f64>;
     type Output = Vec<f64>;
     type Error = Infallible;
@@ -358,7 +355,7 @@ impl<M: Model> Residual for Scaled<'_, M> {
     }
 }
 
-impl<M: Model> Jacobian for Scaled<'_, M> {
+impl Jacobian for Scaled<'_> {
     type Jacobian = DenseMatrix;
     fn jacobian(&self, at: &Vec<f64>) -> Result<DenseMatrix, Infallible> {
         let Evaluation { residuals, slopes } = self.evaluate(at);

@@ -58,7 +58,7 @@ impl Found {
 /// # Errors
 /// [`FitError`] of the first start, when none of them leads to a result.
 pub fn fit_from(
-    model: &(impl Model + Sync),
+    model: &(dyn Model + Sync),
     unknowns: &[Unknown],
     starts: &[Vec<f64>],
     search: &Search,
@@ -130,7 +130,7 @@ fn has_unknown_scale(search: &Search) -> bool {
 
 /// Those of more starts to search from.
 fn best_of(
-    model: &(impl Model + Sync),
+    model: &(dyn Model + Sync),
     unknowns: &[Unknown],
     starts: Vec<Vec<f64>>,
     search: &Search,

@@ -77,14 +77,14 @@ impl Fit {
         self.estimates.iter().map(|estimate| estimate.value).collect()
     }
 
-    pub(super) fn new(model: &impl Model, unknowns: &[Unknown], search: &Search, at: (Vec<f64>, Evaluation)) -> Self {
+    pub(super) fn new(model: &dyn Model, unknowns: &[Unknown], search: &Search, at: (Vec<f64>, Evaluation)) -> Self {
         Self::of_eliminated(model, unknowns, search, at, 0)
     }
 
     /// As [`Fit::new`], with `others` unknowns more that are eliminated and not reported: the derivatives are those
     /// that remain when these others follow.
     pub(crate) fn of_eliminated(
-        model: &impl Model,
+        model: &dyn Model,
         unknowns: &[Unknown],
         search: &Search,
         (values, evaluation): (Vec<f64>, Evaluation),
