@@ -1,14 +1,16 @@
 """Plants of many worlds: stepped together in vector lanes, and one after the other.
 
-    python worlds.py
+    python worlds.py [--counts 64 1024] [--rounds 9]
+    python worlds.py --counts 1000000 --rounds 1
 
 The work is a step of 1 ms with commands, the tensions before it, and the states after it equal to the bit. Both take turns, and of
 each the median of rounds counts. Plants one after the other are a `HostedPlant` of three: so few are not put in lanes, and a
-call from Python is shared among them.
+call from Python is shared among them. It is also printed how long it takes to make the worlds, and how much memory they keep.
 """
 
 from __future__ import annotations
 
+import argparse
 import os
 import pathlib
 import statistics
@@ -19,7 +21,7 @@ import numpy as np
 import mckibben
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-STEP, STEPS, ROUNDS, FEW = 1e-3, 40, 9, 3
+STEP, STEPS, FEW = 1e-3, 40, 3
 
 MUSCLE = {
     "supply": {"gauge_pressure": "100 psi"},
@@ -35,7 +37,9 @@ class Worlds:
     """Plants whose ends go to and fro, under duty cycles that hold for a period of the pulses."""
 
     def __init__(self, scenario: mckibben.Scenario, count: int) -> None:
+        kept, began = memory(), time.perf_counter()
         self.plant = mckibben.HostedPlant(scenario, count, command_mode="duty", pulse_frequency=25.0)
+        self.made, self.kept = (time.perf_counter() - began) / count, (memory() - kept) / count
         self.begin = self.plant.distances
         self.still = np.zeros_like(self.begin)
         self.commands = np.random.default_rng(1).uniform(0.3, 0.7, (FEW, len(self.plant.commands)))
@@ -53,16 +57,25 @@ class Worlds:
         return 1e9 * (time.perf_counter() - began) / (STEPS * self.count)
 
 
+def memory() -> int:
+    """Bytes that this process has in memory."""
+    return int(pathlib.Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
 def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--counts", type=int, nargs="+", default=[64, 1024], help="how many worlds")
+    parser.add_argument("--rounds", type=int, default=9, help="rounds of which the median counts")
+    arguments = parser.parse_args()
     scenarios = {
         "a muscle": mckibben.Scenario.from_dict(MUSCLE),
         "an arm of six muscles": mckibben.Scenario.from_file(ROOT / "examples" / "plant" / "arm.toml"),
     }
     for name, scenario in scenarios.items():
-        counts = [FEW, 64, 1024]
+        counts = [FEW, *arguments.counts]
         worlds = {count: Worlds(scenario, count) for count in counts}
         times: dict[int, list[float]] = {count: [] for count in counts}
-        for _ in range(ROUNDS):
+        for _ in range(arguments.rounds):
             for count in counts:
                 times[count].append(worlds[count].go())
         few = worlds[FEW].plant.save()
@@ -73,7 +86,8 @@ def main() -> None:
             ratio = medians[FEW] / medians[count]
             print(
                 f"{name}, {count} worlds: {medians[count] / 1e3:.2f} us of wall time for a step of one; one after the other "
-                f"{medians[FEW] / 1e3:.2f} us, {ratio:.1f} times as long; load {os.getloadavg()[0]:.1f}"
+                f"{medians[FEW] / 1e3:.2f} us, {ratio:.1f} times as long; load {os.getloadavg()[0]:.1f}; "
+                f"made in {1e6 * worlds[count].made:.1f} us each, of {worlds[count].kept / 1e3:.1f} kB"
             )
 
 

@@ -1,16 +1,18 @@
 //! Rows, dealt to blocks of equal structure, and their way through time on all cores.
 
+mod reading;
+
 use crate::block;
-use crate::group::{Group, arrange};
+use crate::group::{Arranged, Group, arrange};
 use crate::held;
 use crate::precision::Precision;
-use crate::row::{Change, Row, Rows};
+use crate::row::{Change, Row};
 use crate::span::Span;
 use crate::width::Width;
 use mckibben::internals::{check_longest_part, check_move, part_end, parts_of};
-use mckibben::plant::{Plant, PlantRow, PlantSample, PlantSteps};
+use mckibben::plant::{Plant, PlantRow, PlantSteps};
 use mckibben::valve::RuntimeCommand;
-use mckibben::{Error, Response, parameter};
+use mckibben::{Error, parameter};
 use rayon::prelude::*;
 
 /// How long work must take in ns for other threads to share it: a good deal longer than to wake them.
@@ -61,18 +63,6 @@ pub struct PlantBatch {
     keeps_to_thread: bool,
 }
 
-/// A row is named that the batch has not got.
-const NO_ROW: Error = Error::Misuse {
-    what: "a row is meant that the batch has not got",
-    remedy: "count the rows from zero and stay below their number",
-};
-
-/// An actuator is named that the plants of the batch have not got.
-const NO_ACTUATOR: Error = Error::Misuse {
-    what: "an actuator is meant that the plant has not got",
-    remedy: "name one of the plant's actuators, counted from zero",
-};
-
 /// An element is reset with a plant that does not fit the others.
 const OTHER_STRUCTURE: Error = Error::Misuse {
     what: "an element of a batch is reset with a plant of another structure: with other parts or laws",
@@ -81,11 +71,12 @@ const OTHER_STRUCTURE: Error = Error::Misuse {
 
 impl PlantBatch {
     /// A batch of plants that have reached the same time and are stepped by the same method, with the widest instructions of
-    /// this machine.
+    /// this machine. What they are is asked for one after the other: an iterator that begins each when it is asked needs no memory
+    /// but that of the batch.
     ///
     /// # Errors
     /// [`Error::Misuse`] where times or methods differ.
-    pub fn new(rows: Vec<PlantSteps>) -> Result<Self, Error> {
+    pub fn new(rows: impl IntoIterator<Item: Into<Box<PlantRow>>>) -> Result<Self, Error> {
         Self::with_precision(rows, Precision::Double)
     }
 
@@ -93,7 +84,10 @@ impl PlantBatch {
     ///
     /// # Errors
     /// As [`PlantBatch::new`], and [`Error::Misuse`] where this program is built without that precision.
-    pub fn with_precision(rows: Vec<PlantSteps>, precision: Precision) -> Result<Self, Error> {
+    pub fn with_precision(
+        rows: impl IntoIterator<Item: Into<Box<PlantRow>>>,
+        precision: Precision,
+    ) -> Result<Self, Error> {
         Self::with_lanes(rows, Width::widest(), precision)
     }
 
@@ -102,33 +96,54 @@ impl PlantBatch {
     ///
     /// # Errors
     /// As [`PlantBatch::with_precision`].
-    pub fn with_lanes(rows: Vec<PlantSteps>, width: Width, precision: Precision) -> Result<Self, Error> {
+    pub fn with_lanes(
+        rows: impl IntoIterator<Item: Into<Box<PlantRow>>>,
+        width: Width,
+        precision: Precision,
+    ) -> Result<Self, Error> {
+        Self::of(&mut rows.into_iter().map(Into::into), width, precision)
+    }
+
+    fn of(rows: &mut dyn Iterator<Item = Box<PlantRow>>, width: Width, precision: Precision) -> Result<Self, Error> {
         precision.check()?;
         let width = width.or_widest();
-        let time = rows.first().map_or(0.0, |row| row.time());
-        let differs = |row: &PlantSteps| row.time() != time || row.method() != rows[0].method();
-        if rows.iter().any(differs) {
-            return Err(Error::Misuse {
-                what: "the plants of a batch are at different times, or are stepped by different methods",
-                remedy: "begin all of them at the same time with the same method, or make a batch of those that agree",
-            });
-        }
-        let edges = rows.iter().map(|row| row.edge_rate()).fold(0.0, f64::max);
-        let (groups, places, coordinates) = arrange(rows, width, precision);
+        let Arranged { groups, places, coordinates } = arrange(rows, width, precision)?;
+        let time = groups.first().map_or(0.0, |group| group.rows.list[0].steps.time());
+        let rows = groups.iter().flat_map(|group| &group.rows.list);
+        let edges = rows.map(|row| row.steps.edge_rate()).fold(0.0, f64::max);
         let (longest_part, ends) = (f64::INFINITY, Vec::new());
         let keeps_to_thread = false;
         Ok(Self { width, precision, time, groups, places, coordinates, longest_part, edges, ends, keeps_to_thread })
     }
 
-    /// Puts other rows in the place of all: as many as there are, all at one time and stepped by one method. Precision, instructions,
-    /// threads and the parts of moves stay.
+    /// Puts other rows in the place of all: all at one time and stepped by one method. Precision, instructions, threads and the
+    /// parts of moves stay.
     ///
     /// # Errors
     /// As [`PlantBatch::new`]. Then nothing has changed.
-    pub fn replace(&mut self, rows: Vec<PlantSteps>) -> Result<(), Error> {
+    pub fn replace(&mut self, rows: impl IntoIterator<Item: Into<Box<PlantRow>>>) -> Result<(), Error> {
         let (longest_part, keeps_to_thread) = (self.longest_part, self.keeps_to_thread);
         *self = Self { longest_part, keeps_to_thread, ..Self::with_lanes(rows, self.width, self.precision)? };
         Ok(())
+    }
+
+    /// Does something with every plant where it is, given its number; those that have stopped go on from where they were last well.
+    /// Afterwards all are at one time again, which may be another.
+    ///
+    /// # Errors
+    /// The first that this meets, and as [`PlantBatch::new`]. Then nothing has changed.
+    pub fn change<E: From<Error>>(
+        &mut self,
+        mut does: impl FnMut(usize, &mut PlantSteps) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let mut rows = Vec::with_capacity(self.len());
+        for (index, &[group, lane]) in self.places.iter().enumerate() {
+            let group = &mut self.groups[group];
+            let mut row = group.bring(lane).steps.clone();
+            group.rows.desk.visit(&mut row, |steps| does(index, steps))?;
+            rows.push(row);
+        }
+        Ok(self.replace(rows)?)
     }
 
     /// Whether plants of a structure go side by side. Left out are tendons of actuators whose dry friction falls with velocity: such
@@ -204,58 +219,6 @@ impl PlantBatch {
     /// Work of every group, which takes about `long` in ns for all.
     fn each(&mut self, long: f64, work: impl Fn(&mut Group) + Sync + Send) {
         self.of_all(long, &(), work, |(), ()| ());
-    }
-
-    /// The plants where they are, in the order of their rows; those that have stopped, where they were last well.
-    pub fn into_rows(mut self) -> Vec<PlantSteps> {
-        for [group, lane] in &self.places {
-            self.groups[*group].bring(*lane);
-        }
-        let mut rows: Vec<Row> = self.groups.into_iter().flat_map(|group| group.rows.list).collect();
-        rows.sort_by_key(|row| row.index);
-        rows.into_iter().map(|row| PlantSteps::of_row(row.steps)).collect()
-    }
-
-    /// A row, as it is now.
-    ///
-    /// # Errors
-    /// [`Error::Misuse`] when there is no such row; what stopped it.
-    pub fn row(&mut self, row: usize) -> Result<&PlantRow, Error> {
-        self.living(row).map(|(row, _)| &*row.steps)
-    }
-
-    /// Why a row has stopped.
-    pub fn fault(&self, row: usize) -> Option<Error> {
-        self.of_living(row).err()
-    }
-
-    /// Saves a row as numbers.
-    ///
-    /// # Errors
-    /// As [`PlantSteps::save_to`] and [`PlantBatch::row`].
-    pub fn save(&mut self, row: usize, numbers: &mut [f64]) -> Result<(), Error> {
-        let (row, desk) = self.living(row)?;
-        desk.visit(&mut row.steps, |steps| steps.save_to(numbers))
-    }
-
-    /// Writes the states of a row, in the places that [`Plant::indices`] says, without bringing more of it up to date.
-    ///
-    /// # Errors
-    /// As [`PlantBatch::row`]; [`Error::Misuse`] where there is not one number for each state.
-    pub fn read(&self, row: usize, state: &mut [f64]) -> Result<(), Error> {
-        let (Group { rows, lanes, .. }, lane) = self.of_living(row)?;
-        let row = &rows.list[lane];
-        if state.len() != row.steps.state().len() {
-            return Err(Error::Misuse {
-                what: "the states of an element are requested in a slice whose length is not their number",
-                remedy: "give as many numbers as the plant has states",
-            });
-        }
-        match lanes {
-            Some(lanes) if row.change == Change::None => lanes.read(lane, state),
-            _ => state.copy_from_slice(row.steps.state()),
-        }
-        Ok(())
     }
 
     /// Sets what a valve of a row does from now on, in place of all that was to come.
@@ -349,30 +312,6 @@ impl PlantBatch {
         self.of_all(self.takes(ANSWER), &Ok(()), |group| group.compute_at([distances, rates]), Result::and)
     }
 
-    /// What the actuators of a row answered when they were last computed; nothing before.
-    ///
-    /// # Errors
-    /// As [`PlantBatch::row`].
-    pub fn responses(&self, row: usize) -> Result<&[Response], Error> {
-        let (Group { rows, responses, .. }, lane) = self.of_living(row)?;
-        let count = responses.len() / rows.list.len();
-        Ok(&responses[count * lane..count * (lane + 1)])
-    }
-
-    /// The absolute pressure in Pa of an actuator of a row.
-    ///
-    /// # Errors
-    /// As [`PlantBatch::row`]; [`Error::Misuse`] when there is no such actuator.
-    pub fn pressure(&self, row: usize, actuator: usize) -> Result<f64, Error> {
-        let (Group { rows, lanes, .. }, lane) = self.of_living(row)?;
-        let row = &rows.list[lane];
-        let Some(here) = row.steps.plant().indices().actuators.get(actuator) else { return Err(NO_ACTUATOR) };
-        Ok(match lanes {
-            Some(lanes) if row.change == Change::None => lanes.read_one(lane, here.pressure),
-            _ => row.steps.state()[here.pressure],
-        })
-    }
-
     /// That there is one number for each coordinate that a host moves.
     fn check_count(&self, name: &'static str, given: &[f64]) -> Result<(), Error> {
         if given.len() == self.coordinates {
@@ -400,7 +339,11 @@ impl PlantBatch {
     ///
     /// # Errors
     /// [`Error::Misuse`] when there is no such row, for a plant of another structure, method or time. Then nothing has changed.
-    pub fn restart(&mut self, row: usize, steps: PlantSteps) -> Result<(), Error> {
+    pub fn restart(&mut self, row: usize, steps: impl Into<Box<PlantRow>>) -> Result<(), Error> {
+        self.put(row, steps.into())
+    }
+
+    fn put(&mut self, row: usize, steps: Box<PlantRow>) -> Result<(), Error> {
         let [group, lane] = self.place(row)?;
         let Group { rows, lanes, commands, .. } = &mut self.groups[group];
         let old = &rows.list[lane].steps;
@@ -422,7 +365,7 @@ impl PlantBatch {
         if let Some(lanes) = lanes {
             lanes.forget(lane);
             if !is_same {
-                lanes.gather(rows);
+                lanes.gather(lane, rows);
             }
         }
         Ok(())
@@ -476,45 +419,5 @@ impl PlantBatch {
     fn go(&mut self, span: Span<'_>) {
         self.each(self.takes(STEP) * span.ends.len() as f64, |group| group.advance(span));
         self.time = span.until();
-    }
-
-    /// All rows as they are now, or why they have stopped.
-    pub fn rows(&mut self) -> Vec<Result<&PlantRow, Error>> {
-        self.each(self.takes(ANSWER), |group| {
-            (0..group.rows.list.len()).for_each(|lane| {
-                group.bring(lane);
-            });
-        });
-        let steps = |row| self.of_living(row).map(|(group, lane)| &*group.rows.list[lane].steps);
-        (0..self.len()).map(steps).collect()
-    }
-
-    /// Everything that is known of every row, or why it has stopped.
-    pub fn samples(&mut self) -> Vec<Result<PlantSample, Error>> {
-        self.rows().into_iter().map(|row| row.map(PlantRow::sample)).collect()
-    }
-
-    fn place(&self, row: usize) -> Result<[usize; 2], Error> {
-        self.places.get(row).copied().ok_or(NO_ROW)
-    }
-
-    /// The group of a row that has not stopped, and its lane there, without bringing it up to date.
-    fn of_living(&self, row: usize) -> Result<(&Group, usize), Error> {
-        let [group, lane] = self.place(row)?;
-        let group = &self.groups[group];
-        group.rows.list[lane].fault.clone().map_or(Ok((group, lane)), Err)
-    }
-
-    /// A row that has not stopped, as it is now, and what it computes with.
-    fn living(&mut self, row: usize) -> Result<(&mut Row, &mut PlantSteps), Error> {
-        let [group, lane] = self.place(row)?;
-        let group = &mut self.groups[group];
-        group.bring(lane);
-        let Rows { list, desk } = &mut group.rows;
-        let row = &mut list[lane];
-        match &row.fault {
-            Some(fault) => Err(fault.clone()),
-            None => Ok((row, desk)),
-        }
     }
 }

@@ -1,5 +1,8 @@
 //! Plants of equal structure side by side: their states in lanes, and how they go through time together.
 //!
+//! What a block keeps is where its rows are. What it computes with is the [`Bench`], at which several blocks come one after the
+//! other, so that many rows stay in the cache.
+//!
 //! A step of all rows is one step of the method in lanes, after which [`Watch`] says which rows have kept their mode. A row that
 //! has not, or for which something is due within the step, repeats the step as a scalar instance, from where it was: so each row is
 //! bit-identical to [`PlantSteps`]. What is evaluated individually is the mode of each element, and only where that
@@ -10,7 +13,7 @@ use crate::group::FEW;
 use crate::held::{self, Held};
 use crate::kept::{keep_contents, keep_given, keep_rates};
 use crate::motion::HostEnds;
-use crate::row::{Change, Row, Rows};
+use crate::row::{BlockRows, Change, Row};
 use crate::span::Span;
 use crate::watch::Watch;
 use crate::wide::{Compiled, Wide, compiled};
@@ -29,37 +32,6 @@ const KEEPS: f64 = 2.0;
 /// How far beyond the end of a span instants are looked up, in spans of the same length.
 const SPANS_AHEAD: f64 = 64.0;
 
-/// Rows in lanes, whatever the width.
-pub(crate) trait Lanes: Debug + Send + Sync {
-    /// These lanes again.
-    fn copy(&self) -> Box<dyn Lanes>;
-
-    /// Takes the rows, whose lanes these are, through a span.
-    fn advance(&mut self, rows: &mut Rows, span: Span<'_>);
-
-    /// Brings a row to where its lane is.
-    fn bring(&mut self, lane: usize, row: &mut Row, desk: &mut PlantSteps);
-
-    /// Forgets what a lane has, whose row is another.
-    fn forget(&mut self, lane: usize);
-
-    /// The states of a lane.
-    fn read(&self, lane: usize, state: &mut [f64]);
-
-    /// A state of a lane.
-    fn read_one(&self, lane: usize, place: usize) -> f64;
-
-    /// Takes the numbers of the rows again.
-    fn gather(&mut self, rows: &mut Rows);
-
-    /// Computes what the actuators of all rows answer, row after row, with the ends that a host moves at these distances in m and
-    /// rates in m/s.
-    ///
-    /// # Errors
-    /// Those of a row.
-    fn compute_at(&mut self, rows: &mut Rows, ends: [&[f64]; 2], responses: &mut [Response]) -> Result<(), Error>;
-}
-
 /// A plant with all its numbers zero: two plants of equal structure are equal.
 pub(crate) fn structure(plant: &Plant) -> Plant {
     without_commands(plant).convert(&mut Blank)
@@ -68,12 +40,14 @@ pub(crate) fn structure(plant: &Plant) -> Plant {
 /// The plants of rows, with their numbers in lanes.
 #[inline(always)]
 fn deal<W: Wide>(rows: &[Row], known: &mut Known<W>) -> Arc<System<W>> {
+    // Rows that share their numbers have them all from the first.
+    let shares = rows.iter().all(|row| row.steps.shares_with(&rows[0].steps));
     let list = |row: &Row| {
         let mut list = List(Vec::new());
         without_commands(row.steps.plant()).convert(&mut list);
         list.0
     };
-    let lists: Vec<Vec<f64>> = rows.iter().map(list).collect();
+    let lists: Vec<Vec<f64>> = rows.iter().take(if shares { 1 } else { rows.len() }).map(list).collect();
     let are_equal =
         |list: &[f64], other: &[f64]| list.iter().map(|its| its.to_bits()).eq(other.iter().map(|its| its.to_bits()));
     let is_common = lists.iter().all(|list| are_equal(list, &lists[0]));
@@ -96,12 +70,6 @@ fn without_commands(plant: &Plant) -> Plant {
     plant.clone().without_commands(&valves)
 }
 
-impl Clone for Box<dyn Lanes> {
-    fn clone(&self) -> Self {
-        (**self).copy()
-    }
-}
-
 /// Rows in lanes.
 #[derive(Clone, Debug)]
 pub(crate) struct Block<W: Wide> {
@@ -110,8 +78,6 @@ pub(crate) struct Block<W: Wide> {
     pub(crate) time: f64,
     /// The plants with their numbers, in common with other blocks where all are of one plant.
     pub(crate) system: Arc<System<W>>,
-    pub(crate) stages: Stages<W>,
-    pub(crate) at: Evaluation<W>,
     pub(crate) state: Vec<W>,
     pub(crate) end: Vec<W>,
     pub(crate) held: Held<W>,
@@ -137,10 +103,20 @@ pub(crate) struct Block<W: Wide> {
     soonest: f64,
     /// Where times in lanes are counted from, in s.
     pub(crate) origin: f64,
+}
+
+/// What blocks of equal structure compute with.
+#[derive(Clone, Debug)]
+pub(crate) struct Bench<W: Wide> {
+    /// Whose numbers it has.
+    adapted_to: Arc<System<W>>,
+    stages: Stages<W>,
+    pub(crate) at: Evaluation<W>,
     /// Within a step in which something is due: where each row is and where it goes next, in s, and whether it has arrived.
     from: Vec<f64>,
     goal: Vec<f64>,
     arrived: Vec<bool>,
+    /// The states of a row.
     row: Vec<f64>,
 }
 
@@ -150,11 +126,31 @@ pub(crate) type Known<W> = Option<(Vec<f64>, Arc<System<W>>)>;
 /// What a new block is made of.
 struct Create<'a, W: Wide>(&'a mut [Row], &'a mut Known<W>);
 
+/// What a new bench is made for.
+struct Furnish<'a, W: Wide>(&'a Block<W>);
+
 /// A block's way through a span.
-struct Advance<'a, W: Wide>(&'a mut Block<W>, &'a mut Rows, Span<'a>);
+struct Advance<'a, W: Wide>(&'a mut Block<W>, &'a mut Bench<W>, BlockRows<'a>, Span<'a>);
 
 /// What a block's rows answer with their ends at given distances and rates.
-struct Answer<'a, W: Wide>(&'a mut Block<W>, &'a mut Rows, [&'a [f64]; 2], &'a mut [Response]);
+struct Answer<'a, W: Wide>(&'a mut Block<W>, &'a mut Bench<W>, BlockRows<'a>, [&'a [f64]; 2], &'a mut [Response]);
+
+impl<W: Wide> Bench<W> {
+    /// For blocks whose plants have the structure of this one's.
+    pub(crate) fn new(block: &Block<W>) -> Self {
+        compiled(Furnish(block))
+    }
+
+    /// Takes on the numbers of a block's plants.
+    #[inline(always)]
+    fn adapt(&mut self, system: &Arc<System<W>>) {
+        if !Arc::ptr_eq(&self.adapted_to, system) {
+            self.stages.adapt(&system.plant);
+            self.at.adapt(&system.plant);
+            self.adapted_to = system.clone();
+        }
+    }
+}
 
 impl<W: Wide> Block<W> {
     /// A block of rows of equal structure, as many as there are lanes at most. Where all have the numbers that are known, it has them
@@ -162,38 +158,21 @@ impl<W: Wide> Block<W> {
     pub(crate) fn new(rows: &mut [Row], known: &mut Known<W>) -> Self {
         compiled(Create::<W>(rows, known))
     }
-}
 
-impl<W: Wide> Lanes for Block<W> {
-    fn copy(&self) -> Box<dyn Lanes> {
-        Box::new(self.clone())
+    /// Takes the rows, whose lanes these are, through a span.
+    pub(crate) fn advance(&mut self, bench: &mut Bench<W>, rows: BlockRows<'_>, span: Span<'_>) {
+        compiled(Advance(self, bench, rows, span));
     }
 
-    fn advance(&mut self, rows: &mut Rows, span: Span<'_>) {
-        compiled(Advance(self, rows, span));
-    }
-
-    fn bring(&mut self, lane: usize, row: &mut Row, desk: &mut PlantSteps) {
+    /// Brings a row to where its lane is.
+    pub(crate) fn bring(&mut self, lane: usize, row: &mut Row, desk: &mut PlantSteps) {
         if row.is_alive() && (self.behind.lane(lane) > 0.0 || row.steps.time() != self.time) {
-            read(&self.state, lane, &mut self.row);
             self.put(lane, row, desk, self.time);
         }
     }
 
-    fn read(&self, lane: usize, state: &mut [f64]) {
-        read(&self.state, lane, state);
-    }
-
-    fn forget(&mut self, lane: usize) {
-        self.behind.put(lane, 0.0);
-    }
-
-    fn read_one(&self, lane: usize, place: usize) -> f64 {
-        self.state[place].lane(lane)
-    }
-
-    fn gather(&mut self, rows: &mut Rows) {
-        let Rows { list, desk } = rows;
+    /// Takes the numbers of the rows again.
+    pub(crate) fn gather(&mut self, BlockRows { list, desk }: BlockRows<'_>) {
         for (lane, row) in list.iter_mut().enumerate() {
             self.bring(lane, row, desk);
         }
@@ -201,8 +180,19 @@ impl<W: Wide> Lanes for Block<W> {
         *self = Self { time: self.time, origin: self.origin, ..Self::new(list, &mut None) };
     }
 
-    fn compute_at(&mut self, rows: &mut Rows, ends: [&[f64]; 2], responses: &mut [Response]) -> Result<(), Error> {
-        compiled(Answer(self, rows, ends, responses))
+    /// Computes what the actuators of all rows answer, row after row, with the ends that a host moves at these distances in m and
+    /// rates in m/s.
+    ///
+    /// # Errors
+    /// Those of a row.
+    pub(crate) fn compute_at(
+        &mut self,
+        bench: &mut Bench<W>,
+        rows: BlockRows<'_>,
+        ends: [&[f64]; 2],
+        responses: &mut [Response],
+    ) -> Result<(), Error> {
+        compiled(Answer(self, bench, rows, ends, responses))
     }
 }
 
@@ -226,8 +216,6 @@ impl<W: Wide> Compiled for Create<'_, W> {
         Block {
             method: rows[0].steps.method(),
             time: rows[0].steps.time(),
-            stages: Stages::new(plant),
-            at: Evaluation::new(plant),
             state: vec![zero; states],
             end: vec![zero; states],
             held: Held::new(&system),
@@ -245,11 +233,26 @@ impl<W: Wide> Compiled for Create<'_, W> {
             known_until: f64::NEG_INFINITY,
             soonest: f64::INFINITY,
             origin: 0.0,
+            system,
+        }
+    }
+}
+
+impl<W: Wide> Compiled for Furnish<'_, W> {
+    type Wide = W;
+    type Output = Bench<W>;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, _: S) -> Bench<W> {
+        let system = &self.0.system;
+        Bench {
+            stages: Stages::new(&system.plant),
+            at: Evaluation::new(&system.plant),
+            adapted_to: system.clone(),
             from: vec![0.0; W::LANES],
             goal: vec![0.0; W::LANES],
             arrived: vec![false; W::LANES],
-            row: vec![0.0; states],
-            system,
+            row: vec![0.0; system.plant.indices().states],
         }
     }
 }
@@ -260,13 +263,14 @@ impl<W: Wide> Compiled for Advance<'_, W> {
 
     #[inline(always)]
     fn run<S: Simd>(self, _: S) {
-        let Self(block, rows, span) = self;
-        block.set_out(rows, &span);
+        let Self(block, bench, mut rows, span) = self;
+        bench.adapt(&block.system);
+        block.set_out(&mut rows, &span);
         if let Some(distances) = span.distances {
-            block.set_off(rows, distances, &span);
+            block.set_off(bench, &mut rows, distances, &span);
         }
         for end in span.ends {
-            block.step(rows, *end);
+            block.step(bench, &mut rows, *end);
         }
         if span.distances.is_some() {
             block.arrive();
@@ -280,8 +284,9 @@ impl<W: Wide> Compiled for Answer<'_, W> {
 
     #[inline(always)]
     fn run<S: Simd>(self, _: S) -> Result<(), Error> {
-        let Self(block, rows, ends, responses) = self;
-        block.answer(rows, ends, responses)
+        let Self(block, bench, mut rows, ends, responses) = self;
+        bench.adapt(&block.system);
+        block.answer(bench, &mut rows, ends, responses)
     }
 }
 
@@ -295,10 +300,10 @@ impl<W: Wide> Block<W> {
         }
     }
 
-    /// Takes a row to a time in s and to the state that has been read of its lane.
+    /// Takes a row to a time in s and to the state of its lane.
     fn put(&mut self, lane: usize, row: &mut Row, desk: &mut PlantSteps, time: f64) {
         desk.visit(&mut row.steps, |steps| {
-            steps.put(time, |place| self.row[place]);
+            steps.put(time, |place| self.state[place].lane(lane));
             if self.hosts.are_any() {
                 steps.turn();
             }
@@ -308,18 +313,19 @@ impl<W: Wide> Block<W> {
 
     /// One step of all rows to a time in s. Where something is due within it each row goes to its own next instant.
     #[inline(always)]
-    fn step(&mut self, rows: &mut Rows, until: f64) {
+    fn step(&mut self, bench: &mut Bench<W>, rows: &mut BlockRows<'_>, until: f64) {
         let (zero, one) = (W::zero(), W::one());
         if until - self.origin > W::LONGEST {
             self.count_times_from(rows, self.time);
         }
         let is_divided = is_due(self.soonest, until);
         if is_divided {
-            self.set_goals(&rows.list, until);
+            self.set_goals(bench, rows.list, until);
         }
         loop {
             self.update();
-            let Self { system, stages, at, state, end, held, watch, origin, from, goal, .. } = self;
+            let Self { system, state, end, held, watch, origin, .. } = self;
+            let Bench { stages, at, from, goal, .. } = bench;
             let mut together = zero.lt(self.goes);
             let mut believed = together;
             if together.any() {
@@ -342,14 +348,14 @@ impl<W: Wide> Block<W> {
             // How far the lanes of a row are good for.
             let come = || W::select(together, W::constant(KEEPS), W::select(believed, one, zero));
             if is_divided {
-                match self.pass_goals(rows, come(), until) {
+                match self.pass_goals(bench, rows, come(), until) {
                     true => continue,
                     false => break,
                 }
             }
             let apart = zero.lt(self.lives) & !together;
             if apart.any() || self.any_looks {
-                self.part(rows, come(), until);
+                self.part(&mut bench.row, rows, come(), until);
             }
             std::mem::swap(&mut self.state, &mut self.end);
             break;
@@ -359,9 +365,9 @@ impl<W: Wide> Block<W> {
 
     /// Takes the step of those rows that have not kept their mode, each as a scalar instance.
     #[inline(never)]
-    fn part(&mut self, rows: &mut Rows, come: W, until: f64) {
+    fn part(&mut self, own: &mut [f64], rows: &mut BlockRows<'_>, come: W, until: f64) {
         let mut changed = false;
-        let Rows { list, desk } = rows;
+        let BlockRows { list, desk } = rows;
         for (lane, row) in list.iter_mut().enumerate() {
             if !row.is_alive() || (come.lane(lane) == KEEPS && !self.looks[lane]) {
                 continue;
@@ -369,8 +375,8 @@ impl<W: Wide> Block<W> {
             self.bring(lane, row, desk);
             let events = row.steps.events();
             let done = if come.lane(lane) > 0.0 {
-                read(&self.end, lane, &mut self.row);
-                desk.visit(&mut row.steps, |steps| steps.advance_to_end(until, &self.row))
+                read(&self.end, lane, own);
+                desk.visit(&mut row.steps, |steps| steps.advance_to_end(until, own))
             } else {
                 desk.visit(&mut row.steps, |steps| steps.advance_to(until))
             };
@@ -405,53 +411,53 @@ impl<W: Wide> Block<W> {
     }
 
     /// Sets where the rows go that are on the way to `until` in s.
-    fn set_goals(&mut self, rows: &[Row], until: f64) {
+    fn set_goals(&self, bench: &mut Bench<W>, rows: &[Row], until: f64) {
         for lane in 0..W::LANES {
             let next = rows.get(lane).map_or(f64::INFINITY, |row| row.next);
-            self.from[lane] = self.time;
-            self.goal[lane] = until.min(next).max(self.time);
+            bench.from[lane] = self.time;
+            bench.goal[lane] = until.min(next).max(self.time);
         }
-        self.arrived.fill(false);
+        bench.arrived.fill(false);
     }
 
     /// Passes what is due where the rows have come to; those that have not kept their mode continue as scalar instances. Whether
     /// enough rows have not come to `until` in s to go on side by side.
     #[inline(never)]
-    fn pass_goals(&mut self, rows: &mut Rows, come: W, until: f64) -> bool {
+    fn pass_goals(&mut self, bench: &mut Bench<W>, rows: &mut BlockRows<'_>, come: W, until: f64) -> bool {
         let mut left = 0;
-        let Rows { list, desk } = rows;
+        let Bench { from, goal, arrived, row: own, .. } = bench;
+        let BlockRows { list, desk } = rows;
         for (lane, row) in list.iter_mut().enumerate() {
-            if self.arrived[lane] || !row.is_alive() {
+            if arrived[lane] || !row.is_alive() {
                 continue;
             }
             let events = row.steps.events();
             let done = if come.lane(lane) == KEEPS && !self.looks[lane] {
-                read(&self.end, lane, &mut self.row);
-                write(&self.row, lane, &mut self.state);
-                self.from[lane] = self.goal[lane];
+                read(&self.end, lane, own);
+                write(own, lane, &mut self.state);
+                from[lane] = goal[lane];
                 if !is_due(row.next, until) {
-                    self.arrived[lane] = true;
+                    arrived[lane] = true;
                     continue;
                 }
-                self.put(lane, row, desk, self.goal[lane]);
+                self.put(lane, row, desk, goal[lane]);
                 desk.visit(&mut row.steps, |steps| steps.pass_on_the_way(until))
             } else {
-                read(&self.state, lane, &mut self.row);
-                self.put(lane, row, desk, self.from[lane]);
+                self.put(lane, row, desk, from[lane]);
                 desk.visit(&mut row.steps, |steps| steps.advance_to(until))
             };
             self.take_back(lane, row, (events, done));
             write(row.steps.state(), lane, &mut self.state);
-            self.arrived[lane] = row.steps.time() >= until && !is_due(row.next, until);
-            left += usize::from(!self.arrived[lane] && row.is_alive());
+            arrived[lane] = row.steps.time() >= until && !is_due(row.next, until);
+            left += usize::from(!arrived[lane] && row.is_alive());
         }
         let is_together = left >= FEW;
         for (lane, row) in list.iter_mut().enumerate() {
-            if self.arrived[lane] || !row.is_alive() {
+            if arrived[lane] || !row.is_alive() {
                 continue;
             }
             if is_together {
-                self.goal[lane] = until.min(row.next).max(self.from[lane]);
+                goal[lane] = until.min(row.next).max(from[lane]);
                 continue;
             }
             let events = row.steps.events();
@@ -465,14 +471,14 @@ impl<W: Wide> Block<W> {
 
     /// Enters rows that have changed, lays out pulses and looks up instants.
     #[inline(never)]
-    fn set_out(&mut self, rows: &mut Rows, span: &Span<'_>) {
+    fn set_out(&mut self, rows: &mut BlockRows<'_>, span: &Span<'_>) {
         let until = span.until();
         let all = self.known_until < until;
         if all {
             self.known_until = until + SPANS_AHEAD * (until - span.from);
         }
         let mut changed = false;
-        let Rows { list, desk } = rows;
+        let BlockRows { list, desk } = rows;
         for (lane, row) in list.iter_mut().enumerate() {
             let pulses = !is_due(until, row.edge);
             if !row.is_alive() || !(all || pulses || row.change != Change::None) {
@@ -516,9 +522,9 @@ impl<W: Wide> Block<W> {
 
     /// Counts the times of lanes from another origin in s.
     #[inline(never)]
-    fn count_times_from(&mut self, rows: &mut Rows, origin: f64) {
+    fn count_times_from(&mut self, rows: &mut BlockRows<'_>, origin: f64) {
         self.origin = origin;
-        let Rows { list, desk } = rows;
+        let BlockRows { list, desk } = rows;
         for (lane, row) in list.iter_mut().enumerate() {
             if row.is_alive() {
                 self.bring(lane, row, desk);
@@ -545,7 +551,7 @@ fn spans<W: Wide>(from: &[f64], goal: &[f64], origin: f64) -> [W; 3] {
 }
 
 /// Reads the numbers of a lane.
-fn read<W: Wide>(lanes: &[W], lane: usize, numbers: &mut [f64]) {
+pub(crate) fn read<W: Wide>(lanes: &[W], lane: usize, numbers: &mut [f64]) {
     for (number, of_lanes) in numbers.iter_mut().zip(lanes) {
         *number = of_lanes.lane(lane);
     }

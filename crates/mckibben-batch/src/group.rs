@@ -1,9 +1,10 @@
 //! Rows that are taken together: in lanes where they are of equal structure, else one after the other.
 
 use crate::batch::PlantBatch;
+use crate::block;
 #[cfg(target_arch = "x86_64")]
-use crate::block::Block;
-use crate::block::{self, Lanes};
+use crate::lanes::Blocks;
+use crate::lanes::Lanes;
 #[cfg(target_arch = "x86_64")]
 use crate::pair;
 use crate::precision::Precision;
@@ -12,12 +13,15 @@ use crate::span::Span;
 #[cfg(target_arch = "x86_64")]
 use crate::wide::Wide;
 use crate::width::Width;
-use mckibben::plant::{Plant, PlantSteps};
+use mckibben::plant::{Plant, PlantRow};
 use mckibben::valve::RuntimeCommand;
 use mckibben::{Error, Response};
 
 /// Elements that a thread takes together where they are stepped individually.
 const INDIVIDUALLY: usize = 8;
+/// Groups that each thread has at least where there are so many blocks, and the most blocks of a group.
+const SHARES: usize = 4;
+const MOST_BLOCKS: usize = 8;
 /// The least number of rows that are stepped side by side; fewer are stepped as scalar instances, which is less work.
 pub(crate) const FEW: usize = 4;
 
@@ -34,9 +38,9 @@ pub(crate) struct Group {
 }
 
 impl Group {
-    /// A group of one row, which is stepped individually.
-    fn of(row: Row) -> Self {
-        Self { rows: Rows::of(row), lanes: None, responses: Vec::new(), commands: Vec::new() }
+    /// A group of rows that are stepped individually, one at least.
+    fn of(rows: Vec<Row>) -> Self {
+        Self { rows: Rows::of(rows), lanes: None, responses: Vec::new(), commands: Vec::new() }
     }
 
     /// The plant of its first row.
@@ -119,82 +123,131 @@ impl Group {
     }
 }
 
-/// Deals rows to groups: those of equal structure side by side, all others individually. The groups, the places of the rows in
-/// them, and how many coordinates a host moves.
+/// Rows in their groups.
+#[derive(Default)]
+pub(crate) struct Arranged {
+    pub(crate) groups: Vec<Group>,
+    /// The group of each row, and its lane there.
+    pub(crate) places: Vec<[usize; 2]>,
+    /// How many coordinates a host moves.
+    pub(crate) coordinates: usize,
+}
+
+/// Deals rows to groups, each as it comes: those of equal structure side by side, all others individually.
+///
+/// # Errors
+/// [`Error::Misuse`] where they differ in time or method.
 pub(crate) fn arrange(
-    rows: Vec<PlantSteps>,
+    rows: &mut dyn Iterator<Item = Box<PlantRow>>,
     width: Width,
     precision: Precision,
-) -> (Vec<Group>, Vec<[usize; 2]>, usize) {
-    let most = if width.rows() > 1 { width.rows() * precision.per_double() } else { INDIVIDUALLY };
-    let mut groups: Vec<Group> = Vec::new();
+) -> Result<Arranged, Error> {
+    let Arranged { mut groups, mut places, mut coordinates } = Arranged::default();
     let mut forms: Vec<Form> = Vec::new();
-    let mut places = Vec::with_capacity(rows.len());
-    let mut coordinates = 0;
-    for (index, steps) in rows.into_iter().enumerate() {
-        let plant = block::structure(steps.plant());
+    for (index, steps) in rows.enumerate() {
         let mut row = Row::new(steps, index, coordinates);
         coordinates = row.coordinates.end;
-        let Some(form) = forms.iter_mut().find(|form| form.plant == plant) else {
-            let side_by_side = width.rows() > 1 && PlantBatch::covers(row.steps.plant());
-            forms.push(Form { plant, side_by_side, groups: vec![groups.len()] });
-            places.push([groups.len(), 0]);
-            groups.push(Group::of(row));
+        places.push([0, 0]);
+        if let Some(first) = forms.first().map(Form::first)
+            && (row.steps.time() != first.time() || row.steps.method() != first.method())
+        {
+            return Err(Error::Misuse {
+                what: "the plants of a batch are at different times, or are stepped by different methods",
+                remedy: "begin all of them at the same time with the same method, or make a batch of those that agree",
+            });
+        }
+        if let Some(form) = forms.iter_mut().find(|form| row.steps.shares_with(form.first())) {
+            form.rows.push(row);
             continue;
-        };
-        // Rows of equal plants have the numbers of one, also where they are of several groups.
-        row.steps.share(&groups[form.groups[0]].rows.list[0].steps);
-        let last = form.groups[form.groups.len() - 1];
-        if groups[last].rows.list.len() < most {
-            places.push([last, groups[last].rows.list.len()]);
-            groups[last].rows.list.push(row);
-        } else {
-            places.push([groups.len(), 0]);
-            form.groups.push(groups.len());
-            groups.push(Group::of(row));
+        }
+        let plant = block::structure(row.steps.plant());
+        match forms.iter_mut().find(|form| form.plant == plant) {
+            Some(form) => {
+                // Rows of equal plants have the numbers of one.
+                form.are_equal &= row.steps.share(form.first());
+                form.rows.push(row);
+            }
+            None => forms.push(Form { plant, rows: vec![row], are_equal: true }),
         }
     }
-    for form in forms.iter().filter(|form| form.side_by_side) {
-        in_lanes(&mut groups, &form.groups, width, precision);
+    for form in forms {
+        form.divide(width, precision, &mut groups);
     }
-    (groups, places, coordinates)
+    for (place, group) in groups.iter().enumerate() {
+        for (lane, row) in group.rows.list.iter().enumerate() {
+            places[row.index] = [place, lane];
+        }
+    }
+    Ok(Arranged { groups, places, coordinates })
 }
 
-/// Plants of one structure, and their groups, of which the last may have room.
+/// Plants of one structure, one at least.
 struct Form {
     plant: Plant,
-    side_by_side: bool,
-    groups: Vec<usize>,
+    rows: Vec<Row>,
+    /// Whether all have the numbers of the first.
+    are_equal: bool,
 }
 
-/// Puts rows of one structure in lanes, those groups that have enough of them.
+impl Form {
+    fn first(&self) -> &PlantRow {
+        &self.rows[0].steps
+    }
+
+    /// Divides them into groups.
+    fn divide(mut self, width: Width, precision: Precision, groups: &mut Vec<Group>) {
+        let lanes = width.rows() * precision.per_double();
+        let mut side_by_side = Vec::new();
+        if width.rows() > 1 && PlantBatch::covers(self.first().plant()) {
+            let left = self.rows.len() % lanes;
+            let few = if left < FEW { left } else { 0 };
+            let individually = self.rows.split_off(self.rows.len() - few);
+            side_by_side = std::mem::replace(&mut self.rows, individually);
+        }
+        let first = groups.len();
+        let blocks = side_by_side.len().div_ceil(lanes);
+        let most = match blocks / SHARES {
+            // Blocks whose numbers differ would have their bench take on other numbers at each step.
+            many if many > 1 && self.are_equal => (many / rayon::current_num_threads()).clamp(1, MOST_BLOCKS),
+            _ => 1,
+        };
+        groups.extend(chunks(side_by_side, most * lanes).map(Group::of));
+        in_lanes(&mut groups[first..], width, precision);
+        groups.extend(chunks(self.rows, INDIVIDUALLY).map(Group::of));
+    }
+}
+
+/// Rows one after the other, so many at a time.
+fn chunks(rows: Vec<Row>, most: usize) -> impl Iterator<Item = Vec<Row>> {
+    let mut left = rows.into_iter();
+    std::iter::from_fn(move || Some(left.by_ref().take(most).collect::<Vec<Row>>()).filter(|some| !some.is_empty()))
+}
+
+/// Puts the rows of groups of one structure in lanes.
 #[cfg_attr(not(target_arch = "x86_64"), allow(unused_variables))]
-fn in_lanes(groups: &mut [Group], of_form: &[usize], width: Width, precision: Precision) {
+fn in_lanes(groups: &mut [Group], width: Width, precision: Precision) {
     match (width, precision) {
         // Where the program is built without single precision, a batch of it is refused.
         #[cfg(all(target_arch = "x86_64", not(feature = "f32")))]
         (_, Precision::Single) => {}
         (Width::Baseline, _) => {}
         #[cfg(target_arch = "x86_64")]
-        (Width::Avx2, Precision::Double) => in_blocks::<pair::Doubles256>(groups, of_form),
+        (Width::Avx2, Precision::Double) => in_blocks::<pair::Doubles256>(groups),
         #[cfg(target_arch = "x86_64")]
-        (Width::Avx512, Precision::Double) => in_blocks::<pair::Doubles512>(groups, of_form),
+        (Width::Avx512, Precision::Double) => in_blocks::<pair::Doubles512>(groups),
         #[cfg(all(target_arch = "x86_64", feature = "f32"))]
-        (Width::Avx2, Precision::Single) => in_blocks::<pair::Singles256>(groups, of_form),
+        (Width::Avx2, Precision::Single) => in_blocks::<pair::Singles256>(groups),
         #[cfg(all(target_arch = "x86_64", feature = "f32"))]
-        (Width::Avx512, Precision::Single) => in_blocks::<pair::Singles512>(groups, of_form),
+        (Width::Avx512, Precision::Single) => in_blocks::<pair::Singles512>(groups),
     }
 }
 
 /// Puts groups in blocks of lanes. Those whose rows have equal numbers have them in common: they are read in every step, and take
 /// more memory than all else of a block.
 #[cfg(target_arch = "x86_64")]
-fn in_blocks<W: Wide>(groups: &mut [Group], of_form: &[usize]) {
+fn in_blocks<W: Wide>(groups: &mut [Group]) {
     let mut known = None;
-    for &group in of_form {
-        let group = &mut groups[group];
-        if group.rows.list.len() >= FEW {
-            group.lanes = Some(Box::new(Block::<W>::new(&mut group.rows.list, &mut known)));
-        }
+    for group in groups {
+        group.lanes = Some(Box::new(Blocks::<W>::new(&mut group.rows.list, &mut known)));
     }
 }

@@ -1,8 +1,8 @@
 //! How rows in lanes go where a host moves their ends, and what they answer.
 
-use crate::block::{Block, Lanes, write};
+use crate::block::{Bench, Block, write};
 use crate::motion;
-use crate::row::{Change, Rows};
+use crate::row::{BlockRows, Change};
 use crate::span::Span;
 use crate::wide::Wide;
 use mckibben::scalar::Mask;
@@ -11,10 +11,16 @@ use mckibben::{Error, Response};
 impl<W: Wide> Block<W> {
     /// Sends the ends off that a host moves: where a row keeps its mode in its lane, and else by the row.
     #[inline(always)]
-    pub(crate) fn set_off(&mut self, rows: &mut Rows, distances: &[f64], span: &Span<'_>) {
+    pub(crate) fn set_off(
+        &mut self,
+        Bench { at, .. }: &mut Bench<W>,
+        rows: &mut BlockRows<'_>,
+        distances: &[f64],
+        span: &Span<'_>,
+    ) {
         let (zero, one, length) = (W::zero(), W::one(), span.until() - span.from);
         self.update();
-        let Self { system, hosts, firsts, state, end, held, at, lives, behind, origin, .. } = self;
+        let Self { system, hosts, firsts, state, end, held, lives, behind, origin, .. } = self;
         end.copy_from_slice(state);
         for (k, ([position, rate], goal)) in hosts.places.iter().zip(&mut hosts.goals).enumerate() {
             for (lane, first) in firsts.iter().enumerate() {
@@ -38,8 +44,8 @@ impl<W: Wide> Block<W> {
 
     /// Sends the ends of those rows off that do not keep their mode.
     #[inline(never)]
-    fn set_off_alone(&mut self, rows: &mut Rows, alone: W, (distances, length): (&[f64], f64)) {
-        let Rows { list, desk } = rows;
+    fn set_off_alone(&mut self, rows: &mut BlockRows<'_>, alone: W, (distances, length): (&[f64], f64)) {
+        let BlockRows { list, desk } = rows;
         for (lane, row) in list.iter_mut().enumerate() {
             if alone.lane(lane) <= 0.0 {
                 continue;
@@ -69,13 +75,14 @@ impl<W: Wide> Block<W> {
     #[inline(always)]
     pub(crate) fn answer(
         &mut self,
-        rows: &mut Rows,
+        Bench { at, .. }: &mut Bench<W>,
+        rows: &mut BlockRows<'_>,
         ends: [&[f64]; 2],
         responses: &mut [Response],
     ) -> Result<(), Error> {
         let (zero, one) = (W::zero(), W::one());
         self.update();
-        let Self { system, hosts, firsts, state, end, held, at, .. } = self;
+        let Self { system, hosts, firsts, state, end, held, .. } = self;
         let time = W::constant(self.time - self.origin);
         end.copy_from_slice(state);
         for (k, places) in hosts.places.iter().enumerate() {
@@ -113,13 +120,13 @@ impl<W: Wide> Block<W> {
     #[inline(never)]
     fn answer_alone(
         &mut self,
-        rows: &mut Rows,
+        rows: &mut BlockRows<'_>,
         come: W,
         ends: [&[f64]; 2],
         responses: &mut [Response],
     ) -> Result<(), Error> {
         let count = self.system.wires.len();
-        let Rows { list, desk } = rows;
+        let BlockRows { list, desk } = rows;
         for (lane, row) in list.iter_mut().enumerate() {
             if row.is_alive() && come.lane(lane) <= 0.0 {
                 self.bring(lane, row, desk);

@@ -11,6 +11,7 @@
 //! | file | what it holds |
 //! |---|---|
 //! | `batch`, `group` | rows, dealt to blocks; threads over blocks |
+//! | `lanes` | blocks one after the other, whatever the width |
 //! | `block` | rows in lanes, and how they go through time together |
 //! | `held`, `flows` | the discrete states of all lanes, as masks |
 //! | `motion`, `hosted` | ends that a host moves |
@@ -45,6 +46,8 @@ mod held;
 mod hosted;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 mod kept;
+#[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
+mod lanes;
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 mod motion;
 #[cfg(target_arch = "x86_64")]

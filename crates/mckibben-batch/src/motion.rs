@@ -15,7 +15,7 @@
 use crate::held::Held;
 use crate::wide::Wide;
 use mckibben::internals::{Evaluation, Formulas, System, host_mechanisms};
-use mckibben::scalar::Mask;
+use mckibben::scalar::{Mask, Over};
 use mckibben::{Dual, Response};
 
 /// Part of the shortest length by which a distance must exceed it, or the row enters its mode.
@@ -133,10 +133,12 @@ pub(crate) fn answer<W: Wide>(
     at: &Evaluation<W>,
 ) -> Response<W> {
     let (wire, unit, chamber) = (&system.wires[i], at.units[i], at.chambers[i]);
-    let ends: [Dual<W, 3>; 3] =
-        [Dual::variable(unit.length, 0), Dual::variable(unit.velocity, 1), Dual::variable(chamber.pressure, 2)];
-    let [per_length, per_velocity, per_pressure] =
-        held.tension(wire, ends, system.deflections(i, state).constant()).slope;
+    let ([length, velocity, pressure], deflections) =
+        ([unit.length, unit.velocity, chamber.pressure], system.deflections(i, state));
+    let ends = [Dual::<W, 2>::variable(length, 0), Dual::variable(velocity, 1), Dual::of(pressure)];
+    let air = [Dual::<W, 1>::of(length), Dual::of(velocity), Dual::variable(pressure, 0)];
+    let [per_length, per_velocity] = held.tension(wire, ends, deflections.constant()).slope;
+    let [per_pressure] = held.tension(wire, air, deflections.constant()).slope;
     Response {
         tension: unit.tension.larger(W::zero()),
         per_length,

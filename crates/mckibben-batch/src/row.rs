@@ -42,20 +42,26 @@ pub(crate) struct Rows {
     pub(crate) desk: PlantSteps,
 }
 
+/// Those of them that are the lanes of one block.
+pub(crate) struct BlockRows<'r> {
+    pub(crate) list: &'r mut [Row],
+    pub(crate) desk: &'r mut PlantSteps,
+}
+
 impl Rows {
-    /// The first row of a group.
-    pub(crate) fn of(row: Row) -> Self {
-        let desk = PlantSteps::of_row(row.steps.clone());
-        Self { list: vec![row], desk }
+    /// Those of a group, one at least.
+    pub(crate) fn of(list: Vec<Row>) -> Self {
+        let desk = PlantSteps::from(list[0].steps.clone());
+        Self { list, desk }
     }
 }
 
 impl Row {
     /// A row of this number, whose coordinates that a host moves begin at `first`.
-    pub(crate) fn new(steps: PlantSteps, index: usize, first: usize) -> Self {
+    pub(crate) fn new(steps: Box<PlantRow>, index: usize, first: usize) -> Self {
         let own: usize = host_mechanisms(steps.plant()).map(|(_, here)| here.coordinates).sum();
         Self {
-            steps: steps.into_row(),
+            steps,
             fault: None,
             change: Change::All,
             next: f64::INFINITY,

@@ -135,7 +135,7 @@ type End = Result<String, Error>;
 
 fn begun(rows: &[Row], method: Method, width: Width) -> PlantBatch {
     let steps = rows.iter().map(|row| row.steps(method).expect("a start"));
-    PlantBatch::with_lanes(steps.collect(), width, Precision::Double).expect("rows at one time")
+    PlantBatch::with_lanes(steps, width, Precision::Double).expect("rows at one time")
 }
 
 fn ends(batch: &mut PlantBatch) -> Vec<End> {

@@ -175,8 +175,7 @@ fn set(mut steps: PlantSteps, from: usize, commanded: impl Fn(usize) -> RuntimeC
 }
 
 fn batch(rows: &[Row], method: Method, width: Width) -> PlantBatch {
-    PlantBatch::with_lanes(rows.iter().map(|row| row.steps(method)).collect(), width, Precision::Double)
-        .expect("a batch")
+    PlantBatch::with_lanes(rows.iter().map(|row| row.steps(method)), width, Precision::Double).expect("a batch")
 }
 
 fn ends(batch: &mut PlantBatch) -> Vec<String> {

@@ -101,7 +101,7 @@ struct Arrays<'a> {
 impl Batch {
     fn of(plants: Vec<&Plant>, threads: usize) -> Result<Self, Refusal> {
         let hosts = plants.iter().map(|plant| plant.with(|moving| Ok(moving.host.clone())));
-        let mut batch = HostBatch::new(hosts.collect::<Result<_, _>>()?)?;
+        let mut batch = HostBatch::new(hosts.collect::<Result<Vec<_>, _>>()?)?;
         let model = batch.model();
         let counts = Counts {
             plants: batch.count(),

@@ -5,7 +5,7 @@ use crate::exceptions::{OrException, exception};
 use crate::scenario::Scenario;
 use crate::signals::Watch;
 use crate::typed::{MemberWord, NewArguments, Numbers, PortsWord, RequestWord, Sequence};
-use mckibben::plant::{Plant, PlantRun, PlantStart, PlantSteps};
+use mckibben::plant::{Plant, PlantRow, PlantRun, PlantStart, PlantSteps};
 use mckibben::simulation::{MOST_PARTS, Method};
 use mckibben::valve::{Request, RuntimeCommand};
 use mckibben::{Error, GaugePressure, parameter};
@@ -194,7 +194,7 @@ fn begun(experiment: &Experiment) -> Result<(PlantSteps, PlantStart), Error> {
 pub(crate) const TOLERANCE: f64 = 1e-9;
 
 /// The distance between the ends in m.
-pub(crate) fn distance(steps: &PlantSteps) -> f64 {
+pub(crate) fn distance(steps: &PlantRow) -> f64 {
     steps.state()[steps.plant().indices().mechanisms[0].position(0)]
 }
 

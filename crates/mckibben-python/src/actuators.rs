@@ -10,7 +10,7 @@ use crate::pool;
 use crate::scenario::Scenario;
 use crate::typed::{Count, Given, Items, MemberWord, NewArguments, Numbers, PrecisionWord, Table};
 use mckibben::parameter;
-use mckibben::plant::PlantSteps;
+use mckibben::plant::{PlantRow, PlantSteps};
 use mckibben_batch::{PlantBatch, Precision};
 use mckibben_identify::adjustable::Adjustable;
 use mckibben_run::failure::Failure;
@@ -100,19 +100,16 @@ struct Many {
 }
 
 impl Many {
-    fn new(rows: Vec<PlantSteps>, precision: Precision) -> Result<Self, Failure> {
-        let distances = rows.iter().map(distance).collect();
+    fn new(rows: Vec<Box<PlantRow>>, precision: Precision) -> Result<Self, Failure> {
+        let distances = rows.iter().map(|row| distance(row)).collect();
         let reaches = rows.iter().map(|row| row.plant().end_distance(0)).collect::<Result<_, _>>()?;
         Ok(Self { batch: PlantBatch::with_precision(rows, precision)?, distances, reaches })
     }
 
-    /// Does something with the plants, and puts them back. Where that fails, nothing has changed.
-    fn with_rows(&mut self, does: impl FnOnce(&mut [PlantSteps]) -> Result<(), Failure>) -> Result<(), Failure> {
-        let mut rows = self.batch.clone().into_rows();
-        does(&mut rows)?;
-        let distances = rows.iter().map(distance).collect();
-        self.batch.replace(rows)?;
-        self.distances = distances;
+    /// Does something with every actuator. Where that fails, nothing has changed.
+    fn change(&mut self, does: impl FnMut(usize, &mut PlantSteps) -> Result<(), Failure>) -> Result<(), Failure> {
+        self.batch.change(does)?;
+        self.distances = self.batch.rows().into_iter().flatten().map(distance).collect();
         Ok(())
     }
 
@@ -232,7 +229,7 @@ fn varied<'v>(
     name: Option<&str>,
     parameters: &[String],
     values: impl Iterator<Item = &'v [f64]>,
-    rows: &mut Vec<PlantSteps>,
+    rows: &mut Vec<Box<PlantRow>>,
 ) -> Result<(), Failure> {
     if name.is_some() {
         let title =
@@ -248,7 +245,7 @@ fn varied<'v>(
     let adjustable = Adjustable::new(base, places, document.says_of_each(parameter::MIN_LENGTH.key));
     for (row, values) in values.enumerate() {
         let steps = adjustable.at(values).and_then(|of| steps_of(&of.experiment()?));
-        rows.push(steps.map_err(|error| of_row(error.into(), row))?);
+        rows.push(steps.map_err(|error| of_row(error.into(), row))?.into());
     }
     Ok(())
 }
@@ -305,7 +302,7 @@ impl Actuators {
             return Err(Failure::input(title, remedy)).or_exception();
         }
         match parameters.len() {
-            0 => rows.resize(count, model.steps.clone()),
+            0 => rows.resize(count, model.steps.clone().into()),
             width => {
                 arguments::finite_table("values", &values, width).or_exception()?;
                 let (of, name) = (scenario.get(), name.as_deref());
@@ -466,11 +463,11 @@ impl Actuators {
 
     /// Reset all actuators to t = 0 and the state of the scenario, with the coils of the valves released.
     fn reset(&self) -> PyResult<()> {
-        let reset = |rows: &mut [PlantSteps]| {
-            rows.iter_mut().for_each(PlantSteps::reset);
+        let reset = |_, steps: &mut PlantSteps| {
+            steps.reset();
             Ok(())
         };
-        self.many()?.with_rows(reset).or_exception()
+        self.many()?.change(reset).or_exception()
     }
 
     /// Return the number of actuators.
@@ -531,10 +528,6 @@ impl Actuators {
         // All of them are tried before any of the actuators is changed.
         let mut trial = self.model.steps.clone();
         states.iter().try_for_each(|state| self.model.restore(&mut trial, state)).or_exception()?;
-        let restore = |rows: &mut [PlantSteps]| {
-            let mut both = rows.iter_mut().zip(&states);
-            both.try_for_each(|(actuator, state)| self.model.restore(actuator, state))
-        };
-        self.many()?.with_rows(restore).or_exception()
+        self.many()?.change(|row, steps| self.model.restore(steps, &states[row])).or_exception()
     }
 }

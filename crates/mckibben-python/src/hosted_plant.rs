@@ -144,7 +144,8 @@ impl HostedPlant {
             return Err(exception(&Failure::input("count = 0 plants cannot be stepped", "give a count of 1 or more")));
         }
         arguments::room(py, count.0, "plants", EACH)?;
-        let batch = HostBatch::with_precision(vec![plant; count.0], precision.read().or_exception()?).or_exception()?;
+        let batch = HostBatch::with_precision(std::iter::repeat_n(plant, count.0), precision.read().or_exception()?)
+            .or_exception()?;
         Ok(Self { batch, pace: Pace::default() })
     }
 

@@ -324,16 +324,19 @@ impl<S: Scalar> Actuator<S> {
     /// [plant](crate::plant), are relaxed here and add nothing.
     pub fn respond(&self, state: &ActuatorState<S>, distance: S, velocity: S, ports: Ports) -> Response<S> {
         let [length, rate, pressure] = [distance, velocity, state.pressure.0];
-        let [end, speed]: [Dual<S, 3>; 2] = [Dual::variable(length, 0), Dual::variable(rate, 1)];
+        let [end, speed]: [Dual<S, 2>; 2] = [Dual::variable(length, 0), Dual::variable(rate, 1)];
         let sliding = SlidingState { width: self.width(&state.memory, end, speed), ..speed.sign().into() };
-        let force = self.tension_sliding(end, speed, Dual::variable(pressure, 2), sliding);
+        let force = self.tension_sliding(end, speed, Dual::of(pressure), sliding);
+        let [end, speed]: [Dual<S, 1>; 2] = [Dual::of(length), Dual::of(rate)];
+        let sliding = SlidingState { width: self.width(&state.memory, end, speed), ..speed.sign().into() };
+        let by_pressure = self.tension_sliding(end, speed, Dual::variable(pressure, 0), sliding);
         let chamber = self.chamber(distance, velocity, pressure, state.air_mass, self.limits.is_slack(distance));
         let flow = self.flow(&chamber, S::Mask::splat(ports.supply), S::Mask::splat(ports.exhaust));
         Response {
             tension: force.value,
             per_length: force.slope[0],
             per_velocity: force.slope[1],
-            per_pressure: force.slope[2],
+            per_pressure: by_pressure.slope[0],
             pressure_rate: self.pressure_rate(&chamber, &flow),
             mass_flow: flow.net(),
             temperature: self.air.temperature(&chamber),

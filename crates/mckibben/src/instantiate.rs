@@ -67,8 +67,8 @@ entry_points! {
         run.generic_set_rates(mechanism, rates);
     fn advance_plant_run(run: &mut PlantRun<Self>, until: Self) -> Result<(), Error> =
         run.extend(until, &mut |_| Ok(()));
-    fn begin_plant_steps(run: &PlantRun<Self>, method: Method) -> PlantSteps<Self> =
-        PlantSteps::generic_begin(run, method);
+    fn begin_plant_row(run: &PlantRun<Self>, method: Method) -> Box<PlantRow<Self>> =
+        PlantRow::generic_begin(run, method);
     fn take_on_plant_row(row: Box<PlantRow<Self>>) -> PlantSteps<Self> = PlantSteps::generic_of_row(row);
     fn adapt_plant_steps(steps: &mut PlantSteps<Self>) = steps.generic_adapt();
     fn advance_plant_steps(steps: &mut PlantSteps<Self>, until: Self) -> Result<(), Error> =

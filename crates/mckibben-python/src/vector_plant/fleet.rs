@@ -1,10 +1,10 @@
-//! VectorPlant of a file that are stepped together: their commands, their clock, and which begin again.
+//! Plants of a file that are stepped together: their commands, their clock, and which begin again.
 
 use super::columns;
 use super::file::{Begin, File};
 use crate::pace::{Pace, Span};
 use mckibben::parameter;
-use mckibben::plant::{PlantRun, PlantSteps, TimeStepping};
+use mckibben::plant::{PlantRow, PlantRun, PlantSteps, TimeStepping};
 use mckibben_batch::{PlantBatch, Precision};
 use mckibben_run::failure::Failure;
 use mckibben_run::host::CommandMode;
@@ -13,12 +13,13 @@ use rayon::prelude::*;
 /// Numbers that the stages of a step keep for each state of a plant, and bytes of what the parts of a plant are.
 const PER_STATE: usize = 64;
 
-/// VectorPlant of one file that go through time together. An error stands with the number of its plant.
+/// Plants of one file that go through time together. An error stands with the number of its plant.
 pub(super) struct Fleet {
     file: File,
     action_mode: CommandMode,
-    /// The file's plant at t = 0, which plants that are alike share.
+    /// The file's plant at t = 0, and it as a row, which plants that are alike begin as.
     first: PlantRun,
+    row: Box<PlantRow>,
     pace: Pace,
     batch: PlantBatch,
     /// Room for the ends of steps, and for the states of one plant.
@@ -30,9 +31,10 @@ impl Fleet {
     /// None yet, of this file.
     pub(super) fn new(file: File, action_mode: CommandMode, precision: Precision) -> Result<Self, Failure> {
         let first = run(&file, file.begin()).map_err(|error| file.failed(&error))?;
-        let batch = PlantBatch::with_precision(Vec::new(), precision).map_err(|error| file.failed(&error))?;
-        let state = first.state().to_vec();
-        Ok(Self { file, action_mode, first, pace: Pace::default(), batch, ends: Vec::new(), state })
+        let batch =
+            PlantBatch::with_precision([] as [PlantSteps; 0], precision).map_err(|error| file.failed(&error))?;
+        let (row, state) = (first.row(file.method()), first.state().to_vec());
+        Ok(Self { file, action_mode, first, row, pace: Pace::default(), batch, ends: Vec::new(), state })
     }
 
     /// The file.
@@ -52,14 +54,13 @@ impl Fleet {
 
     /// Bytes that each takes at least.
     pub(super) fn bytes(&self) -> usize {
-        size_of::<PlantSteps>() + PER_STATE * size_of::<f64>() * self.first.state().len()
+        size_of::<PlantRow>() + PER_STATE * size_of::<f64>() * self.first.state().len()
     }
 
     /// A plant with these values, which begins at a time in s.
-    fn begun(&self, values: &[f64], time: f64) -> Result<PlantSteps, Failure> {
-        let method = self.file.method();
+    fn begun(&self, values: &[f64], time: f64) -> Result<Box<PlantRow>, Failure> {
         if self.file.are_alike() && time == 0.0 {
-            return Ok(self.first.steps(method));
+            return Ok(self.row.clone());
         }
         let begun = if self.file.are_alike() {
             self.first.begin_again(&self.file.begin().start, time)
@@ -70,7 +71,7 @@ impl Fleet {
                 time => run.begin_again(&begin.start, time),
             })
         };
-        begun.map(|run| run.steps(method)).map_err(|error| self.file.failed(&error))
+        begun.map(|run| run.row(self.file.method())).map_err(|error| self.file.failed(&error))
     }
 
     /// Those plants that have these numbers, with these values, which begin at a time in s.
@@ -79,7 +80,7 @@ impl Fleet {
         rows: &[(usize, &[f64])],
         time: f64,
         keeps: bool,
-    ) -> Result<Vec<(usize, PlantSteps)>, (usize, Failure)> {
+    ) -> Result<Vec<(usize, Box<PlantRow>)>, (usize, Failure)> {
         let begun = |(row, values): &(usize, &[f64])| match self.begun(values, time) {
             Ok(begun) => Ok((*row, begun)),
             Err(failure) => Err((*row, failure)),
@@ -93,7 +94,7 @@ impl Fleet {
     /// All begin at t = 0, as many as there are rows of values, on the threads of the pool or on the caller's own.
     pub(super) fn begin(&mut self, values: &[&[f64]], keeps: bool) -> Result<(), (usize, Failure)> {
         let rows: Vec<(usize, &[f64])> = values.iter().copied().enumerate().collect();
-        let rows = self.begun_rows(&rows, 0.0, keeps)?.into_iter().map(|(_, steps)| steps).collect();
+        let rows = self.begun_rows(&rows, 0.0, keeps)?.into_iter().map(|(_, row)| row);
         self.batch.replace(rows).map_err(|error| (0, self.file.failed(&error)))?;
         self.pace = Pace::default();
         Ok(())
@@ -102,8 +103,8 @@ impl Fleet {
     /// Some begin again, with nothing commanded of their valves, on the threads of the pool or on the caller's own; the others go on.
     pub(super) fn restart(&mut self, rows: &[(usize, &[f64])], keeps: bool) -> Result<(), (usize, Failure)> {
         let begun = self.begun_rows(rows, self.batch.time(), keeps)?;
-        for (row, steps) in begun {
-            self.batch.restart(row, steps).map_err(|error| (row, self.file.failed(&error)))?;
+        for (row, its) in begun {
+            self.batch.restart(row, its).map_err(|error| (row, self.file.failed(&error)))?;
         }
         Ok(())
     }

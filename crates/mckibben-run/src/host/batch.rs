@@ -11,11 +11,14 @@
 use super::model::{HostModel, Motion};
 use super::plant::HostPlant;
 use crate::failure::Failure;
-use mckibben::plant::{PlantRow, PlantSampler, PlantSteps};
+use mckibben::plant::{PlantRow, PlantSampler};
 use mckibben::{Error, Response, parameter};
 use mckibben_batch::{PlantBatch, Precision};
 use rayon::prelude::*;
 use std::sync::Arc;
+
+/// Plants whose outputs a thread reads one after the other.
+const READ_TOGETHER: usize = 64;
 
 /// Plants that a host steps together.
 #[derive(Debug)]
@@ -26,19 +29,23 @@ pub struct HostBatch {
     ends: [Vec<f64>; 2],
     /// The ends of the scenario's own steps in s.
     steps: Vec<f64>,
-    samplers: Vec<Option<PlantSampler>>,
+    /// That of the plant whose outputs were read last on the caller's thread.
+    sampler: Sampler,
     state_size: usize,
 }
 
+/// Reads the outputs of plants of one model, if there is one.
+type Sampler = Option<(Arc<HostModel>, PlantSampler)>;
+
 impl Clone for HostBatch {
     fn clone(&self) -> Self {
-        let Self { models, batch, ends, steps, samplers, state_size } = self;
+        let Self { models, batch, ends, steps, sampler: _, state_size } = self;
         Self {
             models: models.clone(),
             batch: batch.clone(),
             ends: ends.clone(),
             steps: steps.clone(),
-            samplers: samplers.iter().map(|_| None).collect(),
+            sampler: None,
             state_size: *state_size,
         }
     }
@@ -49,7 +56,7 @@ impl HostBatch {
     ///
     /// # Errors
     /// Where there is no plant, and where they differ in time, actuators, valves, outputs, states or steps.
-    pub fn new(plants: Vec<HostPlant>) -> Result<Self, Failure> {
+    pub fn new(plants: impl IntoIterator<Item = HostPlant>) -> Result<Self, Failure> {
         Self::with_precision(plants, Precision::Double)
     }
 
@@ -57,42 +64,36 @@ impl HostBatch {
     ///
     /// # Errors
     /// As there, and where this program is built without that precision.
-    pub fn with_precision(plants: Vec<HostPlant>, precision: Precision) -> Result<Self, Failure> {
-        let Some(first) = plants.first() else {
-            return Err(Failure::input("there is no plant to step", "give one or more"));
-        };
-        let model = Arc::clone(&first.model);
-        let mut sizes = Vec::with_capacity(plants.len());
-        let (models, rows): (Vec<_>, Vec<_>) = plants
-            .into_iter()
-            .map(|mut plant| {
-                sizes.push(plant.state_size());
-                (plant.model, plant.steps)
-            })
-            .unzip();
-        for (row, (its, size)) in models.iter().zip(&sizes).enumerate() {
-            if !(Arc::ptr_eq(its, &model) || its.is_of_kind(&model)) || *size != sizes[0] {
-                return Err(Failure::input(
-                    "its actuators, valves, outputs, states or steps are not those of the first plant",
-                    "make a batch of plants of one scenario, or of scenarios that differ in numbers alone",
-                )
-                .of(&format!("plant {row}")));
-            }
-        }
-        Self::of(models, rows, sizes[0], precision)
+    pub fn with_precision(plants: impl IntoIterator<Item = HostPlant>, precision: Precision) -> Result<Self, Failure> {
+        Self::of(&mut plants.into_iter(), precision)
     }
 
-    fn of(
-        models: Vec<Arc<HostModel>>,
-        rows: Vec<PlantSteps>,
-        state_size: usize,
-        precision: Precision,
-    ) -> Result<Self, Failure> {
-        let ends = all_ends(&models[0], &rows);
-        let mut batch = PlantBatch::with_precision(rows, precision)?;
-        batch.limit_step(models[0].longest)?;
-        let samplers = models.iter().map(|_| None).collect();
-        Ok(Self { models, batch, ends, steps: Vec::new(), samplers, state_size })
+    fn of(plants: &mut dyn Iterator<Item = HostPlant>, precision: Precision) -> Result<Self, Failure> {
+        let (mut models, mut state_size, mut differs): (Vec<Arc<HostModel>>, usize, bool) = (Vec::new(), 0, false);
+        // Each is taken when it is asked for, so that memory is needed for one at a time to compute with.
+        let rows = plants.map_while(|mut plant| {
+            let size = plant.state_size();
+            if let Some(first) = models.first() {
+                let is_of_kind = Arc::ptr_eq(&plant.model, first) || plant.model.is_of_kind(first);
+                differs = !is_of_kind || size != state_size;
+            }
+            (state_size, _) = (size, models.push(plant.model));
+            (!differs).then_some(plant.steps)
+        });
+        let made = PlantBatch::with_precision(rows, precision);
+        if differs {
+            return Err(Failure::input(
+                "its actuators, valves, outputs, states or steps are not those of the first plant",
+                "make a batch of plants of one scenario, or of scenarios that differ in numbers alone",
+            )
+            .of(&format!("plant {}", models.len() - 1)));
+        }
+        let (mut batch, Some(first)) = (made?, models.first()) else {
+            return Err(Failure::input("there is no plant to step", "give one or more"));
+        };
+        batch.limit_step(first.longest)?;
+        let ends = all_ends(first, &mut batch);
+        Ok(Self { models, batch, ends, steps: Vec::new(), sampler: None, state_size })
     }
 
     /// How many plants there are.
@@ -226,22 +227,28 @@ impl HostBatch {
     pub fn read_outputs(&mut self, into: &mut [f64]) -> Result<(), Failure> {
         let width = self.model().outputs().len();
         self.check_count("outputs", into.len(), width)?;
-        let Self { models, batch, samplers, .. } = self;
-        let read = |(model, into): (&Arc<HostModel>, &mut [f64]), row: &Result<&PlantRow, Error>, sampler: &mut _| {
-            let Ok(steps) = row else { return Ok(()) };
-            let sampler = Option::get_or_insert_with(sampler, || PlantSampler::new(steps));
-            model.read_outputs((steps, sampler), into)
-        };
-        let keeps_to_thread = batch.keeps_to_thread();
-        let rows = batch.rows();
-        let width = width.max(1);
-        if keeps_to_thread {
-            let mut all = models.iter().zip(into.chunks_mut(width)).zip(&rows).zip(samplers);
-            all.try_for_each(|((its, row), sampler)| read(its, row, sampler))
-        } else {
-            let all = models.par_iter().zip(into.par_chunks_mut(width)).zip(&rows).zip(samplers);
-            all.try_for_each(|((its, row), sampler)| read(its, row, sampler))
+        let is_shared = !self.batch.keeps_to_thread() && self.is_much();
+        let Self { models, batch, sampler, .. } = self;
+        let (rows, width) = (batch.rows(), width.max(1));
+        let read =
+            |sampler: &mut Sampler, models: &[Arc<HostModel>], rows: &[Result<&PlantRow, Error>], into: &mut [f64]| {
+                for ((model, row), into) in models.iter().zip(rows).zip(into.chunks_mut(width)) {
+                    let Ok(row) = row else { continue };
+                    if !sampler.as_ref().is_some_and(|(of, _)| Arc::ptr_eq(of, model)) {
+                        *sampler = Some((Arc::clone(model), PlantSampler::new(row)));
+                    }
+                    if let Some((_, sampler)) = sampler {
+                        model.read_outputs((row, sampler), into)?;
+                    }
+                }
+                Ok(())
+            };
+        if !is_shared {
+            return read(sampler, models, &rows, into);
         }
+        let parts = models.par_chunks(READ_TOGETHER).zip(rows.par_chunks(READ_TOGETHER));
+        let parts = parts.zip(into.par_chunks_mut(READ_TOGETHER * width));
+        parts.try_for_each(|((models, rows), into)| read(&mut None, models, rows, into))
     }
 
     /// A plant, where it is.
@@ -265,20 +272,14 @@ impl HostBatch {
         let begin = |(row, model): (usize, &Arc<HostModel>)| {
             let its = each * row..each * (row + 1);
             let begun = model.begin_at(&distances[its.clone()], &rates[its], 0.0);
-            begun.map_err(|failure| self.of_row(failure, row))
+            begun.map(|run| run.row(model.method())).map_err(|failure| self.of_row(failure, row))
         };
-        let begun = match self.batch.keeps_to_thread() {
-            true => self.models.iter().enumerate().map(begin).collect::<Result<_, _>>(),
-            false => self.models.par_iter().enumerate().map(begin).collect::<Result<_, _>>(),
+        let begun: Result<Vec<Box<PlantRow>>, Failure> = match self.batch.keeps_to_thread() {
+            true => self.models.iter().enumerate().map(begin).collect(),
+            false => self.models.par_iter().enumerate().map(begin).collect(),
         };
-        self.put(begun?)
-    }
-
-    /// Puts plants in the place of all.
-    fn put(&mut self, rows: Vec<PlantSteps>) -> Result<(), Failure> {
-        let ends = all_ends(self.model(), &rows);
-        self.batch.replace(rows)?;
-        self.ends = ends;
+        self.batch.replace(begun?)?;
+        self.ends = all_ends(&self.models[0], &mut self.batch);
         Ok(())
     }
 
@@ -297,7 +298,7 @@ impl HostBatch {
             check_count(name, numbers.len(), model.distance_count())?;
         }
         let begun = model.begin_at(distances, rates, self.time()).map_err(|failure| self.of_row(failure, row))?;
-        self.batch.restart(row, begun)?;
+        self.batch.restart(row, begun.row(model.method()))?;
         let its = distances.len() * row..distances.len() * (row + 1);
         for (ends, new) in self.ends.iter_mut().zip([distances, rates]) {
             ends[its.clone()].copy_from_slice(new);
@@ -329,11 +330,13 @@ impl HostBatch {
     /// As [`PlantSteps::restore_from`], and where the states are of different times. Then nothing has changed.
     pub fn restore(&mut self, numbers: &[f64]) -> Result<(), Failure> {
         self.check_count("numbers of states", numbers.len(), self.state_size)?;
-        let mut rows = self.batch.clone().into_rows();
-        for (row, (steps, numbers)) in rows.iter_mut().zip(numbers.chunks(self.state_size)).enumerate() {
-            steps.restore_from(numbers).map_err(|error| self.of_row(error.into(), row))?;
-        }
-        self.put(rows)
+        let Self { models, batch, ends, state_size, .. } = self;
+        batch.change(|row, steps| {
+            let its = &numbers[*state_size * row..*state_size * (row + 1)];
+            steps.restore_from(its).map_err(|error| of_row(error.into(), row, models.len()))
+        })?;
+        *ends = all_ends(&models[0], batch);
+        Ok(())
     }
 
     /// That there are so many numbers for each plant.
@@ -381,16 +384,17 @@ fn check_count(name: &str, given: usize, due: usize) -> Result<(), Failure> {
 }
 
 /// Where the ends of all plants are that a host moves, and how fast they move, one plant after the other.
-fn all_ends(model: &HostModel, rows: &[PlantSteps]) -> [Vec<f64>; 2] {
-    let of = |which: usize| rows.iter().flat_map(|row| ends_of(row).map(move |ends| ends[which])).collect();
+fn all_ends(model: &HostModel, batch: &mut PlantBatch) -> [Vec<f64>; 2] {
     match model.motion() {
-        Motion::Host => [of(0), of(1)],
+        Motion::Host => {
+            batch.rows().into_iter().flatten().flat_map(ends_of).map(|ends| (ends[0], ends[1])).unzip().into()
+        }
         Motion::Scenario => [Vec::new(), Vec::new()],
     }
 }
 
 /// Where the ends are that a host moves and how fast they move, one after the other.
-fn ends_of(row: &PlantSteps) -> impl Iterator<Item = [f64; 2]> + '_ {
+fn ends_of(row: &PlantRow) -> impl Iterator<Item = [f64; 2]> + '_ {
     let here = row.plant().indices().mechanisms[0];
     (0..here.coordinates).map(move |k| [row.state()[here.position(k)], row.state()[here.rate(k)]])
 }

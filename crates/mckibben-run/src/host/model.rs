@@ -260,12 +260,12 @@ impl HostModel {
         self.steps_of(&PlantRun::new(&self.experiment.plant, &self.experiment.start, self.stepping)?)
     }
 
-    /// Steps from t = 0, or from a time in s on, with the ends of all actuators at `distances` in m and moving at `rates` in m/s, and
+    /// A run from t = 0, or from a time in s on, with the ends of all actuators at `distances` in m and moving at `rates` in m/s, and
     /// all else as the scenario starts.
     ///
     /// # Errors
     /// For distances that the actuators cannot have, and where the scenario moves the ends.
-    pub(super) fn begin_at(&self, distances: &[f64], rates: &[f64], time: f64) -> Result<PlantSteps, Failure> {
+    pub(super) fn begin_at(&self, distances: &[f64], rates: &[f64], time: f64) -> Result<PlantRun, Failure> {
         if self.motion == Motion::Scenario {
             return Err(Failure::input(
                 "the scenario moves the ends: they begin where it says",
@@ -281,17 +281,19 @@ impl HostModel {
             ..self.experiment.start.clone()
         };
         let begun = PlantRun::new(&self.experiment.plant, &start, self.stepping)?;
-        let begun = if time == 0.0 { begun } else { begun.begin_again(&start, time)? };
-        Ok(self.steps_of(&begun)?)
+        Ok(if time == 0.0 { begun } else { begun.begin_again(&start, time)? })
     }
 
-    fn steps_of(&self, begun: &PlantRun) -> Result<PlantSteps, mckibben::Error> {
-        // With the host's distances by the method that is stable at any step.
-        let method = match self.stepping {
+    /// How a step is taken: with the host's distances by the method that is stable at any step.
+    pub(super) fn method(&self) -> Method {
+        match self.stepping {
             TimeStepping::Located { .. } => Method::Stable,
             TimeStepping::Fixed { method, .. } => method,
-        };
-        let mut steps = begun.steps(method);
+        }
+    }
+
+    pub(super) fn steps_of(&self, begun: &PlantRun) -> Result<PlantSteps, mckibben::Error> {
+        let mut steps = begun.steps(self.method());
         steps.limit_step(self.longest)?;
         // What steps need is laid out before the first one.
         steps.state_size();

@@ -12,8 +12,6 @@ use std::sync::Arc;
 #[derive(Debug)]
 pub struct HostPlant {
     pub(super) model: Arc<HostModel>,
-    /// The number that each valve is commanded, where that is known.
-    commanded: Vec<Option<f64>>,
     pub(super) steps: PlantSteps,
     sampler: PlantSampler,
     /// Where the scenario's steps began, to return there if one fails.
@@ -22,8 +20,7 @@ pub struct HostPlant {
 
 impl Clone for HostPlant {
     fn clone(&self) -> Self {
-        let Self { model, commanded, steps, .. } = self;
-        Self { commanded: commanded.clone(), ..Self::of(Arc::clone(model), steps.clone()) }
+        Self::of(Arc::clone(&self.model), self.steps.clone())
     }
 }
 
@@ -47,11 +44,10 @@ impl HostPlant {
         Ok(Self::of(Arc::new(model), steps))
     }
 
-    /// A plant with nothing commanded, where these steps are.
+    /// A plant where these steps are.
     pub(super) fn of(model: Arc<HostModel>, mut steps: PlantSteps) -> Self {
-        let commanded = vec![None; model.commands().len()];
         let (sampler, before) = (PlantSampler::new(&steps), vec![0.0; steps.state_size()]);
-        Self { model, commanded, steps, sampler, before }
+        Self { model, steps, sampler, before }
     }
 
     /// The plant where it is.
@@ -75,18 +71,8 @@ impl HostPlant {
     /// When there is no such valve, and for a number that it does not take. Then nothing has changed.
     pub fn command(&mut self, input: usize, number: f64) -> Result<(), Failure> {
         let CommandInput { name, mode, valve, .. } = self.model.input(input)?;
-        if self.commanded[input] == Some(number) {
-            return Ok(());
-        }
         let set = mode.command(number).and_then(|command| self.steps.set(*valve, command));
-        set.map_err(|error| Failure::from(error).of(name))?;
-        self.commanded[input] = Some(number);
-        Ok(())
-    }
-
-    /// The number that a valve was last commanded since the state was restored; none where it has not been.
-    pub fn commanded(&self, input: usize) -> Option<f64> {
-        self.commanded.get(input).copied().flatten()
+        set.map_err(|error| Failure::from(error).of(name))
     }
 
     /// Goes on to `until` in s; the ends go in straight lines to `distances` in m: one for each actuator, none where the scenario
@@ -127,15 +113,13 @@ impl HostPlant {
     /// # Errors
     /// For distances that the actuators cannot have, and where the scenario moves the ends.
     pub fn begin_at(&mut self, distances: &[f64], rates: &[f64]) -> Result<(), Failure> {
-        self.steps = self.model.begin_at(distances, rates, 0.0)?;
-        self.commanded.fill(None);
+        self.steps = self.model.steps_of(&self.model.begin_at(distances, rates, 0.0)?)?;
         Ok(())
     }
 
     /// Returns to where the plant began.
     pub fn reset(&mut self) {
         self.steps.reset();
-        self.commanded.fill(None);
     }
 
     /// Responses of all actuators with the ends at `distances` in m and moving at `rates` in m/s: see
@@ -173,8 +157,6 @@ impl HostPlant {
     /// # Errors
     /// As [`PlantSteps::restore_from`].
     pub fn restore(&mut self, numbers: &[f64]) -> Result<(), Failure> {
-        self.steps.restore_from(numbers)?;
-        self.commanded.fill(None);
-        Ok(())
+        Ok(self.steps.restore_from(numbers)?)
     }
 }

@@ -89,6 +89,7 @@ impl<T: Scalar> NetworkState<T> {
     }
 
     /// Takes on the numbers of another network of equal structure.
+    #[inline(always)]
     pub(crate) fn adapt<S: Scalar>(&mut self, network: &Network<S>)
     where
         T: Over<S>,
@@ -101,6 +102,7 @@ impl<T: Scalar> NetworkState<T> {
 
 impl<T: Scalar> NodeState<T> {
     /// A node through which nothing flows yet.
+    #[inline(always)]
     fn of<S: Scalar>(network: &Network<S>, node: &Node<S>) -> Self
     where
         T: Over<S>,

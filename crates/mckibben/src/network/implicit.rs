@@ -217,6 +217,7 @@ impl<R: Scalar> Elimination<R> {
     }
 
     /// Takes on the numbers of another plant of equal structure.
+    #[inline(always)]
     pub(crate) fn adapt(&mut self, network: &Network<R>) {
         for (edge, branch) in self.edges.iter_mut().zip(&network.branches) {
             edge.copies = copies_of(branch);

@@ -129,7 +129,8 @@ impl<T: Scalar> Evaluation<T> {
     }
 
     /// Takes on the numbers of another plant of equal structure.
-    pub(super) fn adapt<R: Scalar>(&mut self, plant: &Plant<R>)
+    #[inline(always)]
+    pub fn adapt<R: Scalar>(&mut self, plant: &Plant<R>)
     where
         T: Over<R>,
     {

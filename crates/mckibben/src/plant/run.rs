@@ -241,34 +241,6 @@ impl<R: Instantiate> PlantRun<R> {
         Ok(Self { system, stepping, reached })
     }
 
-    /// Begins the same plant again at `time` in s, from a given start and without drivers: commands of valves and given motions
-    /// are where they are at that time.
-    ///
-    /// # Errors
-    /// As [`Plant::start`]; [`Error::OutOfRange`] for a time that is negative or not finite.
-    pub fn begin_again(&self, start: &PlantStart<R>, time: f64) -> Result<Self, Error> {
-        if time != 0.0 {
-            parameter::DURATION.check(time)?;
-        }
-        let system = self.system.clone();
-        let plant = &*system.plant;
-        let (mut state, memories) = plant.start_with_memories(start)?;
-        let mut at = Evaluation::new(plant);
-        let mut first = system.begin((R::zero(), None), &mut state.clone(), &memories, &mut at);
-        let time = R::constant(time);
-        for valve in 0..plant.network.valves.len() {
-            while plant.network.is_valve_due(valve, time, &first.network) {
-                plant.network.pass_valve(valve, time, &mut first.network);
-            }
-        }
-        let mode = system.begin((time, Some(&first)), &mut state, &memories, &mut at);
-        system.check_ends(time, &state, &mode, &mut at)?;
-        system.balance_ends(time, &mut state, &mode, &mut at);
-        system.check_jumps(time, &state, &mode, &mut at)?;
-        let reached = PlantSnapshot { time, state, mode, pace: Pace::begin(time.value()) };
-        Ok(Self { system, stepping: self.stepping, reached })
-    }
-
     /// The plant. Drivers have taken the place of the commands of their valves.
     pub fn plant(&self) -> &Plant<R> {
         &self.system.plant
@@ -435,6 +407,33 @@ impl<R: Instantiate> PlantRun<R> {
 }
 
 impl PlantRun {
+    /// Begins the plant again at `time` in s, from a given start and without drivers: commands of valves and given motions
+    /// are where they are at that time.
+    ///
+    /// # Errors
+    /// As [`Plant::start`]; [`Error::OutOfRange`] for a time that is negative or not finite.
+    pub fn begin_again(&self, start: &PlantStart, time: f64) -> Result<Self, Error> {
+        if time != 0.0 {
+            parameter::DURATION.check(time)?;
+        }
+        let system = self.system.clone();
+        let plant = &*system.plant;
+        let (mut state, memories) = plant.start_with_memories(start)?;
+        let mut at = Evaluation::new(plant);
+        let mut first = system.begin((0.0, None), &mut state.clone(), &memories, &mut at);
+        for valve in 0..plant.network.valves.len() {
+            while plant.network.is_valve_due(valve, time, &first.network) {
+                plant.network.pass_valve(valve, time, &mut first.network);
+            }
+        }
+        let mode = system.begin((time, Some(&first)), &mut state, &memories, &mut at);
+        system.check_ends(time, &state, &mode, &mut at)?;
+        system.balance_ends(time, &mut state, &mode, &mut at);
+        system.check_jumps(time, &state, &mode, &mut at)?;
+        let reached = PlantSnapshot { time, state, mode, pace: Pace::begin(time) };
+        Ok(Self { system, stepping: self.stepping, reached })
+    }
+
     /// Goes on by other steps from where the run is. What it has cost is counted on.
     ///
     /// # Errors

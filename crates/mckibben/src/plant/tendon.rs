@@ -33,6 +33,8 @@ use crate::friction::Deflections;
 use crate::load::SeriesTendon;
 use crate::scalar::{Differentiable, Mask, Over, Real, Scalar, Work};
 
+/// Part of a length by which a difference over it is taken.
+const DIFFERENCE: f64 = 1e-4;
 /// A velocity in m/s at which no force falls any more.
 const FAST: f64 = 1e6;
 /// Newton steps in search of a velocity, and the part of it to which it is found.
@@ -128,6 +130,46 @@ impl<R: Scalar> System<R> {
             velocity = T::select(damped, velocity, end.kept_velocity(at, deflections));
         }
         T::select(stuck, T::zero(), velocity)
+    }
+
+    /// How the rate of an end's length answers at what it is, to the distance in 1/s, to its rate, and to the length in 1/s: by the
+    /// balance of both tensions,
+    ///
+    /// ```text
+    /// with viscous friction      ∂L̇/∂x = k/F_v      ∂L̇/∂L = −(F_L + k)/F_v
+    /// without                    ∂L̇/∂ẋ = k/G_v      ∂L̇/∂L = −G_L/G_v          G = F_L L̇ + F_P Ṗ(L̇) − k (ẋ − L̇)
+    /// ```
+    ///
+    /// G has first derivatives of F; how it changes with the length is a difference, which is enough for a stable step.
+    #[inline(always)]
+    pub(super) fn end_answers(
+        &self,
+        i: usize,
+        tendon: &SeriesTendon<R>,
+        mode: &impl Formulas<R>,
+        at: (&Unit<R>, &Chamber<R>),
+        deflections: Deflections<R>,
+    ) -> [R; 3] {
+        let ((unit, chamber), zero, damped) = (at, R::zero(), mode.is_damped(self, i));
+        let tight = R::select(mode.is_loose(i), zero, tendon.stiffness());
+        let [mut by_distance, mut by_rate, mut by_length] = [zero; 3];
+        if damped.any() {
+            let pressure = Dual::of(chamber.pressure);
+            let ends: [Dual<R, 2>; 3] = [Dual::variable(unit.length, 0), Dual::variable(unit.velocity, 1), pressure];
+            let [per_length, per_velocity] = mode.signed_force(&self.wires[i], ends, deflections.constant()).slope;
+            by_distance = R::select(damped, tight / per_velocity, zero);
+            by_length = R::select(damped, -(per_length + tight) / per_velocity, zero);
+        }
+        if (!damped).any() {
+            let end = End { system: self, i, tendon, mode };
+            let [velocity, slope] = end.kept_from_rest(at, deflections);
+            let further = unit.length * R::constant(DIFFERENCE);
+            let longer = Unit { length: unit.length + further, ..*unit };
+            let growth = end.growth((&longer, chamber), deflections, velocity);
+            by_rate = R::select(damped, zero, tight / slope);
+            by_length = R::select(damped, by_length, -growth / (further * slope));
+        }
+        [by_distance, by_rate, by_length]
     }
 
     /// The actuator's force less the tendon's in N, as the end begins to slide.

@@ -230,7 +230,7 @@ impl<R: Instantiate> PlantSteps<R> {
 
     /// Sets all rates and goes on, in so many parts, to where the distances are.
     fn go_along(&mut self, from: R, span: R, parts: u64, distances: &[R]) -> Result<(), Error> {
-        self.begin_move(span, distances);
+        self.generic_begin_move(span, distances);
         let Self { row, work, .. } = self;
         let PlantRow { system, method, reached, course, .. } = &mut **row;
         for part in 1..=parts {
@@ -242,37 +242,21 @@ impl<R: Instantiate> PlantSteps<R> {
         Ok(())
     }
 
-    /// Sets the rates by which all ends come to where the distances are within a span in s.
-    #[doc(hidden)]
-    pub fn begin_move(&mut self, span: R, distances: &[R]) {
+    fn generic_begin_move(&mut self, span: R, distances: &[R]) {
         let Self { row, work, .. } = self;
         let PlantRow { system, reached, course, .. } = &mut **row;
+        let (time, state, mode) = reached.parts();
+        work.rates_jump(mode);
         let mut first = 0;
         for (m, here) in host_mechanisms(&system.plant) {
-            let (time, state, mode) = reached.parts();
             for k in 0..here.coordinates {
                 state[here.rate(k)] = (distances[first + k] - state[here.position(k)]) / span;
             }
             first += here.coordinates;
-            work.rates_jump(mode);
             system.enter_given_motion(m, *time, state, mode, &mut work.at);
-            if work.has_turned(mode) {
-                course.forget_guards();
-            }
         }
-    }
-
-    /// Lets the actuators whose ends a host moves slide the way of the rates that they have come to, where nothing else of their
-    /// modes changes.
-    #[doc(hidden)]
-    pub fn turn(&mut self) {
-        let Self { row, work, .. } = self;
-        let PlantRow { system, reached, course, .. } = &mut **row;
-        let (time, state, mode) = reached.parts();
-        for (m, _) in host_mechanisms(&system.plant) {
-            if system.follow_rates(m, *time, state, mode, &mut work.at) {
-                course.forget_guards();
-            }
+        if work.has_turned(mode) {
+            course.forget_guards();
         }
     }
 
@@ -305,6 +289,26 @@ impl<R: Instantiate> PlantSteps<R> {
 }
 
 impl PlantSteps {
+    /// Sets the rates by which all ends come to where the distances are within a span in s.
+    #[doc(hidden)]
+    pub fn begin_move(&mut self, span: f64, distances: &[f64]) {
+        self.generic_begin_move(span, distances);
+    }
+
+    /// Lets the actuators whose ends a host moves slide the way of the rates that they have come to, where nothing else of their
+    /// modes changes.
+    #[doc(hidden)]
+    pub fn turn(&mut self) {
+        let Self { row, work, .. } = self;
+        let PlantRow { system, reached, course, .. } = &mut **row;
+        let (time, state, mode) = reached.parts();
+        for (m, _) in host_mechanisms(&system.plant) {
+            if system.follow_rates(m, *time, state, mode, &mut work.at) {
+                course.forget_guards();
+            }
+        }
+    }
+
     /// Replaces the air in an actuator by air of another gauge pressure, at the temperature that it has: its mass changes in
     /// proportion to the absolute pressure. A host that keeps pressures among its own states sets them by this.
     ///

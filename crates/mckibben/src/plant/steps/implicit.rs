@@ -22,10 +22,10 @@
 //! | J, M | gradients of the distances, inertia | … |
 
 use super::super::dense;
-use super::super::evaluation::{Evaluation, System, Unit};
+use super::super::evaluation::{Evaluation, System};
 use super::super::formulas::Formulas;
 use super::super::{MechanismIndices, Plant};
-use crate::air::{Flow, Process};
+use crate::air::Process;
 use crate::dual::Dual;
 use crate::friction::{Deflections, Viscoelastic};
 use crate::mechanism::Mechanism;
@@ -95,6 +95,7 @@ impl<R: Scalar> Implicit<R> {
     }
 
     /// Takes on the numbers of another plant of equal structure.
+    #[inline(always)]
     pub(super) fn adapt(&mut self, plant: &Plant<R>) {
         self.network.adapt(plant.network());
     }
@@ -444,17 +445,17 @@ impl<R: Scalar> System<R> {
     ) -> TensionResponse<R> {
         let (wire, unit) = (&self.wires[i], &at.units[i]);
         let (zero, one) = (R::zero(), R::one());
+        let pressure = at.chambers[i].pressure;
+        let ends = [Dual::<R, 2>::variable(unit.length, 0), Dual::variable(unit.velocity, 1), Dual::of(pressure)];
+        let [stiffness, damping] = mode.tension(wire, ends, deflections.constant()).slope;
         let Some(bent) = deflections.bristles else {
-            let pressure = Dual::of(at.chambers[i].pressure);
-            let ends: [Dual<R, 2>; 3] = [Dual::variable(unit.length, 0), Dual::variable(unit.velocity, 1), pressure];
-            let [stiffness, damping] = mode.tension(wire, ends, deflections.constant()).slope;
             return TensionResponse { stiffness, damping: damping.larger(zero), ..TensionResponse::none() };
         };
-        let (velocity, bent) = (Dual::<R, 3>::variable(unit.velocity, 1), Dual::variable(bent, 2));
-        let ends = [Dual::variable(unit.length, 0), velocity, Dual::of(at.chambers[i].pressure)];
-        let [stiffness, damping, by_bristles] =
-            mode.tension(wire, ends, Deflections { bristles: Some(bent), ..deflections.constant() }).slope;
-        let [_, by_velocity, by_itself] = mode.bristle_rate(wire, bent, velocity).slope;
+        let (ends, bending) = ([unit.length, unit.velocity, pressure].map(Dual::of), Dual::<R, 1>::variable(bent, 0));
+        let [by_bristles] =
+            mode.tension(wire, ends, Deflections { bristles: Some(bending), ..deflections.constant() }).slope;
+        let [by_velocity, by_itself] =
+            mode.bristle_rate(wire, Dual::<R, 2>::variable(bent, 1), Dual::variable(unit.velocity, 0)).slope;
         let share = one / (one - gamma_h * by_itself).larger(one);
         let by_rate = gamma_h * by_velocity;
         TensionResponse {
@@ -539,24 +540,9 @@ impl<R: Scalar, F: Formulas<R>> Work for EndResponse<'_, R, F> {
         if !(!stuck).any() {
             return TensionResponse { stiffness: tight, ..none };
         }
-        let moving = Unit {
-            distance: Dual::<R, 3>::variable(unit.distance, 0),
-            rate: Dual::variable(unit.rate, 1),
-            length: Dual::variable(unit.length, 2),
-            velocity: Dual::of(zero),
-            tension: Dual::of(unit.tension),
-            flow: Flow { inward: Dual::of(unit.flow.inward), outward: Dual::of(unit.flow.outward) },
-            warmth: Dual::of(unit.warmth),
-            pressure_rate: Dual::of(unit.pressure_rate),
-            mass_rate: Dual::of(unit.mass_rate),
-        };
-        let [pressure, mass] = wire.air(state);
-        let slack = R::Mask::splat(false);
-        let (pressure, mass) = (Dual::of(pressure), Dual::of(mass));
-        let chamber = wire.member.actuator.chamber(moving.length, moving.velocity, pressure, mass, slack);
         let deflections = system.deflections(i, state);
         let [by_distance, by_rate, by_length] =
-            system.end_velocity(i, tendon, mode, (&moving, &chamber), deflections.constant()).slope;
+            system.end_answers(i, tendon, mode, (unit, &at.chambers[i]), deflections);
         let share = one / (one - gamma_h * by_length).larger(one);
         let (by_distance, by_rate) = (gamma_h * by_distance, gamma_h * by_rate);
         let beside = match deflections.bristles {

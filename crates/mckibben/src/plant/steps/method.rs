@@ -74,7 +74,8 @@ impl<R: Scalar> Stages<R> {
     }
 
     /// Takes on the numbers of another plant of equal structure.
-    pub(super) fn adapt(&mut self, plant: &Plant<R>) {
+    #[inline(always)]
+    pub fn adapt(&mut self, plant: &Plant<R>) {
         self.second.adapt(plant);
         self.implicit.adapt(plant);
     }
@@ -130,7 +131,10 @@ impl<R: Scalar> Stages<R> {
         let (half, mut ahead) = (R::constant(0.5) * step, R::zero());
         let mut physical = R::Mask::splat(true);
         for stage in 0..4_usize {
-            axpy(&mut self.state, state, ahead, &self.slopes[stage.saturating_sub(1)]);
+            match stage.checked_sub(1) {
+                None => self.state.copy_from_slice(state),
+                Some(before) => axpy(&mut self.state, state, ahead, &self.slopes[before]),
+            }
             physical = physical & system.has_air(&self.state);
             if !physical.any() {
                 end.copy_from_slice(&self.state);

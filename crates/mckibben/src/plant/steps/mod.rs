@@ -164,18 +164,11 @@ pub struct PlantSteps<R: Instantiate = f64> {
 impl<R: Instantiate> PlantRun<R> {
     /// Steps of a method from where the run is; the run itself stays there.
     pub fn steps(&self, method: Method) -> PlantSteps<R> {
-        R::begin_plant_steps(self, method)
+        self.row(method).into()
     }
 }
 
 impl<R: Instantiate> PlantSteps<R> {
-    pub(crate) fn generic_begin(run: &PlantRun<R>, method: Method) -> Self {
-        let system = Arc::new(System::new(run.shared_plant(), NARROW));
-        let (reached, start) = (run.save(), Arc::new(run.save()));
-        let (course, longest_part) = (Course::default(), f64::INFINITY);
-        Self::generic_of_row(Box::new(PlantRow { system, method, reached, course, start, longest_part }))
-    }
-
     pub(crate) fn generic_of_row(row: Box<PlantRow<R>>) -> Self {
         let (work, adapted_to, before) = (Workspace::new(row.plant()), row.system.clone(), row.save());
         Self { row, work, adapted_to, before, state_size: None }
@@ -230,17 +223,6 @@ impl<R: Instantiate> PlantSteps<R> {
         self.row.set(valve, command.into())
     }
 
-    /// Sets the rates (m/s or rad/s) of a mechanism whose motion a host gives.
-    ///
-    /// # Errors
-    /// As [`PlantRun::set_rates`].
-    pub fn set_rates(&mut self, mechanism: usize, rates: &[R]) -> Result<(), Error> {
-        let Self { row, work, .. } = self;
-        row.forget_guards();
-        let PlantRow { system, reached, .. } = &mut **row;
-        reached.set_rates(system, mechanism, rates, &mut work.at)
-    }
-
     /// Goes on to `until` in s in one step, divided where something switches; nothing where that has been reached.
     ///
     /// # Errors
@@ -248,17 +230,6 @@ impl<R: Instantiate> PlantSteps<R> {
     /// [`Error::OutOfRange`] for a time that is not finite; those of a driver. The steps then stay where they were.
     pub fn advance_to(&mut self, until: R) -> Result<(), Error> {
         R::advance_plant_steps(self, until)
-    }
-
-    /// Passes what is due at the time that has been reached, such as the first sample of a controller, which else the next step
-    /// passes first.
-    ///
-    /// # Errors
-    /// Those of a driver.
-    pub fn pass_due(&mut self) -> Result<(), Error> {
-        let (row, work) = (&mut *self.row, &mut self.work);
-        let now = row.time();
-        part::advance(&row.system, row.method, &mut row.reached, now, (work, &mut row.course), None)
     }
 
     pub(crate) fn generic_advance_to(&mut self, until: R) -> Result<(), Error> {
@@ -280,6 +251,28 @@ impl<R: Instantiate> PlantSteps<R> {
 }
 
 impl PlantSteps {
+    /// Sets the rates (m/s or rad/s) of a mechanism whose motion a host gives.
+    ///
+    /// # Errors
+    /// As [`PlantRun::set_rates`].
+    pub fn set_rates(&mut self, mechanism: usize, rates: &[f64]) -> Result<(), Error> {
+        let Self { row, work, .. } = self;
+        row.forget_guards();
+        let PlantRow { system, reached, .. } = &mut **row;
+        reached.set_rates(system, mechanism, rates, &mut work.at)
+    }
+
+    /// Passes what is due at the time that has been reached, such as the first sample of a controller, which else the next step
+    /// passes first.
+    ///
+    /// # Errors
+    /// Those of a driver.
+    pub fn pass_due(&mut self) -> Result<(), Error> {
+        let (row, work) = (&mut *self.row, &mut self.work);
+        let now = row.time();
+        part::advance(&row.system, row.method, &mut row.reached, now, (work, &mut row.course), None)
+    }
+
     /// Lays pulses out to `until` in s.
     #[doc(hidden)]
     pub fn lay_out(&mut self, until: f64) -> Result<(), Error> {

@@ -16,6 +16,7 @@ use crate::dual::Dual;
 use crate::error::Error;
 use crate::instantiate::Instantiate;
 use crate::parameter;
+use crate::scalar::Over;
 use crate::simulation::Sliding;
 
 impl<R: Instantiate> PlantSteps<R> {
@@ -130,13 +131,14 @@ impl<R: Instantiate> PlantSteps<R> {
                 if sliding.sliding == Sliding::Stuck {
                     sliding.sliding = Sliding::Frictionless;
                 }
-                let ends: [Dual<R, 3>; 3] = [
-                    Dual::variable(unit.length, 0),
-                    Dual::variable(unit.velocity, 1),
-                    Dual::variable(chamber.pressure, 2),
-                ];
-                let deflections = system.deflections(actuator, state).constant();
-                system.wires[actuator].member.tension(ends, &sliding, (&its.trace, deflections)).slope
+                let (member, deflections) = (&system.wires[actuator].member, system.deflections(actuator, state));
+                let [length, velocity, pressure] = [unit.length, unit.velocity, chamber.pressure];
+                let ends = [Dual::<R, 2>::variable(length, 0), Dual::variable(velocity, 1), Dual::of(pressure)];
+                let air = [Dual::<R, 1>::of(length), Dual::of(velocity), Dual::variable(pressure, 0)];
+                let [by_length, by_velocity] =
+                    member.tension(ends, &sliding, (&its.trace, deflections.constant())).slope;
+                let [by_pressure] = member.tension(air, &sliding, (&its.trace, deflections.constant())).slope;
+                [by_length, by_velocity, by_pressure]
             }
         };
         let air = mounted.actuator.air();

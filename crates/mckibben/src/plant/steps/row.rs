@@ -5,11 +5,12 @@
 
 use super::super::evaluation::System;
 use super::super::guard::PlantGuard;
+use super::super::run::PlantRun;
 use super::super::run::PlantSnapshot;
 use super::super::sample::PlantSample;
 use super::super::{Plant, PlantMode};
 use super::part::Course;
-use super::{Method, PlantSampler, PlantSteps};
+use super::{Method, NARROW, PlantSampler, PlantSteps};
 use crate::engine::GuardForm;
 use crate::error::Error;
 use crate::instantiate::Instantiate;
@@ -30,7 +31,21 @@ pub struct PlantRow<R: Instantiate = f64> {
     pub(super) longest_part: f64,
 }
 
+impl<R: Instantiate> PlantRun<R> {
+    /// A row of a batch, which begins where the run is and is stepped by a method; the run itself stays there.
+    pub fn row(&self, method: Method) -> Box<PlantRow<R>> {
+        R::begin_plant_row(self, method)
+    }
+}
+
 impl<R: Instantiate> PlantRow<R> {
+    pub(crate) fn generic_begin(run: &PlantRun<R>, method: Method) -> Box<Self> {
+        let system = Arc::new(System::new(run.shared_plant(), NARROW));
+        let (reached, start) = (run.save(), Arc::new(run.save()));
+        let (course, longest_part) = (Course::default(), f64::INFINITY);
+        Box::new(Self { system, method, reached, course, start, longest_part })
+    }
+
     /// The plant.
     pub fn plant(&self) -> &Plant<R> {
         &self.system.plant
@@ -58,7 +73,7 @@ impl<R: Instantiate> PlantRow<R> {
 
     /// Steps that go on from here, with memory to compute with.
     pub fn to_steps(&self) -> PlantSteps<R> {
-        PlantSteps::of_row(Box::new(self.clone()))
+        Box::new(self.clone()).into()
     }
 
     /// How a step is taken.
@@ -131,10 +146,16 @@ impl PlantRow {
         self.course.statistics.events
     }
 
+    /// Whether it has the numbers of its plant in memory that it shares with another row.
+    #[doc(hidden)]
+    pub fn shares_with(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.system, &other.system)
+    }
+
     /// Takes on the memory of another row for the numbers of its plant, if the plants are equal; whether they are.
     #[doc(hidden)]
     pub fn share(&mut self, other: &Self) -> bool {
-        let is_equal = Arc::ptr_eq(&self.system, &other.system) || self.plant() == other.plant();
+        let is_equal = self.shares_with(other) || self.plant() == other.plant();
         if is_equal {
             self.system = other.system.clone();
         }
@@ -150,19 +171,21 @@ impl<R: Instantiate> core::ops::Deref for PlantSteps<R> {
     }
 }
 
-impl<R: Instantiate> PlantSteps<R> {
-    /// Steps of a row, with memory to compute with.
-    #[doc(hidden)]
-    pub fn of_row(row: Box<PlantRow<R>>) -> Self {
+/// Steps of a row, with memory to compute with.
+impl<R: Instantiate> From<Box<PlantRow<R>>> for PlantSteps<R> {
+    fn from(row: Box<PlantRow<R>>) -> Self {
         R::take_on_plant_row(row)
     }
+}
 
-    /// The row, without that memory.
-    #[doc(hidden)]
-    pub fn into_row(self) -> Box<PlantRow<R>> {
-        self.row
+/// Where steps are, without that memory.
+impl<R: Instantiate> From<PlantSteps<R>> for Box<PlantRow<R>> {
+    fn from(steps: PlantSteps<R>) -> Self {
+        steps.row
     }
+}
 
+impl<R: Instantiate> PlantSteps<R> {
     /// Does something with another row, whose plant must be of equal structure.
     #[doc(hidden)]
     pub fn visit<T>(&mut self, row: &mut Box<PlantRow<R>>, does: impl FnOnce(&mut Self) -> T) -> T {
