@@ -1,7 +1,7 @@
 """Plants of many worlds: stepped together in vector lanes, and one after the other.
 
     python worlds.py [--counts 64 1024] [--rounds 9]
-    python worlds.py --counts 1000000 --rounds 1
+    python worlds.py --counts 1000000 --rounds 1 --muscle
 
 The work is a step of 1 ms with commands, the tensions before it, and the states after it equal to the bit. Both take turns, and of
 each the median of rounds counts. Plants one after the other are a `HostedPlant` of three: so few are not put in lanes, and a
@@ -66,11 +66,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--counts", type=int, nargs="+", default=[64, 1024], help="how many worlds")
     parser.add_argument("--rounds", type=int, default=9, help="rounds of which the median counts")
+    parser.add_argument("--muscle", action="store_true", help="the muscle alone, without the arm")
     arguments = parser.parse_args()
-    scenarios = {
-        "a muscle": mckibben.Scenario.from_dict(MUSCLE),
-        "an arm of six muscles": mckibben.Scenario.from_file(ROOT / "examples" / "plant" / "arm.toml"),
-    }
+    scenarios = {"a muscle": mckibben.Scenario.from_dict(MUSCLE)}
+    if not arguments.muscle:
+        scenarios["an arm of six muscles"] = mckibben.Scenario.from_file(ROOT / "examples" / "plant" / "arm.toml")
     for name, scenario in scenarios.items():
         counts = [FEW, *arguments.counts]
         worlds = {count: Worlds(scenario, count) for count in counts}

@@ -224,11 +224,11 @@ pub(crate) fn accuracy() -> ExitCode {
         // As the check compiles it: then all is there already.
         "--workspace",
         "--test",
-        "accuracy",
+        "commands",
         "--locked",
         "--",
         "--nocapture",
-        "the_page",
+        "accuracy::the_page",
     ]);
     ended(succeed(command.env("MCKIBBEN_WRITE", "1")))
 }

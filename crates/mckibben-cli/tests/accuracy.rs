@@ -2,11 +2,8 @@
 //!
 //! `cargo xtask accuracy` writes both; it is this test with `MCKIBBEN_WRITE` set.
 
-mod accuracy_table;
-mod common;
-
-use accuracy_table::{CASES, STEPS, page};
-use common::of_repository;
+use crate::accuracy_table::{CASES, Case, STEPS, figure, page};
+use crate::common::of_repository;
 
 const PAGE: &str = "docs/accuracy.md";
 const FIGURE: &str = "docs/accuracy.svg";
@@ -26,12 +23,12 @@ fn agree(one: &str, other: &str) -> bool {
 
 #[test]
 fn the_page_says_what_is_measured() {
-    let rows: Vec<_> = CASES.iter().map(accuracy_table::Case::measure).collect();
+    let rows: Vec<_> = CASES.iter().map(Case::measure).collect();
     let text = page(&rows);
     let path = of_repository(PAGE);
     if std::env::var_os("MCKIBBEN_WRITE").is_some() {
         std::fs::write(&path, &text).expect("writable");
-        let figure = accuracy_table::figure(&rows);
+        let figure = figure(&rows);
         let path = of_repository(FIGURE);
         let bytes = figure.bytes(mckibben_plot::Format::of(&path).expect("a known ending")).expect("a figure");
         std::fs::write(&path, bytes).expect("writable");

@@ -1,8 +1,6 @@
 //! Every mistake that a person makes: exit code 2, the place, the name, the value, the remedy, and nothing written.
 
-mod common;
-
-use common::Folder;
+use crate::common::Folder;
 
 const GOOD: &str = r#"[actuator]
 preset = "colbrunn-2001"

@@ -1,8 +1,6 @@
 //! `mckibben completions`: the script of Bash, in Bash, and those of Zsh and Fish where these are installed.
 
-mod common;
-
-use common::Folder;
+use crate::common::Folder;
 use std::process::Command;
 
 fn script(folder: &Folder, shell: &str) -> String {

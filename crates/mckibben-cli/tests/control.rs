@@ -1,8 +1,6 @@
 //! `mckibben simulate` with a controller: what it writes, prints and draws.
 
-mod common;
-
-use common::{Folder, of_repository};
+use crate::common::{Folder, of_repository};
 use std::collections::HashMap;
 use std::path::Path;
 

@@ -1,8 +1,6 @@
 //! `mckibben curves`: what it prints, writes and refuses.
 
-mod common;
-
-use common::{Folder, of_repository};
+use crate::common::{Folder, of_repository};
 
 fn text(output: std::process::Output) -> String {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));

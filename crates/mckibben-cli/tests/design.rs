@@ -1,8 +1,6 @@
 //! `mckibben design`: optima that closed forms give, constraints that are active, and what is refused.
 
-mod common;
-
-use common::{Folder, of_repository};
+use crate::common::{Folder, is_ignored, of_repository};
 use serde_json::Value;
 use std::f64::consts::PI;
 use std::process::Output;
@@ -266,7 +264,7 @@ fn an_interrupted_search_writes_the_best_values() {
         ["design", "muscle.toml", "--vary", "supply.gauge_pressure=1..8 bar", "--minimize", "gauge_pressure.final"];
     let more = ["--subject-to", "tension.final>=60 N", "--evaluations", "1000000", "--output"];
     for (signal, name, code) in [(2, "SIGINT", 130), (15, "SIGTERM", 143)] {
-        if common::is_ignored(signal) {
+        if is_ignored(signal) {
             continue;
         }
         let file = format!("{name}.toml");

@@ -1,8 +1,6 @@
 //! The figures of runs: which panels, curves, strips and marks they have, columns by name, and several files over each other.
 
-mod common;
-
-use common::{Folder, of_repository};
+use crate::common::{Folder, of_repository};
 use mckibben_plot::{Colour, Dash, Extent, Figure};
 use mckibben_run::axis::TrajectoryAxis;
 use mckibben_run::figure::{self, Picture, Request};

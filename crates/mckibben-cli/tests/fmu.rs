@@ -1,8 +1,6 @@
 //! `mckibben fmu`: a unit is written whole, and what cannot be one is refused.
 
-mod common;
-
-use common::{Folder, of_repository};
+use crate::common::{Folder, of_repository};
 use std::io::Read as _;
 
 fn run(folder: &Folder, arguments: &[&str]) -> (Option<i32>, String) {

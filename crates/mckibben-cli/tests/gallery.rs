@@ -1,8 +1,6 @@
 //! `mckibben gallery`: what it shows of the repository's examples, and what it says of a file that fails.
 
-mod common;
-
-use common::{Folder, of_repository};
+use crate::common::{Folder, of_repository};
 use std::path::Path;
 
 /// The scenario files under a folder, as paths below it without their ending; a study is none.

@@ -1,19 +1,13 @@
 //! `mckibben identify`: what it finds in data whose truth is known, what it writes, and what it refuses. Of files of many
 //! actuators in `plant`.
 
-mod common;
-#[path = "identify/creep.rs"]
 mod creep;
-#[path = "identify/driving.rs"]
 mod driving;
-#[path = "identify/hose.rs"]
 mod hose;
-#[path = "identify/plant.rs"]
 mod plant;
-#[path = "identify/sensors.rs"]
 mod sensors;
 
-use common::{Folder, of_repository};
+use crate::common::{Folder, of_repository};
 use mckibben_scenario::Scenario;
 use std::path::Path;
 use std::process::Output;

@@ -1,8 +1,6 @@
 //! `mckibben identify` where a search ends elsewhere than at a minimum: the best values are written and the report says so.
 
-mod common;
-
-use common::Folder;
+use crate::common::{Folder, is_ignored};
 use std::process::Output;
 use std::time::{Duration, Instant};
 
@@ -168,7 +166,7 @@ fn an_interrupted_search_writes_the_best_values() {
         format!("{STUDY}[fit.\"load.mass\"]\nfrom = \"1 kg\"\nto = \"6 kg\"\n[search]\nmore_starts = 1000000\n");
     folder.file("study.toml", &study);
     for (signal, name, code) in [(2, "SIGINT", 130), (15, "SIGTERM", 143)] {
-        if common::is_ignored(signal) {
+        if is_ignored(signal) {
             continue;
         }
         let output = folder.interrupted(&["identify", "study.toml", "--output", name], name, Duration::from_secs(3));

@@ -1,8 +1,6 @@
 //! `mckibben identify` where something is wrong: what it reads is safe, what it has is written, and what failed is said in words.
 
-mod common;
-
-use common::{Folder, of_repository};
+use crate::common::{Folder, of_repository};
 use std::path::Path;
 use std::process::Output;
 

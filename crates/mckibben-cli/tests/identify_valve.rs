@@ -1,9 +1,7 @@
 //! `mckibben identify` on valves: numbers that are known go in as data with noise and come out within their intervals, and what
 //! cannot be is refused in words.
 
-mod common;
-
-use common::{Folder, of_repository};
+use crate::common::{Folder, of_repository};
 use std::process::Output;
 
 /// The rig that the studies begin from; its valve's numbers are other than those looked for.

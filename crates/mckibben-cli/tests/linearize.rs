@@ -1,8 +1,6 @@
 //! `mckibben linearize`: what it writes and prints against the library that it calls, and what it refuses.
 
-mod common;
-
-use common::{Folder, of_repository};
+use crate::common::{Folder, of_repository};
 use mckibben::GaugePressure;
 use mckibben::linearize::{Aim, Balance, Content, StateSpace, linearize, linearize_driven};
 use mckibben_plot::Scale;

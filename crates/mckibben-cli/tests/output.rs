@@ -1,9 +1,7 @@
 //! Files and messages whatever happens on the way: signals, a full disk, a terminal that takes nothing.
 #![cfg(unix)]
 
-mod common;
-
-use common::Folder;
+use crate::common::Folder;
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::Duration;

@@ -1,11 +1,9 @@
 //! Files of many actuators: columns, events, figures, summaries, and that a run is that of the older files where those say the
 //! same. What else takes such files is in `features`.
 
-mod common;
-#[path = "plant/features.rs"]
 mod features;
 
-use common::{Folder, of_repository};
+use crate::common::{Folder, of_repository};
 use std::collections::HashMap;
 
 fn run(folder: &Folder, arguments: &[&str]) -> String {

@@ -1,8 +1,6 @@
 //! `mckibben simulate` on a pressure regulator: its columns, its summary, its figure, and mistakes.
 
-mod common;
-
-use common::{Folder, of_repository};
+use crate::common::{Folder, of_repository};
 
 fn example() -> String {
     of_repository("examples/valves/pressure-regulator.toml").display().to_string()

@@ -1,9 +1,7 @@
 //! `mckibben reproduce`: the report is complete, needs nothing else, is the same every time, and says what was
 //! computed.
 
-mod common;
-
-use common::{Folder, of_repository};
+use crate::common::{Folder, of_repository};
 use std::collections::BTreeMap;
 
 /// Writes the report to a new folder; returns what was printed.

@@ -1,9 +1,7 @@
 //! `mckibben simulate --settle`: what a run settles to, with what `linearize` says of it, and that a swing is
 //! distinguished from a ripple.
 
-mod common;
-
-use common::{Folder, PULSES};
+use crate::common::{Folder, PULSES, of_repository};
 
 /// A muscle without friction: nothing damps the swing of its load.
 const UNDAMPED: &str = "\
@@ -164,7 +162,7 @@ fn a_sweep_is_taken_over_the_orbit() {
 #[test]
 fn a_sweep_of_a_plant_over_the_orbit_goes_on_in_its_folder() {
     let folder = Folder::new("plant");
-    let arm = std::fs::read_to_string(common::of_repository("examples/plant/arm.toml")).expect("an example");
+    let arm = std::fs::read_to_string(of_repository("examples/plant/arm.toml")).expect("an example");
     let sweep = "\n[sweep]\npart_rows = 1\nreductions = [\"elbow.angle.mean\", \"elbow.angle.drift\", \"elbow.angle.overshoot\"]\n[sweep.vary]\n\
                  \"run.duration\" = [\"0.2 s\", \"0.4 s\"]\n";
     folder.file("arm.toml", &format!("{arm}{sweep}"));

@@ -1,8 +1,6 @@
 //! `mckibben simulate`: what it writes and prints, against the library that it calls.
 
-mod common;
-
-use common::{Folder, PULSES as PWM, of_repository};
+use crate::common::{Folder, PULSES as PWM, of_repository};
 use mckibben::plant::JointPlant;
 use mckibben::simulation::simulate;
 use mckibben_scenario::Document;

@@ -1,8 +1,6 @@
 //! `mckibben size`: its muscles meet the request, by closed forms and by `mckibben simulate`.
 
-mod common;
-
-use common::Folder;
+use crate::common::Folder;
 use std::f64::consts::PI;
 use std::process::Output;
 

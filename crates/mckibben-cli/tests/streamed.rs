@@ -1,9 +1,7 @@
 //! Event-located runs of `mckibben simulate` that are written as they are made: the bytes of a run that is kept, in memory that
 //! does not grow with the run; what has no measure is refused with its count, and what is not finite is an error.
 
-mod common;
-
-use common::{Folder, PULSES, of_repository};
+use crate::common::{Folder, PULSES, of_repository};
 use std::path::Path;
 use std::process::Output;
 

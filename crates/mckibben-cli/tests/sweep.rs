@@ -1,8 +1,6 @@
 //! `mckibben sweep`: every run against `mckibben simulate` of its row, and the files whatever happens on the way.
 
-mod common;
-
-use common::Folder;
+use crate::common::Folder;
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use parquet::record::Field;
 use std::collections::BTreeMap;

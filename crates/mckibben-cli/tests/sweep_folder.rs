@@ -1,8 +1,6 @@
 //! The parts of a sweep when many processes begin at once, and when a byte of one is damaged.
 
-mod common;
-
-use common::Folder;
+use crate::common::Folder;
 use mckibben_run::table::{Seal, seal};
 use std::collections::BTreeMap;
 use std::fs::File;

@@ -1,8 +1,6 @@
 //! `mckibben simulate` and `mckibben sweep` with a tendon in series: columns, the summary, the figure, a sweep's rows.
 
-mod common;
-
-use common::{Folder, of_repository};
+use crate::common::{Folder, of_repository};
 
 const STIFFNESS: f64 = 16e3;
 

@@ -1,8 +1,6 @@
 //! `--units`: one choice for summaries, files and curves, and what is refused.
 
-mod common;
-
-use common::{Folder, PULSES};
+use crate::common::{Folder, PULSES, of_repository};
 use std::process::Output;
 
 fn output(folder: &Folder, arguments: &[&str]) -> Output {
@@ -53,7 +51,7 @@ fn summary_and_file_have_the_units_that_are_chosen() {
 #[test]
 fn an_angle_comes_in_degrees_unless_radians_are_requested() {
     let folder = Folder::new("angle");
-    let joint = common::of_repository("examples/antagonistic-joint.toml");
+    let joint = of_repository("examples/antagonistic-joint.toml");
     let file = joint.to_str().expect("a path");
     let short = ["--set", "run.duration=0.2 s"];
     let line = |units: &[&str]| {

@@ -5,9 +5,7 @@
 //! code. Its runs are computed beforehand into the folder that the environment variable `MCKIBBEN_REFERENCE` names.
 //! Without them these tests fail: a validation that is skipped in silence is none.
 
-mod common;
-
-use common::{Folder, of_repository};
+use crate::common::{Folder, of_repository};
 use std::path::{Path, PathBuf};
 
 /// What an error may be, as a part of the column's range over the run.

@@ -1,8 +1,6 @@
 //! Warnings of `simulate`, `check`, `sweep` and `linearize`; `--strict`; the summary as JSON; a scenario from standard input.
 
-mod common;
-
-use common::{Folder, PULSES, of_repository};
+use crate::common::{Folder, PULSES, of_repository};
 use std::process::Output;
 
 /// The pulsed muscle for a tenth of a second.

@@ -1,14 +1,12 @@
 //! A rig as rigs are: a muscle that creeps, lengths that are late, off by session and rounded to the steps of a sensor, pressures
 //! that are held and noisy. What is looked for lies within its interval in 95 of 100 records.
 
-mod noise;
-
+use crate::noise::{HITS, Noise, coverage, holds};
 use mckibben::simulation::simulate;
 use mckibben_identify::adjustable::Adjustable;
 use mckibben_identify::least_squares::{Search, Unknown};
 use mckibben_identify::trajectories::{Amount, Horizon, Observed, Recorded, Sensor, Task, TimeSeries};
 use mckibben_scenario::{Place, Scenario};
-use noise::{HITS, Noise, coverage, holds};
 
 const DURATION: f64 = 0.4;
 const ATMOSPHERE: f64 = 101_325.0;

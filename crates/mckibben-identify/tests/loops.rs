@@ -1,12 +1,10 @@
 //! Loops: weights, friction and damping put in come back out, and what has no hysteresis leaves the loop.
 
-mod noise;
-
+use crate::noise::Noise;
 use mckibben_identify::adjustable::Adjustable;
 use mckibben_identify::least_squares::{Search, Unknown};
 use mckibben_identify::loops::{Loop, LoopError, LoopFit, LoopTask, Sample, tensions};
 use mckibben_scenario::{Hysteresis, Place, Scenario};
-use noise::Noise;
 
 const REACH: [f64; 4] = [0.1e-3, 0.3e-3, 0.8e-3, 2e-3];
 const RATIO: [f64; 4] = [0.4, 0.15, 0.08, 0.03];

@@ -1,8 +1,7 @@
 //! Plants of many actuators: parameters put in come back out of noisy records, derivatives are those of differences, a joint
 //! gives the same result as a plant and as a rig, and what cannot be fitted is refused.
 
-mod noise;
-
+use crate::noise::Noise;
 use mckibben::plant::simulate_plant;
 use mckibben_identify::adjustable::Adjustable;
 use mckibben_identify::least_squares::{Search, Unknown};
@@ -11,7 +10,6 @@ use mckibben_identify::trajectories::{
     AdjustablePlant, Described, Horizon, Identified, Observed, Recorded, Sampling, Sensor, Subject, Task, TimeSeries,
 };
 use mckibben_scenario::{Document, Place, PlantPlace, Scenario};
-use noise::Noise;
 
 /// An arm of two joints and three muscles, one of them over both joints, on one tank: with a hose, a tendon-free pulley and a
 /// pull that is shared.

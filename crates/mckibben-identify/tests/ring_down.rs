@@ -1,7 +1,6 @@
 //! Friction from ring-downs whose friction is known: the linear oscillator in closed form, and the simulated muscle.
 
-mod noise;
-
+use crate::noise::{HITS, Noise, coverage, holds};
 use mckibben::air::{Air, Process};
 use mckibben::force::{Characteristic, Effective, Effectiveness, IdealBraid, LengthLimits};
 use mckibben::friction::Friction;
@@ -10,7 +9,6 @@ use mckibben::ring_down::Form;
 use mckibben::simulation::{Initial, InitialLength, Rig, simulate};
 use mckibben::{Actuator, Braid, GaugePressure};
 use mckibben_identify::ring_down::{Estimator, Free, Record, Restoring, RingDownError, Turns, Waveform, compare};
-use noise::{HITS, Noise, coverage, holds};
 use std::f64::consts::PI;
 
 /// `x″ + 2ζω x′ + ω² x = −ω² Q sgn(x′)` about a rest position, let go at rest.

@@ -1,8 +1,7 @@
 //! Sensors with an offset, a drift, a scale, a shift, a lag, and samples that are held: what is put in comes back out, with the
 //! parameters of the scenario.
 
-mod noise;
-
+use crate::noise::Noise;
 use mckibben::simulation::simulate;
 use mckibben_identify::adjustable::Adjustable;
 use mckibben_identify::least_squares::{Search, Unknown};
@@ -10,7 +9,6 @@ use mckibben_identify::trajectories::{
     AMOUNTS, Amount, Horizon, Identified, Observed, Recorded, Sensor, Task, TimeSeries,
 };
 use mckibben_scenario::{Place, Scenario};
-use noise::Noise;
 
 const DURATION: f64 = 0.6;
 const ATMOSPHERE: f64 = 101_325.0;

@@ -1,9 +1,7 @@
 //! Overshoot, first peak, frequency and settling against the closed form of a damped oscillation.
 
-mod noise;
-
+use crate::noise::Noise;
 use mckibben_identify::trajectories::StepInfo;
-use noise::Noise;
 use std::f64::consts::PI;
 
 /// From 0.09 m by a stroke of −0.01 m, with a damping ratio and a natural frequency of 40 rad/s.

@@ -1,7 +1,6 @@
 //! Time series: parameters put in come back out, with honest intervals, and what cannot be found says so.
 
-mod noise;
-
+use crate::noise::{Noise, holds};
 use mckibben::plant::JointPlant;
 use mckibben::simulation::{JointSample, simulate};
 use mckibben_identify::adjustable::Adjustable;
@@ -10,7 +9,6 @@ use mckibben_identify::trajectories::{
     Horizon, Identified, Observed, Recorded, Sampling, Sensor, Subject, Task, TimeSeries, TrajectoryError,
 };
 use mckibben_scenario::{Effectiveness, Load, Place, PressurePlace, PressureSensor, PressureSeries, Scenario};
-use noise::{Noise, holds};
 
 /// The paper's muscle under pulses at a pressure of the supply in psi, from 40 psi.
 fn scenario(supply: f64) -> Scenario {

@@ -1,7 +1,6 @@
 //! Valves whose numbers are known: the core's flow law with noise, closed forms, and simulated tanks and pulse trains.
 
-mod noise;
-
+use crate::noise::{HITS, Noise, coverage, holds};
 use mckibben::air::{Air, Process};
 use mckibben::force::{Characteristic, Effective, Effectiveness, IdealBraid, LengthLimits};
 use mckibben::friction::Friction;
@@ -15,7 +14,6 @@ use mckibben_identify::valve::{
     Delays, DutyPoint, FlowCurve, PulseTrain, Scatter, SteadyPoint, Tank, TankFit, TankRecord, TankUnknown, Transfer,
     ValveError, delay_difference, efficiency, flow_coefficient,
 };
-use noise::{HITS, Noise, coverage, holds};
 
 const ROOM: f64 = 293.15;
 const ATMOSPHERE: f64 = 101_325.0;

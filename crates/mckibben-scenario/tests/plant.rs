@@ -1,6 +1,5 @@
 //! Files of many actuators: what is said once holds of all, what is said of one of that one, and names lead where they say.
 
-#[path = "plant/written.rs"]
 mod written;
 
 use mckibben::network::{BranchKind, NodeKind};

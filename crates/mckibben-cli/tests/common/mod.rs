@@ -4,7 +4,6 @@ use assert_cmd::Command;
 use std::path::{Path, PathBuf};
 
 /// A muscle that lifts 5 lb under pulses at 25 Hz, for 0.3 s.
-#[allow(dead_code)]
 pub(crate) const PULSES: &str = r#"[supply]
 gauge_pressure = "100 psi"
 [valve]
@@ -25,7 +24,6 @@ pub(crate) struct Folder(PathBuf);
 
 impl Folder {
     /// An empty folder.
-    #[allow(dead_code)]
     pub(crate) fn new(name: &str) -> Self {
         let path = std::env::temp_dir().join(format!("mckibben-{name}-{}", std::process::id()));
         let _ = std::fs::remove_dir_all(&path);
@@ -39,14 +37,12 @@ impl Folder {
     }
 
     /// Writes a file into it.
-    #[allow(dead_code)]
     pub(crate) fn file(&self, name: &str, text: &str) -> PathBuf {
         std::fs::write(self.path(name), text).expect("writable");
         self.path(name)
     }
 
     /// The names of all that is in it, sorted.
-    #[allow(dead_code)]
     pub(crate) fn names(&self) -> Vec<String> {
         let entries = std::fs::read_dir(&self.0).expect("readable");
         let mut names: Vec<String> =
@@ -56,7 +52,6 @@ impl Folder {
     }
 
     /// The program, to be run in it.
-    #[allow(dead_code)]
     pub(crate) fn mckibben(&self) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_mckibben"));
         command.current_dir(&self.0).env("NO_COLOR", "1");
@@ -65,7 +60,6 @@ impl Folder {
 
     /// What the program prints when it is sent a signal after a while.
     #[cfg(unix)]
-    #[allow(dead_code)]
     pub(crate) fn interrupted(
         &self,
         arguments: &[&str],
@@ -94,14 +88,12 @@ impl Drop for Folder {
 }
 
 /// A file of this repository.
-#[allow(dead_code)]
 pub(crate) fn of_repository(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(path)
 }
 
 /// Whether this process was started with a signal as ignored, as by `nohup`: its children ignore it too.
 #[cfg(unix)]
-#[allow(dead_code)]
 pub(crate) fn is_ignored(signal: u32) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:")).unwrap_or("0");

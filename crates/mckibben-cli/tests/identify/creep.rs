@@ -1,7 +1,7 @@
 //! A record that starts before the muscle has come to rest: what the history has left in its branches is found.
 
+use super::{cell, identify, printed, read};
 use crate::common::Folder;
-use crate::{cell, identify, printed, read};
 
 const SCENARIO: &str = "[actuator]\npreset = \"colbrunn-2001\"\n[actuator.friction.viscoelastic]\nrelaxation_time = [\"0.5 s\"]\n\
     stiffness_ratio = [0.2]\ninitial_stretch = [\"1 mm\"]\n[load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n\

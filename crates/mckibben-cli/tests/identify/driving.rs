@@ -1,7 +1,7 @@
 //! The sensor of a pressure that drives a run: its offset, scale and shift are estimated with the rest.
 
+use super::{cell, identify, printed, read};
 use crate::common::Folder;
-use crate::{cell, identify, printed, read};
 
 const SCENARIO: &str = "[actuator]\npreset = \"colbrunn-2001\"\n[load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n\
     [run]\nduration = \"1 s\"\nsample_interval = \"1 ms\"\n";

@@ -1,7 +1,7 @@
 //! A pressure that was read at the valve's end of a hose drives a run through the hose.
 
+use super::{cell, identify, printed, read};
 use crate::common::Folder;
-use crate::{cell, identify, printed, read};
 
 const SCENARIO: &str = "[actuator]\npreset = \"colbrunn-2001\"\n[supply]\ngauge_pressure = \"100 psi\"\n[valve]\npreset = \"matrix-eight-channel\"\n\
     [hose]\nlength = \"1.5 m\"\ndiameter = \"2.5 mm\"\nkind = \"distributed\"\ncells = 4\n\

@@ -1,7 +1,7 @@
 //! Sensors of a study: what is wrong with readings is found with the parameters, for all runs, each session or each run.
 
+use super::{cell, identify, printed, read};
 use crate::common::Folder;
-use crate::{cell, identify, printed, read};
 
 const SCENARIO: &str = "[actuator]\npreset = \"colbrunn-2001\"\n[supply]\ngauge_pressure = \"100 psi\"\n[valve]\npreset = \"matrix-eight-channel\"\n\
     [command]\nkind = \"pwm\"\nfrequency = \"12 Hz\"\nduty = 0.45\n[load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n\

@@ -1,8 +1,8 @@
 //! What files of one actuator can, files of many can: controllers, sweeps, linear models, the ledger, starts of friction. With one
 //! actuator by its name each gives what the file without the name gives, by the engine of one actuator.
 
+use super::{apart, columns, example, run};
 use crate::common::Folder;
-use crate::{apart, columns, example, run};
 use serde_json::Value;
 
 /// A file of many actuators whose elbow and gripper are controlled, on one supply.

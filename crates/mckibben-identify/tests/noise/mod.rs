@@ -1,5 +1,4 @@
 //! Noise that looks random and is the same in every run, and what coverage it may show.
-#![allow(dead_code)]
 
 use mckibben_identify::least_squares::Estimate;
 

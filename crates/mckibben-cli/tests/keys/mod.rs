@@ -4,13 +4,10 @@
 //! writes, so that a key which is read and then lost on its way to the engine is found too. That each number also goes to its
 //! own place, and not to that of its neighbour, is tested in `mckibben-scenario`, `tests/each_parameter.rs`.
 
-#[path = "../common/mod.rs"]
-mod common;
-
 mod cases;
 
+use crate::common::Folder;
 use cases::{Case, GIVEN_JOINT_LOAD, JOINT_LOAD, OF_JOINTS, Setting, WORDS, cases, set};
-use common::Folder;
 use mckibben_scenario::keys::{ANTAGONIST, KEYS, is_of_antagonist};
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
