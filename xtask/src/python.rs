@@ -57,6 +57,13 @@ pub(crate) fn package(root: &Path) -> Result<Counts, String> {
     if stubs() != kept {
         return Err(format!("{STUBS} was not what the package is now: it has been rewritten, and is to be committed"));
     }
+    // Before Cargo alone builds, for which the bindings to Python would be compiled again.
+    let wheels = root.join("target/wheels-tried");
+    empty(&wheels)?;
+    let mut build = command(root, &python);
+    build.args(["-m", "maturin", "build", "--locked", "--profile", "dev", "--features", "as-tests", "--out"]);
+    succeed(build.arg(&wheels).envs(AS_TESTS))?;
+    installs(root, &wheels)?;
     // What its runs are compared with.
     let mut program = cargo(root);
     program.args([
@@ -93,12 +100,6 @@ pub(crate) fn package(root: &Path) -> Result<Counts, String> {
         (counts.passed, counts.failed) = (counts.passed + again.passed, counts.failed + again.failed);
     }
     counts.passed += oldest_mujoco(root, &python, &mut tests())?.passed;
-    let wheels = root.join("target/wheels-tried");
-    empty(&wheels)?;
-    let mut build = command(root, &python);
-    build.args(["-m", "maturin", "build", "--locked", "--profile", "dev", "--features", "as-tests", "--out"]);
-    succeed(build.arg(&wheels).envs(AS_TESTS))?;
-    installs(root, &wheels)?;
     counts.passed += 1;
     counts.notes.push(format!("OpenBLAS kernels: the default, {}", blas_kernels().join(", ")));
     Ok(counts)
