@@ -8,7 +8,9 @@ air mass of each actuator, and the pressure of the reservoir where there is one.
 
 import argparse
 import csv
+import functools
 import sys
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 from reference_model.actuator import Dry, Muscle
@@ -157,6 +159,18 @@ PLANTS = {
 }
 
 
+def write(name, options):
+    """Integrates a plant and writes its columns."""
+    run = Integration(PLANTS[name], options.rtol).simulate()
+    with open(options.folder / f"{name}.csv", "w", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(run.header)
+        writer.writerows([repr(x) for x in row] for row in run.rows)
+    if options.events:
+        for instant, label in run.events:
+            print(f"{instant:.15g} {label}", file=sys.stderr)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", metavar="FOLDER", type=Path)
@@ -165,15 +179,8 @@ def main():
     parser.add_argument("--events", action="store_true", help="list the events on standard error")
     options = parser.parse_args()
     options.folder.mkdir(parents=True, exist_ok=True)
-    for name in options.names or PLANTS:
-        run = Integration(PLANTS[name], options.rtol).simulate()
-        with open(options.folder / f"{name}.csv", "w", newline="") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(run.header)
-            writer.writerows([repr(x) for x in row] for row in run.rows)
-        if options.events:
-            for instant, label in run.events:
-                print(f"{instant:.15g} {label}", file=sys.stderr)
+    with ProcessPoolExecutor() as pool:
+        list(pool.map(functools.partial(write, options=options), options.names or PLANTS))
 
 
 if __name__ == "__main__":

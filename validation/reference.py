@@ -6,11 +6,25 @@ python reference.py FILE.toml ... --folder FOLDER          # FOLDER/FILE.csv of 
 
 import argparse
 import csv
+import functools
 import sys
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 from reference_model.integration import METHODS, Integration
 from reference_model.scenario import load_scenario
+
+
+def write(scenario, options):
+    """Integrates a scenario and writes its columns."""
+    run = Integration(load_scenario(scenario), options.rtol, options.method).simulate()
+    with open(options.output or options.folder / f"{scenario.stem}.csv", "w", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(run.header)
+        writer.writerows([x if isinstance(x, str) else repr(x) for x in row] for row in run.rows)
+    if options.events:
+        for instant, name in run.events:
+            print(f"{instant:.15g} {name}", file=sys.stderr)
 
 
 def main():
@@ -25,15 +39,8 @@ def main():
     options = parser.parse_args()
     if options.output and len(options.scenarios) > 1:
         parser.error("--output takes one scenario: use --folder for several")
-    for scenario in options.scenarios:
-        run = Integration(load_scenario(scenario), options.rtol, options.method).simulate()
-        with open(options.output or options.folder / f"{scenario.stem}.csv", "w", newline="") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(run.header)
-            writer.writerows([x if isinstance(x, str) else repr(x) for x in row] for row in run.rows)
-        if options.events:
-            for instant, name in run.events:
-                print(f"{instant:.15g} {name}", file=sys.stderr)
+    with ProcessPoolExecutor() as pool:
+        list(pool.map(functools.partial(write, options=options), options.scenarios))
 
 
 if __name__ == "__main__":

@@ -76,7 +76,7 @@ impl PlantBatch {
     ///
     /// # Errors
     /// [`Error::Misuse`] where times or methods differ.
-    pub fn new(rows: impl IntoIterator<Item: Into<Box<PlantRow>>>) -> Result<Self, Error> {
+    pub fn new(rows: impl IntoIterator<Item: Into<PlantRow>>) -> Result<Self, Error> {
         Self::with_precision(rows, Precision::Double)
     }
 
@@ -84,10 +84,7 @@ impl PlantBatch {
     ///
     /// # Errors
     /// As [`PlantBatch::new`], and [`Error::Misuse`] where this program is built without that precision.
-    pub fn with_precision(
-        rows: impl IntoIterator<Item: Into<Box<PlantRow>>>,
-        precision: Precision,
-    ) -> Result<Self, Error> {
+    pub fn with_precision(rows: impl IntoIterator<Item: Into<PlantRow>>, precision: Precision) -> Result<Self, Error> {
         Self::with_lanes(rows, Width::widest(), precision)
     }
 
@@ -97,14 +94,14 @@ impl PlantBatch {
     /// # Errors
     /// As [`PlantBatch::with_precision`].
     pub fn with_lanes(
-        rows: impl IntoIterator<Item: Into<Box<PlantRow>>>,
+        rows: impl IntoIterator<Item: Into<PlantRow>>,
         width: Width,
         precision: Precision,
     ) -> Result<Self, Error> {
         Self::of(&mut rows.into_iter().map(Into::into), width, precision)
     }
 
-    fn of(rows: &mut dyn Iterator<Item = Box<PlantRow>>, width: Width, precision: Precision) -> Result<Self, Error> {
+    fn of(rows: &mut dyn Iterator<Item = PlantRow>, width: Width, precision: Precision) -> Result<Self, Error> {
         precision.check()?;
         let width = width.or_widest();
         let Arranged { groups, places, coordinates } = arrange(rows, width, precision)?;
@@ -121,7 +118,7 @@ impl PlantBatch {
     ///
     /// # Errors
     /// As [`PlantBatch::new`]. Then nothing has changed.
-    pub fn replace(&mut self, rows: impl IntoIterator<Item: Into<Box<PlantRow>>>) -> Result<(), Error> {
+    pub fn replace(&mut self, rows: impl IntoIterator<Item: Into<PlantRow>>) -> Result<(), Error> {
         let (longest_part, keeps_to_thread) = (self.longest_part, self.keeps_to_thread);
         *self = Self { longest_part, keeps_to_thread, ..Self::with_lanes(rows, self.width, self.precision)? };
         Ok(())
@@ -141,7 +138,7 @@ impl PlantBatch {
             let group = &mut self.groups[group];
             let mut row = group.bring(lane).steps.clone();
             group.rows.desk.visit(&mut row, |steps| does(index, steps))?;
-            rows.push(row);
+            rows.push(*row);
         }
         Ok(self.replace(rows)?)
     }
@@ -339,11 +336,11 @@ impl PlantBatch {
     ///
     /// # Errors
     /// [`Error::Misuse`] when there is no such row, for a plant of another structure, method or time. Then nothing has changed.
-    pub fn restart(&mut self, row: usize, steps: impl Into<Box<PlantRow>>) -> Result<(), Error> {
+    pub fn restart(&mut self, row: usize, steps: impl Into<PlantRow>) -> Result<(), Error> {
         self.put(row, steps.into())
     }
 
-    fn put(&mut self, row: usize, steps: Box<PlantRow>) -> Result<(), Error> {
+    fn put(&mut self, row: usize, steps: PlantRow) -> Result<(), Error> {
         let [group, lane] = self.place(row)?;
         let Group { rows, lanes, commands, .. } = &mut self.groups[group];
         let old = &rows.list[lane].steps;

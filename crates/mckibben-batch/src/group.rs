@@ -138,7 +138,7 @@ pub(crate) struct Arranged {
 /// # Errors
 /// [`Error::Misuse`] where they differ in time or method.
 pub(crate) fn arrange(
-    rows: &mut dyn Iterator<Item = Box<PlantRow>>,
+    rows: &mut dyn Iterator<Item = PlantRow>,
     width: Width,
     precision: Precision,
 ) -> Result<Arranged, Error> {

@@ -51,17 +51,17 @@ pub(crate) struct BlockRows<'r> {
 impl Rows {
     /// Those of a group, one at least.
     pub(crate) fn of(list: Vec<Row>) -> Self {
-        let desk = PlantSteps::from(list[0].steps.clone());
+        let desk = list[0].steps.to_steps();
         Self { list, desk }
     }
 }
 
 impl Row {
     /// A row of this number, whose coordinates that a host moves begin at `first`.
-    pub(crate) fn new(steps: Box<PlantRow>, index: usize, first: usize) -> Self {
+    pub(crate) fn new(steps: PlantRow, index: usize, first: usize) -> Self {
         let own: usize = host_mechanisms(steps.plant()).map(|(_, here)| here.coordinates).sum();
         Self {
-            steps,
+            steps: Box::new(steps),
             fault: None,
             change: Change::All,
             next: f64::INFINITY,

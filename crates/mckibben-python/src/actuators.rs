@@ -100,8 +100,8 @@ struct Many {
 }
 
 impl Many {
-    fn new(rows: Vec<Box<PlantRow>>, precision: Precision) -> Result<Self, Failure> {
-        let distances = rows.iter().map(|row| distance(row)).collect();
+    fn new(rows: Vec<PlantRow>, precision: Precision) -> Result<Self, Failure> {
+        let distances = rows.iter().map(distance).collect();
         let reaches = rows.iter().map(|row| row.plant().end_distance(0)).collect::<Result<_, _>>()?;
         Ok(Self { batch: PlantBatch::with_precision(rows, precision)?, distances, reaches })
     }
@@ -229,7 +229,7 @@ fn varied<'v>(
     name: Option<&str>,
     parameters: &[String],
     values: impl Iterator<Item = &'v [f64]>,
-    rows: &mut Vec<Box<PlantRow>>,
+    rows: &mut Vec<PlantRow>,
 ) -> Result<(), Failure> {
     if name.is_some() {
         let title =

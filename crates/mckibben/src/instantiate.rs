@@ -20,7 +20,6 @@ use crate::{
     simulation::Method,
     valve::RuntimeCommand,
 };
-use alloc::boxed::Box;
 use alloc::vec::Vec;
 
 /// Calls `watch` with a time in s now and then; its error ends a run.
@@ -67,9 +66,9 @@ entry_points! {
         run.generic_set_rates(mechanism, rates);
     fn advance_plant_run(run: &mut PlantRun<Self>, until: Self) -> Result<(), Error> =
         run.extend(until, &mut |_| Ok(()));
-    fn begin_plant_row(run: &PlantRun<Self>, method: Method) -> Box<PlantRow<Self>> =
+    fn begin_plant_row(run: &PlantRun<Self>, method: Method) -> PlantRow<Self> =
         PlantRow::generic_begin(run, method);
-    fn take_on_plant_row(row: Box<PlantRow<Self>>) -> PlantSteps<Self> = PlantSteps::generic_of_row(row);
+    fn take_on_plant_row(row: PlantRow<Self>) -> PlantSteps<Self> = PlantSteps::generic_of_row(row);
     fn adapt_plant_steps(steps: &mut PlantSteps<Self>) = steps.generic_adapt();
     fn advance_plant_steps(steps: &mut PlantSteps<Self>, until: Self) -> Result<(), Error> =
         steps.generic_advance_to(until);

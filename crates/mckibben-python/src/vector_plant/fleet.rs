@@ -19,7 +19,7 @@ pub(super) struct Fleet {
     action_mode: CommandMode,
     /// The file's plant at t = 0, and it as a row, which plants that are alike begin as.
     first: PlantRun,
-    row: Box<PlantRow>,
+    row: PlantRow,
     pace: Pace,
     batch: PlantBatch,
     /// Room for the ends of steps, and for the states of one plant.
@@ -58,7 +58,7 @@ impl Fleet {
     }
 
     /// A plant with these values, which begins at a time in s.
-    fn begun(&self, values: &[f64], time: f64) -> Result<Box<PlantRow>, Failure> {
+    fn begun(&self, values: &[f64], time: f64) -> Result<PlantRow, Failure> {
         if self.file.are_alike() && time == 0.0 {
             return Ok(self.row.clone());
         }
@@ -80,7 +80,7 @@ impl Fleet {
         rows: &[(usize, &[f64])],
         time: f64,
         keeps: bool,
-    ) -> Result<Vec<(usize, Box<PlantRow>)>, (usize, Failure)> {
+    ) -> Result<Vec<(usize, PlantRow)>, (usize, Failure)> {
         let begun = |(row, values): &(usize, &[f64])| match self.begun(values, time) {
             Ok(begun) => Ok((*row, begun)),
             Err(failure) => Err((*row, failure)),

@@ -274,7 +274,7 @@ impl HostBatch {
             let begun = model.begin_at(&distances[its.clone()], &rates[its], 0.0);
             begun.map(|run| run.row(model.method())).map_err(|failure| self.of_row(failure, row))
         };
-        let begun: Result<Vec<Box<PlantRow>>, Failure> = match self.batch.keeps_to_thread() {
+        let begun: Result<Vec<PlantRow>, Failure> = match self.batch.keeps_to_thread() {
             true => self.models.iter().enumerate().map(begin).collect(),
             false => self.models.par_iter().enumerate().map(begin).collect(),
         };

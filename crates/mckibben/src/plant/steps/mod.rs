@@ -169,9 +169,9 @@ impl<R: Instantiate> PlantRun<R> {
 }
 
 impl<R: Instantiate> PlantSteps<R> {
-    pub(crate) fn generic_of_row(row: Box<PlantRow<R>>) -> Self {
+    pub(crate) fn generic_of_row(row: PlantRow<R>) -> Self {
         let (work, adapted_to, before) = (Workspace::new(row.plant()), row.system.clone(), row.save());
-        Self { row, work, adapted_to, before, state_size: None }
+        Self { row: Box::new(row), work, adapted_to, before, state_size: None }
     }
 
     /// Goes back, or on, to where a run or steps of the same plant were.

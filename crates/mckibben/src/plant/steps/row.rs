@@ -33,17 +33,17 @@ pub struct PlantRow<R: Instantiate = f64> {
 
 impl<R: Instantiate> PlantRun<R> {
     /// A row of a batch, which begins where the run is and is stepped by a method; the run itself stays there.
-    pub fn row(&self, method: Method) -> Box<PlantRow<R>> {
+    pub fn row(&self, method: Method) -> PlantRow<R> {
         R::begin_plant_row(self, method)
     }
 }
 
 impl<R: Instantiate> PlantRow<R> {
-    pub(crate) fn generic_begin(run: &PlantRun<R>, method: Method) -> Box<Self> {
+    pub(crate) fn generic_begin(run: &PlantRun<R>, method: Method) -> Self {
         let system = Arc::new(System::new(run.shared_plant(), NARROW));
         let (reached, start) = (run.save(), Arc::new(run.save()));
         let (course, longest_part) = (Course::default(), f64::INFINITY);
-        Box::new(Self { system, method, reached, course, start, longest_part })
+        Self { system, method, reached, course, start, longest_part }
     }
 
     /// The plant.
@@ -73,7 +73,7 @@ impl<R: Instantiate> PlantRow<R> {
 
     /// Steps that go on from here, with memory to compute with.
     pub fn to_steps(&self) -> PlantSteps<R> {
-        Box::new(self.clone()).into()
+        self.clone().into()
     }
 
     /// How a step is taken.
@@ -172,16 +172,16 @@ impl<R: Instantiate> core::ops::Deref for PlantSteps<R> {
 }
 
 /// Steps of a row, with memory to compute with.
-impl<R: Instantiate> From<Box<PlantRow<R>>> for PlantSteps<R> {
-    fn from(row: Box<PlantRow<R>>) -> Self {
+impl<R: Instantiate> From<PlantRow<R>> for PlantSteps<R> {
+    fn from(row: PlantRow<R>) -> Self {
         R::take_on_plant_row(row)
     }
 }
 
 /// Where steps are, without that memory.
-impl<R: Instantiate> From<PlantSteps<R>> for Box<PlantRow<R>> {
+impl<R: Instantiate> From<PlantSteps<R>> for PlantRow<R> {
     fn from(steps: PlantSteps<R>) -> Self {
-        steps.row
+        *steps.row
     }
 }
 
