@@ -71,8 +71,8 @@ const OTHER_STRUCTURE: Error = Error::Misuse {
 
 impl PlantBatch {
     /// A batch of plants that have reached the same time and are stepped by the same method, with the widest instructions of
-    /// this machine. What they are is asked for one after the other: an iterator that begins each when it is asked needs no memory
-    /// but that of the batch.
+    /// this machine. They are taken one by one: from an iterator that begins each when it is asked for it, no more memory is needed
+    /// than that of the batch.
     ///
     /// # Errors
     /// [`Error::Misuse`] where times or methods differ.

@@ -1,7 +1,7 @@
 //! Plants of equal structure side by side: their states in lanes, and how they go through time together.
 //!
-//! What a block keeps is where its rows are. What it computes with is the [`Bench`], at which several blocks come one after the
-//! other, so that many rows stay in the cache.
+//! A block keeps where its rows are. What it computes with is a [`Workspace`], which blocks use one after the other, so that many
+//! rows stay in the cache.
 //!
 //! A step of all rows is one step of the method in lanes, after which [`Watch`] says which rows have kept their mode. A row that
 //! has not, or for which something is due within the step, repeats the step as a scalar instance, from where it was: so each row is
@@ -107,7 +107,7 @@ pub(crate) struct Block<W: Wide> {
 
 /// What blocks of equal structure compute with.
 #[derive(Clone, Debug)]
-pub(crate) struct Bench<W: Wide> {
+pub(crate) struct Workspace<W: Wide> {
     /// Whose numbers it has.
     adapted_to: Arc<System<W>>,
     stages: Stages<W>,
@@ -126,19 +126,19 @@ pub(crate) type Known<W> = Option<(Vec<f64>, Arc<System<W>>)>;
 /// What a new block is made of.
 struct Create<'a, W: Wide>(&'a mut [Row], &'a mut Known<W>);
 
-/// What a new bench is made for.
-struct Furnish<'a, W: Wide>(&'a Block<W>);
+/// The block for which a workspace is made.
+struct Room<'a, W: Wide>(&'a Block<W>);
 
 /// A block's way through a span.
-struct Advance<'a, W: Wide>(&'a mut Block<W>, &'a mut Bench<W>, BlockRows<'a>, Span<'a>);
+struct Advance<'a, W: Wide>(&'a mut Block<W>, &'a mut Workspace<W>, BlockRows<'a>, Span<'a>);
 
 /// What a block's rows answer with their ends at given distances and rates.
-struct Answer<'a, W: Wide>(&'a mut Block<W>, &'a mut Bench<W>, BlockRows<'a>, [&'a [f64]; 2], &'a mut [Response]);
+struct Answer<'a, W: Wide>(&'a mut Block<W>, &'a mut Workspace<W>, BlockRows<'a>, [&'a [f64]; 2], &'a mut [Response]);
 
-impl<W: Wide> Bench<W> {
+impl<W: Wide> Workspace<W> {
     /// For blocks whose plants have the structure of this one's.
     pub(crate) fn new(block: &Block<W>) -> Self {
-        compiled(Furnish(block))
+        compiled(Room(block))
     }
 
     /// Takes on the numbers of a block's plants.
@@ -160,8 +160,8 @@ impl<W: Wide> Block<W> {
     }
 
     /// Takes the rows, whose lanes these are, through a span.
-    pub(crate) fn advance(&mut self, bench: &mut Bench<W>, rows: BlockRows<'_>, span: Span<'_>) {
-        compiled(Advance(self, bench, rows, span));
+    pub(crate) fn advance(&mut self, work: &mut Workspace<W>, rows: BlockRows<'_>, span: Span<'_>) {
+        compiled(Advance(self, work, rows, span));
     }
 
     /// Brings a row to where its lane is.
@@ -187,12 +187,12 @@ impl<W: Wide> Block<W> {
     /// Those of a row.
     pub(crate) fn compute_at(
         &mut self,
-        bench: &mut Bench<W>,
+        work: &mut Workspace<W>,
         rows: BlockRows<'_>,
         ends: [&[f64]; 2],
         responses: &mut [Response],
     ) -> Result<(), Error> {
-        compiled(Answer(self, bench, rows, ends, responses))
+        compiled(Answer(self, work, rows, ends, responses))
     }
 }
 
@@ -238,14 +238,14 @@ impl<W: Wide> Compiled for Create<'_, W> {
     }
 }
 
-impl<W: Wide> Compiled for Furnish<'_, W> {
+impl<W: Wide> Compiled for Room<'_, W> {
     type Wide = W;
-    type Output = Bench<W>;
+    type Output = Workspace<W>;
 
     #[inline(always)]
-    fn run<S: Simd>(self, _: S) -> Bench<W> {
+    fn run<S: Simd>(self, _: S) -> Workspace<W> {
         let system = &self.0.system;
-        Bench {
+        Workspace {
             stages: Stages::new(&system.plant),
             at: Evaluation::new(&system.plant),
             adapted_to: system.clone(),
@@ -263,14 +263,14 @@ impl<W: Wide> Compiled for Advance<'_, W> {
 
     #[inline(always)]
     fn run<S: Simd>(self, _: S) {
-        let Self(block, bench, mut rows, span) = self;
-        bench.adapt(&block.system);
+        let Self(block, work, mut rows, span) = self;
+        work.adapt(&block.system);
         block.set_out(&mut rows, &span);
         if let Some(distances) = span.distances {
-            block.set_off(bench, &mut rows, distances, &span);
+            block.set_off(work, &mut rows, distances, &span);
         }
         for end in span.ends {
-            block.step(bench, &mut rows, *end);
+            block.step(work, &mut rows, *end);
         }
         if span.distances.is_some() {
             block.arrive();
@@ -284,9 +284,9 @@ impl<W: Wide> Compiled for Answer<'_, W> {
 
     #[inline(always)]
     fn run<S: Simd>(self, _: S) -> Result<(), Error> {
-        let Self(block, bench, mut rows, ends, responses) = self;
-        bench.adapt(&block.system);
-        block.answer(bench, &mut rows, ends, responses)
+        let Self(block, work, mut rows, ends, responses) = self;
+        work.adapt(&block.system);
+        block.answer(work, &mut rows, ends, responses)
     }
 }
 
@@ -313,19 +313,19 @@ impl<W: Wide> Block<W> {
 
     /// One step of all rows to a time in s. Where something is due within it each row goes to its own next instant.
     #[inline(always)]
-    fn step(&mut self, bench: &mut Bench<W>, rows: &mut BlockRows<'_>, until: f64) {
+    fn step(&mut self, work: &mut Workspace<W>, rows: &mut BlockRows<'_>, until: f64) {
         let (zero, one) = (W::zero(), W::one());
         if until - self.origin > W::LONGEST {
             self.count_times_from(rows, self.time);
         }
         let is_divided = is_due(self.soonest, until);
         if is_divided {
-            self.set_goals(bench, rows.list, until);
+            self.set_goals(work, rows.list, until);
         }
         loop {
             self.update();
             let Self { system, state, end, held, watch, origin, .. } = self;
-            let Bench { stages, at, from, goal, .. } = bench;
+            let Workspace { stages, at, from, goal, .. } = work;
             let mut together = zero.lt(self.goes);
             let mut believed = together;
             if together.any() {
@@ -348,14 +348,14 @@ impl<W: Wide> Block<W> {
             // How far the lanes of a row are good for.
             let come = || W::select(together, W::constant(KEEPS), W::select(believed, one, zero));
             if is_divided {
-                match self.pass_goals(bench, rows, come(), until) {
+                match self.pass_goals(work, rows, come(), until) {
                     true => continue,
                     false => break,
                 }
             }
             let apart = zero.lt(self.lives) & !together;
             if apart.any() || self.any_looks {
-                self.part(&mut bench.row, rows, come(), until);
+                self.part(&mut work.row, rows, come(), until);
             }
             std::mem::swap(&mut self.state, &mut self.end);
             break;
@@ -411,21 +411,21 @@ impl<W: Wide> Block<W> {
     }
 
     /// Sets where the rows go that are on the way to `until` in s.
-    fn set_goals(&self, bench: &mut Bench<W>, rows: &[Row], until: f64) {
+    fn set_goals(&self, work: &mut Workspace<W>, rows: &[Row], until: f64) {
         for lane in 0..W::LANES {
             let next = rows.get(lane).map_or(f64::INFINITY, |row| row.next);
-            bench.from[lane] = self.time;
-            bench.goal[lane] = until.min(next).max(self.time);
+            work.from[lane] = self.time;
+            work.goal[lane] = until.min(next).max(self.time);
         }
-        bench.arrived.fill(false);
+        work.arrived.fill(false);
     }
 
     /// Passes what is due where the rows have come to; those that have not kept their mode continue as scalar instances. Whether
     /// enough rows have not come to `until` in s to go on side by side.
     #[inline(never)]
-    fn pass_goals(&mut self, bench: &mut Bench<W>, rows: &mut BlockRows<'_>, come: W, until: f64) -> bool {
+    fn pass_goals(&mut self, work: &mut Workspace<W>, rows: &mut BlockRows<'_>, come: W, until: f64) -> bool {
         let mut left = 0;
-        let Bench { from, goal, arrived, row: own, .. } = bench;
+        let Workspace { from, goal, arrived, row: own, .. } = work;
         let BlockRows { list, desk } = rows;
         for (lane, row) in list.iter_mut().enumerate() {
             if arrived[lane] || !row.is_alive() {

@@ -207,7 +207,7 @@ impl Form {
         let first = groups.len();
         let blocks = side_by_side.len().div_ceil(lanes);
         let most = match blocks / SHARES {
-            // Blocks whose numbers differ would have their bench take on other numbers at each step.
+            // Blocks of other numbers would each have the workspace take them on, at each step.
             many if many > 1 && self.are_equal => (many / rayon::current_num_threads()).clamp(1, MOST_BLOCKS),
             _ => 1,
         };

@@ -1,6 +1,6 @@
 //! How rows in lanes go where a host moves their ends, and what they answer.
 
-use crate::block::{Bench, Block, write};
+use crate::block::{Block, Workspace, write};
 use crate::motion;
 use crate::row::{BlockRows, Change};
 use crate::span::Span;
@@ -13,7 +13,7 @@ impl<W: Wide> Block<W> {
     #[inline(always)]
     pub(crate) fn set_off(
         &mut self,
-        Bench { at, .. }: &mut Bench<W>,
+        Workspace { at, .. }: &mut Workspace<W>,
         rows: &mut BlockRows<'_>,
         distances: &[f64],
         span: &Span<'_>,
@@ -75,7 +75,7 @@ impl<W: Wide> Block<W> {
     #[inline(always)]
     pub(crate) fn answer(
         &mut self,
-        Bench { at, .. }: &mut Bench<W>,
+        Workspace { at, .. }: &mut Workspace<W>,
         rows: &mut BlockRows<'_>,
         ends: [&[f64]; 2],
         responses: &mut [Response],

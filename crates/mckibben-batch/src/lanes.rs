@@ -1,6 +1,6 @@
-//! Blocks one after the other at one bench, whatever the width of their lanes.
+//! Blocks of one structure, which share a workspace, whatever the width of their lanes.
 
-use crate::block::{Bench, Block, Known, read};
+use crate::block::{Block, Known, Workspace, read};
 use crate::row::{BlockRows, Row, Rows};
 use crate::span::Span;
 use crate::wide::Wide;
@@ -49,15 +49,15 @@ impl Clone for Box<dyn Lanes> {
 #[derive(Clone, Debug)]
 pub(crate) struct Blocks<W: Wide> {
     list: Vec<Block<W>>,
-    bench: Bench<W>,
+    work: Workspace<W>,
 }
 
 impl<W: Wide> Blocks<W> {
     /// Of rows of equal structure, one at least.
     pub(crate) fn new(rows: &mut [Row], known: &mut Known<W>) -> Self {
         let list: Vec<Block<W>> = rows.chunks_mut(W::LANES).map(|rows| Block::new(rows, known)).collect();
-        let bench = Bench::new(&list[0]);
-        Self { list, bench }
+        let work = Workspace::new(&list[0]);
+        Self { list, work }
     }
 }
 
@@ -68,7 +68,7 @@ impl<W: Wide> Lanes for Blocks<W> {
 
     fn advance(&mut self, Rows { list, desk }: &mut Rows, span: Span<'_>) {
         for (block, list) in self.list.iter_mut().zip(list.chunks_mut(W::LANES)) {
-            block.advance(&mut self.bench, BlockRows { list, desk }, span);
+            block.advance(&mut self.work, BlockRows { list, desk }, span);
         }
     }
 
@@ -103,7 +103,7 @@ impl<W: Wide> Lanes for Blocks<W> {
         let each = responses.len() / list.len();
         let (blocks, rows) = (self.list.iter_mut(), list.chunks_mut(W::LANES));
         for ((block, list), responses) in blocks.zip(rows).zip(responses.chunks_mut((each * W::LANES).max(1))) {
-            block.compute_at(&mut self.bench, BlockRows { list, desk }, ends, responses)?;
+            block.compute_at(&mut self.work, BlockRows { list, desk }, ends, responses)?;
         }
         Ok(())
     }

@@ -70,7 +70,7 @@ impl HostBatch {
 
     fn of(plants: &mut dyn Iterator<Item = HostPlant>, precision: Precision) -> Result<Self, Failure> {
         let (mut models, mut state_size, mut differs): (Vec<Arc<HostModel>>, usize, bool) = (Vec::new(), 0, false);
-        // Each is taken when it is asked for, so that memory is needed for one at a time to compute with.
+        // Each is taken when the batch asks for it: what a plant computes with is there once at a time.
         let rows = plants.map_while(|mut plant| {
             let size = plant.state_size();
             if let Some(first) = models.first() {
