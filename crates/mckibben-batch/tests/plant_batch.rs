@@ -244,6 +244,41 @@ fn rows_on_bottles_whose_ends_hosts_move_equal_scalar_instances() {
     }
 }
 
+/// Blocks of many equal rows compute with the same memory, one after the other: what one leaves there does not reach another. The last
+/// block has lanes without a row, and a row on the way has other numbers.
+#[test]
+fn many_equal_rows_equal_scalar_instances() {
+    let (plant, start) = as_plant(&Paper::pwm(25.0, 0.5).gauge(40.0 * PSI).friction(3.5, 1e-4));
+    // With more threads there would be fewer blocks in a group.
+    let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
+    for (method, step) in [(Method::Rk4, 2e-5), (Method::Stable, 1e-3)] {
+        let first = PlantRun::new(&plant, &start, 1e-9).expect("a run");
+        let mut scalar = vec![first.steps(method); 16 * Width::widest().rows() + 4];
+        let rows = scalar.iter().map(|_| first.row(method));
+        let mut batch = alone.install(|| PlantBatch::new(rows)).expect("rows at one time");
+        for count in 1..=150_usize {
+            for (index, row) in scalar.iter_mut().enumerate().filter(|(index, _)| (count + index) % 37 == 0) {
+                let request = if index % 2 == 0 { Request::Fill } else { Request::Exhaust };
+                row.set(0, request).expect("a request");
+                batch.set(index, 0, request).expect("a request");
+            }
+            if count == 75 {
+                let other = PlantRun::new(&varied(&plant, 30), &start, 1e-9).expect("a run");
+                let other = other.begin_again(&start, batch.time()).expect("a start");
+                scalar[9] = other.steps(method);
+                batch.restart(9, other.row(method)).expect("equal structure");
+            }
+            let until = step * count as f64;
+            alone.install(|| batch.advance_to(until)).expect("a time");
+            for (index, row) in scalar.iter_mut().enumerate() {
+                row.advance_to(until).expect("on");
+                let found = batch.row(index).expect("a row").state();
+                assert_eq!(bits(found), bits(row.state()), "row {index} at {until} s, {method:?}");
+            }
+        }
+    }
+}
+
 /// A row that is set, and one that is reset with other parameters, go on as their scalar instances.
 #[test]
 fn rows_are_set_and_restarted() {
