@@ -77,7 +77,8 @@ impl HostBatch {
                 let is_of_kind = Arc::ptr_eq(&plant.model, first) || plant.model.is_of_kind(first);
                 differs = !is_of_kind || size != state_size;
             }
-            (state_size, _) = (size, models.push(plant.model));
+            state_size = size;
+            models.push(plant.model);
             (!differs).then_some(plant.steps)
         });
         let made = PlantBatch::with_precision(rows, precision);
