@@ -25,14 +25,15 @@ const SETTING: f64 = 5.0;
 /// Plants that are stepped together.
 ///
 /// ```
-/// use mckibben::plant::{Plant, PlantRun, PlantStart, PlantSteps};
+/// use mckibben::plant::{Plant, PlantRow, PlantRun, PlantStart};
 /// use mckibben_batch::PlantBatch;
 /// use mckibben::simulation::Method;
 /// use mckibben::valve::Request;
 ///
 /// # fn learns(plants: &[Plant], start: &PlantStart) -> Result<(), mckibben::Error> {
-/// let begin = |plant| Ok(PlantRun::new(plant, start, 1e-6)?.steps(Method::Stable));
-/// let mut batch = PlantBatch::new(plants.iter().map(begin).collect::<Result<_, mckibben::Error>>()?)?;
+/// let begin = |plant| Ok(PlantRun::new(plant, start, 1e-6)?.row(Method::Stable));
+/// let rows: Vec<PlantRow> = plants.iter().map(begin).collect::<Result<_, mckibben::Error>>()?;
+/// let mut batch = PlantBatch::new(rows)?;
 /// for count in 1..=1000 {
 ///     for row in 0..batch.len() {
 ///         let fill = batch.row(row)?.state()[0] > 0.09;
