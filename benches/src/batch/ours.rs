@@ -50,7 +50,7 @@ impl Engine {
         };
         let text = |error: mckibben::Error| error.to_string();
         pool.install(|| {
-            let rows = rows.iter().map(begin).collect::<Result<_, _>>().map_err(text)?;
+            let rows = rows.iter().map(begin).collect::<Result<Vec<_>, _>>().map_err(text)?;
             let mut batch = PlantBatch::with_lanes(rows, self.width, Precision::Double).map_err(text)?;
             let (start, processor) = (Instant::now(), processor_seconds());
             batch.advance(steps as f64 * STEP, steps).map_err(text)?;

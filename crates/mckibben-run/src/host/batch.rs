@@ -312,7 +312,7 @@ impl HostBatch {
         self.state_size
     }
 
-    /// Saves the states of all plants as numbers: see [`PlantSteps::save_to`].
+    /// Saves the states of all plants as numbers: see [`HostPlant::save`].
     ///
     /// # Errors
     /// As there, unless there is room for [`HostBatch::state_size`] numbers of each plant, and what has stopped a plant.
@@ -328,7 +328,7 @@ impl HostBatch {
     /// Brings all plants to states of one time that plants of the same scenarios have saved.
     ///
     /// # Errors
-    /// As [`PlantSteps::restore_from`], and where the states are of different times. Then nothing has changed.
+    /// As [`HostPlant::restore`], and where the states are of different times. Then nothing has changed.
     pub fn restore(&mut self, numbers: &[f64]) -> Result<(), Failure> {
         self.check_count("numbers of states", numbers.len(), self.state_size)?;
         let Self { models, batch, ends, state_size, .. } = self;
