@@ -41,7 +41,9 @@ impl PlantBatch {
         desk.visit(&mut row.steps, |steps| steps.save_to(numbers))
     }
 
-    /// Writes the states of a row, in the places that [`Plant::indices`](mckibben::plant::Plant::indices) says, without bringing more of it up to date.
+    /// Writes the states of a row, in the places that [`Plant::indices`] says, without bringing more of it up to date.
+    ///
+    /// [`Plant::indices`]: mckibben::plant::Plant::indices
     ///
     /// # Errors
     /// As [`PlantBatch::row`]; [`Error::Misuse`] where there is not one number for each state.
