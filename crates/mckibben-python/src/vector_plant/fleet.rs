@@ -4,7 +4,7 @@ use super::columns;
 use super::file::{Begin, File};
 use crate::pace::{Pace, Span};
 use mckibben::parameter;
-use mckibben::plant::{PlantRow, PlantRun, PlantSteps, TimeStepping};
+use mckibben::plant::{PlantRow, PlantRun, TimeStepping};
 use mckibben_batch::{PlantBatch, Precision};
 use mckibben_run::failure::Failure;
 use mckibben_run::host::CommandMode;
@@ -31,8 +31,8 @@ impl Fleet {
     /// None yet, of this file.
     pub(super) fn new(file: File, action_mode: CommandMode, precision: Precision) -> Result<Self, Failure> {
         let first = run(&file, file.begin()).map_err(|error| file.failed(&error))?;
-        let batch =
-            PlantBatch::with_precision([] as [PlantSteps; 0], precision).map_err(|error| file.failed(&error))?;
+        let none = std::iter::empty::<PlantRow>();
+        let batch = PlantBatch::with_precision(none, precision).map_err(|error| file.failed(&error))?;
         let (row, state) = (first.row(file.method()), first.state().to_vec());
         Ok(Self { file, action_mode, first, row, pace: Pace::default(), batch, ends: Vec::new(), state })
     }

@@ -258,8 +258,10 @@ impl HostBatch {
     /// What has stopped the plant.
     pub fn plant(&mut self, row: usize) -> Result<HostPlant, Failure> {
         let count = self.count();
-        let steps = self.batch.row(row).map_err(|error| of_row(error.into(), row, count))?;
-        Ok(HostPlant::of(Arc::clone(&self.models[row]), steps.to_steps()))
+        let its = self.batch.row(row).map_err(|error| of_row(error.into(), row, count))?;
+        let model = Arc::clone(&self.models[row]);
+        let steps = model.steps_of(its.clone())?;
+        Ok(HostPlant::of(model, steps))
     }
 
     /// All begin again at t = 0, with the ends at `distances` in m and moving at `rates` in m/s: see [`HostPlant::begin_at`].
@@ -273,7 +275,7 @@ impl HostBatch {
         let begin = |(row, model): (usize, &Arc<HostModel>)| {
             let its = each * row..each * (row + 1);
             let begun = model.begin_at(&distances[its.clone()], &rates[its], 0.0);
-            begun.map(|run| run.row(model.method())).map_err(|failure| self.of_row(failure, row))
+            begun.map_err(|failure| self.of_row(failure, row))
         };
         let begun: Result<Vec<PlantRow>, Failure> = match self.batch.keeps_to_thread() {
             true => self.models.iter().enumerate().map(begin).collect(),
@@ -299,7 +301,7 @@ impl HostBatch {
             check_count(name, numbers.len(), model.distance_count())?;
         }
         let begun = model.begin_at(distances, rates, self.time()).map_err(|failure| self.of_row(failure, row))?;
-        self.batch.restart(row, begun.row(model.method()))?;
+        self.batch.restart(row, begun)?;
         let its = distances.len() * row..distances.len() * (row + 1);
         for (ends, new) in self.ends.iter_mut().zip([distances, rates]) {
             ends[its.clone()].copy_from_slice(new);

@@ -257,15 +257,16 @@ impl HostModel {
     /// # Errors
     /// A start that the core finds impossible.
     pub(super) fn begin(&self) -> Result<PlantSteps, mckibben::Error> {
-        self.steps_of(&PlantRun::new(&self.experiment.plant, &self.experiment.start, self.stepping)?)
+        let begun = PlantRun::new(&self.experiment.plant, &self.experiment.start, self.stepping)?;
+        self.steps_of(begun.row(self.method()))
     }
 
-    /// A run from t = 0, or from a time in s on, with the ends of all actuators at `distances` in m and moving at `rates` in m/s, and
+    /// A plant that begins at t = 0, or at a time in s, with the ends of all actuators at `distances` in m and moving at `rates` in m/s, and
     /// all else as the scenario starts.
     ///
     /// # Errors
     /// For distances that the actuators cannot have, and where the scenario moves the ends.
-    pub(super) fn begin_at(&self, distances: &[f64], rates: &[f64], time: f64) -> Result<PlantRun, Failure> {
+    pub(super) fn begin_at(&self, distances: &[f64], rates: &[f64], time: f64) -> Result<PlantRow, Failure> {
         if self.motion == Motion::Scenario {
             return Err(Failure::input(
                 "the scenario moves the ends: they begin where it says",
@@ -281,19 +282,21 @@ impl HostModel {
             ..self.experiment.start.clone()
         };
         let begun = PlantRun::new(&self.experiment.plant, &start, self.stepping)?;
-        Ok(if time == 0.0 { begun } else { begun.begin_again(&start, time)? })
+        let begun = if time == 0.0 { begun } else { begun.begin_again(&start, time)? };
+        Ok(begun.row(self.method()))
     }
 
     /// How a step is taken: with the host's distances by the method that is stable at any step.
-    pub(super) fn method(&self) -> Method {
+    fn method(&self) -> Method {
         match self.stepping {
             TimeStepping::Located { .. } => Method::Stable,
             TimeStepping::Fixed { method, .. } => method,
         }
     }
 
-    pub(super) fn steps_of(&self, begun: &PlantRun) -> Result<PlantSteps, mckibben::Error> {
-        let mut steps = begun.steps(self.method());
+    /// Steps of a plant, whose moves are divided as the host has said.
+    pub(super) fn steps_of(&self, row: PlantRow) -> Result<PlantSteps, mckibben::Error> {
+        let mut steps = PlantSteps::from(row);
         steps.limit_step(self.longest)?;
         // What steps need is laid out before the first one.
         steps.state_size();

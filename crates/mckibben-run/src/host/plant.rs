@@ -113,7 +113,7 @@ impl HostPlant {
     /// # Errors
     /// For distances that the actuators cannot have, and where the scenario moves the ends.
     pub fn begin_at(&mut self, distances: &[f64], rates: &[f64]) -> Result<(), Failure> {
-        self.steps = self.model.steps_of(&self.model.begin_at(distances, rates, 0.0)?)?;
+        self.steps = self.model.steps_of(self.model.begin_at(distances, rates, 0.0)?)?;
         Ok(())
     }
 

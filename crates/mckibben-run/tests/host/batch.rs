@@ -114,6 +114,25 @@ fn a_plant_that_stops_leaves_the_others() {
     assert!(relative(again.steps().state(), alone[4].steps().state()) < 1e-9);
 }
 
+/// A plant that is taken out of a batch divides its moves as those of the batch, also after these have begun again.
+#[test]
+fn a_plant_of_a_batch_keeps_the_longest_part_of_a_move() {
+    let options = HostOptions { max_step: Some(0.5e-3), ..HostOptions::default() };
+    let mut alone = HostPlant::read(&document(MUSCLE), &options).expect("a plant");
+    let mut batch = HostBatch::new(vec![alone.clone(); 5]).expect("a batch");
+    batch.begin_at(&[0.09; 5], &[0.0; 5]).expect("a start");
+    alone.begin_at(&[0.09], &[0.0]).expect("a start");
+    batch.begin_row(2, &[0.09], &[0.0]).expect("a start");
+    for row in [0, 2] {
+        let mut out = batch.plant(row).expect("a plant");
+        let mut alone = alone.clone();
+        for plant in [&mut out, &mut alone] {
+            plant.advance(8e-3, &[0.085]).expect("a step");
+        }
+        assert_eq!(out.steps().state(), alone.steps().state(), "plant {row}");
+    }
+}
+
 #[test]
 fn states_go_on_where_they_were_saved() {
     let mut batch = HostBatch::new(arms(5, Motion::Host)).expect("a batch");
