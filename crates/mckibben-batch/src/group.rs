@@ -124,7 +124,6 @@ impl Group {
 }
 
 /// Rows in their groups.
-#[derive(Default)]
 pub(crate) struct Arranged {
     pub(crate) groups: Vec<Group>,
     /// The group of each row, and its lane there.
@@ -142,7 +141,7 @@ pub(crate) fn arrange(
     width: Width,
     precision: Precision,
 ) -> Result<Arranged, Error> {
-    let Arranged { mut groups, mut places, mut coordinates } = Arranged::default();
+    let (mut groups, mut places, mut coordinates): (Vec<Group>, Vec<[usize; 2]>, usize) = (Vec::new(), Vec::new(), 0);
     let mut forms: Vec<Form> = Vec::new();
     for (index, steps) in rows.enumerate() {
         let mut row = Row::new(steps, index, coordinates);
