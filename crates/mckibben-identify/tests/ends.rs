@@ -4,7 +4,7 @@ use mckibben_identify::least_squares::{
     Ending, Evaluation, FitError, Loss, Model, Monitor, Search, Unknown, fit, fit_from,
 };
 use std::sync::atomic::{AtomicU32, Ordering};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Residuals and their derivatives by two unknowns.
 type Residuals = fn([f64; 2]) -> (Vec<f64>, Vec<[f64; 2]>);
@@ -225,6 +225,42 @@ fn an_interruption_among_several_starts_keeps_the_best() {
     assert!((found.fit.values()[0] - 1.0).abs() < 1e-7, "{found:?}");
     assert_eq!((found.fit.ending, found.tried), (Ending::Minimum, 2));
     assert_eq!(monitor.ending(), Some(Ending::Interrupted));
+}
+
+/// A model that is slow at its first start: there the search has no value before another start ends all searches.
+struct SlowAtFirst<'a>(&'a Monitor);
+
+impl Model for SlowAtFirst<'_> {
+    fn residuals(&self) -> usize {
+        wells([1.0, 1.0]).0.len()
+    }
+
+    fn evaluate(&self, values: &[f64]) -> Evaluation {
+        let (mut residuals, slopes) = wells([values[0], values[1]]);
+        if values == FIRST {
+            let begun = Instant::now();
+            while !self.0.is_stopped() && begun.elapsed() < Duration::from_millis(300) {
+                std::thread::yield_now();
+            }
+            residuals[0] = if self.0.is_stopped() { f64::NAN } else { residuals[0] };
+        } else {
+            self.0.stop();
+        }
+        Evaluation { residuals, slopes: slopes.concat() }
+    }
+}
+
+const FIRST: [f64; 2] = [1.1, 1.0];
+
+#[test]
+fn an_interruption_leaves_nothing_worse_than_the_first_start() {
+    let monitor = Monitor::default();
+    let search = Search { monitor: monitor.clone(), ..any_end() };
+    let two = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("threads");
+    let model = SlowAtFirst(&monitor);
+    let found = two.install(|| fit_from(&model, &from(FIRST), &[vec![5.0, 9.0]], &search)).expect("the best values");
+    assert_eq!((found.fit.values().as_slice(), &found.fit.ending), (FIRST.as_slice(), &Ending::Interrupted));
+    assert_eq!(found.cost, half_squares(&wells(FIRST).0));
 }
 
 /// A loss that spares outliers, and takes its measure from the residuals, ends at a kink as well.

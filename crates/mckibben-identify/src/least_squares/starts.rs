@@ -74,6 +74,8 @@ pub fn fit_from(
         true => solver::ended_by_derivatives(model, unknowns, search),
         false => fit(model, unknowns, &by_derivatives),
     };
+    // Searches share the cores: one from another start may be ended before the first has judged where it begins.
+    let begun = (search.any_end && !starts.is_empty()).then(|| begun(model, unknowns));
     let mut screened = 0;
     let mut from = vec![unknowns.to_vec()];
     from.extend(
@@ -83,7 +85,12 @@ pub fn fit_from(
     let searched = |(place, unknowns): (usize, &Vec<Unknown>)| {
         (place == 0 || !search.monitor.is_stopped()).then(|| ended(unknowns))
     };
-    let ends: Vec<Result<Fit, FitError>> = from.par_iter().enumerate().filter_map(searched).collect();
+    let mut ends: Vec<Result<Fit, FitError>> = from.par_iter().enumerate().filter_map(searched).collect();
+    if let (Some(Err(FitError::Interrupted)), Some(begun), Some(ending)) =
+        (ends.first(), begun, search.monitor.ending())
+    {
+        ends[0] = begun.map(|fit| Fit { ending, ..fit });
+    }
     let (tried, first) = (ends.len(), ends.first().and_then(|first| first.as_ref().err().cloned()));
     let fits: Vec<Fit> = ends.into_iter().flatten().collect();
     let failed = tried - fits.len();
@@ -121,6 +128,15 @@ pub fn fit_from(
         false => best.clone(),
     };
     Ok(Found { cost: best.cost, fit, tried, agreeing, screened, failed, others: ends })
+}
+
+/// The start of the unknowns as the best values of a search that is ended there.
+fn begun(model: &dyn Model, unknowns: &[Unknown]) -> Result<Fit, FitError> {
+    let values: Vec<f64> = unknowns.iter().map(|unknown| unknown.start).collect();
+    let residuals = tried(model, unknowns, &values);
+    let has_value = residuals.iter().all(|residual| residual.is_finite());
+    let fit = || Fit::without_intervals(unknowns, &values, &residuals, model.residuals(), Ending::Interrupted);
+    has_value.then(fit).ok_or(FitError::Interrupted)
 }
 
 /// Whether the loss takes its measure from the residuals.
