@@ -14,7 +14,7 @@ use crate::scalar::Real;
 use crate::simulation::member::Member;
 use crate::simulation::{EventKind, Guard, LengthRegime, Sliding};
 
-/// Force in widths of a border above which an end has jumped: viscous, or missing where there is no viscosity.
+/// Viscous force in widths of a border above which an end has jumped.
 const JUMP: f64 = 1e3;
 /// Part of its length by which an end without viscous friction may miss its balance.
 const UNBALANCED: f64 = 1e-6;
@@ -183,7 +183,7 @@ impl<R: Real> System<R> {
             Guard::BreakLonger | Guard::BreakShorter => {
                 its.on_stop = false;
                 its.mode.sliding = self.sliding_towards(i, if guard == Guard::BreakLonger { 1.0 } else { -1.0 });
-                self.check_balance(i, time, state, mode, at)?;
+                self.check_held(i, time, state, mode, at)?;
                 self.check_no_jump(i, time, state, mode, at)?;
                 EventKind::BreakAway
             }
@@ -200,29 +200,6 @@ impl<R: Real> System<R> {
             Guard::Slip => EventKind::Slip,
             _ => return Member::<R>::cross(guard, &mut its.mode).ok_or_else(|| self.unknown_guard(time)),
         })
-    }
-
-    /// That an end without viscous friction which breaks away is on its balance, and kept there.
-    fn check_balance(
-        &self,
-        i: usize,
-        time: R,
-        state: &[R],
-        mode: &PlantMode<R>,
-        at: &mut Evaluation<R>,
-    ) -> Result<(), Error> {
-        let tendon = self.plant.actuators[i].tendon.as_ref();
-        let Some(tendon) = tendon.filter(|_| !mode.is_damped(self, i)) else {
-            return Ok(());
-        };
-        // Air below the atmosphere's pressure would push: then nothing holds the end against the slightest pull.
-        self.enter_distances(time, state, mode, at);
-        let ends = [at.units[i].distance, at.units[i].length, state[self.plant.places.actuators[i].pressure]];
-        let missed = self.excess(i, tendon, mode, ends, self.deflections(i, state)).value();
-        if missed.abs() > JUMP * self.wires[i].member.force_band || !self.is_held(i, time, state, mode, at) {
-            return Err(self.jumps(i, time, state, mode, at));
-        }
-        Ok(())
     }
 
     /// That an end, on the border of what dry friction holds, slides no faster than a border is wide.
@@ -277,18 +254,27 @@ impl<R: Real> System<R> {
         at: &mut Evaluation<R>,
     ) -> Result<(), Error> {
         for (i, mounted) in self.plant.actuators.iter().enumerate() {
-            let its = &mode.actuators[i];
-            let sliding_towards = mounted.tendon.is_some() && its.mode.sliding != Sliding::Stuck;
-            if sliding_towards && !mode.is_damped(self, i) && !self.is_held(i, time, state, mode, at) {
-                return Err(self.jumps(i, time, state, mode, at));
+            if mounted.tendon.is_some() && mode.actuators[i].mode.sliding != Sliding::Stuck {
+                self.check_held(i, time, state, mode, at)?;
             }
         }
         Ok(())
     }
 
-    /// Whether the stiffness of a sliding end without viscous friction keeps it on its balance.
-    fn is_held(&self, i: usize, time: R, state: &[R], mode: &PlantMode<R>, at: &mut Evaluation<R>) -> bool {
-        self.guard(PlantGuard::Jump(i), time, state, mode, at).value() >= 0.0
+    /// That the stiffness of a sliding end without viscous friction keeps it on its balance. What it misses of that, as a fixed
+    /// step begins, the balance makes good.
+    fn check_held(
+        &self,
+        i: usize,
+        time: R,
+        state: &[R],
+        mode: &PlantMode<R>,
+        at: &mut Evaluation<R>,
+    ) -> Result<(), Error> {
+        if mode.is_damped(self, i) || self.guard(PlantGuard::Jump(i), time, state, mode, at).value() >= 0.0 {
+            return Ok(());
+        }
+        Err(self.jumps(i, time, state, mode, at))
     }
 
     /// The error of an end without viscous friction that jumps: its air, near the pressure of the atmosphere or below, holds its

@@ -164,7 +164,7 @@ enum Scope {
     Air,
     /// With them tensions and accelerations.
     Motion,
-    /// With them the rates of all states.
+    /// With them the rates of all states, without tensions that change none.
     Rates,
 }
 
@@ -196,7 +196,7 @@ impl<R: Scalar, T: Differentiable<R>, F: Formulas<R>> Work for Compute<'_, R, T,
             }
         }
         if scope >= Scope::Motion {
-            system.enter_actuators(time, state, mode, at);
+            system.enter_actuators(scope, time, state, mode, at);
             for assembly in &system.assemblies {
                 system.accelerate(assembly, time, state, mode, at);
             }
@@ -315,7 +315,7 @@ impl<R: Scalar> System<R> {
         T::apart(Compute { system: self, scope: Scope::Air, time, state, mode, at, rates: &mut [] });
     }
 
-    /// The rates of all states at a time in s.
+    /// The rates of all states at a time in s. The tension of an actuator whose ends are moved is not known then.
     #[inline(always)]
     pub(crate) fn rates<T: Differentiable<R>>(
         &self,
@@ -433,10 +433,11 @@ impl<R: Scalar> System<R> {
         self.plant.network.flows(time, &self.piping, around, air, mode.flows(), &mut at.network);
     }
 
-    /// Computes tensions and air of all actuators, whose flows are known.
+    /// Computes tensions and air of all actuators, whose flows are known; for rates alone the tensions to which states answer.
     #[inline(always)]
     fn enter_actuators<T: Differentiable<R>>(
         &self,
+        scope: Scope,
         time: T,
         state: &[T],
         mode: &impl Formulas<R>,
@@ -448,7 +449,7 @@ impl<R: Scalar> System<R> {
             self.fill(wire, time, mode, network, unit);
             if wire.places.length.is_some() {
                 self.enter_end(i, mode, self.deflections(i, state), (unit, chamber));
-            } else {
+            } else if wire.is_answered || scope == Scope::Motion {
                 let ends = [unit.length, unit.velocity, chamber.pressure];
                 unit.tension = mode.tension(wire, ends, self.deflections(i, state));
             }

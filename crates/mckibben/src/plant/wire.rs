@@ -42,6 +42,8 @@ pub struct Wire<R: Scalar> {
     pub(crate) chamber: Option<usize>,
     /// Whether its pressure is given over time.
     pub(crate) is_given: bool,
+    /// Whether a state answers to its tension: what it spans moves by its forces.
+    pub(crate) is_answered: bool,
 }
 
 /// A mechanism, its states and the actuators at it.
@@ -111,6 +113,7 @@ impl<R: Scalar> Wire<R> {
             span,
             chamber: places.chambers[index],
             is_given: mounted.pressure.is_some(),
+            is_answered: plant.mechanisms[mounted.mechanism].is_dynamic(),
         }
     }
 }

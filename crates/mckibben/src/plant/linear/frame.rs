@@ -182,6 +182,7 @@ impl Frame {
         let zero = Number::constant(0.0);
         let mut rates = vec![zero; state.len()];
         system.rates(zero, &state[..count], &mode, &mut at, &mut rates[..count]);
+        system.evaluate(zero, &state[..count], &mode, &mut at);
         for &(valve, slot) in &self.spools {
             if let (Some(spool), Drive::Spool(command)) =
                 (plant.network.valves[valve].solenoid.spool(), self.drives[valve])

@@ -273,8 +273,10 @@ impl<R: Scalar, F: Formulas<R>> Work for Factor<'_, R, F> {
         let Self { implicit, system, span, state, mode, at } = self;
         let (_, gamma_h) = span;
         implicit.gamma_h = gamma_h;
-        for i in 0..implicit.tensions.len() {
-            implicit.tensions[i] = system.tension_response(i, gamma_h, state, mode, at);
+        for (i, wire) in system.wires.iter().enumerate() {
+            if wire.is_answered || system.own_place(i).is_some() {
+                implicit.tensions[i] = system.tension_response(i, gamma_h, state, mode, at);
+            }
         }
         for m in 0..system.assemblies.len() {
             implicit.factor_mechanism(system, m, state, mode, at);
