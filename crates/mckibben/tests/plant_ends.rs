@@ -5,7 +5,8 @@ use mckibben::friction::Coulomb;
 use mckibben::load::SeriesTendon;
 use mckibben::mechanism::{Attachment, Chain, ChainSegment, Coupling, JointStops, Mass, Mechanism, Pull, Revolute};
 use mckibben::network::Network;
-use mckibben::plant::{InitialAir, Mounted, Plant, PlantStart, simulate_plant};
+use mckibben::plant::{InitialAir, Mounted, Part, Plant, PlantEventKind, PlantStart, simulate_plant};
+use mckibben::simulation::EventKind;
 use mckibben::{Error, GaugePressure};
 use std::f64::consts::PI;
 
@@ -91,36 +92,42 @@ fn falling_friction_on_a_tendon_needs_the_viscous_one_that_outweighs_it() {
     simulate_plant(&plant, &start, 0.02, 1e-8).expect("a run");
 }
 
-/// Where both points lie on one line with the axis the distance rests, and the limb swings through.
+/// Where both points lie on one line with the axis the distance rests, and the limb swings through: each of two muscles reverses
+/// at the angle of its own dead centre, and the work of their friction closes.
 #[test]
-fn a_limb_swings_through_a_dead_centre() {
+fn a_limb_swings_through_the_dead_centres_of_its_muscles() {
+    const DEAD_CENTRES: [f64; 2] = [0.0, 0.12];
     let paper = Paper::sealed();
     assert!(paper.coulomb_width > 0.0);
     let stops = JointStops { ends: [None; 2], stiffness: 500.0, damping: 1.0 };
     let joint = Revolute { torque: 0.0, damping: 0.0, stops };
     let limb = ChainSegment { length: 0.0, mass: 1.0, distance: 0.1, inertia: 1e-3 };
     let chain = Chain::new(vec![limb], vec![joint], [0.0, 0.0], None).expect("a chain");
-    let ends = [([-0.06, 0.0], None), ([0.03, 0.0], Some(0))].map(|(place, segment)| Attachment { segment, place });
-    let mounted = Mounted {
-        actuator: paper.actuator(),
-        mechanism: 0,
-        coupling: Coupling::Points(ends),
-        tendon: None,
-        pressure: None,
-    };
+    let mounted = DEAD_CENTRES.map(|angle: f64| {
+        let fixed = Attachment { segment: None, place: [-0.06 * angle.cos(), -0.06 * angle.sin()] };
+        let moved = Attachment { segment: Some(0), place: [0.03, 0.0] };
+        let coupling = Coupling::Points([fixed, moved]);
+        Mounted { actuator: paper.actuator(), mechanism: 0, coupling, tendon: None, pressure: None }
+    });
     let network = Network::new(&paper.air());
-    let plant = Plant::new(vec![mounted], network, vec![Mechanism::Chain(chain)]).expect("a plant");
+    let plant = Plant::new(mounted.to_vec(), network, vec![Mechanism::Chain(chain)]).expect("a plant");
     let start = PlantStart {
         positions: vec![vec![-0.3]],
-        rates: vec![vec![4.0]],
-        air: vec![InitialAir { gauge_pressure: GaugePressure(2e4), temperature: ROOM }],
-        lengths: vec![None],
+        rates: vec![vec![5.0]],
+        air: vec![InitialAir { gauge_pressure: GaugePressure(2e4), temperature: ROOM }; 2],
+        lengths: vec![None; 2],
         ..PlantStart::default()
     };
     let run = simulate_plant(&plant, &start, 0.15, 1e-8).expect("a run");
     let sample = run.sample(0.15);
     let (angle, rate) = (sample.mechanisms[0].position[0], sample.mechanisms[0].rate[0]);
-    assert!(angle > 0.1 && rate > 2.0, "{angle} rad at {rate} rad/s");
+    assert!(angle > 0.2 && rate > 2.0, "{angle} rad at {rate} rad/s");
+    for (actuator, dead_centre) in DEAD_CENTRES.into_iter().enumerate() {
+        let its = PlantEventKind { part: Part::Actuator(actuator), kind: EventKind::Reversal };
+        let times: Vec<f64> = run.events().iter().filter(|event| event.kind == its).map(|event| event.time).collect();
+        let [time] = times[..] else { panic!("{actuator} reverses at {times:?}") };
+        assert_within(run.sample(time).mechanisms[0].position[0], dead_centre, 1e-6);
+    }
     let work = run.ledger().work();
     assert!(work.closes(1e-6), "{work:?}");
 }

@@ -159,7 +159,7 @@ fn what_cannot_be_done_is_refused_and_changes_nothing() {
     refused(actuator.set(0, pulses_at(0.0, 0.5)), "command.frequency");
     refused(actuator.move_to(0.05, &[0.091]), "back in time");
     assert!(matches!(actuator.move_to(f64::NAN, &[0.091]), Err(Error::OutOfRange { .. })));
-    refused(actuator.move_to(0.1, &[0.2]), "left the physics");
+    refused(actuator.move_to(0.1, &[0.2]), "pulled a braid straight");
     assert!(actuator.move_to(0.1, &[f64::NAN]).is_err());
     assert_eq!(actuator.sample(), before);
     actuator.move_to(0.1, &[0.091]).expect("it goes on");

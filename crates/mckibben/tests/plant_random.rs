@@ -6,7 +6,8 @@ use mckibben::Error;
 use mckibben::plant::{Plant, PlantRun, PlantStart, PlantTrajectory, TimeStepping, simulate_plant};
 use mckibben::simulation::Method;
 use proptest::prelude::*;
-use proptest::test_runner::TestCaseError;
+use proptest::strategy::ValueTree;
+use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestRng, TestRunner};
 
 /// Plants that are tried. `MCKIBBEN_CASES` and `MCKIBBEN_SEED` set their number and seed: 5000 take some minutes.
 const CASES: u32 = 300;
@@ -81,6 +82,22 @@ fn random_plants_reach_their_end_and_close() {
     assert!(2 * count > tried, "{count} of {tried} plants ran");
 }
 
+/// Plants of which some air comes to rest a hundred times faster at the end of a step than at its beginning: the implicit method takes
+/// over, where every second step of the explicit one would be refused, in millions of steps.
+#[test]
+fn air_that_settles_at_once_takes_few_steps() {
+    for number in [2663_u64, 2780] {
+        let mut seed = [0; 32];
+        seed[..8].copy_from_slice(&number.wrapping_mul(0x9E37_79B9_7F4A_7C15).to_le_bytes());
+        let mut runner = TestRunner::new_with_rng(Config::default(), TestRng::from_seed(RngAlgorithm::ChaCha, &seed));
+        let (plant, start, duration) = plant(&drawn().new_tree(&mut runner).expect("a case").current());
+        let run = simulate_plant(&plant.expect("a plant"), &start, duration, 1e-8).expect("a run");
+        let counts = run.statistics();
+        assert!(counts.explicit_steps + counts.implicit_steps + counts.rejected_steps < 30_000, "{number}: {counts:?}");
+        check(&run, duration).unwrap_or_else(|error| panic!("{number}: {error}"));
+    }
+}
+
 /// Fixed steps of random plants that the event-located engine brings to their end.
 const STEPPED: u32 = 60;
 
@@ -120,7 +137,7 @@ fn random_plants_converge_at_fixed_steps() {
     assert!(2 * all > STEPPED, "{all} plants of {STEPPED} ran");
     let share = |count: u32| f64::from(count) / f64::from(all);
     let shares = [share(reach), share(second), share(fourth)];
-    assert!(shares[0] > 0.94 && shares[1] > 0.9 && shares[2] > 0.85, "{shares:?} of {all}");
+    assert!(shares[0] > 0.98 && shares[1] > 0.9 && shares[2] > 0.85, "{shares:?} of {all}");
 }
 
 /// Whatever a plant is made of, what has gone through numbers goes on to the same bits.

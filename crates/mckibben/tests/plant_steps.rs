@@ -1,7 +1,10 @@
 //! Fixed steps of plants: the orders of their errors with edges, reversals, limits of the length, stops and tendons inside the
 //! steps; true sticking; agreement with the event-located engine for whatever a plant is made of.
 
-use crate::common::{PSI, Paper};
+use crate::common::tendon::on_tendon;
+use crate::common::{GRAVITY, PSI, Paper, assert_within};
+use mckibben::friction::Coulomb;
+use mckibben::mechanism::{Mass, Mechanism, Pull, Spring};
 use mckibben::plant::{Plant, PlantRun, PlantSampler, PlantStart, PlantTrajectory, TimeStepping, simulate_plant};
 use mckibben::simulation::{EventKind, Method};
 use mckibben::valve::Request;
@@ -221,4 +224,37 @@ fn a_plant_without_commands_does_what_is_set() {
     untouched.advance_to(0.05).expect("a run");
     let pressure = still.indices().actuators[0].pressure;
     assert!(ends[0][pressure] - untouched.state()[pressure] > 1e4);
+}
+
+/// A mass on a spring of which a step is one swing: the steps stay stable, and it comes to rest where its forces balance.
+#[test]
+fn a_light_mass_on_a_stiff_spring_comes_to_rest() {
+    let (paper, start) = as_plant(&Paper::sealed().gauge(1e5).friction(3.5, 0.0));
+    let spring = Spring { stiffness: 6e4, rest_length: start.positions[0][0] };
+    let mass = Mass::new(2e-3, Pull::Gravity(GRAVITY), Some(spring)).expect("a mass");
+    let plant = Plant::new(paper.actuators().to_vec(), paper.network().clone(), vec![Mechanism::Mass(mass)]);
+    let plant = plant.expect("a plant");
+    let (steps, exact) = (stepped(&plant, &start, Method::Stable, 0.2, 200), located(&plant, &start, 0.2));
+    let [position, rate] = [plant.indices().mechanisms[0].position(0), plant.indices().mechanisms[0].rate(0)];
+    // What the air has been through in a swing that steps do not resolve stays in its pressure, which moves the balance.
+    assert_within(steps[position], exact[position], 1e-5);
+    assert!(steps[rate].abs() < 1e-9, "{steps:?}");
+}
+
+/// Dry friction that falls with velocity, less than viscous friction grows: an end on a tendon goes on through its stops and
+/// break-aways at any pressure, in long steps as with located events.
+#[test]
+fn an_end_whose_dry_friction_falls_goes_on() {
+    for (psi, mass) in [20.0, 40.0, 60.0].into_iter().flat_map(|psi| [1.0, 1.7, 2.4, 3.1].map(|mass| (psi, mass))) {
+        let falling = Coulomb::new(1e-4).and_then(|law| law.with_stribeck(1.2, 0.05)).expect("a law");
+        let paper = Paper::pwm(25.0, 0.5).gauge(psi * PSI).friction(60.0, 0.0).mass(mass);
+        let paper = paper.with(|paper| paper.coulomb = Some(falling));
+        let rig = on_tendon(&paper, 1e4);
+        let start = rig.start(&paper.initial()).expect("a start");
+        let (plant, start) = (Plant::of_rig(&rig), Plant::start_of_rig(&rig, &start));
+        let exact = located(&plant, &start, 0.3);
+        let [coarse, fine] =
+            [300, 2400].map(|steps| difference(&plant, &stepped(&plant, &start, Method::Stable, 0.3, steps), &exact));
+        assert!(coarse < 0.3 && fine < 0.01, "{psi} psi, {mass} kg: {coarse}, {fine}");
+    }
 }

@@ -3,6 +3,7 @@
 use super::{ANSWER, PlantBatch};
 use crate::group::Group;
 use crate::row::{Change, Row, Rows};
+use mckibben::internals::NO_ACTUATOR;
 use mckibben::plant::{PlantRow, PlantSample, PlantSteps};
 use mckibben::{Error, Response};
 
@@ -10,12 +11,6 @@ use mckibben::{Error, Response};
 const NO_ROW: Error = Error::Misuse {
     what: "a row is meant that the batch has not got",
     remedy: "count the rows from zero and stay below their number",
-};
-
-/// An actuator is named that the plants of the batch have not got.
-const NO_ACTUATOR: Error = Error::Misuse {
-    what: "an actuator is meant that the plant has not got",
-    remedy: "name one of the plant's actuators, counted from zero",
 };
 
 impl PlantBatch {

@@ -52,6 +52,7 @@ pub(crate) struct Pace {
     is_new: bool,
     is_implicit: bool,
     stiff_steps: u32,
+    refused: u32,
     implicit_run: u32,
     events_here: u32,
     /// Where progress is measured from: attempted steps, and the time in s.
@@ -67,6 +68,7 @@ impl Pace {
             is_new: true,
             is_implicit: false,
             stiff_steps: 0,
+            refused: 0,
             implicit_run: 0,
             events_here: 0,
             measured_from: (0, time),
@@ -106,6 +108,9 @@ const SETTLING: (f64, f64) = (2.0, 4.0);
 const STIFF_STEPS: u32 = 40;
 const CLEARLY_STIFF: u32 = 10;
 const STIFF_RATIO: f64 = 4.0;
+/// Explicit steps that were refused, twice, less those that were kept, after which it takes over as well: only what is stiff has
+/// every second step refused for so long, by its error or by what settles far faster at the end of a step than at its beginning.
+const MOST_REFUSED: u32 = 40;
 /// Steps in which the implicit method may grow before it is judged.
 const GROWING: u32 = 6;
 
@@ -139,6 +144,8 @@ pub struct Integrator<'a, R: Real, S: Hybrid<R>> {
     /// Whether the last step was made by the explicit method.
     by_explicit: bool,
     stiff_steps: u32,
+    /// Explicit steps that were refused, twice, less those that were kept.
+    refused: u32,
     implicit_run: u32,
     events_here: u32,
     /// Where progress is measured from: attempted steps, and the time in s.
@@ -186,6 +193,7 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
             is_implicit: false,
             by_explicit: false,
             stiff_steps: 0,
+            refused: 0,
             implicit_run: 0,
             events_here: 0,
             measured_from: (0, time.value()),
@@ -219,6 +227,7 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
         if let Some(step) = pace.step {
             (integrator.step, integrator.fresh, integrator.is_new) = (step, false, pace.is_new);
             (integrator.is_implicit, integrator.stiff_steps) = (pace.is_implicit, pace.stiff_steps);
+            integrator.refused = pace.refused;
         }
         (integrator.implicit_run, integrator.events_here) = (pace.implicit_run, pace.events_here);
         (integrator.measured_from, integrator.statistics) = (pace.measured_from, pace.statistics);
@@ -232,6 +241,7 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
             is_new: self.is_new,
             is_implicit: self.is_implicit,
             stiff_steps: self.stiff_steps,
+            refused: self.refused,
             implicit_run: self.implicit_run,
             events_here: self.events_here,
             measured_from: self.measured_from,
@@ -270,7 +280,7 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
         self.instant = self.system.next_instant(&self.mode, self.until);
         self.has_slope = false;
         self.is_implicit = false;
-        self.stiff_steps = 0;
+        (self.stiff_steps, self.refused) = (0, 0);
     }
 
     /// Makes the next piece; whether there was one before the end.
@@ -399,7 +409,7 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
         self.explicit.attempt(self.time, &self.state, &self.slope, length, &self.allowed, &mut rates);
         self.statistics.evaluations += explicit::EVALUATIONS[0];
         if !control(&mut self.step, length.value(), self.explicit.error, eighth_root) {
-            return false;
+            return self.refuse();
         }
         self.explicit.finish(self.time, length, states, &mut rates);
         self.statistics.evaluations += explicit::EVALUATIONS[1];
@@ -408,7 +418,7 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
         let bound = SETTLING.0 / settling;
         if length.value() * settling > SETTLING.1 {
             self.step = bound;
-            return false;
+            return self.refuse();
         }
         let (system, mode, work) = (self.system, &self.mode, &mut self.work);
         let rates = |time: R, state: &[R], rates: &mut [R]| system.rates(time, state, mode, work, rates);
@@ -420,6 +430,7 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
             return false;
         }
         self.statistics.explicit_steps += 1;
+        self.refused = self.refused.saturating_sub(1);
         self.stiff_steps = match self.step / bound {
             ratio if ratio > STIFF_RATIO => self.stiff_steps + CLEARLY_STIFF,
             ratio if ratio >= 1.0 => self.stiff_steps + 1,
@@ -431,6 +442,13 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
             self.step = Scalar::smaller(self.step, bound);
         }
         true
+    }
+
+    /// Refuses an explicit step for its error, or for what settles at its end.
+    fn refuse(&mut self) -> bool {
+        self.refused += 2;
+        self.is_implicit = self.refused >= MOST_REFUSED;
+        false
     }
 
     fn try_implicit(&mut self, length: R) -> bool {
@@ -462,7 +480,7 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
             && length.value() * self.implicit.fastest_rate(&self.scales) < STIFF_RATIO * SETTLING.0
         {
             self.is_implicit = false;
-            self.stiff_steps = 0;
+            (self.stiff_steps, self.refused) = (0, 0);
         }
         true
     }

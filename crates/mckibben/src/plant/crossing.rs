@@ -278,14 +278,7 @@ impl<R: Real> System<R> {
         let m = self.plant.actuators[i].mechanism;
         let limits = self.wires[i].member.actuator.limits();
         match guard {
-            Guard::ThreadLength => Err(Error::Stopped {
-                time: time.value(),
-                reason: "the load pulled a braid straight",
-                quantity: "length",
-                value: at.units[i].length.value(),
-                unit: "m",
-                remedy: "lighten the load, stiffen actuator.limit.stiffness or give a joint stops",
-            }),
+            Guard::ThreadLength => Err(Self::straight(time, at.units[i].length)),
             Guard::Slack | Guard::Tight => {
                 self.put_on(i, limits.min_length(), state);
                 if self.rests_on_the_shortest(i, time, state, mode, at) {

@@ -4,6 +4,7 @@
 //! the others are evaluated. Where a tie is, the first of the list is crossed first: mechanisms, then actuators in their
 //! order, then the network.
 
+use super::Plant;
 use super::evaluation::{Evaluation, System};
 use super::formulas::Formulas;
 use super::mode::PlantMode;
@@ -260,18 +261,22 @@ impl<R: Real> System<R> {
         }
     }
 
-    /// Whether the rest of an actuator is looked for: with one coordinate all come to rest together, and one is enough.
+    /// Whether the rest of an actuator is looked for: on one coordinate all come to rest together, and one is enough. Between points
+    /// each comes to rest at its dead centre besides.
     fn leads_to_rest(&self, i: usize, mode: &PlantMode<R>) -> bool {
-        let mounted = &self.plant.actuators[i];
-        if self.plant.places.mechanisms[mounted.mechanism].coordinates > 1 {
+        let Plant { actuators, places, .. } = &*self.plant;
+        let m = actuators[i].mechanism;
+        let is_between_points = |i: usize| matches!(actuators[i].coupling, Coupling::Points(_));
+        if places.mechanisms[m].coordinates > 1 || is_between_points(i) {
             return true;
         }
-        let sliding_towards = |&&other: &&usize| {
+        let rests_with_others = |&&other: &&usize| {
             let its = &mode.actuators[other].mode;
             let sliding = matches!(its.sliding, Sliding::Lengthening | Sliding::Shortening);
-            sliding && its.length_regime != LengthRegime::Slack && self.plant.places.actuators[other].length.is_none()
+            let is_slack = its.length_regime == LengthRegime::Slack;
+            sliding && !is_slack && places.actuators[other].length.is_none() && !is_between_points(other)
         };
-        self.plant.places.members[mounted.mechanism].iter().find(sliding_towards) == Some(&i)
+        places.members[m].iter().find(rests_with_others) == Some(&i)
     }
 
     /// Value of a guard at a time in s and a state, positive while the mode lasts.

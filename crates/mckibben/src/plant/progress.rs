@@ -60,6 +60,19 @@ impl<R: Real> System<R> {
         }
     }
 
+    /// The error of a braid whose thread a load has pulled straight, at a length in m.
+    pub(super) fn straight(time: R, length: R) -> Error {
+        Error::Stopped {
+            time: time.value(),
+            reason: "the load pulled a braid straight",
+            quantity: "length",
+            value: length.value(),
+            unit: "m",
+            remedy: "lighten the load, move the ends less, stiffen actuator.limit.stiffness or give a joint stops; shorten long \
+                     fixed steps",
+        }
+    }
+
     /// The error of a reservoir that a regulator's outlet (`node`) draws empty: the outlet keeps its pressure for the lag
     /// after its inlet has lost its own, and what it gives is drawn from the inlet all the same.
     pub(super) fn empty(&self, node: usize, time: R, state: &[R]) -> Error {

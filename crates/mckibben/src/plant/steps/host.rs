@@ -66,7 +66,7 @@ use crate::valve::below_vacuum;
 use alloc::vec;
 
 /// What is said of an actuator that is not there.
-pub(super) const NO_ACTUATOR: Error = Error::Misuse {
+pub const NO_ACTUATOR: Error = Error::Misuse {
     what: "there is no actuator of this number",
     remedy: "name one of the plant's actuators, counted from zero",
 };

@@ -1,7 +1,7 @@
 //! The linear system of a stable step: `(I − rA) k = f`, with `r = γh`.
 //!
-//! A holds what is stiff: how tensions answer to lengths and velocities, joints to their damping and contacts, the ends of
-//! actuators on tendons, bristles and viscoelastic branches to both, and the pressures of the network to each other. Air and mechanisms do not answer
+//! A holds what is stiff: how tensions answer to lengths and velocities, a mass to its spring, joints to their damping and contacts,
+//! the ends of actuators on tendons, bristles and viscoelastic branches to both, and the pressures of the network to each other. Air and mechanisms do not answer
 //! to each other within a stage, nor does weight to angles; the method is of order 2 whatever matrix stands in for the Jacobian.
 //!
 //! ```text
@@ -18,7 +18,7 @@
 //! |---|---|---|
 //! | x, L, z | distance and length of an actuator, deflection of its bristles | m |
 //! | K, D | how its tension answers to distance and rate, with its end and its bristles | N/m, N·s/m |
-//! | S, C | stiffness and damping of joints and contacts ([`Chain::stiffness`](crate::mechanism::chain::Chain)): positive semidefinite | … |
+//! | S, C | stiffness and damping of springs, joints and contacts ([`Chain::stiffness`](crate::mechanism::chain::Chain)): positive semidefinite | … |
 //! | J, M | gradients of the distances, inertia | … |
 
 use super::super::dense;
@@ -131,13 +131,22 @@ impl<R: Scalar> Implicit<R> {
         let all = from..from + count * count;
         system.mass_matrix(m, state, &mut self.mass[all.clone()]);
         self.factors[all.clone()].copy_from_slice(&self.mass[all.clone()]);
-        if let Mechanism::Chain(_) = &system.plant.mechanisms[m] {
-            let (stiffness, damping) = (&mut self.stiffness[all.clone()], &mut self.damping[all.clone()]);
-            mode.stiff_torques(system, m, here.of(state), (&mut *stiffness, &mut *damping));
-            let answers = stiffness.iter().zip(&*damping);
-            for (factor, (stiffness, damping)) in self.factors[all].iter_mut().zip(answers) {
-                *factor = *factor + r * (*damping + r * *stiffness);
+        match &system.plant.mechanisms[m] {
+            Mechanism::Chain(_) => {
+                let (stiffness, damping) = (&mut self.stiffness[all.clone()], &mut self.damping[all.clone()]);
+                mode.stiff_torques(system, m, here.of(state), (&mut *stiffness, &mut *damping));
+                let answers = stiffness.iter().zip(&*damping);
+                for (factor, (stiffness, damping)) in self.factors[all].iter_mut().zip(answers) {
+                    *factor = *factor + r * (*damping + r * *stiffness);
+                }
             }
+            Mechanism::Mass(mass) => {
+                if let Some(spring) = mass.spring() {
+                    self.stiffness[from] = spring.stiffness;
+                    self.factors[from] = self.factors[from] + r * r * spring.stiffness;
+                }
+            }
+            _ => {}
         }
         for &i in &system.plant.places.members[m] {
             let gradient = system.gradient(i, &at.gradient);

@@ -306,14 +306,14 @@ impl<R: Real> System<R> {
     /// That a step has produced a physical state: numbers everywhere, air in every chamber and node, braids that are not straight.
     pub(in super::super) fn check_step(&self, time: R, state: &[R]) -> Result<(), Error> {
         let lacks_air = |place: &usize| state[*place].value() <= 0.0;
-        let straight = self.wires.iter().find_map(|wire| {
-            let place = wire.length_place()?;
-            (state[place].value() >= wire.member.thread_length().value()).then_some(place)
-        });
         let lost = state.iter().position(|number| !number.value().is_finite());
-        match lost.or_else(|| self.places_of_air().find(lacks_air)).or(straight) {
-            None => Ok(()),
-            Some(place) => Err(self.step_too_long(time, state, place)),
+        if let Some(place) = lost.or_else(|| self.places_of_air().find(lacks_air)) {
+            return Err(self.step_too_long(time, state, place));
         }
+        let straight = self.wires.iter().find_map(|wire| {
+            let length = state[wire.length_place()?];
+            (length.value() >= wire.member.thread_length().value()).then_some(length)
+        });
+        straight.map_or(Ok(()), |length| Err(Self::straight(time, length)))
     }
 }
