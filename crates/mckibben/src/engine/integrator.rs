@@ -108,8 +108,9 @@ const SETTLING: (f64, f64) = (2.0, 4.0);
 const STIFF_STEPS: u32 = 40;
 const CLEARLY_STIFF: u32 = 10;
 const STIFF_RATIO: f64 = 4.0;
-/// Explicit steps that were refused, twice, less those that were kept, after which it takes over as well: only what is stiff has
-/// every second step refused for so long, by its error or by what settles far faster at the end of a step than at its beginning.
+/// What a refused explicit step counts: for its error, and for what settles far faster at its end than at its beginning. A step that is
+/// kept takes one off, and from [`MOST_REFUSED`] on the implicit method takes over as well: only what is stiff has so many refused.
+const REFUSED: [u32; 2] = [2, 6];
 const MOST_REFUSED: u32 = 40;
 /// Steps in which the implicit method may grow before it is judged.
 const GROWING: u32 = 6;
@@ -144,7 +145,7 @@ pub struct Integrator<'a, R: Real, S: Hybrid<R>> {
     /// Whether the last step was made by the explicit method.
     by_explicit: bool,
     stiff_steps: u32,
-    /// Explicit steps that were refused, twice, less those that were kept.
+    /// What refused explicit steps have counted, less those that were kept.
     refused: u32,
     implicit_run: u32,
     events_here: u32,
@@ -409,7 +410,7 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
         self.explicit.attempt(self.time, &self.state, &self.slope, length, &self.allowed, &mut rates);
         self.statistics.evaluations += explicit::EVALUATIONS[0];
         if !control(&mut self.step, length.value(), self.explicit.error, eighth_root) {
-            return self.refuse();
+            return self.refuse(REFUSED[0]);
         }
         self.explicit.finish(self.time, length, states, &mut rates);
         self.statistics.evaluations += explicit::EVALUATIONS[1];
@@ -418,7 +419,7 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
         let bound = SETTLING.0 / settling;
         if length.value() * settling > SETTLING.1 {
             self.step = bound;
-            return self.refuse();
+            return self.refuse(REFUSED[1]);
         }
         let (system, mode, work) = (self.system, &self.mode, &mut self.work);
         let rates = |time: R, state: &[R], rates: &mut [R]| system.rates(time, state, mode, work, rates);
@@ -444,9 +445,9 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
         true
     }
 
-    /// Refuses an explicit step for its error, or for what settles at its end.
-    fn refuse(&mut self) -> bool {
-        self.refused += 2;
+    /// Refuses an explicit step, which counts so much.
+    fn refuse(&mut self, count: u32) -> bool {
+        self.refused += count;
         self.is_implicit = self.refused >= MOST_REFUSED;
         false
     }
