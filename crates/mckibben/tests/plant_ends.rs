@@ -93,7 +93,7 @@ fn falling_friction_on_a_tendon_needs_the_viscous_one_that_outweighs_it() {
 }
 
 /// Where both points lie on one line with the axis the distance rests, and the limb swings through: each of two muscles reverses
-/// at the angle of its own dead centre, and the work of their friction closes.
+/// at its dead centre, and the work of their friction closes.
 #[test]
 fn a_limb_swings_through_the_dead_centres_of_its_muscles() {
     const DEAD_CENTRES: [f64; 2] = [0.0, 0.12];

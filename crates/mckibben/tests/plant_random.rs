@@ -1,13 +1,13 @@
 //! Random plants reach their end, close, converge, and go on from numbers.
 
-use crate::common::random::runner;
+use crate::common::random::{runner, seeded_runner};
 use crate::common::random_plants::{Drawn, drawn, plant};
 use mckibben::Error;
 use mckibben::plant::{Plant, PlantRun, PlantStart, PlantTrajectory, TimeStepping, simulate_plant};
 use mckibben::simulation::Method;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
-use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestRng, TestRunner};
+use proptest::test_runner::TestCaseError;
 
 /// Plants that are tried. `MCKIBBEN_CASES` and `MCKIBBEN_SEED` set their number and seed: 5000 take some minutes.
 const CASES: u32 = 300;
@@ -89,7 +89,7 @@ fn air_that_settles_at_once_takes_few_steps() {
     for number in [2663_u64, 2780, 11_290] {
         let mut seed = [0; 32];
         seed[..8].copy_from_slice(&number.wrapping_mul(0x9E37_79B9_7F4A_7C15).to_le_bytes());
-        let mut runner = TestRunner::new_with_rng(Config::default(), TestRng::from_seed(RngAlgorithm::ChaCha, &seed));
+        let mut runner = seeded_runner(1, seed);
         let (plant, start, duration) = plant(&drawn().new_tree(&mut runner).expect("a case").current());
         let run = simulate_plant(&plant.expect("a plant"), &start, duration, 1e-8).expect("a run");
         let counts = run.statistics();

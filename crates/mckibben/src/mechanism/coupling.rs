@@ -232,6 +232,11 @@ impl<S: Real> Coupling<S> {
             Self::Points(_) => None,
         }
     }
+
+    /// Whether the distance may rest while the joints move; arms are above zero throughout.
+    pub(crate) fn has_dead_centres(&self) -> bool {
+        matches!(self, Self::Points(_))
+    }
 }
 
 /// The distance between two points and its gradient.

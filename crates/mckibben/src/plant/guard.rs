@@ -266,15 +266,17 @@ impl<R: Real> System<R> {
     fn leads_to_rest(&self, i: usize, mode: &PlantMode<R>) -> bool {
         let Plant { actuators, places, .. } = &*self.plant;
         let m = actuators[i].mechanism;
-        let is_between_points = |i: usize| matches!(actuators[i].coupling, Coupling::Points(_));
-        if places.mechanisms[m].coordinates > 1 || is_between_points(i) {
+        if places.mechanisms[m].coordinates > 1 || actuators[i].coupling.has_dead_centres() {
             return true;
         }
         let rests_with_others = |&&other: &&usize| {
             let its = &mode.actuators[other].mode;
             let sliding = matches!(its.sliding, Sliding::Lengthening | Sliding::Shortening);
             let is_slack = its.length_regime == LengthRegime::Slack;
-            sliding && !is_slack && places.actuators[other].length.is_none() && !is_between_points(other)
+            sliding
+                && !is_slack
+                && places.actuators[other].length.is_none()
+                && !actuators[other].coupling.has_dead_centres()
         };
         places.members[m].iter().find(rests_with_others) == Some(&i)
     }

@@ -31,7 +31,7 @@ use super::evaluation::{Evaluation, System};
 use super::holding;
 use super::mode::PlantMode;
 use crate::error::Error;
-use crate::mechanism::{Coupling, Mechanism};
+use crate::mechanism::Mechanism;
 use crate::scalar::{Differentiable, Over, Real, Scalar};
 use crate::simulation::{LengthRegime, Sliding};
 use alloc::vec;
@@ -106,8 +106,7 @@ impl<R: Real> System<R> {
     /// on: it has no arm to hold it by.
     pub(crate) fn is_at_dead_centre(&self, i: usize, at: &Evaluation<R>) -> bool {
         let is_short = |entry: &R| entry.value().abs() < DEAD_CENTRE * self.wires[i].member.longest;
-        matches!(self.plant.actuators[i].coupling, Coupling::Points(_))
-            && self.gradient(i, &at.gradient).iter().all(is_short)
+        self.plant.actuators[i].coupling.has_dead_centres() && self.gradient(i, &at.gradient).iter().all(is_short)
     }
 
     /// Solves for what the resting actuators of a mechanism hold, and sets how all of them slide.

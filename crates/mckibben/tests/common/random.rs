@@ -239,6 +239,11 @@ pub(crate) fn runner(cases: u32) -> TestRunner {
     let cases = number("MCKIBBEN_CASES").unwrap_or(cases);
     let mut seed = [7; 32];
     seed[..4].copy_from_slice(&number("MCKIBBEN_SEED").unwrap_or(0).to_le_bytes());
+    seeded_runner(cases, seed)
+}
+
+/// A runner of so many cases from a seed.
+pub(crate) fn seeded_runner(cases: u32, seed: [u8; 32]) -> TestRunner {
     let config = Config { cases, max_shrink_iters: 300, failure_persistence: None, ..Config::default() };
     TestRunner::new_with_rng(config, TestRng::from_seed(RngAlgorithm::ChaCha, &seed))
 }

@@ -182,6 +182,7 @@ impl Frame {
         let zero = Number::constant(0.0);
         let mut rates = vec![zero; state.len()];
         system.rates(zero, &state[..count], &mode, &mut at, &mut rates[..count]);
+        // Rates alone leave out the tensions to which no state answers.
         system.evaluate(zero, &state[..count], &mode, &mut at);
         for &(valve, slot) in &self.spools {
             if let (Some(spool), Drive::Spool(command)) =

@@ -1,8 +1,9 @@
 //! The linear system of a stable step: `(I − rA) k = f`, with `r = γh`.
 //!
 //! A holds what is stiff: how tensions answer to lengths and velocities, a mass to its spring, joints to their damping and contacts,
-//! the ends of actuators on tendons, bristles and viscoelastic branches to both, and the pressures of the network to each other. Air and mechanisms do not answer
-//! to each other within a stage, nor does weight to angles; the method is of order 2 whatever matrix stands in for the Jacobian.
+//! the ends of actuators on tendons, bristles and viscoelastic branches to both, and the pressures of the network to each other. Air
+//! and mechanisms do not answer to each other within a stage, nor does weight to angles; the method is of order 2 whatever matrix
+//! stands in for the Jacobian.
 //!
 //! ```text
 //! end on a tendon    k_L = (f_L + r (u_x k_x + u_v k_ẋ))/(1 − r u_L)                  u = L̇(x, ẋ, L)
