@@ -383,10 +383,16 @@ fn wrong_use_is_refused() {
     }
 }
 
-/// Directional derivatives are those of differences.
+/// Directional derivatives are those of differences, also where the pressure of the air is known from its mass and volume as
+/// well.
 #[test]
 fn directional_derivatives_are_exact() {
-    let (unit, messages) = (Unit::new(MUSCLE, &scenario()), Messages::default());
+    check_derivatives(MUSCLE);
+    check_derivatives(&format!("{MUSCLE}\n[air]\nprocess = \"isothermal\"\n"));
+}
+
+fn check_derivatives(text: &str) {
+    let (unit, messages) = (Unit::new(text, &scenario()), Messages::default());
     let handle = unit.model_exchange(&messages);
     assert_eq!(set(handle, unit.reference("actuator.duty"), 0.8), OK);
     initialise(handle);

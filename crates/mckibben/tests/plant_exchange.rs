@@ -1,8 +1,9 @@
 //! A host that integrates and locates events comes to the trajectory of the event-located engine.
 
 use crate::common::Paper;
-use mckibben::plant::{Plant, PlantExchange, PlantRun, PlantSteps};
-use mckibben::simulation::Method;
+use crate::common::random_plants::{numbered, plant};
+use mckibben::plant::{Plant, PlantExchange, PlantRun, PlantSample, PlantSampler, PlantSteps};
+use mckibben::simulation::{Method, Sliding};
 
 /// A host with the classic Runge-Kutta formula and bisection.
 struct Host {
@@ -127,4 +128,108 @@ fn rates_have_exact_derivatives() {
         host.exchange.place(&mut host.steps, time, |_| {});
         assert!(host.exchange.update(&mut host.steps).is_err(), "{time}");
     }
+}
+
+/// The numbers of a sample whose derivatives are known: all but what follows from a tension that the balance of those that stick
+/// decides.
+fn numbers(steps: &PlantSteps, sample: &PlantSample) -> Vec<f64> {
+    let (mode, plant) = (steps.mode(), steps.plant());
+    let mut all = Vec::new();
+    let sticks = |i: usize| mode.actuators[i].mode.sliding == Sliding::Stuck && plant.actuators()[i].tendon.is_none();
+    for (i, one) in sample.actuators.iter().enumerate() {
+        let air = [one.pressure.0, one.air_mass, one.temperature, one.volume, one.mass_flow];
+        all.extend([one.distance, one.rate, one.length, one.velocity].into_iter().chain(air));
+        all.extend((!sticks(i)).then_some(one.tension));
+    }
+    for (m, one) in sample.mechanisms.iter().enumerate() {
+        all.extend(one.position.iter().chain(&one.rate));
+        let members = &plant.indices().members[m];
+        all.extend(one.actuator_force.iter().filter(|_| !members.iter().any(|i| sticks(*i))));
+    }
+    all.extend(sample.nodes.iter().map(|one| one.pressure.0));
+    all
+}
+
+/// In states of random plants the derivatives of rates and of all that is read lie between the differences to both sides.
+#[test]
+fn random_plants_have_exact_derivatives() {
+    const REACHES: [f64; 3] = [1e-5, 1e-6, 1e-7];
+    let (mut tried, mut compared) = (0, 0_u64);
+    for number in 0..60 {
+        let (plant, start, duration) = plant(&numbered(number));
+        let Ok(run) = plant.and_then(|plant| PlantRun::new(&plant, &start, 1e-8)) else { continue };
+        let mut steps = run.steps(Method::Stable);
+        let until = duration.min(0.04) * (0.2 + 0.01 * number as f64);
+        if (1..=40).any(|part| steps.advance_to(until * f64::from(part) / 40.0).is_err()) {
+            continue;
+        }
+        tried += 1;
+        let mut exchange = PlantExchange::new(&steps, 1e-8).expect("a tolerance");
+        let mut sampler = PlantSampler::new(&steps);
+        let (time, state) = (steps.time(), steps.state().to_vec());
+        let mut scales = vec![0.0; state.len()];
+        exchange.scales(&steps, &mut scales).expect("as many");
+        for place in 0..state.len() {
+            let mut at = |exchange: &mut PlantExchange, reach: f64| {
+                exchange.place(&mut steps, time, |own| {
+                    own.copy_from_slice(&state);
+                    own[place] += reach * scales[place];
+                });
+                let mut rates = vec![0.0; state.len()];
+                exchange.rates(&steps, &mut rates).expect("as many");
+                rates.extend(numbers(&steps, sampler.read_placed(&steps)));
+                rates
+            };
+            let here = at(&mut exchange, 0.0);
+            let around = REACHES.map(|reach| [-reach, reach].map(|reach| (reach, at(&mut exchange, reach))));
+            let _ = at(&mut exchange, 0.0);
+            let mut seed = vec![0.0; state.len()];
+            seed[place] = scales[place];
+            let mut exact = vec![0.0; state.len()];
+            exchange.rates_along(&steps, &seed, &mut exact).expect("as many");
+            let mut sample = steps.sample();
+            exchange.sample_along(&steps, &seed, &mut sample).expect("as many");
+            exact.extend(numbers(&steps, &sample));
+            for (k, exact) in exact.iter().enumerate() {
+                let lies_between = around.iter().any(|sides| {
+                    let rises = sides.each_ref().map(|(reach, there)| (there[k] - here[k]) / reach);
+                    let size = rises[0].abs().max(rises[1].abs()).max(exact.abs());
+                    let rounding = 1e-14 * here[k].abs() / sides[1].0;
+                    let usual = scales.get(k).map_or(0.0, |scale| 1e-6 * scale);
+                    let near = 1e-3 * size + rounding + usual + 1e-13;
+                    rises[0].min(rises[1]) - near <= *exact && *exact <= rises[0].max(rises[1]) + near
+                });
+                assert!(lies_between, "plant {number}: {k} by {place}: {exact} in {around:?}");
+                compared += 1;
+            }
+        }
+    }
+    assert!(tried >= 30 && compared > 10_000, "{tried} plants, {compared} numbers");
+}
+
+/// Wherever the engine takes a random plant, a host that integrates comes as well, through events of which two come in one instant.
+#[test]
+fn a_host_goes_through_the_events_of_random_plants() {
+    let mut events = 0;
+    for number in [2, 8, 18, 29, 34, 66, 85, 125] {
+        let (plant, start, _) = plant(&numbered(number));
+        let plant = plant.expect("a plant");
+        let mut run = PlantRun::new(&plant, &start, 1e-10).expect("a start");
+        let mut host = Host::new(&plant, &start);
+        run.advance_to(4e-3).expect("a run");
+        host.advance(4e-3, 2e-6);
+        let miss = crate::plant_steps::difference(&plant, host.steps.state(), run.state());
+        assert!(miss < 1e-4, "plant {number}: {miss}");
+        events += host.events;
+    }
+    assert!(events > 20, "{events} events");
+}
+
+/// Pulses that are too short for a poppet are no events, and nothing is looked for without end among them.
+#[test]
+fn pulses_that_no_poppet_follows_are_no_events() {
+    let paper = Paper::pwm(25.0, 0.05).gauge(2e5).from(0.09, 0.0);
+    let rig = paper.rig();
+    let host = Host::new(&Plant::of_rig(&rig), &Plant::start_of_rig(&rig, &paper.start()));
+    assert_eq!(host.next, f64::INFINITY);
 }

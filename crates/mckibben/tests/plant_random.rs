@@ -1,12 +1,11 @@
 //! Random plants reach their end, close, converge, and go on from numbers.
 
-use crate::common::random::{runner, seeded_runner};
-use crate::common::random_plants::{Drawn, drawn, plant};
+use crate::common::random::runner;
+use crate::common::random_plants::{Drawn, drawn, numbered, plant};
 use mckibben::Error;
 use mckibben::plant::{Plant, PlantRun, PlantStart, PlantTrajectory, TimeStepping, simulate_plant};
 use mckibben::simulation::Method;
 use proptest::prelude::*;
-use proptest::strategy::ValueTree;
 use proptest::test_runner::TestCaseError;
 
 /// Plants that are tried. `MCKIBBEN_CASES` and `MCKIBBEN_SEED` set their number and seed: 5000 take some minutes.
@@ -87,10 +86,7 @@ fn random_plants_reach_their_end_and_close() {
 #[test]
 fn air_that_settles_at_once_takes_few_steps() {
     for number in [2663_u64, 2780, 11_290] {
-        let mut seed = [0; 32];
-        seed[..8].copy_from_slice(&number.wrapping_mul(0x9E37_79B9_7F4A_7C15).to_le_bytes());
-        let mut runner = seeded_runner(1, seed);
-        let (plant, start, duration) = plant(&drawn().new_tree(&mut runner).expect("a case").current());
+        let (plant, start, duration) = plant(&numbered(number));
         let run = simulate_plant(&plant.expect("a plant"), &start, duration, 1e-8).expect("a run");
         let counts = run.statistics();
         assert!(counts.explicit_steps + counts.implicit_steps + counts.rejected_steps < 30_000, "{number}: {counts:?}");

@@ -140,6 +140,26 @@ fn a_pulse_that_was_not_followed_leaves_nothing_behind() {
     assert_eq!(list, [(0.0, EXHAUST), (0.030 + OPEN, SUPPLY)]);
 }
 
+/// Without an end in time: of pulses and gaps that no poppet follows none is looked for in vain, and a motion that a delay of
+/// many periods puts off is found.
+#[test]
+fn pulses_that_are_never_followed_have_no_next_motion() {
+    let next = |valve: &Solenoid, command: &Command| {
+        let mut clock = PoppetClock::released();
+        clock.advance(1.003, valve, command);
+        clock.next_motion(valve, command, f64::INFINITY)
+    };
+    let seats = Solenoid::new(ValveKind::FillHoldExhaust, 25e-3, CLOSE).expect("a solenoid");
+    assert_eq!(next(&solenoid(ValveKind::ThreeWay), &pwm(25.0, 0.09)), None);
+    assert_eq!(next(&solenoid(ValveKind::ThreeWay), &pwm(25.0, 0.99)), None);
+    assert_eq!(next(&seats, &pwm(25.0, 0.5)), None);
+    // The coil stays on from the first pulse on: 40 periods of 25 ms pass before the poppet follows.
+    let late = Solenoid::new(ValveKind::TwoWay, 1.0, CLOSE).expect("a solenoid");
+    let always = Command::pwm(40.0, 0.5, Request::Fill, Request::Fill).expect("a command");
+    let clock = PoppetClock::released();
+    assert_eq!(clock.next_motion(&late, &always, f64::INFINITY), Some(1.0));
+}
+
 #[test]
 fn the_millionth_pulse_starts_exactly_at_its_period() {
     let (valve, command) = (solenoid(ValveKind::ThreeWay), pwm(30.0, 0.5));

@@ -1,6 +1,6 @@
 //! Values of variables by their references.
 
-use super::{Instance, Phase, Refusal};
+use super::{Instance, Kind, Phase, Refusal};
 use crate::tunable::changes_parts;
 use crate::variables::{Array, Causality, Slot, Variable};
 use mckibben_run::host::Motion;
@@ -91,7 +91,10 @@ impl Instance {
     /// Computes the outputs where the plant is, unless they are known.
     fn refresh_outputs(&mut self) -> Result<(), Refusal> {
         if !self.are_outputs_known {
-            self.plant.read_outputs(&mut self.outputs)?;
+            match self.kind {
+                Kind::ModelExchange => self.plant.read_placed_outputs(&mut self.outputs)?,
+                Kind::CoSimulation { .. } => self.plant.read_outputs(&mut self.outputs)?,
+            }
             self.are_outputs_known = true;
         }
         Ok(())

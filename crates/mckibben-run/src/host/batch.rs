@@ -239,7 +239,7 @@ impl HostBatch {
                         *sampler = Some((Arc::clone(model), PlantSampler::new(row)));
                     }
                     if let Some((_, sampler)) = sampler {
-                        model.read_outputs((row, sampler), into)?;
+                        model.write_outputs((row.plant(), sampler.read(row, row.time())), into)?;
                     }
                 }
                 Ok(())

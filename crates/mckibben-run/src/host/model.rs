@@ -6,7 +6,7 @@ use super::command::{CommandMode, Pulses};
 use super::experiment::experiment_of;
 use crate::failure::Failure;
 use mckibben::plant::{
-    PlantRow, PlantRun, PlantSampler, PlantStart, PlantSteps, TimeStepping, plant_step_for_accuracy,
+    Plant, PlantRow, PlantRun, PlantSample, PlantStart, PlantSteps, TimeStepping, plant_step_for_accuracy,
 };
 use mckibben::simulation::{MOST_PARTS, Method};
 use mckibben_scenario::{Document, PlantColumn, PlantExperiment, PlantQuantity};
@@ -230,13 +230,13 @@ impl HostModel {
         Ok(std::iter::successors(end(from), move |time| end(*time)))
     }
 
-    /// Writes the outputs of steps, by a sampler of their plant.
+    /// Writes the outputs of a plant in a sample.
     ///
     /// # Errors
     /// Unless there is one number for each of [`HostModel::outputs`].
-    pub(super) fn read_outputs(
+    pub(super) fn write_outputs(
         &self,
-        (steps, sampler): (&PlantRow, &mut PlantSampler),
+        (plant, sample): (&Plant, &PlantSample),
         into: &mut [f64],
     ) -> Result<(), Failure> {
         if into.len() != self.quantities.len() {
@@ -245,9 +245,8 @@ impl HostModel {
                 "give as many numbers as there are outputs",
             ));
         }
-        let sample = sampler.read(steps, steps.time());
         for (into, quantity) in into.iter_mut().zip(&self.quantities) {
-            *into = quantity.of(steps.plant(), sample);
+            *into = quantity.of(plant, sample);
         }
         Ok(())
     }

@@ -136,7 +136,18 @@ impl HostPlant {
     /// # Errors
     /// Unless there is one number for each of [`HostModel::outputs`].
     pub fn read_outputs(&mut self, into: &mut [f64]) -> Result<(), Failure> {
-        self.model.read_outputs((&self.steps, &mut self.sampler), into)
+        let sample = self.sampler.read(&self.steps, self.steps.time());
+        self.model.write_outputs((self.steps.plant(), sample), into)
+    }
+
+    /// Writes the outputs that follow from the states as a host that integrates has placed them: see
+    /// [`PlantSampler::read_placed`].
+    ///
+    /// # Errors
+    /// As [`HostPlant::read_outputs`].
+    pub fn read_placed_outputs(&mut self, into: &mut [f64]) -> Result<(), Failure> {
+        let sample = self.sampler.read_placed(&self.steps);
+        self.model.write_outputs((self.steps.plant(), sample), into)
     }
 
     /// How many numbers a state is.

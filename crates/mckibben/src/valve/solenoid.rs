@@ -412,13 +412,23 @@ impl<S: Real> PoppetClock<S> {
     /// The next instant in s, up to and with `until`, at which a poppet moves or arrives and so the openings change.
     pub fn next_motion(&self, solenoid: &Solenoid<S>, command: &Command<S>, until: S) -> Option<S> {
         let (mut probe, mut upcoming) = (*self, self.next(solenoid, command));
-        loop {
+        let last_change = self.next_change.saturating_add(Self::changes_that_count(solenoid, command));
+        while probe.next_change <= last_change {
             let instant = upcoming.filter(|next| is_due(*next, until))?;
             upcoming = probe.pass(upcoming, instant, solenoid, command);
             if probe.ports(solenoid) != self.ports(solenoid) || probe.strokes_counted != self.strokes_counted {
                 return Some(instant);
             }
         }
+        None
+    }
+
+    /// After how many changes of a command without a motion of a poppet none is to come. Pulses of a PWM that are too short
+    /// for the valve stay so: what is due is taken back within a period, or moves a poppet when its delay has passed.
+    fn changes_that_count(solenoid: &Solenoid<S>, command: &Command<S>) -> u64 {
+        let Command::Pwm { frequency, .. } = command else { return u64::MAX };
+        let delay = solenoid.opening_delay.value().max(solenoid.closing_delay.value());
+        2 * (delay * frequency.value()) as u64 + 6
     }
 
     /// How many changes of the command have been passed.

@@ -1,7 +1,7 @@
 //! Random plants: muscles alike or not with every law of force and friction, on random trees of air and random mechanisms.
 
 use super::joint::moment_arm;
-use super::random::{Case, cases};
+use super::random::{Case, cases, seeded_runner};
 use super::{ATMOSPHERE, GRAVITY, INCH, Paper, ROOM, laws};
 use mckibben::line::{Compressor, Hose, HoseKind, Leakage, Line, Regulator, Reservoir};
 use mckibben::load::{Load, Motion, SeriesTendon};
@@ -14,6 +14,7 @@ use mckibben::simulation::{Actuation, PressureSeries};
 use mckibben::valve::{self, Command, Ramp, Request, Solenoid, Spool, ValveKind};
 use mckibben::{Error, GaugePressure};
 use proptest::prelude::*;
+use proptest::strategy::ValueTree;
 
 /// Numbers from 0 to 1 that are read one after the other, from the first again after the last.
 struct Draws<'d> {
@@ -57,6 +58,13 @@ pub(crate) fn drawn() -> impl Strategy<Value = Drawn> {
     let numbers = |count: usize| prop::collection::vec(0.0..1.0_f64, count);
     let muscles = prop::collection::vec((cases(), numbers(61)), 1..=6);
     (muscles, numbers(83)).prop_map(|(muscles, shared)| Drawn { muscles, shared })
+}
+
+/// The plant of a number.
+pub(crate) fn numbered(number: u64) -> Drawn {
+    let mut seed = [0; 32];
+    seed[..8].copy_from_slice(&number.wrapping_mul(0x9E37_79B9_7F4A_7C15).to_le_bytes());
+    drawn().new_tree(&mut seeded_runner(1, seed)).expect("a case").current()
 }
 
 /// All lengths of a braid times a factor.

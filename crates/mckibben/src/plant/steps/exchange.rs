@@ -180,31 +180,26 @@ impl PlantExchange {
         }
     }
 
-    /// The first guard that has fired, in the order of the mode; of a mode that has begun in this instant, that descends.
+    /// Of the guards that have fired the one that comes to zero first; of a mode that has begun in this instant, those that
+    /// descend.
     fn fired(&mut self, steps: &PlantSteps, is_new: bool) -> Option<PlantGuard> {
         self.system.guards(steps.mode(), &mut self.guards);
-        let mut is_seeded = false;
+        self.system.rates(steps.time(), steps.state(), steps.mode(), &mut self.at, &mut self.rates);
+        let rates = core::mem::take(&mut self.rates);
+        self.seed(steps, |place| rates[place]);
+        self.rates = rates;
+        let mut first: Option<(PlantGuard, f64)> = None;
         for place in 0..self.guards.len() {
             let guard = self.guards[place];
-            let value = self.value(steps, guard);
-            // Far from zero nothing has to be known of its rate.
-            if value < 0.0 && !is_new {
-                return Some(guard.0);
-            }
-            if !is_seeded {
-                self.system.rates(steps.time(), steps.state(), steps.mode(), &mut self.at, &mut self.rates);
-                let rates = core::mem::take(&mut self.rates);
-                self.seed(steps, |place| rates[place]);
-                self.rates = rates;
-                is_seeded = true;
-            }
-            let rate = self.value_along(steps, guard, 1.0);
-            let stays_at_zero = !is_new && value == 0.0 && rate == 0.0;
-            if (rate < 0.0 && value + rate * NEAR < 0.0) || stays_at_zero {
-                return Some(guard.0);
+            let (value, rate) = (self.value(steps, guard), self.value_along(steps, guard, 1.0));
+            let descends = rate < 0.0 && value + rate * NEAR < 0.0;
+            let is_below = value < 0.0 || (value == 0.0 && rate == 0.0);
+            let instant = if descends { -value / rate } else { 0.0 };
+            if (descends || (is_below && !is_new)) && first.is_none_or(|(_, earlier)| instant < earlier) {
+                first = Some((guard.0, instant));
             }
         }
-        None
+        first.map(|(guard, _)| guard)
     }
 
     /// Crosses the guards that have fired and passes what is due, until nothing changes. A time that lies less than a

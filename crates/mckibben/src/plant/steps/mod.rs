@@ -337,6 +337,13 @@ impl PlantSampler {
         sample
     }
 
+    /// Everything that follows from the states as a host that integrates has placed them: what is known exactly, as the pressure of
+    /// air without heat from its mass and volume, is not put in their place.
+    pub fn read_placed(&mut self, steps: &PlantRow) -> &PlantSample {
+        self.observer.observe(steps.time(), steps.state(), steps.mode(), &mut self.sample);
+        &self.sample
+    }
+
     /// The last sample.
     pub fn into_sample(self) -> PlantSample {
         self.sample
