@@ -67,7 +67,7 @@ const MAX_HALVINGS: u32 = 12;
 pub(crate) fn first<R: Real, S: Hybrid<R>>(
     system: &S,
     mode: &S::Mode,
-    guards: &[(S::Guard, GuardForm)],
+    guards: &[(S::Guard, GuardForm<R>)],
     arc: &Arc<R>,
     room: Room<'_, R, S>,
 ) -> Result<Option<Crossing<S::Guard, R>>, NoValue> {
@@ -75,10 +75,10 @@ pub(crate) fn first<R: Real, S: Hybrid<R>>(
     let mut first: Option<(S::Guard, f64)> = None;
     for &(guard, form) in guards {
         let theta = match form {
-            GuardForm::Above { index, bound } if arc.all_points(index, |point| point >= bound) => None,
-            GuardForm::Below { index, bound } if arc.all_points(index, |point| point <= bound) => None,
-            GuardForm::Above { index, bound } => linear_crossing(&arc.linear(index, bound, 1.0)),
-            GuardForm::Below { index, bound } => linear_crossing(&arc.linear(index, bound, -1.0)),
+            GuardForm::Above { index, bound } if arc.all_points(index, |point| point >= bound.value()) => None,
+            GuardForm::Below { index, bound } if arc.all_points(index, |point| point <= bound.value()) => None,
+            GuardForm::Above { index, bound } => linear_crossing(&arc.linear(index, bound.value(), 1.0)),
+            GuardForm::Below { index, bound } => linear_crossing(&arc.linear(index, bound.value(), -1.0)),
             GuardForm::Function => {
                 if is_far_from_zero(system, mode, guard, arc, work) {
                     continue;

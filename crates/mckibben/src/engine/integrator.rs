@@ -130,7 +130,7 @@ pub struct Integrator<'a, R: Real, S: Hybrid<R>> {
     state: Vec<R>,
     states: usize,
     mode: S::Mode,
-    guards: Vec<(S::Guard, GuardForm)>,
+    guards: Vec<(S::Guard, GuardForm<R>)>,
     instant: Option<R>,
     slope: Vec<R>,
     has_slope: bool,

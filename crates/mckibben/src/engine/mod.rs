@@ -27,20 +27,20 @@ use core::fmt::Debug;
 
 /// How a guard is computed from the state.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum GuardForm {
+pub enum GuardForm<R = f64> {
     /// `y[index] − bound`: the mode lasts while the state is above the bound.
     Above {
         /// Which state.
         index: usize,
         /// The bound in the state's unit.
-        bound: f64,
+        bound: R,
     },
     /// `bound − y[index]`: the mode lasts while the state is below the bound.
     Below {
         /// Which state.
         index: usize,
         /// The bound in the state's unit.
-        bound: f64,
+        bound: R,
     },
     /// [`Hybrid::guard`], which is evaluated.
     Function,
@@ -95,7 +95,7 @@ pub trait Hybrid<R: Real> {
     ) -> Result<Self::Kind, Error>;
 
     /// Lists the guards of `mode`.
-    fn guards(&self, mode: &Self::Mode, guards: &mut Vec<(Self::Guard, GuardForm)>);
+    fn guards(&self, mode: &Self::Mode, guards: &mut Vec<(Self::Guard, GuardForm<R>)>);
 
     /// Value of a guard, positive while the mode lasts.
     fn guard<T: Differentiable<R>>(

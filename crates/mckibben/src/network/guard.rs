@@ -92,11 +92,11 @@ impl<R: Real> Network<R> {
         mode: &NetworkMode<R>,
         band: f64,
         place: impl Fn(usize) -> Option<usize>,
-        mut add: impl FnMut(NetworkGuard, GuardForm),
+        mut add: impl FnMut(NetworkGuard, GuardForm<R>),
     ) {
         let linear = |index: Option<usize>, bound: R, above: bool| match (index, above) {
-            (Some(index), true) => GuardForm::Above { index, bound: bound.value() },
-            (Some(index), false) => GuardForm::Below { index, bound: bound.value() },
+            (Some(index), true) => GuardForm::Above { index, bound },
+            (Some(index), false) => GuardForm::Below { index, bound },
             (None, _) => GuardForm::Function,
         };
         for (index, Branch { from, to, kind }) in self.branches.iter().enumerate() {

@@ -82,7 +82,7 @@ impl<R: Real> System<R> {
     }
 
     /// Lists the guards of a mode.
-    pub(crate) fn guards(&self, mode: &PlantMode<R>, guards: &mut Vec<(PlantGuard, GuardForm)>) {
+    pub(crate) fn guards(&self, mode: &PlantMode<R>, guards: &mut Vec<(PlantGuard, GuardForm<R>)>) {
         guards.clear();
         for m in 0..self.plant.mechanisms.len() {
             self.mechanism_guards(m, mode, guards);
@@ -100,7 +100,7 @@ impl<R: Real> System<R> {
         });
     }
 
-    fn mechanism_guards(&self, m: usize, mode: &PlantMode<R>, guards: &mut Vec<(PlantGuard, GuardForm)>) {
+    fn mechanism_guards(&self, m: usize, mode: &PlantMode<R>, guards: &mut Vec<(PlantGuard, GuardForm<R>)>) {
         let of_mechanism = &mode.mechanisms[m];
         for facet in 0..of_mechanism.facets.len() {
             for positive in [true, false] {
@@ -116,7 +116,7 @@ impl<R: Real> System<R> {
         for (k, joint) in chain.joints().iter().enumerate() {
             for end in 0..2 {
                 let Some(angle) = joint.stops.ends[end] else { continue };
-                let (index, bound) = (here.position(k), angle.value());
+                let (index, bound) = (here.position(k), angle);
                 let (inside, outside) = match end {
                     0 => (GuardForm::Above { index, bound }, GuardForm::Below { index, bound }),
                     _ => (GuardForm::Below { index, bound }, GuardForm::Above { index, bound }),
@@ -144,13 +144,12 @@ impl<R: Real> System<R> {
         }
     }
 
-    fn actuator_guards(&self, i: usize, mode: &PlantMode<R>, guards: &mut Vec<(PlantGuard, GuardForm)>) {
+    fn actuator_guards(&self, i: usize, mode: &PlantMode<R>, guards: &mut Vec<(PlantGuard, GuardForm<R>)>) {
         let (mounted, here) = (&self.plant.actuators[i], &self.plant.places.actuators[i]);
         let of_actuator = &mode.actuators[i];
         let (member, its) = (&self.wires[i].member, &of_actuator.mode);
         let mut add = |guard, form| guards.push((PlantGuard::Of(i, guard), form));
         let on = |index, bound: R, above: bool| {
-            let bound = bound.value();
             if above { GuardForm::Above { index, bound } } else { GuardForm::Below { index, bound } }
         };
         let stuck = its.sliding == Sliding::Stuck;
@@ -225,10 +224,9 @@ impl<R: Real> System<R> {
     }
 
     /// How a bound on an actuator's length is searched for: on a state where one alone decides it.
-    fn length_form(&self, i: usize, bound: R, lasts_above: bool) -> GuardForm {
+    fn length_form(&self, i: usize, bound: R, lasts_above: bool) -> GuardForm<R> {
         let (mounted, here) = (&self.plant.actuators[i], &self.plant.places.actuators[i]);
         let linear = |index, bound: R, above| {
-            let bound = bound.value();
             if above { GuardForm::Above { index, bound } } else { GuardForm::Below { index, bound } }
         };
         if let Some(place) = here.length {
@@ -244,13 +242,13 @@ impl<R: Real> System<R> {
     }
 
     /// How the velocity of an actuator without a tendon comes to rest.
-    fn rest_form(&self, i: usize, sliding: Sliding) -> GuardForm {
+    fn rest_form(&self, i: usize, sliding: Sliding) -> GuardForm<R> {
         let mounted = &self.plant.actuators[i];
         match mounted.coupling.constant_gradient() {
             Some((coordinate, slope)) => {
                 let index = self.plant.places.mechanisms[mounted.mechanism].rate(coordinate);
                 let (slope, direction) = (slope.value(), sliding.direction());
-                let bound = self.rest_band(i) / slope.abs();
+                let bound = R::constant(self.rest_band(i) / slope.abs());
                 if direction * slope > 0.0 {
                     GuardForm::Above { index, bound: -bound }
                 } else {

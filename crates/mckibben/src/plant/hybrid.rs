@@ -59,7 +59,7 @@ impl<R: Real> Hybrid<R> for System<R> {
         System::pass_instant(self, time, state, mode, work)
     }
 
-    fn guards(&self, mode: &PlantMode<R>, guards: &mut Vec<(PlantGuard, GuardForm)>) {
+    fn guards(&self, mode: &PlantMode<R>, guards: &mut Vec<(PlantGuard, GuardForm<R>)>) {
         System::guards(self, mode, guards);
     }
 

@@ -35,26 +35,28 @@ const FROM_REST: f64 = 1e-3;
 const MOST_TRIALS: usize = 60;
 
 /// How the steps of a plant go on: what ends its mode, and what they have cost.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Course {
+#[derive(Clone, Debug)]
+pub(super) struct Course<R> {
     /// The guards that end the mode with an event, as long as it lasts.
-    guards: Vec<(PlantGuard, GuardForm)>,
+    guards: Vec<(PlantGuard, GuardForm<R>)>,
     has_guards: bool,
     pub(super) statistics: Statistics,
 }
 
-impl Course {
+impl<R> Default for Course<R> {
+    fn default() -> Self {
+        Self { guards: Vec::new(), has_guards: false, statistics: Statistics::default() }
+    }
+}
+
+impl<R: Instantiate> Course<R> {
     /// Notes that a mode has been changed by others.
     pub(super) fn forget_guards(&mut self) {
         self.has_guards = false;
     }
 
     /// The guards that end a mode with an event, listed unless they are known.
-    pub(super) fn guards<R: Instantiate>(
-        &mut self,
-        system: &System<R>,
-        mode: &PlantMode<R>,
-    ) -> &[(PlantGuard, GuardForm)] {
+    pub(super) fn guards(&mut self, system: &System<R>, mode: &PlantMode<R>) -> &[(PlantGuard, GuardForm<R>)] {
         if !self.has_guards {
             system.guards(mode, &mut self.guards);
             self.guards.retain(|(guard, _)| !is_between_pieces(*guard));
@@ -154,7 +156,7 @@ impl<R: Instantiate> Workspace<R> {
     }
 
     /// Returns to where the step began that failed.
-    pub(super) fn return_to_begin(&mut self, reached: &mut PlantSnapshot<R>, course: &mut Course) {
+    pub(super) fn return_to_begin(&mut self, reached: &mut PlantSnapshot<R>, course: &mut Course<R>) {
         let (time, state, mode) = reached.parts();
         *time = self.begun.0;
         state.copy_from_slice(&self.begun.1);
@@ -171,7 +173,7 @@ pub(super) fn advance<R: Instantiate>(
     method: Method,
     reached: &mut PlantSnapshot<R>,
     until: R,
-    (work, course): (&mut Workspace<R>, &mut Course),
+    (work, course): (&mut Workspace<R>, &mut Course<R>),
     mut keep: Option<&mut Keep<'_, R>>,
 ) -> Result<(), Error> {
     let (time, state, mode) = reached.parts();
@@ -200,7 +202,7 @@ pub(super) fn advance_to_end<R: Instantiate>(
     method: Method,
     reached: &mut PlantSnapshot<R>,
     (until, end): (R, &[R]),
-    (work, course): (&mut Workspace<R>, &mut Course),
+    (work, course): (&mut Workspace<R>, &mut Course<R>),
 ) -> Result<(), Error> {
     let (time, state, mode) = reached.parts();
     let mut part = Part { system, method, time, state, mode, work, course, keep: None };
@@ -213,7 +215,7 @@ pub(super) fn pass_on_the_way<R: Instantiate>(
     method: Method,
     reached: &mut PlantSnapshot<R>,
     until: R,
-    (work, course): (&mut Workspace<R>, &mut Course),
+    (work, course): (&mut Workspace<R>, &mut Course<R>),
 ) -> Result<(), Error> {
     let (time, state, mode) = reached.parts();
     while let Some(instant) = system.next_instant(mode, until) {
@@ -235,7 +237,7 @@ struct Part<'p, 'k, R: Real> {
     state: &'p mut [R],
     mode: &'p mut PlantMode<R>,
     work: &'p mut Workspace<R>,
-    course: &'p mut Course,
+    course: &'p mut Course<R>,
     keep: Option<&'p mut Keep<'k, R>>,
 }
 
@@ -455,15 +457,15 @@ impl<R: Instantiate> Part<'_, '_, R> {
 /// The value of a guard in a state.
 fn value_of<R: Real>(
     system: &System<R>,
-    (guard, form): (PlantGuard, GuardForm),
+    (guard, form): (PlantGuard, GuardForm<R>),
     time: R,
     state: &[R],
     mode: &PlantMode<R>,
     at: &mut Evaluation<R>,
 ) -> R {
     match form {
-        GuardForm::Above { index, bound } => state[index] - R::constant(bound),
-        GuardForm::Below { index, bound } => R::constant(bound) - state[index],
+        GuardForm::Above { index, bound } => state[index] - bound,
+        GuardForm::Below { index, bound } => bound - state[index],
         GuardForm::Function => system.guard(guard, time, state, mode, at),
     }
 }

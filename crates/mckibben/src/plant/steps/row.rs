@@ -24,7 +24,7 @@ pub struct PlantRow<R: Instantiate = f64> {
     pub(super) system: Arc<System<R>>,
     pub(super) method: Method,
     pub(super) reached: PlantSnapshot<R>,
-    pub(super) course: Course,
+    pub(super) course: Course<R>,
     /// Where the steps began.
     pub(super) start: Arc<PlantSnapshot<R>>,
     /// In s; infinite where moves are not divided.
