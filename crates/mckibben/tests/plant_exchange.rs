@@ -3,7 +3,7 @@
 use crate::common::Paper;
 use crate::common::random_plants::{numbered, plant};
 use mckibben::plant::{Plant, PlantExchange, PlantRun, PlantSample, PlantSampler, PlantSteps};
-use mckibben::simulation::{Method, Sliding};
+use mckibben::simulation::Method;
 
 /// A host with the classic Runge-Kutta formula and bisection.
 struct Host {
@@ -130,21 +130,15 @@ fn rates_have_exact_derivatives() {
     }
 }
 
-/// The numbers of a sample whose derivatives are known: all but what follows from a tension that the balance of those that stick
-/// decides.
-fn numbers(steps: &PlantSteps, sample: &PlantSample) -> Vec<f64> {
-    let (mode, plant) = (steps.mode(), steps.plant());
+/// The numbers of a sample whose derivatives are known.
+fn numbers(sample: &PlantSample) -> Vec<f64> {
     let mut all = Vec::new();
-    let sticks = |i: usize| mode.actuators[i].mode.sliding == Sliding::Stuck && plant.actuators()[i].tendon.is_none();
-    for (i, one) in sample.actuators.iter().enumerate() {
+    for one in &sample.actuators {
         let air = [one.pressure.0, one.air_mass, one.temperature, one.volume, one.mass_flow];
-        all.extend([one.distance, one.rate, one.length, one.velocity].into_iter().chain(air));
-        all.extend((!sticks(i)).then_some(one.tension));
+        all.extend([one.distance, one.rate, one.length, one.velocity, one.tension].into_iter().chain(air));
     }
-    for (m, one) in sample.mechanisms.iter().enumerate() {
-        all.extend(one.position.iter().chain(&one.rate));
-        let members = &plant.indices().members[m];
-        all.extend(one.actuator_force.iter().filter(|_| !members.iter().any(|i| sticks(*i))));
+    for one in &sample.mechanisms {
+        all.extend(one.position.iter().chain(&one.rate).chain(&one.actuator_force));
     }
     all.extend(sample.nodes.iter().map(|one| one.pressure.0));
     all
@@ -177,7 +171,7 @@ fn random_plants_have_exact_derivatives() {
                 });
                 let mut rates = vec![0.0; state.len()];
                 exchange.rates(&steps, &mut rates).expect("as many");
-                rates.extend(numbers(&steps, sampler.read_placed(&steps)));
+                rates.extend(numbers(sampler.read_placed(&steps)));
                 rates
             };
             let here = at(&mut exchange, 0.0);
@@ -189,7 +183,7 @@ fn random_plants_have_exact_derivatives() {
             exchange.rates_along(&steps, &seed, &mut exact).expect("as many");
             let mut sample = steps.sample();
             exchange.sample_along(&steps, &seed, &mut sample).expect("as many");
-            exact.extend(numbers(&steps, &sample));
+            exact.extend(numbers(&sample));
             for (k, exact) in exact.iter().enumerate() {
                 let lies_between = around.iter().any(|sides| {
                     let rises = sides.each_ref().map(|(reach, there)| (there[k] - here[k]) / reach);

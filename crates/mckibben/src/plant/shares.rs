@@ -28,7 +28,7 @@ use super::dense::{dot, factor, solve};
 use super::evaluation::{Evaluation, System};
 use super::mode::PlantMode;
 use super::sliding::Facet;
-use crate::scalar::{Real, Scalar};
+use crate::scalar::{Over, Real, Scalar};
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -43,7 +43,13 @@ const ROUNDING: f64 = 1e-14;
 
 impl<R: Real> System<R> {
     /// Enters the tensions of the actuators of a mechanism that stick, once everything else at an instant is computed.
-    pub(crate) fn share_tensions(&self, m: usize, state: &[R], mode: &PlantMode<R>, at: &mut Evaluation<R>) {
+    pub(crate) fn share_tensions<T: Over<R> + Real>(
+        &self,
+        m: usize,
+        state: &[T],
+        mode: &PlantMode<R>,
+        at: &mut Evaluation<T>,
+    ) {
         let of_mechanism = &mode.mechanisms[m];
         if !of_mechanism.frozen && of_mechanism.facets.is_empty() {
             return;
@@ -61,7 +67,7 @@ impl<R: Real> System<R> {
         self.enter_force(m, state, mode, at);
         let mut held = at.force[..count].to_vec();
         if !of_mechanism.frozen {
-            let mut matrix = vec![R::zero(); count * count];
+            let mut matrix = vec![T::zero(); count * count];
             self.mass_matrix(m, state, &mut matrix);
             let first = self.plant.places.mechanisms[m].acceleration;
             for (k, held) in held.iter_mut().enumerate() {
@@ -78,12 +84,19 @@ impl<R: Real> System<R> {
     }
 
     /// Enters the tensions of a block of actuators that hold `held` together.
-    fn share_block(&self, facet: &Facet, held: &[R], state: &[R], mode: &PlantMode<R>, at: &mut Evaluation<R>) {
+    fn share_block<T: Over<R> + Real>(
+        &self,
+        facet: &Facet,
+        held: &[T],
+        state: &[T],
+        mode: &PlantMode<R>,
+        at: &mut Evaluation<T>,
+    ) {
         let Facet { span, block, .. } = facet;
         let gradient = |i: usize| self.gradient(i, &at.gradient);
-        let rows: Vec<R> =
+        let rows: Vec<T> =
             block.iter().flat_map(|&i| span.iter().map(move |&b| dot(gradient(i), gradient(b)))).collect();
-        let mut load: Vec<R> = span.iter().map(|&b| dot(gradient(b), held)).collect();
+        let mut load: Vec<T> = span.iter().map(|&b| dot(gradient(b), held)).collect();
         let rank = span.len();
         if rank == block.len() && rank > 0 {
             let mut matrix = rows;
@@ -94,12 +107,12 @@ impl<R: Real> System<R> {
             }
             return;
         }
-        let half = R::constant(0.5);
-        let bounds: Vec<[R; 2]> = block
+        let half = T::constant(0.5);
+        let bounds: Vec<[T; 2]> = block
             .iter()
             .map(|&i| {
                 let (least, most) = self.holdable(i, state, mode, at.units[i].length);
-                [half * (least + most), half * (most - least) + R::constant(self.wires[i].member.force_band)]
+                [half * (least + most), half * (most - least) + T::constant(self.wires[i].member.force_band)]
             })
             .collect();
         for (a, [middle, _]) in bounds.iter().enumerate() {
@@ -107,10 +120,10 @@ impl<R: Real> System<R> {
                 *load = *load - rows[a * rank + b] * *middle;
             }
         }
-        let widths: Vec<R> = bounds.iter().map(|[_, width]| *width).collect();
+        let widths: Vec<T> = bounds.iter().map(|[_, width]| *width).collect();
         let shares = shares(&rows, &widths, &load);
         for ((&i, [middle, width]), share) in block.iter().zip(bounds).zip(shares) {
-            at.units[i].tension = (middle + width * share).larger(R::zero());
+            at.units[i].tension = (middle + width * share).larger(T::zero());
         }
     }
 }

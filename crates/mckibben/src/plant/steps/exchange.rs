@@ -301,8 +301,7 @@ impl PlantExchange {
     }
 
     /// Writes the derivatives of a sample in the direction `seed` of the states: of actuators, coordinates and pressures of
-    /// nodes; the rest of the sample stays. The tension of an actuator that sticks without a tendon follows from the
-    /// others, and its derivative is zero here.
+    /// nodes; the rest of the sample stays.
     ///
     /// # Errors
     /// [`Error::Table`] for more or fewer numbers than states.
@@ -311,6 +310,9 @@ impl PlantExchange {
         self.seed(steps, |place| seed[place]);
         let (time, mode) = (Along::constant(steps.time()), steps.mode());
         self.system.evaluate(time, &self.seeded, mode, &mut self.along);
+        for m in 0..self.system.plant.mechanisms().len() {
+            self.system.share_tensions(m, &self.seeded, mode, &mut self.along);
+        }
         let (plant, at) = (&*self.system.plant, &self.along);
         for (i, its) in sample.actuators.iter_mut().enumerate() {
             let (unit, chamber, air) = (&at.units[i], &at.chambers[i], plant.actuators()[i].actuator.air());
