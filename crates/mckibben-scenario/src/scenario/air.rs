@@ -1,0 +1,145 @@
+//! The air: its process, where it comes from, and what it flows through; pressures that are given.
+
+use crate::choice::{HoseKind, PressurePlace};
+
+/// The gas.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Air {
+    /// How the actuator's air changes its state.
+    pub process: Process,
+    /// Absolute pressure of the atmosphere P_atm in Pa.
+    pub atmospheric_pressure: f64,
+    /// Specific gas constant R in J/(kg·K).
+    pub gas_constant: f64,
+    /// Ratio of heat capacities γ.
+    pub heat_capacity_ratio: f64,
+}
+
+/// How the actuator's air changes its state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Process {
+    /// The paper's isentropic law.
+    Isentropic,
+    /// Constant temperature.
+    Isothermal,
+    /// A given exponent.
+    Polytropic {
+        /// The exponent κ.
+        index: f64,
+    },
+    /// The first law of thermodynamics.
+    EnergyBalance {
+        /// Heat transfer coefficient times area h A in W/K.
+        heat_transfer: f64,
+        /// Temperature of the wall T_wall in K.
+        wall_temperature: f64,
+    },
+}
+
+/// The air behind the valve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Supply {
+    /// Gauge pressure in Pa.
+    pub gauge_pressure: f64,
+    /// Temperature in K of the supply's air and the atmosphere.
+    pub temperature: f64,
+    /// A reservoir that sags; without one the air has no end.
+    pub reservoir: Option<Reservoir>,
+    /// A regulator that holds the gauge pressure above; without one it is constant, or the reservoir's.
+    pub regulator: Option<PressureRegulator>,
+    /// How many actuators, all alike, draw from reservoir or regulator.
+    pub actuators: f64,
+}
+
+/// A reservoir that feeds the valve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reservoir {
+    /// Volume V_r in m³.
+    pub volume: f64,
+    /// Gauge pressure at the start in Pa; the supply's when absent.
+    pub gauge_pressure: Option<f64>,
+    /// Polytropic exponent κ_r of its air.
+    pub polytropic_index: f64,
+    /// What fills it; a bottle when absent.
+    pub compressor: Option<Compressor>,
+}
+
+/// A compressor with a pressure switch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Compressor {
+    /// Free air Q in m³/s.
+    pub displacement: f64,
+    /// Dead over swept volume ε.
+    pub clearance: f64,
+    /// Gauge pressure in Pa at which it starts.
+    pub cut_in: f64,
+    /// Gauge pressure in Pa at which it stops.
+    pub cut_out: f64,
+}
+
+/// A pressure regulator.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PressureRegulator {
+    /// Time constant τ in s.
+    pub lag: f64,
+    /// Loss of outlet pressure over flow D in Pa·s/kg.
+    pub droop: f64,
+    /// Error within which it rests B in Pa.
+    pub dead_band: f64,
+}
+
+/// The hose from the valve to the actuator.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hose {
+    /// How finely it is resolved.
+    pub kind: HoseKind,
+    /// How many cells it is divided into when distributed.
+    pub cells: usize,
+    /// Length L_h in m.
+    pub length: f64,
+    /// Inner diameter d in m.
+    pub diameter: f64,
+    /// Viscosity μ of the gas in Pa·s.
+    pub viscosity: f64,
+    /// Polytropic exponent κ of its air.
+    pub polytropic_index: f64,
+}
+
+/// A pressure as a given function of time: straight lines between points, constant outside.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PressureSeries {
+    /// Where it stands.
+    pub at: PressurePlace,
+    /// Times in s, strictly increasing, from zero on.
+    pub time: Vec<f64>,
+    /// Gauge pressure in Pa at each, as it was recorded.
+    pub gauge_pressure: Vec<f64>,
+    /// What its sensor makes of the pressure.
+    pub sensor: PressureSensor,
+}
+
+/// What the sensor of a given pressure makes of it: r(t) = s P(t − δ) + o.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PressureSensor {
+    /// Reading o in Pa at zero gauge pressure.
+    pub offset: f64,
+    /// Reading over the gauge pressure s.
+    pub scale: f64,
+    /// By how much readings come late, δ in s.
+    pub shift: f64,
+}
+
+impl Default for PressureSensor {
+    /// Shows the pressure as it is.
+    fn default() -> Self {
+        Self { offset: 0.0, scale: 1.0, shift: 0.0 }
+    }
+}
+
+impl PressureSeries {
+    /// The gauge pressures in Pa at its rows.
+    pub fn values(&self) -> impl Iterator<Item = f64> + '_ {
+        let PressureSensor { offset, scale, .. } = self.sensor;
+        self.gauge_pressure.iter().map(move |shown| (shown - offset) / scale)
+    }
+}
