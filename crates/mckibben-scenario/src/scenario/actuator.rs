@@ -13,7 +13,7 @@ pub struct Actuator {
     pub max_length: f64,
     /// Length L_min in m of full contraction.
     pub min_length: f64,
-    /// Volume V_ext of hose and fittings in m³; a [`Hose`] has its volume in addition.
+    /// Volume V_ext of hose and fittings in m³; a [`Hose`](super::Hose) has its volume in addition.
     pub external_volume: f64,
     /// Conductance k of a leak in m³/(s·Pa), if there is one.
     pub leakage: Option<f64>,
