@@ -4,7 +4,7 @@ use crate::common::joint::Pair;
 use crate::common::laws::measured;
 use crate::common::plants::{leg_on_its_belt, on_a_bottle, requested, unlike_muscles_on_one_tank};
 use crate::common::random::runner;
-use crate::common::random_plants::{drawn, plant};
+use crate::common::random_plants::{drawn, numbered, plant};
 use crate::common::tendon::on_tendon;
 use crate::common::{PSI, Paper};
 use crate::single::{self, Singles};
@@ -363,6 +363,16 @@ fn what_does_not_fit_is_refused() {
 
 /// Random plants that are stepped.
 const STEPPED: u32 = 60;
+
+/// Isothermal air on a table of moment arms has its pressure by the piece of the table at the end of a step, in both.
+#[test]
+fn air_on_a_table_of_moment_arms_equals_scalar_instances() {
+    for number in [229, 382] {
+        let (plant, start, _) = plant(&numbered(number));
+        let rows = rows(&plant.expect("a plant"), &start, Method::Stable, 9).expect("starts");
+        step_by_step(&rows, 1e-3, 40, None);
+    }
+}
 
 /// Plants of any structure in a batch are bit-identical to scalar instances, and in single precision they go on or say why not. Some of
 /// these have parts that lanes leave out, so that their rows are stepped individually.

@@ -52,13 +52,8 @@ impl<R: Real> System<R> {
                 BranchKind::Inertia(_) | BranchKind::Leak(_) | BranchKind::Compressor => {}
             }
         }
+        self.enter_arms(state, mode);
         for (i, wire) in self.wires.iter().enumerate() {
-            let mounted = &self.plant.actuators[i];
-            if let Coupling::Arms { arms, .. } = &mounted.coupling {
-                let (position, _) = self.plant.places.mechanisms[mounted.mechanism].of(state);
-                let first = self.plant.places.actuators[i].arms;
-                mounted.coupling.pieces(position, &mut mode.arms[first..first + arms.len()]);
-            }
             let [pressure, _] = wire.air(state);
             let its = &mut mode.actuators[i].mode;
             its.effectiveness_piece = wire.member.effectiveness_piece(pressure);
@@ -67,6 +62,16 @@ impl<R: Real> System<R> {
             if law.length_bounds(0).1.is_some() || law.pressure_bounds(0).1.is_some() {
                 self.enter_ends_of(i, time, state, mode, at);
                 mode.actuators[i].mode.force_piece = wire.member.force_piece(at.units[i].length, pressure);
+            }
+        }
+    }
+
+    /// Enters the pieces of moment arms in a state, from which lengths and volumes follow.
+    pub(super) fn enter_arms(&self, state: &[R], mode: &mut PlantMode<R>) {
+        for (mounted, here) in self.plant.actuators.iter().zip(&self.plant.places.actuators) {
+            if let Coupling::Arms { arms, .. } = &mounted.coupling {
+                let (position, _) = self.plant.places.mechanisms[mounted.mechanism].of(state);
+                mounted.coupling.pieces(position, &mut mode.arms[here.arms..here.arms + arms.len()]);
             }
         }
     }
