@@ -361,9 +361,6 @@ fn what_does_not_fit_is_refused() {
     assert_eq!(batch.time(), 0.0);
 }
 
-/// Random plants that are stepped.
-const STEPPED: u32 = 60;
-
 /// Isothermal air on a table of moment arms has its pressure by the piece of the table at the end of a step, in both.
 #[test]
 fn air_on_a_table_of_moment_arms_equals_scalar_instances() {
@@ -373,6 +370,9 @@ fn air_on_a_table_of_moment_arms_equals_scalar_instances() {
         step_by_step(&rows, 1e-3, 40, None);
     }
 }
+
+/// Random plants that are stepped.
+const STEPPED: u32 = 60;
 
 /// Plants of any structure in a batch are bit-identical to scalar instances, and in single precision they go on or say why not. Some of
 /// these have parts that lanes leave out, so that their rows are stepped individually.

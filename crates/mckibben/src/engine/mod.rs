@@ -46,6 +46,13 @@ pub enum GuardForm<R = f64> {
     Function,
 }
 
+impl<R> GuardForm<R> {
+    /// A bound on a state, for a mode that lasts above or below it.
+    pub(crate) fn on(index: usize, bound: R, lasts_above: bool) -> Self {
+        if lasts_above { Self::Above { index, bound } } else { Self::Below { index, bound } }
+    }
+}
+
 /// A system that is smooth between events.
 pub trait Hybrid<R: Real> {
     /// The discrete state.

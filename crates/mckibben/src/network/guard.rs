@@ -94,10 +94,8 @@ impl<R: Real> Network<R> {
         place: impl Fn(usize) -> Option<usize>,
         mut add: impl FnMut(NetworkGuard, GuardForm<R>),
     ) {
-        let linear = |index: Option<usize>, bound: R, above: bool| match (index, above) {
-            (Some(index), true) => GuardForm::Above { index, bound },
-            (Some(index), false) => GuardForm::Below { index, bound },
-            (None, _) => GuardForm::Function,
+        let linear = |index: Option<usize>, bound: R, above: bool| {
+            index.map_or(GuardForm::Function, |index| GuardForm::on(index, bound, above))
         };
         for (index, Branch { from, to, kind }) in self.branches.iter().enumerate() {
             let of_branch = &mode.branches[index];

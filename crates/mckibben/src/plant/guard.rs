@@ -117,10 +117,7 @@ impl<R: Real> System<R> {
             for end in 0..2 {
                 let Some(angle) = joint.stops.ends[end] else { continue };
                 let (index, bound) = (here.position(k), angle);
-                let (inside, outside) = match end {
-                    0 => (GuardForm::Above { index, bound }, GuardForm::Below { index, bound }),
-                    _ => (GuardForm::Below { index, bound }, GuardForm::Above { index, bound }),
-                };
+                let [inside, outside] = [end == 0, end != 0].map(|above| GuardForm::on(index, bound, above));
                 let stop = Some((k, end));
                 match of_mechanism.stops[k][end] {
                     Contact::None => guards.push((touch(stop, ContactEvent::Reach), inside)),
@@ -149,9 +146,6 @@ impl<R: Real> System<R> {
         let of_actuator = &mode.actuators[i];
         let (member, its) = (&self.wires[i].member, &of_actuator.mode);
         let mut add = |guard, form| guards.push((PlantGuard::Of(i, guard), form));
-        let on = |index, bound: R, above: bool| {
-            if above { GuardForm::Above { index, bound } } else { GuardForm::Below { index, bound } }
-        };
         let stuck = its.sliding == Sliding::Stuck;
         let mechanism = &self.plant.mechanisms[mounted.mechanism];
         let held = matches!(mechanism, Mechanism::Fixed) && here.length.is_none();
@@ -204,7 +198,7 @@ impl<R: Real> System<R> {
             Guard::PressUp,
         ] {
             if let Some((bound, lasts_above)) = member.pressure_limit(guard, its) {
-                add(guard, on(here.pressure, bound, lasts_above));
+                add(guard, GuardForm::on(here.pressure, bound, lasts_above));
             } else if let Some((bound, lasts_above)) = member.map_length_limit(guard, its) {
                 add(guard, self.length_form(i, bound, lasts_above));
             }
@@ -215,8 +209,8 @@ impl<R: Real> System<R> {
                 let (low, high) = arm.arm.piece_bounds(mode.arms[here.arms + place]);
                 for (bound, up) in [(low, false), (high, true)] {
                     if let Some(bound) = bound {
-                        guards
-                            .push((PlantGuard::Arm { actuator: i, arm: place, up }, on(from + arm.joint, bound, !up)));
+                        let form = GuardForm::on(from + arm.joint, bound, !up);
+                        guards.push((PlantGuard::Arm { actuator: i, arm: place, up }, form));
                     }
                 }
             }
@@ -226,16 +220,13 @@ impl<R: Real> System<R> {
     /// How a bound on an actuator's length is searched for: on a state where one alone decides it.
     fn length_form(&self, i: usize, bound: R, lasts_above: bool) -> GuardForm<R> {
         let (mounted, here) = (&self.plant.actuators[i], &self.plant.places.actuators[i]);
-        let linear = |index, bound: R, above| {
-            if above { GuardForm::Above { index, bound } } else { GuardForm::Below { index, bound } }
-        };
         if let Some(place) = here.length {
-            return linear(place, bound, lasts_above);
+            return GuardForm::on(place, bound, lasts_above);
         }
         match mounted.coupling.coordinate_at(bound) {
             Some((coordinate, value, grows)) => {
                 let index = self.plant.places.mechanisms[mounted.mechanism].position(coordinate);
-                linear(index, value, lasts_above == grows)
+                GuardForm::on(index, value, lasts_above == grows)
             }
             None => GuardForm::Function,
         }
