@@ -77,6 +77,23 @@ def test_a_batch_is_its_runs_one_by_one(pulsed):
     torch.testing.assert_close(along, torch.einsum("btop,bp->bto", jacobians, tangent), rtol=1e-12, atol=1e-18)
 
 
+@pytest.mark.parametrize("device", ["cpu", *(["cuda"] if torch.cuda.is_available() else [])])
+def test_what_is_on_a_device_stays_there(pulsed, device):
+    function, (found, slopes) = pulsed.for_torch(), pulsed.value_and_jacobian(pulsed.defaults)
+    start = torch.tensor(pulsed.defaults, device=device, requires_grad=True)
+    values = function(start)
+    assert values.device == start.device
+    numpy.testing.assert_array_equal(values.detach().cpu().numpy(), found)
+    values[:, 0].sum().backward()
+    assert start.grad.device == start.device
+    numpy.testing.assert_allclose(start.grad.cpu().numpy(), slopes[:, 0].sum(axis=0), rtol=1e-13)
+    batch = torch.stack([start.detach(), 1.01 * start.detach()])
+    for jacobian in [torch.func.jacfwd, torch.func.jacrev]:
+        several = torch.func.vmap(jacobian(function))(batch)
+        assert several.device == start.device
+        numpy.testing.assert_allclose(several[0].cpu().numpy(), slopes, rtol=1e-13)
+
+
 def test_what_it_has_not_is_refused_and_not_zero(pulsed, start):
     function = pulsed.for_torch()
     (first,) = torch.autograd.grad((function(start) ** 2).sum(), start, create_graph=True)

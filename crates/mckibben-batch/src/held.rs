@@ -11,6 +11,7 @@ use mckibben::internals::{
     Branch, Evaluation, Formulas, Presses, SlidingState, StraightLine, System, ThreadContact, Unit, Wire, end_is_damped,
 };
 use mckibben::load::{MomentArm, Motion};
+use mckibben::mechanism::chain::ChainMotion;
 use mckibben::mechanism::{Contact, Mechanism};
 use mckibben::plant::{Plant, PlantMode};
 use mckibben::scalar::{Differentiable, Mask, Over, Scalar};
@@ -424,9 +425,9 @@ impl<W: Wide> Formulas<W> for Held<W> {
     }
 
     #[inline(always)]
-    fn torques<T: Over<W>>(&self, system: &System<W>, m: usize, (angle, rate): (&[T], &[T]), torque: &mut [T]) {
+    fn torques<T: Over<W>>(&self, system: &System<W>, m: usize, motion: ChainMotion<'_, T>, torque: &mut [T]) {
         if let Mechanism::Chain(chain) = &system.plant.mechanisms()[m] {
-            chain.torques(angle, rate, &self.contacts[m], torque);
+            chain.torques(motion, &self.contacts[m], torque);
         }
     }
 

@@ -25,6 +25,7 @@ use mckibben::internals::{
 };
 use mckibben::line::Poppet;
 use mckibben::mechanism::Mechanism;
+use mckibben::mechanism::chain::ChainMotion;
 use mckibben::network::NodeKind;
 use mckibben::plant::{ContactEvent, PlantGuard, PlantMode};
 use mckibben::scalar::{Mask, Scalar};
@@ -443,9 +444,11 @@ fn hold_margin<W: Wide>(system: &System<W>, m: usize, end: &[W], held: &Held<W>,
     let position = end[system.plant.indices().mechanisms[m].first];
     let mut load = match &system.plant.mechanisms()[m] {
         Mechanism::Mass(mass) => mass.force(position),
-        Mechanism::Chain(_) => {
-            let mut torque = [zero];
-            held.torques(system, m, (&[position], &[zero]), &mut torque);
+        Mechanism::Chain(chain) => {
+            let (mut torque, mut directions) = ([zero], [[zero; 2]]);
+            chain.enter_directions(&[position], &mut directions);
+            let motion = ChainMotion { directions: &directions, angle: &[position], rate: &[zero] };
+            held.torques(system, m, motion, &mut torque);
             torque[0]
         }
         _ => return W::Mask::splat(false),

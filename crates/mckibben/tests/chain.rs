@@ -216,7 +216,7 @@ fn a_belt_at_rest_presses_by_its_depth_and_drags_towards_where_it_runs() {
         let leg = chain([joint(0.0, 0.0); 2], 0.0, Some(Belt { velocity, ..belt }));
         assert_close(leg.foot_press(&[0.0; 2], &[0.0; 2]), 20.0, 1e-12);
         let mut inertia = [0.0; 4];
-        leg.mass_matrix(&[0.0; 2], &mut inertia);
+        leg.mass_matrix(&[[0.0, 1.0]; 2], &mut inertia);
         let sample = at_start(&on(leg, &Paper::sealed(), None), &start([0.0; 2], [0.0; 2], [0.0; 6]));
         let turns = &sample.mechanisms[0].acceleration;
         let torques = [0, 2].map(|row| inertia[row] * turns[0] + inertia[row + 1] * turns[1]);

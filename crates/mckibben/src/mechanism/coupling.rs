@@ -19,7 +19,7 @@
 //! `tests/moment_arm.rs`.
 
 use super::Mechanism;
-use super::chain::{Chain, Pose};
+use super::chain::{Chain, MAX_JOINTS};
 use super::parameter::ATTACHMENT;
 use crate::convert::Convert;
 use crate::error::Error;
@@ -158,17 +158,24 @@ impl<S: Scalar> Coupling<S> {
         }
     }
 
-    /// The distance in m at the mechanism's coordinates, and its gradient, by the pieces of the moment arms that hold there.
+    /// The distance in m at the mechanism's coordinates, and its gradient, which is zero before, by the pieces of the moment arms
+    /// that hold there.
     pub(crate) fn distance_at<T: Over<S>>(&self, chain: Option<&Chain<S>>, position: &[T], gradient: &mut [T]) -> T {
-        self.distance(chain, position, Anywhere, gradient)
+        let mut directions = [[T::zero(); 2]; MAX_JOINTS];
+        if let Some(chain) = chain {
+            chain.enter_directions(position, &mut directions);
+        }
+        self.distance(chain, (position, &directions), Anywhere, gradient)
     }
 
-    /// The distance in m; its gradient over the mechanism's coordinates (m per unit of each) is written to `gradient`.
+    /// The distance in m at coordinates at which the segments of a chain have these
+    /// [directions](Chain::enter_directions); its gradient over the mechanism's coordinates (m per unit of each) is written to `gradient`, which
+    /// is zero before for coordinates that it does not span.
     #[inline(always)]
     pub(crate) fn distance<T: Over<S>>(
         &self,
         chain: Option<&Chain<S>>,
-        position: &[T],
+        (position, directions): (&[T], &[[T; 2]]),
         pieces: impl ArmPieces<S>,
         gradient: &mut [T],
     ) -> T {
@@ -179,18 +186,19 @@ impl<S: Scalar> Coupling<S> {
                 position[*coordinate]
             }
             Self::Arms { rest_length, arms } => {
-                gradient.fill(T::zero());
                 let mut distance = T::of(*rest_length);
                 for (number, Arm { joint, sign, arm }) in arms.iter().enumerate() {
                     let [arm, excursion] = pieces.arm(number, arm, position[*joint]);
                     let sign = T::constant(*sign);
                     distance = distance - sign * excursion;
-                    gradient[*joint] = gradient[*joint] - sign * arm;
+                    let is_first = !arms[..number].iter().any(|before| before.joint == *joint);
+                    let others = if is_first { T::zero() } else { gradient[*joint] };
+                    gradient[*joint] = others - sign * arm;
                 }
                 distance
             }
             Self::Points(ends) => match chain {
-                Some(chain) => between(chain, ends, position, gradient),
+                Some(chain) => between(chain, ends, directions, gradient),
                 None => T::zero(),
             },
         }
@@ -244,26 +252,33 @@ impl<S: Real> Coupling<S> {
 fn between<S: Scalar, T: Over<S>>(
     chain: &Chain<S>,
     ends: &[Attachment<S>; 2],
-    position: &[T],
+    directions: &[[T; 2]],
     gradient: &mut [T],
 ) -> T {
-    let mut pose = Pose::new();
-    if let Some(last) = ends[0].segment.max(ends[1].segment) {
-        chain.enter_pose(&position[..=last], &mut pose);
-    }
-    let first = pose.point(ends[0].segment, [T::of(ends[0].place[0]), T::of(ends[0].place[1])]);
-    let second = pose.point(ends[1].segment, [T::of(ends[1].place[0]), T::of(ends[1].place[1])]);
+    let first = ends[0].from(0, chain, directions);
+    let second = ends[1].from(0, chain, directions);
     let apart = [first[0] - second[0], first[1] - second[1]];
     let distance = (apart[0] * apart[0] + apart[1] * apart[1]).sqrt();
-    gradient.fill(T::zero());
-    for (end, (point, sign)) in ends.iter().zip([(first, T::one()), (second, -T::one())]) {
-        let Some(segment) = end.segment else { continue };
-        for (joint, entry) in gradient.iter_mut().enumerate().take(segment + 1) {
-            let pivot = pose.joints[joint];
-            // A turn about the joint moves the point across its radius.
-            let moved = [pivot[1] - point[1], point[0] - pivot[0]];
-            *entry = *entry + sign * (apart[0] * moved[0] + apart[1] * moved[1]) / distance;
+    let per_distance = T::one() / distance;
+    let unit = [apart[0] * per_distance, apart[1] * per_distance];
+    for (joint, entry) in gradient.iter_mut().enumerate() {
+        *entry = T::zero();
+        for (end, sign) in ends.iter().zip([T::one(), -T::one()]) {
+            // What does not turn with the joint stays.
+            if end.segment.is_some_and(|segment| joint <= segment) {
+                // A turn moves the point across its radius.
+                let radius = end.from(joint, chain, directions);
+                *entry = *entry + sign * (unit[1] * radius[0] - unit[0] * radius[1]);
+            }
         }
     }
     distance
+}
+
+impl<S: Scalar> Attachment<S> {
+    /// Across and up in m from a joint to the point, which is on its segment or on one behind it.
+    #[inline(always)]
+    fn from<T: Over<S>>(&self, joint: usize, chain: &Chain<S>, directions: &[[T; 2]]) -> [T; 2] {
+        chain.reach(joint, self.segment, [T::of(self.place[0]), T::of(self.place[1])], directions)
+    }
 }

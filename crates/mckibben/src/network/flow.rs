@@ -196,8 +196,10 @@ impl<R: Scalar> Network<R> {
                 );
                 leakage.between(near, far, T::of(air.gas_constant()) * upstream)
             }
-            BranchKind::Compressor => match &self.nodes[to.node].kind {
-                NodeKind::Reservoir(reservoir) => T::select(mode.runs(*branch), reservoir.delivery(far), T::zero()),
+            BranchKind::Compressor => match (&self.nodes[to.node].kind, mode.runs(*branch)) {
+                (NodeKind::Reservoir(reservoir), runs) if runs.any() => {
+                    T::select(runs, reservoir.delivery(far), T::zero())
+                }
                 _ => T::zero(),
             },
             BranchKind::Path { .. } | BranchKind::Check { .. } => return,

@@ -31,7 +31,7 @@ use crate::air::{Air, Chamber, Flow};
 use crate::friction::Deflections;
 use crate::line::split;
 use crate::load::MomentArm;
-use crate::mechanism::chain::Chain;
+use crate::mechanism::chain::{Chain, ChainMotion};
 use crate::mechanism::coupling::ArmPieces;
 use crate::mechanism::{Coupling, Mechanism};
 use crate::network::NodeKind;
@@ -79,6 +79,8 @@ pub struct Evaluation<T: Scalar> {
     pub gradient: Vec<T>,
     /// Accelerations of all coordinates.
     pub(crate) acceleration: Vec<T>,
+    /// Of the segments of all chains, by their coordinates: sine and cosine of their inclinations.
+    pub(crate) directions: Vec<[T; 2]>,
     /// Forces on the coordinates of one mechanism, and its mass matrix.
     pub force: Vec<T>,
     pub(crate) matrix: Vec<T>,
@@ -120,7 +122,8 @@ impl<T: Scalar> Evaluation<T> {
             chambers: vec![Chamber::new(T::one(), T::one(), T::one(), zero); actuators],
             network: NetworkState::new(&plant.network),
             gradient,
-            acceleration: vec![zero; coordinates.sum()],
+            acceleration: vec![zero; coordinates.clone().sum()],
+            directions: vec![[zero; 2]; coordinates.sum()],
             force: vec![zero; most],
             matrix: vec![zero; most * most],
             holding: Holding::new(most),
@@ -330,9 +333,13 @@ impl<R: Scalar> System<R> {
 
     #[inline(always)]
     fn compute_distances<T: Over<R>>(&self, time: T, state: &[T], mode: &impl Formulas<R>, at: &mut Evaluation<T>) {
-        let Evaluation { units, chambers, gradient, .. } = at;
+        let Evaluation { units, chambers, gradient, directions, .. } = at;
+        for assembly in &self.assemblies {
+            self.enter_directions(assembly, state, directions);
+        }
         for (i, wire) in self.wires.iter().enumerate() {
-            let [length, velocity] = self.enter_ends(wire, time, state, mode, (&mut units[i], gradient));
+            let into = (&mut units[i], &mut gradient[..]);
+            let [length, velocity] = self.enter_ends(wire, time, (state, directions), mode, into);
             let [pressure, mass] = wire.air(state);
             chambers[i] = wire.member.actuator.chamber(length, velocity, pressure, mass, mode.is_slack(i));
         }
@@ -348,8 +355,20 @@ impl<R: Scalar> System<R> {
         mode: &impl Formulas<R>,
         at: &mut Evaluation<T>,
     ) {
+        if let Coupling::Points(_) = self.plant.actuators[i].coupling {
+            self.enter_directions(&self.assemblies[self.wires[i].mechanism], state, &mut at.directions);
+        }
         let into = (&mut at.units[i], &mut at.gradient[..]);
-        self.enter_ends(&self.wires[i], time, state, mode, into);
+        self.enter_ends(&self.wires[i], time, (state, &at.directions), mode, into);
+    }
+
+    /// Enters the directions of the segments of a chain.
+    #[inline(always)]
+    fn enter_directions<T: Over<R>>(&self, assembly: &Assembly<R>, state: &[T], directions: &mut [[T; 2]]) {
+        if let Mechanism::Chain(chain) = &assembly.mechanism {
+            let (angle, _) = assembly.places.of(state);
+            chain.enter_directions(angle, &mut directions[assembly.places.accelerations()]);
+        }
     }
 
     /// Writes distance, length and their rates of an actuator; returns the last two.
@@ -358,7 +377,7 @@ impl<R: Scalar> System<R> {
         &self,
         wire: &Wire<R>,
         time: T,
-        state: &[T],
+        (state, directions): (&[T], &[[T; 2]]),
         mode: &impl Formulas<R>,
         (unit, gradient): (&mut Unit<T>, &mut [T]),
     ) -> [T; 2] {
@@ -374,7 +393,7 @@ impl<R: Scalar> System<R> {
                 }
                 _ => [T::zero(); 2],
             },
-            Span::Coupled => self.span(wire.index, state, mode, gradient),
+            Span::Coupled => self.span(wire.index, (state, directions), mode, gradient),
         };
         let (length, velocity) = match wire.places.length {
             Some(place) => (state[place], T::zero()),
@@ -386,17 +405,25 @@ impl<R: Scalar> System<R> {
 
     /// Distance and its rate of an actuator that spans joints; its gradient is written.
     #[inline(always)]
-    fn span<T: Over<R>>(&self, i: usize, state: &[T], mode: &impl Formulas<R>, gradients: &mut [T]) -> [T; 2] {
+    fn span<T: Over<R>>(
+        &self,
+        i: usize,
+        (state, directions): (&[T], &[[T; 2]]),
+        mode: &impl Formulas<R>,
+        gradients: &mut [T],
+    ) -> [T; 2] {
         let Plant { actuators, mechanisms, places, .. } = &*self.plant;
         let (mounted, here) = (&actuators[i], &places.actuators[i]);
-        let (position, rates) = places.mechanisms[mounted.mechanism].of(state);
+        let its = places.mechanisms[mounted.mechanism];
+        let (position, rates) = its.of(state);
         let chain = match &mechanisms[mounted.mechanism] {
             Mechanism::Chain(chain) => Some(chain),
             _ => None,
         };
         let gradient = &mut gradients[here.gradient..here.gradient + position.len()];
         let pieces = ArmsOf { mode, first: here.arms };
-        let distance = mounted.coupling.distance(chain, position, pieces, gradient);
+        let at = (position, &directions[its.accelerations()]);
+        let distance = mounted.coupling.distance(chain, at, pieces, gradient);
         let rate = super::dense::dot(gradient, rates);
         [distance, T::select(mode.is_frozen(mounted.mechanism), T::zero(), rate)]
     }
@@ -497,7 +524,7 @@ impl<R: Scalar> System<R> {
         mode: &impl Formulas<R>,
         at: &mut Evaluation<T>,
     ) {
-        let its = places.acceleration..places.acceleration + places.coordinates;
+        let its = places.accelerations();
         let frozen = mode.is_frozen(index);
         if !(!frozen).any() {
             at.acceleration[its].fill(T::zero());
@@ -528,9 +555,8 @@ impl<R: Scalar> System<R> {
         let (places, first) = (&self.plant.places.mechanisms[m], self.plant.places.mechanisms[m].acceleration);
         let count = places.coordinates;
         self.enter_force(m, state, mode, at);
-        let (position, _) = places.of(state);
         let matrix = &mut at.matrix[..count * count];
-        chain.mass_matrix(position, matrix);
+        chain.mass_matrix(&at.directions[places.accelerations()], matrix);
         if let [inertia] = matrix {
             at.acceleration[first] = at.force[0] / *inertia;
             return;
@@ -556,7 +582,10 @@ impl<R: Scalar> System<R> {
         let force = &mut at.force[..position.len()];
         match &self.plant.mechanisms[m] {
             Mechanism::Mass(mass) => force[0] = mass.force(position[0]),
-            Mechanism::Chain(_) => mode.torques(self, m, (position, rates), force),
+            Mechanism::Chain(_) => {
+                let directions = &at.directions[places.mechanisms[m].accelerations()];
+                mode.torques(self, m, ChainMotion { directions, angle: position, rate: rates }, force);
+            }
             Mechanism::Prescribed(_) | Mechanism::Fixed | Mechanism::External { .. } => force.fill(T::zero()),
         }
         for &i in &places.members[m] {

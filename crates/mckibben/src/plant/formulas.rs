@@ -11,7 +11,7 @@ use crate::air::Chamber;
 use crate::friction::Deflections;
 use crate::load::{MomentArm, Motion};
 use crate::mechanism::Mechanism;
-use crate::mechanism::chain::Contacts;
+use crate::mechanism::chain::{ChainMotion, Contacts};
 use crate::network::formulas::FlowFormulas;
 use crate::network::mode::NetworkMode;
 use crate::scalar::{Differentiable, Over, Real, Scalar};
@@ -44,7 +44,7 @@ pub trait Formulas<S: Scalar> {
     fn motion<T: Over<S>>(&self, mechanism: usize, motion: &Motion<S>, time: T) -> [T; 3];
 
     /// Torques in N·m on a chain besides those of the actuators, less what its motion itself needs.
-    fn torques<T: Over<S>>(&self, system: &System<S>, mechanism: usize, motion: (&[T], &[T]), torque: &mut [T]);
+    fn torques<T: Over<S>>(&self, system: &System<S>, mechanism: usize, motion: ChainMotion<'_, T>, torque: &mut [T]);
 
     /// How the torques on a chain answer to angles and rates where that is stiff, by two matrices row by row.
     fn stiff_torques(&self, system: &System<S>, mechanism: usize, motion: (&[S], &[S]), answers: (&mut [S], &mut [S]));
@@ -127,10 +127,10 @@ impl<R: Real> Formulas<R> for PlantMode<R> {
         motion.at(time, self.mechanisms[mechanism].corners_passed)
     }
 
-    fn torques<T: Over<R>>(&self, system: &System<R>, m: usize, (angle, rate): (&[T], &[T]), torque: &mut [T]) {
+    fn torques<T: Over<R>>(&self, system: &System<R>, m: usize, motion: ChainMotion<'_, T>, torque: &mut [T]) {
         let its = &self.mechanisms[m];
         if let Mechanism::Chain(chain) = &system.plant.mechanisms[m] {
-            chain.torques(angle, rate, &Contacts { stops: &its.stops, foot: its.foot }, torque);
+            chain.torques(motion, &Contacts { stops: &its.stops, foot: its.foot }, torque);
         }
     }
 

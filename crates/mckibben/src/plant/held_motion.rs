@@ -169,7 +169,9 @@ impl<R: Scalar> System<R> {
             along[k] = position[k].along(rates[k]);
         }
         let pieces = ArmsOf { mode, first: places.actuators[i].arms };
-        let _ = coupling.distance(Some(chain), &along[..position.len()], pieces, &mut gradient[..position.len()]);
+        let (along, mut directions) = (&along[..position.len()], [[still; 2]; MAX_JOINTS]);
+        chain.enter_directions(along, &mut directions);
+        let _ = coupling.distance(Some(chain), (along, &directions), pieces, &mut gradient[..position.len()]);
         let mut sum = T::zero();
         for (entry, rate) in gradient.iter().zip(rates) {
             sum = sum + T::split(*entry)[1] * *rate;

@@ -150,6 +150,12 @@ impl MechanismIndices {
         self.first + self.coordinates + coordinate
     }
 
+    /// The places of its accelerations, and of all else that each coordinate has one of.
+    #[inline(always)]
+    pub(crate) fn accelerations(&self) -> core::ops::Range<usize> {
+        self.acceleration..self.acceleration + self.coordinates
+    }
+
     /// Coordinates and rates.
     #[doc(hidden)]
     #[inline(always)]

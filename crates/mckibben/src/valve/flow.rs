@@ -55,7 +55,7 @@ use crate::air::Air;
 use crate::convert::{Convert, ConvertEach};
 use crate::error::{Error, Requirement};
 use crate::parameter::{self, Parameter};
-use crate::scalar::{Over, Real, Scalar};
+use crate::scalar::{Mask, Over, Real, Scalar};
 use crate::valve::Port;
 use crate::valve::flow_path::{FlowStandard, Rows};
 use core::convert::Infallible;
@@ -290,11 +290,18 @@ impl<S: Scalar> FlowLaw<S> {
     }
 
     /// ψ where the flow is choked, on the straight line near equal pressure, and between: the formulas of [`FlowLaw::in_zone`].
+    /// Most often all lanes are in one zone, and the root and the polynomial between take longer than the rest.
     #[inline(always)]
     #[cfg(feature = "alloc")]
     pub(crate) fn in_zones<T: Over<S>>(&self, choked: S::Mask, straight: S::Mask, gap: T) -> T {
-        let between = T::select(straight, T::of(self.shape.laminar_slope) * gap, self.shape.subsonic(gap));
-        T::select(choked, T::one(), between)
+        if !(!choked).any() {
+            return T::one();
+        }
+        let line = T::of(self.shape.laminar_slope) * gap;
+        if !(!(choked | straight)).any() {
+            return T::select(choked, T::one(), line);
+        }
+        T::select(choked, T::one(), T::select(straight, line, self.shape.subsonic(gap)))
     }
 
     /// ψ by the formula of one zone, smoothly continued beyond the zone's bounds; a choked flow needs no gap.

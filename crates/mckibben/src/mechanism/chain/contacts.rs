@@ -102,21 +102,14 @@ impl<S: Scalar> Chain<S> {
         }
     }
 
-    /// Sines of the segments' inclinations, and their cosines if they are requested.
+    /// Enters the directions of its segments at the angles of its joints: sine and cosine of how far each is inclined from where
+    /// gravity pulls.
     #[inline(always)]
-    pub(super) fn enter_directions<T: Over<S>>(
-        &self,
-        angle: &[T],
-        directions: &mut [[T; 2]; MAX_JOINTS],
-        cosines: bool,
-    ) {
+    pub fn enter_directions<T: Over<S>>(&self, angle: &[T], directions: &mut [[T; 2]]) {
         let mut inclination = -T::of(self.hanging_angle);
         for (direction, angle) in directions.iter_mut().zip(angle) {
             inclination = inclination + *angle;
-            direction[0] = inclination.sin();
-            if cosines {
-                direction[1] = inclination.cos();
-            }
+            *direction = [inclination.sin(), inclination.cos()];
         }
     }
 
@@ -139,13 +132,13 @@ impl<S: Scalar> Chain<S> {
     pub fn foot<T: Over<S>>(&self, angle: &[T], rate: &[T]) -> Option<(T, [T; 2])> {
         let belt = self.belt.as_ref()?;
         let mut directions = [[T::zero(); 2]; MAX_JOINTS];
-        self.enter_directions(angle, &mut directions, true);
+        self.enter_directions(angle, &mut directions);
         Some(self.foot_along(belt, &directions, rate))
     }
 
     /// Depth and velocity of the foot, by the sines and cosines of the segments' inclinations.
     #[inline(always)]
-    fn foot_along<T: Over<S>>(&self, belt: &Belt<S>, directions: &[[T; 2]; MAX_JOINTS], rate: &[T]) -> (T, [T; 2]) {
+    fn foot_along<T: Over<S>>(&self, belt: &Belt<S>, directions: &[[T; 2]], rate: &[T]) -> (T, [T; 2]) {
         let (mut height, mut turning, mut velocity) = (T::zero(), T::zero(), [T::zero(); 2]);
         for (i, segment) in self.segments.iter().enumerate() {
             turning = turning + rate[i];
@@ -167,12 +160,11 @@ impl<S: Scalar> Chain<S> {
 
     /// Force in N of the belt on a foot that presses it, across and up.
     #[inline(always)]
-    pub(super) fn belt_force<T: Over<S>>(&self, directions: &[[T; 2]; MAX_JOINTS], rate: &[T]) -> Option<[T; 2]> {
-        let belt = self.belt.as_ref()?;
+    pub(super) fn belt_force<T: Over<S>>(&self, belt: &Belt<S>, directions: &[[T; 2]], rate: &[T]) -> [T; 2] {
         let (depth, [across, up]) = self.foot_along(belt, directions, rate);
         let normal = belt.press(depth, up);
         let (slip, slow) = (T::of(belt.velocity) - across, T::of(belt.slipping_speed));
-        Some([T::of(belt.friction) * normal * slip / (slip * slip + slow * slow).sqrt(), normal])
+        [T::of(belt.friction) * normal * slip / (slip * slip + slow * slow).sqrt(), normal]
     }
 
     /// How the torques about the joints answer to angles (N·m/rad) and to rates (N·m·s/rad) where that is stiff, row by row: the
@@ -206,7 +198,7 @@ impl<S: Scalar> Chain<S> {
         }
         let (Some(belt), true) = (&self.belt, presses.foot().any()) else { return };
         let mut directions = [[zero; 2]; MAX_JOINTS];
-        self.enter_directions(angle, &mut directions, true);
+        self.enter_directions(angle, &mut directions);
         let (depth, [across, up]) = self.foot_along(belt, &directions, rate);
         let (slip, slow) = (belt.velocity - across, belt.slipping_speed * belt.slipping_speed);
         let size = slip * slip + slow;

@@ -321,9 +321,9 @@ impl<S: Scalar> Chain<S> {
         inclination
     }
 
-    /// The mass matrix over the joints' angles, row by row, in kg·m².
+    /// The mass matrix over the joints' angles, row by row, in kg·m², by the [directions](Chain::enter_directions) of its segments.
     #[inline(always)]
-    pub fn mass_matrix<T: Over<S>>(&self, angle: &[T], matrix: &mut [T]) {
+    pub fn mass_matrix<T: Over<S>>(&self, directions: &[[T; 2]], matrix: &mut [T]) {
         let count = self.segments.len();
         if let [only] = matrix {
             *only = T::of(self.couplings[0]);
@@ -332,8 +332,8 @@ impl<S: Scalar> Chain<S> {
         for i in 0..count {
             matrix[i * count + i] = T::of(self.couplings[i * count + i]);
             for j in i + 1..count {
-                // Between two inclinations lie the angles of the joints from one to the other.
-                let coupling = T::of(self.couplings[i * count + j]) * sum(&angle[i + 1..=j]).cos();
+                let [_, cosine] = turned(directions[i], directions[j]);
+                let coupling = T::of(self.couplings[i * count + j]) * cosine;
                 (matrix[i * count + j], matrix[j * count + i]) = (coupling, coupling);
             }
         }
@@ -352,22 +352,27 @@ impl<S: Scalar> Chain<S> {
 
     /// Torques in N·m about the joints besides those of the actuators, less what the motion itself needs: `τ − h`.
     #[inline(always)]
-    pub fn torques<T: Over<S>>(&self, angle: &[T], rate: &[T], presses: &impl Presses<T::Mask>, torque: &mut [T]) {
+    pub fn torques<T: Over<S>>(
+        &self,
+        ChainMotion { directions, angle, rate }: ChainMotion<'_, T>,
+        presses: &impl Presses<T::Mask>,
+        torque: &mut [T],
+    ) {
         let count = self.segments.len();
-        let on_foot = presses.foot();
-        let has_foot = on_foot.any() && self.belt.is_some();
-        let mut directions = [[T::zero(); 2]; MAX_JOINTS];
-        self.enter_directions(angle, &mut directions, has_foot);
-        let foot = if has_foot { self.belt_force(&directions, rate) } else { None };
         let (mut along, mut turning) = (T::zero(), T::zero());
         for i in 0..count {
-            let [sine, cosine] = directions[i];
-            let mut on_segment = -T::of(self.weights[i]) * sine;
-            if let Some([across, up]) = foot {
-                let pushed = on_segment + T::of(self.segments[i].length) * (across * cosine + up * sine);
-                on_segment = T::select(on_foot, pushed, on_segment);
+            torque[i] = -T::of(self.weights[i]) * directions[i][0];
+        }
+        match (&self.belt, presses.foot()) {
+            (Some(belt), on_foot) if on_foot.any() => {
+                let [across, up] = self.belt_force(belt, directions, rate);
+                for i in 0..count {
+                    let [sine, cosine] = directions[i];
+                    let pushed = torque[i] + T::of(self.segments[i].length) * (across * cosine + up * sine);
+                    torque[i] = T::select(on_foot, pushed, torque[i]);
+                }
             }
-            torque[i] = on_segment;
+            _ => {}
         }
         for i in 0..count {
             turning = turning + rate[i];
@@ -375,7 +380,8 @@ impl<S: Scalar> Chain<S> {
             for j in i + 1..count {
                 other = other + rate[j];
                 // Each of two segments pulls the other along.
-                let coupling = T::of(self.couplings[i * count + j]) * sum(&angle[i + 1..=j]).sin();
+                let [sine, _] = turned(directions[i], directions[j]);
+                let coupling = T::of(self.couplings[i * count + j]) * sine;
                 torque[i] = torque[i] + coupling * other * other;
                 torque[j] = torque[j] - coupling * turning * turning;
             }
@@ -405,30 +411,37 @@ impl<S: Scalar> Chain<S> {
 
     /// Place in m of a point on a segment, or on the ground: across and up, from the first joint.
     pub fn point<T: Over<S>>(&self, segment: Option<usize>, place: [T; 2], angle: &[T]) -> [T; 2] {
-        let mut pose = Pose::new();
-        if let Some(segment) = segment {
-            self.enter_pose(&angle[..=segment], &mut pose);
-        }
-        pose.point(segment, place)
+        let mut directions = [[T::zero(); 2]; MAX_JOINTS];
+        self.enter_directions(angle, &mut directions);
+        self.reach(0, segment, place, &directions)
     }
 
     /// Place in m of a joint, or of the last segment's tip: across and up, from the first joint.
     pub fn joint_place<T: Over<S>>(&self, joint: usize, angle: &[T]) -> [T; 2] {
-        let mut pose = Pose::new();
-        self.enter_pose(&angle[..joint], &mut pose);
-        pose.joints[joint]
+        match joint.checked_sub(1) {
+            Some(above) => self.point(Some(above), [T::of(self.segments[above].length), T::zero()], angle),
+            None => [T::zero(); 2],
+        }
     }
 
-    /// Enters where the first segments begin and end, and which way they point.
+    /// From a joint to a point on its segment or on one behind it: across and up in m. A point on the ground is counted from the
+    /// first joint.
     #[inline(always)]
-    pub(super) fn enter_pose<T: Over<S>>(&self, angle: &[T], pose: &mut Pose<T>) {
-        self.enter_directions(angle, &mut pose.directions, true);
-        let mut place = [T::zero(); 2];
-        for (i, segment) in self.segments[..angle.len()].iter().enumerate() {
-            let (length, [sine, cosine]) = (T::of(segment.length), pose.directions[i]);
-            place = [place[0] + length * sine, place[1] - length * cosine];
-            pose.joints[i + 1] = place;
+    pub(super) fn reach<T: Over<S>>(
+        &self,
+        joint: usize,
+        segment: Option<usize>,
+        [along, across]: [T; 2],
+        directions: &[[T; 2]],
+    ) -> [T; 2] {
+        let Some(segment) = segment else { return [across, -along] };
+        let [sine, cosine] = directions[segment];
+        let mut reach = [along * sine + across * cosine, across * sine - along * cosine];
+        for between in joint..segment {
+            let (length, [sine, cosine]) = (T::of(self.segments[between].length), directions[between]);
+            reach = [reach[0] + length * sine, reach[1] - length * cosine];
         }
+        reach
     }
 
     /// Powers in W that the mechanism loses, and that which the belt puts in, at angles and rates.
@@ -452,9 +465,11 @@ impl<S: Scalar> Chain<S> {
         if let (Some(belt), Some((depth, [across, up]))) = (&self.belt, self.foot(angle, rate)) {
             let spring = T::of(belt.stiffness) * depth.larger(zero);
             let mut directions = [[zero; 2]; MAX_JOINTS];
-            self.enter_directions(angle, &mut directions, true);
-            let force = self.belt_force(&directions, rate).filter(|_| contacts.foot == Contact::Pressed);
-            let [drag, normal] = force.unwrap_or([zero; 2]);
+            self.enter_directions(angle, &mut directions);
+            let [drag, normal] = match contacts.foot {
+                Contact::Pressed => self.belt_force(belt, &directions, rate),
+                Contact::None | Contact::Rebound => [zero; 2],
+            };
             powers.belt = (spring - normal) * up + drag * (T::of(belt.velocity) - across);
             powers.belt_drive = drag * T::of(belt.velocity);
         }
@@ -492,38 +507,19 @@ impl<S: Scalar> Chain<S> {
     }
 }
 
-/// Where the joints of a chain and its tip are in m, across and up from the first joint, and the sines and cosines of its segments'
-/// inclinations.
+/// How a chain moves.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Pose<T> {
-    pub(super) joints: [[T; 2]; MAX_JOINTS + 1],
-    directions: [[T; 2]; MAX_JOINTS],
+pub struct ChainMotion<'a, T> {
+    /// The [directions](Chain::enter_directions) of its segments.
+    pub directions: &'a [[T; 2]],
+    /// The angles of its joints in rad.
+    pub angle: &'a [T],
+    /// Their rates in rad/s.
+    pub rate: &'a [T],
 }
 
-impl<T: Scalar> Pose<T> {
-    #[inline(always)]
-    pub(super) fn new() -> Self {
-        Self { joints: [[T::zero(); 2]; MAX_JOINTS + 1], directions: [[T::zero(); 2]; MAX_JOINTS] }
-    }
-
-    /// Place in m of a point on a segment, or on the ground.
-    #[inline(always)]
-    pub(super) fn point(&self, segment: Option<usize>, [along, across]: [T; 2]) -> [T; 2] {
-        let (from, [sine, cosine]) = match segment {
-            Some(segment) => (self.joints[segment], self.directions[segment]),
-            None => ([T::zero(); 2], [T::zero(), T::one()]),
-        };
-        [from[0] + along * sine + across * cosine, from[1] - along * cosine + across * sine]
-    }
-}
-
-/// The sum of some numbers.
+/// Sine and cosine of the angle from one direction to another.
 #[inline(always)]
-fn sum<T: Scalar>(numbers: &[T]) -> T {
-    // No closure: it would be compiled separately, without the instructions of a batch.
-    let mut sum = T::zero();
-    for number in numbers {
-        sum = sum + *number;
-    }
-    sum
+fn turned<T: Scalar>([from_sine, from_cosine]: [T; 2], [sine, cosine]: [T; 2]) -> [T; 2] {
+    [sine * from_cosine - cosine * from_sine, cosine * from_cosine + sine * from_sine]
 }
