@@ -55,7 +55,9 @@ use crate::air::Air;
 use crate::convert::{Convert, ConvertEach};
 use crate::error::{Error, Requirement};
 use crate::parameter::{self, Parameter};
-use crate::scalar::{Mask, Over, Real, Scalar};
+#[cfg(feature = "alloc")]
+use crate::scalar::Mask;
+use crate::scalar::{Over, Real, Scalar};
 use crate::valve::Port;
 use crate::valve::flow_path::{FlowStandard, Rows};
 use core::convert::Infallible;
