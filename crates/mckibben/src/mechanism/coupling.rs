@@ -168,9 +168,8 @@ impl<S: Scalar> Coupling<S> {
         self.distance(chain, (position, &directions), Anywhere, gradient)
     }
 
-    /// The distance in m at coordinates at which the segments of a chain have these
-    /// [directions](Chain::enter_directions); its gradient over the mechanism's coordinates (m per unit of each) is written to `gradient`, which
-    /// is zero before for coordinates that it does not span.
+    /// The distance in m at coordinates with the [directions](Chain::enter_directions) of a chain's segments. Its gradient over the
+    /// coordinates (m per unit of each) is written to `gradient`, which is zero before where it spans none.
     #[inline(always)]
     pub(crate) fn distance<T: Over<S>>(
         &self,
