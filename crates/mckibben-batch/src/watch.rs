@@ -430,11 +430,32 @@ fn contacts_hold<W: Wide>(system: &System<W>, m: usize, contacts: &[ContactRange
 /// The least and the largest tension in N that an actuator at rest can hold, which is not slack.
 #[inline(always)]
 pub(crate) fn holdable<W: Wide>(system: &System<W>, i: usize, end: &[W], held: &Held<W>, at: &Evaluation<W>) -> (W, W) {
+    let (least, most) = holdable_by(system, i, ThreadContact::Pressed, end, held, at);
+    let (wire, pressure) = (&system.wires[i], end[system.wires[i].places.pressure]);
+    if wire.member.actuator.friction().follows_normal_load() {
+        // Nothing presses the threads together below the pressure of the atmosphere, whatever the law of force says there.
+        let apart = pressure.lt(wire.member.actuator.air().atmosphere().0);
+        if apart.any() {
+            let (low, high) = holdable_by(system, i, ThreadContact::Apart, end, held, at);
+            return (W::select(apart, low, least), W::select(apart, high, most));
+        }
+    }
+    (least, most)
+}
+
+/// What an actuator can hold whose threads touch in this way.
+#[inline(always)]
+fn holdable_by<W: Wide>(
+    system: &System<W>,
+    i: usize,
+    touch: ThreadContact,
+    end: &[W],
+    held: &Held<W>,
+    at: &Evaluation<W>,
+) -> (W, W) {
     let (wire, unit, zero) = (&system.wires[i], &at.units[i], W::zero());
-    let of_sliding = (zero, ThreadContact::ByPressure);
-    let state_of_sliding = held.sliding_state(wire, [unit.length, zero], system.deflections(i, end), of_sliding);
-    let pressure = end[wire.places.pressure];
-    wire.member.actuator.holdable(unit.length, pressure, held.is_on_stop(i), state_of_sliding)
+    let state_of_sliding = held.sliding_state(wire, [unit.length, zero], system.deflections(i, end), (zero, touch));
+    wire.member.actuator.holdable(unit.length, end[wire.places.pressure], held.is_on_stop(i), state_of_sliding)
 }
 
 /// Where sticking actuators on the one coordinate of a mechanism hold it by more than a margin.

@@ -391,7 +391,7 @@ impl<R: Real> System<R> {
         }
         let most = self.holdable(i, &held_state, &held, at.units[i].distance).1;
         let mut matrix = alloc::vec![R::zero(); count * count];
-        self.mass_matrix(m, state, &mut matrix);
+        self.mass_matrix(m, &at.directions, &mut matrix);
         super::dense::factor(&mut matrix, count);
         let mut row = gradient.clone();
         super::dense::solve(&matrix, count, &mut row);

@@ -334,8 +334,8 @@ impl<R: Scalar> System<R> {
     #[inline(always)]
     fn compute_distances<T: Over<R>>(&self, time: T, state: &[T], mode: &impl Formulas<R>, at: &mut Evaluation<T>) {
         let Evaluation { units, chambers, gradient, directions, .. } = at;
-        for assembly in &self.assemblies {
-            self.enter_directions(assembly, state, directions);
+        for m in 0..self.assemblies.len() {
+            self.enter_directions(m, state, directions);
         }
         for (i, wire) in self.wires.iter().enumerate() {
             let into = (&mut units[i], &mut gradient[..]);
@@ -356,15 +356,16 @@ impl<R: Scalar> System<R> {
         at: &mut Evaluation<T>,
     ) {
         if let Coupling::Points(_) = self.plant.actuators[i].coupling {
-            self.enter_directions(&self.assemblies[self.wires[i].mechanism], state, &mut at.directions);
+            self.enter_directions(self.wires[i].mechanism, state, &mut at.directions);
         }
         let into = (&mut at.units[i], &mut at.gradient[..]);
         self.enter_ends(&self.wires[i], time, (state, &at.directions), mode, into);
     }
 
-    /// Enters the directions of the segments of a chain.
+    /// Enters the directions of the segments of a mechanism that is a chain.
     #[inline(always)]
-    fn enter_directions<T: Over<R>>(&self, assembly: &Assembly<R>, state: &[T], directions: &mut [[T; 2]]) {
+    pub(super) fn enter_directions<T: Over<R>>(&self, m: usize, state: &[T], directions: &mut [[T; 2]]) {
+        let assembly = &self.assemblies[m];
         if let Mechanism::Chain(chain) = &assembly.mechanism {
             let (angle, _) = assembly.places.of(state);
             chain.enter_directions(angle, &mut directions[assembly.places.accelerations()]);

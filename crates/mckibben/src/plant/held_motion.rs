@@ -127,8 +127,8 @@ impl<R: Scalar> System<R> {
             return;
         }
         let count = here.coordinates;
-        let Evaluation { gradient, matrix, holding, .. } = at;
-        self.mass_matrix(m, state, &mut matrix[..count * count]);
+        let Evaluation { gradient, directions, matrix, holding, .. } = at;
+        self.mass_matrix(m, directions, &mut matrix[..count * count]);
         factor(&mut matrix[..count * count], count);
         holding.enter((self, m, held), mode, (matrix, gradient));
         let rates = &mut state[here.rate(0)..here.rate(0) + count];
@@ -145,8 +145,8 @@ impl<R: Scalar> System<R> {
         let here = self.plant.places.mechanisms[m];
         let count = here.coordinates;
         self.enter_force(m, state, mode, at);
-        let Evaluation { force, matrix, acceleration, .. } = at;
-        self.mass_matrix(m, state, &mut matrix[..count * count]);
+        let Evaluation { force, directions, matrix, acceleration, .. } = at;
+        self.mass_matrix(m, directions, &mut matrix[..count * count]);
         let acceleration = &acceleration[here.acceleration..here.acceleration + count];
         for k in 0..count {
             force[k] = force[k] - dot(&matrix[k * count..(k + 1) * count], acceleration);

@@ -163,7 +163,7 @@ impl<R: Real> System<R> {
             }
             Mechanism::Chain(chain) => {
                 let count = self.plant.places.mechanisms[m].coordinates;
-                self.mass_matrix(m, state, &mut at.matrix[..count * count]);
+                self.mass_matrix(m, &at.directions, &mut at.matrix[..count * count]);
                 dense::factor(&mut at.matrix[..count * count], count);
                 let mut sum = 0.0;
                 let foot = match (chain.belt(), its.foot) {

@@ -68,7 +68,7 @@ impl<R: Real> System<R> {
         let mut held = at.force[..count].to_vec();
         if !of_mechanism.frozen {
             let mut matrix = vec![T::zero(); count * count];
-            self.mass_matrix(m, state, &mut matrix);
+            self.mass_matrix(m, &at.directions, &mut matrix);
             let first = self.plant.places.mechanisms[m].acceleration;
             for (k, held) in held.iter_mut().enumerate() {
                 let row = &matrix[k * count..(k + 1) * count];

@@ -138,7 +138,7 @@ impl<R: Real> System<R> {
         self.evaluate(time, state, mode, at);
         self.enter_force(m, state, mode, at);
         let mut matrix = vec![R::zero(); count * count];
-        self.mass_matrix(m, state, &mut matrix);
+        self.mass_matrix(m, &at.directions, &mut matrix);
         factor(&mut matrix, count);
         let mut acceleration: Vec<R> = at.force[..count].to_vec();
         solve(&matrix, count, &mut acceleration);

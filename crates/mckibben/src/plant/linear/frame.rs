@@ -241,10 +241,14 @@ impl Frame {
 
     /// The mass matrix of a mechanism, factored.
     pub(super) fn factored_mass_matrix(&self, m: usize) -> Vec<f64> {
-        let count = self.plant.places.mechanisms[m].coordinates;
+        let (here, zero) = (self.plant.places.mechanisms[m], Number::constant(0.0));
+        let count = here.coordinates;
         let state: Vec<Number> = self.state.iter().map(|value| Number::constant(*value)).collect();
-        let mut matrix = vec![Number::constant(0.0); count * count];
-        System::new(&Arc::new(self.plant.clone()), TOLERANCE).mass_matrix(m, &state, &mut matrix);
+        let system = System::new(&Arc::new(self.plant.clone()), TOLERANCE);
+        let mut directions = vec![[zero; 2]; here.accelerations().end];
+        system.enter_directions(m, &state, &mut directions);
+        let mut matrix = vec![zero; count * count];
+        system.mass_matrix(m, &directions, &mut matrix);
         let mut matrix: Vec<f64> = matrix.into_iter().map(|entry| entry.value).collect();
         crate::plant::dense::factor(&mut matrix, count);
         matrix

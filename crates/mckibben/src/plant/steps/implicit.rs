@@ -30,7 +30,6 @@ use crate::air::Process;
 use crate::dual::Dual;
 use crate::friction::{Deflections, Viscoelastic};
 use crate::mechanism::Mechanism;
-use crate::mechanism::chain::MAX_JOINTS;
 use crate::network::NodeKind;
 use crate::network::flow::AroundNetwork;
 use crate::network::implicit::{Answers, Elimination, NodeResponse};
@@ -131,12 +130,7 @@ impl<R: Scalar> Implicit<R> {
         }
         let r = self.gamma_h;
         let all = from..from + count * count;
-        match &system.plant.mechanisms[m] {
-            Mechanism::Chain(chain) => {
-                chain.mass_matrix(&at.directions[here.accelerations()], &mut self.mass[all.clone()])
-            }
-            _ => system.mass_matrix(m, state, &mut self.mass[all.clone()]),
-        }
+        system.mass_matrix(m, &at.directions, &mut self.mass[all.clone()]);
         self.factors[all.clone()].copy_from_slice(&self.mass[all.clone()]);
         match &system.plant.mechanisms[m] {
             Mechanism::Chain(_) => {
@@ -413,15 +407,13 @@ impl<R: Scalar> System<R> {
         here.length.or(here.bristles)
     }
 
-    /// The inertia of a mechanism in a state, row by row; that of a motion that is given counts as one.
+    /// The inertia of a mechanism, row by row, by the directions of all segments; that of a motion that is given counts as one.
     #[inline(always)]
-    pub(crate) fn mass_matrix<T: Over<R>>(&self, m: usize, state: &[T], matrix: &mut [T]) {
+    pub(crate) fn mass_matrix<T: Over<R>>(&self, m: usize, directions: &[[T; 2]], matrix: &mut [T]) {
         match &self.plant.mechanisms[m] {
             Mechanism::Mass(mass) => matrix[0] = T::of(mass.mass()),
             Mechanism::Chain(chain) => {
-                let mut directions = [[T::zero(); 2]; MAX_JOINTS];
-                chain.enter_directions(self.plant.places.mechanisms[m].of(state).0, &mut directions);
-                chain.mass_matrix(&directions, matrix);
+                chain.mass_matrix(&directions[self.plant.places.mechanisms[m].accelerations()], matrix);
             }
             Mechanism::Prescribed(_) | Mechanism::Fixed | Mechanism::External { .. } => matrix.fill(T::one()),
         }
