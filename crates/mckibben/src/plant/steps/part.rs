@@ -314,7 +314,7 @@ impl<R: Instantiate> Part<'_, '_, R> {
         let time = *self.time;
         self.course.statistics.evaluations +=
             stages.take(system, self.method, (time, step), self.state, self.mode, at, end);
-        system.enter_arms(end, self.mode);
+        system.enter_actuator_pieces(time + step, end, self.mode, at);
         system.project(time + step, end, self.mode, at);
         self.land(step);
     }

@@ -52,6 +52,11 @@ impl<R: Real> System<R> {
                 BranchKind::Inertia(_) | BranchKind::Leak(_) | BranchKind::Compressor => {}
             }
         }
+        self.enter_actuator_pieces(time, state, mode, at);
+    }
+
+    /// Takes the pieces of arms and of the laws of actuators: what lengths, volumes and tensions follow from.
+    pub(super) fn enter_actuator_pieces(&self, time: R, state: &[R], mode: &mut PlantMode<R>, at: &mut Evaluation<R>) {
         self.enter_arms(state, mode);
         for (i, wire) in self.wires.iter().enumerate() {
             let [pressure, _] = wire.air(state);
@@ -66,8 +71,8 @@ impl<R: Real> System<R> {
         }
     }
 
-    /// Enters the pieces of moment arms in a state, from which lengths and volumes follow.
-    pub(super) fn enter_arms(&self, state: &[R], mode: &mut PlantMode<R>) {
+    /// Enters the pieces of moment arms in a state.
+    fn enter_arms(&self, state: &[R], mode: &mut PlantMode<R>) {
         for (mounted, here) in self.plant.actuators.iter().zip(&self.plant.places.actuators) {
             if let Coupling::Arms { arms, .. } = &mounted.coupling {
                 let (position, _) = self.plant.places.mechanisms[mounted.mechanism].of(state);
