@@ -87,8 +87,7 @@ impl<R: Real> System<R> {
             if places.actuators[i].length.is_some() {
                 continue;
             }
-            let is_slow = at.units[i].rate.value().abs() <= 1.01 * self.rest_band(i);
-            let slow = at_rest || (is_slow && !self.is_at_dead_centre(i, at));
+            let slow = at_rest || (self.is_slow(i, at) && !self.is_at_dead_centre(i, at));
             mode.actuators[i].mode.sliding = self.sliding_towards(i, at.units[i].rate.value());
             let holds = self.wires[i].member.actuator.friction().has_coulomb() || mode.actuators[i].on_stop;
             if slow && mode.actuators[i].mode.length_regime != LengthRegime::Slack {
@@ -100,6 +99,11 @@ impl<R: Real> System<R> {
             }
         }
         self.solve_rest(m, time, state, mode, at, &resting, at_rest);
+    }
+
+    /// Whether the distance of an actuator changes as slowly as at rest.
+    fn is_slow(&self, i: usize, at: &Evaluation<R>) -> bool {
+        at.units[i].rate.value().abs() <= 1.01 * self.rest_band(i)
     }
 
     /// Whether the two points of an actuator pass each other at a dead centre, where its distance rests and its mechanism moves
@@ -204,10 +208,11 @@ impl<R: Real> System<R> {
                 }
                 Some(a) => accelerates(a),
                 None if matches!(mode.actuators[i].mode.sliding, Sliding::Held | Sliding::Frictionless)
-                    && (at_rest || at.units[i].rate.value() == 0.0) =>
+                    && (at_rest || self.is_slow(i, at)) =>
                 {
+                    // Its rate is rounding as likely as not.
                     let gradient = values(self.gradient(i, &at.gradient));
-                    dot(&gradient, &motion)
+                    dot(&gradient, &motion) + self.bending(i, state, mode).value()
                 }
                 None => at.units[i].rate.value(),
             };
