@@ -299,6 +299,25 @@ fn larger(size: f64) -> FlowStandard {
     FlowStandard::Orifice { flow_area: size * 1.8e-5 * 0.3048 * 0.3048 }
 }
 
+/// Air that is filled in comes to the temperature of the wall, and to no more than the pressure of the supply, however well the wall
+/// conducts heat; its pressure is that of short steps as nearly as without heat.
+#[test]
+fn heat_that_settles_within_a_step_takes_no_pressure_beyond_the_supply() {
+    for (heat, missed) in [(100.0, 0.05), (1e4, 1e-3)] {
+        for size in [1.0, 10.0, 100.0] {
+            let paper = filling().isometric(3.5 * INCH).with(|rig| rig.standard = larger(size));
+            let paper = paper.process(Process::EnergyBalance { heat_transfer: heat, wall_temperature: ROOM });
+            let rig = paper.rig();
+            let [coarse, fine] = [50, 10_000].map(|count| steps(&rig, paper.start(), Method::Stable, 0.05, count));
+            for (sample, exact) in coarse.iter().zip(fine.iter().skip(199).step_by(200)) {
+                assert_close(sample.temperature, exact.temperature, missed);
+                assert_close(sample.pressure.0, exact.pressure.0, 0.25);
+                assert!(sample.pressure.0 < 1.002 * (SUPPLY + ATMOSPHERE), "{heat} {size}: {sample:?}");
+            }
+        }
+    }
+}
+
 /// A valve so large that a step empties the actuator many times over: the air goes down to what the atmosphere leaves
 /// of it, `m P_atm/P` at constant temperature, and never below.
 #[test]

@@ -94,6 +94,35 @@ fn air_that_settles_at_once_takes_few_steps() {
     }
 }
 
+/// An actuator with bristles on a limb of two joints comes to rest, where it holds nothing, and turns once: where it heads follows from
+/// its acceleration, not from what rounding leaves of its rate.
+#[test]
+fn an_actuator_that_comes_to_rest_on_a_limb_turns_once() {
+    let (plant, start, duration) = plant(&numbered(792));
+    let run = simulate_plant(&plant.expect("a plant"), &start, duration, 1e-7).expect("a run");
+    assert!(run.statistics().events < 1000, "{:?}", run.statistics());
+}
+
+/// Plants whose air is stiff through a tendon or the wall's heat: at a host's millisecond their pressures stay near those of
+/// the event-located engine.
+#[test]
+fn stiff_air_stays_near_located_events_at_one_millisecond() {
+    for number in [120, 609, 756] {
+        let (plant, start, duration) = plant(&numbered(number));
+        let plant = plant.expect("a plant");
+        let exact = simulate_plant(&plant, &start, duration, 1e-7).expect("a run");
+        let mut run = PlantRun::new(&plant, &start, 1e-9).expect("a start").steps(Method::Stable);
+        for step in 1..=(duration / 1e-3) as u32 {
+            run.advance_to(1e-3 * f64::from(step)).unwrap_or_else(|error| panic!("{number}: {error}"));
+            let sample = exact.sample(run.time());
+            for (one, here) in sample.actuators.iter().zip(&plant.indices().actuators) {
+                let (found, pressure) = (run.state()[here.pressure], one.pressure.0);
+                assert!((found - pressure).abs() < 0.3 * pressure, "{number} at {step} ms: {found}, {pressure}");
+            }
+        }
+    }
+}
+
 /// Fixed steps of random plants that the event-located engine brings to their end.
 const STEPPED: u32 = 60;
 

@@ -48,6 +48,24 @@ fn two_springs_in_series_swing_at_their_frequency() {
     }
 }
 
+/// Sealed air goes with the length of its actuator within a stage, however fast that comes to its balance with the tendon: `P V^γ`
+/// stays.
+#[test]
+fn sealed_air_keeps_to_its_adiabat_at_one_millisecond() {
+    for (viscous, stiffness) in
+        [(0.1, STIFFNESS), (0.1, 100.0 * STIFFNESS), (10.0, STIFFNESS), (10.0, 100.0 * STIFFNESS)]
+    {
+        let paper = smooth().friction(viscous, 0.0);
+        let balanced = paper.start().length;
+        let paper = paper.from(balanced, 0.15);
+        let samples = stepped(&on_tendon(&paper, stiffness), paper.start(), Method::Stable, 0.2, 200);
+        let content = |sample: &Sample| sample.pressure.0 * sample.volume.powf(1.4);
+        for sample in &samples {
+            assert_close(content(sample), content(&samples[0]), 1e-4);
+        }
+    }
+}
+
 #[test]
 fn it_comes_to_an_independent_integration_at_its_order() {
     let until = 0.2;

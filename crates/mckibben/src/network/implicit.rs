@@ -8,8 +8,11 @@
 //! branch       δ_b = y_b + a_b k_from − b_b k_to                    a, b: ∂ṁ/∂P, or the secant where that is steeper
 //! cell         w: k_w = δ_b,   y = σ f_w,   a = b = σ r/I           I: inertance, σ = 1/(1 + r ∂ẇ/∂w)
 //! node         (1 + r/τ) k + r χ O = f + l k_inlet                  O = Σ out δ − Σ in δ: what goes out
+//! chamber      (1 + r/τ) k + r χ O = f + r η k_m                    η = ∂Ṗ/∂m: more air takes more heat from the wall
 //! air mass     k_m = f_m − r O
 //! ```
+//!
+//! A chamber's row has `k_m` put in, so that it has `χ + r η` for χ and `f + r η f_m` for f.
 //!
 //! | node | χ | 1/τ | l |
 //! |---|---|---|---|
@@ -48,10 +51,11 @@ struct Row<R> {
     place: usize,
     mass: Option<usize>,
     link: Option<Link>,
-    /// r χ, 1 + r/τ and l.
+    /// r χ, 1 + r/τ, l and r η.
     answer: R,
     own: R,
     by_inlet: R,
+    by_mass: R,
     /// How O answers to its own pressure once what hangs on it is known, and to that of its parent.
     out: R,
     out_by_parent: R,
@@ -117,6 +121,8 @@ pub(crate) struct NodeResponse<R> {
     pub(crate) per_mass: R,
     /// In 1/s, besides flows.
     pub(crate) falls: R,
+    /// In Pa/s per kg of air that a chamber has.
+    pub(crate) by_mass: R,
 }
 
 /// How many equal branches one stands for.
@@ -184,6 +190,7 @@ impl<R: Scalar> Elimination<R> {
             answer: zero,
             own: R::one(),
             by_inlet: zero,
+            by_mass: zero,
             out: zero,
             out_by_parent: zero,
             parent_by_this: zero,
@@ -235,7 +242,9 @@ impl<R: Scalar> Elimination<R> {
     ) {
         let (zero, one) = (R::zero(), R::one());
         for row in &mut self.rows {
-            let NodeResponse { per_mass, falls } = answers.node(row.node);
+            let NodeResponse { per_mass, falls, by_mass } = answers.node(row.node);
+            row.by_mass = gamma_h * by_mass;
+            let per_mass = per_mass + row.by_mass;
             (row.answer, row.own, row.by_inlet) = (gamma_h * per_mass, one + gamma_h * falls, zero);
             if let NodeKind::Outlet { .. } | NodeKind::Port { .. } = network.nodes[row.node].kind {
                 let RegulatedResponse { answer, own, by_inlet } = mode.regulated_response(network, row.node, gamma_h);
@@ -271,16 +280,16 @@ impl<R: Scalar> Elimination<R> {
         }
     }
 
-    /// Writes the slopes of the network's states that have `right` for their right side.
+    /// Writes the slopes of the network's states, which are their right sides before.
     #[inline(always)]
-    pub(crate) fn solve(&mut self, gamma_h: R, right: &[R], slopes: &mut [R]) {
+    pub(crate) fn solve(&mut self, gamma_h: R, slopes: &mut [R]) {
         let zero = R::zero();
         for row in &mut self.rows {
             row.outflow = zero;
         }
         for edge in &mut self.edges {
             let Some(place) = edge.place else { continue };
-            edge.start = edge.share * right[place];
+            edge.start = edge.share * slopes[place];
             if let Some(from) = edge.from {
                 self.rows[from].outflow = self.rows[from].outflow + edge.start;
             }
@@ -290,7 +299,11 @@ impl<R: Scalar> Elimination<R> {
         }
         for index in 0..self.rows.len() {
             let row = &mut self.rows[index];
-            row.pressure = (right[row.place] - row.answer * row.outflow) * row.per_pivot;
+            let right = match row.mass {
+                Some(mass) => row.by_mass.multiply_add(slopes[mass], slopes[row.place]),
+                None => slopes[row.place],
+            };
+            row.pressure = (right - row.answer * row.outflow) * row.per_pivot;
             if let Some(Link { parent, is_inlet }) = row.link {
                 let (outflow, by_pressure) = match is_inlet {
                     true => (row.outflow, row.out * row.pressure),
@@ -331,7 +344,7 @@ impl<R: Scalar> Elimination<R> {
         }
         for row in &self.rows {
             if let Some(mass) = row.mass {
-                slopes[mass] = right[mass] - gamma_h * row.outflow;
+                slopes[mass] = slopes[mass] - gamma_h * row.outflow;
             }
         }
     }

@@ -136,11 +136,11 @@ impl<R: Scalar> System<R> {
     /// balance of both tensions,
     ///
     /// ```text
-    /// with viscous friction      ∂L̇/∂x = k/F_v      ∂L̇/∂L = −(F_L + k)/F_v
+    /// with viscous friction      ∂L̇/∂x = k/F_v      ∂L̇/∂L = −(F_L + F_P P_L + k)/F_v
     /// without                    ∂L̇/∂ẋ = k/G_v      ∂L̇/∂L = −G_L/G_v          G = F_L L̇ + F_P Ṗ(L̇) − k (ẋ − L̇)
     /// ```
     ///
-    /// G has first derivatives of F; how it changes with the length is a difference, which is enough for a stable step.
+    /// P_L is how the pressure of the sealed air changes with the length. G has first derivatives of F; how it changes with the length is a difference, which is enough for a stable step.
     #[inline(always)]
     pub(super) fn end_answers(
         &self,
@@ -148,13 +148,14 @@ impl<R: Scalar> System<R> {
         tendon: &SeriesTendon<R>,
         mode: &impl Formulas<R>,
         at: (&Unit<R>, &Chamber<R>),
+        sealed: R,
         deflections: Deflections<R>,
     ) -> [R; 3] {
         let ((unit, chamber), zero, damped) = (at, R::zero(), mode.is_damped(self, i));
         let tight = R::select(mode.is_loose(i), zero, tendon.stiffness());
         let [mut by_distance, mut by_rate, mut by_length] = [zero; 3];
         if damped.any() {
-            let pressure = Dual::of(chamber.pressure);
+            let pressure = Dual { value: chamber.pressure, slope: [sealed, zero] };
             let ends: [Dual<R, 2>; 3] = [Dual::variable(unit.length, 0), Dual::variable(unit.velocity, 1), pressure];
             let [per_length, per_velocity] = mode.signed_force(&self.wires[i], ends, deflections.constant()).slope;
             by_distance = R::select(damped, tight / per_velocity, zero);
@@ -198,6 +199,18 @@ impl<R: Scalar> System<R> {
         actuator.air().pressure_rate_by(&moving, &unit.flow, || unit.warmth)
     }
 
+    /// How the pressure of the sealed air answers to the length in Pa/m, `−κ P V′/V`; not at all where it is given over time.
+    #[inline(always)]
+    pub(crate) fn sealed_pressure(&self, i: usize, length: R, chamber: &Chamber<R>) -> R {
+        if self.wires[i].is_given {
+            return R::zero();
+        }
+        let actuator = &self.wires[i].member.actuator;
+        let slack = R::Mask::splat(false);
+        let moving = actuator.chamber(length, R::one(), chamber.pressure, chamber.mass, slack);
+        actuator.air().pressure_rate_by(&moving, &Flow::none(), R::zero)
+    }
+
     /// By how much in N/s the stiffness of an end without viscous friction, that of its sealed air and of its tendon, keeps it
     /// below a velocity in m/s; below zero where it jumps: it goes faster, or nothing brings it back to its balance.
     #[inline(always)]
@@ -226,10 +239,8 @@ impl<R: Scalar> System<R> {
             return;
         }
         self.enter_distances(time, state, mode, at);
-        let mut unit = at.units[i];
-        (unit.flow, unit.warmth) = (Flow::none(), R::zero());
-        let sealed = (&unit, &at.chambers[i]);
-        let per_length = self.air_rate(i, sealed, R::one()) - self.air_rate(i, sealed, R::zero());
+        let unit = &at.units[i];
+        let per_length = self.sealed_pressure(i, unit.length, &at.chambers[i]);
         let distance = Dual::<R, 1> { value: unit.distance, slope: [R::zero()] };
         let length = Dual::variable(state[place], 0);
         let pressure = Dual { value: state[here.pressure], slope: [per_length] };

@@ -1,9 +1,9 @@
 //! The linear system of a stable step: `(I − rA) k = f`, with `r = γh`.
 //!
 //! A holds what is stiff: how tensions answer to lengths and velocities, a mass to its spring, joints to their damping and contacts,
-//! the ends of actuators on tendons, bristles and viscoelastic branches to both, and the pressures of the network to each other. Air
-//! and mechanisms do not answer to each other within a stage, nor does weight to angles; the method is of order 2 whatever matrix
-//! stands in for the Jacobian.
+//! the ends of actuators on tendons with their sealed air, bristles and viscoelastic branches to both, and the pressures of the network
+//! to each other. Air and mechanisms do not answer to each other within a stage, nor does weight to angles; the method is of order 2
+//! whatever matrix stands in for the Jacobian.
 //!
 //! ```text
 //! end on a tendon    k_L = (f_L + r (u_x k_x + u_v k_ẋ))/(1 − r u_L)                  u = L̇(x, ẋ, L)
@@ -12,6 +12,7 @@
 //! tension            φ = K k_x + D k_ẋ + o                                         both put in
 //! mechanism          k_q = f_q + r k_v
 //!                    [M + r C + r² S + Σ Jᵀ (r D + r² K) J] k_v = M f_v − r S f_q − r Σ Jᵀ (K J f_q + o)
+//! its air            f_P + P_L (k_L − f_L) for f_P
 //! network            by elimination on its tree
 //! ```
 //!
@@ -19,6 +20,7 @@
 //! |---|---|---|
 //! | x, L, z | distance and length of an actuator, deflection of its bristles | m |
 //! | K, D | how its tension answers to distance and rate, with its end and its bristles | N/m, N·s/m |
+//! | P_L | how the pressure of an end's sealed air answers to its length: `−κ P V′/V` | Pa/m |
 //! | S, C | stiffness and damping of springs, joints and contacts ([`Chain::stiffness`](crate::mechanism::chain::Chain)): positive semidefinite | … |
 //! | J, M | gradients of the distances, inertia | … |
 
@@ -53,6 +55,8 @@ struct TensionResponse<R> {
     /// How the tension answers to the sums over viscoelastic branches; zero of an end on a tendon, whose balance has them as they
     /// are.
     by_sums: [R; 2],
+    /// How the pressure of the sealed air answers to the length of an end.
+    sealed: R,
 }
 
 /// The system of a plant.
@@ -242,7 +246,7 @@ impl<R: Scalar> Implicit<R> {
         }
     }
 
-    /// The end of an actuator on a tendon, or its bristles.
+    /// The end of an actuator on a tendon with the right side of its pressure, or its bristles.
     #[inline(always)]
     fn solve_own(
         &mut self,
@@ -259,7 +263,12 @@ impl<R: Scalar> Implicit<R> {
         let answer = by_distance * dense::dot(gradient, positions) + by_rate * dense::dot(gradient, rates);
         slopes[place] = (right[place] + answer) * share;
         let its = &system.plant.places.actuators[i];
-        if let (Some(_), Some(bristles)) = (its.length, its.bristles) {
+        if its.length.is_none() {
+            return;
+        }
+        let further = slopes[place] - right[place];
+        slopes[its.pressure] = self.tensions[i].sealed.multiply_add(further, right[its.pressure]);
+        if let Some(bristles) = its.bristles {
             slopes[bristles] = right[bristles] * self.tensions[i].beside;
         }
     }
@@ -326,7 +335,7 @@ impl<R: Scalar, F: Formulas<R>> Work for Solve<'_, R, F> {
                 implicit.solve_branches(system, (i, here), (mode, at), right, slopes);
             }
         }
-        implicit.network.solve(implicit.gamma_h, right, slopes);
+        implicit.network.solve(implicit.gamma_h, slopes);
     }
 }
 
@@ -367,6 +376,7 @@ impl<R: Scalar> TensionResponse<R> {
             by_rate: zero,
             beside: one,
             by_sums: [zero; 2],
+            sealed: zero,
         }
     }
 }
@@ -503,15 +513,16 @@ impl<R: Scalar> System<R> {
             NodeKind::Chamber { actuator } => {
                 let (chamber, air) = (&at.chambers[*actuator], self.plant.actuators[*actuator].actuator.air());
                 let grows = air.index() * chamber.volume_rate * chamber.mass * chamber.per_content;
-                let falls = grows.larger(zero) + self.heat_settling(*actuator, at);
-                let per_mass = air.index() * chamber.pressure * chamber.volume * chamber.per_content;
-                return NodeResponse { per_mass, falls };
+                let settles = self.heat_settling(*actuator, at);
+                let over_mass = chamber.pressure * chamber.volume * chamber.per_content;
+                let (per_mass, falls) = (air.index() * over_mass, grows.larger(zero) + settles);
+                return NodeResponse { per_mass, falls, by_mass: settles * over_mass };
             }
             NodeKind::Hose(hose) => hose.stiffness(),
             NodeKind::Reservoir(reservoir) => reservoir.pressure_rate(R::one()),
             _ => zero,
         };
-        NodeResponse { per_mass, falls: zero }
+        NodeResponse { per_mass, falls: zero, by_mass: zero }
     }
 }
 
@@ -555,8 +566,9 @@ impl<R: Scalar, F: Formulas<R>> Work for EndResponse<'_, R, F> {
             return TensionResponse { stiffness: tight, ..none };
         }
         let deflections = system.deflections(i, state);
+        let sealed = system.sealed_pressure(i, unit.length, &at.chambers[i]);
         let [by_distance, by_rate, by_length] =
-            system.end_answers(i, tendon, mode, (unit, &at.chambers[i]), deflections);
+            system.end_answers(i, tendon, mode, (unit, &at.chambers[i]), sealed, deflections);
         let share = one / (one - gamma_h * by_length).larger(one);
         let (by_distance, by_rate) = (gamma_h * by_distance, gamma_h * by_rate);
         let beside = match deflections.bristles {
@@ -576,6 +588,7 @@ impl<R: Scalar, F: Formulas<R>> Work for EndResponse<'_, R, F> {
             by_rate: R::select(stuck, zero, by_rate),
             beside: R::select(stuck, one, beside),
             by_sums: [zero; 2],
+            sealed,
         }
     }
 }
