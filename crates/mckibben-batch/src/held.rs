@@ -5,6 +5,7 @@
 
 use crate::flows::{HeldFlows, enter_line};
 use crate::wide::Wide;
+use mckibben::Actuator;
 use mckibben::air::Chamber;
 use mckibben::friction::{Deflections, LuGre};
 use mckibben::internals::{
@@ -393,6 +394,15 @@ impl<W: Wide> Held<W> {
     }
 }
 
+/// Where nothing presses the threads of an actuator together, as far as that matters: below the pressure of the atmosphere.
+#[inline(always)]
+pub(crate) fn are_apart<W: Wide, T: Over<W>>(actuator: &Actuator<W>, pressure: T) -> T::Mask {
+    match actuator.friction().follows_normal_load() {
+        true => pressure.lt(T::of(actuator.air().atmosphere().0)),
+        false => T::Mask::splat(false),
+    }
+}
+
 impl<W: Wide> Formulas<W> for Held<W> {
     type Flows = HeldFlows<W>;
 
@@ -500,12 +510,10 @@ impl<W: Wide> Formulas<W> for Held<W> {
         let of_sliding = (T::of(held.direction), ThreadContact::Pressed);
         let state_of_sliding = self.sliding_state(wire, [ends[0], ends[1]], deflections, of_sliding);
         let force = actuator.signed_force(ends, state_of_sliding, held.taut, factors);
-        if actuator.friction().follows_normal_load() {
-            let apart = ends[2].lt(T::of(actuator.air().atmosphere().0));
-            if apart.any() {
-                let state_of_sliding = SlidingState { touch: ThreadContact::Apart, ..state_of_sliding };
-                return T::select(apart, actuator.signed_force(ends, state_of_sliding, held.taut, factors), force);
-            }
+        let apart = are_apart(actuator, ends[2]);
+        if apart.any() {
+            let state_of_sliding = SlidingState { touch: ThreadContact::Apart, ..state_of_sliding };
+            return T::select(apart, actuator.signed_force(ends, state_of_sliding, held.taut, factors), force);
         }
         force
     }

@@ -17,7 +17,7 @@
 
 use crate::ends::Ends;
 use crate::facets::Facets;
-use crate::held::Held;
+use crate::held::{Held, are_apart};
 use crate::motion::HostEnds;
 use crate::wide::Wide;
 use mckibben::internals::{
@@ -431,14 +431,11 @@ fn contacts_hold<W: Wide>(system: &System<W>, m: usize, contacts: &[ContactRange
 #[inline(always)]
 pub(crate) fn holdable<W: Wide>(system: &System<W>, i: usize, end: &[W], held: &Held<W>, at: &Evaluation<W>) -> (W, W) {
     let (least, most) = holdable_by(system, i, ThreadContact::Pressed, end, held, at);
-    let (wire, pressure) = (&system.wires[i], end[system.wires[i].places.pressure]);
-    if wire.member.actuator.friction().follows_normal_load() {
-        // Nothing presses the threads together below the pressure of the atmosphere, whatever the law of force says there.
-        let apart = pressure.lt(wire.member.actuator.air().atmosphere().0);
-        if apart.any() {
-            let (low, high) = holdable_by(system, i, ThreadContact::Apart, end, held, at);
-            return (W::select(apart, low, least), W::select(apart, high, most));
-        }
+    let wire = &system.wires[i];
+    let apart = are_apart(&wire.member.actuator, end[wire.places.pressure]);
+    if apart.any() {
+        let (low, high) = holdable_by(system, i, ThreadContact::Apart, end, held, at);
+        return (W::select(apart, low, least), W::select(apart, high, most));
     }
     (least, most)
 }
