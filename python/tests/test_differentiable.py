@@ -32,6 +32,22 @@ duration = "0.2 s"
 relative_tolerance = 1e-10
 """
 
+HOSE = """\
+[hose]
+diameter = "2.5 mm"
+length = "1 m"
+[pressure]
+at = "hose"
+time = ["0 s", "20 ms", "0.5 s"]
+gauge_pressure = ["1 bar", "4 bar", "3.5 bar"]
+[load]
+kind = "isometric"
+[initial]
+length = "85 mm"
+[run]
+duration = "10 ms"
+"""
+
 BY = ["load.mass", "command.duty", "actuator.turns", "valve.efficiency", "supply.gauge_pressure", "initial.temperature"]
 BY += ["actuator.friction.viscous", "actuator.external_volume", "valve.opening_delay"]
 
@@ -166,3 +182,17 @@ def test_impossible_arguments_are_refused(pulsed):
 def test_it_can_be_pickled(pulsed):
     again = pickle.loads(pickle.dumps(pulsed))
     numpy.testing.assert_array_equal(again(again.defaults), pulsed(pulsed.defaults))
+
+
+def test_air_that_rests_behind_a_hose_has_the_derivatives_of_differences():
+    """The muscle starts at the pressure at its hose: nothing flows, and the derivatives settle as fast as the hose lets them."""
+    by = ["pressure.offset", "pressure.scale"]
+    model = mckibben.Differentiable(
+        mckibben.Scenario(HOSE, "hose.toml"), parameters=by, quantities=["gauge_pressure"], times=[2e-3, 2.9e-3, 5e-3]
+    )
+    start = model.defaults
+    _, slopes = model.value_and_jacobian(start)
+    for number, size in enumerate([100.0, 1e-3]):
+        step = numpy.eye(len(by))[number] * size
+        differences = (model(start + step) - model(start - step)) / (2.0 * size)
+        numpy.testing.assert_allclose(slopes[:, :, number], differences, rtol=0.05)

@@ -7,7 +7,7 @@ use mckibben::Actuator;
 use mckibben::air::Flow;
 use mckibben::engine::Statistics;
 use mckibben::plant::{PlantLedger, PlantView, RigPlant, ViewStep};
-use mckibben::simulation::{EventKind, LengthRegime, Mode, Readable, Reading, Rig, Sample, SampleTimes};
+use mckibben::simulation::{EventKind, Readable, Reading, Rig, Sample, SampleTimes};
 use mckibben::valve::Command;
 use mckibben_scenario::Run;
 use std::collections::BTreeMap;
@@ -87,15 +87,6 @@ pub struct AirUse {
 }
 
 impl AirUse {
-    /// Adds the flow of an actuator without an air line at a point of a quadrature with its weight in s.
-    pub fn see_actuator(&mut self, actuator: &Actuator, weight: f64, sample: &Sample, mode: &Mode) {
-        let (length, velocity, pressure, mass) = (sample.length, sample.velocity, sample.pressure.0, sample.air_mass);
-        let chamber = actuator.chamber(length, velocity, pressure, mass, mode.length_regime == LengthRegime::Slack);
-        let supply = actuator.flow(&chamber, sample.ports.supply, false);
-        let atmosphere = actuator.flow(&chamber, false, sample.ports.exhaust);
-        self.see(weight, [supply, atmosphere]);
-    }
-
     /// Adds the flows to the supply and to the atmosphere at a point of a quadrature with its weight in s.
     pub fn see(&mut self, weight: f64, [supply, atmosphere]: [Flow; 2]) {
         self.from_supply += weight * supply.inward;

@@ -37,9 +37,13 @@ impl Document {
         } else {
             return self.assumed_of_one();
         };
-        // Of several actuators those of any, each value once.
+        // What stands for one supply has the sections of nothing else.
+        let supplies = if self.is_plant() { self.named(keys::SUPPLIES) } else { Vec::new() };
+        let of_supplies = supplies.into_iter().flat_map(|(name, _)| self.of_supply(name).assumed_of_one());
+        let of_supplies = of_supplies.filter(|assumed| assumed.parameter.key.starts_with("supply."));
+        // Of several actuators and supplies those of any, each value once.
         let mut all: Vec<Assumed> = Vec::new();
-        for assumed in documents.iter().flat_map(Self::assumed_of_one) {
+        for assumed in documents.iter().flat_map(Self::assumed_of_one).chain(of_supplies) {
             let is_known = |known: &Assumed| known.parameter.key == assumed.parameter.key && known.text == assumed.text;
             if !all.iter().any(is_known) {
                 all.push(assumed);
@@ -271,6 +275,17 @@ mod tests {
         let found: Vec<String> = document.assumed().iter().filter_map(longest).collect();
         // The paper states that of the first.
         assert_eq!(found, ["0.15 m"]);
+    }
+
+    #[test]
+    fn named_supplies_have_those_of_a_supply() {
+        let text = "[supplies.tank]\ngauge_pressure = \"6 bar\"\nreservoir_volume = \"1 L\"\n\
+                    compressor_displacement = \"10 L/min\"\ncut_in_gauge_pressure = \"5 bar\"\n\
+                    cut_out_gauge_pressure = \"7 bar\"\n[load]\nkind = \"isometric\"\n[actuators.one]\n";
+        let found = keys_of(text);
+        for key in [p::SUPPLY_TEMPERATURE.key, p::RESERVOIR_INDEX.key, p::CLEARANCE.key] {
+            assert_eq!(found.iter().filter(|its| **its == key).count(), 1, "{key} in {found:?}");
+        }
     }
 
     #[test]

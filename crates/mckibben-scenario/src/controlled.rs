@@ -65,7 +65,8 @@ impl ControlledExperiment {
     /// # Errors
     /// As [`RigPlant::driver`].
     pub fn driver(&self, of: &RigPlant) -> Result<Driver, Error> {
-        of.driver(self.law.clone(), (self.sampling, self.sensors))
+        let driver = of.driver(self.law.clone(), (self.sampling, self.sensors))?;
+        Ok(driver.with_set_points(self.set_points.iter().map(|(_, set_point)| set_point)))
     }
 
     /// How it goes through time: see [`Experiment::stepping`].

@@ -152,7 +152,7 @@ impl Document {
     /// # Errors
     /// As for [`Document::set_text`].
     pub fn set_text_from(&mut self, name: &str, path: &str, value: &str) -> Result<(), Diagnostics> {
-        self.graft_from(Source::new(name, format!("{path} = {value}")), path)
+        self.graft_from(|text| Source::new(name, text), path, value)
     }
 
     /// As [`Document::set_text_from`], from what people write without a second pair of quotes: TOML where it reads as one value
@@ -177,11 +177,54 @@ impl Document {
     /// # Errors
     /// As for [`Document::set_text`].
     pub fn set_in_si(&mut self, name: &str, path: &str, value: &str) -> Result<(), Diagnostics> {
-        self.graft_from(Source::in_si(name, format!("{path} = {value}")), path)
+        self.graft_from(|text| Source::in_si(name, text), path, value)
+    }
+
+    /// Puts the value of a source in place at its path, which may be that of an entry of a list: `command.time[1]`.
+    fn graft_from(
+        &mut self,
+        source: impl Fn(String) -> Arc<Source>,
+        path: &str,
+        value: &str,
+    ) -> Result<(), Diagnostics> {
+        match path.strip_suffix(']').and_then(|path| path.split_once('[')) {
+            Some((list, entry)) => {
+                let source = source(format!("{list} = {value}"));
+                let node = self.with_entry(&source, (list, entry))?;
+                let place = node.place.clone();
+                self.put(list, &place, &node);
+                Ok(())
+            }
+            None => self.graft_value(source(format!("{path} = {value}")), path),
+        }
+    }
+
+    /// The list at a path with the value of a source for one of its entries.
+    fn with_entry(&self, source: &Arc<Source>, (list, entry): (&str, &str)) -> Result<Node, Diagnostics> {
+        let place = Place::new(source.clone(), 0..list.len());
+        let mut alone = Self { root: Table::default(), ..self.clone() };
+        graft(&mut alone.root, table_of(source)?, &list.split('.').collect::<Vec<_>>())?;
+        let new = alone.entry(list).map(|entry| entry.node.clone());
+        let (Some(new), Some(Entry { node: Node { place: at, value: Value::List(items) }, .. })) =
+            (new, self.entry(list))
+        else {
+            let title = format!("the file has no list `{list}`");
+            let found = Diagnostic::at(Class::UnknownKey, place, title, "names an entry of a list");
+            return Err(found.help("write the path of a list of the file, with the place of its entry from 0").into());
+        };
+        let index = entry.parse::<usize>().ok().filter(|index| *index < items.len());
+        let Some(index) = index else {
+            let title = format!("`{list}` has {} entries, and none `[{entry}]`", items.len());
+            let found = Diagnostic::at(Class::UnknownKey, place, title, "names no entry");
+            return Err(found.help("count from 0, as in `[0]`").into());
+        };
+        let mut items = items.clone();
+        items[index] = new;
+        Ok(Node { place: at.clone(), value: Value::List(items) })
     }
 
     /// Puts the value of a source in place at its path.
-    fn graft_from(&mut self, source: Arc<Source>, path: &str) -> Result<(), Diagnostics> {
+    fn graft_value(&mut self, source: Arc<Source>, path: &str) -> Result<(), Diagnostics> {
         let names: Vec<&str> = path.split('.').collect();
         let bare =
             |name: &&str| !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-'));

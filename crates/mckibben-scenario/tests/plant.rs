@@ -144,6 +144,69 @@ fn what_is_said_of_one_is_of_that_one() {
     assert_eq!((sources, of.names.nodes.len()), (1, 1));
 }
 
+/// Hoses in cells count from the valve; what a file does not name is called after what it leads to.
+#[test]
+fn nodes_are_called_after_what_they_lead_to() {
+    let text = r#"
+[supplies.compressor]
+gauge_pressure = "7 bar"
+[supplies.tank]
+from = "compressor"
+reservoir_volume = "1 L"
+inlet = { flow_area = "10 mm^2", kind = "check-valve" }
+hose = { length = "1 m", diameter = "6 mm", kind = "distributed", cells = 2 }
+[load]
+kind = "isometric"
+[initial]
+length = "90 mm"
+[actuators.flexor]
+supply = "tank"
+hose = { length = "1 m", diameter = "2.5 mm", kind = "distributed", cells = 3 }
+valve.preset = "matrix-eight-channel"
+command = { kind = "fill" }
+[actuators.extensor]
+supply = "compressor"
+hose = { length = "1 m", diameter = "2.5 mm" }
+[actuators.extensor.valve]
+kind = "pressure-regulator"
+time_constant = "30 ms"
+dead_time = "10 ms"
+rate_limit = "15 bar/s"
+sonic_conductance = "2 L/(min*bar) ANR"
+critical_ratio = 0.3
+[actuators.extensor.command]
+kind = "set-points"
+time = ["0.1 s"]
+gauge_pressure = ["4 bar"]
+[run]
+duration = "1 s"
+"#;
+    let of = plant(text);
+    let (network, indices) = (of.plant.network(), of.plant.indices());
+    let with_state = |node: &usize| indices.nodes[*node].is_some();
+    let nodes: Vec<String> =
+        (0..network.nodes.len()).filter(with_state).map(|node| of.name_of_node(node, "pressure")).collect();
+    assert_eq!(
+        nodes,
+        [
+            "tank.pressure",
+            "tank.hose_pressure_1",
+            "tank.hose_pressure_2",
+            "flexor.hose_pressure_1",
+            "flexor.hose_pressure_2",
+            "flexor.hose_pressure_3",
+            "extensor.regulated_pressure",
+            "extensor.hose_pressure",
+        ]
+    );
+    let flows = (0..network.branches.len()).filter(|branch| indices.branches[*branch].is_some());
+    let flows: Vec<String> = flows.map(|branch| of.name_of_flow(branch, "flow")).collect();
+    assert_eq!(
+        flows,
+        ["tank.hose_flow_1", "tank.hose_flow_2", "flexor.hose_flow_1", "flexor.hose_flow_2", "flexor.hose_flow_3",]
+    );
+}
+
 #[test]
 fn air_comes_by_the_tree_that_is_named() {
     let supplies = r#"

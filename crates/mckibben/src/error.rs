@@ -11,8 +11,8 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum Error {
     /// One parameter lies outside its own range.
-    #[error("{name} = {value} {unit} is outside its range ({range}); {remedy}",
-        name = .parameter.key, unit = .parameter.unit, range = .parameter.range, remedy = .parameter.remedy)]
+    #[error("{name} = {value}{unit} is outside its range ({range}); {remedy}",
+        name = .parameter.key, unit = Behind(.parameter.unit), range = .parameter.range, remedy = .parameter.remedy)]
     OutOfRange {
         /// The row of the parameter table.
         parameter: &'static Parameter,
@@ -20,7 +20,7 @@ pub enum Error {
         value: f64,
     },
     /// Two parameters contradict each other.
-    #[error("{name} = {value} {unit} contradicts {requirement}; {remedy}", name = .parameter.key, unit = .parameter.unit)]
+    #[error("{name} = {value}{unit} contradicts {requirement}; {remedy}", name = .parameter.key, unit = Behind(.parameter.unit))]
     Inconsistent {
         /// The parameter that is to be changed first.
         parameter: &'static Parameter,
@@ -32,8 +32,8 @@ pub enum Error {
         remedy: &'static str,
     },
     /// A parameter requests more samples, steps or pulses than a run may have.
-    #[error("{name} = {value} {unit} makes {} {counted}, more than {}; {remedy}", Count(*.count), Count(parameter::MAX_COUNT),
-        name = .parameter.key, unit = .parameter.unit)]
+    #[error("{name} = {value}{unit} makes {} {counted}, more than {}; {remedy}", Count(*.count), Count(parameter::MAX_COUNT),
+        name = .parameter.key, unit = Behind(.parameter.unit))]
     TooMany {
         /// The parameter that is to be changed first.
         parameter: &'static Parameter,
@@ -78,7 +78,7 @@ pub enum Error {
         remedy: &'static str,
     },
     /// The simulation stopped before its end.
-    #[error("the simulation stopped at t = {time} s: {reason} ({quantity} = {value} {unit}); {remedy}")]
+    #[error("the simulation stopped at t = {time} s: {reason} ({quantity} = {value}{}); {remedy}", Behind(.unit))]
     Stopped {
         /// When, in s.
         time: f64,
@@ -99,6 +99,15 @@ pub enum Error {
         /// When, in s.
         time: f64,
     },
+}
+
+/// A unit behind its number, with a space before it where there is one.
+struct Behind(&'static str);
+
+impl core::fmt::Display for Behind {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        if self.0.is_empty() { Ok(()) } else { write!(f, " {}", self.0) }
+    }
 }
 
 /// A number of things as it is written in a message: to four digits.
@@ -127,6 +136,6 @@ pub struct Requirement {
 
 impl core::fmt::Display for Requirement {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(f, "the rule that it {} {} = {} {}", self.relation, self.other, self.value, self.unit)
+        write!(f, "the rule that it {} {} = {}{}", self.relation, self.other, self.value, Behind(self.unit))
     }
 }

@@ -2,9 +2,11 @@
 
 use crate::common::{ATMOSPHERE, GRAVITY, Paper, assert_close, assert_within};
 use mckibben::Error;
+use mckibben::command::{Driver, PlantMeasurement, PlantSensors};
+use mckibben::control::{Quantity, Sampling, SetPoint};
 use mckibben::plant::{Orbit, Plant, PlantRun, RigPlant, TimeStepping};
 use mckibben::simulation::Method;
-use mckibben::valve::{Command, Request};
+use mckibben::valve::{Command, Request, RuntimeCommand};
 
 const TOLERANCE: f64 = 1e-9;
 
@@ -149,4 +151,28 @@ fn the_period_is_the_least_that_all_pulses_share() {
     assert_close(period(&[20.0, 30.0, 12.5]).expect("a period").expect("pulses"), 0.4, 1e-12);
     assert!(matches!(period(&[20.0, 20.0 * 2f64.sqrt()]), Err(Error::NotImplemented(_))));
     assert_eq!(RigPlant::new(&Paper::sealed().rig()).plant().period(), Ok(None));
+}
+
+/// A controller that follows a set point of 2 Hz has its period, though its valve was to pulse at 25 Hz and the air at either end
+/// of its way rests for longer than that.
+#[test]
+fn a_controller_settles_with_its_set_point() {
+    let paper = Paper::pwm(25.0, 0.4).friction(60.0, 0.0);
+    let view = RigPlant::new(&paper.rig());
+    let decide = |seen: &PlantMeasurement, (): &mut (), commands: &mut [Option<RuntimeCommand>]| {
+        let request = if (2.0 * seen.time).fract() < 0.5 { Request::Fill } else { Request::Exhaust };
+        commands[0] = Some(RuntimeCommand::Request(request));
+    };
+    let sampling = Sampling::new(100.0, 0).expect("in range");
+    let driver = Driver::of_function(decide, (), &[0], sampling, PlantSensors::perfect());
+    let set_point = SetPoint::sinusoid(Quantity::Length, 0.09, 0.01, 2.0, 0.0).expect("in range");
+    let driver = driver.with_set_points([&set_point]);
+    let mut run =
+        PlantRun::with_drivers(view.plant(), &view.start(&paper.start()), TOLERANCE, vec![driver]).expect("a run");
+    let orbit = settled(&mut run, 200);
+    assert!(orbit.settled && orbit.guesses == 0, "{orbit:?}");
+    assert_close(orbit.period, 0.5, 1e-12);
+    let place = view.plant().indices().actuators[0].pressure;
+    let [_, least, greatest] = over_a_period(&mut run, orbit.period, place);
+    assert!(greatest - least > 1e5, "{least} to {greatest} Pa");
 }

@@ -26,7 +26,10 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     let (mut estimates, mut predictions) = (Vec::new(), Vec::new());
     let alone = material.recordings.len() == 1;
     let (runs, failed) = outcome::of_each(material.recordings.iter(), &mut warnings, |recording, _| {
-        let scenario = material.document_of(recording)?.scenario()?;
+        let mut scenario = material.document_of(recording)?.scenario()?;
+        if let Some(pressure) = pressure_at_start(recording, scenario.air.atmospheric_pressure) {
+            scenario.initial.gauge_pressure = pressure;
+        }
         let record = record(recording)?;
         let found = compared(&scenario, &record)
             .map_err(|why| Failure::input(format!("the run `{}`: {why}", recording.name), "see docs/identify.md"))?;
@@ -92,6 +95,12 @@ fn record(recording: &Recording) -> Result<Record, Failure> {
     };
     Record::new(times, lengths)
         .map_err(|error| Failure::input(format!("the run `{}`: {error}", recording.name), "mend the table"))
+}
+
+/// The gauge pressure in Pa with which the air was sealed, where the recording has a pressure or states the one that was held.
+fn pressure_at_start(recording: &Recording, atmosphere: f64) -> Option<f64> {
+    let first = |quantity| recording.column(quantity)?.values.iter().copied().find(|value| value.is_finite());
+    first(Quantity::GaugePressure).or_else(|| Some(first(Quantity::AbsolutePressure)? - atmosphere))
 }
 
 /// Every estimator, the waveform's on the scenario's sealed rig; or why there is none.

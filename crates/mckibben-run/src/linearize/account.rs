@@ -5,13 +5,14 @@ use super::export::over_fastest;
 use crate::quantities::{digits, percent, quantity};
 use crate::report::{Table, typeset};
 use crate::warnings;
-use mckibben::ActuatorState;
 use mckibben::air::Process;
+use mckibben::friction::Hysteresis;
 use mckibben::linearize::{Controllability, Pole, Signal, StateSpace};
 use mckibben::load::Load;
 use mckibben::plant::{RigPlant, ValveAverage};
 use mckibben::simulation::State;
 use mckibben::valve::Ports;
+use mckibben::{Actuator, ActuatorState};
 use std::f64::consts::TAU;
 
 /// What is printed of a model.
@@ -137,10 +138,19 @@ fn point(model: &Model) -> Vec<Line> {
     }
     let mut lines: Vec<Line> = lines.into_iter().map(|(name, value)| Line::new(name, value)).collect();
     let view = RigPlant::new(&point.rig);
-    if let Some(feed) = warnings::feed_of(view.plant(), 0, point.gauge_pressure().0) {
-        lines[0].warning = feed;
-    }
+    lines[0].warning = doubts(warnings::feed_of(view.plant(), 0, point.gauge_pressure().0), actuator);
     lines
+}
+
+/// What casts doubt on an actuator in a linear model: the warning of what feeds it, and hysteresis without a state of its own.
+pub(super) fn doubts(feed: Option<String>, actuator: &Actuator) -> String {
+    let is_left_out =
+        matches!(actuator.friction().hysteresis(), Some(Hysteresis::MaxwellSlip(_) | Hysteresis::BoucWen(_)));
+    let hysteresis = is_left_out.then(|| {
+        "the model leaves the hysteresis of friction out: signals that turn within its width meet a stiffer muscle"
+            .to_owned()
+    });
+    feed.into_iter().chain(hysteresis).collect::<Vec<_>>().join("; ")
 }
 
 /// How far length and tension swing under the pulses, as far as the model has them.

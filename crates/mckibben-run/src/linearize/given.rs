@@ -2,10 +2,11 @@
 
 use super::{Measure, Request};
 use crate::failure::Failure;
-use mckibben::GaugePressure;
+use crate::quantities::given;
 use mckibben::linearize::{Aim, Balance, Content, Linearization, linearize, linearize_driven};
 use mckibben::load::Load;
 use mckibben::simulation::Rig;
+use mckibben::{Error, GaugePressure, parameter};
 use mckibben_scenario::Experiment;
 
 /// The requested linear model.
@@ -23,7 +24,7 @@ pub(super) fn linearization(request: &Request, experiment: &Experiment) -> Resul
     if request.load.is_some() && length.is_some() && (request.gauge_pressure.is_some() || request.duty.is_some()) {
         return Err(Failure::input(
             "pressure, length and load cannot all be given: two of them give the third",
-            "leave out one of `length`, `load`, and `pressure` or `duty`",
+            "leave out one of `length`, `load`, and `gauge_pressure` or `duty`",
         ));
     }
     let atmosphere = rig.actuator().air().atmosphere();
@@ -37,14 +38,31 @@ pub(super) fn linearization(request: &Request, experiment: &Experiment) -> Resul
     };
     // A command that a linear model has as an input gives the pressure, unless that or the length is given.
     let own = rig.actuation().is_some_and(|actuation| actuation.command.is_continuous());
-    Ok(match (request.duty, length) {
-        _ if request.pwm => linearize_driven(&rig, Aim::Balance(balance), content)?,
-        (Some(duty), Some(length)) => linearize_driven(&rig, Aim::DutyAtLength(duty, length), content)?,
-        (Some(duty), None) => linearize_driven(&rig, Aim::Duty(duty), content)?,
-        (None, _) if !own || pressure.is_some() || request.length.is_some() => linearize(&rig, balance, content)?,
-        (None, Some(length)) => linearize_driven(&rig, Aim::CommandAtLength(length), content)?,
-        (None, None) => linearize_driven(&rig, Aim::Command, content)?,
-    })
+    let found = match (request.duty, length) {
+        _ if request.pwm => linearize_driven(&rig, Aim::Balance(balance), content),
+        (Some(duty), Some(length)) => linearize_driven(&rig, Aim::DutyAtLength(duty, length), content),
+        (Some(duty), None) => linearize_driven(&rig, Aim::Duty(duty), content),
+        (None, _) if !own || pressure.is_some() || request.length.is_some() => linearize(&rig, balance, content),
+        (None, Some(length)) => linearize_driven(&rig, Aim::CommandAtLength(length), content),
+        (None, None) => linearize_driven(&rig, Aim::Command, content),
+    };
+    found.map_err(|error| of_request(request, error))
+}
+
+/// An error of the core, in which a requested length has the name of the request: the core calls it after the key of a start.
+fn of_request(request: &Request, error: Error) -> Failure {
+    match (request.length, error) {
+        (Some(length), Error::Inconsistent { parameter, requirement, remedy, .. })
+            if parameter.key == parameter::INITIAL_LENGTH.key =>
+        {
+            Failure::input(format!("`length` = {} contradicts {requirement}", given(length, "m")), remedy)
+        }
+        (Some(length), Error::OutOfRange { parameter, .. }) if parameter.key == parameter::INITIAL_LENGTH.key => {
+            let title = format!("`length` = {} is outside its range ({})", given(length, "m"), parameter.range);
+            Failure::input(title, parameter.remedy)
+        }
+        (_, error) => error.into(),
+    }
 }
 
 /// The rig with another load of its kind.

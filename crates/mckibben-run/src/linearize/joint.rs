@@ -147,7 +147,7 @@ impl JointModel {
             .map(|view| [0, 1].map(|i| warnings::feed_of(view.plant(), i, gauge[i].0)))
             .unwrap_or_default();
         lines.extend(exceeded.into_iter().enumerate().map(|(i, exceeded)| Line {
-            warning: exceeded.unwrap_or_default(),
+            warning: account::doubts(exceeded, &self.linear.rig.driven()[i].actuator),
             ..Line::new(NAMES[i], format!("{} gauge", quantity(gauge[i].0, "Pa")))
         }));
         let stiffness = format!("{} N*m/rad, with the valves shut {}", digits(open), digits(shut));

@@ -10,7 +10,9 @@ use super::account::{self, Account, Block, Line};
 use super::{Request, export, oscillation};
 use crate::failure::Failure;
 use crate::quantities::{percent, quantity};
+use mckibben::Error;
 use mckibben::linearize::{Controllability, Pole, Signal, StateSpace};
+use mckibben::network::BranchKind;
 use mckibben::plant::{
     PlantAir, PlantBalance, PlantInput, PlantLinearization, PlantOutput, PlantState, PlantStateSpace, linearize_plant,
 };
@@ -19,6 +21,9 @@ use mckibben_scenario::{Assumed, PlantExperiment};
 
 /// Columns of the matrices that are printed at most.
 const MOST_COLUMNS: usize = 10;
+
+/// A gauge pressure in Pa that is rounding of the atmosphere's.
+const NO_PRESSURE: f64 = 1.0;
 
 /// A plant's linear model with what is known about it.
 pub(super) struct PlantModel {
@@ -53,7 +58,8 @@ impl PlantModel {
         };
         let count = of.plant.actuators().len();
         let air = request.temperature.map_or(PlantAir::Start, |kelvin| PlantAir::Temperatures(vec![kelvin; count]));
-        let mut linear = linearize_plant(&of.plant, &of.start, &balance, &air)?;
+        let mut linear = linearize_plant(&of.plant, &of.start, &balance, &air)
+            .map_err(|error| if request.pwm { of_commands(of, error) } else { error.into() })?;
         if let Some(amplitude) = request.amplitude {
             let frequency = oscillation(&linear.minimal().poles()?)?;
             linear = linear.with_equivalent_damping(&vec![amplitude; count], frequency)?;
@@ -148,7 +154,9 @@ impl PlantModel {
             let [gauge, length, tension] =
                 [(point.gauge_pressure(i).0, "Pa"), (point.lengths[i], "m"), (point.tensions[i], "N")]
                     .map(|(value, unit)| quantity(value, unit));
-            lines.push(Line::new(name, format!("{gauge} gauge, {length}{taut}, {tension}{sticks}")));
+            let warning = account::doubts(None, &point.plant.actuators()[i].actuator);
+            lines
+                .push(Line { warning, ..Line::new(name, format!("{gauge} gauge, {length}{taut}, {tension}{sticks}")) });
         }
         for average in &self.linear.averages {
             let text = format!(
@@ -199,6 +207,19 @@ fn refuse(request: &Request) -> Result<(), Failure> {
     }
 }
 
+/// An error of the search for commands, with the actuators that start at the atmosphere, whose pressure no command of a valve holds.
+fn of_commands(of: &PlantExperiment, error: Error) -> Failure {
+    let Error::NoSolution { what, remedy } = error else { return error.into() };
+    let starts = of.names.actuators.iter().zip(&of.names.valves).zip(&of.start.air);
+    let empty = starts.filter(|((_, valve), air)| valve.is_some() && air.gauge_pressure.0.abs() < NO_PRESSURE);
+    let empty: Vec<&str> = empty.map(|((name, _), _)| name.as_str()).collect();
+    let Some(first) = empty.first() else { return error.into() };
+    Failure::input(
+        format!("{what}; initial.gauge_pressure is 0 of {}", empty.join(", ")),
+        format!("{remedy}; the pressure is actuators.{first}.initial.gauge_pressure"),
+    )
+}
+
 /// What a file calls the parts that signals are of.
 struct Names<'e>(&'e PlantExperiment);
 
@@ -229,23 +250,23 @@ impl Names<'_> {
             Some(index) => self.actuator(index).to_owned(),
             None => {
                 let of_supply = names.supply_valves.iter().find(|(_, its)| *its == valve);
-                of_supply.map_or_else(|| format!("valve-{valve}"), |(name, _)| name.clone())
+                of_supply.map_or_else(|| self.inlet(valve), |(name, _)| name.clone())
             }
         }
     }
 
+    /// The flow path without a command that feeds a supply, by that supply: it has no other valve.
+    fn inlet(&self, valve: usize) -> String {
+        let is_its = |kind: &BranchKind| matches!(kind, BranchKind::Path { valve: its, .. } if *its == valve);
+        let path = self.0.plant.network().branches.iter().find(|branch| is_its(&branch.kind));
+        match path.map_or("", |path| self.0.owner_of_node(path.to)) {
+            "" => format!("valve-{valve}"),
+            supply => supply.to_owned(),
+        }
+    }
+
     fn node(&self, node: usize) -> String {
-        let names = &self.0.names;
-        if let Some((name, _)) = names.nodes.iter().find(|(_, its)| *its == node) {
-            return format!("{name}.pressure");
-        }
-        match names.hoses.iter().position(|its| *its == Some(node)) {
-            Some(index) => format!("{}.hose_pressure", self.actuator(index)),
-            None => {
-                let of = crate::plant::name_of(self.0, mckibben::plant::Part::Node(node));
-                format!("{of}.node_{node}_pressure")
-            }
-        }
+        self.0.name_of_node(node, "pressure")
     }
 
     fn state(&self, of: &PlantState, unit: &'static str) -> Signal {
@@ -266,10 +287,7 @@ impl Names<'_> {
                 format!("{}.relaxed_length_{}", self.actuator(actuator), branch + 1)
             }
             PlantState::NodePressure { node } => self.node(node),
-            PlantState::BranchFlow { branch } => {
-                let of = crate::plant::name_of(self.0, mckibben::plant::Part::Branch(branch));
-                format!("{of}.branch_{branch}_flow")
-            }
+            PlantState::BranchFlow { branch } => self.0.name_of_flow(branch, "flow"),
             PlantState::SpoolPosition { valve } => format!("{}.spool_position", self.valve(valve)),
             PlantState::SpoolVelocity { valve } => format!("{}.spool_velocity", self.valve(valve)),
         };
@@ -283,9 +301,9 @@ impl Names<'_> {
             PlantInput::SpoolCommand { valve } => format!("{}.spool_command", self.valve(valve)),
             PlantInput::Opening { valve, port: Port::Supply } => format!("{}.supply_opening", self.valve(valve)),
             PlantInput::Opening { valve, port: Port::Exhaust } => format!("{}.exhaust_opening", self.valve(valve)),
-            PlantInput::SupplyPressure { node } => self.node(node).replace(".pressure", ".supply_pressure"),
+            PlantInput::SupplyPressure { node } => self.0.name_of_node(node, "supply_pressure"),
             PlantInput::MassFlow { actuator } => format!("{}.mass_flow", self.actuator(actuator)),
-            PlantInput::NodeFlow { node } => self.node(node).replace("pressure", "mass_flow"),
+            PlantInput::NodeFlow { node } => self.0.name_of_node(node, "mass_flow"),
             PlantInput::Force { mechanism, coordinate } => match self.coordinate(mechanism, coordinate) {
                 (name, true) => format!("{name}.torque"),
                 (name, false) => format!("{name}.force"),

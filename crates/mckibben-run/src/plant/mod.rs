@@ -22,7 +22,6 @@ use crate::record::Field;
 use crate::settle::{End, Settled};
 use control::{Closed, Follower};
 use mckibben::Error;
-use mckibben::network::NodeKind;
 use mckibben::parameter;
 use mckibben::plant::{Part, PlantConsumer, PlantRun, PlantSample, PlantTrajectory};
 use mckibben_scenario::{PlantControl, PlantExperiment};
@@ -158,23 +157,6 @@ pub(crate) fn figures(
 pub(crate) fn name_of(of: &PlantExperiment, part: Part) -> &str {
     let names = &of.names;
     let actuator = |index: usize| names.actuators.get(index).map_or("", String::as_str);
-    let network = of.plant.network();
-    let node = |mut node: usize| {
-        // A hose or a regulating valve belongs to what it leads to.
-        for _ in 0..=network.branches.len() {
-            if let Some((name, _)) = names.nodes.iter().find(|(_, its)| *its == node) {
-                return name.as_str();
-            }
-            if let NodeKind::Chamber { actuator: index } = network.nodes[node].kind {
-                return actuator(index);
-            }
-            match network.branches.iter().find(|branch| branch.from == node) {
-                Some(branch) => node = branch.to,
-                None => return "",
-            }
-        }
-        ""
-    };
     match part {
         Part::Actuator(index) => actuator(index),
         Part::Mechanism(index) => {
@@ -189,8 +171,8 @@ pub(crate) fn name_of(of: &PlantExperiment, part: Part) -> &str {
             Some(index) => actuator(index),
             None => names.supply_valves.iter().find(|(_, its)| *its == valve).map_or("", |(name, _)| name.as_str()),
         },
-        Part::Node(index) => node(index),
-        Part::Branch(index) => network.branches.get(index).map_or("", |branch| node(branch.to)),
+        Part::Node(index) => of.owner_of_node(index),
+        Part::Branch(index) => of.plant.network().branches.get(index).map_or("", |branch| of.owner_of_node(branch.to)),
         Part::Driver(driver) => of.controls.get(driver).map_or("", |control| control::name(of, control)),
     }
 }

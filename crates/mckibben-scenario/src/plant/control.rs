@@ -70,12 +70,13 @@ pub struct JointControl {
 impl PlantControl {
     /// The controller as a driver of the plant's valves, before its first sampling instant.
     pub fn driver(&self) -> Driver {
-        match self {
+        let driver = match self {
             Self::Actuator(of) => Driver::of_actuator(of.law.clone(), of.actuator, of.valve, (of.sampling, of.sensors)),
             Self::Joint(of) => {
                 Driver::of_joint(of.law.clone(), of.joint, of.actuators, of.valves, (of.sampling, of.sensors))
             }
-        }
+        };
+        driver.with_set_points(self.set_points().iter().map(|(_, set_point)| set_point))
     }
 
     /// What it regulates.

@@ -15,6 +15,7 @@
 //! | `build` | from those to the core's plant and its start |
 //! | `control` | its controllers |
 //! | `columns` | what there is to record of it, by names |
+//! | `names` | what it calls its parts |
 //! | `adjust` | other values of its parameters, and derivatives with respect to them |
 //!
 //! Checked by `tests/plant.rs`.
@@ -23,6 +24,7 @@ mod adjust;
 mod build;
 pub(crate) mod columns;
 mod control;
+mod names;
 mod network;
 pub(crate) mod parts;
 
@@ -37,6 +39,7 @@ use mckibben::plant::{Plant, PlantStart, PlantStepError, TimeStepping};
 pub use adjust::{AdjustedPlant, PlantOver, PlantPlace};
 pub use columns::{Coordinate, PlantColumn, PlantContent, PlantQuantity};
 pub use control::{ActuatorControl, JointControl, PlantControl};
+pub use names::{MechanismNames, PlantNames};
 
 /// A plant ready to run.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,32 +65,6 @@ impl PlantExperiment {
         let drivers = || self.controls.iter().map(PlantControl::driver).collect();
         self.run.stepping_of((&self.plant, &self.start), &drivers)
     }
-}
-
-/// What a file calls the parts of a plant.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct PlantNames {
-    /// Each actuator's.
-    pub actuators: Vec<String>,
-    /// The valve of each actuator in the network, where it has one.
-    pub valves: Vec<Option<usize>>,
-    /// The hose of each actuator: the node that its valve opens into, where it has one.
-    pub hoses: Vec<Option<usize>>,
-    /// Each mechanism's and, of a chain, its joints'; no name where it is the load of one actuator alone.
-    pub mechanisms: Vec<MechanismNames>,
-    /// The nodes of the network that are supplies; of one with reservoir and regulator both, the reservoir as `NAME.reservoir`.
-    pub nodes: Vec<(String, usize)>,
-    /// The valves of supplies.
-    pub supply_valves: Vec<(String, usize)>,
-}
-
-/// What a file calls a mechanism and its parts.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct MechanismNames {
-    /// Its name.
-    pub name: Option<String>,
-    /// Those of its joints.
-    pub joints: Vec<String>,
 }
 
 /// What a file says of one actuator of a plant.

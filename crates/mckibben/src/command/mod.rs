@@ -33,7 +33,9 @@ mod measurement;
 
 pub use measurement::{PlantMeasurement, PlantSensors};
 
-use crate::control::{Controller, Drive, JointController, JointSensors, Quantity, Sampled, Sampling, Sensors};
+use crate::control::{
+    Controller, Drive, JointController, JointSensors, Quantity, Sampled, Sampling, Sensors, SetPoint,
+};
 use crate::error::Error;
 use crate::scalar::Real;
 use crate::valve::RuntimeCommand;
@@ -97,6 +99,8 @@ struct Plan<R: Real> {
     sensors: PlantSensors<R>,
     /// The parts of the plant that the controller must find there.
     needs: Needs,
+    /// Frequencies in Hz of the set points that it follows, and the time in s of their last change besides.
+    course: (Vec<f64>, f64),
 }
 
 /// Parts of a plant by their indices.
@@ -137,7 +141,7 @@ impl<R: Real> Driver<R> {
         R: 'static,
         C: PlantController<R, Memory: Send + Sync> + Debug + Send + Sync + 'static,
     {
-        let plan = Arc::new(Plan { valves: valves.to_vec(), sampling, sensors, needs });
+        let plan = Arc::new(Plan { valves: valves.to_vec(), sampling, sensors, needs, course: (Vec::new(), 0.0) });
         Self { plan, sampled: Sampled::begin(adapter::unit(controller)), last: None }
     }
 
@@ -192,6 +196,21 @@ impl<R: Real> Driver<R> {
         F: Fn(&PlantMeasurement<R>, &mut M, &mut [Option<RuntimeCommand<R>>]) + Send + Sync + 'static,
     {
         Self::new(adapter::ByFunction { function, memory }, valves, sampling, sensors)
+    }
+
+    /// Says which set points it follows: where the plant settles to repeats with them.
+    pub fn with_set_points<'p>(mut self, set_points: impl IntoIterator<Item = &'p SetPoint<R>>) -> Self
+    where
+        R: 'p,
+    {
+        // A driver that has just been made has its plan for itself.
+        if let Some(Plan { course: (frequencies, last_change), .. }) = Arc::get_mut(&mut self.plan) {
+            for set_point in set_points {
+                frequencies.extend(set_point.frequency().map(Real::value));
+                *last_change = last_change.max(set_point.last_change().value());
+            }
+        }
+        self
     }
 
     /// The valves that it commands.
@@ -274,5 +293,37 @@ impl<R: Real> Driver<R> {
     /// [`Error::TooMany`] otherwise.
     pub(crate) fn check_counts(&self, span: f64) -> Result<(), Error> {
         self.plan.sampling.check_counts(span)
+    }
+}
+
+/// What the search for an orbit asks.
+#[cfg(feature = "analysis")]
+impl<R: Real> Driver<R> {
+    /// Frequencies in Hz of the set points that it follows.
+    pub(crate) fn frequencies(&self) -> &[f64] {
+        &self.plan.course.0
+    }
+
+    /// The time in s from which on its set points change no more but by their frequencies.
+    pub(crate) fn last_change(&self) -> f64 {
+        self.plan.course.1
+    }
+
+    /// Whether what was decided last is what was decided then, apart from numbers that differ by a part of 1.
+    pub(crate) fn decided_as(&self, then: Option<&PlantDecision<R>>, part: f64) -> bool {
+        let near = |a: R, b: R| (a - b).value().abs() <= part * a.value().abs().max(b.value().abs()).max(1.0);
+        let alike = |pair: (&Option<RuntimeCommand<R>>, &Option<RuntimeCommand<R>>)| match pair {
+            (
+                Some(RuntimeCommand::Pulses { duty, pulse, rest, frequency }),
+                Some(RuntimeCommand::Pulses { duty: other, pulse: up, rest: down, frequency: at }),
+            ) => near(*duty, *other) && (pulse, rest, frequency) == (up, down, at),
+            (Some(RuntimeCommand::SetPoint(set)), Some(RuntimeCommand::SetPoint(other))) => near(set.0, other.0),
+            (Some(RuntimeCommand::Position(set)), Some(RuntimeCommand::Position(other))) => near(*set, *other),
+            (now, then) => now == then,
+        };
+        match (self.last(), then) {
+            (Some(now), Some(then)) => now.commands.iter().zip(&then.commands).all(alike),
+            (now, then) => now.is_none() && then.is_none(),
+        }
     }
 }

@@ -111,6 +111,25 @@ fn check_table(quantity: Quantity, time: &[f64], value: &[f64]) -> Result<(), Er
     value.iter().try_for_each(|value| row.check(*value).map(drop))
 }
 
+impl<S: Real> SetPoint<S> {
+    /// The frequency in Hz with which it repeats; none where it does not.
+    pub fn frequency(&self) -> Option<S> {
+        match self {
+            Self::Sinusoid { frequency, .. } if frequency.value() > 0.0 => Some(*frequency),
+            _ => None,
+        }
+    }
+
+    /// The time in s from which on nothing changes but by its frequency.
+    #[cfg(feature = "alloc")]
+    pub fn last_change(&self) -> S {
+        match self {
+            Self::Constant(_) | Self::Sinusoid { .. } => S::zero(),
+            Self::Lines { time, .. } | Self::Steps { time, .. } => time.last().copied().unwrap_or(S::zero()),
+        }
+    }
+}
+
 impl<S: Scalar> SetPoint<S> {
     /// Converts the set point of a quantity to another scalar type; `function` receives each number with its parameter.
     pub fn map<T: Scalar>(&self, quantity: Quantity, function: impl FnMut(&'static Parameter, S) -> T) -> SetPoint<T> {

@@ -259,7 +259,7 @@ impl<S: Scalar> Network<S> {
     }
 
     /// The first node of the hose that a node belongs to: at the end that its valve opens into.
-    fn hose_start(&self, mut node: usize) -> usize {
+    pub fn hose_start(&self, mut node: usize) -> usize {
         for _ in 0..self.nodes.len() {
             // The cells of a hose lie one behind the other.
             let is_before = |branch: &Branch<S>| {

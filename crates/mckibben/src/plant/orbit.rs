@@ -6,8 +6,9 @@
 //! x_{k+1} = Π(x_k) − Σ γ_j (Δx_j + Δr_j)        γ = argmin |r_k − Σ γ_j Δr_j|
 //! ```
 //!
-//! The period is the least that all pulses and sinusoids of the plant have in common; a plant without such settles at an
-//! equilibrium. Each evaluation of Π is a run of one period by the run's own engine, so nothing is averaged or linearised.
+//! The period is the least that all pulses and sinusoids of the plant have in common, those of set points included; a plant without
+//! such settles at an equilibrium. Of a period of controllers the pulses and the samples are parts as well, where these fit. Each
+//! evaluation of Π is a run of one period by the run's own engine, so nothing is averaged or linearised.
 //!
 //! Plain iteration follows the plant as it settles, and never ends for a swing that nothing damps. Anderson's method, above,
 //! weighs the last few periods so that the residual is least; for a linear Π with n states it is exact after n
@@ -47,6 +48,8 @@ const RANK: f64 = 1e-9;
 const SETTLED: f64 = 30.0;
 /// Pulses of the fastest that a common period may have.
 const MOST_PULSES: f64 = 1000.0;
+/// Periods at most that are taken for one, for whole samples of controllers.
+const MOST_FOR_SAMPLES: f64 = 10.0;
 
 /// How a run settled.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,6 +72,11 @@ impl Plant {
     /// # Errors
     /// [`Error::NotImplemented`] where they have none of up to a thousand pulses of the fastest.
     pub fn period(&self) -> Result<Option<f64>, Error> {
+        common_period(&self.frequencies())
+    }
+
+    /// Frequencies in Hz of all pulses and given sinusoids.
+    fn frequencies(&self) -> Vec<f64> {
         let pulses = self.network.valves.iter().filter_map(|valve| match valve.command {
             Command::Pwm { frequency, .. } => Some(frequency),
             _ => None,
@@ -77,20 +85,7 @@ impl Plant {
             Mechanism::Prescribed(Motion::Sinusoid { frequency, .. }) => Some(*frequency),
             _ => None,
         });
-        let frequencies: Vec<f64> = pulses.chain(motions).filter(|frequency| *frequency > 0.0).collect();
-        let Some(fastest) = frequencies.iter().copied().reduce(f64::max) else { return Ok(None) };
-        let mut count = 1.0;
-        while count <= MOST_PULSES {
-            let whole = |frequency: &f64| {
-                let cycles = count * frequency / fastest;
-                (cycles - cycles.round()).abs() <= 1e-9 * cycles && cycles.round() >= 1.0
-            };
-            if frequencies.iter().all(whole) {
-                return Ok(Some(count / fastest));
-            }
-            count += 1.0;
-        }
-        Err(Error::NotImplemented(&crate::limit::COMMON_PERIOD))
+        pulses.chain(motions).filter(|frequency| *frequency > 0.0).collect()
     }
 
     /// The time in s from which on nothing changes but by pulses and sinusoids.
@@ -132,6 +127,31 @@ impl Plant {
         !self.actuators.iter().any(|mounted| remembers(mounted.actuator.friction()))
             && !self.network.nodes.iter().any(is_tank)
     }
+}
+
+/// The least period in s that frequencies in Hz have in common; none where there are none.
+fn common_period(frequencies: &[f64]) -> Result<Option<f64>, Error> {
+    let Some(fastest) = frequencies.iter().copied().reduce(f64::max) else { return Ok(None) };
+    match multiple(1.0 / fastest, frequencies, MOST_PULSES) {
+        Some(count) => Ok(Some(count / fastest)),
+        None => Err(Error::NotImplemented(&crate::limit::COMMON_PERIOD)),
+    }
+}
+
+/// The least number of periods in s that holds whole cycles of all frequencies in Hz.
+fn multiple(period: f64, frequencies: &[f64], most: f64) -> Option<f64> {
+    let mut count = 1.0;
+    while count <= most {
+        let whole = |frequency: &f64| {
+            let cycles = count * frequency * period;
+            (cycles - cycles.round()).abs() <= 1e-9 * cycles && cycles.round() >= 1.0
+        };
+        if frequencies.iter().all(whole) {
+            return Some(count);
+        }
+        count += 1.0;
+    }
+    None
 }
 
 /// The periods that are weighed.
@@ -192,7 +212,23 @@ impl Past {
 }
 
 impl PlantRun {
-    /// Goes on, period by period, until the states return; `watch` is called with the time in s behind each period, and may end it
+    /// The period in s after which the states may return: that of pulses, given sinusoids and set points, and with controllers one
+    /// that holds whole samples and pulses of theirs, where there is one. Of a plant without such at least `usual` s.
+    fn period_of_all(&self, usual: f64) -> Result<f64, Error> {
+        let drivers = &self.mode().drivers;
+        let mut given = self.plant().frequencies();
+        given.extend(drivers.iter().flat_map(|driver| driver.frequencies()));
+        let sampling = drivers.iter().map(|driver| driver.sampling());
+        let own: Vec<f64> = sampling.flat_map(|its| [its.rate(), its.pulse_frequency()]).collect();
+        let period = match (common_period(&given)?, own.iter().copied().reduce(f64::min)) {
+            (Some(period), _) => period,
+            (None, Some(slowest)) => (usual * slowest).ceil() / slowest,
+            (None, None) => usual,
+        };
+        Ok(multiple(period, &own, MOST_FOR_SAMPLES).unwrap_or(1.0) * period)
+    }
+
+    /// Goes on, period by period, until the states return and controllers decide as a period before; `watch` is called with the time in s behind each period, and may end it
     /// by an error. A plant that has no period is evaluated in steps of `usual` s.
     ///
     /// Take a run of fixed steps on by the event-located engine ([`PlantRun::set_stepping`]): where an event passes the end of a step
@@ -208,9 +244,11 @@ impl PlantRun {
         most: u64,
         watch: &mut dyn FnMut(f64) -> Result<(), Error>,
     ) -> Result<Orbit, Error> {
-        let period = self.plant().period()?.unwrap_or(usual);
+        let period = self.period_of_all(usual)?;
+        let drivers = self.mode().drivers.iter().map(|driver| driver.last_change());
+        let last_change = drivers.fold(self.plant().last_change(), f64::max);
         // From a whole period on, so that it begins where the pulses do.
-        let begun = (self.time().max(self.plant().last_change()) / period).ceil();
+        let begun = (self.time().max(last_change) / period).ceil();
         self.advance_to(begun * period)?;
         let guesses_allowed = self.plant().may_be_guessed() && self.mode().drivers.is_empty();
         let tolerance = SETTLED * self.relative_tolerance();
@@ -223,6 +261,7 @@ impl PlantRun {
         while orbit.periods < most {
             past.see(&self.scales());
             let start = DVector::from_column_slice(self.state());
+            let decided: Vec<_> = self.mode().drivers.iter().map(|driver| driver.last().cloned()).collect();
             let advanced = self.advance_to(((self.time() / period).round() + 1.0) * period);
             orbit.periods += 1;
             let residual = DVector::from_column_slice(self.state()) - &start;
@@ -238,7 +277,8 @@ impl PlantRun {
             advanced?;
             watch(self.time())?;
             orbit.residual = size;
-            if size <= tolerance {
+            let drivers = self.mode().drivers.iter().zip(&decided);
+            if size <= tolerance && drivers.into_iter().all(|(its, then)| its.decided_as(then.as_ref(), tolerance)) {
                 // What began at a guess must return without one.
                 if !core::mem::take(&mut guessed) {
                     orbit.settled = true;

@@ -8,6 +8,7 @@ use super::wire::{Assembly, Wire};
 use super::{Mounted, Plant};
 use crate::dual::Dual;
 use crate::mechanism::{Contact, Mechanism};
+use crate::network::formulas::FlowFormulas;
 use crate::network::piping::Piping;
 use crate::network::{BranchKind, NodeKind};
 use crate::scalar::{Real, Scalar};
@@ -255,11 +256,16 @@ impl<R: Real> System<R> {
         fastest
     }
 
-    /// By how much the flow of an orifice rises in kg/(s·Pa) with the gap between two pressures that are equal, wholly open;
-    /// zero for other branches.
+    /// By how much the flow of an orifice, wholly open, or of a lumped hose rises in kg/(s·Pa) with the gap between two pressures
+    /// that are equal; zero for other branches.
     fn slope_at_rest(&self, index: usize, mode: &PlantMode<R>, at: &Evaluation<R>) -> f64 {
         let (network, of_branch) = (&self.plant.network, &mode.network.branches[index]);
         let branch = &network.branches[index];
+        if let BranchKind::Loss(hose) = &branch.kind {
+            let pressure = at.network.nodes[branch.from].pressure;
+            let ends = [Dual::<R, 1>::variable(pressure, 0), Dual { value: pressure, slope: [R::zero()] }];
+            return mode.network.loss(index, hose, ends).slope[0].value();
+        }
         let (BranchKind::Path { law, .. } | BranchKind::Check { law }, Some(zone)) = (&branch.kind, of_branch.zone)
         else {
             return 0.0;
