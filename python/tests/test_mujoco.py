@@ -301,6 +301,7 @@ def test_the_elbow_bends_when_the_biceps_is_filled():
         ({"command_mode": "position"}, "command_mode"),
         ({"length_offset": "3 kg"}, "unit of m"),
         ({"sensors": ["warmth"]}, "name it after one of"),
+        ({"keys": KEYS | {"coupling.rest_length": "90 mm"}}, "in <tendon>"),
         ({"scenario": "nowhere.toml", "keys": {}}, "nowhere.toml"),
         ({"scenario": "examples/plant/arm.toml", "keys": {}}, "name it deltoid"),
     ],
@@ -326,6 +327,79 @@ def test_a_muscle_that_cannot_be_so_long_stops_with_one_warning():
     printed = log()
     assert data.actuator_force[0] == 0.0 and numpy.isfinite(data.qpos).all()
     assert printed.count("mckibben.muscle") == 1, printed
+
+
+def test_sensors_of_a_muscle_that_has_stopped_show_no_tension():
+    model, data = hanging(command_mode="request")
+    run(model, data, 0.02, 1.0)
+    mujoco.mj_forward(model, data)
+    pressure = sensor(data, "muscle.gauge_pressure")
+    assert sensor(data, "muscle.tension") > 1.0
+    data.qpos[0] = -0.03
+    run(model, data, 0.005, 1.0)
+    mujoco.mj_forward(model, data)
+    assert data.actuator_force[0] == 0.0 == sensor(data, "muscle.tension")
+    assert sensor(data, "muscle.gauge_pressure") == pytest.approx(pressure, rel=0.1), "the last value"
+
+
+def test_a_sensor_reads_the_part_that_it_names(capfd):
+    keys = KEYS | {"supply.reservoir_volume": "50 mL"}
+    text = WORLD.format(step=1e-3, gravity=GRAVITY, muscle=muscle(keys, command_mode="request"))
+    model = mujoco.MjModel.from_xml_string(text.replace("muscle.mass_flow", "supply.gauge_pressure"))
+    data = mujoco.MjData(model)
+    run(model, data, 0.05, -1.0)
+    mujoco.mj_forward(model, data)
+    assert sensor(data, "supply.gauge_pressure") == pytest.approx(100 * 6894.757293168361, rel=1e-6)
+    assert sensor(data, "muscle.gauge_pressure") < 3e5
+    with pytest.raises((ValueError, mujoco.FatalError)) as caught:
+        mujoco.MjData(mujoco.MjModel.from_xml_string(text.replace("muscle.mass_flow", "tank.gauge_pressure")))
+    said = str(caught.value) + "".join(capfd.readouterr()) + log()
+    assert "supply.gauge_pressure" in said, said
+
+
+@pytest.mark.parametrize("dyntype", ["integrator", "filter"])
+def test_an_activation_that_mujoco_changes_is_refused(dyntype, capfd):
+    text = WORLD.format(step=1e-3, gravity=GRAVITY, muscle=muscle()).replace('actdim="1"', f'dyntype="{dyntype}"')
+    with pytest.raises((ValueError, mujoco.FatalError)) as caught:
+        mujoco.MjData(mujoco.MjModel.from_xml_string(text))
+    said = str(caught.value) + "".join(capfd.readouterr()) + log()
+    assert "leave dyntype out" in said, said
+
+
+def test_the_default_control_stops_no_muscle():
+    """A three-way valve has no hold and a two-way valve no exhaust: the nearest request that they have is taken."""
+    model, data = hanging()
+    run(model, data, 0.01, 0.0)
+    run(model, data, 0.2, 1.0)
+    mujoco.mj_forward(model, data)
+    assert sensor(data, "muscle.gauge_pressure") > 4e5 and not log(), "filled"
+    two_way = KEYS | {"valve.kind": "two-way", "valve.flow_area": "2 mm^2"}
+    two_way.pop("valve.preset")
+    model, data = hanging(keys=two_way)
+    run(model, data, 0.01, -1.0)
+    mujoco.mj_forward(model, data)
+    assert sensor(data, "muscle.gauge_pressure") > 2e5, "held"
+    run(model, data, 0.2, 1.0)
+    mujoco.mj_forward(model, data)
+    assert sensor(data, "muscle.gauge_pressure") > 4e5 and not log(), "filled"
+
+
+def test_a_set_point_ends_at_the_supply():
+    keys = KEYS | {
+        "valve.kind": "pressure-regulator",
+        "valve.flow_area": "2 mm^2",
+        "valve.time_constant": "20 ms",
+        "valve.rate_limit": "50 bar/s",
+    }
+    keys.pop("valve.preset")
+    pressures = []
+    for control in (30e5, 100 * 6894.757293168361):
+        model, data = hanging(keys=keys)
+        run(model, data, 0.5, control)
+        mujoco.mj_forward(model, data)
+        pressures.append(sensor(data, "muscle.gauge_pressure"))
+    assert pressures[0] == pytest.approx(pressures[1], rel=1e-9)
+    assert pressures[0] < 1.2 * 100 * 6894.757293168361
 
 
 def test_an_unknown_attribute_is_refused_by_mujoco():

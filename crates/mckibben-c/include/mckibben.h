@@ -347,7 +347,8 @@ enum mckibben_status mckibben_output_index(const struct mckibben_plant *plant,
 /**
  * Sets what a valve does from now on; commands are counted from 0. The range and the unit of `number` are those of
  * `mckibben_command_describe`: a duty cycle from 0 to 1; a request 1 (fill), 0 (hold) or -1 (exhaust); a position of a spool from
- * -1 (exhaust) to 1 (supply); a set point in Pa, gauge, zero or more. A number that is set already changes nothing.
+ * -1 (exhaust) to 1 (supply); a set point in Pa, gauge, from zero to what feeds the valve. A number that is set already changes
+ * nothing.
  */
 enum mckibben_status mckibben_command(struct mckibben_plant *plant,
                                       size_t command,

@@ -117,7 +117,8 @@ unsafe fn on(plant: *const Plant, work: impl FnOnce(&Plant, &mut Moving) -> Resu
 
 /// Sets what a valve does from now on; commands are counted from 0. The range and the unit of `number` are those of
 /// `mckibben_command_describe`: a duty cycle from 0 to 1; a request 1 (fill), 0 (hold) or -1 (exhaust); a position of a spool from
-/// -1 (exhaust) to 1 (supply); a set point in Pa, gauge, zero or more. A number that is set already changes nothing.
+/// -1 (exhaust) to 1 (supply); a set point in Pa, gauge, from zero to what feeds the valve. A number that is set already changes
+/// nothing.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mckibben_command(plant: *mut Plant, command: usize, number: f64) -> Status {
     // SAFETY: the caller's promise.

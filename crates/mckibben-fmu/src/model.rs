@@ -31,7 +31,7 @@ impl Model {
     /// Of a document. Where the scenario moves and says no step, the step that its accuracy needs is chosen and kept in it.
     ///
     /// # Errors
-    /// Every mistake in the scenario, and an option that does not fit.
+    /// Every mistake in the scenario, and an option that does not fit; where no step is accurate enough.
     pub fn new(mut document: Document, options: UnitOptions) -> Result<Self, Failure> {
         let plant = HostPlant::read(&document, &options.of_host())?;
         if let (Motion::Scenario, Some(step), false) = (options.motion, plant.step(), document.contains("run.step")) {

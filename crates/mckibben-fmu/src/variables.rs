@@ -232,7 +232,7 @@ fn of_command(mode: &CommandMode) -> &'static str {
         CommandMode::Duty(_) => "Duty cycle of the pulses of the valve.",
         CommandMode::Request => "Request to the valve: 1 to fill, 0 to hold, -1 to exhaust.",
         CommandMode::Position => "Position of the spool, -1 (exhaust open) to 1 (supply open).",
-        CommandMode::SetPoint => "Set point of the pressure regulator, gauge.",
+        CommandMode::SetPoint { .. } => "Set point of the pressure regulator, gauge.",
     }
 }
 
@@ -349,16 +349,12 @@ fn state_names(plant: &HostPlant) -> Vec<(String, &'static str, &'static str)> {
     }
     for (node, place) in nodes.iter().enumerate() {
         if let Some(place) = place {
-            let supply = experiment.names.nodes.iter().find(|(_, its)| *its == node).map(|(name, _)| name.clone());
-            let hose = || experiment.names.hoses.iter().position(|its| *its == Some(node));
-            let name = supply.or_else(|| hose().map(|actuator| format!("{}.hose", plant.actuators()[actuator])));
-            let name = name.unwrap_or_else(|| format!("node_{node}"));
-            names[*place] = (format!("{name}.absolute_pressure"), "Pa", "Pa/s");
+            names[*place] = (experiment.name_of_node(node, "absolute_pressure"), "Pa", "Pa/s");
         }
     }
     for (branch, place) in branches.iter().enumerate() {
         if let Some(place) = place {
-            names[*place] = (format!("branch_{branch}.mass_flow"), "kg/s", "kg/s^2");
+            names[*place] = (experiment.name_of_flow(branch, "mass_flow"), "kg/s", "kg/s^2");
         }
     }
     names

@@ -486,3 +486,51 @@ fn an_arm_is_one_instance() {
     // SAFETY: an instance.
     unsafe { fmi3FreeInstance(handle) };
 }
+
+/// A regulator gives no more than feeds it: a set point above the supply is refused, in any order of setting the two.
+#[test]
+fn a_set_point_above_the_supply_is_refused() {
+    let (unit, messages) = (Unit::new(REGULATED, &UnitOptions::default()), Messages::default());
+    let (of, supply) = (unit.reference("actuator.set_point"), unit.reference("supply.gauge_pressure"));
+    // SAFETY: instances.
+    unsafe {
+        let beyond = unit.co_simulation(&messages, false);
+        assert_eq!(set(beyond, of, -1.0), ERROR);
+        assert_eq!(set(beyond, of, 30e5), OK, "the supply may follow");
+        assert_eq!(fmi3EnterInitializationMode(beyond, false, 0.0, 0.0, false, 0.0), OK);
+        assert_eq!(fmi3ExitInitializationMode(beyond), ERROR);
+        let message = messages.take();
+        assert!(message.contains("`actuator.set_point` = 3000000.0 Pa"), "{message}");
+        assert!(message.contains("more than feeds it"), "{message}");
+        fmi3FreeInstance(beyond);
+
+        let handle = unit.co_simulation(&messages, false);
+        assert_eq!(set(handle, of, 7e5), OK);
+        assert_eq!(set(handle, supply, 8e5), OK);
+        initialise(handle);
+        assert_eq!(step(handle, 0.0, 0.5).0, OK, "{}", messages.take());
+        let gauge = get(handle, unit.reference("actuator.gauge_pressure"));
+        assert!((gauge - 7e5).abs() < 5e3, "{gauge} Pa");
+        assert_eq!(set(handle, of, 9e5), ERROR);
+        assert_eq!(set(handle, supply, 6e5), ERROR, "the set point in force is above");
+        let references = [of, supply];
+        assert_eq!(fmi3SetFloat64(handle, references.as_ptr(), 2, [9e5, 10e5].as_ptr(), 2), OK, "both at once");
+        assert_eq!(fmi3SetFloat64(handle, references.as_ptr(), 2, [3e5, 4e5].as_ptr(), 2), OK);
+        assert_eq!(step(handle, 0.5, 0.5).0, OK, "{}", messages.take());
+        fmi3FreeInstance(handle);
+    }
+}
+
+/// A request that a valve does not have is refused with those that it has.
+#[test]
+fn a_request_that_the_valve_does_not_have_is_refused() {
+    let options = UnitOptions { command_mode: Some("request".to_owned()), ..UnitOptions::default() };
+    let (unit, messages) = (Unit::new(MUSCLE, &options), Messages::default());
+    let handle = unit.co_simulation(&messages, false);
+    assert_eq!(set(handle, unit.reference("actuator.request"), 0.0), ERROR);
+    let message = messages.take();
+    assert!(message.contains("`actuator.request` = 0.0 is not among what the valve takes"), "{message}");
+    assert!(message.contains("1 (fill) or -1 (exhaust)"), "{message}");
+    // SAFETY: an instance.
+    unsafe { fmi3FreeInstance(handle) };
+}

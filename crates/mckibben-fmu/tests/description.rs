@@ -2,12 +2,12 @@
 
 mod common;
 
-use common::{MUSCLE, Unit};
+use common::{MUSCLE, REGULATED, Unit};
 use mckibben_fmu::description::model_description;
 use mckibben_fmu::export::{Library, unit};
 use mckibben_fmu::model::Model;
 use mckibben_fmu::options::{Interfaces, UnitOptions, Version};
-use mckibben_fmu::variables::BLOCK;
+use mckibben_fmu::variables::{BLOCK, Causality};
 use mckibben_scenario::Document;
 
 #[test]
@@ -47,6 +47,21 @@ fn references_stay_where_other_variables_come() {
     assert!(references.windows(2).all(|pair| pair[0] < pair[1]), "unique and in order");
 }
 
+/// Every continuous state has a name of its own, after the part of the file that it is of.
+#[test]
+fn states_are_called_after_parts_of_the_file() {
+    let hose = "[hose]\nlength = \"1 m\"\ndiameter = \"2.5 mm\"\nkind = \"distributed\"\ncells = 2\n";
+    let unit = Unit::new(&format!("{hose}{MUSCLE}"), &UnitOptions::default());
+    let names = unit.model.variables().all.iter().filter_map(|its| its.name.strip_prefix("state."));
+    let names: Vec<&str> = names.collect();
+    let air = ["hose_absolute_pressure_1", "hose_absolute_pressure_2", "hose_mass_flow_1", "hose_mass_flow_2"];
+    for of in air {
+        assert!(names.contains(&format!("actuator.{of}").as_str()), "{names:?}");
+    }
+    let distinct: std::collections::BTreeSet<&str> = names.iter().copied().collect();
+    assert_eq!(distinct.len(), names.len(), "{names:?}");
+}
+
 #[test]
 fn the_resources_are_the_scenario() {
     let text = MUSCLE.replace("step = \"0.5 ms\"\n", "");
@@ -65,4 +80,26 @@ fn the_resources_are_the_scenario() {
     let bytes = unit(&model, "muscle", Version::Two, Interfaces::Both, &[library]).expect("a unit");
     let holds = |name: &str| bytes.windows(name.len()).any(|window| window == name.as_bytes());
     assert!(holds("binaries/linux64/mckibben.so"));
+}
+
+/// A supply whose pressure changes is an output and a state; the parameter of the same path has another name.
+#[test]
+fn a_supply_that_changes_is_an_output() {
+    let text = MUSCLE.replace("[valve]", "reservoir_volume = \"50 mL\"\n[valve]");
+    let unit = Unit::new(&text, &UnitOptions::default());
+    let of = |name: &str| unit.model.variables().all.iter().find(|its| its.name == name).map(|its| its.causality);
+    assert_eq!(of("supply.gauge_pressure"), Some(Causality::Output));
+    assert_eq!(of("state.supply.absolute_pressure"), Some(Causality::Local));
+    assert!(matches!(of("scenario.supply.gauge_pressure"), Some(Causality::Parameter { .. })));
+    assert!(matches!(of("supply.reservoir_volume"), Some(Causality::Parameter { .. })));
+}
+
+/// The range of a set point ends at the supply.
+#[test]
+fn the_range_of_a_set_point_ends_at_the_supply() {
+    let unit = Unit::new(REGULATED, &UnitOptions::default());
+    let all = &unit.model.variables().all;
+    let of = all.iter().find(|its| its.name == "actuator.set_point").expect("an input");
+    assert_eq!((of.min, of.start.as_slice()), (Some(0.0), &[0.0][..]));
+    assert!(of.max.is_some_and(|most| (most - 6e5).abs() < 1e-6), "{:?}", of.max);
 }

@@ -189,6 +189,13 @@ fn wired(library: &Library, model: &Model, number: usize, config: config::Config
     for id in (0..model.actuators()).filter(|id| is_its(model.actuator_instance(*id))) {
         let name = name_of(actuator, id);
         let ([control, output], (act, count)) = (model.addresses(id), model.activation(id));
+        // MuJoCo would add its own rate to the pressures that `advance` writes.
+        if model.has_dynamics(id) {
+            return Err(Failure::input(
+                format!("the actuator `{name}` has a dyntype, so MuJoCo would change the pressure in act too"),
+                "leave dyntype out: actdim=\"1\" is enough for its gauge pressure in act",
+            ));
+        }
         if count > 1 {
             return Err(Failure::input(
                 format!("the actuator `{name}` has {count} activations"),

@@ -12,11 +12,19 @@
 
 use mckibben_run::failure::Failure;
 use mckibben_run::host::{HostOptions, HostPlant};
-use mckibben_scenario::keys::all_keys;
+use mckibben_scenario::keys::{PLANT_KEYS, all_keys};
 use mckibben_scenario::{Document, quantity};
 
 /// Attributes other than keys of a scenario.
 const OWN: [&str; 6] = ["scenario", "scenario_text", "command_mode", "pulse_frequency", "max_step", "length_offset"];
+/// Sections of scenario files in whose place MuJoCo's model stands, with what to do.
+const OF_MODEL: [(&str, &str); 2] = [
+    (
+        "coupling.",
+        "leave it out: the tendon of the muscle in <tendon>, by its sites or its coefficients of joints, determines where it pulls",
+    ),
+    ("mechanism.", "leave it out: the muscles move the bodies and joints of the model"),
+];
 /// What a muscle alone has unless its attributes say otherwise. MuJoCo moves its ends, so the load and the times are unused.
 const ALONE: [(&str, &str); 3] =
     [("load.kind", "\"isometric\""), ("initial.length", "\"1 m\""), ("run.duration", "\"1 s\"")];
@@ -81,10 +89,24 @@ fn document<'m>(given: &impl Fn(&str) -> Option<&'m str>) -> Result<Document, Fa
     };
     for path in attributes().filter(|name| !OWN.contains(name)) {
         if let Some(value) = given(path) {
+            check_attribute(path, given("scenario").or(given("scenario_text")).is_some())?;
             document.set_plain_from("the model", path, value)?;
         }
     }
     Ok(document)
+}
+
+/// Refuses a key that no attribute can give; `has_file` where the model gives a scenario.
+fn check_attribute(path: &str, has_file: bool) -> Result<(), Failure> {
+    let refused = |what: &str, remedy: &str| Err(Failure::input(format!("`{path}` {what}"), remedy));
+    if let Some((_, remedy)) = OF_MODEL.iter().find(|(section, _)| path.starts_with(section)) {
+        return refused("cannot be an attribute", remedy);
+    }
+    if !has_file && PLANT_KEYS.iter().any(|key| key.path == path) {
+        let remedy = "leave it out, or write it into such a file, and give that by `scenario` or `scenario_text`";
+        return refused("is for files in which actuators have names", remedy);
+    }
+    Ok(())
 }
 
 /// The scenario of a muscle alone with what its attributes need not say.
@@ -192,6 +214,9 @@ mod tests {
             (vec![("scenario", "a.toml"), ("scenario_text", "[load]")], "not both"),
             (vec![("scenario", "nowhere/a.toml")], "nowhere/a.toml"),
             (vec![("scenario_text", "[load")], "scenario_text"),
+            (vec![("coupling.rest_length", "90 mm")], "in <tendon>"),
+            (vec![("mechanism.mass", "2 kg")], "bodies and joints of the model"),
+            (vec![("valve.output", "b")], "give that by `scenario`"),
         ] {
             let pairs = [&pairs[..], &[("supply.gauge_pressure", "100 psi"), ("valve.preset", "matrix-eight-channel")]]
                 .concat();

@@ -18,7 +18,7 @@
 use crate::config::Config;
 use mckibben::{GaugePressure, Response};
 use mckibben_run::failure::Failure;
-use mckibben_run::host::HostPlant;
+use mckibben_run::host::{CommandMode, HostPlant};
 use mckibben_scenario::PlantQuantity;
 use std::borrow::Borrow;
 
@@ -62,6 +62,17 @@ enum Brought {
     To,
 }
 
+/// The request of a control: the nearest whole number, and of a valve that has no such request the one that it has in its place.
+/// Zero is what `ctrl` is by default, so a valve that cannot hold exhausts there, and one that cannot exhaust holds below it.
+fn nearest_request(control: f64, has: &[f64]) -> f64 {
+    let wanted = control.round();
+    if has.contains(&wanted) {
+        return wanted;
+    }
+    let [least, most] = [has.first(), has.last()].map(|end| end.copied().unwrap_or(wanted));
+    if control > 0.0 { most } else { least }
+}
+
 /// One plant in a model, with its memory.
 #[derive(Debug)]
 pub(crate) struct Instance {
@@ -71,6 +82,8 @@ pub(crate) struct Instance {
     pub(crate) wires: Vec<Wire>,
     /// Addresses in `sensordata` and what they hold.
     pub(crate) sensors: Vec<(usize, PlantQuantity, usize)>,
+    /// The requests that each command takes, in rising order; none of a command that is no request.
+    requests: Vec<Vec<f64>>,
     /// What MuJoCo has, to be filled in.
     pub(crate) ends: Ends,
     /// The numbers that the plant was last brought to.
@@ -112,6 +125,18 @@ pub(crate) fn index_of(name: &str, names: &[String]) -> Option<usize> {
     of(name).or_else(|| of(last))
 }
 
+/// What the name of a sensor says of a muscle alone: the quantity, behind one of the muscle's names or behind none. What attached
+/// models put before a name with `/` does not count.
+fn short_of<'n>(name: &'n str, muscles: [&str; 2]) -> Option<&'n str> {
+    let name = name.rsplit('/').next().unwrap_or(name);
+    let mut behind = muscles.into_iter().filter_map(|muscle| {
+        let muscle = muscle.rsplit('/').next().unwrap_or(muscle);
+        name.strip_prefix(muscle)?.strip_prefix('.')
+    });
+    // Any other prefix is another part, which must not read the muscle in silence.
+    behind.next().or_else(|| (!name.contains('.')).then_some(name))
+}
+
 impl Instance {
     /// An instance; `actuators` are the MuJoCo actuators that refer to it, `sensors` its sensors with their addresses.
     pub(crate) fn new(
@@ -148,9 +173,13 @@ impl Instance {
             wires.iter().enumerate().map(|(at, wire)| wire.ok_or_else(|| missing(at))).collect::<Result<_, _>>()?;
         let columns: Vec<String> = host.outputs().iter().map(|column| column.name.clone()).collect();
         let sensors = sensors.iter().map(|(name, address)| {
-            let short =
-                (names.len() == 1).then(|| format!("{}.{}", names[0], name.rsplit(['.', '/']).next().unwrap_or(name)));
-            let at = index_of(name, &columns).or_else(|| short.and_then(|short| index_of(&short, &columns)));
+            let of_muscle = || match (names.as_slice(), actuators) {
+                ([own], [(title, _)]) => {
+                    index_of(&format!("{own}.{}", short_of(name, [title.as_str(), own.as_str()])?), &columns)
+                }
+                _ => None,
+            };
+            let at = index_of(name, &columns).or_else(of_muscle);
             let at = at.ok_or_else(|| {
                 Failure::input(
                     format!("the sensor `{name}` of the model is no output of the plant"),
@@ -180,6 +209,7 @@ impl Instance {
             zeros: zeros.clone(),
             distances: zeros,
             outputs: vec![0.0; columns.len()],
+            requests: (0..host.commands().len()).map(|input| host.requests(input)).collect(),
             host,
             offsets,
             wires,
@@ -243,9 +273,13 @@ impl Instance {
                 return Err(Failure::stopped(format!("the control of `{}` is not a number", command.name)));
             }
             // As MuJoCo's own actuators: what is out of range is the end of the range.
-            let control = control.clamp(least, most).clamp(low, high);
-            let is_request = matches!(command.mode, mckibben_run::host::CommandMode::Request);
-            self.host.command(input, if is_request { control.round() } else { control })?;
+            let control = control.max(least).min(most).clamp(low, high);
+            let control = if command.mode == CommandMode::Request {
+                nearest_request(control, &self.requests[input])
+            } else {
+                control
+            };
+            self.host.command(input, control)?;
         }
         let Ends { lengths, next_velocities, .. } = &self.ends;
         for (at, distance) in self.distances.iter_mut().enumerate() {
@@ -265,12 +299,18 @@ impl Instance {
         Ok(())
     }
 
-    /// Writes the sensors.
+    /// Writes the sensors. Of an instance that has stopped the tensions are zero, as its forces are; the other sensors keep their
+    /// last values.
     ///
     /// # Errors
     /// Why they cannot be had.
     pub(crate) fn sense(&mut self, state: &[f64], mut write: impl FnMut(usize, f64)) -> Result<(), Failure> {
-        if self.sensors.is_empty() || state[0] == STOPPED {
+        if state[0] == STOPPED {
+            let tensions = self.sensors.iter().filter(|(_, quantity, _)| matches!(quantity, PlantQuantity::Tension(_)));
+            tensions.for_each(|(address, ..)| write(*address, 0.0));
+            return Ok(());
+        }
+        if self.sensors.is_empty() {
             return Ok(());
         }
         self.respond(state)?;
@@ -375,4 +415,108 @@ impl Instance {
 /// Whether numbers are equal bit for bit.
 fn same<'a>(one: impl IntoIterator<Item = impl Borrow<f64>>, other: impl IntoIterator<Item = &'a f64>) -> bool {
     one.into_iter().zip(other).all(|(one, other)| one.borrow().to_bits() == other.to_bits())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config;
+
+    const TANK: [(&str, &str); 4] = [
+        ("initial.gauge_pressure", "40 psi"),
+        ("supply.gauge_pressure", "100 psi"),
+        ("supply.reservoir_volume", "50 mL"),
+        ("valve.preset", "matrix-eight-channel"),
+    ];
+    const WIRE: Wire = Wire { output: 0, control: 0, act: None, range: None };
+
+    /// An instance of one muscle with sensors, whose addresses are their places.
+    fn instance(keys: &[(&str, &str)], muscle: &str, sensors: &[&str]) -> Result<Instance, Failure> {
+        let value = |name: &str| keys.iter().find(|(key, _)| *key == name).map(|(_, value)| *value);
+        let config = config::read(value)?;
+        let sensors: Vec<(String, usize)> =
+            sensors.iter().enumerate().map(|(at, name)| ((*name).to_owned(), at)).collect();
+        Instance::new(config, &[(muscle.to_owned(), WIRE)], &sensors)
+    }
+
+    /// A step of a muscle of 90 mm under a control; its state.
+    fn stepped(instance: &mut Instance, control: f64) -> Result<Vec<f64>, Failure> {
+        let mut state = vec![0.0; instance.size()];
+        instance.ends.lengths[0] = 0.09;
+        instance.ends.controls[0] = control;
+        instance.compute(&mut state)?;
+        instance.advance(&mut state, 1e-3)?;
+        Ok(state)
+    }
+
+    #[test]
+    fn a_sensor_reads_the_part_that_it_names() {
+        let reads = |muscle: &str, sensor: &str| {
+            let made = instance(&TANK, muscle, &[sensor])?;
+            Ok::<_, Failure>(made.host.outputs()[made.sensors[0].2].name.clone())
+        };
+        for (muscle, sensor, output) in [
+            ("muscle", "muscle.tension", "actuator.tension"),
+            ("muscle", "actuator.tension", "actuator.tension"),
+            ("muscle", "tension", "actuator.tension"),
+            ("arm/muscle", "arm/muscle.tension", "actuator.tension"),
+            ("arm/muscle", "arm/tension", "actuator.tension"),
+            ("left.biceps", "left.biceps.gauge_pressure", "actuator.gauge_pressure"),
+            ("muscle", "supply.gauge_pressure", "supply.gauge_pressure"),
+            ("arm/muscle", "arm/supply.gauge_pressure", "supply.gauge_pressure"),
+        ] {
+            assert_eq!(reads(muscle, sensor).expect(sensor), output, "{sensor} of {muscle}");
+        }
+        for sensor in
+            ["tank.gauge_pressure", "hose.absolute_pressure", "manifold.temperature", "supply.tension", "warmth", ""]
+        {
+            let refused = reads("muscle", sensor).expect_err("no output of that name").to_string();
+            assert!(refused.contains(&format!("`{sensor}`")) && refused.contains("supply.gauge_pressure"), "{refused}");
+        }
+    }
+
+    #[test]
+    fn a_request_that_a_valve_does_not_have_is_the_nearest_that_it_has() {
+        let of = |has: &[f64]| [-1.0, -0.6, -0.2, 0.0, 0.2, 0.6, 1.0].map(|control| nearest_request(control, has));
+        assert_eq!(of(&[-1.0, 0.0, 1.0]), [-1.0, -1.0, 0.0, 0.0, 0.0, 1.0, 1.0]);
+        assert_eq!(of(&[-1.0, 1.0]), [-1.0, -1.0, -1.0, -1.0, 1.0, 1.0, 1.0]);
+        assert_eq!(of(&[0.0, 1.0]), [0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0]);
+        // The control is zero until it is set.
+        let mut three_way = instance(&TANK, "muscle", &[]).expect("a muscle");
+        assert!(stepped(&mut three_way, 0.0).is_ok_and(|state| state[0] == UNDER_WAY));
+    }
+
+    #[test]
+    fn a_set_point_above_the_supply_is_the_supply() {
+        let keys = [
+            ("supply.gauge_pressure", "6 bar"),
+            ("valve.kind", "pressure-regulator"),
+            ("valve.flow_area", "2 mm^2"),
+            ("valve.time_constant", "20 ms"),
+            ("valve.rate_limit", "50 bar/s"),
+        ];
+        let after = |control: f64| {
+            let mut instance = instance(&keys, "muscle", &[]).expect("a muscle");
+            let mut state = stepped(&mut instance, control).expect("a step");
+            (0..500).for_each(|_| instance.advance(&mut state, 1e-3).expect("a step"));
+            pressure(&state, 0)
+        };
+        let (beyond, of_supply) = (after(30e5), after(6e5));
+        assert_eq!(beyond.to_bits(), of_supply.to_bits());
+        assert!((5e5..6.01e5).contains(&beyond), "{beyond} Pa");
+    }
+
+    #[test]
+    fn the_tension_of_a_muscle_that_has_stopped_is_zero() {
+        let mut instance = instance(&TANK, "muscle", &["muscle.gauge_pressure", "muscle.tension"]).expect("a muscle");
+        let mut state = stepped(&mut instance, 1.0).expect("a step");
+        let mut data = [f64::NAN; 2];
+        instance.sense(&state, |address, value| data[address] = value).expect("sensors");
+        let [gauge, tension] = data;
+        assert!(gauge > 0.0 && tension > 0.0, "{data:?}");
+        instance.ends.lengths[0] = 0.5;
+        assert!(instance.advance(&mut state, 1e-3).is_err(), "longer than the thread");
+        instance.sense(&state, |address, value| data[address] = value).expect("sensors");
+        assert_eq!(data, [gauge, 0.0]);
+    }
 }

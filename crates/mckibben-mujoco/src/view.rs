@@ -100,6 +100,11 @@ impl Model {
         (usize::try_from(self.index(M::ActAddress, actuator)).ok(), self.index(M::ActCount, actuator))
     }
 
+    /// Whether MuJoCo computes the activation of an actuator: by any `dyntype` but none, which is 0 in every version.
+    pub(crate) fn has_dynamics(&self, actuator: usize) -> bool {
+        self.index(M::Dynamics, actuator) != 0
+    }
+
     /// The range that the model sets on a control.
     pub(crate) fn control_range(&self, control: usize) -> Option<[f64; 2]> {
         // SAFETY: both arrays have entries for each control; a flag is one byte in every version.

@@ -13,7 +13,7 @@ import zipfile
 
 MODEL = [
     "nsensor", "opt.timestep", "actuator_plugin", "actuator_actadr", "actuator_actnum", "actuator_ctrllimited",
-    "actuator_ctrlrange", "sensor_plugin", "sensor_adr", "plugin_stateadr",
+    "actuator_ctrlrange", "sensor_plugin", "sensor_adr", "plugin_stateadr", "actuator_dyntype",
 ]
 # Since 3.11 an actuator may have several controls and forces, and the model says where they begin.
 MODEL_NEW = ["nactuator", "actuator_ctrladr", "actuator_outadr"]

@@ -295,7 +295,7 @@ impl Instance {
     /// Gives the plant that runs the parameters that the host has set, in the state in which it is.
     fn retune(&mut self) -> Result<(), Refusal> {
         if self.parameters == self.built {
-            return Ok(());
+            return self.check_commands(&self.plant);
         }
         let mut state = vec![0.0; self.plant.state_size()];
         self.plant.save(&mut state)?;
@@ -306,12 +306,19 @@ impl Instance {
             ));
         }
         plant.restore(&state)?;
+        self.check_commands(&plant)?;
         if self.exchange.is_some() {
             self.exchange = Some(PlantExchange::new(plant.steps(), self.tolerance)?);
         }
         (self.plant, self.are_outputs_known) = (plant, false);
         self.built.clone_from(&self.parameters);
         Ok(())
+    }
+
+    /// Checks that the valves of a plant take the commands that the host has set: a supply may no longer feed a set point.
+    fn check_commands(&self, plant: &HostPlant) -> Result<(), Refusal> {
+        let mut commands = self.inputs.commands.iter().enumerate();
+        Ok(commands.try_for_each(|(index, number)| plant.check_command(index, *number).map(drop))?)
     }
 
     /// Gives the plant the commands that it has not been given.

@@ -159,7 +159,7 @@ impl Instance {
         let is_finite = saved.offset.is_finite() && (1e-12..=1.0).contains(&saved.tolerance);
         let is_input = |numbers: &[f64]| numbers.iter().all(|number| number.is_finite());
         let Inputs { commands, distances, rates } = &saved.inputs;
-        let is_taken = commands.iter().enumerate().all(|(index, number)| self.plant.accepts(index, *number));
+        let is_taken = commands.iter().enumerate().all(|(index, number)| self.may_take(index, *number));
         (is_finite && is_taken && is_input(distances) && is_input(rates) && is_input(&saved.entered)).then_some(saved)
     }
 

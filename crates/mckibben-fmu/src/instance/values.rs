@@ -3,7 +3,7 @@
 use super::{Instance, Kind, Phase, Refusal};
 use crate::tunable::changes_parts;
 use crate::variables::{Array, Causality, Slot, Variable};
-use mckibben_run::host::Motion;
+use mckibben_run::host::{CommandInput, CommandMode, Motion};
 
 /// That there are as many values as the variables have elements.
 fn check_count(needed: usize, given: usize) -> Result<(), Refusal> {
@@ -157,9 +157,9 @@ impl Instance {
                     )));
                 }
             }
-            Slot::Command(index) => self.check_command(index, name, given[0])?,
+            Slot::Command(index) => self.check_command(index, given[0])?,
             Slot::Array(Array::Commands) => {
-                given.iter().enumerate().try_for_each(|(index, number)| self.check_command(index, name, *number))?;
+                given.iter().enumerate().try_for_each(|(index, number)| self.check_command(index, *number))?;
             }
             Slot::Distance(_) | Slot::Array(Array::Distances) => {
                 if let Some(wrong) = given.iter().find(|number| !(number.is_finite() && **number > 0.0)) {
@@ -176,14 +176,21 @@ impl Instance {
         Ok(())
     }
 
-    fn check_command(&self, index: usize, name: &str, number: f64) -> Result<(), Refusal> {
-        if self.plant.accepts(index, number) {
-            return Ok(());
-        }
-        let (low, high, unit) = self.plant.commands()[index].mode.range();
-        Err(Refusal::error(format!(
-            "`{name}` = {number:?} {unit} is nothing that the valve takes, from {low} to {high}"
-        )))
+    fn check_command(&self, index: usize, number: f64) -> Result<(), Refusal> {
+        let Err(refused) = self.plant.check_command(index, number) else { return Ok(()) };
+        // Hosts set values in any order, so the supply that feeds a set point may follow: both are checked together when the run
+        // begins, and in a run once all values of a call are set.
+        let is_open = self.phase != Phase::Continuous || self.parameters != self.built;
+        if is_open && self.may_take(index, number) { Ok(()) } else { Err(refused.into()) }
+    }
+
+    /// Whether a valve takes a number at some values of the parameters: a set point may be as high as the supply is set.
+    pub(super) fn may_take(&self, index: usize, number: f64) -> bool {
+        let is_free = |input: &CommandInput| {
+            let mode = input.mode.fed_at(f64::INFINITY);
+            matches!(mode, CommandMode::SetPoint { .. }) && mode.command(number).is_ok()
+        };
+        self.plant.accepts(index, number) || self.plant.commands().get(index).is_some_and(is_free)
     }
 
     fn write(&mut self, slot: Slot, given: &[f64]) {

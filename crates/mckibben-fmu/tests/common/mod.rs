@@ -30,6 +30,27 @@ duration = "0.2 s"
 step = "0.5 ms"
 "#;
 
+/// A muscle of the paper on a pressure regulator.
+pub const REGULATED: &str = r#"
+[supply]
+gauge_pressure = "6 bar"
+[valve]
+kind = "pressure-regulator"
+flow_area = "2 mm^2"
+time_constant = "20 ms"
+rate_limit = "50 bar/s"
+[command]
+kind = "set-points"
+time = ["0 s"]
+gauge_pressure = ["2 bar"]
+[load]
+kind = "isometric"
+[initial]
+length = "90 mm"
+[run]
+duration = "1 s"
+"#;
+
 pub type Handle = *mut c_void;
 pub const OK: c_int = 0;
 pub const DISCARD: c_int = 2;

@@ -5,13 +5,13 @@
 //! | duty | duty cycle, 0 to 1, of pulses that the valve makes itself, with its delays | poppets |
 //! | request | 1 to fill, 0 to hold, −1 to exhaust | poppets |
 //! | position | position of the spool, −1 (exhaust open) to 1 (supply open) | a proportional spool |
-//! | set-point | gauge pressure in Pa, zero or more | a pressure regulator |
+//! | set-point | gauge pressure in Pa, from zero to that of what feeds the valve | a pressure regulator |
 //!
 //! Checked by `tests/host/`.
 
 use crate::failure::Failure;
 use mckibben::valve::{Command, Request, RuntimeCommand, Solenoid};
-use mckibben::{Error, GaugePressure, parameter};
+use mckibben::{Error, GaugePressure, Requirement, parameter};
 
 /// How often pulses come, and what is requested in them and between.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,8 +65,11 @@ pub enum CommandMode {
     Request,
     /// A position of a proportional spool, −1 to 1.
     Position,
-    /// A set point of a pressure regulator in Pa, gauge.
-    SetPoint,
+    /// A set point of a pressure regulator in Pa, gauge: from zero to that of what feeds it.
+    SetPoint {
+        /// Gauge pressure in Pa of what feeds the regulator, which cannot give more; infinite where it is not known.
+        feed: f64,
+    },
 }
 
 /// Names of the modes.
@@ -83,7 +86,7 @@ impl CommandMode {
             "duty" => pulses().map(Self::Duty),
             "request" => Ok(Self::Request),
             "position" => Ok(Self::Position),
-            "set-point" => Ok(Self::SetPoint),
+            "set-point" => Ok(Self::SetPoint { feed: f64::INFINITY }),
             other => Err(Failure::input(
                 format!("{key} = \"{other}\" is no {key}"),
                 "say \"duty\", \"request\", \"position\" or \"set-point\"",
@@ -95,7 +98,7 @@ impl CommandMode {
     pub fn of(valve: &Solenoid, pulses: impl FnOnce() -> Result<Pulses, Failure>) -> Self {
         match (valve.spool(), valve.regulator()) {
             (Some(_), _) => Self::Position,
-            (None, Some(_)) => Self::SetPoint,
+            (None, Some(_)) => Self::SetPoint { feed: f64::INFINITY },
             (None, None) => pulses().map_or(Self::Request, Self::Duty),
         }
     }
@@ -126,7 +129,7 @@ impl CommandMode {
             Self::Duty(_) => COMMAND_MODES[0],
             Self::Request => COMMAND_MODES[1],
             Self::Position => COMMAND_MODES[2],
-            Self::SetPoint => COMMAND_MODES[3],
+            Self::SetPoint { .. } => COMMAND_MODES[3],
         }
     }
 
@@ -135,7 +138,43 @@ impl CommandMode {
         match self {
             Self::Duty(_) => (0.0, 1.0, ""),
             Self::Request | Self::Position => (-1.0, 1.0, ""),
-            Self::SetPoint => (0.0, f64::INFINITY, "Pa"),
+            // Where a vacuum feeds it, the core takes no set point at all.
+            Self::SetPoint { feed } => (0.0, feed.max(0.0), "Pa"),
+        }
+    }
+
+    /// The mode of a valve that is fed at a gauge pressure in Pa: set points end there.
+    #[must_use]
+    pub fn fed_at(self, gauge: f64) -> Self {
+        match self {
+            Self::SetPoint { .. } => Self::SetPoint { feed: gauge },
+            Self::Duty(_) | Self::Request | Self::Position => self,
+        }
+    }
+
+    /// Whether numbers of both modes mean the same, in ranges that may differ.
+    pub(super) fn is_alike(&self, other: &Self) -> bool {
+        matches!((self, other), (Self::SetPoint { .. }, Self::SetPoint { .. })) || self == other
+    }
+
+    /// The numbers that a valve takes, in words: `0 to 1`, `1 (fill) or -1 (exhaust)`.
+    pub(super) fn words(&self, valve: &Solenoid) -> String {
+        let (low, high, unit) = self.range();
+        match self {
+            Self::Request => {
+                let word = |number: &f64| match *number {
+                    1.0 => "1 (fill)",
+                    0.0 => "0 (hold)",
+                    _ => "-1 (exhaust)",
+                };
+                let words: Vec<&str> = Self::requests_of(std::iter::once(valve)).iter().rev().map(word).collect();
+                words.join(" or ")
+            }
+            Self::SetPoint { .. } if high.is_infinite() => format!("{low:?} {unit} or more"),
+            Self::SetPoint { .. } => {
+                format!("{low:?} to {high:?} {unit}: a regulator cannot give more than feeds it")
+            }
+            Self::Duty(_) | Self::Position => format!("{low} to {high}"),
         }
     }
 
@@ -148,7 +187,7 @@ impl CommandMode {
     pub fn least(&self, requests: &[f64]) -> f64 {
         match self {
             Self::Request => requests.first().copied().unwrap_or_default(),
-            Self::Duty(_) | Self::Position | Self::SetPoint => 0.0,
+            Self::Duty(_) | Self::Position | Self::SetPoint { .. } => 0.0,
         }
     }
 
@@ -163,7 +202,7 @@ impl CommandMode {
     pub fn pulse_frequency(&self) -> Option<f64> {
         match self {
             Self::Duty(pulses) => Some(pulses.frequency),
-            Self::Request | Self::Position | Self::SetPoint => None,
+            Self::Request | Self::Position | Self::SetPoint { .. } => None,
         }
     }
 
@@ -176,11 +215,29 @@ impl CommandMode {
             Self::Duty(pulses) => Ok(pulses.of_duty(parameter::DUTY.check(number)?)),
             Self::Request => request(number).map(RuntimeCommand::Request),
             Self::Position => parameter::COMMAND_POSITION.check(number).map(RuntimeCommand::Position),
-            Self::SetPoint => {
+            Self::SetPoint { feed } => {
                 let gauge = parameter::COMMAND_GAUGE_PRESSURE.check(number)?;
+                if gauge > feed.max(0.0) {
+                    return Err(beyond_feed(gauge, *feed));
+                }
                 Ok(RuntimeCommand::SetPoint(GaugePressure(gauge)))
             }
         }
+    }
+}
+
+/// The error of a set point (Pa, gauge) above what feeds the regulator, as the core has it for those of a scenario.
+fn beyond_feed(gauge: f64, feed: f64) -> Error {
+    Error::Inconsistent {
+        parameter: &parameter::COMMAND_GAUGE_PRESSURE,
+        value: gauge,
+        requirement: Requirement {
+            relation: "must not be greater than",
+            other: parameter::SUPPLY_GAUGE_PRESSURE.key,
+            value: feed,
+            unit: parameter::SUPPLY_GAUGE_PRESSURE.unit,
+        },
+        remedy: "lower the set point or raise the supply: a regulator cannot give more than feeds it",
     }
 }
 

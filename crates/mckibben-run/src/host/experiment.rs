@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 use mckibben::Error;
-use mckibben::network::NodeKind;
+use mckibben::network::{Network, NodeKind};
 use mckibben::plant::Plant;
 use mckibben_scenario::{Document, Engine, MechanismNames, PlantExperiment, PlantNames, Scenario};
 
@@ -20,20 +20,25 @@ pub fn experiment_of(document: &Document) -> Result<PlantExperiment, Failure> {
 /// The plant of a scenario of one actuator, which is called `actuator`, or of a joint: `agonist` and `antagonist` on the mechanism
 /// `load` with its joint `joint`. Controllers are left out.
 ///
+/// A supply whose pressure changes is called `supply`; of a joint with separate supplies `agonist_supply` and `antagonist_supply`.
+/// Where it has reservoir and regulator both, the reservoir is `supply.reservoir`, as in files with named supplies.
+///
 /// # Errors
 /// What the core finds contradictory.
 pub fn experiment_of_one(scenario: &Scenario) -> Result<PlantExperiment, Error> {
-    let (plant, start, run, actuators, mechanisms);
+    let (plant, start, run, actuators, mechanisms, has_own_supplies);
     if let Some(joint) = scenario.joint_experiment()? {
         plant = Plant::of_joint(&joint.rig)?;
         (start, run) = (Plant::start_of_joint(&joint.rig, &joint.start), joint.run);
         actuators = vec!["agonist".to_owned(), "antagonist".to_owned()];
+        has_own_supplies = joint.rig.shared_supply().is_none();
         mechanisms = vec![MechanismNames { name: Some("load".to_owned()), joints: vec!["joint".to_owned()] }];
     } else {
         let alone = scenario.experiment()?;
         plant = Plant::of_rig(&alone.rig);
         (start, run) = (Plant::start_of_rig(&alone.rig, &alone.start), alone.run);
         actuators = vec!["actuator".to_owned()];
+        has_own_supplies = false;
         mechanisms = vec![MechanismNames::default(); plant.mechanisms().len()];
     }
     let network = plant.network();
@@ -43,17 +48,50 @@ pub fn experiment_of_one(scenario: &Scenario) -> Result<PlantExperiment, Error> 
         1 => Some(0),
         _ => Some(actuator),
     };
-    let is_hose = |node: &mckibben::network::Node| matches!(node.kind, NodeKind::Hose(_));
-    let hoses: Vec<usize> = (0..network.nodes.len()).filter(|node| is_hose(&network.nodes[*node])).collect();
+    let is_first =
+        |node: usize| matches!(network.nodes[node].kind, NodeKind::Hose(_)) && network.hose_start(node) == node;
+    let hoses: Vec<usize> = (0..network.nodes.len()).filter(|node| is_first(*node)).collect();
     let count = actuators.len();
     let names = PlantNames {
         valves: (0..count).map(valve_of).collect(),
         hoses: (0..count).map(|actuator| hoses.get(actuator).copied()).collect(),
+        nodes: supplies(network, has_own_supplies.then_some(&actuators)),
         actuators,
         mechanisms,
         ..PlantNames::default()
     };
     Ok(PlantExperiment { plant, start, run, names, controls: Vec::new() })
+}
+
+/// The names of the nodes that are supplies whose pressure changes; `owners` are the actuators that have supplies of their own.
+fn supplies(network: &Network, owners: Option<&Vec<String>>) -> Vec<(String, usize)> {
+    let reservoir_of = |node: usize| match network.nodes[node].kind {
+        NodeKind::Outlet { inlet, .. } => inlet,
+        _ => None,
+    };
+    let is_supply = |node: &usize| {
+        let changes = matches!(network.nodes[*node].kind, NodeKind::Reservoir(_) | NodeKind::Outlet { .. });
+        changes && !(0..network.nodes.len()).any(|other| reservoir_of(other) == Some(*node))
+    };
+    let mut names = Vec::new();
+    for node in (0..network.nodes.len()).filter(is_supply) {
+        let owner = owners.and_then(|owners| owners.get(actuator_behind(network, node)?));
+        let name = owner.map_or_else(|| "supply".to_owned(), |owner| format!("{owner}_supply"));
+        names.extend(reservoir_of(node).map(|tank| (format!("{name}.reservoir"), tank)));
+        names.push((name, node));
+    }
+    names
+}
+
+/// The actuator that branches lead to from a node.
+fn actuator_behind(network: &Network, mut node: usize) -> Option<usize> {
+    for _ in 0..=network.branches.len() {
+        if let NodeKind::Chamber { actuator } = network.nodes[node].kind {
+            return Some(actuator);
+        }
+        node = network.branches.iter().find(|branch| branch.from == node)?.to;
+    }
+    None
 }
 
 /// A scenario whose valves are commanded at run time.

@@ -5,10 +5,14 @@
 use super::command::{CommandMode, Pulses};
 use super::experiment::experiment_of;
 use crate::failure::Failure;
+use mckibben::Error;
+use mckibben::network::{Network, NodeKind};
+use mckibben::parameter::ACCURACY;
 use mckibben::plant::{
     Plant, PlantRow, PlantRun, PlantSample, PlantStart, PlantSteps, TimeStepping, plant_step_for_accuracy,
 };
 use mckibben::simulation::{MOST_PARTS, Method};
+use mckibben::valve::{RuntimeCommand, Solenoid};
 use mckibben_scenario::{Document, PlantColumn, PlantExperiment, PlantQuantity};
 
 /// The relative tolerance by which a start is discerned from rounding.
@@ -50,6 +54,14 @@ pub struct CommandInput {
     pub mode: CommandMode,
     /// Its index in the network.
     pub(super) valve: usize,
+}
+
+impl CommandInput {
+    /// Whether two inputs are commanded alike, in ranges that may differ.
+    fn is_alike(&self, other: &Self) -> bool {
+        let Self { name, actuators, mode, valve } = self;
+        *name == other.name && *actuators == other.actuators && *valve == other.valve && mode.is_alike(&other.mode)
+    }
 }
 
 /// A scenario as hosts have it.
@@ -98,7 +110,9 @@ impl HostModel {
                 let chosen = || {
                     let times = (run.duration, run.sample_interval);
                     let of = (&experiment.plant, &experiment.start);
-                    plant_step_for_accuracy(of, &Vec::new, times, method, run.accuracy).map(|chosen| chosen.step)
+                    plant_step_for_accuracy(of, &Vec::new, times, method, run.accuracy)
+                        .map(|chosen| chosen.step)
+                        .map_err(of_fixed_steps)
                 };
                 let step = run.step.map_or_else(chosen, Ok).map_err(failed)?;
                 TimeStepping::Fixed { method, step: step.min(longest) }
@@ -166,12 +180,36 @@ impl HostModel {
         self.check_command(input, number).is_ok()
     }
 
-    /// That a valve can be commanded a number.
-    pub(super) fn check_command(&self, input: usize, number: f64) -> Result<(), Failure> {
-        let CommandInput { name, mode, valve, .. } = self.input(input)?;
-        let solenoid = &self.experiment.plant.network().valves[*valve].solenoid;
-        let taken = mode.command(number).and_then(|command| solenoid.check_command(&command));
-        taken.map_err(|error| Failure::from(error).of(name))
+    /// The numbers of the requests that a valve takes, in rising order: 1 fills, 0 holds, −1 exhausts. None of a valve that is
+    /// commanded otherwise.
+    pub fn requests(&self, input: usize) -> Vec<f64> {
+        let of_requests = self.commands.get(input).filter(|its| its.mode == CommandMode::Request);
+        let solenoid = of_requests.map(|its| self.solenoid(its));
+        solenoid.map_or_else(Vec::new, |solenoid| CommandMode::requests_of(std::iter::once(solenoid)))
+    }
+
+    /// Checks that a valve can be commanded a number, and returns the command.
+    ///
+    /// # Errors
+    /// When there is no such valve, and for a number that it does not take, with those that it takes.
+    pub fn check_command(&self, input: usize, number: f64) -> Result<RuntimeCommand, Failure> {
+        let its = self.input(input)?;
+        let (mode, solenoid) = (&its.mode, self.solenoid(its));
+        let command = mode.command(number).and_then(|command| solenoid.check_command(&command).map(|()| command));
+        command.map_err(|error| {
+            let (low, high, unit) = mode.range();
+            // Pulses may hold a request that the valve does not have, whatever the duty cycle.
+            if matches!(mode, CommandMode::Duty(_)) && (low..=high).contains(&number) {
+                return Failure::from(error).of(&its.name);
+            }
+            let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+            let title = format!("`{}` = {number:?}{unit} is not among what the valve takes", its.name);
+            Failure::input(title, format!("give {}", mode.words(solenoid)))
+        })
+    }
+
+    fn solenoid(&self, input: &CommandInput) -> &Solenoid {
+        &self.experiment.plant.network().valves[input.valve].solenoid
     }
 
     /// The valve that is commanded by the number of this index.
@@ -189,7 +227,8 @@ impl HostModel {
         let names = |its: &Self| (its.motion, its.longest, its.stepping);
         names(self) == names(other)
             && self.actuators() == other.actuators()
-            && self.commands == other.commands
+            && self.commands.len() == other.commands.len()
+            && self.commands.iter().zip(&other.commands).all(|(one, other)| one.is_alike(other))
             && self.outputs == other.outputs
     }
 
@@ -330,7 +369,49 @@ fn inputs(experiment: &PlantExperiment, options: &HostOptions<'_>) -> Result<Vec
             }
             None => CommandMode::of(&its.solenoid, pulses),
         };
+        let mode = feed_of(network, valve).map_or(mode, |gauge| mode.fed_at(gauge));
         inputs.push(CommandInput { name: mode.title(name), actuators: vec![actuator], mode, valve });
     }
     Ok(inputs)
+}
+
+/// The error of a step that is not accurate enough, with what a user can do about it: a host has no event-located engine.
+fn of_fixed_steps(error: Error) -> Error {
+    match error {
+        Error::Inconsistent { parameter, value, requirement, .. } if parameter.key == ACCURACY.key => {
+            let remedy = "give run.step, or loosen run.accuracy: a host takes fixed steps alone";
+            Error::Inconsistent { parameter, value, requirement, remedy }
+        }
+        other => other,
+    }
+}
+
+/// The gauge pressure in Pa of what feeds a regulating valve.
+fn feed_of(network: &Network, valve: usize) -> Option<f64> {
+    network.nodes.iter().find_map(|node| match node.kind {
+        NodeKind::Port { valve: its, feed, .. } if its == valve => Some(feed),
+        _ => None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mckibben::Requirement;
+
+    /// A host has fixed steps alone, so another engine is no remedy for an accuracy that none of them reaches.
+    #[test]
+    fn an_accuracy_that_no_step_reaches_has_a_remedy_of_hosts() {
+        let other = "the error of the shortest step that is tried";
+        let error = |parameter| Error::Inconsistent {
+            parameter,
+            value: 1e-3,
+            requirement: Requirement { relation: "must be at least", other, value: 2e-3, unit: "" },
+            remedy: "set run.engine = \"event-located\"",
+        };
+        let text = of_fixed_steps(error(&ACCURACY)).to_string();
+        assert!(text.contains("give run.step, or loosen run.accuracy") && !text.contains("event-located"), "{text}");
+        let elsewhere = error(&mckibben::parameter::DURATION);
+        assert_eq!(of_fixed_steps(elsewhere.clone()), elsewhere);
+    }
 }

@@ -68,11 +68,11 @@ impl HostPlant {
     /// Sets what a valve does from now on. A number that it has been set to already changes nothing.
     ///
     /// # Errors
-    /// When there is no such valve, and for a number that it does not take. Then nothing has changed.
+    /// When there is no such valve, and for a number that it does not take, with those that it takes. Then nothing has changed.
     pub fn command(&mut self, input: usize, number: f64) -> Result<(), Failure> {
-        let CommandInput { name, mode, valve, .. } = self.model.input(input)?;
-        let set = mode.command(number).and_then(|command| self.steps.set(*valve, command));
-        set.map_err(|error| Failure::from(error).of(name))
+        let command = self.model.check_command(input, number)?;
+        let CommandInput { name, valve, .. } = self.model.input(input)?;
+        self.steps.set(*valve, command).map_err(|error| Failure::from(error).of(name))
     }
 
     /// Goes on to `until` in s; the ends go in straight lines to `distances` in m: one for each actuator, none where the scenario

@@ -1,7 +1,7 @@
 //! A scenario as a plant that a host steps: names, commands, distances, outputs, and the way back.
 
 use mckibben::GaugePressure;
-use mckibben_run::host::{CommandMode, HostOptions, HostPlant, Motion};
+use mckibben_run::host::{CommandMode, HostBatch, HostOptions, HostPlant, Motion};
 use mckibben_scenario::Document;
 
 /// A muscle of the paper with a valve of two poppets, 25 Hz pulses, at 90 mm and 40 psi.
@@ -24,6 +24,26 @@ gauge_pressure = "40 psi"
 duration = "1 s"
 engine = "fixed-step"
 step = "0.5 ms"
+"#;
+/// A muscle of the paper on a pressure regulator.
+pub(crate) const REGULATED: &str = r#"
+[supply]
+gauge_pressure = "6 bar"
+[valve]
+kind = "pressure-regulator"
+flow_area = "2 mm^2"
+time_constant = "20 ms"
+rate_limit = "50 bar/s"
+[command]
+kind = "set-points"
+time = ["0 s"]
+gauge_pressure = ["3 bar"]
+[load]
+kind = "isometric"
+[initial]
+length = "90 mm"
+[run]
+duration = "1 s"
 "#;
 const PSI: f64 = 6_894.757_293_168_361;
 const POUND: f64 = 0.453_592_37;
@@ -226,4 +246,78 @@ fn what_cannot_be_is_refused() {
     let never = HostOptions { pulse_frequency: Some(0.0), ..HostOptions::default() };
     let held = MUSCLE.replace("kind = \"pwm\"\nfrequency = \"25 Hz\"\nduty = 0.5", "kind = \"fill\"");
     assert!(HostPlant::read(&document(&held), &never).is_err());
+}
+
+/// A supply whose pressure changes is an output, of one actuator and of a joint; one without end is none.
+#[test]
+fn supplies_that_change_are_outputs() {
+    let outputs = |text: &str| -> Vec<String> {
+        let of = host(text, &HostOptions::default());
+        of.outputs().iter().map(|column| column.name.clone()).filter(|name| name.contains("supply")).collect()
+    };
+    let both = |name: &str| [format!("{name}.absolute_pressure"), format!("{name}.gauge_pressure")];
+    let with = |more: &str| MUSCLE.replace("[valve]", &format!("{more}\n[valve]"));
+    assert!(outputs(MUSCLE).is_empty());
+    assert_eq!(outputs(&with("reservoir_volume = \"50 mL\"")), both("supply"));
+    assert_eq!(outputs(&with("lag = \"20 ms\"")), both("supply"));
+    let of = outputs(&with("reservoir_volume = \"50 mL\"\nlag = \"20 ms\""));
+    assert_eq!(of, [both("supply.reservoir"), both("supply")].concat());
+
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/line/joint.toml");
+    let joint = std::fs::read_to_string(path).expect("an example");
+    assert_eq!(outputs(&joint), both("supply"));
+    let of = outputs(&format!("{joint}\n[antagonist.supply]\nreservoir_volume = \"0.2 L\"\n"));
+    assert_eq!(of, [both("agonist_supply"), both("antagonist_supply")].concat());
+}
+
+/// A bottle sags while it fills a muscle.
+#[test]
+fn a_supply_that_is_drawn_from_sags() {
+    let text = MUSCLE.replace("[valve]", "reservoir_volume = \"50 mL\"\n[valve]");
+    let mut of = host(&text, &HostOptions { command_mode: Some("request"), ..HostOptions::default() });
+    assert!((output(&mut of, "supply.gauge_pressure") - 100.0 * PSI).abs() < 1.0);
+    of.command(0, 1.0).expect("a request");
+    (1..=400).for_each(|count| of.advance(1e-3 * f64::from(count), &[0.09]).expect("a step"));
+    let supply = output(&mut of, "supply.gauge_pressure");
+    assert!((40.0 * PSI..99.0 * PSI).contains(&supply), "{supply} Pa");
+}
+
+/// A set point lies between zero and the gauge pressure of the supply, and a plant of a batch has its own supply.
+#[test]
+fn a_set_point_ends_at_the_supply() {
+    let mut of = host(REGULATED, &HostOptions::default());
+    assert_eq!(of.commands()[0].name, "actuator.set_point");
+    let (low, high, unit) = of.commands()[0].mode.range();
+    assert!(low == 0.0 && (high - 6e5).abs() < 1e-6 && unit == "Pa", "{low} to {high} {unit}");
+    of.command(0, high).expect("the pressure of the supply");
+    for number in [30e5, -1.0, f64::NAN] {
+        let refused = of.command(0, number).expect_err("out of range").to_string();
+        assert!(refused.contains(&format!("`actuator.set_point` = {number:?} Pa")), "{refused}");
+        assert!(refused.contains("0.0 to ") && refused.contains("more than feeds it"), "{refused}");
+    }
+    let lower = host(&REGULATED.replace("6 bar", "4 bar"), &HostOptions::default());
+    let mut batch = HostBatch::new([of, lower]).expect("scenarios that differ in numbers");
+    batch.command(&[5e5, 3e5]).expect("set points");
+    let refused = batch.command(&[3e5, 5e5]).expect_err("above the second supply").to_string();
+    assert!(refused.contains("`actuator.set_point` = 500000.0 Pa"), "{refused}");
+}
+
+/// A request that a valve does not have is refused with those that it has.
+#[test]
+fn requests_are_those_of_the_valve() {
+    let requests = HostOptions { command_mode: Some("request"), ..HostOptions::default() };
+    let mut three_way = host(MUSCLE, &requests);
+    assert_eq!(three_way.requests(0), [-1.0, 1.0]);
+    let refused = three_way.command(0, 0.0).expect_err("a three-way valve cannot hold").to_string();
+    assert!(
+        refused.contains("`actuator.request` = 0.0 is") && refused.contains("1 (fill) or -1 (exhaust)"),
+        "{refused}"
+    );
+    let held = MUSCLE.replace("kind = \"pwm\"\nfrequency = \"25 Hz\"\nduty = 0.5", "kind = \"hold\"");
+    let two_way = held.replace("preset = \"matrix-eight-channel\"", "kind = \"two-way\"\nflow_area = \"2 mm^2\"");
+    let mut two_way = host(&two_way, &requests);
+    assert_eq!(two_way.requests(0), [0.0, 1.0]);
+    let refused = two_way.command(0, -1.0).expect_err("a two-way valve cannot exhaust").to_string();
+    assert!(refused.contains("1 (fill) or 0 (hold)"), "{refused}");
+    assert!(host(REGULATED, &HostOptions::default()).requests(0).is_empty());
 }
