@@ -67,8 +67,7 @@ class Run:
 
     def tables(self) -> list[typing.Any]:
         """The tables, one or more."""
-        is_one = isinstance(self.data, collections.abc.Mapping) or hasattr(self.data, "columns")
-        return [self.data] if is_one else list(self.data)
+        return [self.data] if _is_table(self.data) else list(self.data)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -83,7 +82,8 @@ class Study:
     scenario : Scenario
         The muscle and the rig as far as they are known. Parameters that are estimated start at its values.
     runs : sequence of Run, mapping or data frame
-        The measurements, a table or a `Run` for each run.
+        The measurements, a table or a `Run` for each run; of a single run also without a sequence. Cells that are NaN or masked
+        are missing.
     columns : mapping
         For each quantity, such as "length" or "gauge_pressure" (of a part of a plant "elbow.angle"), the column that measures it:
         its name, where it is in SI; its name and unit, such as `("P", "bar")`; or a mapping with `name`, and if wanted `unit`,
@@ -112,7 +112,7 @@ class Study:
 
     kind: StudyKind
     scenario: Scenario
-    runs: collections.abc.Sequence[typing.Any]
+    runs: typing.Any
     columns: collections.abc.Mapping[str, typing.Any]
     fit: collections.abc.Mapping[str, typing.Any] = dataclasses.field(default_factory=dict)
     input: typing.Literal["scenario", "gauge-pressure"] = "scenario"
@@ -165,7 +165,8 @@ class Study:
             raise InputError(f"scenario is {self.scenario!r}; give a mckibben.Scenario")
         columns, tables, runs = self._columns(), [], []
         wanted = {entry["name"] for entry in columns.values() if "name" in entry}
-        for place, given in enumerate(self.runs, 1):
+        is_one = isinstance(self.runs, Run) or _is_table(self.runs)
+        for place, given in enumerate([self.runs] if is_one else self.runs, 1):
             run = given if isinstance(given, Run) else Run(given)
             name = run.name or f"run-{place}"
             files = []
@@ -211,11 +212,27 @@ def _count(name: str, value: typing.Any) -> int:
     return count
 
 
+def _is_table(data: typing.Any) -> bool:
+    """Return whether this is one table, not a sequence of them."""
+    return isinstance(data, collections.abc.Mapping) or hasattr(data, "columns")
+
+
 def _numbers(name: object, values: typing.Any, run: str) -> NDArray[numpy.float64]:
+    """Return the cells of a column as numbers; NaN where a cell is missing or masked."""
     try:
-        array = numpy.asarray(values, dtype=float)
+        of = numpy.asarray(values).dtype
+        if isinstance(values, numpy.ma.MaskedArray) and of.kind in "biuf":
+            values = numpy.ma.filled(values.astype(float), numpy.nan)
+        # NumPy would take times as numbers of a unit that the study does not know.
+        array = None if of.kind in "mM" else numpy.asarray(values, dtype=float)
     except (TypeError, ValueError) as error:
         raise InputError(f"the column `{name}` of the run `{run}` is no array of numbers ({error})") from None
+    if array is None:
+        seconds = "(column - column[0])" if of.kind == "M" else "column"
+        raise InputError(
+            f"the column `{name}` of the run `{run}` is of type {of}, and a study takes numbers; "
+            f'give seconds, such as {seconds} / numpy.timedelta64(1, "s")'
+        )
     if array.ndim != 1:
         raise InputError(f"the column `{name}` of the run `{run}` has {array.ndim} dimensions; give one")
     return array

@@ -14,8 +14,6 @@ from pandas import DataFrame
 from polars import DataFrame as DataFrame2
 from typing import Any, Final, Literal, SupportsFloat, SupportsIndex, final
 
-__all__ = ["__version__", "Actuator", "ActuatorState", "Actuators", "Differentiable", "DifferentiableStep", "Event", "HostedPlant", "LinearModel", "Response", "Scenario", "Sweep", "Trajectory", "VectorPlant", "_Sizes", "_Statics", "_curves", "_design", "_identify", "_identify_file", "_parameters", "_presets", "_quantity", "_register_mujoco", "linearize", "simulate"]
-
 __version__: Final[str]
 """
 The version of the package.
@@ -252,8 +250,8 @@ class Actuators:
     """
     Many actuators of one scenario, each with its own air, valve and hysteresis, stepped together on arrays.
 
-    The caller owns the arrays: `step` reads and writes them in place. They are one-dimensional and contiguous, of float64, with
-    one element for each actuator. They are stepped side by side in the vector registers of the processor, and by all cores where
+    The caller owns the arrays: `step` reads and writes them in place. They are one-dimensional and C-contiguous, of float64,
+    with one element for each actuator. They are stepped side by side in the vector registers of the processor, and by all cores where
     they are many. Each is bit-identical to a scalar `Actuator`.
 
     Parameters
@@ -267,7 +265,7 @@ class Actuators:
     parameters : sequence of str, optional
         Paths of the parameters that differ between the actuators, such as "actuator.turns". Not together with `name`.
     values : numpy.ndarray, optional
-        Values of `parameters` in SI, float64 of shape (count, len(parameters)). Required with `parameters`.
+        Values of `parameters` in SI, float64 of shape (count, len(parameters)), of any memory layout. Required with `parameters`.
     pulse_frequency : float, optional
         Frequency in Hz, above zero, of the pulses of a duty cycle. By default that of the scenario's PWM. Required where the
         valve has poppets and the scenario has no PWM.
@@ -779,6 +777,8 @@ class HostedPlant:
     are not used: the simulator moves the ends. `count` plants, each with its own state, are stepped together, side by side in the
     vector registers of the processor; many of them on all cores. Each is bit-identical to a plant alone.
 
+    Arrays have a row for each plant. Those of distances, velocities and commands are read in place, and are C-contiguous.
+
     Parameters
     ----------
     scenario : Scenario
@@ -803,7 +803,8 @@ class HostedPlant:
 
     Notes
     -----
-    Take the tensions at t, make your own step with them, then call `step` with the new distances.
+    Take the tensions at t, make your own step with them, then call `step` with the new distances. A copy, or a plant from a pickle,
+    continues bit-identically.
 
     Examples
     --------
@@ -828,8 +829,14 @@ class HostedPlant:
         >>> bool(distance[0, 0] < 0.08), plant.commands
         (True, ['actuator.request'])
     """
+    def __getnewargs_ex__(self, /) -> tuple[tuple[Scenario, int], dict[str, Any]]: ...
+    def __getstate__(self, /) -> tuple[NDArray[float64], tuple[float, float, int]]:
+        """
+        Return the states of the plants and their clock.
+        """
     def __new__(cls, /, scenario: Scenario, count: int = ..., *, command_mode: str | None = None, pulse_frequency: SupportsFloat | SupportsIndex | None = None, max_step: SupportsFloat | SupportsIndex | None = None, precision: Literal["double", "single"] = ...) -> HostedPlant: ...
     def __repr__(self, /) -> str: ...
+    def __setstate__(self, /, state: tuple[NDArray[float64], tuple[SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex, SupportsIndex]]) -> None: ...
     @property
     def actuators(self, /) -> list[str]:
         """
@@ -849,7 +856,7 @@ class HostedPlant:
         Raises
         ------
         InputError
-            An array has another shape, or an actuator cannot have such a distance.
+            An array has another shape or is not C-contiguous, or an actuator cannot have such a distance.
         """
     @property
     def columns(self, /) -> list[str]:
@@ -880,7 +887,7 @@ class HostedPlant:
         Raises
         ------
         InputError
-            An array has another shape, or an actuator cannot have such a distance.
+            An array has another shape or is not C-contiguous, or an actuator cannot have such a distance.
         SimulationError
             A plant has stopped.
         """
@@ -915,7 +922,7 @@ class HostedPlant:
         Parameters
         ----------
         states : ndarray
-            States from `save`.
+            States from `save`, of any memory layout.
 
         Raises
         ------
@@ -930,6 +937,11 @@ class HostedPlant:
         -------
         ndarray
             What `restore` takes; the order of the numbers may change from one version to the next.
+        """
+    @property
+    def scenario(self, /) -> Scenario:
+        """
+        Scenario of the plants.
         """
     def step(self, /, distances: NDArray[float64], commands: NDArray[float64], dt: SupportsFloat | SupportsIndex) -> None:
         """
@@ -947,10 +959,15 @@ class HostedPlant:
         Raises
         ------
         InputError
-            An array has another shape, or a valve does not take such a command; no plant has moved.
+            An array has another shape or is not C-contiguous, a valve does not take such a command, or there are more than
+            10 000 000 parts and edges of pulses; no plant has moved.
         SimulationError
             The step leads a plant to a non-physical state. The others have taken the step. That plant has stopped: until `begin` or
             `restore`, its later steps raise as well.
+
+        Notes
+        -----
+        Ctrl-C ends a step of many parts; then all plants are in their states before the step.
         """
     @property
     def time(self, /) -> float:
@@ -1684,7 +1701,7 @@ class Trajectory:
         Parameters
         ----------
         times : array_like
-            Times in s, from 0 to the end of the run.
+            Times in s, from 0 to the end of the run, one or more.
 
         Returns
         -------
@@ -1933,7 +1950,8 @@ class VectorPlant:
     Many instances of a scenario's plant, stepped together on all cores, whose valves the caller commands.
 
     Each instance may be reset, with its own values of parameters, while the others continue. The environments of
-    `mckibben.learning` are made of it. The caller owns the arrays, which are contiguous; they are read and written in place.
+    `mckibben.learning` are made of it. The caller owns the arrays that `step` and `observe` use: they are C-contiguous, and are
+    read and written in place. `values` and `rows` may have any memory layout.
 
     Parameters
     ----------
@@ -2057,7 +2075,7 @@ class VectorPlant:
         Raises
         ------
         InputError
-            `observations` is of another shape.
+            There is no such instance, or `observations` is of another shape or not C-contiguous.
         """
     @property
     def parameters(self, /) -> list[str]:
@@ -2081,14 +2099,14 @@ class VectorPlant:
         Parameters
         ----------
         rows : numpy.ndarray
-            Indices of the instances, int64, from 0.
+            Indices of the instances, int64, from 0, each once.
         values : numpy.ndarray, optional
             Values of `parameters` in SI, float64 of shape (len(rows), len(parameters)); those of the scenario by default.
 
         Raises
         ------
         InputError
-            There is no such instance, or a value is not valid.
+            There is no such instance, an index is given twice, or a value is not valid; nothing has changed.
         """
     @property
     def scenario(self, /) -> Scenario:
@@ -2128,8 +2146,8 @@ class VectorPlant:
         Raises
         ------
         InputError
-            An action is not valid, an array is of another shape, or there are more than 10 000 000 steps and edges of pulses;
-            nothing has changed.
+            An action is not valid, an array is of another shape or not C-contiguous, or there are more than 10 000 000 steps and
+            edges of pulses; nothing has changed.
 
         Notes
         -----
@@ -2207,11 +2225,11 @@ class _Statics:
         """
     def sealed_stiffness(self, /, length: ArrayLike, gauge: ArrayLike) -> NDArray[float64]:
         """
-        Stiffness in N/m with the valve shut (5).
+        Stiffness in N/m with the valve shut (5); zero where the muscle is slack.
         """
     def stiffness(self, /, length: ArrayLike, gauge: ArrayLike) -> NDArray[float64]:
         """
-        Stiffness in N/m at constant pressure (7).
+        Stiffness in N/m at constant pressure (7); zero where the muscle is slack.
         """
     @property
     def supply(self, /) -> float | None:
@@ -2385,3 +2403,5 @@ def simulate(scenario: Scenario, *, progress: Any | None = None) -> Trajectory:
         >>> float(run.t[-1]), float(run.length[0])
         (0.1, 0.085)
     """
+
+def __getattr__(name: str) -> Incomplete: ...

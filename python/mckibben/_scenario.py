@@ -12,12 +12,12 @@ if typing.TYPE_CHECKING:
     from mckibben import Scenario
 
 
-def _value(value: typing.Any) -> typing.Any:
-    """Return the value of an attribute: a quantity as a number in SI, a section as a `Section`."""
+def _value(value: typing.Any, path: str) -> typing.Any:
+    """Return the value of an attribute at a path: a quantity as a number in SI, a section as a `Section`."""
     if isinstance(value, dict):
-        return Section(value)
+        return Section(value, path)
     if isinstance(value, list):
-        return [_value(item) for item in value]
+        return [_value(item, f"{path}[{place}]") for place, item in enumerate(value)]
     if isinstance(value, str):
         number = _quantity(value)
         return value if number is None else number
@@ -31,16 +31,36 @@ class Section(collections.abc.Mapping[str, typing.Any]):
     `Scenario.with_values` to make a scenario with other values.
     """
 
-    def __init__(self, values: dict[str, typing.Any]) -> None:
-        self._values = values
+    _values: dict[str, typing.Any]
+    _path: str
+
+    def __init__(self, values: dict[str, typing.Any], path: str) -> None:
+        # A section refuses to be changed, so its own attributes are set past `__setattr__`.
+        self.__dict__.update(_values=values, _path=path)
 
     def __getitem__(self, name: str) -> typing.Any:
-        return _value(self._values[name])
+        return _value(self._values[name], f"{self._path}.{name}")
 
     def __getattr__(self, name: str) -> typing.Any:
-        if name.startswith("_") or name not in self._values:
+        # Pickle and copy look for methods before there are values.
+        if name.startswith("_"):
+            raise AttributeError(f"a section has no attribute `{name}`")
+        if name not in self._values:
             raise AttributeError(f"the section has no `{name}`; it has {', '.join(self._values)}")
         return self[name]
+
+    def __setattr__(self, name: str, value: typing.Any) -> typing.NoReturn:
+        path = f"{self._path}.{name}"
+        raise AttributeError(
+            f"`{path}` cannot be set, as a scenario is immutable; make another one by "
+            f'`scenario.with_values({{"{path}": {value!r}}})`'
+        )
+
+    def __delattr__(self, name: str) -> typing.NoReturn:
+        raise AttributeError(f"`{self._path}.{name}` cannot be deleted, as a scenario is immutable; make one without it")
+
+    def __reduce__(self) -> tuple[type[Section], tuple[dict[str, typing.Any], str]]:
+        return Section, (self._values, self._path)
 
     def __iter__(self) -> collections.abc.Iterator[str]:
         return iter(self._values)
@@ -68,7 +88,7 @@ def attribute(sections: dict[str, typing.Any], name: str) -> typing.Any:
     """Return a section or value of a scenario by its name."""
     if name.startswith("_") or name not in sections:
         raise AttributeError(f"the scenario has no section `{name}`; it has {', '.join(sections)}")
-    return _value(sections[name])
+    return _value(sections[name], name)
 
 
 def names(scenario: Scenario, sections: dict[str, typing.Any]) -> list[str]:

@@ -23,7 +23,8 @@ class Statics:
     """The actuator of a scenario at rest, without friction: force, stiffness, volume, and what pressure or length a force needs.
 
     Arguments are numbers or arrays in SI that are broadcast against each other as by NumPy; pressures are gauge pressures in Pa.
-    A result is NaN where the actuator does not reach: beyond its shortest and longest length, or beyond the supply's pressure.
+    A result is NaN where the actuator does not reach: beyond its shortest and longest length, or beyond the supply's pressure. It
+    is also NaN where an argument is, so that what an inverse has returned can be passed on; infinite arguments are refused.
 
     Parameters
     ----------
@@ -53,6 +54,9 @@ class Statics:
     def __init__(self, scenario: Scenario) -> None:
         self._of = _Statics(scenario)
         self._scenario = scenario
+
+    def __reduce__(self) -> tuple[type[Statics], tuple[Scenario]]:
+        return type(self), (self._scenario,)
 
     @property
     def scenario(self) -> Scenario:
@@ -260,7 +264,7 @@ def curves(scenario: Scenario, gauge_pressures: ArrayLike | str | None = None) -
     scenario : Scenario
         One actuator.
     gauge_pressures : array_like or str, optional
-        Numbers in Pa, or text such as "35, 45, 55 psi". By default round ones up to the greatest of the
+        Numbers in Pa, one or more, or text such as "35, 45, 55 psi". By default round ones up to the greatest of the
         scenario: that of its supply, its given pressure or its start.
 
     Returns

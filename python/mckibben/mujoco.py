@@ -280,7 +280,7 @@ class Driver:
         mujoco = _mujoco()
         worlds = data if isinstance(data, list) else [data]
         shape = (self.plant.count, len(self.plant.commands))
-        commands = numpy.array(numpy.broadcast_to(numpy.asarray(commands, dtype=float), shape))
+        commands = numpy.array(numpy.broadcast_to(numpy.asarray(commands, dtype=float), shape), order="C")
         tensions: NDArray[numpy.float64] = self.plant.compute(*self._ends(worlds))
         for world, tension in zip(worlds, tensions, strict=True):
             world.ctrl[self._motors] = -tension

@@ -162,7 +162,8 @@ def test_arrays_that_do_not_fit_are_refused_and_change_nothing(scenario):
     length, velocity, duty, tension = numpy.full(4, 0.09), numpy.zeros(4), numpy.full(4, 0.5), numpy.full(4, -1.0)
     for arguments, error, words in [
         ((length[:3], velocity, duty, STEP, tension), mckibben.InputError, "length has 3 entries for 4"),
-        ((length, velocity, duty, STEP, numpy.zeros(8)[::2]), mckibben.InputError, "tension has gaps"),
+        ((length, velocity, duty, STEP, numpy.zeros(8)[::2]), mckibben.InputError,
+         "`tension` is not C-contiguous"),
         ((length, velocity, numpy.array([0.5, 0.5, 1.5, 0.5]), STEP, tension), mckibben.InputError, "actuator 2.*command"),
         ((length, velocity, duty, STEP, numpy.zeros(4, dtype=numpy.float32)), TypeError, None),
     ]:
@@ -212,6 +213,8 @@ def test_the_actuators_of_a_joint_are_taken_by_name(examples):
         assert actuator.initial_tension == pytest.approx(run[f"{prefix}tension_n"][0], rel=1e-9)
         assert actuator.start().absolute_pressure == pytest.approx(run[f"{prefix}absolute_pressure_pa"][0], rel=1e-12)
         assert len(mckibben.Actuators(joint, 2, name, pulse_frequency=25.0)) == 2
+    with pytest.raises(mckibben.InputError, match='(?s)`name` is missing.*name="agonist" or name="antagonist"'):
+        mckibben.Actuator(joint)
     with pytest.raises(mckibben.InputError, match='name "agonist" or "antagonist"'):
         mckibben.Actuator(joint, "biceps")
     with pytest.raises(mckibben.InputError, match="no actuator `agonist`"):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import collections.abc
 import concurrent.futures
+import functools
 import itertools
 import math
 import pathlib
@@ -289,7 +290,7 @@ def test_arrays_that_share_memory_are_refused_by_name(scenario):
     plants = mckibben.VectorPlant(scenario, 4, action_mode="duty")
     shown, stopped = numpy.zeros((4, len(plants.columns))), numpy.zeros(4, dtype=bool)
     with pytest.raises(mckibben.InputError, match="`observations` shares memory"):
-        plants.step(shown[:, :1], STEP, shown, stopped)
+        plants.step(shown.ravel()[:4].reshape(4, 1), STEP, shown, stopped)
 
 
 def test_arrays_of_another_kind_are_refused_by_name(scenario):
@@ -321,6 +322,129 @@ def test_what_another_thread_is_stepping_is_refused(scenario):
             run.result()
         assert refused and all(f"these {name} are being stepped by another thread" in words for words in refused)
         other()
+
+
+# --- layouts in memory ----------------------------------------------------------------------------------------------
+
+
+def layouts(table: numpy.ndarray) -> list[numpy.ndarray]:
+    """A table with the rows of a C-contiguous one, lying in memory in other ways."""
+    made = [numpy.asfortranarray(table), numpy.ascontiguousarray(table.T).T, numpy.repeat(table, 2, axis=1)[:, ::2],
+            numpy.ascontiguousarray(table[::-1])[::-1]]
+    assert not any(of.flags.c_contiguous for of in made)
+    return made
+
+
+def test_values_of_actuators_may_have_any_layout(scenario):
+    values = numpy.array([[2.4, 1e5], [2.5, 2e5], [2.6, 3e5]])
+    made = functools.partial(mckibben.Actuators, scenario, 3, parameters=["actuator.turns", "initial.gauge_pressure"])
+
+    def tensions(many: mckibben.Actuators) -> numpy.ndarray:
+        given = arrays(3)
+        many.step(dt=STEP, **given)
+        return given["tension"]
+
+    expected = tensions(made(values=values))
+    assert len(set(expected)) == 3
+    for other in layouts(values):
+        many = made(values=other)
+        numpy.testing.assert_array_equal(many.__getnewargs_ex__()[1]["values"], values)
+        numpy.testing.assert_array_equal(tensions(many), expected)
+    with pytest.raises(mckibben.InputError, match=r"values of shape \(2, 3\) are given for 3 actuators"):
+        made(values=values.T)
+    states = made(values=values).__getstate__()
+    restored = made(values=values)
+    for other in layouts(states):
+        restored.__setstate__(other)
+        numpy.testing.assert_array_equal(restored.__getstate__(), states)
+
+
+def test_values_of_instances_may_have_any_layout(scenario):
+    values = numpy.array([[2.0, 1e5], [2.5, 2e5], [3.0, 3e5]])
+    made = functools.partial(mckibben.VectorPlant, scenario, 3, parameters=["load.mass", "initial.gauge_pressure"])
+    plants, rows = made(), numpy.array([2, 0, 1])
+
+    def observed() -> numpy.ndarray:
+        shown, stopped = numpy.zeros((3, len(plants.columns))), numpy.zeros(3, dtype=bool)
+        plants.step(numpy.full((3, 1), 0.5), 0.02, shown, stopped)
+        return shown
+
+    plants.start(values)
+    started = observed()
+    plants.start(values)
+    plants.restart(rows, values)
+    restarted = observed()
+    assert len({row.tobytes() for row in started}) == 3 and (started != restarted).any()
+    for other in layouts(values):
+        plants.start(other)
+        numpy.testing.assert_array_equal(observed(), started)
+        plants.start(values)
+        plants.restart(numpy.repeat(rows, 2)[::2], other)
+        numpy.testing.assert_array_equal(observed(), restarted)
+    for call in (plants.start, lambda of: plants.restart(rows, of)):
+        with pytest.raises(mckibben.InputError, match=r"(?s)values of shape \(2, 3\) are given for 3.*shape \(3, 2\)"):
+            call(values.T)
+
+
+def test_tables_used_in_place_must_be_c_contiguous(examples):
+    leg = mckibben.Scenario.from_file(examples / "plant" / "leg.toml").with_values({"run.step": "1 ms"})
+    plants = mckibben.VectorPlant(leg, 2, action_mode="set-point")
+    width = len(plants.columns)
+    shown, stopped = numpy.full((2, width), -1.0), numpy.zeros(2, dtype=bool)
+    actions = 1e5 + 1e4 * numpy.arange(2.0 * plants.valves).reshape(2, -1)
+    for other in layouts(actions):
+        with pytest.raises(mckibben.InputError, match=r"(?s)`actions` is not C-contiguous.*numpy.ascontiguousarray\(actions\)"):
+            plants.step(other, 0.01, shown, stopped)
+    for other in layouts(shown):
+        with pytest.raises(mckibben.InputError, match="(?s)`observations` is not C-contiguous.*numpy.ascontiguousarray"):
+            plants.step(actions, 0.01, other, stopped)
+        with pytest.raises(mckibben.InputError, match="`observations` is not C-contiguous"):
+            plants.observe(numpy.arange(2), other)
+        assert (other == -1.0).all()
+    for wrong in (actions.reshape(-1, 2), actions.reshape(1, -1)):
+        with pytest.raises(mckibben.InputError, match=rf"actions is of another shape, \({wrong.shape[0]}, {wrong.shape[1]}\)"):
+            plants.step(wrong, 0.01, shown, stopped)
+    assert (shown == -1.0).all() and (plants.time == 0.0).all()
+
+
+def test_tables_of_a_hosted_plant_must_be_c_contiguous(examples):
+    arm = mckibben.Scenario.from_file(examples / "plant" / "arm.toml")
+    plants = mckibben.HostedPlant(arm, 2, command_mode="request")
+    distances, commands = plants.distances.copy(), numpy.ones((2, len(plants.commands)))
+    distances[1] -= 1e-3
+    still = numpy.zeros_like(distances)
+    for other in layouts(distances):
+        for call in (lambda of: plants.begin(of, still), lambda of: plants.compute(of, still),
+                     lambda of: plants.step(of, commands, STEP)):
+            with pytest.raises(mckibben.InputError, match="`distances` is not C-contiguous"):
+                call(other)
+    for other in layouts(commands):
+        with pytest.raises(mckibben.InputError, match="`commands` is not C-contiguous"):
+            plants.step(distances, other, STEP)
+    assert plants.time == 0.0
+    plants.begin(distances, still)
+    states = plants.save()
+    for other in layouts(states):
+        plants.step(distances, commands, STEP)
+        plants.restore(other)
+        numpy.testing.assert_array_equal(plants.save(), states)
+
+
+def test_an_array_at_odd_addresses_is_refused(scenario):
+    odd = numpy.frombuffer(bytearray(8 * 6 + 1), dtype=numpy.float64, offset=1).reshape(3, 2)
+    assert odd.flags.c_contiguous and not odd.flags.aligned
+    odd[...] = [[2.0, 1e5], [2.5, 2e5], [3.0, 3e5]]
+    plants = mckibben.VectorPlant(scenario, 3, parameters=["load.mass", "initial.gauge_pressure"])
+    with pytest.raises(mckibben.InputError, match=r"(?s)`values` is not aligned.*values.copy\(\)"):
+        plants.start(odd)
+    plants.start(odd.copy())
+
+
+def test_a_number_counts_as_one_time(swing):
+    run = mckibben.simulate(swing)
+    numpy.testing.assert_array_equal(run.at_times(0.01)["length_m"], run.at_times([0.01])["length_m"])
+    with pytest.raises(TypeError, match="2 dimensions"):
+        run.at_times(numpy.zeros((1, 2)))
 
 
 # --- words ----------------------------------------------------------------------------------------------------------

@@ -53,6 +53,26 @@ def test_arrays_have_a_row_for_each_plant():
         plant().step(numpy.array([[numpy.nan]]), numpy.ones((1, 1)), 1e-3)
 
 
+def test_a_step_of_very_many_parts_is_that_of_shorter_steps():
+    """It is taken in spans, between which Ctrl-C is handled: the end is that of steps along the same line, to rounding."""
+    scenario = plant().scenario
+    whole, shorter = (mckibben.HostedPlant(scenario, 2, command_mode="request", max_step=1e-5) for _ in range(2))
+    begin, end = numpy.array([[0.09], [0.088]]), numpy.array([[0.087], [0.089]])
+    fill = numpy.array([[1.0], [-1.0]])
+    for of in (whole, shorter):
+        of.begin(begin, numpy.zeros((2, 1)))
+    whole.step(end, fill, 0.05)
+    for step in range(1, 51):
+        shorter.step(begin + step / 50 * (end - begin), fill, 1e-3)
+    assert whole.time == pytest.approx(shorter.time, rel=1e-12)
+    numpy.testing.assert_allclose(whole.observe(), shorter.observe(), rtol=1e-6, atol=1e-9)
+    numpy.testing.assert_array_equal(whole.distances, end)
+    before = whole.save()
+    with pytest.raises(mckibben.InputError, match="more than 1e7"):
+        whole.step(end, fill, 1000.0)
+    numpy.testing.assert_array_equal(whole.save(), before)
+
+
 def test_plants_together_are_those_alone():
     count = 200
     many, alone = plant(count), [plant() for _ in range(3)]

@@ -179,8 +179,14 @@ def test_requests_are_those_that_the_valve_can() -> None:
 
 
 def test_what_cannot_be_is_refused() -> None:
-    with pytest.raises(mckibben.InputError, match="no option"):
+    with pytest.raises(mckibben.InputError, match="no option.*scenario, targets, .*noise, .*render_mode, autoreset_mode"):
         made(1, nois={})
+    with pytest.raises(mckibben.InputError, match="`target` is no option.*scenario, targets, .*render_mode$"):
+        learning.Environment("HangingMass", target={"length_m": (0.07, 0.08)})
+    with pytest.raises(mckibben.InputError, match="(?s)foo.*`randomize`"):
+        made(1, randomize={"foo": (1.0, 2.0)})
+    with pytest.raises(mckibben.InputError, match="(?s)load.mas.*`parameters`"):
+        VectorPlant(learning.task("HangingMass").scenario, 2, parameters=["load.mas"])
     with pytest.raises(mckibben.InputError, match="is no column of this plant; name one of length_m"):
         made(1, targets={"angle_rad": (0.0, 1.0)})
     with pytest.raises(mckibben.InputError, match="is no column of this plant"):
@@ -197,8 +203,12 @@ def test_what_cannot_be_is_refused() -> None:
         plants.step(np.zeros((3, 1)), 1e-3, shown, stopped)
     with pytest.raises(mckibben.InputError, match="no step in time"):
         plants.step(np.zeros((2, 1)), -1e-3, shown, stopped)
-    with pytest.raises(mckibben.InputError, match="plant is meant that there is not"):
-        plants.restart(np.array([2]))
+    for wrong in (2, -1):
+        for call in (plants.restart, lambda rows: plants.observe(rows, shown)):
+            with pytest.raises(mckibben.InputError, match=rf"(?s)rows\[1\] = {wrong} is the index of no instance.*from 0 to 1"):
+                call(np.array([0, wrong]))
+    with pytest.raises(mckibben.InputError, match=r"rows\[2\] = 1 is the instance of rows\[0\] again"):
+        plants.restart(np.array([1, 0, 1]))
     assert not shown.any()
 
 

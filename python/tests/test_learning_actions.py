@@ -54,6 +54,20 @@ def kinds() -> list[Any]:
     ]
 
 
+@pytest.mark.parametrize("mode", ["duty", "request"])
+def test_actions_may_have_any_layout(mode: str) -> None:
+    """Those of an array in Fortran's order are those of the same rows in C's."""
+    one, other = (gymnasium.make_vec("mckibben/Joint-v0", num_envs=3, action_mode=mode) for _ in range(2))
+    for many in (one, other):
+        many.reset(seed=4)
+    one.action_space.seed(4)
+    for _ in range(3):
+        actions = one.action_space.sample()
+        assert actions.shape == (3, 2)
+        expected = one.step(actions)[0]
+        np.testing.assert_array_equal(other.step(np.asfortranarray(actions))[0], expected)
+
+
 def action_sequences(
     space: gymnasium.Space[Any], mode: str, steps: int, pulses: tuple[float, float] = (0.3, 0.8)
 ) -> tuple[np.ndarray, np.ndarray]:

@@ -144,6 +144,33 @@ def test_plants_whose_actuators_have_names_are_rebuilt_from_a_pickle(again, exam
     assert copied.columns == plants.columns and copied.defaults == plants.defaults and copied.valves == 6
 
 
+def test_hosted_plants_go_on_to_the_same_bits(rig, again):
+    plants = mckibben.HostedPlant(rig, 3, command_mode="request", pulse_frequency=PULSES, max_step=4e-4)
+    commands = numpy.array([[1.0], [0.0], [-1.0]] if rig.valve.kind == "fill-hold-exhaust" else [[1.0], [-1.0], [1.0]])
+
+    def step(which: mckibben.HostedPlant, lengths: numpy.ndarray) -> numpy.ndarray:
+        for length in lengths:
+            which.step(numpy.full((3, 1), length), commands, STEP)
+        return which.observe()
+
+    step(plants, length_series(17))
+    copied = again(plants)
+    assert copied.count == 3 and copied.commands == plants.commands and copied.scenario == rig and copied.time == plants.time
+    numpy.testing.assert_array_equal(copied.save(), plants.save())
+    expected = step(plants, length_series(20))
+    numpy.testing.assert_array_equal(step(copied, length_series(20)), expected)
+    # The clock is no sum of steps, and goes on as that of the other.
+    assert copied.time == plants.time
+    numpy.testing.assert_array_equal(copied.save(), plants.save())
+
+
+def test_statics(swing, again):
+    statics = mckibben.Statics(swing)
+    copied = again(statics)
+    assert copied.scenario == swing
+    numpy.testing.assert_array_equal(copied.force([0.08, 0.085], 2e5), statics.force([0.08, 0.085], 2e5))
+
+
 def test_a_response_has_all_of_its_numbers(swing, again):
     actuator = mckibben.Actuator(swing, pulse_frequency=25.0)
     _, _, response = actuator.step(actuator.start(), 0.084, -0.01, None, STEP)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import pickle
 
 import numpy
@@ -131,6 +132,22 @@ def test_attributes_cannot_change_the_scenario(examples):
     mass = scenario.load.mass
     scenario.to_dict()["load"]["mass"] = "1 kg"
     assert scenario.load.mass == mass
+
+
+def test_a_section_is_immutable_and_can_be_copied(examples):
+    scenario = mckibben.Scenario.from_file(examples / "paper/fig-12.toml")
+    mass, viscous = scenario.load.mass, scenario.actuator.friction.viscous
+    with pytest.raises(AttributeError, match=r'`load.mass` cannot be set.*with_values\({"load.mass": 3.0}\)'):
+        scenario.load.mass = 3.0
+    with pytest.raises(AttributeError, match=r'with_values\({"actuator.friction.viscous": 9.0}\)'):
+        scenario.actuator.friction.viscous = 9.0
+    with pytest.raises(AttributeError, match="`load.mass` cannot be deleted"):
+        del scenario.load.mass
+    assert (scenario.load.mass, scenario.actuator.friction.viscous) == (mass, viscous)
+    for again in (copy.copy, copy.deepcopy, lambda section: pickle.loads(pickle.dumps(section))):
+        assert again(scenario.load) == scenario.load and again(scenario.actuator).friction.viscous == viscous
+        with pytest.raises(AttributeError, match="`actuator.friction.viscous` cannot be set"):
+            again(scenario.actuator).friction.viscous = 9.0
 
 
 def test_differences_are_reported_by_paths(examples):

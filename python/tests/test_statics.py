@@ -64,10 +64,22 @@ def test_what_is_out_of_reach_is_no_number(statics):
     assert math.isnan(statics.length_for(2e5, 1e5)), "more than the braid bears at its longest"
     assert math.isnan(statics.length_for(6e5, 0.0)), "it pulls harder than nothing at its shortest"
     assert math.isnan(statics.gauge_pressure_for(0.08, -1.0))
-    with pytest.raises(mckibben.InputError, match=r"length\[1\] = NaN"):
-        statics.force([0.08, math.nan], 2e5)
+    with pytest.raises(mckibben.InputError, match=r"length\[1\] = inf"):
+        statics.force([0.08, math.inf], 2e5)
     with pytest.raises(mckibben.InputError, match="max_gauge_pressure = "):
         statics.gauge_pressure_for(0.08, 1.0, max_gauge_pressure=-1.0)
+
+
+def test_no_number_gives_no_number(statics):
+    """What an inverse has returned can be passed on."""
+    pressure = statics.gauge_pressure_for(0.08, [10.0, 1e4])
+    assert math.isfinite(pressure[0]) and math.isnan(pressure[1])
+    for of in (statics.force, statics.stiffness, lambda *both: statics.stiffness(*both, sealed=True)):
+        numpy.testing.assert_array_equal(of(0.08, pressure), [of(0.08, pressure[0]), math.nan])
+        numpy.testing.assert_array_equal(of([math.nan, 0.08], pressure[0]), [math.nan, of(0.08, pressure[0])])
+    numpy.testing.assert_array_equal(statics.volume([0.08, math.nan]), [statics.volume(0.08), math.nan])
+    numpy.testing.assert_array_equal(statics.length_for(pressure, 10.0), [statics.length_for(pressure[0], 10.0), math.nan])
+    assert math.isnan(statics.gauge_pressure_for(0.08, math.nan))
 
 
 def test_a_sealed_muscle_has_no_supply_that_limits_it(swing):
@@ -88,6 +100,7 @@ def test_curves_are_arrays_a_tidy_frame_and_a_figure(scenario, statics):
     figure = curves.plot("stiffness_n_m", over="contraction")
     (axes,) = figure.axes
     assert axes.get_ylabel() == "stiffness_n_m" and [text.get_text() for text in axes.get_legend().texts] == ["2 bar", "4 bar"]
+    numpy.testing.assert_array_equal(mckibben.curves(scenario, 4e5)["force_n"], curves["force_n"][1:])
     with pytest.raises(KeyError, match="forces.*force_n"):
         curves["forces"]
     with pytest.raises(mckibben.InputError, match=r"gauge_pressures\[1\]"):

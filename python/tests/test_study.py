@@ -74,6 +74,35 @@ def test_frames_and_units_give_the_same_estimates(table, rig, lengths, found):
         assert again[name].value == pytest.approx(found[name].value, rel=1e-6)
 
 
+def test_masked_cells_are_missing_as_those_that_are_nan(rig, lengths):
+    masked = numpy.zeros(TIMES.size, dtype=bool)
+    masked[100:140] = True
+    # What lies under the mask is far from the truth.
+    wrong = numpy.where(masked, 0.09, lengths)
+    of_mask = mckibben.identify(study(rig, {"t": TIMES, "L": numpy.ma.masked_array(wrong, masked)}))
+    of_nan = mckibben.identify(study(rig, {"t": TIMES, "L": numpy.where(masked, numpy.nan, lengths)}))
+    assert of_mask.estimates == of_nan.estimates
+    assert len(of_mask.predictions[0].measured) == TIMES.size - 40
+
+
+def test_a_column_of_dates_is_refused_with_its_type(rig, lengths):
+    since = (TIMES * 1e9).astype("timedelta64[ns]")
+    for times, words in [(numpy.datetime64("2020-01-01") + since, r"datetime64\[ns\].*\(column - column\[0\]\) / numpy"),
+                         (since, r"timedelta64\[ns\].*such as column / numpy")]:
+        for table in (dict, pandas.DataFrame):
+            with pytest.raises(mckibben.InputError, match="the column `t` of the run `swing` is of type " + words):
+                mckibben.identify(study(rig, table({"t": times, "L": lengths})))
+
+
+@pytest.mark.parametrize("one", [dict, pandas.DataFrame, mckibben.Run])
+def test_one_run_needs_no_sequence(one, rig, lengths, found):
+    data = {"t": TIMES, "L": lengths}
+    alone = mckibben.Study(
+        kind="trajectories", scenario=rig, runs=one(data), columns={"time": "t", "length": "L"}, fit=FIT
+    )
+    assert mckibben.identify(alone)["load.mass"].value == found["load.mass"].value
+
+
 def test_columns_with_separate_times_are_in_separate_tables(rig, lengths):
     run = mckibben.simulate(rig.with_values(TRUTH))
     pressures = run.at_times(TIMES[::3])["gauge_pressure_pa"]

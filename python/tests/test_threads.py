@@ -230,6 +230,10 @@ def endless(scenario: mckibben.Scenario, what: str):
         plants = mckibben.VectorPlant(scenario.with_values({"run.engine": "fixed-step", "run.step": "1 us"}), 40)
         shown, stopped = numpy.zeros((40, len(plants.columns))), numpy.zeros(40, dtype=bool)
         return functools.partial(plants.step, numpy.full((40, 1), 0.5), 9.0, shown, stopped), lambda: len(plants)
+    if what == "hosted":
+        hosted = mckibben.HostedPlant(scenario, 2, command_mode="request", max_step=1e-6)
+        call = functools.partial(hosted.step, numpy.full((2, 1), 0.085), numpy.ones((2, 1)), 9.0)
+        return call, lambda: (hosted.time, hosted.distances.tobytes(), hosted.save().tobytes())
     long = scenario.with_values({"run.duration": "3600 s"})
     if what == "study":
         data = {"t": numpy.linspace(0.0, 3600.0, 100), "L": numpy.full(100, 0.09)}
@@ -242,7 +246,7 @@ def endless(scenario: mckibben.Scenario, what: str):
     return functools.partial(call, function.defaults), lambda: short(short.defaults).tobytes()
 
 
-@pytest.mark.parametrize("what", ["actuator", "actuators", "plants", "study", "values", "slopes"])
+@pytest.mark.parametrize("what", ["actuator", "actuators", "plants", "hosted", "study", "values", "slopes"])
 def test_a_long_call_ends_at_an_interrupt(what, scenario, interrupted):
     """The signal that Ctrl-C sends arrives while the call is under way; what there was before is there after it."""
     call, seen = endless(scenario, what)

@@ -8,13 +8,13 @@ use crate::arguments::{self, fitting};
 use crate::exceptions::{OrException, exception};
 use crate::pool;
 use crate::scenario::Scenario;
-use crate::typed::{Count, Given, Items, MemberWord, NewArguments, Numbers, PrecisionWord, Table};
+use crate::typed::{Copied, Count, Given, Items, MemberWord, NewArguments, Numbers, PrecisionWord, Table};
 use mckibben::parameter;
 use mckibben::plant::{PlantRow, PlantSteps};
 use mckibben_batch::{PlantBatch, Precision};
 use mckibben_identify::adjustable::Adjustable;
 use mckibben_run::failure::Failure;
-use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadwriteArray1};
+use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadwriteArray1, PyUntypedArrayMethods};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use std::collections::BTreeMap;
@@ -28,8 +28,8 @@ const EACH: usize = 20 << 10;
 
 /// Many actuators of one scenario, each with its own air, valve and hysteresis, stepped together on arrays.
 ///
-/// The caller owns the arrays: `step` reads and writes them in place. They are one-dimensional and contiguous, of float64, with
-/// one element for each actuator. They are stepped side by side in the vector registers of the processor, and by all cores where
+/// The caller owns the arrays: `step` reads and writes them in place. They are one-dimensional and C-contiguous, of float64,
+/// with one element for each actuator. They are stepped side by side in the vector registers of the processor, and by all cores where
 /// they are many. Each is bit-identical to a scalar `Actuator`.
 ///
 /// Parameters
@@ -43,7 +43,7 @@ const EACH: usize = 20 << 10;
 /// parameters : sequence of str, optional
 ///     Paths of the parameters that differ between the actuators, such as "actuator.turns". Not together with `name`.
 /// values : numpy.ndarray, optional
-///     Values of `parameters` in SI, float64 of shape (count, len(parameters)). Required with `parameters`.
+///     Values of `parameters` in SI, float64 of shape (count, len(parameters)), of any memory layout. Required with `parameters`.
 /// pulse_frequency : float, optional
 ///     Frequency in Hz, above zero, of the pulses of a duty cycle. By default that of the scenario's PWM. Required where the
 ///     valve has poppets and the scenario has no PWM.
@@ -182,7 +182,7 @@ impl<'py> Answers<'py> {
         for ((array, given), name) in arrays.iter_mut().zip(given).zip(names) {
             if let Some(given) = given {
                 let borrowed = given.write(name)?;
-                fitting(name, borrowed.as_slice().ok().map(<[f64]>::len), count).or_exception()?;
+                fitting(name, borrowed.len(), count).or_exception()?;
                 *array = Some(borrowed);
             }
         }
@@ -192,7 +192,7 @@ impl<'py> Answers<'py> {
     /// The tension, which is always there, and the others.
     fn slices(&mut self) -> (&mut [f64], [Option<&mut [f64]>; 3]) {
         let [tension, others @ ..] = self.0.each_mut();
-        // They have been found to have no gaps.
+        // They are C-contiguous, or they would not have been borrowed.
         let tension = tension.as_mut().and_then(|array| array.as_slice_mut().ok()).unwrap_or_default();
         (tension, others.map(|array| array.as_mut().and_then(|array| array.as_slice_mut().ok())))
     }
@@ -201,7 +201,7 @@ impl<'py> Answers<'py> {
 /// Numbers that a step reads, one for each row.
 fn read<'py>(name: &str, given: &Given<'py>, count: usize) -> PyResult<PyReadonlyArray1<'py, f64>> {
     let array = given.read(name)?;
-    fitting(name, array.as_slice().ok().map(<[f64]>::len), count).or_exception()?;
+    fitting(name, array.len(), count).or_exception()?;
     arguments::finite(name, array.as_slice()?).or_exception()?;
     Ok(array)
 }
@@ -293,12 +293,18 @@ impl Actuators {
         let model = Model::of(scenario.get(), name.as_deref(), pulse_frequency).or_exception()?;
         let mut rows = Vec::new();
         rows.try_reserve_exact(count).map_err(|_| arguments::no_room(count, "actuators", each))?;
-        let values = values.map(|values| values.read("values")).transpose()?;
-        let values = values.as_ref().map(|values| values.as_slice()).transpose()?.unwrap_or_default().to_vec();
+        let values = values.map(|values| values.copied("values")).transpose()?;
+        let shape = values.as_ref().map(|values| values.shape.clone());
+        let values = values.map(|values| values.entries).unwrap_or_default();
+        let remedy = "give `values` as an array of shape (count, len(parameters)), in SI";
         if values.len() != count * parameters.len() {
             let title =
                 format!("{} values are given for {count} actuators with {} parameters", values.len(), parameters.len());
-            let remedy = "give `values` as an array of shape (count, len(parameters)), in SI";
+            return Err(Failure::input(title, remedy)).or_exception();
+        }
+        if let Some(shape) = shape.filter(|shape| *shape != [count, parameters.len()] && !values.is_empty()) {
+            let of = format!("{count} actuators with {} parameters", parameters.len());
+            let title = format!("values of shape {} are given for {of}", arguments::tuple(&shape));
             return Err(Failure::input(title, remedy)).or_exception();
         }
         match parameters.len() {
@@ -512,11 +518,10 @@ impl Actuators {
     }
 
     fn __setstate__(&self, numbers: Table<'_>) -> PyResult<()> {
-        let numbers = numbers.read("state")?;
-        let rows = numbers.as_array();
-        let state = |row: &[f64]| ActuatorState::of_numbers(row);
+        let Copied { entries, shape } = numbers.copied("state")?;
+        let width = shape.last().copied().unwrap_or_default().max(1);
         let states: Vec<ActuatorState> =
-            rows.rows().into_iter().map(|row| state(&row.to_vec())).collect::<Result<_, _>>().or_exception()?;
+            entries.chunks(width).map(ActuatorState::of_numbers).collect::<Result<_, _>>().or_exception()?;
         if states.len() != self.count {
             let title = format!("{} states are given for {} actuators", states.len(), self.count);
             return Err(Failure::input(title, "give one for each")).or_exception();

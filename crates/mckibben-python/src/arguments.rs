@@ -38,13 +38,29 @@ pub(crate) fn number(name: &str, value: f64, unit: &str, range: &str, is_in: boo
     }
 }
 
-/// Refuses an array without the right number of entries, or with gaps between them.
-pub(crate) fn fitting(name: &str, slice: Option<usize>, count: usize) -> Result<(), Failure> {
-    let remedy = format!("give an array of {count} numbers (float64) without gaps, one for each actuator");
-    match slice {
-        Some(length) if length == count => Ok(()),
-        Some(length) => Err(Failure::input(format!("{name} has {length} entries for {count} actuators"), remedy)),
-        None => Err(Failure::input(format!("{name} has gaps between its entries"), remedy)),
+/// Refuses an array without the right number of entries.
+pub(crate) fn fitting(name: &str, length: usize, count: usize) -> Result<(), Failure> {
+    if length == count {
+        return Ok(());
+    }
+    let remedy = format!("give a C-contiguous array of {count} numbers (float64), one for each actuator");
+    Err(Failure::input(format!("{name} has {length} entries for {count} actuators"), remedy))
+}
+
+/// Refuses an array of entries of a NumPy type that does not have the shape that it must have.
+pub(crate) fn shaped(name: &str, kind: &str, given: &[usize], due: &[usize]) -> Result<(), Failure> {
+    if given == due {
+        return Ok(());
+    }
+    let title = format!("{name} is of another shape, {}", tuple(given));
+    Err(Failure::input(title, format!("give a C-contiguous array of shape {} of {kind}", tuple(due))))
+}
+
+/// A shape as NumPy writes it.
+pub(crate) fn tuple(shape: &[usize]) -> String {
+    match shape {
+        [length] => format!("({length},)"),
+        _ => format!("({})", shape.iter().map(usize::to_string).collect::<Vec<_>>().join(", ")),
     }
 }
 

@@ -1,14 +1,16 @@
 //! The plant of a scenario whose ends a robot's simulator moves: the class `HostedPlant`, and the plugin for MuJoCo.
 
+use crate::actuator::{check_dt, check_parts};
 use crate::arguments;
 use crate::exceptions::{OrException, exception};
-use crate::pace::{Pace, Span};
+use crate::pace::{Pace, PaceParts, Span};
 use crate::pool;
 use crate::scenario::Scenario;
-use crate::typed::{Count, Matrix, PrecisionWord, Table};
+use crate::typed::{Copied, Count, Matrix, NewArguments, PrecisionWord, Table};
 use mckibben_run::failure::Failure;
 use mckibben_run::host::{HostBatch, HostOptions, HostPlant};
-use numpy::{PyArray1, PyArrayMethods};
+use numpy::{PyArray1, PyArrayMethods, PyUntypedArrayMethods};
+use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 
 /// Register the plugin of MuJoCo with the MuJoCo that is loaded.
@@ -23,6 +25,8 @@ pub(crate) fn _register_mujoco() -> PyResult<()> {
 /// All actuators of the scenario, with the air network that they share, are one plant. The loads and mechanisms of the scenario
 /// are not used: the simulator moves the ends. `count` plants, each with its own state, are stepped together, side by side in the
 /// vector registers of the processor; many of them on all cores. Each is bit-identical to a plant alone.
+///
+/// Arrays have a row for each plant. Those of distances, velocities and commands are read in place, and are C-contiguous.
 ///
 /// Parameters
 /// ----------
@@ -48,7 +52,8 @@ pub(crate) fn _register_mujoco() -> PyResult<()> {
 ///
 /// Notes
 /// -----
-/// Take the tensions at t, make your own step with them, then call `step` with the new distances.
+/// Take the tensions at t, make your own step with them, then call `step` with the new distances. A copy, or a plant from a pickle,
+/// continues bit-identically.
 ///
 /// Examples
 /// --------
@@ -74,12 +79,24 @@ pub(crate) fn _register_mujoco() -> PyResult<()> {
 ///     (True, ['actuator.request'])
 #[pyclass(module = "mckibben")]
 pub(crate) struct HostedPlant {
+    scenario: Py<Scenario>,
+    /// The arguments of the constructor, for pickling.
+    command_mode: Option<String>,
+    pulse_frequency: Option<f64>,
+    max_step: Option<f64>,
+    precision: PrecisionWord,
     batch: HostBatch,
     pace: Pace,
 }
 
+/// States of the plants as `save` returns them, and their clock.
+type State<'py> = (Matrix<'py>, PaceParts);
+
 /// Memory that a plant takes at least, in bytes.
 const EACH: usize = 4096;
+
+/// Parts of a step between two checks for Ctrl-C. It does not depend on the number of plants, so that each goes on as alone.
+const PARTS_PER_CHECK: f64 = 1000.0;
 
 impl HostedPlant {
     fn width(&self) -> usize {
@@ -88,18 +105,8 @@ impl HostedPlant {
 
     /// The numbers of a table with one row for each plant.
     fn rows<'a>(&self, name: &str, table: &'a numpy::PyReadonlyArray2<'_, f64>, width: usize) -> PyResult<&'a [f64]> {
-        let wrong = || {
-            let shape = format!("({}, {width})", self.batch.count());
-            exception(&Failure::input(
-                format!("`{name}` is no array of the shape {shape} without gaps"),
-                "give one row for each plant",
-            ))
-        };
-        let numbers = table.as_slice().map_err(|_| wrong())?;
-        let [rows, columns] = [table.as_array().nrows(), table.as_array().ncols()];
-        if rows != self.batch.count() || columns != width {
-            return Err(wrong());
-        }
+        arguments::shaped(name, "float64", table.shape(), &[self.batch.count(), width]).or_exception()?;
+        let numbers = table.as_slice()?;
         arguments::finite_table(name, numbers, width).or_exception()?;
         Ok(numbers)
     }
@@ -118,6 +125,35 @@ impl HostedPlant {
         py.detach(|| pool::share(is_much, on_threads)?).or_exception()
     }
 
+    /// Parts of a step of so many s, and edges of the pulses in it.
+    fn parts(&self, dt: f64) -> f64 {
+        let parts = self.max_step.map_or(1.0, |longest| (dt / longest).ceil().max(1.0));
+        let commands = self.batch.model().commands().iter();
+        let fastest = commands.filter_map(|input| input.mode.pulse_frequency()).fold(0.0, f64::max);
+        parts + 2.0 * dt * fastest
+    }
+
+    /// Advances all plants along straight lines in several spans, and checks for Ctrl-C between them.
+    fn advance_in_spans(
+        &mut self,
+        py: Python<'_>,
+        spans: u64,
+        until: f64,
+        distances: &[f64],
+        commands: &[f64],
+    ) -> PyResult<()> {
+        let (from, begin) = (self.pace.now(), self.batch.distances().to_vec());
+        self.share(py, |batch| batch.command(commands))?;
+        for span in 1..spans {
+            let share = span as f64 / spans as f64;
+            let ends: Vec<f64> =
+                begin.iter().zip(distances).map(|(begin, end)| begin + share * (end - begin)).collect();
+            self.share(py, |batch| batch.advance(from + share * (until - from), &ends))?;
+            py.check_signals()?;
+        }
+        self.share(py, |batch| batch.advance(until, distances))
+    }
+
     /// What has stopped the first plant that has stopped.
     fn check(&self) -> PyResult<()> {
         self.batch.first_failure().map_or(Ok(()), |failure| Err(exception(&failure)))
@@ -130,7 +166,7 @@ impl HostedPlant {
     #[pyo3(signature = (scenario, count = Count(1), *, command_mode = None, pulse_frequency = None, max_step = None, precision = PrecisionWord::from("double")))]
     fn new(
         py: Python<'_>,
-        scenario: &Scenario,
+        scenario: Py<Scenario>,
         count: Count,
         command_mode: Option<String>,
         pulse_frequency: Option<f64>,
@@ -139,14 +175,14 @@ impl HostedPlant {
     ) -> PyResult<Self> {
         let options =
             HostOptions { command_mode: command_mode.as_deref(), pulse_frequency, max_step, ..HostOptions::default() };
-        let plant = HostPlant::read(&scenario.document, &options).or_exception()?;
+        let plant = HostPlant::read(&scenario.get().document, &options).or_exception()?;
         if count.0 == 0 {
             return Err(exception(&Failure::input("count = 0 plants cannot be stepped", "give a count of 1 or more")));
         }
         arguments::room(py, count.0, "plants", EACH)?;
         let batch = HostBatch::with_precision(std::iter::repeat_n(plant, count.0), precision.read().or_exception()?)
             .or_exception()?;
-        Ok(Self { batch, pace: Pace::default() })
+        Ok(Self { scenario, command_mode, pulse_frequency, max_step, precision, batch, pace: Pace::default() })
     }
 
     /// Names of the actuators, in the order of the columns of `distances`.
@@ -197,7 +233,7 @@ impl HostedPlant {
     /// Raises
     /// ------
     /// InputError
-    ///     An array has another shape, or an actuator cannot have such a distance.
+    ///     An array has another shape or is not C-contiguous, or an actuator cannot have such a distance.
     fn begin(&mut self, py: Python<'_>, distances: Table<'_>, velocities: Table<'_>) -> PyResult<()> {
         let (distances, velocities) = (distances.read("distances")?, velocities.read("velocities")?);
         let width = self.width();
@@ -225,7 +261,7 @@ impl HostedPlant {
     /// Raises
     /// ------
     /// InputError
-    ///     An array has another shape, or an actuator cannot have such a distance.
+    ///     An array has another shape or is not C-contiguous, or an actuator cannot have such a distance.
     /// SimulationError
     ///     A plant has stopped.
     fn compute<'py>(
@@ -261,22 +297,39 @@ impl HostedPlant {
     /// Raises
     /// ------
     /// InputError
-    ///     An array has another shape, or a valve does not take such a command; no plant has moved.
+    ///     An array has another shape or is not C-contiguous, a valve does not take such a command, or there are more than
+    ///     10 000 000 parts and edges of pulses; no plant has moved.
     /// SimulationError
     ///     The step leads a plant to a non-physical state. The others have taken the step. That plant has stopped: until `begin` or
     ///     `restore`, its later steps raise as well.
+    ///
+    /// Notes
+    /// -----
+    /// Ctrl-C ends a step of many parts; then all plants are in their states before the step.
     fn step(&mut self, py: Python<'_>, distances: Table<'_>, commands: Table<'_>, dt: f64) -> PyResult<()> {
-        crate::actuator::check_dt(dt).or_exception()?;
+        check_dt(dt).or_exception()?;
         let (distances, commands) = (distances.read("distances")?, commands.read("commands")?);
         let (width, inputs) = (self.width(), self.batch.model().commands().len());
         let distances = self.rows("distances", &distances, width)?;
         let commands = self.rows("commands", &commands, inputs)?;
         let pace = self.pace.on(Span { duration: dt, steps: 1 });
         let until = pace.now();
-        self.share(py, |batch| {
-            batch.command(commands)?;
-            batch.advance(until, distances)
-        })?;
+        let parts = self.parts(dt);
+        check_parts(parts, dt).or_exception()?;
+        let spans = (parts / PARTS_PER_CHECK).ceil().max(1.0) as u64;
+        match spans {
+            1 => self.share(py, |batch| {
+                batch.command(commands)?;
+                batch.advance(until, distances)
+            })?,
+            _ => {
+                let before = self.batch.clone();
+                if let Err(error) = self.advance_in_spans(py, spans, until, distances, commands) {
+                    self.batch = before;
+                    return Err(error);
+                }
+            }
+        }
         // A step that was refused took no time.
         self.pace = pace;
         self.check()
@@ -319,23 +372,48 @@ impl HostedPlant {
     /// Parameters
     /// ----------
     /// states : ndarray
-    ///     States from `save`.
+    ///     States from `save`, of any memory layout.
     ///
     /// Raises
     /// ------
     /// InputError
     ///     The numbers are no states of these plants.
     fn restore(&mut self, py: Python<'_>, states: Table<'_>) -> PyResult<()> {
-        let states = states.read("states")?;
-        let width = self.batch.state_size();
-        let wrong =
-            || Failure::input("`states` is no array that `save` has returned", "give such an array, of as many plants");
-        let numbers = states.as_slice().map_err(|_| exception(&wrong()))?;
-        if numbers.len() != self.batch.count() * width {
-            return Err(wrong()).or_exception();
+        let Copied { entries, shape } = states.copied("states")?;
+        if shape != [self.batch.count(), self.batch.state_size()] {
+            let title = "`states` is no array that `save` has returned";
+            return Err(Failure::input(title, "give such an array, of as many plants")).or_exception();
         }
-        self.share(py, |batch| batch.restore(numbers))?;
+        self.share(py, |batch| batch.restore(&entries))?;
         self.pace = Pace::at(self.time());
+        Ok(())
+    }
+
+    /// Scenario of the plants.
+    #[getter]
+    fn scenario(&self, py: Python<'_>) -> Py<Scenario> {
+        self.scenario.clone_ref(py)
+    }
+
+    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<NewArguments<'py, (Py<Scenario>, usize)>> {
+        let named = [
+            ("command_mode", (&self.command_mode).into_bound_py_any(py)?),
+            ("pulse_frequency", self.pulse_frequency.into_bound_py_any(py)?),
+            ("max_step", self.max_step.into_bound_py_any(py)?),
+            ("precision", self.precision.clone().into_bound_py_any(py)?),
+        ];
+        Ok(((self.scenario.clone_ref(py), self.batch.count()), named.into()))
+    }
+
+    /// Return the states of the plants and their clock.
+    fn __getstate__<'py>(&mut self, py: Python<'py>) -> PyResult<State<'py>> {
+        Ok((self.save(py)?, self.pace.parts()))
+    }
+
+    fn __setstate__(&mut self, py: Python<'_>, state: (Table<'_>, PaceParts)) -> PyResult<()> {
+        let (states, pace) = state;
+        self.restore(py, states)?;
+        self.pace = Pace::of_parts(pace);
         Ok(())
     }
 

@@ -59,6 +59,9 @@ mod vector_plant;
 /// Compiled part of the package `mckibben`.
 #[pyo3::pymodule]
 mod _mckibben {
+    use numpy::{PyArray1, PyArrayMethods};
+    use pyo3::prelude::*;
+
     #[pymodule_export]
     use crate::actuator::{Actuator, ActuatorState, Response};
     #[pymodule_export]
@@ -89,6 +92,19 @@ mod _mckibben {
     use crate::trajectory::{Event, Trajectory, simulate};
     #[pymodule_export]
     use crate::vector_plant::VectorPlant;
+
+    /// Gets what NumPy has for compiled code, once: where that is done within a run, Ctrl-C may end it, which rust-numpy takes for a
+    /// missing NumPy and panics.
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        let py = module.py();
+        // A NumPy that is missing is an exception of the import.
+        py.import("numpy")?;
+        numpy::npyffi::is_numpy_2(py);
+        // The first borrow gets the table of borrows.
+        drop(PyArray1::<f64>::zeros(py, 1, false).try_readwrite());
+        Ok(())
+    }
 
     /// The version of the package.
     #[pymodule_export]

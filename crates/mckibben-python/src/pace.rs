@@ -8,6 +8,9 @@ pub(crate) struct Span {
     pub(crate) steps: u64,
 }
 
+/// Origin and duration of a span of a clock in s, and how many spans have passed.
+pub(crate) type PaceParts = (f64, f64, u64);
+
 /// A clock that is not summed: after as many equal spans it is at as many times a span.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Pace {
@@ -20,6 +23,16 @@ impl Pace {
     /// The clock at a time in s.
     pub(crate) fn at(origin: f64) -> Self {
         Self { origin, ..Self::default() }
+    }
+
+    /// The clock of a pickle.
+    pub(crate) fn of_parts((origin, duration, count): PaceParts) -> Self {
+        Self { origin, duration, count }
+    }
+
+    /// What a pickle holds of the clock.
+    pub(crate) fn parts(&self) -> PaceParts {
+        (self.origin, self.duration, self.count)
     }
 
     /// The clock after another span.

@@ -18,16 +18,21 @@ pub(crate) struct _Statics {
 }
 
 impl _Statics {
-    /// A value for each pair of numbers of two arrays; NaN where there is none.
+    /// A value for each pair of numbers of two arrays; NaN where there is none, and where a number is NaN, as in what an inverse
+    /// has returned out of reach.
     fn each<'py>(
         py: Python<'py>,
         (names, first, second): ([&str; 2], &[f64], &[f64]),
         value: impl Fn(f64, f64) -> Option<f64> + Sync,
     ) -> PyResult<Numbers<'py>> {
-        [first, second].into_iter().zip(names).try_for_each(|(of, name)| arguments::finite(name, of)).or_exception()?;
+        [first, second].into_iter().zip(names).try_for_each(|(of, name)| not_infinite(name, of)).or_exception()?;
         let values = py.detach(|| {
             let pairs = first.iter().zip(second);
-            pairs.map(|(first, second)| value(*first, *second).unwrap_or(f64::NAN)).collect()
+            let value = |(first, second): (&f64, &f64)| match first.is_nan() || second.is_nan() {
+                true => f64::NAN,
+                false => value(*first, *second).unwrap_or(f64::NAN),
+            };
+            pairs.map(value).collect()
         });
         Ok(Numbers(PyArray1::from_vec(py, values).into_any()))
     }
@@ -50,6 +55,17 @@ impl _Statics {
             let pressure = GaugePressure(gauge).absolute(atmosphere).0;
             self.reaches(length, gauge).then(|| value(&self.actuator, length, pressure))
         })
+    }
+}
+
+/// Refuses infinite numbers of an array of one dimension.
+fn not_infinite(name: &str, numbers: &[f64]) -> Result<(), Failure> {
+    match numbers.iter().position(|number| number.is_infinite()) {
+        None => Ok(()),
+        Some(at) => Err(Failure::input(
+            format!("{name}[{at}] = {:?} is infinite", numbers[at]),
+            format!("give finite numbers in `{name}`, or NaN where there is none"),
+        )),
     }
 }
 
@@ -80,17 +96,19 @@ impl _Statics {
         self.at(py, (&length, &gauge), |actuator, length, pressure| actuator.static_force(length, pressure).max(0.0))
     }
 
-    /// Stiffness in N/m at constant pressure (7).
+    /// Stiffness in N/m at constant pressure (7); zero where the muscle is slack.
     fn stiffness<'py>(&self, py: Python<'py>, length: Sequence, gauge: Sequence) -> PyResult<Numbers<'py>> {
         self.at(py, (&length, &gauge), |actuator, length, pressure| {
-            actuator.stiffness(length, mckibben::AbsolutePressure(pressure))
+            let is_slack = actuator.static_force(length, pressure) < 0.0;
+            if is_slack { 0.0 } else { actuator.stiffness(length, mckibben::AbsolutePressure(pressure)) }
         })
     }
 
-    /// Stiffness in N/m with the valve shut (5).
+    /// Stiffness in N/m with the valve shut (5); zero where the muscle is slack.
     fn sealed_stiffness<'py>(&self, py: Python<'py>, length: Sequence, gauge: Sequence) -> PyResult<Numbers<'py>> {
         self.at(py, (&length, &gauge), |actuator, length, pressure| {
-            actuator.sealed_stiffness(length, mckibben::AbsolutePressure(pressure))
+            let is_slack = actuator.static_force(length, pressure) < 0.0;
+            if is_slack { 0.0 } else { actuator.sealed_stiffness(length, mckibben::AbsolutePressure(pressure)) }
         })
     }
 

@@ -460,7 +460,7 @@ impl Trajectory {
     /// Parameters
     /// ----------
     /// times : array_like
-    ///     Times in s, from 0 to the end of the run.
+    ///     Times in s, from 0 to the end of the run, one or more.
     ///
     /// Returns
     /// -------

@@ -167,7 +167,7 @@ impl PrecisionWord {
 }
 
 /// Entries of arrays that are read or written in place.
-pub(crate) trait Entry: Element {
+pub(crate) trait Entry: Element + Copy {
     /// NumPy's name of them.
     const NAME: &'static str;
     const HINT: PyStaticExpr;
@@ -188,7 +188,10 @@ impl Entry for bool {
     const HINT: PyStaticExpr = of!(ARRAY, name!("numpy", "bool_"));
 }
 
-/// An array that the caller owns, borrowed by [`Given::read`] and [`Given::write`], which know the name of its argument.
+/// An array that the caller owns: used in its place by [`Given::read`] and [`Given::write`], copied by [`Given::copied`].
+///
+/// These are the only ways to its entries, so an array whose rows do not follow each other in memory, such as a transposed one,
+/// is never taken in the order of the memory. They know the name of its argument.
 pub(crate) struct Given<'py, T = f64, D = Ix1> {
     array: Bound<'py, PyAny>,
     of: PhantomData<(T, D)>,
@@ -211,14 +214,49 @@ impl<'a, 'py, T: Entry, D> FromPyObject<'a, 'py> for Given<'py, T, D> {
 }
 
 impl<'py, T: Entry, D: Dimension> Given<'py, T, D> {
-    /// The array, to be read.
+    /// Borrows the array to read it in its place. It is C-contiguous: its slice has the entries row by row.
     pub(crate) fn read(&self, name: &str) -> PyResult<PyReadonlyArray<'py, T, D>> {
-        self.named(name)?.try_readonly().map_err(|error| Self::refused(name, &error))
+        let array = self.named(name)?.try_readonly().map_err(|error| Self::refused(name, &error))?;
+        let remedy = format!("give numpy.ascontiguousarray({name})");
+        self.in_place(name, array.is_c_contiguous() && array.as_slice().is_ok(), &remedy).map(|()| array)
     }
 
-    /// The array, to be written.
+    /// Borrows the array to write to it in its place. It is C-contiguous, as that of [`Given::read`].
     pub(crate) fn write(&self, name: &str) -> PyResult<PyReadwriteArray<'py, T, D>> {
-        self.named(name)?.try_readwrite().map_err(|error| Self::refused(name, &error))
+        let array = self.named(name)?.try_readwrite().map_err(|error| Self::refused(name, &error))?;
+        let remedy =
+            "give an array of numpy.zeros, or the result of numpy.ascontiguousarray, and read the results there";
+        self.in_place(name, array.is_c_contiguous() && array.as_slice().is_ok(), remedy).map(|()| array)
+    }
+
+    /// Copies the entries row by row, from an array of any layout, with the lengths of its dimensions.
+    pub(crate) fn copied(&self, name: &str) -> PyResult<Copied<T>> {
+        let array = self.named(name)?.try_readonly().map_err(|error| Self::refused(name, &error))?;
+        // Entries at odd addresses cannot be read one by one.
+        let is_aligned = self.array.getattr("flags")?.getattr("aligned")?.is_truthy()?;
+        if !is_aligned {
+            return Err(Self::unaligned(name));
+        }
+        Ok(Copied { entries: array.as_array().iter().copied().collect(), shape: array.shape().to_vec() })
+    }
+
+    /// Refuses an array that cannot be used in its place.
+    fn in_place(&self, name: &str, can_be: bool, remedy: &str) -> PyResult<()> {
+        if can_be {
+            return Ok(());
+        }
+        if self.named(name)?.is_c_contiguous() {
+            return Err(Self::unaligned(name));
+        }
+        let title = format!("`{name}` is not C-contiguous: its entries do not follow each other in memory row by row");
+        Err(exception(&Failure::input(title, remedy)))
+    }
+
+    fn unaligned(name: &str) -> PyErr {
+        exception(&Failure::input(
+            format!("`{name}` is not aligned in memory: its entries are not at multiples of their size"),
+            format!("give {name}.copy()"),
+        ))
     }
 
     fn named(&self, name: &str) -> PyResult<&Bound<'py, PyArray<T, D>>> {
@@ -245,6 +283,12 @@ impl<'py, T: Entry, D: Dimension> Given<'py, T, D> {
             ),
         })
     }
+}
+
+/// Entries of an array in C order, in which the last index varies fastest, and the lengths of its dimensions.
+pub(crate) struct Copied<T = f64> {
+    pub(crate) entries: Vec<T>,
+    pub(crate) shape: Vec<usize>,
 }
 
 /// The name of an object's type.
@@ -369,7 +413,7 @@ fn shortened(digits: &str) -> String {
     }
 }
 
-/// Numbers in a sequence or an array of any type and layout.
+/// Numbers in a sequence or an array of any type and layout; a number counts as one.
 pub(crate) struct Sequence(pub(crate) Vec<f64>);
 
 impl<'a, 'py> FromPyObject<'a, 'py> for Sequence {
@@ -377,8 +421,17 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Sequence {
     const INPUT_TYPE: PyStaticExpr = name!("numpy.typing", "ArrayLike");
 
     fn extract(numbers: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
-        let array: PyArrayLike1<'py, f64, AllowTypeChange> = numbers.extract()?;
-        Ok(Self(array.as_array().iter().copied().collect()))
+        let error = match numbers.extract::<PyArrayLike1<'py, f64, AllowTypeChange>>() {
+            Ok(array) => return Ok(Self(array.as_array().iter().copied().collect())),
+            Err(error) => error,
+        };
+        match numbers.cast::<PyUntypedArray>().map_or(0, |array| array.ndim()) {
+            0 => numbers.extract().map(|number| Self(vec![number])).map_err(|_| error),
+            dimensions => {
+                let title = format!("an array with {dimensions} dimensions is given; give a number or one dimension");
+                Err(PyTypeError::new_err(title))
+            }
+        }
     }
 }
 

@@ -22,14 +22,18 @@ class Episodes:
 
     def __init__(self, task: Task, count: int, options: Options) -> None:
         self.task, self.count, self.options = task, count, options
-        self.plants = VectorPlant(
-            task.scenario,
-            count,
-            parameters=list(options.randomize),
-            action_mode=options.action_mode,
-            pulse_frequency=options.pulse_frequency,
-            precision=options.precision,
-        )
+        try:
+            self.plants = VectorPlant(
+                task.scenario,
+                count,
+                parameters=list(options.randomize),
+                action_mode=options.action_mode,
+                pulse_frequency=options.pulse_frequency,
+                precision=options.precision,
+            )
+        except InputError as error:
+            # The message names the argument that the caller gave.
+            raise InputError(str(error).replace("`parameters`", "`randomize`")) from None
         check(options.randomize, self.plants)
         self.period = options.period(self.plants)
         self.periods = options.steps(self.plants, self.period)
@@ -235,11 +239,12 @@ class Episodes:
             known = (given >= 0) & (given < choices) if given.dtype.kind in "biu" else np.zeros(shape, dtype=bool)
             if not known.all():
                 raise InputError(f"actions: {first(given, ~known)} is no request; give whole numbers from 0 to {choices - 1}")
-            return self._requests[given.astype(np.int64)].reshape(self.count, -1)
+            return np.ascontiguousarray(self._requests[given.astype(np.int64)].reshape(self.count, -1))
         finite = np.isfinite(given) if given.dtype.kind in "biuf" else np.zeros(shape, dtype=bool)
         if not finite.all():
             raise InputError(f"actions: {first(given, ~finite)} is no finite number; give {self._lowest():g} to 1")
-        commands = np.clip(given.astype(np.float64), self._lowest(), 1.0)
+        # The plants read them in place, whatever the layout of what was given.
+        commands = np.clip(np.ascontiguousarray(given, dtype=np.float64), self._lowest(), 1.0)
         return commands * self.options.max_pressure if self.options.action_mode == "set-point" else commands
 
     def targets(self, place: int) -> dict[str, float]:

@@ -19,8 +19,13 @@ from mckibben.learning._tasks import Task
 from mckibben.learning._tasks import task as named
 
 
-def made_of(task: str | Task, count: int, options: Mapping[str, Any]) -> tuple[Task, int, Options]:
-    """Return the task, the number of plants and the options from the arguments of an environment."""
+def made_of(
+    task: str | Task, count: int, options: Mapping[str, Any], also: tuple[str, ...] = ("render_mode",)
+) -> tuple[Task, int, Options]:
+    """Return the task, the number of plants and the options from the arguments of an environment.
+
+    `also` are the names of its other arguments, for messages.
+    """
     rest = dict(options)
     of_task = {name: value for name in ("scenario", "targets") if (value := rest.pop(name, None)) is not None}
     if isinstance(of_task.get("scenario"), (str, Path)):
@@ -34,7 +39,8 @@ def made_of(task: str | Task, count: int, options: Mapping[str, Any]) -> tuple[T
     known = Options.__dataclass_fields__
     for name in rest:
         if name not in known:
-            raise InputError(f"`{name}` is no option of an environment; name one of {', '.join(known)}")
+            names = ", ".join(["scenario", "targets", *known, *also])
+            raise InputError(f"`{name}` is no option of an environment; name one of {names}")
     return task, count, Options(**rest)
 
 

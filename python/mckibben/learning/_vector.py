@@ -54,7 +54,7 @@ class VectorEnvironment(VectorEnv[Observations, Any, Any], EzPickle):
         EzPickle.__init__(self, task, num_envs, autoreset_mode=autoreset_mode, render_mode=render_mode, **options)
         if num_envs < 1:
             raise InputError(f"num_envs = {num_envs} is no number of plants; give 1 or more")
-        self._episodes = Episodes(*made_of(task, num_envs, options))
+        self._episodes = Episodes(*made_of(task, num_envs, options, ("render_mode", "autoreset_mode")))
         self.num_envs, self.render_mode = num_envs, render_mode
         self.autoreset_mode = mode(autoreset_mode)
         self._frames = Frames(render_mode, self._episodes)

@@ -39,6 +39,12 @@ impl Model {
     pub(crate) fn of(scenario: &Scenario, name: Option<&str>, pulse_frequency: Option<f64>) -> Result<Self, Failure> {
         let document = &scenario.document;
         let of_core = |error| Failure::of_core(&error, document);
+        if name.is_none() && scenario.understood().is_some_and(mckibben_scenario::Scenario::has_joint) {
+            return Err(Failure::input(
+                "`name` is missing: the scenario is a joint, which has two actuators",
+                "give name=\"agonist\" or name=\"antagonist\"",
+            ));
+        }
         let alone = name.map(|name| member(scenario, name)).transpose()?;
         let experiment = match &alone {
             Some(alone) => alone.experiment().map_err(of_core)?,

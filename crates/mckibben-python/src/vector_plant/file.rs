@@ -58,9 +58,7 @@ impl File {
     /// Reads the plant, and finds the numbers at these paths.
     pub(super) fn read(scenario: Py<Scenario>, by: &[String]) -> Result<Self, Failure> {
         let Scenario { document, .. } = scenario.get();
-        let refused = |error: PlaceError| {
-            Failure::input(error.to_string(), "name another in `by`, or in `randomize` of an environment")
-        };
+        let refused = |error: PlaceError| Failure::input(error.to_string(), "name another in `parameters`");
         let failed = |error: mckibben::Error| Failure::of_core(&error, document);
         let (numbers, given, begin, run, valves, columns);
         match scenario.get().understood() {

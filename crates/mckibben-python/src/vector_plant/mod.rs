@@ -16,7 +16,7 @@ use crate::pace::Span;
 use crate::pool;
 use crate::scenario::Scenario;
 use crate::typed::{
-    ActionWord, Count, Flags, Items, NewArguments, Numbers as Array, PrecisionWord, Rows, Sequence, Table,
+    ActionWord, Copied, Count, Flags, Items, NewArguments, Numbers as Array, PrecisionWord, Rows, Sequence, Table,
 };
 use file::File;
 use fleet::Fleet;
@@ -25,14 +25,16 @@ use mckibben::simulation::MOST_PARTS;
 use mckibben::valve::{Command, Solenoid};
 use mckibben_run::failure::Failure;
 use mckibben_run::host::{CommandMode, Pulses};
-use numpy::PyArray1;
+use numpy::{PyArray1, PyUntypedArrayMethods};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
+use std::collections::BTreeMap;
 
 /// Many instances of a scenario's plant, stepped together on all cores, whose valves the caller commands.
 ///
 /// Each instance may be reset, with its own values of parameters, while the others continue. The environments of
-/// `mckibben.learning` are made of it. The caller owns the arrays, which are contiguous; they are read and written in place.
+/// `mckibben.learning` are made of it. The caller owns the arrays that `step` and `observe` use: they are C-contiguous, and are
+/// read and written in place. `values` and `rows` may have any memory layout.
 ///
 /// Parameters
 /// ----------
@@ -155,28 +157,28 @@ impl VectorPlant {
     }
 
     fn begin(&mut self, py: Python<'_>, values: Option<Table<'_>>) -> PyResult<()> {
-        let (values, count) = (values.map(|values| values.read("values")).transpose()?, self.count);
-        let (fleet, values) =
-            self.valued(values.as_ref().map(|of| of.as_slice()).transpose()?, count).or_exception()?;
+        let (values, count) = (values.map(|values| values.copied("values")).transpose()?, self.count);
+        let (fleet, values) = self.valued(values.as_ref(), count).or_exception()?;
         py.detach(|| pool::share(count > FEW, |keeps| fleet.begin(&values, keeps).map_err(of_plant))?).or_exception()
     }
 
     /// The plants with the values of each; a failure where they are as many as there should not be, or not finite.
-    fn valued<'a>(&'a mut self, values: Option<&'a [f64]>, count: usize) -> Result<Valued<'a>, Failure> {
+    fn valued<'a>(&'a mut self, values: Option<&'a Copied>, count: usize) -> Result<Valued<'a>, Failure> {
         let Self { fleet, parameters, given, .. } = self;
         let width = parameters.len();
-        arguments::finite_table("values", values.unwrap_or_default(), width)?;
-        let values = match values {
-            None => vec![given.as_slice(); count],
-            Some(values) if values.len() == count * width && width > 0 => values.chunks(width).collect(),
-            Some(_) if width == 0 => vec![[].as_slice(); count],
-            Some(values) => {
-                return Err(Failure::input(
-                    format!("{} values were given for {count} plants", values.len()),
-                    format!("give one row for each plant, with a value for each of {}, in SI", parameters.join(", ")),
-                ));
-            }
-        };
+        let Some(Copied { entries, shape }) = values else { return Ok((fleet, vec![given.as_slice(); count])) };
+        if *shape != [count, width] {
+            let [given, due] = [&shape[..], &[count, width]].map(arguments::tuple);
+            let remedy = match width {
+                0 => "leave `values` out: no `parameters` were named".to_owned(),
+                _ => {
+                    format!("give an array of shape {due}, in SI, with a column for each of {}", parameters.join(", "))
+                }
+            };
+            return Err(Failure::input(format!("values of shape {given} are given for {count} instances"), remedy));
+        }
+        arguments::finite_table("values", entries, width)?;
+        let values = if width == 0 { vec![[].as_slice(); count] } else { entries.chunks(width).collect() };
         Ok((fleet, values))
     }
 }
@@ -200,13 +202,30 @@ fn of_plant((row, failure): (usize, Failure)) -> Failure {
     failure.of(&format!("plant {row}"))
 }
 
-/// A table that the caller owns, of the shape that it must have.
-fn shaped(name: &str, slice: Option<usize>, (rows, columns): (usize, usize)) -> Result<(), Failure> {
-    if slice == Some(rows * columns) {
-        return Ok(());
+/// The indices of instances, of which there are so many.
+fn instances(rows: &Rows<'_>, count: usize) -> PyResult<Vec<usize>> {
+    let known = |(at, row): (usize, &i64)| {
+        usize::try_from(*row).ok().filter(|row| *row < count).ok_or_else(|| {
+            let remedy = match count.checked_sub(1) {
+                Some(last) => format!("give indices from 0 to {last}"),
+                None => "make a VectorPlant with a count of 1 or more".to_owned(),
+            };
+            Failure::input(format!("rows[{at}] = {row} is the index of no instance"), remedy)
+        })
+    };
+    rows.copied("rows")?.entries.iter().enumerate().map(known).collect::<Result<_, _>>().or_exception()
+}
+
+/// Refuses an instance that is named twice.
+fn check_each_once(rows: &[usize]) -> Result<(), Failure> {
+    let mut places = BTreeMap::new();
+    for (at, row) in rows.iter().enumerate() {
+        if let Some(first) = places.insert(*row, at) {
+            let title = format!("rows[{at}] = {row} is the instance of rows[{first}] again");
+            return Err(Failure::input(title, "give each index once"));
+        }
     }
-    let remedy = format!("give an array of shape ({rows}, {columns}) of float64 without gaps");
-    Err(Failure::input(format!("{name} is of another shape, or has gaps"), remedy))
+    Ok(())
 }
 
 #[pymethods]
@@ -250,28 +269,21 @@ impl VectorPlant {
     /// Parameters
     /// ----------
     /// rows : numpy.ndarray
-    ///     Indices of the instances, int64, from 0.
+    ///     Indices of the instances, int64, from 0, each once.
     /// values : numpy.ndarray, optional
     ///     Values of `parameters` in SI, float64 of shape (len(rows), len(parameters)); those of the scenario by default.
     ///
     /// Raises
     /// ------
     /// InputError
-    ///     There is no such instance, or a value is not valid.
+    ///     There is no such instance, an index is given twice, or a value is not valid; nothing has changed.
     #[pyo3(signature = (rows, values = None))]
     fn restart(this: &Bound<'_, Self>, py: Python<'_>, rows: Rows<'_>, values: Option<Table<'_>>) -> PyResult<()> {
         let mut plants = mine(this)?;
-        let (rows, count) = (rows.read("rows")?, plants.count);
-        let number = |row: &i64| usize::try_from(*row).ok().filter(|row| *row < count);
-        let unknown = |row: &i64| {
-            let remedy = format!("count the plants from 0 to {}", count.saturating_sub(1));
-            Failure::input(format!("rows: number {row} of a plant is meant that there is not"), remedy)
-        };
-        let rows = rows.as_slice()?.iter().map(|row| number(row).ok_or_else(|| unknown(row)));
-        let rows = rows.collect::<Result<Vec<_>, _>>().or_exception()?;
-        let values = values.map(|values| values.read("values")).transpose()?;
-        let (fleet, values) =
-            plants.valued(values.as_ref().map(|of| of.as_slice()).transpose()?, rows.len()).or_exception()?;
+        let rows = instances(&rows, plants.count)?;
+        check_each_once(&rows).or_exception()?;
+        let values = values.map(|values| values.copied("values")).transpose()?;
+        let (fleet, values) = plants.valued(values.as_ref(), rows.len()).or_exception()?;
         let rows: Vec<(usize, &[f64])> = rows.into_iter().zip(values).collect();
         py.detach(|| pool::share(rows.len() > FEW, |keeps| fleet.restart(&rows, keeps).map_err(of_plant))?)
             .or_exception()
@@ -294,8 +306,8 @@ impl VectorPlant {
     /// Raises
     /// ------
     /// InputError
-    ///     An action is not valid, an array is of another shape, or there are more than 10 000 000 steps and edges of pulses;
-    ///     nothing has changed.
+    ///     An action is not valid, an array is of another shape or not C-contiguous, or there are more than 10 000 000 steps and
+    ///     edges of pulses; nothing has changed.
     ///
     /// Notes
     /// -----
@@ -313,9 +325,8 @@ impl VectorPlant {
         let (valves, count, width) = (fleet.valves(), *count, *width);
         let (actions, mut observations, mut stopped) =
             (actions.read("actions")?, observations.write("observations")?, stopped.write("stopped")?);
-        let actions = actions.as_slice().ok();
-        shaped("actions", actions.map(<[f64]>::len), (count, valves)).or_exception()?;
-        let actions = actions.unwrap_or_default();
+        arguments::shaped("actions", "float64", actions.shape(), &[count, valves]).or_exception()?;
+        let actions = actions.as_slice()?;
         arguments::finite_table("actions", actions, valves).or_exception()?;
         crate::actuator::check_dt(dt).or_exception()?;
         let steps = (dt / *longest - ROUNDING).ceil().max(1.0);
@@ -326,9 +337,9 @@ impl VectorPlant {
                 .or_exception();
         }
         fleet.check(actions).map_err(of_plant).or_exception()?;
+        arguments::shaped("observations", "float64", observations.shape(), &[count, width]).or_exception()?;
+        arguments::shaped("stopped", "bool", stopped.shape(), &[count]).or_exception()?;
         let (observations, stopped) = (observations.as_slice_mut()?, stopped.as_slice_mut()?);
-        shaped("observations", Some(observations.len()), (count, width)).or_exception()?;
-        shaped("stopped", Some(stopped.len()), (count, 1)).or_exception()?;
         // Between spans Ctrl-C is handled; commands that are repeated meanwhile change nothing.
         let spans = (parts * count as f64 / PARTS_PER_CHECK).ceil().max(1.0);
         let span = Span { duration: dt / spans, steps: (steps / spans).ceil() as u64 };
@@ -359,12 +370,13 @@ impl VectorPlant {
     /// Raises
     /// ------
     /// InputError
-    ///     `observations` is of another shape.
+    ///     There is no such instance, or `observations` is of another shape or not C-contiguous.
     fn observe(&mut self, rows: Rows<'_>, observations: Table<'_>) -> PyResult<()> {
-        let (width, rows, mut observations) = (self.width, rows.read("rows")?, observations.write("observations")?);
+        let (width, rows) = (self.width, instances(&rows, self.count)?);
+        let mut observations = observations.write("observations")?;
+        arguments::shaped("observations", "float64", observations.shape(), &[self.count, width]).or_exception()?;
         let observations = observations.as_slice_mut()?;
-        shaped("observations", Some(observations.len()), (self.count, width)).or_exception()?;
-        for row in rows.as_slice()?.iter().filter_map(|row| usize::try_from(*row).ok()) {
+        for row in rows {
             if let Some(into) = observations.get_mut(row * width..(row + 1) * width) {
                 self.fleet.observe(row, into);
             }
