@@ -6,7 +6,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use mckibben_run::axis::HorizontalAxis;
 use mckibben_run::failure::Failure;
 use mckibben_run::quantities;
-use mckibben_scenario::Document;
+use mckibben_scenario::{Diagnostics, Document};
 use std::fmt;
 use std::str::FromStr;
 
@@ -60,7 +60,12 @@ impl Setting {
     /// # Errors
     /// When the key is no path; what the value is worth is found out when the scenario is read.
     pub fn apply(&self, document: &mut Document) -> Result<(), Failure> {
-        Ok(document.set_plain_from(NAME, &self.key, &self.value)?)
+        Ok(self.set_in(document)?)
+    }
+
+    /// As [`Setting::apply`], with the mistakes as they are.
+    pub(crate) fn set_in(&self, document: &mut Document) -> Result<(), Diagnostics> {
+        document.set_plain_from(NAME, &self.key, &self.value)
     }
 }
 

@@ -88,6 +88,24 @@ fn the_least_pressure_of_a_tension_is_that_of_the_paper() {
     assert_eq!(numbers["gauge_pressure_final_pa"], found["value"]);
 }
 
+/// The names that `simulate --format json` prints are those of the same numbers; what is found has the name with points.
+#[test]
+fn names_as_json_has_them_are_taken() {
+    let folder = Folder::new("design-names");
+    folder.file("muscle.toml", ISOMETRIC);
+    let options = ["muscle.toml", "--vary", "supply.gauge_pressure=1..8 bar", "--evaluations", "6", "--format", "json"];
+    let of = |objective: &str, constraint: &str| {
+        let more = ["--minimize", objective, "--subject-to", constraint];
+        json(&design(&folder, &[&options[..], &more].concat()))
+    };
+    let found = of("exergy_drawn_j", "tension_final_n>=100 N");
+    assert_eq!(found, of("exergy.drawn", "tension.final>=100 N"));
+    assert_eq!(
+        (&found["objective"], &found["constraints"][0]["name"]),
+        (&"exergy.drawn".into(), &"tension.final".into())
+    );
+}
+
 /// Where a hanging mass comes to rest is the balance of (3) with its weight; the numbers of the orbit are those of the rest.
 #[test]
 fn the_least_pressure_of_a_rest_is_that_of_the_paper() {

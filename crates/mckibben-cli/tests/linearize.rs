@@ -7,6 +7,7 @@ use mckibben_plot::Scale;
 use mckibben_run::linearize::{LinearModel, Request};
 use mckibben_scenario::Document;
 use serde_json::Value;
+use std::collections::BTreeSet;
 
 const PSI: f64 = 6_894.757_293_168_361;
 
@@ -190,6 +191,41 @@ fn a_joint_under_pulses_is_averaged_and_drawn() {
     assert!(svg.contains("angle over torque") && svg.contains("both valves held shut"), "{svg}");
 }
 
+/// The flow path into a manifold, which has no command, is called after the manifold; all names are unique.
+#[test]
+fn an_inlet_is_called_after_the_supply_that_it_feeds() {
+    let folder = Folder::new("linearize-inlet");
+    run(&folder, "examples/plant/arm.toml", &["--output", "model.json"]);
+    let json = read(&folder, "model.json");
+    let inputs = json["inputs"].as_array().expect("inputs");
+    let names: BTreeSet<&str> = inputs.iter().map(|input| input["name"].as_str().expect("a name")).collect();
+    assert_eq!(names.len(), inputs.len(), "{names:?}");
+    assert!(
+        names.contains("manifold.supply_opening") && !names.iter().any(|name| name.starts_with("valve-")),
+        "{names:?}"
+    );
+}
+
+/// No duty holds the pressure of the atmosphere: the message names the actuators that start there, and the key.
+#[test]
+fn actuators_without_pressure_are_named_where_no_command_holds_it() {
+    let folder = Folder::new("linearize-no-pressure");
+    let knee = "[supply]\ngauge_pressure = \"6 bar\"\n[valve]\nkind = \"three-way\"\nflow_area = \"1 mm^2\"\n\
+                [command]\nkind = \"pwm\"\nfrequency = \"20 Hz\"\nduty = 0.5\n\
+                [mechanism]\nkind = \"chain\"\n[mechanism.joints.knee]\nsegment = \"shank\"\nmass = \"0.2 kg\"\n\
+                distance = \"50 mm\"\ninertia = \"1e-3 kg*m^2\"\ndamping = \"0.02 N*m*s/rad\"\n\
+                [actuators.front]\ncoupling.rest_length = \"80 mm\"\ncoupling.arms.knee = \"15 mm\"\n\
+                initial.gauge_pressure = \"2 bar\"\n\
+                [actuators.back]\ncoupling.rest_length = \"80 mm\"\ncoupling.arms.knee = \"-15 mm\"\n\
+                [run]\nduration = \"1 s\"\n";
+    folder.file("knee.toml", knee);
+    let output = folder.mckibben().args(["linearize", "knee.toml", "--pwm"]).output().expect("the program runs");
+    let printed = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{printed}");
+    assert!(printed.contains("initial.gauge_pressure is 0 of back"), "{printed}");
+    assert!(printed.contains("actuators.back.initial.gauge_pressure") && !printed.contains("front"), "{printed}");
+}
+
 #[test]
 fn bode_plots_are_drawn() {
     let folder = Folder::new("linearize-bode");
@@ -240,13 +276,14 @@ fn what_has_no_meaning_is_refused_before_anything_is_written() {
         &folder,
         pulsed,
         &["--gauge-pressure", "60 psi", "--length", "85 mm", "--load", "5 lb"],
-        "cannot all be given",
+        "leave out one of `length`, `load`, and `gauge_pressure` or `duty`",
     );
     refused(&folder, pulsed, &["--duty", "1.4"], "duty");
     refused(&folder, sealed, &["--duty", "0.4"], "no PWM");
     refused(&folder, pulsed, &["--gauge-pressure", "60"], "60 psi");
     refused(&folder, pulsed, &["--length", "3 N"], "no length");
     refused(&folder, pulsed, &["--length", "50 mm"], "min_length");
+    refused(&folder, pulsed, &["--length", "50 mm"], "`length` = 50 mm contradicts");
     refused(&folder, pulsed, &["--gauge-pressure", "-2 bar"], "vacuum");
     refused(&folder, pulsed, &["--gauge-pressure", "120 psi", "--pwm"], "no duty");
     refused(&folder, pulsed, &["--plot", "a.svg", "--input", "nothing"], "duty, mass_flow, force");

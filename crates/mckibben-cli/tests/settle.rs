@@ -85,6 +85,11 @@ fn what_comes_to_rest_settles_at_an_equilibrium_and_files_end_where_they_did() {
     let of = |name: &str| all["settled"]["numbers"][name].as_f64().expect("a number");
     assert_eq!((of("length_ripple_m"), of("gauge_pressure_ripple_pa")), (0.0, 0.0));
     assert!((of("gauge_pressure_mean_pa") - of("gauge_pressure_max_pa")).abs() < 1.0);
+    // In words it is an equilibrium, and no orbit.
+    let text = run(&folder, &["simulate", "still.toml", "--settle", still[0], still[1], still[2], still[3]]);
+    assert!(text.contains("\n  equilibrium") && !text.contains("\n  orbit"), "{text}");
+    let text = run(&folder, &["simulate", "muscle.toml", "--settle"]);
+    assert!(text.contains("\n  orbit") && !text.contains("equilibrium"), "{text}");
 }
 
 /// A run comes to one orbit, whether it is kept for a figure or not, and by whichever engine it came to its end: behind that it takes

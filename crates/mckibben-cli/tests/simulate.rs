@@ -181,6 +181,17 @@ fn without_a_step_the_accuracy_chooses_it_and_the_summary_says_so() {
     }
     let given = run(&folder, &[&fixed[..], &["--set", "run.step=0.5 ms", "--set", "run.accuracy=1e-6"]].concat());
     assert!(given.contains("at most 500 µs, as given"), "{given}");
+    // Steps divide the sample interval into equal parts.
+    for (step, longest) in [("0.5 s", "1 ms"), ("0.3 ms", "250 µs")] {
+        let setting = format!("run.step={step}");
+        let text = run(&folder, &["simulate", "muscle.toml", "--set", "run.engine=fixed-step", "--set", &setting]);
+        let on_one_line = text.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(
+            on_one_line.contains(&format!("at most {longest}: the longest that divides run.sample_interval = 1 ms")),
+            "{text}"
+        );
+        assert!(!on_one_line.contains("as given"), "{text}");
+    }
 }
 
 #[test]

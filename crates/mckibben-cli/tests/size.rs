@@ -135,6 +135,28 @@ fn limits_are_kept_or_named() {
     assert!(printed.contains("a braid of 35° must be at least") && printed.contains("100.0"), "{printed}");
 }
 
+/// The measured map of this preset does not hold the load without pressure: there is no lift from rest, and so no valve.
+#[test]
+fn a_muscle_without_a_valve_is_named_with_the_reason() {
+    let folder = Folder::new("size-without-valve");
+    let options = ["--time", "0.3 s", "--braid-angles", "25", "--output", "sizes.csv"];
+    let printed = text(&size(&folder, &options));
+    let rows = Numbers::read(&folder, "sizes.csv").1.len();
+    assert!(printed.contains("cannot hang unfilled"), "{printed}");
+    // The preset takes the most air, and stands last.
+    let last = rows.to_string();
+    let printed = text(&size(&folder, &[&options[..], &["--pick", &last]].concat()));
+    let printed = printed.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        printed.contains("No named valve: there is no valve for place") && !printed.contains("valve time ms"),
+        "{printed}"
+    );
+    let output = size(&folder, &[&options[..4], &["--pick", &last, "--scenario", "muscle.toml"]].concat());
+    let error = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.code() == Some(2) && error.contains("does not hold the load without pressure"), "{error}");
+    assert_eq!(folder.names(), ["sizes.csv"]);
+}
+
 #[test]
 fn what_cannot_be_is_refused_in_words() {
     let folder = Folder::new("size-refused");
@@ -143,7 +165,8 @@ fn what_cannot_be_is_refused_in_words() {
         (&["--effectiveness", "0"], "`--effectiveness` is 0"),
         (&["--most-length", "31 mm", "--braid-angles", "25"], "no muscle does it"),
         (&["--output", "sizes.txt"], "end the name of --output with .csv"),
-        (&["--pick", "99"], "no muscle does it"),
+        (&["--pick", "99"], "and none of them is place 99"),
+        (&["--pick", "0"], "give a place from 1 to"),
         (&["--time", "3 mm"], "is no time"),
         (&["--hose", "2 m"], "--time"),
         (&["--ripple", "0.1 mm"], "--time"),

@@ -63,6 +63,17 @@ fn an_angle_comes_in_degrees_unless_radians_are_requested() {
 }
 
 #[test]
+fn a_file_to_start_from_has_the_units_that_are_chosen() {
+    let folder = Folder::new("init-units");
+    let of = |more: &[&str]| text(&folder, &[&["init", "-"][..], more].concat());
+    let (paper, metric) = (of(&[]), of(&["--metric"]));
+    assert!(paper.contains("\"100 psi\"") && !metric.contains("gauge_pressure = \"100 psi\""), "{metric}");
+    assert_eq!(of(&["--units", "metric"]), metric);
+    assert_eq!(of(&["--units", "si"]), metric);
+    assert_eq!(of(&["--units", "imperial"]), paper);
+}
+
+#[test]
 fn what_is_no_choice_is_refused_before_anything_runs() {
     let folder = Folder::new("refused");
     folder.file("muscle.toml", PULSES);

@@ -79,6 +79,41 @@ fn check_warns_of_what_is_known_before_a_run() {
     assert!(flat(&output.stdout).contains("ok good.toml") && !flat(&output.stdout).contains("short.toml"));
 }
 
+/// The measured preset pushes where it is shorter than at rest and has no pressure: the warning says what to change of the run, and of
+/// a law that is wrong.
+#[test]
+fn a_measured_muscle_that_is_pressed_together_is_warned_of() {
+    let folder = Folder::new("warnings-pressed");
+    let text = "[actuator]\npreset = \"festo-dmsp-20-300\"\n[load]\nkind = \"isometric\"\n[initial]\nlength = \"290 mm\"\n\
+                [run]\nduration = \"50 ms\"\n";
+    folder.file("pressed.toml", text);
+    let output = run(&folder, &["simulate", "pressed.toml"]);
+    let printed = flat(&output.stdout);
+    assert!(output.status.success(), "{}", flat(&output.stderr));
+    assert!(printed.contains("keep the muscle longer or its pressure higher there"), "{printed}");
+    assert!(printed.contains("where the law does not hold there, raise actuator.min_length"), "{printed}");
+    // Rounding of the atmosphere is no pressure in a small unit.
+    assert!(printed.contains("gauge pressure 0 bar 0 bar 0 bar"), "{printed}");
+}
+
+/// Values are set before the check, as before a run: what they make wrong or doubtful is reported, and the file stays.
+#[test]
+fn check_sets_values_first() {
+    let folder = Folder::new("check-set");
+    folder.file("good.toml", &muscle());
+    let output = run(&folder, &["check", "good.toml", "--set", "command.duty=0.05"]);
+    assert!(output.status.success() && flat(&output.stderr).contains(NEVER_OPENS), "{}", flat(&output.stderr));
+    for (set, words) in [
+        ("load.mass=5 mm", "\"5 mm\" is a length"),
+        ("load.mas=5 lb", "did you mean"),
+        ("load.mass", "write KEY=VALUE"),
+    ] {
+        let output = run(&folder, &["check", "good.toml", "--set", set]);
+        assert!(output.status.code() == Some(2) && flat(&output.stderr).contains(words), "{}", flat(&output.stderr));
+    }
+    assert_eq!(std::fs::read_to_string(folder.path("good.toml")).expect("there"), muscle());
+}
+
 #[test]
 fn a_sweep_counts_the_runs_with_warnings() {
     let folder = Folder::new("warnings-sweep");

@@ -109,6 +109,11 @@ pub fn units() -> &'static Units {
     CHOSEN.get().unwrap_or(&USUAL)
 }
 
+/// Whether units were chosen of which none of length, pressure, mass and force is imperial: then a file to start from is metric.
+pub fn is_metric_chosen() -> bool {
+    CHOSEN.get().is_some_and(Units::is_metric)
+}
+
 /// The size in SI below which a value is rounding and nothing that was simulated or measured: a picometre, a billionth of the
 /// atmosphere's pressure.
 pub fn rounding(si: &str) -> f64 {
@@ -211,6 +216,12 @@ impl Units {
         // Checked by a test: every symbol of the table is a unit.
         let unit = |row: Row| Unit::of(row.2[place]).ok().map(|unit| (row, unit));
         Self(ROWS.into_iter().filter_map(unit).collect())
+    }
+
+    /// Whether none of length, pressure, mass and force has an imperial unit.
+    fn is_metric(&self) -> bool {
+        let main = |name: &str| matches!(name, "length" | "pressure" | "mass" | "force");
+        !self.0.iter().any(|((name, _, [.., imperial]), unit)| main(name) && unit.symbol == *imperial)
     }
 
     /// The unit for values in an SI unit of which the largest size is given; another unit than those of the table is itself.
@@ -341,6 +352,21 @@ mod tests {
     use super::*;
 
     const SYSTEMS: [System; 3] = [System::Metric, System::Si, System::Imperial];
+
+    #[test]
+    fn a_choice_without_inches_psi_pounds_is_metric() {
+        for (text, is_metric) in [
+            ("metric", true),
+            ("si", true),
+            ("metric,angle=rad", true),
+            ("pressure=kPa", true),
+            ("imperial", false),
+            ("pressure=psi", false),
+            ("si,mass=lb", false),
+        ] {
+            assert_eq!(text.parse::<Units>().unwrap().is_metric(), is_metric, "{text}");
+        }
+    }
 
     #[test]
     fn every_system_has_a_unit_of_every_quantity_and_of_its_dimension() {

@@ -1,5 +1,6 @@
 //! `mckibben check`: reads scenario files with their sweeps and builds what they describe, without simulating.
 
+use crate::settings::Setting;
 use crate::terminal::{self, GOOD, styled};
 use crate::{describe, files, warnings};
 use mckibben_run::engine;
@@ -18,6 +19,7 @@ Examples:
   mckibben check muscle.toml
   mckibben check scenarios/*.toml
   mckibben check --strict - < muscle.toml
+  mckibben check muscle.toml --set 'load.mass=10 lb'
 
 Warnings are those that are known before a run: `mckibben simulate --help` lists them. Of a sweep the file's own values are
 looked at.
@@ -27,6 +29,9 @@ pub struct CheckArguments {
     /// The scenario files; - is standard input.
     #[arg(value_name = "FILE", required = true)]
     pub files: Vec<PathBuf>,
+    /// Set a value of each scenario before it is checked, such as `command.duty=0.3`; can be given again.
+    #[arg(short, long, value_name = "KEY=VALUE")]
+    pub set: Vec<Setting>,
     /// Make errors of warnings.
     #[arg(long)]
     pub strict: bool,
@@ -39,7 +44,7 @@ pub struct CheckArguments {
 pub fn run(arguments: &CheckArguments) -> Result<(), Failure> {
     let (mut wrong, mut mistakes, mut warned) = (0, 0, 0);
     for path in &arguments.files {
-        match check(path) {
+        match check(path, &arguments.set) {
             Ok((summary, found)) => {
                 let file = path.display().to_string();
                 found.iter().for_each(|one| terminal::print_error(&warnings::line(one, &file)));
@@ -68,9 +73,10 @@ pub fn run(arguments: &CheckArguments) -> Result<(), Failure> {
     Err(Failure::input(format!("{of_how_many}, {}", counts.join(" and ")), "mend what is shown above and check again"))
 }
 
-/// Reads a file and builds what it describes; a few words about it with its warnings, or its mistakes.
-fn check(path: &Path) -> Result<(String, Vec<Warning>), Vec<Diagnostic>> {
-    let document = files::document(path).map_err(listed)?;
+/// Reads a file, sets values and builds what it describes; a few words about it with its warnings, or its mistakes.
+fn check(path: &Path, set: &[Setting]) -> Result<(String, Vec<Warning>), Vec<Diagnostic>> {
+    let mut document = files::document(path).map_err(listed)?;
+    set.iter().try_for_each(|setting| setting.set_in(&mut document)).map_err(listed)?;
     let summary = words(&document)?;
     // A scenario that the sweep completes describes nothing without it.
     let found = Ready::of(&document).map(|ready| ready.warnings()).unwrap_or_default();

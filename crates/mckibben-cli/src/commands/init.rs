@@ -2,7 +2,7 @@
 
 use crate::terminal;
 use mckibben_run::failure::Failure;
-use mckibben_run::output;
+use mckibben_run::{output, units};
 use mckibben_scenario::Starter;
 use std::path::{Path, PathBuf};
 
@@ -13,6 +13,7 @@ Examples:
   mckibben init                     write scenario.toml
   mckibben init muscle.toml         write muscle.toml
   mckibben init --minimal --metric  the shortest file, in mm, bar and kg
+  mckibben init --units metric      the same units as with --metric
   mckibben init - | less            look at it first
 
 Exit codes: 0 done; 2 the file is there already; 4 it could not be written.")]
@@ -23,7 +24,7 @@ pub struct InitArguments {
     /// Write only the keys that are in force; without it every other key stands as a comment.
     #[arg(long)]
     pub minimal: bool,
-    /// Write metric quantities; without it they are in the units of the paper.
+    /// Write metric quantities, as with --units metric or si; without it they are in the units of the paper.
     #[arg(long)]
     pub metric: bool,
     /// Replace a file that is there already.
@@ -36,7 +37,8 @@ pub struct InitArguments {
 /// # Errors
 /// [`Failure::input`] when the file exists; [`Failure::output`] when it cannot be written.
 pub fn run(arguments: &InitArguments) -> Result<(), Failure> {
-    let text = Starter { minimal: arguments.minimal, metric: arguments.metric }.text();
+    let metric = arguments.metric || units::is_metric_chosen();
+    let text = Starter { minimal: arguments.minimal, metric }.text();
     let path = arguments.file.as_path();
     if path == Path::new("-") {
         return terminal::print(&text);

@@ -99,13 +99,22 @@ pub fn run(arguments: &SizeArguments) -> Result<(), Failure> {
     })?;
     let pick = arguments.pick.wrapping_sub(1);
     let scenario = sizes.scenario(pick)?;
+    let without_valve = sizes.without_valve(pick)?;
+    if let Some(why) = without_valve.as_ref().filter(|_| arguments.scenario.is_some()) {
+        let help = "choose another muscle by --pick or allow more --time; without --time the file has no valve";
+        return Err(Failure::input(format!("--scenario: {why}"), help));
+    }
     let mut text = format!("{}\n", sizes.table().to_text_with_caption());
     for words in &sizes.left_out {
         text.push_str(&terminal::wrap(&format!("Left out: {words}."), ""));
         text.push('\n');
     }
     if arguments.time.is_some() {
-        text.push_str(&format!("\n{}\n", valves(&sizes, pick)?.to_text_with_caption()));
+        let named = valves(&sizes, pick)?;
+        match without_valve.filter(|_| named.rows.is_empty()) {
+            Some(why) => text.push_str(&format!("\n{}\n", terminal::wrap(&format!("No named valve: {why}."), ""))),
+            None => text.push_str(&format!("\n{}\n", named.to_text_with_caption())),
+        }
     }
     if let Some(length) = arguments.hose {
         text.push_str(&format!("\n{}\n", hoses(&sizes, pick, length)?.to_text_with_caption()));

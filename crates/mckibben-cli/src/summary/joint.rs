@@ -1,8 +1,8 @@
 //! What the run of a joint came to, as text for people.
 
 use crate::describe;
-use crate::summary::{Common, Exergy, Page, circuit, effort, goals, residual, sums};
-use mckibben::plant::{ActuatorLedger, MechanismLedger, PlantLedger};
+use crate::summary::{Common, Exergy, Page, circuit, effort, goals, is_periodic, residual, sums};
+use mckibben::plant::{ActuatorLedger, JointPlant, MechanismLedger, PlantLedger};
 use mckibben::simulation::JointRig;
 use mckibben_run::closed_loop::Closed;
 use mckibben_run::failure::Failure;
@@ -42,7 +42,8 @@ impl Summary<'_> {
             goals(page, &closed.goals);
             effort(page, closed, used.iter().map(|air| air.from_supply).sum());
         }
-        page.settled(self.common.settled);
+        let periodic = self.control.is_some() || JointPlant::new(self.rig).is_ok_and(|view| is_periodic(view.plant()));
+        page.settled(self.common.settled, periodic);
         if page.verbose {
             energy(page, &ended.ledger);
             if ended.draws {

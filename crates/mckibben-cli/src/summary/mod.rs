@@ -7,7 +7,7 @@ use crate::describe;
 use crate::terminal::{FAINT, HEADING, NOTABLE, entry, styled, wrap};
 use mckibben::air::Process;
 use mckibben::engine::Statistics;
-use mckibben::plant::{Balance, PlantLedger};
+use mckibben::plant::{Balance, Plant, PlantLedger, RigPlant};
 use mckibben::simulation::{EventKind, Rig};
 use mckibben::valve::REFERENCE_DENSITY;
 use mckibben_run::closed_loop::{Closed, Goal, Miss};
@@ -32,6 +32,9 @@ const MAIN: [&str; 5] = ["length", "position", "angle", "tension", "gauge_pressu
 /// Width of the column of names, and the most that names from a file make it.
 const NAMES: usize = 14;
 const MOST_NAMES: usize = 40;
+
+/// The share of a step that is rounding of the parts into which it divides the sample interval.
+const ROUNDING: f64 = 1e-9;
 
 /// A column of values.
 const VALUE: (Side, usize) = (Side::Right, 14);
@@ -83,7 +86,8 @@ impl Summary<'_> {
             goals(page, &closed.goals);
             effort(page, closed, self.observation.air.from_supply);
         }
-        page.settled(self.common.settled);
+        let periodic = self.control.is_some() || is_periodic(RigPlant::new(self.rig).plant());
+        page.settled(self.common.settled, periodic);
         if page.verbose {
             let ended = &self.observation.ended;
             energy(page, &ended.ledger);
@@ -271,7 +275,17 @@ pub(crate) fn residual_in(page: &Page, [residual, turnover, rounding]: [f64; 3],
 
 /// The longest step, and on what ground it was taken: the time in s that was compared, and the greatest error.
 fn step_of(page: &Page, step: f64, chosen: Option<[f64; 2]>, run: &Run) -> String {
-    let Some([compared, greatest]) = chosen else { return format!("at most {}, as given", given(step, "s")) };
+    let Some([compared, greatest]) = chosen else {
+        let longest = given(step, "s");
+        return match run.step.filter(|most| step < most * (1.0 - ROUNDING)) {
+            None => format!("at most {longest}, as given"),
+            Some(most) => format!(
+                "at most {longest}: the longest that divides run.sample_interval = {} and is not above run.step = {}",
+                given(run.sample_interval, "s"),
+                given(most, "s")
+            ),
+        };
+    };
     let over =
         if compared < run.duration { format!(" over the first {}", given(compared, "s")) } else { String::new() };
     format!(
@@ -381,7 +395,7 @@ pub(crate) fn circuit(page: &Page, of: &Exergy, process: Process, sums: [f64; 3]
     let named = [
         ("drawn", of.drawn, "work potential at the supply's temperature and outside pressure"),
         ("gas work", of.gas_work, "by the gauge pressure, see Energy"),
-        ("left inside", of.stored, "gained by the air in the actuator"),
+        ("left inside", of.stored, "gained by the air in actuators, hoses and reservoirs"),
         ("exhaust", of.exhaust, "thrown out with the air"),
         ("valve", of.throttled, "destroyed in the valve on the way in"),
         ("mixing", of.mixed, "destroyed as air of two temperatures mixes"),
@@ -398,6 +412,11 @@ pub(crate) fn circuit(page: &Page, of: &Exergy, process: Process, sums: [f64; 3]
             &format!("over its isothermal work, {compressor_work}"),
         );
     }
+}
+
+/// Whether a plant without controllers has pulses or given sinusoids. What has no common period does not settle at all.
+pub(crate) fn is_periodic(plant: &Plant) -> bool {
+    !matches!(plant.period(), Ok(None))
 }
 
 /// The closing note about assumed parameters.
@@ -545,11 +564,12 @@ impl Page {
 
     /// Values in one unit. A remainder of rounding is no value; the largest of them gives the measure.
     fn values(&self, name: &str, values: [f64; 3], unit: &str) {
-        let shown = units().common(unit, values);
         let fine = 1e-9 * values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
         let fine = fine.max(rounding(unit));
+        let values = values.map(|value| if value.abs() < fine { 0.0 } else { value });
+        let shown = units().common(unit, values);
         let said = |value: f64| {
-            let number = shown.number(self.sound(if value.abs() < fine { 0.0 } else { value }));
+            let number = shown.number(self.sound(value));
             shown.with(&if unit == "K" { format!("{number:.1}") } else { quantities::digits(number) })
         };
         self.columns(name, values.map(said));
@@ -579,8 +599,8 @@ impl Page {
         }
     }
 
-    /// What repeats on the orbit that the run settles to.
-    pub(crate) fn settled(&self, settled: Option<&Settled>) {
+    /// What repeats on the orbit that the run settles to; what has no period of its own settles at an equilibrium.
+    pub(crate) fn settled(&self, settled: Option<&Settled>, periodic: bool) {
         let Some(Settled { orbit, rows }) = settled else { return };
         self.heading("Settled");
         let (periods, period) = (count(orbit.periods), given(orbit.period, "s"));
@@ -592,11 +612,16 @@ impl Page {
             );
             return self.line("", &text);
         }
-        let found = match orbit.guesses {
-            0 => format!("reached after {periods} periods of {period}"),
-            guesses => format!("found by {} guesses in {periods} periods of {period}", count(guesses)),
+        let (name, after) = if periodic {
+            ("orbit", format!("{periods} periods of {period}"))
+        } else {
+            ("equilibrium", given(orbit.periods as f64 * orbit.period, "s"))
         };
-        self.line("orbit", &found);
+        let found = match orbit.guesses {
+            0 => format!("reached after {after}"),
+            guesses => format!("found by {} guesses in {after}", count(guesses)),
+        };
+        self.line(name, &found);
         let is_main = |row: &&Settling| {
             let name = row.name.rsplit('.').next().unwrap_or_default();
             self.verbose || MAIN.contains(&name.trim_start_matches("antagonist_"))

@@ -1,7 +1,7 @@
 //! What the run of a plant came to, as text for people.
 
 use crate::describe;
-use crate::summary::{Common, Page, goals_by_name, residual_in as residual};
+use crate::summary::{Common, Page, goals_by_name, is_periodic, residual_in as residual};
 use mckibben::mechanism::Mechanism;
 use mckibben::network::NodeKind;
 use mckibben::plant::{ActuatorLedger, Balance, MechanismLedger};
@@ -33,7 +33,8 @@ impl Summary<'_> {
         if let Some(closed) = &self.run.control {
             self.control(page, closed);
         }
-        page.settled(self.common.settled);
+        let periodic = self.run.control.is_some() || is_periodic(&self.run.experiment.plant);
+        page.settled(self.common.settled, periodic);
         if page.verbose {
             self.energy(page);
             self.exergy(page);

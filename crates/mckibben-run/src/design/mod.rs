@@ -35,6 +35,7 @@ use constraint::Constraint;
 use evaluate::{Evaluator, Named};
 use mckibben_identify::least_squares::Monitor;
 use mckibben_scenario::keys::{Kind, key_for};
+use mckibben_scenario::sweep::column_of;
 use mckibben_scenario::{Dimension, Document, nearest_few, quantity};
 use outcome::{Outcome, Reached};
 use rayon::ThreadPoolBuilder;
@@ -71,7 +72,7 @@ pub struct Request {
     pub vary: Vec<Vary>,
     /// Whether the number is made least or greatest.
     pub goal: Goal,
-    /// The name of the number, such as `air.used`.
+    /// The name of the number, such as `air.used`, also as JSON has it, `air_used_kg`.
     pub objective: String,
     /// The constraints.
     pub constraints: Vec<Constraint>,
@@ -79,6 +80,19 @@ pub struct Request {
     pub settle: bool,
     /// Runs at most, at least one.
     pub evaluations: usize,
+}
+
+impl Request {
+    /// Replaces names as JSON has them, `energy_gas_work_j`, by those of the numbers: `energy.gas_work`.
+    fn take_names_of(&mut self, numbers: &[Named]) {
+        let names = [&mut self.objective].into_iter().chain(self.constraints.iter_mut().map(|of| &mut of.name));
+        for name in names.filter(|name| !numbers.iter().any(|number| number.name == **name)) {
+            let found = numbers.iter().find(|number| column_of(&number.name, &number.unit) == *name);
+            if let Some(number) = found {
+                name.clone_from(&number.name);
+            }
+        }
+    }
 }
 
 /// A search that is ready to be done.
@@ -100,7 +114,7 @@ impl Design {
     /// [`Failure::input`] for a key that the scenario has no use for, that holds no number, or whose range leaves its admissible
     /// values or has another unit; for a name that no number of the run has, with the nearest ones; for a constraint in another
     /// unit than its number. [`Failure::stopped`] where no run comes to its end.
-    pub fn of(document: &Document, request: Request) -> Result<Self, Failure> {
+    pub fn of(document: &Document, mut request: Request) -> Result<Self, Failure> {
         if request.vary.is_empty() || request.vary.len() > MOST_KEYS {
             let title = format!("{} keys vary, but a search has from 1 to {MOST_KEYS}", request.vary.len());
             return Err(Failure::input(title, "give --vary for the keys that matter most"));
@@ -128,6 +142,7 @@ impl Design {
             let values = values_at(&request.vary, &search::point(request.vary.len(), place));
             match evaluator.numbers(&values) {
                 Ok(numbers) => {
+                    request.take_names_of(&numbers);
                     let unit = named(&request, &numbers)?;
                     evaluator.want(request.objective.clone(), &request.constraints);
                     let wanted = evaluator.wanted(&numbers);
@@ -250,10 +265,12 @@ fn named(request: &Request, numbers: &[Named]) -> Result<String, Failure> {
         let found = numbers.iter().find(|number| number.name == name);
         found.ok_or_else(|| {
             let near = nearest_few(name, numbers.iter().map(|number| number.name.as_str()), NEAREST).join(", ");
-            let settled = name.starts_with(evaluate::SETTLED);
+            let settled = name.starts_with(evaluate::SETTLED) || name.starts_with("settled_");
             let help = match (settled, request.settle) {
                 (true, false) => "give --settle, so that runs go on to their orbit".to_owned(),
-                _ => format!("the nearest: {near}; `mckibben simulate --format json` prints all"),
+                _ => format!(
+                    "the nearest: {near}; the names that `mckibben simulate --format json` prints are taken too"
+                ),
             };
             Failure::input(format!("{option}: a run of this scenario has no number `{name}`"), help)
         })

@@ -221,8 +221,38 @@ impl Sizes {
     }
 
     fn candidate(&self, place: usize) -> Result<&Candidate, Failure> {
-        let help = "lower the load or the stroke, raise the pressure, or allow longer or wider muscles";
-        self.candidates.get(place).ok_or_else(|| Failure::input("no muscle does it", help))
+        let count = self.candidates.len();
+        self.candidates.get(place).ok_or_else(|| {
+            if count == 0 {
+                let help = "lower the load or the stroke, raise the pressure, or allow longer or wider muscles";
+                return Failure::input("no muscle does it", help);
+            }
+            let places = if count == 1 { "one place".to_owned() } else { format!("{count} places") };
+            let title = format!("the table has {places}, and none of them is place {}", place.wrapping_add(1));
+            Failure::input(
+                title,
+                if count == 1 { "give place 1".to_owned() } else { format!("give a place from 1 to {count}") },
+            )
+        })
+    }
+
+    /// Why there is no valve for a candidate, in a sentence without its point; none where there is one, or no time was requested.
+    ///
+    /// # Errors
+    /// There is no such candidate.
+    pub fn without_valve(&self, place: usize) -> Result<Option<String>, Failure> {
+        let candidate = self.candidate(place)?;
+        let why = match candidate.quickness {
+            None | Some(Quickness::Conductance(_)) => return Ok(None),
+            Some(Quickness::NoStart) => {
+                "it does not hold the load without pressure, so no lift starts at rest".to_owned()
+            }
+            Some(Quickness::TooSlow(Some(time))) => {
+                format!("through a valve of any width the lift takes at least {}", quantities::given(time, "s"))
+            }
+            Some(Quickness::TooSlow(None)) => "no valve is wide enough for this time".to_owned(),
+        };
+        Ok(Some(format!("there is no valve for place {}, {}: {why}", place.wrapping_add(1), candidate.name)))
     }
 
     fn time(&self) -> Result<f64, Failure> {

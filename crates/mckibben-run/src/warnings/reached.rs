@@ -206,7 +206,8 @@ fn ends(bounds: impl Fn(usize) -> (Option<f64>, Option<f64>)) -> Option<[f64; 2]
     Some([first, last])
 }
 
-/// That the law gives a force that pushes, which a muscle cannot.
+/// That the law gives a force that pushes, which no load takes from a muscle: a law that is wrong there, or a muscle that is pressed
+/// together, as a measured one with a stiff wall below its length at rest.
 fn negative(name: &str, reached: &Reached) -> Option<Warning> {
     let [force, length, gauge] = reached.least_force;
     let is_more_than_rounding = force < -f64::EPSILON && force < -NEGATIVE * reached.tension.greatest;
@@ -216,8 +217,9 @@ fn negative(name: &str, reached: &Reached) -> Option<Warning> {
     // Less than a pascal is rounding of the atmosphere.
     let gauge = if gauge.abs() < 1.0 { 0.0 } else { gauge };
     let text = format!(
-        "the law of force gives {} at a length of {} and a gauge pressure of {}: a muscle cannot push, and the tension is kept \
-         at zero; raise actuator.min_length or correct actuator.force",
+        "the law of force gives {} at a length of {} and a gauge pressure of {}: there it pushes, and the tension is kept at zero; \
+         keep the muscle longer or its pressure higher there; where the law does not hold there, raise actuator.min_length or \
+         correct actuator.force",
         quantity(force, "N"),
         quantity(length, "m"),
         quantity(gauge, "Pa"),
