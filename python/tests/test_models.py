@@ -220,6 +220,14 @@ def test_ring_downs_identify_their_friction(tmp_path):
             estimate = found[f"{key} [{name}]"]
             assert abs(estimate.value - value) < 4.0 * estimate.standard_error < 0.01 * value
         assert found.scenarios[f"scenario-{name}.toml"].to_dict()["actuator"]["friction"]
+    # The pressure with which the air was sealed may be stated with the run.
+    (tmp_path / "rig.toml").write_text(rig.with_values({"initial.gauge_pressure": "20 psi"}).to_toml())
+    held = study.replace('" }\n', '" }\nheld = { gauge_pressure = "60 psi" }\n')
+    (tmp_path / "study.toml").write_text(held)
+    again = mckibben.identify(tmp_path / "study.toml")
+    assert [estimate.name for estimate in again.estimates] == [estimate.name for estimate in found.estimates]
+    for one, other in zip(again.estimates, found.estimates):
+        assert one.value == pytest.approx(other.value, rel=1e-6)
 
 
 def test_presets_are_those_of_the_command_line(program, tmp_path):

@@ -113,6 +113,25 @@ fn a_column_in_other_units_is_refused_in_words() {
     assert!(!folder.path("out/index.html").exists() || folder.names().contains(&"out".to_owned()));
 }
 
+/// A law of a force map stands for all that pulls: what else the scenario has takes no part, which is said.
+#[test]
+fn a_force_map_says_what_of_the_scenario_takes_no_part() {
+    let folder = Folder::new("identify-wall");
+    let scenario =
+        std::fs::read_to_string(of_repository("validation/martens-boblan-2017/dmsp-20-300.toml")).expect("a scenario");
+    folder.file("muscle.toml", &scenario.replace("[actuator]\n", "[actuator]\nwall_thickness = \"1 mm\"\n"));
+    let rows = (0..6).flat_map(|bar| (0..5).map(move |step| (f64::from(bar), 0.26 + 0.01 * f64::from(step))));
+    let rows: String = rows.map(|(bar, length)| format!("{},{length},{}\n", 1e5 * bar, 80.0 * bar)).collect();
+    folder.file("data.csv", &format!("P,L,F\n{rows}"));
+    let study = "[study]\nkind = \"force-map\"\nscenario = \"muscle.toml\"\nunits_are_right = true\n[search]\nmost_steps = 3\n\
+                 [columns.gauge_pressure]\nname = \"P\"\nunit = \"Pa\"\n[columns.length]\nname = \"L\"\nunit = \"m\"\n\
+                 [columns.tension]\nname = \"F\"\nunit = \"N\"\n[[run]]\nfile = \"data.csv\"\n";
+    let output = identify(&folder, &folder.file("study.toml", study));
+    let printed = String::from_utf8_lossy(&output.stderr).into_owned() + &String::from_utf8_lossy(&output.stdout);
+    assert!(printed.contains("actuator.wall_thickness of the scenario takes no part"), "{printed}");
+    assert!(!printed.contains("actuator.taper"), "{printed}");
+}
+
 #[test]
 fn parameters_of_simulated_records_are_recovered() {
     let folder = Folder::new("identify-runs");

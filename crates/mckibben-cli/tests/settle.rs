@@ -71,6 +71,21 @@ fn linearize_and_simulate_agree_on_the_ripple() {
     assert!((linear - orbit).abs() < 0.1 * orbit, "{linear} m by the model, {orbit} m on the orbit");
 }
 
+/// A controller follows a set point of 90 mm ± 3 mm at 0.25 Hz: its orbit takes 4 s, and the length has the mean of the set point, which
+/// its integral part reaches whatever the lag.
+#[test]
+fn a_controller_settles_to_the_orbit_of_its_set_point() {
+    let folder = Folder::new("controlled");
+    let example = of_repository("examples/control/pid.toml");
+    let file = example.to_str().expect("UTF-8");
+    let all = json(&folder, &["simulate", file, "--settle", "--format", "json"]);
+    let settled = &all["settled"];
+    assert_eq!((&settled["settled"], &settled["period_s"]), (&true.into(), &4.0.into()), "{settled}");
+    let number = |name: &str| settled["numbers"][name].as_f64().unwrap_or_else(|| panic!("{name}: {settled}"));
+    assert!((number("length_mean_m") - 0.09).abs() < 1e-4, "{settled}");
+    assert!((5e-3..9e-3).contains(&number("length_ripple_m")), "{settled}");
+}
+
 #[test]
 fn what_comes_to_rest_settles_at_an_equilibrium_and_files_end_where_they_did() {
     let folder = Folder::new("rest");

@@ -187,7 +187,7 @@ impl Document {
         path: &str,
         value: &str,
     ) -> Result<(), Diagnostics> {
-        match path.strip_suffix(']').and_then(|path| path.split_once('[')) {
+        match list_and_entry(path) {
             Some((list, entry)) => {
                 let source = source(format!("{list} = {value}"));
                 let node = self.with_entry(&source, (list, entry))?;
@@ -466,6 +466,11 @@ fn graft(into: &mut Table, from: Table, names: &[&str]) -> Result<(), Diagnostic
                 .into())
         }
     }
+}
+
+/// The path of a list and what names its entry, of a path such as `command.time[1]`.
+pub fn list_and_entry(path: &str) -> Option<(&str, &str)> {
+    path.strip_suffix(']')?.split_once('[')
 }
 
 /// A text as a TOML string that stands on one line, whatever it holds.

@@ -77,7 +77,7 @@ pub use controlled::{ControlLaw, ControlledExperiment, GreatestRequest};
 pub use controlled_joint::{ControlledJointExperiment, JointLaw};
 pub use diagnostic::{Diagnostic, Diagnostics, Style};
 pub use dimension::Dimension;
-pub use document::Document;
+pub use document::{Document, list_and_entry};
 pub use model::{Experiment, JointExperiment};
 pub use muscle::{Muscle, TOLERANCE as MUSCLE_TOLERANCE};
 pub use nearest::nearest_few;

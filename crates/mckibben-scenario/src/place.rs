@@ -27,7 +27,7 @@
 //!
 //! Checked by `tests/place.rs`: for every key, the derivative that is seeded is that of setting the value.
 
-use crate::document::{Document, Node, Value};
+use crate::document::{Document, Node, Value, list_and_entry};
 use crate::keys::{ANTAGONIST, KEYS, in_antagonist, is_of_antagonist};
 use crate::muscle::AT_REST;
 use crate::nearest::nearest;
@@ -209,7 +209,7 @@ impl Place {
     /// The number of the first actuator at a path, which stands behind a prefix in messages.
     fn found(prefix: &str, path: &str, scenario: &mut Scenario) -> Result<Self, PlaceError> {
         let fault = |why: String, remedy: String| PlaceError { path: format!("{prefix}{path}"), why, remedy };
-        let (key, index) = match path.strip_suffix(']').and_then(|path| path.split_once('[')) {
+        let (key, index) = match list_and_entry(path) {
             Some((key, digits)) => {
                 let index = digits.parse::<usize>().map_err(|_| {
                     fault(format!("has `{digits}` for a place in its list"), "count from 0, as in `[0]`".to_owned())

@@ -247,6 +247,29 @@ fn values_set_and_removed_by_path() {
     assert!(document.set_text("load.mass", "1 kg").is_err());
 }
 
+/// One entry of a list is set by its place; the others stay, and what is no entry is refused with what there is.
+#[test]
+fn an_entry_of_a_list_is_set_by_its_place() {
+    let text = "[command]\nkind = \"table\"\ntime = [\"0 s\", \"0.5 s\", \"1 s\"]\n\
+                state = [\"fill\", \"hold\", \"exhaust\"]\n";
+    let mut document = Document::parse(text, "muscle.toml").expect("TOML");
+    document.set_plain_from("--set", "command.time[1]", "0.7 s").expect("an entry");
+    document.set_plain_from("--set", "command.state[2]", "fill").expect("an entry");
+    let said = document.to_toml();
+    assert!(said.contains(r#"time = ["0 s", "0.7 s", "1 s"]"#), "{said}");
+    assert!(said.contains(r#"state = ["fill", "hold", "fill"]"#), "{said}");
+    for (path, words) in [
+        ("command.time[3]", "has 3 entries, and none `[3]`"),
+        ("command.time[one]", "none `[one]`"),
+        ("command.kind[0]", "no list `command.kind`"),
+        ("load.mass[0]", "no list `load.mass`"),
+    ] {
+        let error = document.set_plain_from("--set", path, "1 s").expect_err("no entry").to_string();
+        assert!(error.contains(words), "{error}");
+    }
+    assert_eq!(document.to_toml(), said, "what is refused changes nothing");
+}
+
 /// A step that is given holds whatever the accuracy, and the file says both again; one that is not follows from it.
 #[test]
 fn the_step_is_given_or_follows_from_the_accuracy() {

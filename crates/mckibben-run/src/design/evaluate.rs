@@ -28,8 +28,6 @@ pub(super) struct Named {
 pub(super) struct Evaluator {
     document: Document,
     vary: Vec<Vary>,
-    /// The texts of the entries of the list of which a key is one.
-    lists: Vec<Option<Vec<String>>>,
     settle: bool,
     /// The numbers that are looked at, the objective first; none before they are known.
     names: Vec<String>,
@@ -42,18 +40,18 @@ impl Evaluator {
     /// [`Failure::input`] for a place in a list that the document does not have.
     pub(super) fn new(document: &Document, vary: &[Vary], settle: bool) -> Result<Self, Failure> {
         let written = Written::of(document.to_toml().as_str());
-        let list = |vary: &Vary| {
-            let Some((list, place)) = vary.entry() else { return Ok(None) };
+        let is_there = |vary: &Vary| {
+            let Some((list, place)) = vary.entry() else { return Ok(()) };
             let entries = written.as_ref().and_then(|written| written.entries(list)).unwrap_or_default();
             if place < entries.len() {
-                return Ok(Some(entries));
+                return Ok(());
             }
             let title = format!("--vary: there is no `{}`", vary.key);
             let help = format!("the scenario gives `{list}` {} entries, counted from 0", entries.len());
             Err(Failure::input(title, help))
         };
-        let lists = vary.iter().map(list).collect::<Result<_, _>>()?;
-        Ok(Self { document: document.clone(), vary: vary.to_vec(), lists, settle, names: Vec::new() })
+        vary.iter().try_for_each(is_there)?;
+        Ok(Self { document: document.clone(), vary: vary.to_vec(), settle, names: Vec::new() })
     }
 
     /// Looks at the objective and at what the constraints bound, and at nothing else from now on.
@@ -99,21 +97,8 @@ impl Evaluator {
     /// The document with these values set.
     pub(super) fn document(&self, values: &[f64]) -> Result<Document, Failure> {
         let mut document = self.document.clone();
-        for ((vary, list), value) in self.vary.iter().zip(&self.lists).zip(values) {
-            let text = vary.toml(*value);
-            match (vary.entry(), list) {
-                (Some((path, _)), Some(entries)) => {
-                    // Several entries of one list may vary.
-                    let text = |(place, entry): (usize, &String)| {
-                        let of_entry = |(other, _): &(&Vary, &f64)| other.entry() == Some((path, place));
-                        let found = self.vary.iter().zip(values).find(of_entry);
-                        found.map_or_else(|| entry.clone(), |(other, value)| other.toml(*value))
-                    };
-                    let entries: Vec<String> = entries.iter().enumerate().map(text).collect();
-                    document.set_text_from("--vary", path, &format!("[{}]", entries.join(", ")))?;
-                }
-                _ => document.set_text_from("--vary", &vary.key, &text)?,
-            }
+        for (vary, value) in self.vary.iter().zip(values) {
+            document.set_text_from("--vary", &vary.key, &vary.toml(*value))?;
         }
         Ok(document)
     }

@@ -243,10 +243,7 @@ impl Outcome {
             written.set(key, value);
         }
         for (vary, value) in self.request.vary.iter().zip(&self.best().values) {
-            match vary.entry() {
-                Some((list, place)) => written.set_entry(list, place, &vary.toml(*value)),
-                None => written.set(&vary.key, &vary.toml(*value)),
-            }
+            written.set(&vary.key, &vary.toml(*value));
         }
         written.text()
     }

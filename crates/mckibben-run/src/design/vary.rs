@@ -8,7 +8,7 @@
 //! A value is rounded to nine digits in the unit that the ends were written in, so that what was simulated is what is printed
 //! and written to a file.
 
-use mckibben_scenario::{Dimension, quantity};
+use mckibben_scenario::{Dimension, list_and_entry, quantity};
 use std::fmt;
 use std::str::FromStr;
 
@@ -102,7 +102,7 @@ impl Vary {
 
     /// The path of the list and the place in it, where the key is an entry of a list.
     pub(super) fn entry(&self) -> Option<(&str, usize)> {
-        let (list, place) = self.key.strip_suffix(']')?.split_once('[')?;
+        let (list, place) = list_and_entry(&self.key)?;
         Some((list, place.parse().ok()?))
     }
 

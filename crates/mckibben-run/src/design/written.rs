@@ -1,5 +1,6 @@
 //! A scenario file with values set in it, everything else as it stands: comments, order, spaces.
 
+use mckibben_scenario::list_and_entry;
 use toml_edit::{DocumentMut, Item, Table, TableLike, Value};
 
 /// The text of a scenario file, to be changed.
@@ -20,8 +21,13 @@ impl Written {
     }
 
     /// Sets a value of a key: TOML where it reads as one value, and a string where it does not. A comment behind the value stays.
-    /// Where the way is barred by something that is no section nothing is set: a reading of the scenario has refused it.
+    /// An entry of a list has its place behind its path. Where the way is barred by something that is no section nothing is set: a
+    /// reading of the scenario has refused it.
     pub(super) fn set(&mut self, path: &str, text: &str) {
+        if let Some((list, entry)) = list_and_entry(path) {
+            self.set_entry(list, entry, text);
+            return;
+        }
         let value = text.parse::<Value>().unwrap_or_else(|_| Value::from(text));
         let names: Vec<&str> = path.split('.').collect();
         if let Some((name, sections)) = names.split_last() {
@@ -29,11 +35,10 @@ impl Written {
         }
     }
 
-    /// Sets an entry of a list.
-    pub(super) fn set_entry(&mut self, path: &str, place: usize, text: &str) {
-        let Some(mut entries) = self.entries(path) else { return };
+    fn set_entry(&mut self, path: &str, place: &str, text: &str) {
+        let (Some(mut entries), Ok(place)) = (self.entries(path), place.parse::<usize>()) else { return };
         if let Some(entry) = entries.get_mut(place) {
-            *entry = text.to_owned();
+            *entry = text.parse::<Value>().unwrap_or_else(|_| Value::from(text)).to_string();
             self.set(path, &format!("[{}]", entries.join(", ")));
         }
     }
@@ -83,7 +88,7 @@ mod tests {
         written.set("load.lag.of", "2");
         written.set("command.duty", "0.3");
         written.set("actuators.flexor.turns", "1.5");
-        written.set_entry("a.times", 1, "\"3 s\"");
+        written.set("a.times[1]", "3 s");
         let due = "# A muscle.\n[supply]\ngauge_pressure = \"4 bar\" # as in the shop\n\n[load] # hangs\nmass = \"3 kg\"\n\
                    lag.of = 2\n[a]\ntimes = [\"1 s\", \"3 s\"] # two\n\n[command]\nduty = 0.3\n\n[actuators.flexor]\n\
                    turns = 1.5\n";

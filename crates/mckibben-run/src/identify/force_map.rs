@@ -82,6 +82,7 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
         other => Failure::input(other.to_string(), "mend the data or the columns"),
     })?;
     let mut warnings = material.notes();
+    warnings.extend(left_out(&base));
     units(material, &map, &base, &mut warnings)?;
     possible(&map, &base, &place)?;
     let deviation = deviation(&material.recordings);
@@ -164,6 +165,24 @@ fn units(material: &Material, map: &ForceMap, base: &Scenario, warnings: &mut Ve
             Ok(())
         }
     }
+}
+
+/// What the scenario says of its muscle and no law of a force map has.
+fn left_out(base: &Scenario) -> Option<String> {
+    let muscle = &base.actuator;
+    let parts = [
+        ("`actuator.bladder`", muscle.bladder.is_some()),
+        ("`actuator.taper`", muscle.taper.is_some()),
+        ("`actuator.wall_thickness`", muscle.wall_thickness > 0.0),
+    ];
+    let there: Vec<&str> = parts.into_iter().filter(|(_, is_there)| *is_there).map(|(key, _)| key).collect();
+    (!there.is_empty()).then(|| {
+        format!(
+            "a law stands for all that pulls: {} of the scenario takes no part, and the written scenario is without; its volume is that \
+             of the braid",
+            there.join(", ")
+        )
+    })
 }
 
 /// Refuses lengths at which the muscle of the scenario cannot be, and pressures below vacuum.

@@ -15,7 +15,7 @@
 use super::PlantExperiment;
 use crate::choice::PressurePlace;
 use crate::diagnostic::{Class, Diagnostic, Diagnostics, Place as FilePlace, Source};
-use crate::document::{Document, Node, Value};
+use crate::document::{Document, Node, Value, list_and_entry};
 use crate::keys::{self, ACTUATORS, Kind};
 use crate::muscle::BRAID;
 use crate::place::{Place, PlaceError};
@@ -90,7 +90,7 @@ impl Document {
     /// When there is no such key or part, when it is no number, or when the file gives it no value.
     pub fn find_in_plant(&self, path: &str) -> Result<PlantPlace, PlaceError> {
         let fault = |why: &str, remedy: String| PlaceError::new(path, why, remedy);
-        let (key, entry) = match path.strip_suffix(']').and_then(|path| path.split_once('[')) {
+        let (key, entry) = match list_and_entry(path) {
             Some((key, digits)) => {
                 let entry = digits.parse::<usize>();
                 (

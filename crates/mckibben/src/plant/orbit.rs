@@ -7,8 +7,10 @@
 //! ```
 //!
 //! The period is the least that all pulses and sinusoids of the plant have in common, those of set points included; a plant without
-//! such settles at an equilibrium. Of a period of controllers the pulses and the samples are parts as well, where these fit. Each
-//! evaluation of Π is a run of one period by the run's own engine, so nothing is averaged or linearised.
+//! such settles at an equilibrium. With controllers a few such periods are one, where that makes it hold whole samples and pulses of
+//! theirs, and they must decide as a period before. Where they follow a set point that swings, the steps of their sensors and pulses
+//! leave a jitter: the states then return within a thousandth. Each evaluation of Π is a run of one period by the run's own engine,
+//! so nothing is averaged or linearised.
 //!
 //! Plain iteration follows the plant as it settles, and never ends for a swing that nothing damps. Anderson's method, above,
 //! weighs the last few periods so that the residual is least; for a linear Π with n states it is exact after n
@@ -46,6 +48,9 @@ const WORSE: f64 = 2.0;
 const RANK: f64 = 1e-9;
 /// The residual of a state that has settled, over the size by which the engine measures errors, in relative tolerances.
 const SETTLED: f64 = 30.0;
+/// That residual where a controller follows a set point that swings, and in how many times as much its numbers return.
+const JITTER: f64 = 1e-3;
+const DECIDED: f64 = 10.0;
 /// Pulses of the fastest that a common period may have.
 const MOST_PULSES: f64 = 1000.0;
 /// Periods at most that are taken for one, for whole samples of controllers.
@@ -62,7 +67,7 @@ pub struct Orbit {
     pub guesses: u64,
     /// The largest change of a state over the last period, over the size by which the engine measures errors.
     pub residual: f64,
-    /// Whether the states return within the engine's error.
+    /// Whether the states return within the engine's error; within a thousandth where a controller follows a set point that swings.
     pub settled: bool,
 }
 
@@ -225,11 +230,13 @@ impl PlantRun {
             (None, Some(slowest)) => (usual * slowest).ceil() / slowest,
             (None, None) => usual,
         };
-        Ok(multiple(period, &own, MOST_FOR_SAMPLES).unwrap_or(1.0) * period)
+        // Where whole samples of all make no short period, the slowest measures once at least.
+        let once = own.iter().map(|rate| (1.0 / (rate * period)).ceil()).fold(1.0, f64::max);
+        Ok(multiple(period, &own, MOST_FOR_SAMPLES).unwrap_or(once) * period)
     }
 
-    /// Goes on, period by period, until the states return and controllers decide as a period before; `watch` is called with the time in s behind each period, and may end it
-    /// by an error. A plant that has no period is evaluated in steps of `usual` s.
+    /// Goes on, period by period, until the states return and controllers decide as a period before; `watch` is called with the time
+    /// in s behind each period, and may end it by an error. A plant that has no period is evaluated in steps of `usual` s.
     ///
     /// Take a run of fixed steps on by the event-located engine ([`PlantRun::set_stepping`]): where an event passes the end of a step
     /// the number of steps of a period changes, so its states return no closer than the error of a step.
@@ -251,7 +258,8 @@ impl PlantRun {
         let begun = (self.time().max(last_change) / period).ceil();
         self.advance_to(begun * period)?;
         let guesses_allowed = self.plant().may_be_guessed() && self.mode().drivers.is_empty();
-        let tolerance = SETTLED * self.relative_tolerance();
+        let follows = self.mode().drivers.iter().any(|driver| !driver.frequencies().is_empty());
+        let tolerance = (SETTLED * self.relative_tolerance()).max(if follows { JITTER } else { 0.0 });
         let mut orbit = Orbit { period, periods: 0, guesses: 0, residual: f64::INFINITY, settled: false };
         let mut past = Past::new(self.state().len());
         // Plain periods until the next guess, and how many there are after one that is taken back.
@@ -277,8 +285,8 @@ impl PlantRun {
             advanced?;
             watch(self.time())?;
             orbit.residual = size;
-            let drivers = self.mode().drivers.iter().zip(&decided);
-            if size <= tolerance && drivers.into_iter().all(|(its, then)| its.decided_as(then.as_ref(), tolerance)) {
+            let mut drivers = self.mode().drivers.iter().zip(&decided);
+            if size <= tolerance && drivers.all(|(its, then)| its.decided_as(then.as_ref(), DECIDED * tolerance)) {
                 // What began at a guess must return without one.
                 if !core::mem::take(&mut guessed) {
                     orbit.settled = true;
