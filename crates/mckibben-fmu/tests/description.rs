@@ -47,7 +47,7 @@ fn references_stay_where_other_variables_come() {
     assert!(references.windows(2).all(|pair| pair[0] < pair[1]), "unique and in order");
 }
 
-/// Every continuous state has a name of its own, after the part of the file that it is of.
+/// No two continuous states share a name, and each is called after the part of the file that it is of.
 #[test]
 fn states_are_called_after_parts_of_the_file() {
     let hose = "[hose]\nlength = \"1 m\"\ndiameter = \"2.5 mm\"\nkind = \"distributed\"\ncells = 2\n";

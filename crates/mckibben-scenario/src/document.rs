@@ -202,8 +202,7 @@ impl Document {
     /// The list at a path with the value of a source for one of its entries.
     fn with_entry(&self, source: &Arc<Source>, (list, entry): (&str, &str)) -> Result<Node, Diagnostics> {
         let place = Place::new(source.clone(), 0..list.len());
-        let mut alone = Self { root: Table::default(), ..self.clone() };
-        graft(&mut alone.root, table_of(source)?, &list.split('.').collect::<Vec<_>>())?;
+        let alone = Self { source: source.clone(), root: table_of(source)? };
         let new = alone.entry(list).map(|entry| entry.node.clone());
         let (Some(new), Some(Entry { node: Node { place: at, value: Value::List(items) }, .. })) =
             (new, self.entry(list))

@@ -599,7 +599,7 @@ impl Page {
         }
     }
 
-    /// What repeats on the orbit that the run settles to; what has no period of its own settles at an equilibrium.
+    /// What repeats on the orbit that the run settles to; what has no period settles at an equilibrium.
     pub(crate) fn settled(&self, settled: Option<&Settled>, periodic: bool) {
         let Some(Settled { orbit, rows }) = settled else { return };
         self.heading("Settled");

@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 use mckibben::Error;
-use mckibben::network::{Network, NodeKind};
+use mckibben::network::NodeKind;
 use mckibben::plant::Plant;
 use mckibben_scenario::{Document, Engine, MechanismNames, PlantExperiment, PlantNames, Scenario};
 
@@ -55,16 +55,18 @@ pub fn experiment_of_one(scenario: &Scenario) -> Result<PlantExperiment, Error> 
     let names = PlantNames {
         valves: (0..count).map(valve_of).collect(),
         hoses: (0..count).map(|actuator| hoses.get(actuator).copied()).collect(),
-        nodes: supplies(network, has_own_supplies.then_some(&actuators)),
         actuators,
         mechanisms,
         ..PlantNames::default()
     };
-    Ok(PlantExperiment { plant, start, run, names, controls: Vec::new() })
+    let mut experiment = PlantExperiment { plant, start, run, names, controls: Vec::new() };
+    experiment.names.nodes = supplies(&experiment, has_own_supplies);
+    Ok(experiment)
 }
 
-/// The names of the nodes that are supplies whose pressure changes; `owners` are the actuators that have supplies of their own.
-fn supplies(network: &Network, owners: Option<&Vec<String>>) -> Vec<(String, usize)> {
+/// The names of the nodes that are supplies whose pressure changes; each is called after its actuator where that shares it with no other.
+fn supplies(of: &PlantExperiment, has_own_supplies: bool) -> Vec<(String, usize)> {
+    let network = of.plant.network();
     let reservoir_of = |node: usize| match network.nodes[node].kind {
         NodeKind::Outlet { inlet, .. } => inlet,
         _ => None,
@@ -75,23 +77,12 @@ fn supplies(network: &Network, owners: Option<&Vec<String>>) -> Vec<(String, usi
     };
     let mut names = Vec::new();
     for node in (0..network.nodes.len()).filter(is_supply) {
-        let owner = owners.and_then(|owners| owners.get(actuator_behind(network, node)?));
+        let owner = Some(of.owner_of_node(node)).filter(|owner| has_own_supplies && !owner.is_empty());
         let name = owner.map_or_else(|| "supply".to_owned(), |owner| format!("{owner}_supply"));
         names.extend(reservoir_of(node).map(|tank| (format!("{name}.reservoir"), tank)));
         names.push((name, node));
     }
     names
-}
-
-/// The actuator that branches lead to from a node.
-fn actuator_behind(network: &Network, mut node: usize) -> Option<usize> {
-    for _ in 0..=network.branches.len() {
-        if let NodeKind::Chamber { actuator } = network.nodes[node].kind {
-            return Some(actuator);
-        }
-        node = network.branches.iter().find(|branch| branch.from == node)?.to;
-    }
-    None
 }
 
 /// A scenario whose valves are commanded at run time.

@@ -142,7 +142,7 @@ fn point(model: &Model) -> Vec<Line> {
     lines
 }
 
-/// What casts doubt on an actuator in a linear model: the warning of what feeds it, and hysteresis without a state of its own.
+/// What casts doubt on an actuator in a linear model: the warning of what feeds it, and hysteresis that has no state.
 pub(super) fn doubts(feed: Option<String>, actuator: &Actuator) -> String {
     let is_left_out =
         matches!(actuator.friction().hysteresis(), Some(Hysteresis::MaxwellSlip(_) | Hysteresis::BoucWen(_)));
