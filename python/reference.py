@@ -37,7 +37,7 @@ CHAPTERS: dict[str, str] = {
     "Statics and curves": "Statics curves Curves",
     "Linear models": "linearize LinearModel _results.Modes _results.Mode "
     "_results.Validity _results.Controllability _results.Pulses",
-    "Sweeps": "sweep SweepResult Sweep",
+    "Sweeps": "sweep SweepResult SweepWarning Sweep",
     "Choosing": "size Sizes SizedMuscle design DesignResult Constrained",
     "Identification": "identify Study Run Identification Estimate OtherMinimum StepResponse StepInfo Prediction",
     "In your own loop": "Actuator ActuatorState Response Actuators HostedPlant VectorPlant",

@@ -49,7 +49,7 @@ from mckibben._identify import (
     identify,
 )
 from mckibben._statics import Curves, Statics, curves
-from mckibben._sweep import SweepResult, sweep
+from mckibben._sweep import SweepResult, SweepWarning, sweep
 from mckibben._tables import Parameter, Preset, PresetValue, parameters, presets
 from mckibben.errors import Error, InputError, OutputError, SimulationError
 
@@ -87,6 +87,7 @@ __all__ = [
     "Study",
     "Sweep",
     "SweepResult",
+    "SweepWarning",
     "Trajectory",
     "VectorPlant",
     "__version__",

@@ -10,6 +10,7 @@ import warnings
 import numpy
 from numpy.typing import NDArray
 
+from mckibben._listed import listed
 from mckibben._mckibben import Scenario, _design, _Sizes
 from mckibben.errors import InputError
 
@@ -242,7 +243,7 @@ def size(
     >>> round(1e3 * braid.length, 1), round(1e3 * braid.diameter, 1)
     (176.2, 6.3)
     """
-    angles = tuple(braid_angles)
+    angles = tuple(listed("braid_angles", braid_angles))
     return Sizes((load, stroke, gauge_pressure, angles, effectiveness, most_length, most_diameter, time, ripple))
 
 
@@ -292,6 +293,8 @@ class DesignResult:
         Whether the search came to its smallest steps before its evaluations were used up.
     interrupted : bool
         Whether Ctrl-C has ended the search.
+    warnings : list of str
+        Warnings of the run with the values found, as `Trajectory.warnings` has them.
     points : dict of str to numpy.ndarray
         Every run in the order of the search: values of the keys and numbers by their names, NaN where a run failed, and "feasible".
     """
@@ -305,6 +308,7 @@ class DesignResult:
     scenario: Scenario
     converged: bool
     interrupted: bool
+    warnings: list[str]
     points: dict[str, NDArray[typing.Any]]
 
     @property
@@ -375,7 +379,7 @@ def design(
     Warns
     -----
     UserWarning
-        The search was interrupted.
+        The search was interrupted. Each of the result's `warnings`.
 
     Examples
     --------
@@ -401,7 +405,9 @@ def design(
         raise InputError("one number is made least or greatest; give `minimize` or `maximize`, and only one of them")
     ((objective, least),) = names
     ranges = [(key, *_ends(key, ends)) for key, ends in vary.items()]
-    found = _design(scenario, ranges, least, objective, list(subject_to), settle, evaluations, progress)
+    if isinstance(evaluations, int) and evaluations < 1:
+        raise InputError(f"evaluations = {evaluations}, but a search has at least one run; give a whole number from 1 on, such as 200")
+    found = _design(scenario, ranges, least, objective, subject_to, settle, evaluations, progress)
     name, (value, unit) = found["objective"]
     result = DesignResult(
         values={key: value for key, value, _ in found["values"]},
@@ -413,10 +419,13 @@ def design(
         scenario=Scenario(found["scenario"], "best.toml"),
         converged=found["converged"],
         interrupted=found["interrupted"],
+        warnings=found["warnings"],
         points={name: numpy.asarray(values) for name, values in found["points"].items()},
     )
     if result.interrupted:
         warnings.warn("the search was interrupted: these are the best values so far", stacklevel=2)
+    for words in result.warnings:
+        warnings.warn(f"{objective} = {value:.4g} {unit}: {words}", stacklevel=2)
     return result
 
 

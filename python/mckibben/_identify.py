@@ -83,7 +83,7 @@ class Study:
         The muscle and the rig as far as they are known. Parameters that are estimated start at its values.
     runs : sequence of Run, mapping or data frame
         The measurements, a table or a `Run` for each run; of a single run also without a sequence. Cells that are NaN or masked
-        are missing.
+        are missing; infinite ones are refused.
     columns : mapping
         For each quantity, such as "length" or "gauge_pressure" (of a part of a plant "elbow.angle"), the column that measures it:
         its name, where it is in SI; its name and unit, such as `("P", "bar")`; or a mapping with `name`, and if wanted `unit`,
@@ -127,6 +127,8 @@ class Study:
     pulses: collections.abc.Mapping[str, typing.Any] | None = None
 
     def _columns(self) -> dict[str, dict[str, typing.Any]]:
+        if not isinstance(self.columns, collections.abc.Mapping):
+            raise InputError(f'columns is {self.columns!r}; give a dictionary of quantities, such as {{"time": "t", "length": ("L", "mm")}}')
         columns = {}
         for quantity, column in self.columns.items():
             if isinstance(column, str):
@@ -147,6 +149,8 @@ class Study:
         return columns
 
     def _fit(self) -> dict[str, dict[str, typing.Any]]:
+        if not isinstance(self.fit, collections.abc.Mapping):
+            raise InputError(f'fit is {self.fit!r}; give a dictionary of parameters, such as {{"load.mass": (1.0, 5.0)}}')
         fit = {}
         for path, wanted in self.fit.items():
             if isinstance(wanted, collections.abc.Mapping):
@@ -163,6 +167,8 @@ class Study:
         """The study as a file would have it, and its tables."""
         if not isinstance(self.scenario, Scenario):
             raise InputError(f"scenario is {self.scenario!r}; give a mckibben.Scenario")
+        if self.kind not in typing.get_args(StudyKind):
+            raise InputError(f"kind is {self.kind!r}; give one of {', '.join(typing.get_args(StudyKind))}")
         columns, tables, runs = self._columns(), [], []
         wanted = {entry["name"] for entry in columns.values() if "name" in entry}
         is_one = isinstance(self.runs, Run) or _is_table(self.runs)
@@ -170,6 +176,9 @@ class Study:
             run = given if isinstance(given, Run) else Run(given)
             name = run.name or f"run-{place}"
             files = []
+            heads = [str(key) for table in run.tables() for key in getattr(table, "columns", table)]
+            for missing in sorted(wanted - set(heads)):
+                raise InputError(f"no table of the run `{name}` has a column `{missing}`; they have: {', '.join(heads) or 'none'}")
             for number, table in enumerate(run.tables(), 1):
                 file = f"table {number} of {name}"
                 tables.append((file, [(str(key), _numbers(key, table[key], name)) for key in getattr(table, "columns", table) if key in wanted]))
@@ -177,6 +186,8 @@ class Study:
             held = {quantity: _text(value) for quantity, value in run.held.items()}
             session = {} if run.session is None else {"session": run.session}
             runs.append({"name": name, "files": files, "held": held, "set": dict(run.set), **session})
+        if not runs:
+            raise InputError("runs is empty; give a table, a mckibben.Run, or several")
         search: dict[str, typing.Any] = {}
         for name in ("more_starts", "most_steps"):
             count = getattr(self, name)
@@ -235,6 +246,10 @@ def _numbers(name: object, values: typing.Any, run: str) -> NDArray[numpy.float6
         )
     if array.ndim != 1:
         raise InputError(f"the column `{name}` of the run `{run}` has {array.ndim} dimensions; give one")
+    for place in numpy.flatnonzero(numpy.isinf(array)):
+        raise InputError(
+            f"the column `{name}` of the run `{run}` is {array[place]} in row {place}; give finite numbers, and NaN where there is no reading"
+        )
     return array
 
 

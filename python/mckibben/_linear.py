@@ -34,7 +34,17 @@ def response(model: LinearModel, omega: numpy.typing.ArrayLike) -> numpy.typing.
     """Return the complex response at angular frequencies in rad/s, of shape (len(omega), outputs, inputs)."""
     rates = numpy.atleast_1d(numpy.asarray(omega, dtype=float))
     identity = numpy.eye(len(model.A))
-    answers = [model.C @ numpy.linalg.solve(1j * rate * identity - model.A, model.B) + model.D for rate in rates]
+
+    def at(rate: float) -> typing.Any:
+        try:
+            return model.C @ numpy.linalg.solve(1j * rate * identity - model.A, model.B) + model.D
+        except numpy.linalg.LinAlgError:
+            raise InputError(
+                f"the model has a pole at {'zero' if rate == 0.0 else f'{rate} rad/s'}, where its response is without bound; "
+                f"leave {rate} rad/s out of `omega`"
+            ) from None
+
+    answers = [at(rate) for rate in rates]
     return numpy.array(answers, dtype=complex).reshape(len(rates), len(model.outputs), len(model.inputs))
 
 

@@ -24,7 +24,8 @@ class Statics:
 
     Arguments are numbers or arrays in SI that are broadcast against each other as by NumPy; pressures are gauge pressures in Pa.
     A result is NaN where the actuator does not reach: beyond its shortest and longest length, or beyond the supply's pressure. It
-    is also NaN where an argument is, so that what an inverse has returned can be passed on; infinite arguments are refused.
+    is also NaN where an argument is, or is masked, so that what an inverse has returned can be passed on; infinite arguments are
+    refused.
 
     Parameters
     ----------
@@ -127,7 +128,7 @@ class Statics:
         numpy.ndarray
             Volume in m^3, of the shape of `length`; NaN out of reach.
         """
-        lengths = numpy.asarray(length, dtype=float)
+        lengths = _numbers(length)
         return self._of.volume(lengths.ravel()).reshape(lengths.shape)
 
     def gauge_pressure_for(
@@ -179,12 +180,18 @@ class Statics:
 
     @staticmethod
     def _both(function: collections.abc.Callable[..., Numbers], first: ArrayLike, second: ArrayLike) -> Numbers:
-        pair = numpy.broadcast_arrays(numpy.asarray(first, dtype=float), numpy.asarray(second, dtype=float))
+        pair = numpy.broadcast_arrays(_numbers(first), _numbers(second))
         return function(*(numpy.ravel(of) for of in pair)).reshape(pair[0].shape)
 
     def __repr__(self) -> str:
         ends = f"{1e3 * self.min_length:.1f} to {1e3 * self.max_length:.1f} mm"
         return f"<mckibben.Statics of {self._scenario.name!r}, {ends}>"
+
+
+def _numbers(given: ArrayLike) -> Numbers:
+    """Return numbers as an array; what a mask hides is missing, and NaN."""
+    hidden = numpy.ma.getmaskarray(given) if isinstance(given, numpy.ma.MaskedArray) else False
+    return numpy.where(hidden, numpy.nan, numpy.asarray(given, dtype=float))
 
 
 class Curves(collections.abc.Mapping[str, Numbers]):
@@ -207,6 +214,14 @@ class Curves(collections.abc.Mapping[str, Numbers]):
 
     def __len__(self) -> int:
         return len(self._arrays)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Curves):
+            return NotImplemented
+        names = list(self)
+        return names == list(other) and all(numpy.array_equal(self[name], other[name], equal_nan=True) for name in names)
+
+    __hash__ = None  # type: ignore[assignment]
 
     def __repr__(self) -> str:
         pressures, lengths = self["length_m"].shape

@@ -13,6 +13,7 @@ import typing
 import warnings
 
 from mckibben._axes import axes_for, label
+from mckibben._listed import listed
 from mckibben._mckibben import Scenario, Sweep
 from mckibben.errors import InputError
 
@@ -27,6 +28,28 @@ _AHEAD = 64
 
 #: Called with the parts that are finished and all there are.
 Progress = collections.abc.Callable[[int, int], object]
+
+
+@dataclasses.dataclass(frozen=True)
+class SweepWarning:
+    """Warning of runs of a sweep.
+
+    Attributes
+    ----------
+    code : str
+        Short name of the warning, such as `thrown`; the column `warnings` has those of each run.
+    runs : int
+        Number of runs with it.
+    first : int
+        Index of the first of them.
+    text : str
+        What it says of that run: the quantity, its value, the limit, and what to change.
+    """
+
+    code: str
+    runs: int
+    first: int
+    text: str
 
 
 @dataclasses.dataclass(frozen=True)
@@ -47,6 +70,8 @@ class SweepResult:
         Names of the columns of varied keys whose values are spaced or distributed evenly in their logarithm.
     left_out : tuple of str
         Keys that runs left out, since they have no meaning under a word of another key that varies: a sentence each.
+    warnings : tuple of SweepWarning
+        Warnings of the runs by their codes: how many runs have each, and what the first says.
 
     Examples
     --------
@@ -69,6 +94,7 @@ class SweepResult:
     units: dict[str, str]
     logarithmic: tuple[str, ...] = ()
     left_out: tuple[str, ...] = ()
+    warnings: tuple[SweepWarning, ...] = ()
 
     @property
     def parts(self) -> list[pathlib.Path]:
@@ -93,12 +119,13 @@ class SweepResult:
         Returns
         -------
         pandas.DataFrame
-            A row for each run, with the units in `attrs["units"]`.
+            A row for each run, with the units in `attrs["units"]` and the warnings in `attrs["warnings"]`.
         """
         import pandas
 
         frame = pandas.concat([pandas.read_parquet(part) for part in self.parts], ignore_index=True)
         frame.attrs["units"] = self.units
+        frame.attrs["warnings"] = self.warnings
         return frame
 
     def plot(
@@ -131,6 +158,7 @@ class SweepResult:
             A name is that of no column of numbers, or `ax` has another number of axes.
         """
         frame = self.to_pandas()
+        columns = None if columns is None else listed("columns", columns)
         for name in [*(columns or []), *([] if over is None else [over])]:
             if name not in self.units:
                 raise InputError(f"`{name}` is no column of numbers of the sweep; name one of {', '.join(self.units)}")
@@ -215,7 +243,8 @@ def sweep(
     Returns
     -------
     SweepResult or pandas.DataFrame
-        With a `folder` the result in it. Else a data frame with a row for each run and the units in `attrs["units"]`.
+        With a `folder` the result in it. Else a data frame with a row for each run, the units in `attrs["units"]` and the warnings
+        of the runs in `attrs["warnings"]`.
 
     Raises
     ------
@@ -246,7 +275,10 @@ def sweep(
     >>> list(runs["load_mass_kg"]), runs.attrs["units"]["length_final_m"]
     ([2.0, 3.0], 'm')
     """
-    given = {"sweep.vary": None if vary is None else dict(vary), "sweep.reductions": reductions and list(reductions)}
+    given = {
+        "sweep.vary": None if vary is None else dict(vary),
+        "sweep.reductions": None if reductions is None else listed("reductions", reductions),
+    }
     given = {key: value for key, value in given.items() if value is not None}
     if given:
         scenario = scenario.with_values(given)
@@ -278,7 +310,8 @@ def sweep(
         _on_executor(executor, todo, missing, put)
     missing, failed = todo.missing(folder)
     assert not missing, missing
-    return SweepResult(folder, todo.rows, failed, todo.units, tuple(todo.logarithmic), tuple(todo.left_out))
+    found = tuple(SweepWarning(*warning) for warning in todo.warnings(folder))
+    return SweepResult(folder, todo.rows, failed, todo.units, tuple(todo.logarithmic), tuple(todo.left_out), found)
 
 
 Put = collections.abc.Callable[[int, bytes], None]

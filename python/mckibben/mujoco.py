@@ -30,6 +30,9 @@ True
 import importlib
 import importlib.abc
 import importlib.util
+import math
+import numbers
+import os
 import sys
 import types
 from collections.abc import Mapping, Sequence
@@ -40,7 +43,9 @@ import numpy
 from numpy.typing import NDArray
 
 from mckibben._mckibben import HostedPlant, Scenario, _register_mujoco
-from mckibben.errors import InputError
+from mckibben._motors import addresses, check_motor
+from mckibben._tables import parameters
+from mckibben.errors import InputError, SimulationError
 
 PLUGIN = "mckibben.muscle"
 """Name by which a model refers to the plugin."""
@@ -74,14 +79,14 @@ def load() -> None:
 def muscle_mjcf(
     muscles: Mapping[str, Sequence[str]],
     *,
-    scenario: str | Scenario | None = None,
-    keys: Mapping[str, str] | None = None,
+    scenario: str | os.PathLike[str] | Scenario | None = None,
+    keys: Mapping[str, str | float] | None = None,
     instance: str = "muscles",
-    sensors: Sequence[str] = ("gauge_pressure", "tension"),
+    sensors: str | Sequence[str] = ("gauge_pressure", "tension"),
     command_mode: str | None = None,
-    pulse_frequency: str | None = None,
-    max_step: str | None = None,
-    length_offset: str | None = None,
+    pulse_frequency: str | float | None = None,
+    max_step: str | float | None = None,
+    length_offset: str | float | None = None,
     max_length: float | None = None,
     width: float = 0.01,
 ) -> str:
@@ -94,23 +99,26 @@ def muscle_mjcf(
     ----------
     muscles : mapping of str to sequence of str
         Sites of each muscle, from one end to the other, by its name in the scenario; a muscle alone may have any name.
-    scenario : str or Scenario, optional
+    scenario : str, os.PathLike or Scenario, optional
         Path of a scenario file, which the model then refers to, or a scenario, whose text the model then holds. By default
         one muscle that `keys` describe.
-    keys : mapping of str to str, optional
-        Values of keys of a scenario file by their paths: {"supply.gauge_pressure": "100 psi"}.
+    keys : mapping of str to str or float, optional
+        Values of keys of a scenario file by their paths: {"supply.gauge_pressure": "100 psi"}. A number is in SI.
     instance : str, optional
         Name of the instance of the plugin.
-    sensors : sequence of str, optional
+    sensors : str or sequence of str, optional
         Quantities to be sensed of each muscle: "gauge_pressure", "tension", "contraction", "mass_flow" and others.
-    command_mode, pulse_frequency, max_step, length_offset : str, optional
-        As the attributes of the plugin: what `ctrl` is, the frequency of pulses ("25 Hz"), the longest part of a step
-        ("0.5 ms"), and what is added to the length of a tendon for the distance between the ends of its muscle ("-30 mm").
+    command_mode : str, optional
+        What `ctrl` is, as the attribute of the plugin.
+    pulse_frequency, max_step, length_offset : str or float, optional
+        As the attributes of the plugin, as text with a unit or as a number in SI: the frequency of pulses ("25 Hz"), the longest
+        part of a step ("0.5 ms"), and what is added to the length of a tendon for the distance between the ends of its muscle
+        ("-30 mm").
     max_length : float, optional
-        Longest length of the tendons in m, kept by MuJoCo's own limit. Above some milliseconds of time step the taut braid
-        is too stiff for MuJoCo's integrators, and this keeps the muscle from becoming taut.
+        Longest length of the tendons in m, above zero, kept by MuJoCo's own limit. Above some milliseconds of time step the taut
+        braid is too stiff for MuJoCo's integrators, and this keeps the muscle from becoming taut.
     width : float, optional
-        Width in m with which tendons are drawn.
+        Width in m with which tendons are drawn, zero or more.
 
     Returns
     -------
@@ -119,29 +127,37 @@ def muscle_mjcf(
     Raises
     ------
     InputError
-        A muscle has fewer than two sites, or no name.
+        There is no muscle, a muscle has fewer than two sites or no name, or a value is out of range.
     """
-    config: dict[str, str] = dict(keys or {})
+    if not isinstance(muscles, Mapping) or not muscles:
+        raise InputError(f"muscles = {muscles!r} has no muscle: give the sites of each by its name, such as {_MUSCLES}")
+    for name, sites in muscles.items():
+        if not name or isinstance(sites, str) or len(sites) < 2:
+            raise InputError(f"muscle {name!r} goes through {sites!r}: give it a name and two sites or more")
+    if not instance:
+        raise InputError("instance = '': give the instance of the plugin a name, such as \"muscles\"")
+    sensors = [sensors] if isinstance(sensors, str) else sensors
+    config = {key: _written(f"keys[{key!r}]", value, _unit(key)) for key, value in (keys or {}).items()}
     if isinstance(scenario, Scenario):
         config["scenario_text"] = scenario.to_toml()
     elif scenario is not None:
-        config["scenario"] = scenario
+        config["scenario"] = os.fspath(scenario)
     own = {
         "command_mode": command_mode,
         "pulse_frequency": pulse_frequency,
         "max_step": max_step,
         "length_offset": length_offset,
     }
-    config |= {key: value for key, value in own.items() if value is not None}
-    for name, sites in muscles.items():
-        if not name or isinstance(sites, str) or len(sites) < 2:
-            raise InputError(f"muscle {name!r} goes through {sites!r}: give it a name and two sites or more")
+    config |= {key: _written(key, value, _UNITS.get(key, "")) for key, value in own.items() if value is not None}
     lines = ["<extension>", f"  <plugin plugin={quoteattr(PLUGIN)}>", f"    <instance name={quoteattr(instance)}>"]
     lines += [f"      <config key={quoteattr(key)} value={_attribute(value)}/>" for key, value in config.items()]
     lines += ["    </instance>", "  </plugin>", "</extension>", "<tendon>"]
-    limit = "" if max_length is None else f' limited="true" range="0 {max_length}"'
+    drawn = _metres("width", width, "zero or more", lambda width: width >= 0.0)
+    limit = ""
+    if max_length is not None:
+        limit = f' limited="true" range="0 {_metres("max_length", max_length, "above zero", lambda most: most > 0.0)}"'
     for name, sites in muscles.items():
-        lines.append(f'  <spatial name={quoteattr(name)} width="{width}"{limit}>')
+        lines.append(f'  <spatial name={quoteattr(name)} width="{drawn}"{limit}>')
         lines += [f"    <site site={quoteattr(site)}/>" for site in sites]
         lines.append("  </spatial>")
     lines += ["</tendon>", "<actuator>"]
@@ -164,7 +180,9 @@ class Driver:
     Parameters
     ----------
     model : mujoco.MjModel
-        Model with a `<motor>` on a tendon or joint for each muscle, of its name, with `gear="1"` and without `ctrlrange`.
+        Model with a `<motor>` on a tendon, or on a hinge or slide joint, for each muscle, of its name. The motor has `gear="1"`
+        and no `ctrlrange`, `forcerange` or `delay`, and no `actuatorfrcrange` limits the tendon or a joint that it moves: these
+        would change the tension.
     scenario : Scenario
         Scenario of any kind; the names of its actuators are those of the motors, and a muscle alone may have any name.
     worlds : int, optional
@@ -177,7 +195,12 @@ class Driver:
     Raises
     ------
     InputError
-        The model has no motor of a muscle's name.
+        The model has no motor of a muscle's name, an attribute of the model would change the tension, or an argument is out of
+        range.
+
+    Notes
+    -----
+    A world begins again, as at the end of an episode, by `mujoco.mj_resetData` and `restart`, while the others continue.
 
     Examples
     --------
@@ -223,6 +246,11 @@ class Driver:
         max_step: float | None = None,
         precision: Literal["double", "single"] = "double",
     ) -> None:
+        mujoco = _mujoco()
+        if not isinstance(model, mujoco.MjModel):
+            raise InputError(f"model is of type {type(model).__name__}: give a mujoco.MjModel")
+        if not isinstance(worlds, int | numpy.integer) or worlds < 1:
+            raise InputError(f"worlds = {worlds!r} is out of range: give a whole number from 1 on")
         self.model = model
         self.plant = HostedPlant(
             scenario,
@@ -240,8 +268,13 @@ class Driver:
             missing, found = [], {names[0]: motors[0]}
         if missing:
             raise InputError(f"the model has no motor {missing}: it has {sorted(found)}; add <motor> of these names")
-        self._motors = numpy.array([found[name].id for name in names])
-        self._offset = numpy.broadcast_to(numpy.asarray(length_offset, dtype=float), (len(names),))
+        motors = [found[name].id for name in names]
+        for motor in motors:
+            check_motor(mujoco, model, motor)
+        # Since 3.11 an actuator may have several controls and forces; before, both have its number.
+        self._controls = addresses(model, "actuator_ctrladr", motors)
+        self._outputs = addresses(model, "actuator_outadr", motors)
+        self._offset = _offsets(length_offset, names)
 
     def start(self) -> Any:
         """Return data of the model at its start: one, or a list of one for each world.
@@ -249,13 +282,55 @@ class Driver:
         Returns
         -------
         mujoco.MjData or list of mujoco.MjData
+
+        Raises
+        ------
+        InputError
+            A muscle cannot have the length that it has in the model.
         """
         mujoco = _mujoco()
         worlds = [mujoco.MjData(self.model) for _ in range(self.plant.count)]
-        for world in worlds:
-            mujoco.mj_forward(self.model, world)
-        self.plant.begin(*self._ends(worlds))
-        return worlds[0] if len(worlds) == 1 else worlds
+        data = worlds[0] if len(worlds) == 1 else worlds
+        self.restart(data)
+        return data
+
+    def restart(self, data: Any, rows: Any = None) -> None:
+        """Begin the muscles of some worlds again, where their data have the ends, while the others continue.
+
+        The data belong to the caller: reset them before, by `mujoco.mj_resetData`, and set their positions and velocities.
+
+        Parameters
+        ----------
+        data : mujoco.MjData or list of mujoco.MjData
+            What `start` returned.
+        rows : sequence of int, optional
+            Indices of the worlds, from 0, each once. By default all begin again, at t = 0 of the plant.
+
+        Raises
+        ------
+        InputError
+            There is no such world, or a muscle cannot have such a length; no muscle has changed.
+        """
+        mujoco, worlds = _mujoco(), self._worlds(data)
+        begun: list[Any] = [*range(len(worlds))] if rows is None else numpy.atleast_1d(rows).tolist()
+        for at, row in enumerate(begun):
+            if isinstance(row, bool) or not isinstance(row, int) or not 0 <= row < len(worlds):
+                raise InputError(f"rows[{at}] = {row!r} is no world: give indices from 0 to {len(worlds) - 1}")
+            if row in begun[:at]:
+                raise InputError(f"rows[{at}] = {row!r} is the world of rows[{begun.index(row)}]: give each once")
+        if not begun:
+            return
+        for row in begun:
+            mujoco.mj_forward(self.model, worlds[row])
+        ends = self._ends([(row, worlds[row]) for row in begun])
+        try:
+            if rows is None:
+                self.plant.begin(*ends)
+            else:
+                self.plant.restart(numpy.array(begun, dtype=numpy.int64), *ends)
+        except InputError as error:
+            remedy = "a distance is MuJoCo's length plus length_offset, which is negative where a tendon has cables or fittings"
+            raise InputError(f"{error}\n{remedy}") from error
 
     def step(self, data: Any, commands: Any) -> NDArray[numpy.float64]:
         """Advance MuJoCo and the muscles by one time step of the model.
@@ -265,7 +340,8 @@ class Driver:
         data : mujoco.MjData or list of mujoco.MjData
             What `start` returned.
         commands : array_like
-            Command of each valve, in the order of `plant.commands`; with several worlds one row for each.
+            Command of each valve, in the order of `plant.commands`; with several worlds one row for each. A single row or number
+            is that of all worlds.
 
         Returns
         -------
@@ -275,27 +351,121 @@ class Driver:
         Raises
         ------
         InputError
-            A valve does not take such a command, or a muscle cannot have such a length.
+            A valve does not take such a command, a muscle cannot have such a length, or there are not as many data as worlds;
+            nothing has moved.
+        SimulationError
+            A muscle has come to a non-physical state, or to a length that it cannot have: begin its world again by `restart`.
         """
-        mujoco = _mujoco()
-        worlds = data if isinstance(data, list) else [data]
-        shape = (self.plant.count, len(self.plant.commands))
-        commands = numpy.array(numpy.broadcast_to(numpy.asarray(commands, dtype=float), shape), order="C")
-        tensions: NDArray[numpy.float64] = self.plant.compute(*self._ends(worlds))
+        mujoco, worlds = _mujoco(), self._worlds(data)
+        commands = self._commands(commands)
+        # Before MuJoCo has moved.
+        self.plant._check_commands(commands)
+        tensions: NDArray[numpy.float64] = self.plant.compute(*self._ends(enumerate(worlds)))
         for world, tension in zip(worlds, tensions, strict=True):
-            world.ctrl[self._motors] = -tension
+            world.ctrl[self._controls] = -tension
             mujoco.mj_step(self.model, world)
             # Where the ends are now: MuJoCo itself would compute it at its next step.
             mujoco.mj_fwdPosition(self.model, world)
             mujoco.mj_fwdVelocity(self.model, world)
-        distances, _ = self._ends(worlds)
+        try:
+            distances, _ = self._ends(enumerate(worlds))
+        except InputError as error:
+            raise SimulationError(str(error)) from error
         self.plant.step(distances, commands, self.model.opt.timestep)
         return tensions
 
-    def _ends(self, worlds: Sequence[Any]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
-        """Distances and velocities of the ends."""
-        lengths = numpy.array([world.actuator_length[self._motors] for world in worlds]) + self._offset
-        return lengths, numpy.array([world.actuator_velocity[self._motors] for world in worlds])
+    def _worlds(self, data: Any) -> list[Any]:
+        """Data of all worlds."""
+        worlds = [*data] if isinstance(data, list | tuple) else [data]
+        count = self.plant.count
+        if len(worlds) != count:
+            given = "one MjData" if len(worlds) == 1 else f"a list of {len(worlds)}"
+            raise InputError(f"data is {given} for {count} {'world' if count == 1 else 'worlds'}: give what `start` returned")
+        kind = _mujoco().MjData
+        for at, world in enumerate(worlds):
+            if not isinstance(world, kind):
+                name = "data" if world is data else f"data[{at}]"
+                raise InputError(f"{name} is of type {type(world).__name__}: give what `start` returned, a mujoco.MjData")
+            if any(world is other for other in worlds[:at]):
+                raise InputError(f"data[{at}] is given twice: give each world its own MjData")
+        return worlds
+
+    def _commands(self, commands: Any) -> NDArray[numpy.float64]:
+        """Commands of all worlds, a row for each."""
+        shape = (self.plant.count, len(self.plant.commands))
+        try:
+            given = numpy.asarray(commands, dtype=float)
+        except (TypeError, ValueError) as error:
+            raise InputError(f"commands are no numbers ({error}): give an array of shape {shape}") from error
+        try:
+            return numpy.array(numpy.broadcast_to(given, shape), order="C")
+        except ValueError as error:
+            valves = ", ".join(self.plant.commands)
+            remedy = f"give an array of shape {shape}, a row for each world with the commands {valves}"
+            raise InputError(f"commands are of shape {given.shape}: {remedy}") from error
+
+    def _ends(self, worlds: Any) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
+        """Distances and velocities of the ends in worlds, which are given with their numbers."""
+        distances, velocities = [], []
+        for row, world in worlds:
+            lengths = world.actuator_length[self._outputs]
+            for name, length, offset in zip(self.plant.actuators, lengths, self._offset, strict=True):
+                # What is not a number is refused by the plant.
+                if length + offset <= 0.0:
+                    where = f"world {row}, {name}" if self.plant.count > 1 else name
+                    raise InputError(
+                        f"{where}: MuJoCo's length of {length:g} m and length_offset = {offset:g} m give a distance of "
+                        f"{length + offset:g} m between the ends, which must be above zero: give another length_offset"
+                    )
+            distances.append(lengths + self._offset)
+            velocities.append(world.actuator_velocity[self._outputs])
+        return numpy.array(distances), numpy.array(velocities)
+
+
+_MUSCLES = '{"muscle": ["anchor", "hook"]}'
+_UNITS = {"pulse_frequency": "Hz", "max_step": "s", "length_offset": "m"}
+"""Units of the attributes of the plugin that are quantities."""
+
+
+def _unit(key: str) -> str:
+    """Unit of a key of a scenario or an attribute of the plugin; empty where it has none."""
+    known = parameters().get(key)
+    return _UNITS.get(key, "") if known is None else known.unit
+
+
+def _written(name: str, value: Any, unit: str) -> str:
+    """A value as an attribute of the plugin has it: text as it is, a number with its unit in SI."""
+    if isinstance(value, str):
+        return value
+    if isinstance(value, bool | numpy.bool_):
+        return "true" if value else "false"
+    if not isinstance(value, numbers.Real) or not math.isfinite(value):
+        kind = "text with a unit or a finite number" + (f" in {unit}" if unit else "")
+        raise InputError(f"{name} = {value!r} is no value: give {kind}")
+    number = repr(int(value) if isinstance(value, numbers.Integral) else float(value))
+    return f"{number} {unit}".strip()
+
+
+def _metres(name: str, value: Any, words: str, is_in: Any) -> float:
+    """A length in m in a range that words say."""
+    is_number = isinstance(value, numbers.Real) and not isinstance(value, bool)
+    if not is_number or not math.isfinite(value) or not is_in(value):
+        raise InputError(f"{name} = {value!r} is out of range: give a number in m, {words}, such as 0.09")
+    return float(value)
+
+
+def _offsets(given: Any, names: Sequence[str]) -> NDArray[numpy.float64]:
+    """What is added to the length of each muscle, in m."""
+    remedy = f"give a number in m, or one for each of {', '.join(names)}"
+    try:
+        offsets = numpy.asarray(given, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"length_offset = {given!r} is no number: {remedy}") from error
+    if offsets.shape not in [(), (len(names),)]:
+        raise InputError(f"length_offset = {given!r} is of shape {offsets.shape}: {remedy}")
+    if not numpy.isfinite(offsets).all():
+        raise InputError(f"length_offset = {given!r} is not finite: {remedy}")
+    return numpy.broadcast_to(offsets, (len(names),))
 
 
 def _mujoco() -> types.ModuleType:

@@ -565,3 +565,65 @@ def test_what_holds_after_an_event_has_types(swing, examples):
     assert words and all(type(value) is str for value in words.values())
     event = mckibben.Event(1.0, ["event", "a", "b", "c", "d"], ["stick", "-2.5e-3", "infinite", "true", ""])
     assert event.after == {"a": -2.5e-3, "b": "infinite", "c": True, "d": ""}
+
+# --- parameters -----------------------------------------------------------------------------------------------------
+
+
+def test_one_text_is_no_list_of_parameters(scenario, swing):
+    for made in [
+        lambda: mckibben.VectorPlant(scenario, 2, parameters="load.mass"),  # type: ignore[arg-type]
+        lambda: mckibben.Actuators(scenario, 2, parameters="load.mass"),  # type: ignore[arg-type]
+        lambda: mckibben.Differentiable(swing, "load.mass", ["length"], [0.1]),  # type: ignore[arg-type]
+    ]:
+        with pytest.raises(TypeError, match=r"^`parameters`: a list is wanted and no str; give \['load.mass'\]"):
+            made()
+    with pytest.raises(TypeError, match="^`quantities`: a list is wanted and no str"):
+        mckibben.Differentiable(swing, ["load.mass"], "length", [0.1])  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="^`columns`: a list is wanted and no str"):
+        mckibben.simulate(swing).plot("length_m")  # type: ignore[arg-type]
+
+
+def test_a_parameter_that_is_named_twice_is_refused(scenario, swing):
+    twice = ["load.mass", "actuator.turns", "load.mass"]
+    with pytest.raises(mckibben.InputError, match="`parameters` names `load.mass` twice"):
+        mckibben.VectorPlant(scenario, 2, parameters=twice, action_mode="request")
+    with pytest.raises(mckibben.InputError, match="`parameters` names `load.mass` twice"):
+        mckibben.Actuators(scenario, 2, parameters=twice, values=numpy.zeros((2, 3)))
+    with pytest.raises(mckibben.InputError, match="`parameters` names `load.mass` twice"):
+        mckibben.Differentiable(swing, twice, ["length"], [0.1])
+    with pytest.raises(mckibben.InputError, match=r"`parameters` names `a\[01\]` twice, also as `a\[1\]`"):
+        mckibben.VectorPlant(scenario, 2, parameters=["a[1]", "a[01]"], action_mode="request")
+
+
+def test_parameters_that_change_nothing_are_refused(scenario, swing):
+    for path in ("run.step", "run.duration", "command.duty"):
+        driven = scenario.with_values({"run.step": "0.5 ms"})
+        with pytest.raises(mckibben.InputError, match=f"`{path}`"):
+            mckibben.VectorPlant(driven, 2, parameters=[path], action_mode="request")
+        with pytest.raises(mckibben.InputError, match=f"`{path}` changes nothing of these actuators"):
+            mckibben.Actuators(driven, 2, parameters=[path], values=numpy.ones((2, 1)))
+    with pytest.raises(mckibben.InputError, match="`run.duration` changes nothing of this plant"):
+        mckibben.VectorPlant(scenario, 2, parameters=["run.duration"], action_mode="request")
+    with pytest.raises(mckibben.InputError, match="`run.duration` changes nothing"):
+        mckibben.Differentiable(swing, ["run.duration"], ["length"], [0.1])
+    for given, name in [([[], ["length"], [0.1]], "parameters"), ([["load.mass"], [], [0.1]], "quantities"),
+                        ([["load.mass"], ["length"], []], "times")]:
+        with pytest.raises(mckibben.InputError, match=f"`{name}` is empty"):
+            mckibben.Differentiable(swing, *given)
+
+
+def test_numbers_of_another_shape_are_refused_by_their_argument(swing):
+    run = mckibben.simulate(swing)
+    with pytest.raises(TypeError, match="`time` is one number, and of type ndarray here; `at_times` takes several"):
+        run.at(numpy.array([0.01, 0.02]))  # type: ignore[arg-type]
+    of = mckibben.Differentiable(swing, ["load.mass"], ["length"], [0.1])
+    for wrong, words in [(numpy.zeros((2, 2)), "an array with 2 dimensions"), (None, "of type NoneType")]:
+        with pytest.raises(TypeError, match=f"`values` is {words}"):
+            of(wrong)  # type: ignore[arg-type]
+        with pytest.raises(TypeError, match=f"`times` is {words}"):
+            mckibben.Differentiable(swing, ["load.mass"], ["length"], wrong)  # type: ignore[arg-type]
+
+
+def test_a_load_that_is_no_force_is_refused_by_its_argument(swing):
+    with pytest.raises(mckibben.InputError, match="`load` = -5.000 N"):
+        mckibben.linearize(swing, load=-5.0)

@@ -198,3 +198,23 @@ def test_what_nothing_meets_is_no_result(rig):
         mckibben.design(
             rig, {"supply.gauge_pressure": "1..2 bar"}, minimize="air.used", subject_to=["tension.final>=600 N"], evaluations=20
         )
+
+def test_the_warnings_of_the_best_run_are_those_of_its_simulation():
+    """At 400 bar the load is thrown above the attachment."""
+    hanging = mckibben.Scenario.from_dict({
+        **MUSCLE, "load": {"kind": "hanging-mass", "mass": "5 kg"}, "initial": {"gauge_pressure": "1 bar"},
+    })
+    with pytest.warns(UserWarning, match="above the attachment"):
+        found = mckibben.design(hanging, {"supply.gauge_pressure": "0.5..400 bar"}, minimize="length.min", evaluations=12)
+    assert found.warnings == mckibben.simulate(found.scenario).warnings and len(found.warnings) > 1
+
+
+def test_texts_in_place_of_lists_and_no_evaluations_are_refused(rig):
+    vary = {"supply.gauge_pressure": "1..2 bar"}
+    with pytest.raises(TypeError, match="`subject_to`: a list is wanted and no str"):
+        mckibben.design(rig, vary, minimize="air.used", subject_to="tension.final>=10 N")  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="`braid_angles`: a list is wanted and no str"):
+        mckibben.size(**WANTED, braid_angles="25 deg")  # type: ignore[arg-type]
+    for evaluations in (0, -1):
+        with pytest.raises(mckibben.InputError, match=f"evaluations = {evaluations}.*from 1 on"):
+            mckibben.design(rig, vary, minimize="air.used", evaluations=evaluations)

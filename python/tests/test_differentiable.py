@@ -196,3 +196,15 @@ def test_air_that_rests_behind_a_hose_has_the_derivatives_of_differences():
         step = numpy.eye(len(by))[number] * size
         differences = (model(start + step) - model(start - step)) / (2.0 * size)
         numpy.testing.assert_allclose(slopes[:, :, number], differences, rtol=0.05)
+
+
+def test_a_list_and_its_entry_are_one_number_twice(examples):
+    """The derivative with respect to a number that is named twice would be divided between the two, or lost."""
+    scenario = mckibben.Scenario.from_file(examples / "valves/pressure-regulator.toml")
+    for paths, words in [
+        (["command.gauge_pressure", "command.gauge_pressure[1]"], r"names `command.gauge_pressure\[1\]` twice"),
+        (["command.gauge_pressure[1]", "command.gauge_pressure[01]"], r"also as `command.gauge_pressure\[1\]`"),
+        (["load.mass", "load.mass"], "names `load.mass` twice"),
+    ]:
+        with pytest.raises(mckibben.InputError, match=words):
+            mckibben.Differentiable(scenario, paths, ["length"], [0.1])

@@ -25,7 +25,7 @@ CLASSES = [name for name in NAMES if isinstance(getattr(mckibben, name), type)]
 RETURNED = {
     "Constrained", "Curves", "DesignResult", "Error", "Estimate", "Event", "Identification", "InputError", "LinearModel", "OtherMinimum",
     "OutputError", "Parameter", "Prediction", "Preset", "PresetValue", "Response", "SimulationError", "SizedMuscle", "Sizes", "StepInfo", "StepResponse",
-    "SweepResult", "Trajectory",
+    "SweepResult", "SweepWarning", "Trajectory",
 }
 #: What every user calls, and what has an example therefore.
 EXEMPLARY = {

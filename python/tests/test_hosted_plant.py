@@ -104,3 +104,141 @@ def test_a_plant_that_stops_leaves_the_others():
     two.begin(numpy.full((2, 1), 0.09), numpy.zeros((2, 1)))
     two.step(numpy.full((2, 1), 0.09), fill, 1e-3)
     numpy.testing.assert_array_equal(two.observe()[0], two.observe()[1])
+
+
+def of(**sections) -> mckibben.Scenario:
+    """The scenario of `plant`, with other sections."""
+    return mckibben.Scenario.from_dict(plant().scenario.to_dict() | sections)
+
+
+def test_states_of_other_plants_are_refused():
+    """Their numbers may be as many, and showed an impossible temperature."""
+    mine = plant(2)
+    before = mine.save()
+    for other in (
+        mckibben.HostedPlant(of(supply={"gauge_pressure": "90 psi"}), 2, command_mode="request"),
+        mckibben.HostedPlant(
+            of(actuator={"preset": "festo-dmsp-20-300"}, initial={"length": "250 mm", "gauge_pressure": "1 bar"}), 2
+        ),
+        mckibben.HostedPlant(mine.scenario, 2, pulse_frequency=25.0),
+    ):
+        with pytest.raises(mckibben.InputError, match=r"states\[0\] is of another plant"):
+            mine.restore(other.save())
+    # The first row alone is from a plant that fits.
+    mixed = numpy.where([[True], [False]], before, before + 1.0)
+    with pytest.raises(mckibben.InputError, match=r"states\[1\] is of another plant"):
+        mine.restore(mixed)
+    for wrong in (before[:1], before[:, :0], before[:, :-1], before[0], numpy.zeros_like(before), before.astype(numpy.float32)):
+        with pytest.raises((mckibben.InputError, TypeError)):
+            mine.restore(wrong)
+    numpy.testing.assert_array_equal(mine.save(), before)
+
+
+def test_states_of_another_start_are_restored():
+    """Load, start and run take no part in a state."""
+    mine = plant(2)
+    other = mckibben.HostedPlant(of(initial={"length": "85 mm", "gauge_pressure": "10 psi"}, run={"duration": "2 s"}), 2,
+                                 command_mode="request")
+    distances, fill = numpy.full((2, 1), 0.09), numpy.ones((2, 1))
+    for _ in range(5):
+        other.step(distances, fill, 1e-3)
+    mine.restore(other.save())
+    for its in (mine, other):
+        its.step(distances, fill, 1e-3)
+    numpy.testing.assert_array_equal(mine.save(), other.save())
+
+
+def test_no_restored_length_is_below_zero():
+    mine = plant()
+    mine.begin(numpy.array([[0.0875]]), numpy.zeros((1, 1)))
+    states = mine.save()
+    wrong = numpy.where(states == 0.0875, -0.0875, states)
+    assert (wrong != states).any()
+    with pytest.raises(mckibben.InputError, match="actuator: a distance of -0.0875 m"):
+        mine.restore(wrong)
+    numpy.testing.assert_array_equal(mine.save(), states)
+
+
+def test_states_of_different_times_name_the_plant():
+    mine = plant(2)
+    states = mine.save()
+    mine.step(numpy.full((2, 1), 0.09), numpy.ones((2, 1)), 1e-3)
+    states[1] = mine.save()[1]
+    with pytest.raises(mckibben.InputError, match="plant 1: the states are of different times"):
+        mine.restore(states)
+    assert mine.time == 1e-3
+
+
+def test_a_plant_begins_again_while_the_others_continue():
+    three, whole, late = plant(3), plant(3), plant()
+    distances, fill = numpy.array([[0.09], [0.088], [0.089]]), numpy.ones((3, 1))
+    for _ in range(20):
+        three.step(distances, fill, 1e-3)
+        whole.step(distances, fill, 1e-3)
+    late.begin(numpy.array([[0.085]]), numpy.array([[0.01]]))
+    three.restart(numpy.array([1]), numpy.array([[0.085]]), numpy.array([[0.01]]))
+    assert three.time == 20e-3
+    assert three.distances[1, 0] == 0.085
+    numpy.testing.assert_allclose(three.observe()[1], late.observe()[0], rtol=1e-9, atol=1e-12)
+    distances[1] = 0.085
+    for _ in range(20):
+        three.step(distances, fill, 1e-3)
+        whole.step(distances, fill, 1e-3)
+        late.step(distances[1:2], fill[:1], 1e-3)
+    numpy.testing.assert_array_equal(three.observe()[[0, 2]], whole.observe()[[0, 2]])
+    # Only the instants at which the valve moves are rounded at another time.
+    numpy.testing.assert_allclose(three.observe()[1], late.observe()[0], rtol=1e-6, atol=1e-9)
+    assert (three.observe()[1] != whole.observe()[1]).any()
+
+
+def test_a_plant_that_has_stopped_begins_again():
+    two = plant(2)
+    fill, distances = numpy.ones((2, 1)), numpy.full((2, 1), 0.09)
+    with pytest.raises(mckibben.SimulationError, match="plant 1"):
+        two.step(numpy.array([[0.09], [0.5]]), fill, 1e-3)
+    two.restart(numpy.array([1]), distances[:1], numpy.zeros((1, 1)))
+    two.step(distances, fill, 1e-3)
+    assert two.time == 2e-3 and numpy.isfinite(two.observe()).all()
+
+
+@pytest.mark.parametrize(
+    ("rows", "distances", "velocities", "words"),
+    [
+        ([3], [[0.09]], [[0.0]], r"rows\[0\] = 3"),
+        ([-1], [[0.09]], [[0.0]], r"rows\[0\] = -1"),
+        ([0, 0], [[0.09], [0.09]], [[0.0], [0.0]], r"rows\[1\] = 0"),
+        ([0, 1], [[0.09], [-0.09]], [[0.0], [0.0]], r"distances\[1, 0\]"),
+        ([0, 1], [[0.09], [0.5]], [[0.0], [0.0]], "plant 1: .* thread"),
+        ([0, 1], [[0.09], [0.09]], [[0.0], [1e9]], r"velocities\[1, 0\]"),
+        ([0, 1], [[0.09]], [[0.0]], r"shape \(2, 1\)"),
+    ],
+)
+def test_a_restart_that_is_refused_changes_nothing(rows, distances, velocities, words):
+    three = plant(3)
+    three.step(numpy.full((3, 1), 0.088), numpy.ones((3, 1)), 1e-3)
+    before = three.save()
+    with pytest.raises(mckibben.InputError, match=words):
+        three.restart(numpy.array(rows), numpy.array(distances), numpy.array(velocities))
+    numpy.testing.assert_array_equal(three.save(), before)
+
+
+def test_ends_are_named_by_their_elements():
+    two, zero = plant(2), numpy.zeros((2, 1))
+    wrong, fast = numpy.array([[0.09], [-0.09]]), numpy.array([[0.0], [1e9]])
+    for use in (
+        lambda: two.begin(wrong, zero),
+        lambda: two.compute(wrong, zero),
+        lambda: two.step(wrong, zero, 1e-3),
+    ):
+        with pytest.raises(mckibben.InputError, match=r"distances\[1, 0\] = -0.09 m"):
+            use()
+    for use in (lambda: two.begin(numpy.full((2, 1), 0.09), fast), lambda: two.compute(numpy.full((2, 1), 0.09), fast)):
+        with pytest.raises(mckibben.InputError, match=r"(?s)velocities\[1, 0\] = 1000000000.0 m/s.*between -1e6 and 1e6"):
+            use()
+    assert numpy.isfinite(two.compute(numpy.full((2, 1), 0.09), numpy.full((2, 1), 1e6))).all()
+
+
+@pytest.mark.parametrize("count", [0, -1])
+def test_there_is_one_plant_or_more(count):
+    with pytest.raises(mckibben.InputError, match=f"count = {count} .*\n.*from 1 on"):
+        plant(count)

@@ -182,6 +182,29 @@ def test_the_period_of_an_action_is_that_of_the_pulses_or_longer_than_the_delays
     assert period(action_mode="set-point", scenario=with_valve(REGULATOR)) == pytest.approx(0.01, rel=1e-12)
 
 
+def test_a_set_point_ends_at_what_feeds_the_regulator() -> None:
+    """An action of 1 is `max_pressure`, or the supply where that is less. Plants and actuators refuse what is above."""
+    scenario = with_valve(REGULATOR).with_values({"command.gauge_pressure": ["1 bar"]})
+    for feed, most, reached in [("2 bar", 3e5, 2e5), ("4 bar", 3e5, 3e5)]:
+        options = {"scenario": scenario.with_values({"supply.gauge_pressure": feed}), "max_pressure": most}
+        alone = gymnasium.make("mckibben/HangingMass-v0", action_mode="set-point", duration=4.0, **options).unwrapped
+        alone.reset(seed=1)
+        for _ in range(150):
+            alone.step(np.ones(1, dtype=np.float32))
+        assert alone.observations[alone.columns.index("gauge_pressure_pa")] == pytest.approx(reached, rel=1e-3)
+
+    plants = mckibben.VectorPlant(scenario, 2, parameters=["supply.gauge_pressure"], action_mode="set-point")
+    plants.start(np.array([[2e5], [4e5]]))
+    np.testing.assert_array_equal(plants.command_range, [[[0.0], [0.0]], [[2e5], [4e5]]])
+    shown, stopped = np.zeros((2, len(plants.columns))), np.zeros(2, dtype=bool)
+    plants.step(np.array([[2e5], [4e5]]), 0.01, shown, stopped)
+    with pytest.raises(mckibben.InputError, match="cannot give more than feeds it"):
+        plants.step(np.array([[2.1e5], [4e5]]), 0.01, shown, stopped)
+    actuator = mckibben.Actuator(scenario.with_values({"supply.gauge_pressure": "2 bar"}))
+    with pytest.raises(mckibben.InputError, match="cannot give more than feeds it"):
+        actuator.step(actuator.start(), 0.09, 0.0, 2.1e5, 1e-3)
+
+
 def test_what_a_valve_does_not_take_is_refused_when_the_environment_is_made() -> None:
     for name in ("HangingMass", "Joint", "Leg"):
         for mode in ("position", "set-point"):

@@ -340,3 +340,11 @@ def test_a_model_says_what_casts_doubt_on_it(examples):
     numpy.testing.assert_array_equal(model.B[:, model.inputs.index("duty")], 0.0)
     assert [words for words in model.warnings if "does not answer" in words and "ripple" not in words]
     assert model.details["pwm"]["validity"]["seats_follow"] is False
+
+
+def test_the_response_at_a_pole_is_refused(examples):
+    """A sealed chamber integrates the mass flow: the model has a pole at zero."""
+    model = mckibben.linearize(mckibben.Scenario.from_file(examples / "isometric-charge.toml"))
+    with pytest.raises(mckibben.InputError, match="a pole at zero.*leave 0.0 rad/s out of `omega`"):
+        model.response([1.0, 0.0])
+    assert numpy.isfinite(model.response([1.0])).all()

@@ -503,3 +503,213 @@ def test_nothing_that_is_written_into_attributes_breaks_it():
             hanging(keys=keys, sensors=[])
         except (ValueError, mujoco.FatalError) as refused:
             assert str(refused)
+
+
+MOTOR = '<motor name="muscle" tendon="muscle"/>'
+REGULATOR = {
+    "supply.gauge_pressure": "6 bar",
+    "valve.kind": "pressure-regulator",
+    "valve.flow_area": "1 mm^2",
+    "valve.time_constant": "20 ms",
+    "valve.rate_limit": "20 bar/s",
+}
+
+
+def with_motor(motor=MOTOR, joint="", tendon="", step=1e-3):
+    """The hanging mass with a motor; another joint has a range of forces that does not matter."""
+    sections = f"""
+    <tendon><spatial name="muscle" {tendon}><site site="anchor"/><site site="hook"/></spatial></tendon>
+    <actuator>{motor}</actuator>"""
+    text = WORLD.format(step=step, gravity=GRAVITY, muscle=sections)
+    text = text.replace('<joint type="slide"', f'<joint name="slide" type="slide" {joint}')
+    other = '<body pos="1 0 0"><joint name="hinge" actuatorfrcrange="-1 1"/><geom size="0.1"/></body></worldbody>'
+    return mujoco.MjModel.from_xml_string(text.replace("</worldbody>", other))
+
+
+@pytest.mark.parametrize(
+    ("model", "words"),
+    [
+        ({"motor": MOTOR.replace("/>", ' gear="2"/>')}, 'gear="2".*write gear="1"'),
+        ({"motor": MOTOR.replace("/>", ' ctrlrange="-1 1"/>')}, 'ctrlrange="-1 1".*leave ctrlrange out'),
+        ({"motor": MOTOR.replace("/>", ' forcerange="-5 5"/>')}, 'forcerange="-5 5".*leave forcerange out'),
+        ({"motor": MOTOR.replace("motor", "position")}, "biastype.*write <motor"),
+        ({"motor": MOTOR.replace("motor", "velocity")}, "biastype.*write <motor"),
+        ({"motor": MOTOR.replace("motor", "general").replace("/>", ' gainprm="2"/>')}, "gainprm"),
+        ({"motor": MOTOR.replace("motor", "general").replace("/>", ' dyntype="filter" dynprm="0.1"/>')}, "dyntype"),
+        ({"motor": '<motor name="muscle" site="hook"/>'}, "on no tendon or joint"),
+        ({"motor": '<motor name="muscle" joint="hinge"/>'}, "joint `hinge`.*actuatorfrcrange"),
+        ({"joint": 'actuatorfrcrange="-5 5"'}, 'joint `slide`.*actuatorfrcrange="-5 5"'),
+    ],
+)
+def test_a_driver_refuses_what_would_change_the_tension(model, words):
+    with pytest.raises(mckibben.InputError, match="motor `muscle`.*" + words):
+        mckibben.mujoco.Driver(with_motor(**model), scenario(), command_mode="request")
+
+
+@pytest.mark.skipif(not hasattr(mujoco.MjModel, "tendon_actfrclimited"), reason="tendons have no ranges of forces in 3.2.7")
+def test_a_driver_refuses_a_tendon_that_clips_the_tension():
+    with pytest.raises(mckibben.InputError, match='tendon `muscle`.*actuatorfrcrange="-5 5"'):
+        mckibben.mujoco.Driver(with_motor(tendon='actuatorfrcrange="-5 5"'), scenario(), command_mode="request")
+
+
+def test_a_driver_refuses_the_muscles_of_the_plugin():
+    model, _ = hanging()
+    with pytest.raises(mckibben.InputError, match="motor `muscle` belongs to a plugin"):
+        mckibben.mujoco.Driver(model, scenario(), command_mode="request")
+
+
+def test_a_motor_on_a_joint_is_one_on_a_tendon():
+    """The tendon is as long as the joint is low; the joint of another body may have a range of forces."""
+    ends = []
+    for motor, offset in ((MOTOR, 0.0), ('<motor name="muscle" joint="slide"/>', 0.09)):
+        model = with_motor(motor)
+        if motor is not MOTOR:
+            # Downwards, as the tendon lengthens.
+            model.jnt_axis[0] = [0.0, 0.0, -1.0]
+        driver = mckibben.mujoco.Driver(model, scenario(), command_mode="request", length_offset=offset)
+        data = driver.start()
+        for _ in range(100):
+            driver.step(data, 1.0)
+        ends.append(abs(float(data.qpos[0])))
+    assert ends[0] > 1e-3 and ends[1] == pytest.approx(ends[0], rel=1e-9)
+
+
+def test_one_world_begins_again_while_the_others_continue():
+    model = with_motor()
+    driver, plain, fresh = (mckibben.mujoco.Driver(model, scenario(), worlds=count, command_mode="request") for count in (3, 3, 1))
+    worlds, others, late = driver.start(), plain.start(), fresh.start()
+    for _ in range(50):
+        driver.step(worlds, [[1.0], [-1.0], [1.0]])
+        plain.step(others, [[1.0], [-1.0], [1.0]])
+    mujoco.mj_resetData(model, worlds[1])
+    driver.restart(worlds, [1])
+    for _ in range(50):
+        driver.step(worlds, 1.0)
+        plain.step(others, 1.0)
+        fresh.step(late, 1.0)
+    assert [float(worlds[at].qpos[0]) for at in (0, 2)] == [float(others[at].qpos[0]) for at in (0, 2)]
+    assert worlds[1].time == pytest.approx(0.05) and driver.plant.time == pytest.approx(0.1)
+    assert late.qpos[0] > 1e-3 and worlds[1].qpos[0] == pytest.approx(late.qpos[0], rel=1e-6)
+    # All together.
+    mujoco.mj_resetData(model, late)
+    fresh.restart(late)
+    assert fresh.plant.time == 0.0 and fresh.plant.distances[0, 0] == pytest.approx(0.09)
+
+
+@pytest.mark.parametrize(
+    ("rows", "words"),
+    [([2], r"rows\[0\] = 2 .*from 0 to 1"), ([0, 0], r"rows\[1\] = 0"), ([True], r"rows\[0\] = True"), ([0.5], r"rows\[0\] = 0.5")],
+)
+def test_worlds_that_are_not_there_cannot_begin_again(rows, words):
+    driver = mckibben.mujoco.Driver(with_motor(), scenario(), worlds=2, command_mode="request")
+    worlds = driver.start()
+    with pytest.raises(mckibben.InputError, match=words):
+        driver.restart(worlds, rows)
+
+
+def test_arguments_of_a_driver_are_named():
+    model = with_motor()
+
+    def made(**options):
+        return mckibben.mujoco.Driver(model, scenario(), command_mode="request", **options)
+
+    for options, words in (
+        ({"length_offset": [0.0, 0.0]}, r"length_offset = \[0.0, 0.0\] is of shape \(2,\)"),
+        ({"length_offset": "-5 mm"}, "length_offset = '-5 mm' is no number"),
+        ({"length_offset": numpy.nan}, "length_offset = nan is not finite"),
+        ({"worlds": 0}, "worlds = 0 .*from 1 on"),
+    ):
+        with pytest.raises(mckibben.InputError, match=words):
+            made(**options)
+    with pytest.raises(mckibben.InputError, match="model is of type str"):
+        mckibben.mujoco.Driver("model.xml", scenario())
+    with pytest.raises(mckibben.InputError, match="length of 0.09 m and length_offset = -0.5 m"):
+        made(length_offset=-0.5).start()
+    with pytest.raises(mckibben.InputError, match="(?s)thread.*length_offset"):
+        made(length_offset=0.5).start()
+    driver = made(worlds=2)
+    worlds = driver.start()
+    for data, commands, words in (
+        (worlds, [1.0, 1.0], r"commands are of shape \(2,\).*\(2, 1\).*actuator.request"),
+        (worlds, "fill", "commands are no numbers"),
+        (worlds, [[1.0], [7.0]], "plant 1: .*actuator.request"),
+        (worlds[0], 1.0, "data is one MjData for 2 worlds"),
+        (worlds[:1] * 2, 1.0, r"data\[1\] is given twice"),
+        ([worlds[0], None], 1.0, r"data\[1\] is of type NoneType"),
+    ):
+        with pytest.raises(mckibben.InputError, match=words):
+            driver.step(data, commands)
+    assert worlds[0].time == worlds[1].time == driver.plant.time == 0.0, "nothing has moved"
+
+
+def test_a_step_that_ends_at_no_distance_stops_the_simulation():
+    """MuJoCo has moved by then, so the argument is not to blame."""
+    driver = mckibben.mujoco.Driver(
+        with_motor('<motor name="muscle" joint="slide"/>'), scenario(), command_mode="request", length_offset=0.09
+    )
+    data = driver.start()
+    data.qvel[0] = -1000.0
+    with pytest.raises(mckibben.SimulationError, match="distance of -0.9.* m between the ends"):
+        driver.step(data, 1.0)
+    mujoco.mj_resetData(driver.model, data)
+    driver.restart(data)
+    assert driver.step(data, 1.0)[0, 0] > 1.0
+
+
+def test_numbers_of_attributes_are_in_si():
+    text = {"keys": KEYS | {"supply.gauge_pressure": "7 bar", "valve.opening_delay": "2 ms"}, "pulse_frequency": "25 Hz",
+            "max_step": "0.5 ms", "length_offset": "-5 mm"}
+    numbers = {"keys": KEYS | {"supply.gauge_pressure": 7e5, "valve.opening_delay": numpy.float64(0.002)}, "pulse_frequency": 25,
+               "max_step": 5e-4, "length_offset": -0.005}
+    ends = []
+    for options in (text, numbers):
+        model, data = hanging(**options)
+        run(model, data, 0.1, 0.6)
+        ends.append(data.qpos.copy())
+    assert numpy.array_equal(*ends) and abs(ends[0][0]) > 1e-3
+
+
+def test_a_path_and_a_single_sensor_are_taken():
+    path = pathlib.Path("examples/fill-hold-exhaust.toml")
+    model, _ = hanging(keys={}, scenario=path, sensors="tension")
+    assert [model.sensor(at).name for at in range(model.nsensor)] == ["muscle.tension"]
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"max_length": 0}, "max_length = 0 .*above zero"),
+        ({"max_length": "90 mm"}, "max_length = '90 mm' .*number in m"),
+        ({"max_length": float("nan")}, "max_length = nan"),
+        ({"width": float("nan")}, "width = nan"),
+        ({"width": -0.01}, "width = -0.01"),
+        ({"max_step": float("inf")}, "max_step = inf .*in s"),
+        ({"keys": {"supply.gauge_pressure": None}}, "supply.gauge_pressure.*in Pa"),
+        ({"instance": ""}, "instance"),
+    ],
+)
+def test_values_that_no_model_can_have_are_refused(options, words):
+    with pytest.raises(mckibben.InputError, match=words):
+        mckibben.mujoco.muscle_mjcf({"muscle": ["anchor", "hook"]}, **options)
+
+
+@pytest.mark.parametrize("muscles", [{}, [("muscle", ["anchor", "hook"])]])
+def test_a_model_without_muscles_is_refused(muscles):
+    with pytest.raises(mckibben.InputError, match="has no muscle"):
+        mckibben.mujoco.muscle_mjcf(muscles, keys=KEYS)
+
+
+def test_a_mode_that_a_valve_does_not_take_names_those_that_it_takes(capfd):
+    """No message is about a command that the user has not written."""
+    with pytest.raises((ValueError, mujoco.FatalError)) as caught:
+        hanging(keys=REGULATOR, command_mode="duty")
+    said = str(caught.value) + "".join(capfd.readouterr()) + log()
+    assert 'command_mode="set-point"' in said and "exhaust" not in said, said
+
+
+@pytest.mark.parametrize("offset", ["-500 mm", "500 mm"])
+def test_a_length_offset_that_cannot_be_is_named(offset):
+    model, data = hanging(length_offset=offset)
+    run(model, data, 0.002, 0.0)
+    said = log()
+    assert "length_offset" in said and "initial.length" not in said, said

@@ -45,6 +45,19 @@ def test_vector_plants_in_single_precision_are_near_those_in_double():
     near(*observed)
 
 
+def test_a_row_in_single_precision_does_not_depend_on_how_many_there_are():
+    ends = []
+    for count in (1, 3, 4, COUNT):
+        plants = mckibben.VectorPlant(SCENARIO, count, precision="single")
+        plants.start(numpy.empty((count, 0)))
+        shown, stopped = numpy.zeros((count, len(plants.columns))), numpy.zeros(count, dtype=bool)
+        for step in range(20):
+            plants.step(numpy.full((count, 1), 0.2 + 0.03 * step), 0.01, shown, stopped)
+        assert (shown == shown[0]).all(), count
+        ends.append(shown[0].copy())
+    numpy.testing.assert_array_equal(ends, [ends[0]] * len(ends))
+
+
 def test_actuators_in_single_precision_are_near_those_in_double():
     tensions = []
     for precision in ("single", "double"):

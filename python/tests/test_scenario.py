@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import math
 import pickle
 
 import numpy
@@ -164,3 +165,23 @@ def test_differences_are_reported_by_paths(examples):
     assert str(scenario) == scenario.to_toml()
     table = scenario._repr_html_()
     assert table.count("<tr>") == sum(1 for line in scenario.to_toml().splitlines() if "=" in line and not line.startswith("#"))
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"tension": [1.0, 2.0, 3.0, 4.0, 5.0]}, "`actuator.force.tension` has 5 entries, and 6 are due"),
+        ({"tension": [1.0] * 7}, "3 pressures times 2 lengths are 6"),
+        ({"length": [0.09, 0.08]}, "the entries do not rise"),
+        ({"tension": [1.0, 2.0, 3.0, 4.0, 5.0, math.nan]}, "(?s)tension` = NaN N.*give a finite number"),
+        ({"tension": numpy.ones((3, 2))}, "(?s)one list of numbers, not a list of lists.*a row for each pressure.*ravel"),
+    ],
+)
+def test_what_check_refuses_is_no_scenario(values, words, swing):
+    """A force map that the model cannot be built of: at once, and not by what uses the scenario."""
+    law = {"law": "map", "gauge_pressure": [0.0, 2e5, 4e5], "length": [0.08, 0.09], "tension": [0.0, 1.0, 10.0, 20.0, 20.0, 40.0]}
+    good = swing.with_values({"actuator.preset": "colbrunn-2001", "actuator.force": law})
+    with pytest.raises(mckibben.InputError, match=words):
+        swing.with_values({"actuator.preset": "colbrunn-2001", "actuator.force": {**law, **values}})
+    with pytest.raises(mckibben.InputError, match=words):
+        good.with_values({f"actuator.force.{key}": value for key, value in values.items()})

@@ -105,3 +105,16 @@ def test_curves_are_arrays_a_tidy_frame_and_a_figure(scenario, statics):
         curves["forces"]
     with pytest.raises(mckibben.InputError, match=r"gauge_pressures\[1\]"):
         mckibben.curves(scenario, [2e5, math.inf])
+
+
+def test_what_a_mask_hides_is_missing(statics):
+    hidden = numpy.ma.masked_array([0.08, 0.09], [True, False])
+    force = statics.force(hidden, 3e5)
+    assert math.isnan(force[0]) and force[1] == statics.force(0.09, 3e5)
+    assert numpy.isnan(statics.volume(hidden)).tolist() == [True, False]
+
+
+def test_curves_are_equal_where_their_arrays_are(scenario):
+    of = mckibben.curves(scenario, "2, 4 bar")
+    assert of == mckibben.curves(scenario, [2e5, 4e5])
+    assert of != mckibben.curves(scenario, "2, 3 bar") and of != mckibben.curves(scenario, "2 bar") and of != 1

@@ -229,7 +229,12 @@ def test_a_swing_that_comes_to_rest_has_a_step_response(rig):
         ({"most_steps": 2.5}, "most_steps is 2.5; give a whole number"),
         ({"more_starts": -1}, "more_starts is -1"),
         ({"time_limit": 0.0}, "time_limit.*not above zero"),
-        ({"columns": {"time": "t", "length": "x"}}, "no table of the run `swing` has a column `x`"),
+        ({"columns": {"time": "t", "length": "x"}}, "no table of the run `swing` has a column `x`; they have: t, L, P"),
+        ({"columns": ["t", "L"]}, "columns is .*; give a dictionary"),
+        ({"columns": {"time": "t", "length": {"name": "L", "deviation": "-0.05 mm"}}}, "-0.05 mm, which is not above zero"),
+        ({"columns": {"time": "t", "length": {"name": "L", "deviation": 0.0}}}, "which is not above zero"),
+        ({"columns": {"time": "t", "length": {"name": "L", "deviatio": 1.0}}}, r"(?s)^error: the study: .*help\(mckibben.Study\)"),
+        ({"fit": [("load.mass", (1.0, 2.0))]}, "fit is .*; give a dictionary"),
         ({"columns": {"time": "t", "length": ("L", "bar")}}, "`bar` is no unit of length"),
         ({"columns": {"time": "t", "length": 3}}, "give the name of a column"),
         ({"columns": {"time": "t", "lenght": "L"}}, "`lenght` is no quantity"),
@@ -241,7 +246,7 @@ def test_a_swing_that_comes_to_rest_has_a_step_response(rig):
 )
 def test_messages_name_the_arguments_of_python(options, words, rig, lengths):
     with pytest.raises(mckibben.InputError, match=words):
-        mckibben.identify(study(rig, {"t": TIMES, "L": lengths}, **options))
+        mckibben.identify(study(rig, {"t": TIMES, "L": lengths, "P": lengths}, **options))
 
 
 def test_tables_that_are_none_are_refused(rig, lengths):
@@ -249,5 +254,13 @@ def test_tables_that_are_none_are_refused(rig, lengths):
         mckibben.identify(study(rig, {"t": TIMES, "L": lengths[:2]}))
     with pytest.raises(mckibben.InputError, match="is no array of numbers"):
         mckibben.identify(study(rig, {"t": TIMES, "L": ["long"] * len(TIMES)}))
+    for column, wrong in [("t", TIMES), ("L", lengths)]:
+        infinite = numpy.where(TIMES == TIMES[7], -numpy.inf, wrong)
+        with pytest.raises(mckibben.InputError, match=f"the column `{column}` of the run `swing` is -inf in row 7"):
+            mckibben.identify(study(rig, {"t": TIMES, "L": lengths, column: infinite}))
+    with pytest.raises(mckibben.InputError, match="runs is empty"):
+        mckibben.identify(mckibben.Study(kind="trajectories", scenario=rig, runs=[], columns={"time": "t", "length": "L"}, fit=FIT))
+    with pytest.raises(mckibben.InputError, match="kind is 'trajectory'; give one of force-map"):
+        mckibben.identify(mckibben.Study(kind="trajectory", scenario=rig, runs=[{"t": TIMES}], columns={}))  # type: ignore[arg-type]
     with pytest.raises(mckibben.InputError, match="2 dimensions"):
         mckibben.identify(study(rig, {"t": TIMES, "L": lengths.reshape(7, 43)}))

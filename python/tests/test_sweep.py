@@ -304,3 +304,36 @@ def test_a_figure_has_a_point_for_each_run(swept, tmp_path):
     assert line.get_ydata().tolist() == frame["tension_peak_n"].tolist()
     with pytest.raises(mckibben.InputError, match="`tension` is no column of numbers"):
         done.plot(["tension"])
+
+THROWN = {
+    "supply": {"gauge_pressure": "100 psi"},
+    "valve": {"preset": "matrix-eight-channel"},
+    "command": {"kind": "pwm", "frequency": "25 Hz", "duty": 0.5},
+    "load": {"kind": "hanging-mass", "mass": "5 lb"},
+    "run": {"duration": "0.3 s"},
+    "sweep": {"part_rows": 2},
+}
+
+
+@pytest.mark.parametrize("workers", [0, 2])
+def test_warnings_of_the_runs_are_counted(workers, tmp_path):
+    """A load of 0.05 lb is thrown above the attachment, also where the parts are computed elsewhere."""
+    scenario = mckibben.Scenario.from_dict({**THROWN, "sweep": {"part_rows": 2, "vary": {"load.mass": ["5 lb"]}}})
+    executor = concurrent.futures.ThreadPoolExecutor(workers) if workers else None
+    masses = {"load.mass": ["5 lb", "0.05 lb", "6 lb", "0.04 lb"]}
+    done = mckibben.sweep(scenario, tmp_path, vary=masses, reductions=["length.final"], executor=executor)
+    (warning,) = done.warnings
+    assert (warning.code, warning.runs, warning.first) == ("thrown", 2, 1) and "above the attachment" in warning.text
+    assert done.to_polars()["warnings"].to_list() == [None, "thrown", None, "thrown"]
+    assert done.to_pandas().attrs["warnings"] == done.warnings
+    plain = mckibben.sweep(scenario, vary={"load.mass": ["5 lb", "6 lb"]}, reductions=["length.final"])
+    assert plain.attrs["warnings"] == () and plain["warnings"].isna().all()
+
+
+def test_repeats_and_texts_in_place_of_lists_are_refused(swing, tmp_path):
+    vary = {"load.mass": ["4 lb"]}
+    with pytest.raises(mckibben.InputError, match="the reduction `length.final` is named twice"):
+        mckibben.sweep(swing, tmp_path / "runs", vary=vary, reductions=["length.final", "length.final"])
+    assert not (tmp_path / "runs").exists()
+    with pytest.raises(TypeError, match="`reductions`: a list is wanted and no str"):
+        mckibben.sweep(swing, vary=vary, reductions="length.final")  # type: ignore[arg-type]

@@ -71,9 +71,12 @@ pub(crate) fn release(root: &Path, into: &Path) -> Result<(), String> {
     copy(&own.join("include/mckibben.h"), &into.join("include/mckibben.h"))?;
     let config = "mckibben-config.cmake";
     copy(&own.join("package").join(config), &into.join("lib/cmake/mckibben").join(config))?;
-    let template = own.join("package/mckibben.pc.in");
-    let template = std::fs::read_to_string(&template).map_err(|error| format!("{}: {error}", template.display()))?;
-    write(&into.join("lib/pkgconfig/mckibben.pc"), &template.replace("@VERSION@", env!("CARGO_PKG_VERSION")))?;
+    for (file, to) in [("mckibben.pc", "lib/pkgconfig"), ("mckibben-config-version.cmake", "lib/cmake/mckibben")] {
+        let template = own.join("package").join(format!("{file}.in"));
+        let template =
+            std::fs::read_to_string(&template).map_err(|error| format!("{}: {error}", template.display()))?;
+        write(&into.join(to).join(file), &template.replace("@VERSION@", env!("CARGO_PKG_VERSION")))?;
+    }
     if cfg!(target_os = "linux") {
         let (program, library) = (into.with_extension("tried"), into.join("lib"));
         let mut compile = command(root, "cc");

@@ -219,6 +219,12 @@ impl PlantBatch {
         self.of_all(long, &(), work, |(), ()| ());
     }
 
+    /// The plant of a row, if there is such a row.
+    pub fn plant(&self, row: usize) -> Option<&Plant> {
+        let [group, lane] = self.place(row).ok()?;
+        Some(self.groups[group].rows.list[lane].steps.plant())
+    }
+
     /// Sets what a valve of a row does from now on, in place of all that was to come.
     ///
     /// # Errors

@@ -199,7 +199,8 @@ impl Form {
         let mut side_by_side = Vec::new();
         if width.rows() > 1 && PlantBatch::covers(self.first().plant()) {
             let left = self.rows.len() % lanes;
-            let few = if left < FEW { left } else { 0 };
+            // In single precision a row must not depend on how many stand beside it.
+            let few = if left < FEW && precision == Precision::Double { left } else { 0 };
             let individually = self.rows.split_off(self.rows.len() - few);
             side_by_side = std::mem::replace(&mut self.rows, individually);
         }

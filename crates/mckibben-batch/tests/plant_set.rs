@@ -374,9 +374,11 @@ fn a_row_that_has_stopped_does_not_hold_up_those_that_begin_again() {
 
 #[test]
 fn what_cannot_be_set_is_refused_and_changes_nothing() {
-    let rows = [row(0).0, Row { rig: Paper::sealed().rig(), start: Paper::sealed().start() }, row(6).0];
+    let rows = [row(0).0, Row { rig: Paper::sealed().rig(), start: Paper::sealed().start() }, row(6).0, row(7).0];
     let mut batch = batch(&rows, Method::Stable, Width::widest());
     batch.set(0, 0, Request::Fill).expect("set");
+    let feed = batch.plant(3).and_then(|plant| plant.network().feed_of(0)).expect("a regulator");
+    batch.set(3, 0, RuntimeCommand::SetPoint(GaugePressure(feed))).expect("set");
     let unchanged = ends(&mut batch);
     let said = |refused: Result<(), Error>| refused.expect_err("refused").to_string();
     assert!(said(batch.set(0, 0, Request::Hold)).contains("cannot hold"));
@@ -387,6 +389,9 @@ fn what_cannot_be_set_is_refused_and_changes_nothing() {
     assert!(said(batch.set(1, 0, Request::Fill)).contains("not there"));
     assert!(said(batch.set(2, 0, Request::Fill)).contains("positions"));
     assert!(said(batch.set(2, 0, RuntimeCommand::Position(1.5))).contains("command.position"));
-    assert!(said(batch.set(3, 0, Request::Fill)).contains("count the rows"));
+    // Also where one that it takes is in force.
+    let above = RuntimeCommand::SetPoint(GaugePressure(feed + 1.0));
+    assert!(said(batch.set(3, 0, above)).contains("cannot give more than feeds it"));
+    assert!(said(batch.set(4, 0, Request::Fill)).contains("count the rows"));
     assert_eq!(ends(&mut batch), unchanged);
 }

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -33,13 +34,18 @@ public:
         outputs.resize(mckibben_output_count(made));
     }
 
-    // The index of the command of an actuator.
+    // The index of the command of an actuator. Its name lists the actuators that the valve feeds, then the mode: "biceps.request",
+    // "flexor+extensor.set_point".
     std::size_t command_of(const std::string &actuator) const
     {
         for (std::size_t index = 0; index < mckibben_command_count(plant.get()); ++index) {
             mckibben_command_info info;
             check(mckibben_command_describe(plant.get(), index, &info));
-            if (std::string(info.name) == actuator + ".request") return index;
+            const std::string name = info.name;
+            std::istringstream fed(name.substr(0, name.rfind('.')));
+            for (std::string its; std::getline(fed, its, '+');) {
+                if (its == actuator) return index;
+            }
         }
         throw std::runtime_error("no command of " + actuator);
     }

@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
@@ -41,7 +42,9 @@ public:
         check(mckibben_plant_from_file(scenario, &options, &made));
         plant.reset(made);
         outputs.resize(mckibben_output_count(made));
-        command.data.assign(mckibben_command_count(made), 0.0);
+        for (std::size_t valve = 0; valve < mckibben_command_count(made); ++valve) {
+            command.data.push_back(at_rest(valve));
+        }
         state.name = joints;
         for (const std::string &joint : joints) {
             position.push_back(index_of(joint + ".angle"));
@@ -60,7 +63,16 @@ public:
         }
     }
 
-    // Timer: one period of the plant, then the state of its joints is published. Nothing here allocates after the first call.
+    // The request of a valve that adds no air: 0 (hold), or -1 (exhaust) of a valve that cannot hold.
+    double at_rest(std::size_t valve) const
+    {
+        std::int32_t holds = 0;
+        check(mckibben_command_accepts(plant.get(), valve, 0.0, &holds));
+        return holds ? 0.0 : -1.0;
+    }
+
+    // Timer: one period of the plant, then the state of its joints is published. Steady steps allocate nothing; what happens for the
+    // first time may, and steps of a joint at rest under friction do.
     const JointState &on_timer()
     {
         check(mckibben_advance(plant.get(), static_cast<double>(++ticks) * period, nullptr, 0));
@@ -100,8 +112,8 @@ try {
     auto wake = std::chrono::steady_clock::now();
     JointState last = {};
     for (int tick = 0; tick < 100; ++tick) {
-        // The controller: the first actuator takes air while the shoulder is below 0.2 rad.
-        node.command.data[0] = !last.position.empty() && last.position[0] > 0.2 ? 0.0 : 1.0;
+        // The controller: the first actuator takes air until the shoulder is beyond 0.2 rad.
+        node.command.data[0] = !last.position.empty() && last.position[0] > 0.2 ? node.at_rest(0) : 1.0;
         node.on_command(node.command);
         last = node.on_timer();
         wake += period;

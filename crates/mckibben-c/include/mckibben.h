@@ -1,5 +1,7 @@
 /* mckibben: braided pneumatic actuators for a host in C or C++. Made by cbindgen from crates/mckibben-c: do not edit.
  *
+ * The header needs C99 or C++11, or a later standard.
+ *
  * All quantities are in SI. Pressures are absolute unless a name says gauge. Tension pulls the ends of an actuator together and is
  * zero or more; a rate is positive where a distance grows; a mass flow is positive into the actuator. Distances are between the ends
  * of an actuator, with its tendon.
@@ -24,7 +26,8 @@ typedef enum mckibben_status {
    */
   MCKIBBEN_STATUS_OK = 0,
   /**
-   * The scenario, a value, an index or an option is wrong. Nothing has changed.
+   * The scenario, a value, an index or an option is wrong. Nothing has changed, but for commands of a batch's step: see
+   * `mckibben_batch_step`.
    */
   MCKIBBEN_STATUS_INPUT = 2,
   /**
@@ -87,7 +90,9 @@ typedef struct mckibben_options {
    */
   int32_t motion;
   /**
-   * What the numbers are that valves are commanded by: "duty", "request", "position" or "set-point"; NULL for each valve's own.
+   * What the numbers are that valves are commanded by, of all valves: "duty", "request", "position" or "set-point"; NULL for each
+   * valve's own: positions of a spool, set points of a pressure regulator, of other valves duty cycles where the scenario or
+   * `pulse_frequency` says how often they are pulsed, otherwise requests.
    */
   const char *command_mode;
   /**
@@ -95,7 +100,9 @@ typedef struct mckibben_options {
    */
   double pulse_frequency;
   /**
-   * Longest part of a step in s, above zero; 0 for whole steps, and where the scenario moves, for its own steps.
+   * Longest part of a step in s, above zero. Where the host moves the ends, a step is divided into equal parts no longer than this;
+   * 0 for one part. Where the scenario moves, its steps are no longer than this; 0 for `run.step`, or for the longest step that
+   * `run.accuracy` allows.
    */
   double max_step;
 } mckibben_options;
@@ -105,7 +112,8 @@ typedef struct mckibben_options {
  */
 typedef struct mckibben_command_info {
   /**
-   * Name of the actuator, or of all that the valve feeds, and of the mode: "biceps.duty".
+   * Name of the actuator, or of all that the valve feeds with "+" between them, a dot, and the mode with "_" for "-":
+   * "biceps.duty", "agonist+antagonist.request", "actuator.set_point". A scenario of one actuator calls it "actuator".
    */
   const char *name;
   /**
@@ -117,11 +125,11 @@ typedef struct mckibben_command_info {
    */
   const char *unit;
   /**
-   * Least number.
+   * Least number: -1 of every request, though a valve of two positions has two of the three: see `mckibben_command_accepts`.
    */
   double minimum;
   /**
-   * Greatest number; infinity where there is none.
+   * Greatest number; of a set point what feeds the valve, infinity where this is not known.
    */
   double maximum;
   /**
@@ -135,11 +143,14 @@ typedef struct mckibben_command_info {
  */
 typedef struct mckibben_output_info {
   /**
-   * Name, such as "biceps.gauge_pressure".
+   * Name of the part and of the quantity, without a unit: "biceps.gauge_pressure" where a run has the column
+   * "biceps.gauge_pressure_pa". A scenario of one actuator calls it "actuator", a joint its actuators "agonist" and "antagonist" and
+   * itself "joint", and both their supply "supply", where runs have "gauge_pressure_pa", "antagonist_gauge_pressure_pa",
+   * "angle_rad" and "supply_gauge_pressure_pa".
    */
   const char *name;
   /**
-   * SI unit, such as "Pa".
+   * SI unit, such as "Pa", "m/s", "m3" or "N*m"; empty of a pure number.
    */
   const char *unit;
 } mckibben_output_info;
@@ -177,7 +188,7 @@ typedef struct mckibben_response {
    */
   double temperature;
   /**
-   * Volume of the air, braid and hose, in m³.
+   * Volume of the air in braid and fittings (`actuator.external_volume`) in m³, without that of a hose.
    */
   double volume;
 } mckibben_response;
@@ -187,7 +198,7 @@ typedef struct mckibben_response {
  */
 typedef struct mckibben_step {
   /**
-   * The time in s that all plants go on to.
+   * The time in s that all plants go on to, as in `mckibben_advance`.
    */
   double until;
   /**
@@ -266,8 +277,10 @@ const char *mckibben_last_error(void);
 
 /**
  * Reads the plant of a scenario from its text in TOML: one actuator, a joint, or many actuators on one air network. Its own
- * commands and controllers are not used. `name` stands for a file's name in messages; NULL for "scenario.toml". `options` may be
- * NULL. On success `*plant` is a plant to be freed by `mckibben_plant_free`; otherwise it is NULL.
+ * commands and controllers are not used. Where the scenario moves and has no `run.step`, reading runs it several times to find the
+ * longest step that `run.accuracy` allows, which can take minutes. `name` stands for a file's name in messages; NULL for
+ * "scenario.toml". `options` may be NULL. On success `*plant` is a plant to be freed by `mckibben_plant_free`; otherwise it is
+ * NULL.
  */
 enum mckibben_status mckibben_plant_from_text(const char *text,
                                               const char *name,
@@ -314,7 +327,7 @@ size_t mckibben_output_count(const struct mckibben_plant *plant);
 size_t mckibben_distance_count(const struct mckibben_plant *plant);
 
 /**
- * Returns how many numbers a state is, the same at all times; 0 for NULL.
+ * Returns how many numbers a state is, as many at all times; 0 for NULL.
  */
 size_t mckibben_state_size(const struct mckibben_plant *plant);
 
@@ -345,18 +358,37 @@ enum mckibben_status mckibben_output_index(const struct mckibben_plant *plant,
                                            size_t *index);
 
 /**
- * Sets what a valve does from now on; commands are counted from 0. The range and the unit of `number` are those of
- * `mckibben_command_describe`: a duty cycle from 0 to 1; a request 1 (fill), 0 (hold) or -1 (exhaust); a position of a spool from
- * -1 (exhaust) to 1 (supply); a set point in Pa, gauge, from zero to what feeds the valve. A number that is set already changes
- * nothing.
+ * Commands a valve by a number until the next command; commands are counted from 0. The range and the unit of `number` are those of
+ * `mckibben_command_describe`: a duty cycle from 0 to 1; a request 1 (fill), 0 (hold) or -1 (exhaust), where the valve has it: see
+ * `mckibben_command_accepts`; a position of a spool from -1 (exhaust) to 1 (supply); a set point in Pa, gauge, from zero to what
+ * feeds the valve. A number that is set already changes nothing. A request, a position or a set point takes effect now, after the
+ * delays of the valve. A duty cycle takes effect at the next pulse: pulse p begins at p/f on the clock of the plant. Before
+ * its first command a valve rests: coils are released, so that a normally open valve fills and a three-way valve exhausts; a spool
+ * is in the middle; a pressure regulator gives the actuator's initial pressure.
  */
 enum mckibben_status mckibben_command(struct mckibben_plant *plant,
                                       size_t command,
                                       double number);
 
 /**
- * Goes on to the time `until` in s, later than `mckibben_time`. The ends go in straight lines to `distances` in m, `count` of
- * them: one for each actuator between its ends, with its tendon. Where the scenario moves, `distances` is NULL and `count` 0.
+ * Writes to `accepts` whether a valve takes a number as its command, 1 or 0; commands are counted from 0. A two-way valve holds and
+ * does not exhaust, and a three-way valve exhausts and does not hold: both take two of the three requests.
+ */
+enum mckibben_status mckibben_command_accepts(const struct mckibben_plant *plant,
+                                              size_t command,
+                                              double number,
+                                              int32_t *accepts);
+
+/**
+ * Advances the plant to the time `until` in s, later than `mckibben_time`; a time in the past is refused.
+ *
+ * Where the host moves the ends, they go in straight lines to `distances` in m, `count` of them: one for each actuator between its
+ * ends, with its tendon. The air takes one step for the call, or equal parts no longer than `options.max_step`; `run.step`,
+ * `run.accuracy` and `run.sample_interval` are not used. Events of valves and friction are at their instants within a step.
+ *
+ * Where the scenario moves, `distances` is NULL and `count` 0, and the plant takes steps of `run.step`, or of the longest that
+ * `run.accuracy` allows for the scenario's own run, never longer than `options.max_step`. An `until` that is equal to
+ * `mckibben_time` changes nothing.
  */
 enum mckibben_status mckibben_advance(struct mckibben_plant *plant,
                                       double until,
@@ -375,9 +407,13 @@ enum mckibben_status mckibben_compute(struct mckibben_plant *plant,
                                       size_t response_count);
 
 /**
- * Writes all outputs, `count` of them, in SI units: see `mckibben_output_describe`.
+ * Writes all outputs where the plant is, `count` of them, in SI units: the columns of a run that are numbers, without the time and
+ * the set points of valves, then the contraction of each actuator. Their names differ from those of columns: see
+ * `mckibben_output_describe`.
  */
-enum mckibben_status mckibben_outputs(struct mckibben_plant *plant, double *outputs, size_t count);
+enum mckibben_status mckibben_outputs(struct mckibben_plant *plant,
+                                      double *outputs,
+                                      size_t count);
 
 /**
  * Writes the time in s that the plant has reached, from 0.
@@ -392,7 +428,7 @@ enum mckibben_status mckibben_distances(const struct mckibben_plant *plant,
                                         size_t count);
 
 /**
- * Begins again at time 0 with the ends at `distances` in m and moving at `rates` in m/s, `count` of each, and all else as the
+ * Begins the plant again at time 0 with the ends at `distances` in m and moving at `rates` in m/s, `count` of each, and all else as the
  * scenario starts; valves are to be commanded again. Allocates. Refused where the scenario moves.
  */
 enum mckibben_status mckibben_begin_at(struct mckibben_plant *plant,
@@ -401,20 +437,22 @@ enum mckibben_status mckibben_begin_at(struct mckibben_plant *plant,
                                        size_t count);
 
 /**
- * Returns to where the plant began; valves are to be commanded again.
+ * Returns to where the plant began: the start of the scenario at time 0, or where `mckibben_begin_at` or `mckibben_batch_begin_at` has
+ * put it last. A copy, also one out of a batch, returns to where the copied plant began. Valves are to be commanded again.
  */
 enum mckibben_status mckibben_reset(struct mckibben_plant *plant);
 
 /**
  * Saves the whole state as `count` numbers: time, air, valves with their commands, and what friction remembers. Their meaning
- * may change from one version to the next.
+ * may change from one version to the next. Refused where more than 64 commands of one valve are within its dead time:
+ * `mckibben_plant_clone` copies such a plant.
  */
 enum mckibben_status mckibben_save(struct mckibben_plant *plant,
                                    double *numbers,
                                    size_t count);
 
 /**
- * Restores a state that a plant of the same scenario saved, as `count` numbers; from there the plant goes on to the same bits.
+ * Restores a state that a plant of an equal scenario saved, as `count` numbers; from there the plant goes on to the same bits.
  */
 enum mckibben_status mckibben_restore(struct mckibben_plant *plant,
                                       const double *numbers,
@@ -422,8 +460,14 @@ enum mckibben_status mckibben_restore(struct mckibben_plant *plant,
 
 /**
  * Makes a batch of `plant_count` plants, each from where its plant is; the plants themselves stay, and one may stand in the array
- * many times. They are of one scenario, or of scenarios that differ in numbers alone, and at one time. `threads` threads step them;
- * 0 and 1 leave all to the caller's. On success `*batch` is a batch to be freed by `mckibben_batch_free`; otherwise it is NULL.
+ * many times. `threads` threads step them; 0 and 1 leave all to the caller's. On success `*batch` is a batch to be freed by
+ * `mckibben_batch_free`; otherwise it is NULL.
+ *
+ * The plants are of one scenario, or of scenarios that differ in numbers. All must agree in these: the time; the motion and
+ * `options.max_step`; names of actuators, commands and outputs; modes of commands, and of duty cycles the frequency and the requests
+ * in pulses and between them; the number of numbers of a state, which differs where a valve has a dead time and another has none;
+ * and where the scenario moves, `run.method` and the step. Give one `run.step` to all, or an `options.max_step` no longer than the step
+ * of any, and one `options.pulse_frequency`.
  */
 enum mckibben_status mckibben_batch_from_plants(const struct mckibben_plant *const *plants,
                                                 size_t plant_count,
@@ -442,7 +486,8 @@ size_t mckibben_batch_count(const struct mckibben_batch *batch);
 
 /**
  * Steps all plants of a batch: commands their valves, goes on to `step->until`, and writes responses and outputs. Where an argument
- * is wrong no plant moves, though valves may have been commanded, and nothing is written. A plant that leaves the physics stops,
+ * is wrong no plant moves and nothing is written. A wrong pointer, count or command leaves the valves as they were; where a time or a
+ * distance is refused, they have been commanded. A plant that leaves the physics stops,
  * while the others go on: its status says so, in this step and in later ones, and its responses and outputs are not numbers (NaN).
  * `statuses` has one status for each plant, or is NULL. Returns the status of the first plant that has stopped, with its text.
  */
@@ -471,7 +516,7 @@ enum mckibben_status mckibben_batch_plant(struct mckibben_batch *batch,
 /**
  * Runs a scenario from its text in TOML to its end, with its own commands and controllers. `name` stands for a file's name in
  * messages; NULL for "scenario.toml". `progress` may be NULL. On success `*run` is to be freed by `mckibben_run_free`; otherwise
- * it is NULL.
+ * it is NULL. Warnings, events and the energy ledger of a run are not in this interface: `mckibben simulate` and Python have them.
  */
 enum mckibben_status mckibben_simulate_text(const char *text,
                                             const char *name,

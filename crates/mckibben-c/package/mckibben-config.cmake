@@ -5,8 +5,13 @@ if(NOT TARGET mckibben::mckibben)
     add_library(mckibben::mckibben SHARED IMPORTED)
     set_target_properties(mckibben::mckibben PROPERTIES
         IMPORTED_LOCATION "${_mckibben_prefix}/lib/${CMAKE_SHARED_LIBRARY_PREFIX}mckibben_c${CMAKE_SHARED_LIBRARY_SUFFIX}"
-        IMPORTED_NO_SONAME TRUE
         INTERFACE_INCLUDE_DIRECTORIES "${_mckibben_prefix}/include")
+
+    if(CMAKE_SYSTEM_NAME STREQUAL "Linux")
+        set_target_properties(mckibben::mckibben PROPERTIES IMPORTED_SONAME "libmckibben_c.so")
+    else()
+        set_target_properties(mckibben::mckibben PROPERTIES IMPORTED_NO_SONAME TRUE)
+    endif()
 
     if(WIN32)
         set_target_properties(mckibben::mckibben PROPERTIES

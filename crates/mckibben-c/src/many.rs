@@ -41,6 +41,14 @@ struct Threads {
 }
 
 impl Threads {
+    /// Does work on the threads.
+    fn install<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
+        match &self.pool {
+            Some(pool) => pool.install(work),
+            None => work(),
+        }
+    }
+
     fn start(count: usize) -> Result<Self, Refusal> {
         let mut handles = Vec::new();
         let start = |thread: rayon::ThreadBuilder| {
@@ -69,7 +77,7 @@ impl Drop for Threads {
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct Step {
-    /// The time in s that all plants go on to.
+    /// The time in s that all plants go on to, as in `mckibben_advance`.
     pub until: f64,
     /// Numbers that valves are commanded by, as in `mckibben_command`; NULL to leave valves as they are.
     pub commands: *const f64,
@@ -101,7 +109,12 @@ struct Arrays<'a> {
 impl Batch {
     fn of(plants: Vec<&Plant>, threads: usize) -> Result<Self, Refusal> {
         let hosts = plants.iter().map(|plant| plant.with(|moving| Ok(moving.host.clone())));
-        let mut batch = HostBatch::new(hosts.collect::<Result<Vec<_>, _>>()?)?;
+        let hosts = hosts.collect::<Result<Vec<_>, _>>()?;
+        // More threads than plants would have nothing to do.
+        let threads = threads.min(hosts.len());
+        // A batch is divided for as many threads as there are here. Outside a pool this would start threads that stay.
+        let started = Threads::start(threads.max(1))?;
+        let mut batch = started.install(|| HostBatch::new(hosts))?;
         let model = batch.model();
         let counts = Counts {
             plants: batch.count(),
@@ -110,17 +123,15 @@ impl Batch {
             actuators: model.actuators().len(),
             outputs: model.outputs().len(),
         };
-        // More threads than plants would have nothing to do.
-        let threads = threads.min(counts.plants);
         batch.keep_to_thread(threads < 2);
-        let threads = if threads < 2 { None } else { Some(Threads::start(threads)?) };
+        let threads = (threads > 1).then_some(started);
         Ok(Self { counts, moving: Mutex::new(batch), threads })
     }
 
     /// Does work on the plants, on the threads of the batch.
     fn with<T: Send>(&self, work: impl FnOnce(&mut HostBatch) -> Result<T, Refusal> + Send) -> Result<T, Refusal> {
-        locked(&self.moving, "batch", |batch| match self.threads.as_ref().and_then(|threads| threads.pool.as_ref()) {
-            Some(pool) => pool.install(|| work(batch)),
+        locked(&self.moving, "batch", |batch| match &self.threads {
+            Some(threads) => threads.install(|| work(batch)),
             None => work(batch),
         })
     }
@@ -185,8 +196,14 @@ impl Arrays<'_> {
 }
 
 /// Makes a batch of `plant_count` plants, each from where its plant is; the plants themselves stay, and one may stand in the array
-/// many times. They are of one scenario, or of scenarios that differ in numbers alone, and at one time. `threads` threads step them;
-/// 0 and 1 leave all to the caller's. On success `*batch` is a batch to be freed by `mckibben_batch_free`; otherwise it is NULL.
+/// many times. `threads` threads step them; 0 and 1 leave all to the caller's. On success `*batch` is a batch to be freed by
+/// `mckibben_batch_free`; otherwise it is NULL.
+///
+/// The plants are of one scenario, or of scenarios that differ in numbers. All must agree in these: the time; the motion and
+/// `options.max_step`; names of actuators, commands and outputs; modes of commands, and of duty cycles the frequency and the requests
+/// in pulses and between them; the number of numbers of a state, which differs where a valve has a dead time and another has none;
+/// and where the scenario moves, `run.method` and the step. Give one `run.step` to all, or an `options.max_step` no longer than the step
+/// of any, and one `options.pulse_frequency`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mckibben_batch_from_plants(
     plants: *const *const Plant,
@@ -199,8 +216,9 @@ pub unsafe extern "C" fn mckibben_batch_from_plants(
         unsafe { write(batch, "batch", std::ptr::null_mut()) }?;
         // SAFETY: so many pointers, by the caller's promise.
         let plants = unsafe { array(plants, plant_count, "plants") }?;
+        let plants = plants.iter().enumerate();
         // SAFETY: each is NULL or a plant, by the caller's promise.
-        let plants = plants.iter().map(|plant| unsafe { reference(*plant, "plants[…]") });
+        let plants = plants.map(|(index, plant)| unsafe { reference(*plant, &format!("plants[{index}]")) });
         let made = Batch::of(plants.collect::<Result<_, _>>()?, threads)?;
         // SAFETY: as at the head.
         unsafe { write(batch, "batch", Box::into_raw(Box::new(made))) }
@@ -227,7 +245,8 @@ pub unsafe extern "C" fn mckibben_batch_count(batch: *const Batch) -> usize {
 }
 
 /// Steps all plants of a batch: commands their valves, goes on to `step->until`, and writes responses and outputs. Where an argument
-/// is wrong no plant moves, though valves may have been commanded, and nothing is written. A plant that leaves the physics stops,
+/// is wrong no plant moves and nothing is written. A wrong pointer, count or command leaves the valves as they were; where a time or a
+/// distance is refused, they have been commanded. A plant that leaves the physics stops,
 /// while the others go on: its status says so, in this step and in later ones, and its responses and outputs are not numbers (NaN).
 /// `statuses` has one status for each plant, or is NULL. Returns the status of the first plant that has stopped, with its text.
 #[unsafe(no_mangle)]

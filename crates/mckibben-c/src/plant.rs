@@ -7,7 +7,7 @@
 use crate::memory::{reference, text, text_if_any, write};
 use crate::status::{Refusal, Status, c_text, status, value};
 use mckibben_run::failure::Failure;
-use mckibben_run::host::{CommandInput, HostOptions, HostPlant};
+use mckibben_run::host::{COMMAND_MODES, CommandInput, HostOptions, HostPlant};
 use mckibben_scenario::Document;
 use std::ffi::{CString, c_char};
 use std::sync::{Mutex, TryLockError};
@@ -28,11 +28,15 @@ pub enum Motion {
 pub struct Options {
     /// What moves the ends: `MCKIBBEN_MOTION_HOST` (0) or `MCKIBBEN_MOTION_SCENARIO` (1).
     pub motion: i32,
-    /// What the numbers are that valves are commanded by: "duty", "request", "position" or "set-point"; NULL for each valve's own.
+    /// What the numbers are that valves are commanded by, of all valves: "duty", "request", "position" or "set-point"; NULL for each
+    /// valve's own: positions of a spool, set points of a pressure regulator, of other valves duty cycles where the scenario or
+    /// `pulse_frequency` says how often they are pulsed, otherwise requests.
     pub command_mode: *const c_char,
     /// Frequency in Hz of the pulses of a duty cycle, above zero; 0 for that of the scenario.
     pub pulse_frequency: f64,
-    /// Longest part of a step in s, above zero; 0 for whole steps, and where the scenario moves, for its own steps.
+    /// Longest part of a step in s, above zero. Where the host moves the ends, a step is divided into equal parts no longer than this;
+    /// 0 for one part. Where the scenario moves, its steps are no longer than this; 0 for `run.step`, or for the longest step that
+    /// `run.accuracy` allows.
     pub max_step: f64,
 }
 
@@ -40,15 +44,16 @@ pub struct Options {
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct CommandInfo {
-    /// Name of the actuator, or of all that the valve feeds, and of the mode: "biceps.duty".
+    /// Name of the actuator, or of all that the valve feeds with "+" between them, a dot, and the mode with "_" for "-":
+    /// "biceps.duty", "agonist+antagonist.request", "actuator.set_point". A scenario of one actuator calls it "actuator".
     pub name: *const c_char,
     /// What the number is: "duty", "request", "position" or "set-point".
     pub mode: *const c_char,
     /// Unit of the number: "Pa" of a set point, otherwise empty.
     pub unit: *const c_char,
-    /// Least number.
+    /// Least number: -1 of every request, though a valve of two positions has two of the three: see `mckibben_command_accepts`.
     pub minimum: f64,
-    /// Greatest number; infinity where there is none.
+    /// Greatest number; of a set point what feeds the valve, infinity where this is not known.
     pub maximum: f64,
     /// Frequency of the pulses in Hz; 0 where there are none.
     pub pulse_frequency: f64,
@@ -58,9 +63,12 @@ pub struct CommandInfo {
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct OutputInfo {
-    /// Name, such as "biceps.gauge_pressure".
+    /// Name of the part and of the quantity, without a unit: "biceps.gauge_pressure" where a run has the column
+    /// "biceps.gauge_pressure_pa". A scenario of one actuator calls it "actuator", a joint its actuators "agonist" and "antagonist" and
+    /// itself "joint", and both their supply "supply", where runs have "gauge_pressure_pa", "antagonist_gauge_pressure_pa",
+    /// "angle_rad" and "supply_gauge_pressure_pa".
     pub name: *const c_char,
-    /// SI unit, such as "Pa".
+    /// SI unit, such as "Pa", "m/s", "m3" or "N*m"; empty of a pure number.
     pub unit: *const c_char,
 }
 
@@ -113,7 +121,8 @@ impl Commanded {
 
 impl Plant {
     fn read(document: &Document, options: &HostOptions<'_>) -> Result<Self, Refusal> {
-        let mut host = HostPlant::read(document, options)?;
+        let read = HostPlant::read(document, options).map_err(Refusal::from);
+        let mut host = read.map_err(|refusal| in_words_of_c(refusal, options))?;
         let responses = (0..host.actuators().len()).map(|actuator| host.steps_mut().compute(actuator));
         let responses = responses.collect::<Result<_, _>>().map_err(Failure::from)?;
         Ok(Self::of(Moving { host, responses }))
@@ -177,8 +186,48 @@ unsafe fn chosen<'a>(options: Option<&Options>) -> Result<HostOptions<'a>, Refus
     };
     // SAFETY: NULL or text, as the caller promises.
     let command_mode = unsafe { text_if_any(*command_mode, "options.command_mode") }?;
-    let if_any = |number: f64| (number != 0.0).then_some(number);
-    Ok(HostOptions { motion, command_mode, pulse_frequency: if_any(*pulse_frequency), max_step: if_any(*max_step) })
+    if let Some(other) = command_mode.filter(|mode| !COMMAND_MODES.contains(mode)) {
+        return Err(Refusal::input(
+            format!("options.command_mode = \"{other}\" is no mode of a command"),
+            "give \"duty\", \"request\", \"position\" or \"set-point\", or NULL for each valve's own",
+        ));
+    }
+    let if_any = |number: f64, name: &str, unit: &str, remedy: &str| match number {
+        0.0 => Ok(None),
+        _ if number.is_finite() && number > 0.0 => Ok(Some(number)),
+        _ => Err(Refusal::input(format!("options.{name} = {number:?} {unit} is out of range"), remedy)),
+    };
+    Ok(HostOptions {
+        motion,
+        command_mode,
+        pulse_frequency: if_any(
+            *pulse_frequency,
+            "pulse_frequency",
+            "Hz",
+            "give a frequency in Hz above zero, or 0 for that of the scenario",
+        )?,
+        max_step: if_any(
+            *max_step,
+            "max_step",
+            "s",
+            "give a time in s above zero, or 0 for steps that are not divided",
+        )?,
+        host_integrates: false,
+    })
+}
+
+/// A refusal of options with their names in C, for messages that all hosts share.
+fn in_words_of_c(refusal: Refusal, options: &HostOptions<'_>) -> Refusal {
+    const WORDS: [(&str, &str); 3] = [
+        ("command_mode=\"", "options.command_mode = \""),
+        (", or a scenario with another", ", NULL for each valve's own mode, or a scenario with another"),
+        ("give pulse_frequency in Hz", "give options.pulse_frequency in Hz"),
+    ];
+    if options.command_mode.is_none() {
+        return refusal;
+    }
+    let text = WORDS.iter().fold(refusal.text, |text, (from, to)| text.replace(from, to));
+    Refusal { text, ..refusal }
 }
 
 /// Reads a plant and hands it over.
@@ -203,8 +252,10 @@ unsafe fn create(
 }
 
 /// Reads the plant of a scenario from its text in TOML: one actuator, a joint, or many actuators on one air network. Its own
-/// commands and controllers are not used. `name` stands for a file's name in messages; NULL for "scenario.toml". `options` may be
-/// NULL. On success `*plant` is a plant to be freed by `mckibben_plant_free`; otherwise it is NULL.
+/// commands and controllers are not used. Where the scenario moves and has no `run.step`, reading runs it several times to find the
+/// longest step that `run.accuracy` allows, which can take minutes. `name` stands for a file's name in messages; NULL for
+/// "scenario.toml". `options` may be NULL. On success `*plant` is a plant to be freed by `mckibben_plant_free`; otherwise it is
+/// NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mckibben_plant_from_text(
     text: *const c_char,
@@ -318,7 +369,7 @@ pub unsafe extern "C" fn mckibben_distance_count(plant: *const Plant) -> usize {
     unsafe { count(plant, |plant| plant.distance_count) }
 }
 
-/// Returns how many numbers a state is, the same at all times; 0 for NULL.
+/// Returns how many numbers a state is, as many at all times; 0 for NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mckibben_state_size(plant: *const Plant) -> usize {
     // SAFETY: the caller's promise.

@@ -103,7 +103,7 @@ unsafe fn simulate(
 
 /// Runs a scenario from its text in TOML to its end, with its own commands and controllers. `name` stands for a file's name in
 /// messages; NULL for "scenario.toml". `progress` may be NULL. On success `*run` is to be freed by `mckibben_run_free`; otherwise
-/// it is NULL.
+/// it is NULL. Warnings, events and the energy ledger of a run are not in this interface: `mckibben simulate` and Python have them.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mckibben_simulate_text(
     text: *const c_char,

@@ -13,7 +13,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 pub enum Status {
     /// Done.
     Ok = 0,
-    /// The scenario, a value, an index or an option is wrong. Nothing has changed.
+    /// The scenario, a value, an index or an option is wrong. Nothing has changed, but for commands of a batch's step: see
+    /// `mckibben_batch_step`.
     Input = 2,
     /// The simulation could not go on. The plant is where it was; of a batch it has stopped.
     Stopped = 3,

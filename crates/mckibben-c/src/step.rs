@@ -1,13 +1,15 @@
 //! Commands, steps, responses and outputs of one plant; saving and restoring.
 //!
-//! Once a plant has taken a few steps, none of these allocates on success but `mckibben_begin_at`, and, where the scenario moves, a
-//! step in which friction changes between sticking and sliding.
+//! Steady steps, commands, responses, outputs and states allocate nothing on success. What happens for the first time may allocate: a
+//! first command, its first change, the first restored state, the first event of a kind. `mckibben_begin_at` allocates. Where the
+//! scenario moves, calls that find an actuator at rest under friction allocate, and steps in which one sticks or breaks away.
 //!
 //! Checked by `tests/interface/boundary.rs` and `tests/allocation.rs`.
 
 use crate::memory::{array, array_mut, reference, write};
-use crate::plant::{Moving, Plant};
+use crate::plant::{Moving, Plant, entry};
 use crate::status::{Refusal, Status, status};
+use mckibben::{Error, limit};
 use mckibben_run::failure::Failure;
 
 /// How an actuator responds where its ends are, and how its air changes.
@@ -28,7 +30,7 @@ pub struct Response {
     pub mass_flow: f64,
     /// Temperature of the air in K.
     pub temperature: f64,
-    /// Volume of the air, braid and hose, in m³.
+    /// Volume of the air in braid and fittings (`actuator.external_volume`) in m³, without that of a hose.
     pub volume: f64,
 }
 
@@ -115,18 +117,46 @@ unsafe fn on(plant: *const Plant, work: impl FnOnce(&Plant, &mut Moving) -> Resu
     })
 }
 
-/// Sets what a valve does from now on; commands are counted from 0. The range and the unit of `number` are those of
-/// `mckibben_command_describe`: a duty cycle from 0 to 1; a request 1 (fill), 0 (hold) or -1 (exhaust); a position of a spool from
-/// -1 (exhaust) to 1 (supply); a set point in Pa, gauge, from zero to what feeds the valve. A number that is set already changes
-/// nothing.
+/// Commands a valve by a number until the next command; commands are counted from 0. The range and the unit of `number` are those of
+/// `mckibben_command_describe`: a duty cycle from 0 to 1; a request 1 (fill), 0 (hold) or -1 (exhaust), where the valve has it: see
+/// `mckibben_command_accepts`; a position of a spool from -1 (exhaust) to 1 (supply); a set point in Pa, gauge, from zero to what
+/// feeds the valve. A number that is set already changes nothing. A request, a position or a set point takes effect now, after the
+/// delays of the valve. A duty cycle takes effect at the next pulse: pulse p begins at p/f on the clock of the plant. Before
+/// its first command a valve rests: coils are released, so that a normally open valve fills and a three-way valve exhausts; a spool
+/// is in the middle; a pressure regulator gives the actuator's initial pressure.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mckibben_command(plant: *mut Plant, command: usize, number: f64) -> Status {
     // SAFETY: the caller's promise.
     unsafe { on(plant, |_, moving| Ok(moving.host.command(command, number)?)) }
 }
 
-/// Goes on to the time `until` in s, later than `mckibben_time`. The ends go in straight lines to `distances` in m, `count` of
-/// them: one for each actuator between its ends, with its tendon. Where the scenario moves, `distances` is NULL and `count` 0.
+/// Writes to `accepts` whether a valve takes a number as its command, 1 or 0; commands are counted from 0. A two-way valve holds and
+/// does not exhaust, and a three-way valve exhausts and does not hold: both take two of the three requests.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn mckibben_command_accepts(
+    plant: *const Plant,
+    command: usize,
+    number: f64,
+    accepts: *mut i32,
+) -> Status {
+    let find = |its: &Plant, moving: &mut Moving| {
+        entry(&its.names.commands, command, "command")?;
+        // SAFETY: the caller's promise.
+        unsafe { write(accepts, "accepts", i32::from(moving.host.accepts(command, number))) }
+    };
+    // SAFETY: the caller's promise.
+    unsafe { on(plant, find) }
+}
+
+/// Advances the plant to the time `until` in s, later than `mckibben_time`; a time in the past is refused.
+///
+/// Where the host moves the ends, they go in straight lines to `distances` in m, `count` of them: one for each actuator between its
+/// ends, with its tendon. The air takes one step for the call, or equal parts no longer than `options.max_step`; `run.step`,
+/// `run.accuracy` and `run.sample_interval` are not used. Events of valves and friction are at their instants within a step.
+///
+/// Where the scenario moves, `distances` is NULL and `count` 0, and the plant takes steps of `run.step`, or of the longest that
+/// `run.accuracy` allows for the scenario's own run, never longer than `options.max_step`. An `until` that is equal to
+/// `mckibben_time` changes nothing.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mckibben_advance(
     plant: *mut Plant,
@@ -164,7 +194,9 @@ pub unsafe extern "C" fn mckibben_compute(
     unsafe { on(plant, compute) }
 }
 
-/// Writes all outputs, `count` of them, in SI units: see `mckibben_output_describe`.
+/// Writes all outputs where the plant is, `count` of them, in SI units: the columns of a run that are numbers, without the time and
+/// the set points of valves, then the contraction of each actuator. Their names differ from those of columns: see
+/// `mckibben_output_describe`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mckibben_outputs(plant: *mut Plant, outputs: *mut f64, count: usize) -> Status {
     // SAFETY: the caller's promise.
@@ -192,7 +224,7 @@ pub unsafe extern "C" fn mckibben_distances(plant: *const Plant, distances: *mut
     unsafe { on(plant, read) }
 }
 
-/// Begins again at time 0 with the ends at `distances` in m and moving at `rates` in m/s, `count` of each, and all else as the
+/// Begins the plant again at time 0 with the ends at `distances` in m and moving at `rates` in m/s, `count` of each, and all else as the
 /// scenario starts; valves are to be commanded again. Allocates. Refused where the scenario moves.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mckibben_begin_at(
@@ -213,7 +245,8 @@ pub unsafe extern "C" fn mckibben_begin_at(
     unsafe { on(plant, begin) }
 }
 
-/// Returns to where the plant began; valves are to be commanded again.
+/// Returns to where the plant began: the start of the scenario at time 0, or where `mckibben_begin_at` or `mckibben_batch_begin_at` has
+/// put it last. A copy, also one out of a batch, returns to where the copied plant began. Valves are to be commanded again.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mckibben_reset(plant: *mut Plant) -> Status {
     let reset = |_: &Plant, moving: &mut Moving| {
@@ -229,20 +262,33 @@ fn check_state(given: usize, due: usize) -> Result<(), Refusal> {
     if given == due { Ok(()) } else { Err(Refusal::count("numbers of a state", given, due, "mckibben_state_size")) }
 }
 
+/// Why a state is not saved.
+fn not_saved(error: Error) -> Refusal {
+    match error {
+        Error::NotImplemented(its) if *its == limit::SAVE_COMMANDS => Refusal::input(
+            its.title(),
+            "copy the plant by mckibben_plant_clone, command the valve less often, or shorten valve.dead_time",
+        ),
+        other => Failure::from(other).into(),
+    }
+}
+
 /// Saves the whole state as `count` numbers: time, air, valves with their commands, and what friction remembers. Their meaning
-/// may change from one version to the next.
+/// may change from one version to the next. Refused where more than 64 commands of one valve are within its dead time:
+/// `mckibben_plant_clone` copies such a plant.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mckibben_save(plant: *mut Plant, numbers: *mut f64, count: usize) -> Status {
     let save = |its: &Plant, moving: &mut Moving| {
         check_state(count, its.state_size)?;
         // SAFETY: the caller's promise.
-        Ok(moving.host.save(unsafe { array_mut(numbers, count, "numbers") }?)?)
+        let numbers = unsafe { array_mut(numbers, count, "numbers") }?;
+        moving.host.steps_mut().save_to(numbers).map_err(not_saved)
     };
     // SAFETY: the caller's promise.
     unsafe { on(plant, save) }
 }
 
-/// Restores a state that a plant of the same scenario saved, as `count` numbers; from there the plant goes on to the same bits.
+/// Restores a state that a plant of an equal scenario saved, as `count` numbers; from there the plant goes on to the same bits.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mckibben_restore(plant: *mut Plant, numbers: *const f64, count: usize) -> Status {
     let restore = |its: &Plant, moving: &mut Moving| {

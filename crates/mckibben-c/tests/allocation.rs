@@ -1,5 +1,8 @@
-//! Commands, responses, outputs and states of a plant allocate nothing once it has taken a few steps, nor do steps whose ends the
-//! host moves. Where the scenario moves, a step in which friction sticks or slides otherwise allocates.
+//! Commands, responses, outputs and states of a plant allocate nothing once each has happened, nor do steps whose ends the host moves.
+//!
+//! What happens for the first time may allocate, so the first hundred steps are not counted; in them the command changes and a state is
+//! restored. Where the scenario moves, allocations of steps are printed: those in which friction sticks or slides otherwise have some, and
+//! so have all calls that find an actuator at rest under friction, which the mass here never is.
 
 use mckibben_c::plant::*;
 use mckibben_c::status::Status;

@@ -100,3 +100,30 @@ pub enum Command {
     /// Print a manual page
     Man(ManArguments),
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory as _;
+
+    /// Options of numbers and quantities, whose values may begin with a minus sign.
+    const NUMBERS: [&str; 3] = ["QUANTITY", "LIST", "PART"];
+
+    /// A negative value comes to the message about the range of its option, which `clap` would take for another option.
+    #[test]
+    fn options_of_quantities_take_negative_values() {
+        let mut count = 0;
+        for command in Arguments::command().get_subcommands() {
+            for option in command.get_arguments() {
+                let is_number =
+                    option.get_value_names().into_iter().flatten().any(|name| NUMBERS.contains(&name.as_str()));
+                if is_number && option.get_possible_values().is_empty() {
+                    let name = option.get_long().unwrap_or_default();
+                    assert!(option.is_allow_hyphen_values_set(), "{} --{name}", command.get_name());
+                    count += 1;
+                }
+            }
+        }
+        assert!(count >= 20, "{count} options");
+    }
+}

@@ -1,7 +1,7 @@
 //! A scenario in a few words.
 
 use mckibben::control::Quantity;
-use mckibben_run::quantities::{digits, given, given_percent, plain};
+use mckibben_run::quantities::{counted, digits, given, given_percent, plain};
 use mckibben_scenario::{
     Aim, Command, CommandState, Controller, Engine, Load, Method, Motion, Muscle, PressurePlace, Process, Regulator,
     Run, Scenario, ValveKind,
@@ -25,7 +25,8 @@ pub fn muscles(muscles: &[(String, Muscle)]) -> Vec<(String, String)> {
 
 /// The braid of a muscle: its thread, and what that makes at rest or, where nothing is said of rest, where the braid is taut.
 fn muscle(of: &Muscle) -> String {
-    let thread = format!("thread of {}, {} turns", given(of.thread_length, "m"), plain(&digits(of.turns)));
+    let turns = if of.turns == 1.0 { "turn" } else { "turns" };
+    let thread = format!("thread of {}, {} {turns}", given(of.thread_length, "m"), plain(&digits(of.turns)));
     let angle = given(of.braid_angle, "rad");
     let (length, diameter) = (given(of.length, "m"), given(of.diameter, "m"));
     let shape = format!("{length} long, {diameter} wide, braid angle {angle}");
@@ -50,7 +51,7 @@ pub fn load(load: &Load) -> String {
             format!("prescribed motion, ±{} at {}", given(*amplitude, "m"), given(*frequency, "Hz"))
         }
         Load::PrescribedMotion(Motion::Table { time, .. }) => {
-            format!("prescribed motion, table of {} points", time.len())
+            format!("prescribed motion, table of {}", counted(time.len() as u64, "point"))
         }
         Load::AntagonisticJoint(joint) => {
             format!("antagonistic joint, limb of {} at {}", given(joint.mass, "kg"), given(joint.distance, "m"))
@@ -62,7 +63,7 @@ pub fn load(load: &Load) -> String {
 pub fn drive(scenario: &Scenario) -> String {
     if let Some(series) = &scenario.pressure {
         let place = if series.at == PressurePlace::Hose { " at the end of the hose" } else { "" };
-        return format!("pressure{place} given at {} instants", series.time.len());
+        return format!("pressure{place} given at {}", counted(series.time.len() as u64, "instant"));
     }
     let (Some(valve), Some(command), Some(supply)) = (&scenario.valve, &scenario.command, &scenario.supply) else {
         return "sealed, no valve".to_owned();
@@ -76,9 +77,9 @@ pub fn drive(scenario: &Scenario) -> String {
             format!("PWM of {} at {} duty{states}", given(*frequency, "Hz"), given_percent(*duty))
         }
         Command::Constant(state) => format!("{} all the time", state.name()),
-        Command::SetPoints { time, .. } => format!("{} set points", time.len()),
-        Command::Positions { time, .. } => format!("{} positions", time.len()),
-        Command::Table { time, .. } => format!("table of {} commands", time.len()),
+        Command::SetPoints { time, .. } => counted(time.len() as u64, "set point"),
+        Command::Positions { time, .. } => counted(time.len() as u64, "position"),
+        Command::Table { time, .. } => format!("table of {}", counted(time.len() as u64, "command")),
         Command::Controller(of) => controller(of),
     };
     let supply = given(supply.gauge_pressure, "Pa");

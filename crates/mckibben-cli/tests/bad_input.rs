@@ -267,3 +267,41 @@ fn a_supply_below_the_atmosphere_is_no_mistake() {
     let message = fails(&folder, &["simulate", "muscle.toml"], 2);
     assert!(message.contains("muscle.toml:5:18") && message.contains("vacuum"), "{message}");
 }
+
+/// A negative quantity is read as the value of its option, and refused by its range where that excludes it.
+#[test]
+fn negative_quantities_are_values_of_their_options() {
+    let folder = Folder::new("bad-negative");
+    folder.file("muscle.toml", GOOD);
+    for arguments in [
+        &["linearize", "muscle.toml", "--temperature", "-20 degC"][..],
+        &["linearize", "muscle.toml", "--load", "-40 N"],
+        &["linearize", "muscle.toml", "--length", "-85 mm"],
+        &["linearize", "muscle.toml", "--duty", "-0.5"],
+        &["linearize", "muscle.toml", "--amplitude", "-1 mm"],
+        &["curves", "muscle.toml", "--gauge-pressures", "-0.2,1bar"],
+        &["size", "--load", "-5 kg", "--stroke", "30 mm", "--gauge-pressure", "4 bar"],
+        &["size", "--load", "5 kg", "--stroke", "-30 mm", "--gauge-pressure", "4 bar"],
+        &["size", "--load", "5 kg", "--stroke", "30 mm", "--gauge-pressure", "4 bar", "--effectiveness", "-1"],
+        &["fmu", "muscle.toml", "--output", "muscle.fmu", "--pulse-frequency", "-5 Hz"],
+        &["fmu", "muscle.toml", "--output", "muscle.fmu", "--max-step", "-1 ms"],
+    ] {
+        let output = folder.mckibben().args(arguments).output().expect("the program runs");
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert!(!message.contains("unexpected argument"), "{arguments:?}: {message}");
+        match output.status.code() {
+            Some(0) => {}
+            code => assert!(code == Some(2) && message.contains("give "), "{arguments:?}: {message}"),
+        }
+    }
+    // These lie outside of every range.
+    for (arguments, word) in [
+        (&["size", "--load", "5 kg", "--stroke", "-30 mm", "--gauge-pressure", "4 bar"][..], "stroke"),
+        (&["linearize", "muscle.toml", "--duty", "-0.5"], "duty"),
+        (&["linearize", "muscle.toml", "--length", "-85 mm"], "length"),
+    ] {
+        let output = folder.mckibben().args(arguments).output().expect("the program runs");
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(2) && message.contains(word), "{arguments:?}: {message}");
+    }
+}

@@ -105,19 +105,11 @@ fn the_fixed_step_engine_closes_the_loop_of_a_joint() {
 }
 
 #[test]
-fn static_curves_need_no_controller_and_linear_models_refuse_one() {
+fn static_curves_need_no_controller() {
     let folder = Folder::new("control-others");
     let file = of_repository("examples/control/pid.toml");
     let curves = folder.mckibben().arg("curves").arg(&file).output().expect("runs");
     assert!(curves.status.success(), "{}", String::from_utf8_lossy(&curves.stderr));
-    let linear = folder.mckibben().arg("linearize").arg(&file).output().expect("runs");
-    let printed = String::from_utf8_lossy(&linear.stderr).into_owned();
-    assert!(
-        linear.status.code() == Some(2)
-            && printed
-                .contains("command.kind = \"controllers\" is not implemented where a command known beforehand is due"),
-        "{printed}"
-    );
 }
 
 #[test]

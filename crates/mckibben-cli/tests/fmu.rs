@@ -48,3 +48,29 @@ fn what_is_no_unit_is_refused() {
     }
     assert!(folder.names().is_empty());
 }
+
+/// What is left out is printed, the units for display are those that were chosen, and model exchange needs no step.
+#[test]
+fn a_unit_says_what_it_leaves_out_and_takes_units() {
+    let folder = Folder::new("fmu-words");
+    let write = |file: &str, arguments: &[&str]| {
+        let output = folder.mckibben().arg("fmu").arg(of_repository(file)).args(arguments).output().expect("it runs");
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    };
+    let printed = write("examples/plant/controlled.toml", &["--output", "controlled.fmu", "--units", "imperial"]);
+    let printed = printed.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(printed.contains("are left out: the host commands the valves."), "{printed}");
+    let description = first_entry(&std::fs::read(folder.path("controlled.fmu")).expect("written"));
+    let pressure =
+        description.lines().find(|line| line.contains("name=\"gripper.gauge_pressure\"")).expect("an output");
+    assert!(pressure.contains("unit=\"Pa\" displayUnit=\"psi\""), "{pressure}");
+    let printed =
+        write("examples/friction/lugre.toml", &["--output", "lugre.fmu", "--kind", "me", "--motion", "scenario"]);
+    assert!(!printed.contains("left out"), "{printed}");
+    let description = first_entry(&std::fs::read(folder.path("lugre.fmu")).expect("written"));
+    assert!(description.contains("<ModelExchange") && !description.contains("<CoSimulation"), "{description}");
+    let pressure =
+        description.lines().find(|line| line.contains("name=\"actuator.gauge_pressure\"")).expect("an output");
+    assert!(pressure.contains("displayUnit=\"bar\""), "{pressure}");
+}

@@ -62,6 +62,8 @@ fn a_file_that_fails_is_shown_and_reported() {
     folder.file("in/odd ones/bad.toml", "# Not a <muscle>.\n[load]\nkind = \"none of these\"\n");
     let output = folder.mckibben().args(["gallery", "in", "--output", "out"]).output().unwrap();
     assert_eq!(output.status.code(), Some(3));
+    let printed = String::from_utf8_lossy(&output.stdout);
+    assert!(printed.contains("index.html, 1 figure\n"), "the file that failed has none: {printed}");
     let page = std::fs::read_to_string(folder.path("out/index.html")).unwrap();
     assert!(page.contains("<img src=\"good.svg\"") && page.contains("1 failed"));
     assert!(page.contains("Not a &lt;muscle&gt;") && page.contains("none of these"), "{page}");

@@ -6,6 +6,7 @@ mod driving;
 mod hose;
 mod plant;
 mod sensors;
+mod units;
 
 use crate::common::{Folder, of_repository};
 use mckibben_scenario::Scenario;

@@ -55,6 +55,24 @@ fn is_of(system: &StateSpace, matrix: impl Fn(&str) -> Vec<Vec<f64>>) {
     }
 }
 
+/// A controller has no part in a linear model, whose valves are held shut, of an actuator with or without a name and of a joint.
+#[test]
+fn files_with_controllers_have_linear_models_of_what_is_controlled() {
+    let model = |file: &str, actuators: &str| {
+        let text = std::fs::read_to_string(of_repository(file)).expect("an example") + actuators;
+        let document = Document::parse(&text, "file.toml").expect("TOML");
+        LinearModel::of("file", &document, &Request::default()).unwrap_or_else(|error| panic!("{file}: {error:?}"))
+    };
+    let (alone, named) =
+        (model("examples/control/pid.toml", ""), model("examples/control/pid.toml", "\n[actuators.muscle]\n"));
+    assert_eq!(alone.poles().len(), named.poles().len());
+    for pole in alone.poles() {
+        let near = named.poles().iter().map(|of| (of.real - pole.real).hypot(of.imaginary - pole.imaginary));
+        assert!(near.fold(f64::INFINITY, f64::min) < 1e-6 * pole.real.hypot(pole.imaginary).max(1.0), "{pole:?}");
+    }
+    assert!(!model("examples/control/joint-air-mass.toml", "").poles().is_empty());
+}
+
 #[test]
 fn both_files_hold_the_librarys_matrices() {
     let folder = Folder::new("linearize-files");

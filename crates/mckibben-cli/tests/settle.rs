@@ -193,7 +193,7 @@ fn a_sweep_of_a_plant_over_the_orbit_goes_on_in_its_folder() {
     };
     assert_eq!(sweep(&["--settle", "--shard", "1/2"]).0, Some(0));
     let (code, [text, _]) = sweep(&["--settle"]);
-    assert!(code == Some(0) && text.contains("1 runs of parts that were finished before"), "{text}");
+    assert!(code == Some(0) && text.contains("1 run of parts that were finished before"), "{text}");
     let (code, [_, refused]) = sweep(&[]);
     assert!(code == Some(2) && refused.contains("another sweep"), "{refused}");
     // Both come to one rest, and the overshoot is that of the run.
@@ -202,4 +202,24 @@ fn a_sweep_of_a_plant_over_the_orbit_goes_on_in_its_folder() {
     let [short, long] = [0, 1].map(|place| all["elbow_angle_mean_rad"][place]);
     assert!((short - long).abs() < 1e-3 && all["elbow_angle_drift_rad"].iter().all(|drift| *drift < 1e-4), "{all:?}");
     assert_ne!(all["elbow_angle_overshoot"][0], all["elbow_angle_overshoot"][1], "{all:?}");
+}
+
+/// What has no common period is named with its periods, and the frequency that the remedy gives settles.
+#[test]
+fn frequencies_without_a_common_period_are_named() {
+    let folder = Folder::new("periods");
+    let load = "kind = \"prescribed-motion\"\nlength = \"90 mm\"\namplitude = \"2 mm\"\nfrequency = \"1.2345678 Hz\"";
+    let text = UNDAMPED.replace("kind = \"hanging-mass\"\nmass = \"2 kg\"", load).replace("2 s", "0.1 s");
+    folder.file("muscle.toml", &text);
+    let refused = folder.mckibben().args(["simulate", "muscle.toml", "--settle"]).output().expect("the program runs");
+    let error = String::from_utf8_lossy(&refused.stderr).into_owned();
+    for words in [
+        "`command.frequency` has a period of 40 ms",
+        "`load.frequency` has a period of 810 ms",
+        "with `load.frequency` = \"1.25 Hz\" its period is 20 of those of `command.frequency`",
+    ] {
+        assert!(!refused.status.success() && error.contains(words), "{words}\n{error}");
+    }
+    let text = run(&folder, &["simulate", "muscle.toml", "--settle", "--set", "load.frequency=1.25 Hz"]);
+    assert!(text.contains("of 800 ms"), "{text}");
 }

@@ -1,6 +1,6 @@
 //! `mckibben sweep`: every run against `mckibben simulate` of its row, and the files whatever happens on the way.
 
-use crate::common::Folder;
+use crate::common::{Folder, of_repository};
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use parquet::record::Field;
 use std::collections::BTreeMap;
@@ -742,6 +742,48 @@ fn rows_of_a_joint_with_a_controller_are_those_of_simulate() {
     );
 }
 
+/// The efficiency of rows is that of the summary of their runs, of every kind of run and by both engines.
+#[test]
+fn the_efficiency_is_that_of_the_summary() {
+    let folder = Folder::new("sweep-efficiency");
+    let arm = std::fs::read_to_string(of_repository("examples/plant/arm.toml"))
+        .expect("an example")
+        .replace("duration = \"2 s\"", "duration = \"0.2 s\"");
+    let pressures = "[sweep.vary]\n\"supply.gauge_pressure\" = [\"60 psi\", \"80 psi\"]\n";
+    let in_plant = "[sweep.vary]\n\"supplies.regulator.gauge_pressure\" = [\"4 bar\", \"5 bar\"]\n";
+    for (name, text, vary, engines) in [
+        ("muscle", BASE.to_owned(), pressures, &["fixed-step", "event-located"][..]),
+        ("joint", joint(), pressures, &["fixed-step", "event-located"]),
+        ("arm", arm, in_plant, &["event-located"]),
+    ] {
+        folder.file("plain.toml", &text);
+        folder.file("sweep.toml", &format!("{text}\n[sweep]\nreductions = [\"exergy.efficiency\"]\n{vary}"));
+        for engine in engines {
+            run(&folder, &["sweep", "sweep.toml", "-o", "sweep.csv", "--engine", engine]);
+            let lines = csv_lines(&folder.path("sweep.csv"));
+            let key = if name == "arm" { "supplies.regulator.gauge_pressure" } else { "supply.gauge_pressure" };
+            let column = format!("{}_pa", key.replace('.', "_"));
+            let mut all = Vec::new();
+            for line in &lines {
+                let set = [format!("{key}={} Pa", line[&column]), format!("run.engine={engine}")];
+                let arguments = ["simulate", "plain.toml", "--format", "json", "-s", &set[0], "-s", &set[1]];
+                let summary: serde_json::Value = serde_json::from_str(&run(&folder, &arguments)).expect("JSON");
+                let expected = summary["numbers"]["exergy_efficiency"].as_f64().expect("a number");
+                let found = number(line, "exergy_efficiency");
+                assert!((found - expected).abs() <= 1e-12 * expected.abs(), "{name} by {engine}: {found} {expected}");
+                all.push(found);
+            }
+            assert!(all.len() == 2 && all[0] != all[1], "{name} by {engine}: {all:?}");
+        }
+    }
+    // What draws no exergy has none.
+    let sealed = joint()
+        .replace("kind = \"table\"\ntime = [\"0 s\", \"40 ms\"]\nstate = [\"fill\", \"hold\"]", "kind = \"hold\"");
+    folder.file("sealed.toml", &format!("{sealed}\n[sweep]\nreductions = [\"exergy.efficiency\"]\n{pressures}"));
+    run(&folder, &["sweep", "sealed.toml", "-o", "sealed.csv"]);
+    assert!(csv_lines(&folder.path("sealed.csv")).iter().all(|line| line["exergy_efficiency"].is_empty()));
+}
+
 /// Two sealed actuators at rest: the balance and its sealed stiffness are those of the linear model.
 #[test]
 fn a_joint_at_rest_has_the_stiffness_of_its_linear_model() {
@@ -1038,4 +1080,32 @@ fn mistakes_are_reported_before_anything_is_simulated() {
     for word in ["Examples:", "mckibben sweep", "[sweep.vary]", "counted from 1", "sample_interval", "Exit codes:"] {
         assert!(help.contains(word), "{word}");
     }
+}
+
+/// What varies is set on the command line as the file writes it, and the figure's title leaves it out.
+#[test]
+fn what_varies_is_set_on_the_command_line_and_no_part_of_the_title() {
+    let folder = Folder::new("sweep-set-vary");
+    folder.file(
+        "muscle.toml",
+        &format!(
+            "{BASE}[sweep]\nreductions = [\"length.final\"]\n[sweep.vary]\n\"load.mass\" = [\"3 lb\", \"4 lb\"]\n"
+        ),
+    );
+    for set in ["sweep.vary.\"load.mass\"=[\"1 kg\", \"2 kg\"]", "sweep.vary.load.mass=[\"1 kg\", \"2 kg\"]"] {
+        run(&folder, &["sweep", "muscle.toml", "-q", "-o", "runs.csv", "--set", set]);
+        let lines = csv_lines(&folder.path("runs.csv"));
+        let masses: Vec<f64> = lines.iter().map(|line| line["load_mass_kg"].parse().expect("a number")).collect();
+        assert_eq!(masses, [1.0, 2.0], "{set}");
+    }
+    run(&folder, &["sweep", "muscle.toml", "-q", "-p", "runs.svg"]);
+    let svg = std::fs::read_to_string(folder.path("runs.svg")).expect("drawn");
+    assert!(svg.contains("A muscle under a load, pulsed at 25 Hz and 50 %") && !svg.contains("2.268 kg"), "{svg}");
+    let twice = fails(
+        &folder,
+        &["sweep", "muscle.toml", "-o", "twice.mat", "-s", "sweep.reductions=[\"length.final\", \"length.final\"]"],
+        2,
+    );
+    assert!(twice.contains("the reduction `length.final` is named twice"), "{twice}");
+    assert!(!folder.path("twice.mat").exists());
 }

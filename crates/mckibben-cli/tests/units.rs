@@ -125,3 +125,24 @@ fn tables_and_findings_have_the_units_that_are_chosen() {
     assert!(units.iter().any(|unit| unit == "kPa") && units.iter().any(|unit| unit.ends_with('m')), "{units:?}");
     assert!(!units.iter().any(|unit| ["psi", "in", "lbf", "lb"].contains(&unit.as_str())), "{units:?}");
 }
+
+/// A value that the file gives in a unit comes back in it, not a rounding beside it.
+#[test]
+fn values_of_the_file_come_back_in_their_unit() {
+    let folder = Folder::new("units-back");
+    let sweep = "[sweep]\ndesign = \"grid\"\nrecord = \"reductions\"\nreductions = [\"length.final\"]\n[sweep.vary]\n\
+                 \"load.mass\" = [\"3 lb\", \"7 lb\"]\n";
+    folder.file("sweep.toml", &format!("{PULSES}{sweep}"));
+    text(&folder, &["sweep", "sweep.toml", "-o", "runs.csv", "--units", "imperial"]);
+    assert_eq!(column(&folder, "runs.csv", "load_mass_lb"), [3.0, 7.0]);
+}
+
+/// The summary keeps a blank between a name and a value that fill their columns.
+#[test]
+fn columns_of_the_summary_do_not_touch() {
+    let folder = Folder::new("units-gap");
+    let file = of_repository("examples/fill-hold-exhaust.toml");
+    let printed = text(&folder, &["simulate", file.to_str().expect("a path")]);
+    let line = printed.lines().find(|line| line.trim_start().starts_with("gauge pressure")).expect("a pressure");
+    assert!(line.trim_start().starts_with("gauge pressure "), "{line}");
+}

@@ -1,4 +1,4 @@
-//! Warnings of `simulate`, `check`, `sweep` and `linearize`; `--strict`; the summary as JSON; a scenario from standard input.
+//! Warnings of `simulate`, `check`, `sweep`, `design` and `linearize`; `--strict`; the summary as JSON; a scenario from standard input.
 
 use crate::common::{Folder, PULSES, of_repository};
 use std::process::Output;
@@ -123,9 +123,66 @@ fn a_sweep_counts_the_runs_with_warnings() {
     let text = flat(&output.stdout);
     assert!(output.status.success(), "{}", flat(&output.stderr));
     assert!(
-        text.contains("Warnings 2 runs, the first 1: the valve never opens to the supply: a pulse of 3.2 ms"),
+        text.contains(
+            "Warnings valve-never-opens: 2 runs, the first 1: the valve never opens to the supply: a pulse of 3.2 ms"
+        ),
         "{text}"
     );
+}
+
+/// A load of 0.05 lb is thrown above the attachment by 100 psi, which only the run shows: counted side by side, individually and from
+/// finished parts, with the code in the line of the run.
+#[test]
+fn a_sweep_counts_what_its_runs_reach() {
+    let folder = Folder::new("warnings-sweep-reached");
+    let muscle = muscle().replace("0.1 s", "0.3 s");
+    let vary = "[sweep]\nreductions = [\"length.final\"]\npart_rows = 2\n[sweep.vary]\n\
+                \"load.mass\" = [\"5 lb\", \"0.05 lb\", \"6 lb\", \"0.04 lb\"]\n";
+    folder.file("sweep.toml", &format!("{muscle}step = \"0.5 ms\"\n{vary}"));
+    let words = "Warnings thrown: 2 runs, the first 1: the load is thrown above the attachment";
+    let sweep = |arguments: &[&str]| {
+        let output = run(&folder, &[&["sweep", "sweep.toml"], arguments].concat());
+        assert!(output.status.success(), "{}", flat(&output.stderr));
+        flat(&output.stdout)
+    };
+    for engine in ["fixed-step", "event-located"] {
+        let text = sweep(&["--engine", engine, "-o", "runs.csv"]);
+        assert!(text.contains(words), "{engine}: {text}");
+        let table = std::fs::read_to_string(folder.path("runs.csv")).expect("written");
+        let ends: Vec<&str> = table.lines().filter_map(|line| line.rsplit(',').nth(1)).collect();
+        assert_eq!(ends, ["warnings", "", "thrown", "", "thrown"], "{engine}: {table}");
+    }
+    let fresh = sweep(&["-o", "runs"]);
+    let kept = sweep(&["-o", "runs"]);
+    assert!(fresh.contains(words) && kept.contains(words) && kept.contains("kept 4 runs"), "{fresh}\n{kept}");
+    let samples = sweep(&["-o", "samples", "--record", "trajectories"]);
+    assert!(samples.contains(words), "{samples}");
+    assert!(sweep(&["-o", "samples", "--record", "trajectories"]).contains(words));
+}
+
+/// The least length of this muscle is that of a load which 400 bar throw: the warnings of that run are printed.
+#[test]
+fn a_design_warns_of_its_best_run() {
+    let folder = Folder::new("warnings-design");
+    let muscle = of_repository("examples/own-muscle.toml").display().to_string();
+    let design = |most: &str, format: &str| {
+        let vary = format!("supply.gauge_pressure=0.5..{most} bar");
+        let options = ["--minimize", "length.min", "--evaluations", "12", "--format", format];
+        let output = run(&folder, &[&["design", &muscle, "--vary", &vary], &options[..]].concat());
+        assert!(output.status.success(), "{}", flat(&output.stderr));
+        output
+    };
+    let text = flat(&design("400", "text").stdout);
+    for words in ["Warnings", "the load is thrown above the attachment", "400 bar"] {
+        assert!(text.contains(words), "{words}: {text}");
+    }
+    let found = json(&design("400", "json"));
+    let codes: Vec<&str> =
+        found["warnings"].as_array().expect("a list").iter().filter_map(|one| one["code"].as_str()).collect();
+    assert!(codes.contains(&"thrown") && codes.contains(&"pressure"), "{codes:?}");
+    // At 1 bar the muscle lifts 5 kg by little, and nothing is wrong.
+    assert_eq!(json(&design("1", "json"))["warnings"].as_array().map(Vec::len), Some(0));
+    assert!(!flat(&design("1", "text").stdout).contains("Warnings"));
 }
 
 #[test]
@@ -210,4 +267,35 @@ fn a_table_or_a_binary_file_in_place_of_a_scenario_is_one_message() {
             assert!(message.contains(words) && message.lines().count() < 8, "{command}: {message}");
         }
     }
+}
+
+/// Keys of the steps of hosts: a note and no warning, of files that are run by located events alone.
+#[test]
+fn steps_that_no_run_takes_are_noted() {
+    let folder = Folder::new("warnings-steps");
+    let steps = muscle().replace("[run]\n", "[run]\nstep = \"0.1 ms\"\naccuracy = 1e-3\n");
+    folder.file("muscle.toml", &steps);
+    folder.file("sweep.toml", &format!("{steps}[sweep.vary]\n\"load.mass\" = [\"5 lb\"]\n"));
+    let noted = |arguments: &[&str]| {
+        let output = run(&folder, arguments);
+        assert!(output.status.success(), "{}", flat(&output.stderr));
+        flat(&output.stderr)
+    };
+    let words = "run.step and run.accuracy take no part in `mckibben simulate`";
+    for strict in [&[][..], &["--strict"]] {
+        let of = |command: &[&str]| noted(&[command, strict].concat());
+        assert!(of(&["simulate", "muscle.toml"]).starts_with(&format!("note: {words}")));
+        assert!(of(&["check", "muscle.toml"]).starts_with(&format!("note: muscle.toml: {words}")));
+    }
+    let fixed = ["--set", "run.engine=fixed-step"];
+    for silent in [
+        vec!["simulate", "muscle.toml", "--quiet"],
+        [&["simulate", "muscle.toml"][..], &fixed].concat(),
+        [&["check", "muscle.toml"][..], &fixed].concat(),
+        vec!["check", "sweep.toml"],
+    ] {
+        assert!(!noted(&silent).contains("note:"), "{silent:?}");
+    }
+    folder.file("plain.toml", &muscle());
+    assert!(!noted(&["check", "plain.toml"]).contains("note:"));
 }

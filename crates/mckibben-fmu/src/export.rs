@@ -11,7 +11,7 @@ use crate::MODEL_IDENTIFIER;
 use crate::archive::Archive;
 use crate::description::model_description;
 use crate::model::{Model, OPTIONS, SCENARIO};
-use crate::options::{Interfaces, Version};
+use crate::options::Version;
 use mckibben_run::failure::Failure;
 use mckibben_run::output;
 use std::path::Path;
@@ -79,18 +79,12 @@ impl Library {
 ///
 /// # Errors
 /// When it is beyond 4 GiB.
-pub fn unit(
-    model: &Model,
-    name: &str,
-    version: Version,
-    interfaces: Interfaces,
-    libraries: &[Library],
-) -> Result<Vec<u8>, Failure> {
+pub fn unit(model: &Model, name: &str, version: Version, libraries: &[Library]) -> Result<Vec<u8>, Failure> {
     let mut archive = Archive::default();
     let mut add = |path: &str, content: &[u8]| {
         archive.add(path, content).map_err(|why| Failure::input(why, "give libraries of fewer platforms"))
     };
-    add("modelDescription.xml", model_description(model, name, version, interfaces).as_bytes())?;
+    add("modelDescription.xml", model_description(model, name, version).as_bytes())?;
     for library in libraries {
         add(&library.path(version), &library.bytes)?;
     }
@@ -104,15 +98,9 @@ pub fn unit(
 ///
 /// # Errors
 /// As [`unit()`], and when the file cannot be written.
-pub fn write_fmu(
-    path: &Path,
-    model: &Model,
-    version: Version,
-    interfaces: Interfaces,
-    libraries: &[Library],
-) -> Result<(), Failure> {
+pub fn write_fmu(path: &Path, model: &Model, version: Version, libraries: &[Library]) -> Result<(), Failure> {
     let name = path.file_stem().map_or_else(|| "muscle".to_owned(), |stem| stem.to_string_lossy().into_owned());
-    output::write(path, &unit(model, &name, version, interfaces, libraries)?)
+    output::write(path, &unit(model, &name, version, libraries)?)
 }
 
 /// The page of the unit's documentation.

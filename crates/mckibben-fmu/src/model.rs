@@ -1,11 +1,15 @@
 //! A scenario with its variables, as the library of a unit reads it from the unit's resources.
+//!
+//! Description and library number the variables in the order of one text, the canonical one of [`Document::to_toml`], which stands in
+//! the resources. The order of a file of a user may differ from it: there a dotted key may stand before a plain one.
 
 use crate::options::UnitOptions;
 use crate::variables::Variables;
 use mckibben::plant::PlantExchange;
 use mckibben_run::failure::Failure;
 use mckibben_run::host::{HostPlant, Motion};
-use mckibben_scenario::Document;
+use mckibben_run::plant::control;
+use mckibben_scenario::{Command, Document, Scenario};
 use std::path::Path;
 
 /// The file of the scenario in the resources of a unit.
@@ -28,15 +32,24 @@ pub struct Model {
 }
 
 impl Model {
-    /// Of a document. Where the scenario moves and says no step, the step that its accuracy needs is chosen and kept in it.
+    /// Of a document. Where the scenario moves and says no step, the step that its accuracy needs is chosen and kept in it, unless
+    /// the unit is for model exchange alone.
     ///
     /// # Errors
     /// Every mistake in the scenario, and an option that does not fit; where no step is accurate enough.
     pub fn new(mut document: Document, options: UnitOptions) -> Result<Self, Failure> {
+        // Mistakes are reported at their places in the file of the user.
         let plant = HostPlant::read(&document, &options.of_host())?;
-        if let (Motion::Scenario, Some(step), false) = (options.motion, plant.step(), document.contains("run.step")) {
+        let is_stepped = options.motion == Motion::Scenario && options.interfaces.has_co_simulation();
+        if let (true, Some(step), false) = (is_stepped, plant.step(), document.contains("run.step")) {
             document.set_in_si("step of the unit", "run.step", &format!("{step:?}"))?;
         }
+        Self::of_canonical(canonical(&document)?, options)
+    }
+
+    /// Of a document whose keys stand in the order of the resources.
+    fn of_canonical(document: Document, options: UnitOptions) -> Result<Self, Failure> {
+        let plant = HostPlant::read(&document, &options.of_host())?;
         let indicators = PlantExchange::new(plant.steps(), TOLERANCE)?.guard_count();
         let variables = Variables::new(&document, &plant, indicators);
         let token = token_of(&[&document.to_toml(), &options.to_text(), env!("CARGO_PKG_VERSION")]);
@@ -54,7 +67,7 @@ impl Model {
             Failure::input(title, "give the folder of the unit's resources, unpacked")
         })?;
         let document = Document::load(resources.join(SCENARIO))?;
-        Self::new(document, UnitOptions::from_text(&text)?)
+        Self::of_canonical(canonical(&document)?, UnitOptions::from_text(&text)?)
     }
 
     /// The scenario.
@@ -75,6 +88,16 @@ impl Model {
     /// The plant with the parameters of the scenario, at its start.
     pub fn plant(&self) -> &HostPlant {
         &self.plant
+    }
+
+    /// The names of the parts whose controllers the unit leaves out; of a scenario of one actuator or of a joint that of the load.
+    pub fn controllers(&self) -> Vec<String> {
+        if let Ok(Some(plant)) = self.document.plant_experiment() {
+            return plant.controls.iter().map(|its| control::name(&plant, its).to_owned()).collect();
+        }
+        let is_controlled = |scenario: &Scenario| matches!(scenario.command, Some(Command::Controller(_)));
+        let found = self.document.scenario().is_ok_and(|scenario| is_controlled(&scenario));
+        if found { vec!["load".to_owned()] } else { Vec::new() }
     }
 
     /// The identity of this unit: of scenario, options and version.
@@ -103,6 +126,11 @@ impl Model {
         }
         if is_changed { HostPlant::read(&document, &self.options.of_host()) } else { Ok(self.plant.clone()) }
     }
+}
+
+/// A document whose keys stand in the order of the text that is written to the resources.
+fn canonical(document: &Document) -> Result<Document, Failure> {
+    Ok(Document::parse(&document.to_toml(), document.source().name())?)
 }
 
 /// A token of 32 hexadecimal digits in the form of a GUID (FNV-1a over 128 bits).

@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! motion = host
+//! interfaces = model-exchange
 //! command_mode = duty
 //! pulse_frequency = 25
 //! ```
@@ -19,17 +20,30 @@ pub enum Version {
 }
 
 /// What a unit offers.
-#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
 pub enum Interfaces {
     /// Co-simulation: the unit has its own engine.
     CoSimulation,
     /// Model exchange: the host integrates.
     ModelExchange,
     /// Both.
+    #[default]
     Both,
 }
 
 impl Interfaces {
+    /// All of them.
+    const ALL: [Self; 3] = [Self::CoSimulation, Self::ModelExchange, Self::Both];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::CoSimulation => "co-simulation",
+            Self::ModelExchange => "model-exchange",
+            Self::Both => "both",
+        }
+    }
+
     /// Whether a host may step the unit.
     pub fn has_co_simulation(self) -> bool {
         self != Self::ModelExchange
@@ -46,6 +60,8 @@ impl Interfaces {
 pub struct UnitOptions {
     /// What moves the ends of the actuators.
     pub motion: Motion,
+    /// What the unit offers. No step is chosen for a unit of model exchange alone.
+    pub interfaces: Interfaces,
     /// What the numbers are that valves are commanded by; each valve's own where none is chosen.
     pub command_mode: Option<String>,
     /// Frequency of the pulses of a duty cycle in Hz, in place of that of the scenario's PWM.
@@ -62,6 +78,7 @@ impl UnitOptions {
             command_mode: self.command_mode.as_deref(),
             pulse_frequency: self.pulse_frequency,
             max_step: self.max_step,
+            host_integrates: !self.interfaces.has_co_simulation(),
         }
     }
 
@@ -83,7 +100,7 @@ impl UnitOptions {
     /// As text.
     pub fn to_text(&self) -> String {
         let motion = if self.motion == Motion::Host { "host" } else { "scenario" };
-        let mut text = format!("motion = {motion}\n");
+        let mut text = format!("motion = {motion}\ninterfaces = {}\n", self.interfaces.name());
         for (key, value) in [
             ("command_mode", self.command_mode.clone()),
             ("pulse_frequency", self.pulse_frequency.map(|number| format!("{number:?}"))),
@@ -109,6 +126,10 @@ impl UnitOptions {
             let number = || value.parse::<f64>().map_err(|_| refused());
             match key {
                 "motion" => options.motion = Self::motion_named(value)?,
+                "interfaces" => {
+                    let named = Interfaces::ALL.into_iter().find(|its| its.name() == value);
+                    options.interfaces = named.ok_or_else(refused)?;
+                }
                 "command_mode" => options.command_mode = Some(value.to_owned()),
                 "pulse_frequency" => options.pulse_frequency = Some(number()?),
                 "max_step" => options.max_step = Some(number()?),
@@ -127,13 +148,14 @@ mod tests {
     fn text_says_all_options() {
         let options = UnitOptions {
             motion: Motion::Scenario,
+            interfaces: Interfaces::ModelExchange,
             command_mode: Some("request".to_owned()),
             pulse_frequency: Some(12.5),
             max_step: Some(1e-4),
         };
         assert_eq!(UnitOptions::from_text(&options.to_text()), Ok(options));
         assert_eq!(UnitOptions::from_text("motion = host\n"), Ok(UnitOptions::default()));
-        for wrong in ["motion", "motion = nothing", "speed = 3", "max_step = soon"] {
+        for wrong in ["motion", "motion = nothing", "interfaces = none", "speed = 3", "max_step = soon"] {
             assert!(UnitOptions::from_text(wrong).is_err(), "{wrong}");
         }
     }

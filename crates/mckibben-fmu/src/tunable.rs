@@ -6,7 +6,7 @@
 use mckibben_scenario::DocumentNumber;
 
 /// Keys of a scenario file.
-const TUNABLE: [&str; 45] = [
+const TUNABLE: [&str; 49] = [
     "actuator.leakage",
     "actuator.force.end_factor",
     "actuator.force.end_factor_rise",
@@ -51,6 +51,10 @@ const TUNABLE: [&str; 45] = [
     "mechanism.gravity",
     "mechanism.force",
     "mechanism.spring_stiffness",
+    "mechanism.joints.*.mass",
+    "mechanism.joints.*.inertia",
+    "mechanism.joints.*.torque",
+    "mechanism.joints.*.damping",
     "mechanism.belt.velocity",
 ];
 /// Of these zero is another thing than a small number: a muscle without dry friction never sticks.

@@ -16,10 +16,12 @@
 //!
 //! Checked by `tests/description.rs`.
 
+mod sentences;
+
 use crate::tunable::is_tunable;
 use mckibben::parameter::Parameter;
 use mckibben::plant::StateIndices;
-use mckibben_run::host::{CommandMode, HostPlant, Motion};
+use mckibben_run::host::{CommandInput, CommandMode, HostPlant, Motion};
 use mckibben_scenario::{Document, DocumentNumber, PlantQuantity};
 
 /// What a value reference stands for; the number is the index in its block.
@@ -217,7 +219,7 @@ fn scalar(slot: Slot, name: String, causality: Causality, unit: &'static str, de
         reference: slot.reference(),
         slot,
         causality,
-        unit,
+        unit: unit_of(unit),
         min: None,
         max: None,
         start: Vec::new(),
@@ -226,13 +228,27 @@ fn scalar(slot: Slot, name: String, causality: Causality, unit: &'static str, de
     }
 }
 
+/// A unit as keys write it: columns of a run write a power by its digit alone.
+fn unit_of(unit: &'static str) -> &'static str {
+    match unit {
+        "m2" => "m^2",
+        "m3" => "m^3",
+        other => other,
+    }
+}
+
 /// The sentence of a command.
-fn of_command(mode: &CommandMode) -> &'static str {
-    match mode {
-        CommandMode::Duty(_) => "Duty cycle of the pulses of the valve.",
-        CommandMode::Request => "Request to the valve: 1 to fill, 0 to hold, -1 to exhaust.",
-        CommandMode::Position => "Position of the spool, -1 (exhaust open) to 1 (supply open).",
-        CommandMode::SetPoint { .. } => "Set point of the pressure regulator, gauge.",
+fn of_command(plant: &HostPlant, input: &CommandInput) -> String {
+    let parts: Vec<String> =
+        input.actuators.iter().map(|actuator| sentences::actuator(&plant.actuators()[*actuator])).collect();
+    let of = parts.join(" and ");
+    match input.mode {
+        CommandMode::Duty(_) => format!("Duty cycle of the pulses of the valve of {of}."),
+        CommandMode::Request => format!("Request to the valve of {of}: 1 to fill, 0 to hold, -1 to exhaust."),
+        CommandMode::Position => {
+            format!("Position of the spool of the valve of {of}, -1 (exhaust open) to 1 (supply open).")
+        }
+        CommandMode::SetPoint { .. } => format!("Set point of the gauge pressure of the regulator of {of}."),
     }
 }
 
@@ -248,7 +264,7 @@ fn inputs(plant: &HostPlant) -> Vec<Variable> {
     for (index, input) in plant.commands().iter().enumerate() {
         let (low, high, unit) = input.mode.range();
         let causality = Causality::Input { is_discrete: true };
-        let of = scalar(Slot::Command(index), input.name.clone(), causality, unit, of_command(&input.mode).to_owned());
+        let of = scalar(Slot::Command(index), input.name.clone(), causality, unit, of_command(plant, input));
         inputs.push(Variable {
             min: Some(low),
             max: Some(high).filter(|high| high.is_finite()),
@@ -262,11 +278,13 @@ fn inputs(plant: &HostPlant) -> Vec<Variable> {
     let (indices, state) = (plant.steps().plant().indices().mechanisms[0], plant.steps().state());
     let causality = Causality::Input { is_discrete: false };
     for (index, name) in plant.actuators().iter().enumerate() {
-        let sentence = "Distance between the ends of the actuator, with its tendon.".to_owned();
+        let of_actuator = sentences::actuator(name);
+        let sentence =
+            format!("Distance between the ends of {of_actuator}, with its tendon. Must be greater than 0 m.");
         let of = scalar(Slot::Distance(index), format!("{name}.distance"), causality, "m", sentence);
         let most = plant.steps().plant().end_distance(index).ok().flatten().map(|(_, length)| length);
-        inputs.push(Variable { min: Some(0.0), max: most, start: vec![state[indices.position(index)]], ..of });
-        let sentence = "Rate of that distance, positive when it grows.".to_owned();
+        inputs.push(Variable { max: most, start: vec![state[indices.position(index)]], ..of });
+        let sentence = format!("Rate of the distance between the ends of {of_actuator}, positive when it grows.");
         let of = scalar(Slot::Rate(index), format!("{name}.rate"), causality, "m/s", sentence);
         inputs.push(Variable { start: vec![state[indices.rate(index)]], ..of });
     }
@@ -275,24 +293,21 @@ fn inputs(plant: &HostPlant) -> Vec<Variable> {
 
 fn outputs(plant: &HostPlant) -> Vec<Variable> {
     let of = |(index, column): (usize, &mckibben_scenario::PlantColumn)| {
-        let (of, what) = column.name.rsplit_once('.').unwrap_or(("", &column.name));
-        let sentence = format!("{} of {of}.", capital(&what.replace('_', " ")));
+        let sentence = sentences::column(plant, column);
         scalar(Slot::Output(index), column.name.clone(), Causality::Output, column.unit, sentence)
     };
     plant.outputs().iter().enumerate().map(of).collect()
 }
 
-fn capital(words: &str) -> String {
-    let mut letters = words.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
-}
-
+/// A parameter. FMI's ranges include their ends, so an end that is excluded stands in the description alone.
 fn parameter(index: usize, number: &DocumentNumber) -> Variable {
-    let Parameter { unit, range, meaning, .. } = number.parameter;
+    let Parameter { unit, range, .. } = number.parameter;
     let causality = Causality::Parameter { is_tunable: is_tunable(number) };
-    let of = scalar(Slot::Parameter(index), number.path.clone(), causality, unit, (*meaning).to_owned());
-    let finite = |number: f64| Some(number).filter(|number| number.is_finite());
-    Variable { min: finite(range.low), max: finite(range.high), start: vec![number.value], ..of }
+    let sentence = sentences::parameter(number.parameter);
+    let of = scalar(Slot::Parameter(index), number.path.clone(), causality, unit, sentence);
+    let end = |number: f64, is_included: bool| Some(number).filter(|number| is_included && number.is_finite());
+    let (min, max) = (end(range.low, range.low_included), end(range.high, range.high_included));
+    Variable { min, max, start: vec![number.value], ..of }
 }
 
 /// States, their derivatives and event indicators.
@@ -300,61 +315,93 @@ fn inner(plant: &HostPlant, states: &[usize], indicators: usize) -> Vec<Variable
     let names = state_names(plant);
     let mut inner = Vec::new();
     for (index, place) in states.iter().enumerate() {
-        let (name, unit, rate) = &names[*place];
-        let sentence = "Continuous state.".to_owned();
-        inner.push(scalar(Slot::State(index), format!("state.{name}"), Causality::Local, unit, sentence));
-        let sentence = "Rate of the continuous state.".to_owned();
+        let StateName { name, unit, rate, sentence } = &names[*place];
+        inner.push(scalar(Slot::State(index), format!("state.{name}"), Causality::Local, unit, sentence.clone()));
+        let sentence = format!("Time derivative of `state.{name}`.");
         inner.push(scalar(Slot::Derivative(index), format!("der(state.{name})"), Causality::Local, rate, sentence));
     }
     for index in 0..indicators {
-        let sentence = "Positive while the mode lasts.".to_owned();
+        let place = index + 1;
+        let sentence = format!(
+            "Guard {place} of the present discrete state, positive until its event; 1 where there are fewer guards."
+        );
         inner.push(scalar(Slot::Indicator(index), format!("indicator[{index}]"), Causality::Local, "", sentence));
     }
     inner
 }
 
-/// Name, unit and unit of the rate of every state of a plant.
-fn state_names(plant: &HostPlant) -> Vec<(String, &'static str, &'static str)> {
+/// What a state of a plant is called.
+struct StateName {
+    name: String,
+    unit: &'static str,
+    /// The unit of its rate.
+    rate: &'static str,
+    /// What it is.
+    sentence: String,
+}
+
+/// Name, units and sentence of every state of a plant.
+fn state_names(plant: &HostPlant) -> Vec<StateName> {
+    let of = |name: String, unit, rate, sentence: String| StateName { name, unit, rate, sentence };
     let indices = plant.steps().plant().indices();
     let StateIndices { mechanisms, actuators, nodes, branches, states, .. } = indices;
-    let mut names: Vec<_> = (0..*states).map(|place| (format!("{place}"), "", "1/s")).collect();
+    let unnamed = |place| of(format!("{place}"), "", "1/s", format!("State {place} of the plant."));
+    let mut names: Vec<StateName> = (0..*states).map(unnamed).collect();
     let experiment = plant.experiment();
     let coordinates = experiment.coordinates();
     for (m, here) in mechanisms.iter().enumerate() {
         for k in 0..here.coordinates {
-            let of = coordinates.iter().find(|its| its.mechanism == m && its.index == k);
+            let its = coordinates.iter().find(|its| its.mechanism == m && its.index == k);
             // What has no name in the file is the load of one actuator.
-            let own = || indices.members[m].first().map(|actuator| format!("{}.load", plant.actuators()[*actuator]));
-            let name = of.map(|its| its.name.clone()).or_else(own).unwrap_or_else(|| format!("mechanism_{m}.{k}"));
-            let (unit, rate, acceleration) = match of {
-                Some(its) if its.is_angle => ("rad", "rad/s", "rad/s^2"),
-                _ => ("m", "m/s", "m/s^2"),
+            let owner = indices.members[m].first().map(|actuator| &plant.actuators()[*actuator]);
+            let own = || owner.map(|owner| format!("{owner}.load"));
+            let name = its.map(|its| its.name.clone()).or_else(own).unwrap_or_else(|| format!("mechanism_{m}.{k}"));
+            let part = match (its, owner) {
+                (Some(its), _) if its.is_angle => format!("the joint `{name}`"),
+                (None, Some(owner)) => format!("the load of {}", sentences::actuator(owner)),
+                _ => format!("`{name}`"),
             };
-            names[here.position(k)] = (format!("{name}.position"), unit, rate);
-            names[here.rate(k)] = (format!("{name}.rate"), rate, acceleration);
+            let (unit, rate, acceleration, words) = match its {
+                Some(its) if its.is_angle => ("rad", "rad/s", "rad/s^2", ["Angle", "Angular velocity"]),
+                _ => ("m", "m/s", "m/s^2", ["Position", "Velocity"]),
+            };
+            let [position, velocity] = words.map(|word| format!("{word} of {part}."));
+            names[here.position(k)] = of(format!("{name}.position"), unit, rate, position);
+            names[here.rate(k)] = of(format!("{name}.rate"), rate, acceleration, velocity);
         }
     }
     for (i, here) in actuators.iter().enumerate() {
         let name = &plant.actuators()[i];
-        names[here.pressure] = (format!("{name}.absolute_pressure"), "Pa", "Pa/s");
-        names[here.mass()] = (format!("{name}.air_mass"), "kg", "kg/s");
-        for (place, what) in [(here.length, "length"), (here.bristles, "deflection")] {
+        let part = sentences::actuator(name);
+        let pressure = format!("Absolute pressure of the air in {part}.");
+        names[here.pressure] = of(format!("{name}.absolute_pressure"), "Pa", "Pa/s", pressure);
+        names[here.mass()] = of(format!("{name}.air_mass"), "kg", "kg/s", format!("Mass of the air in {part}."));
+        for (place, what, words) in [
+            (here.length, "length", format!("Length of {part}, between its attachments.")),
+            (here.bristles, "deflection", format!("Bristle deflection of the friction of {part}.")),
+        ] {
             if let Some(place) = place {
-                names[place] = (format!("{name}.{what}"), "m", "m/s");
+                names[place] = of(format!("{name}.{what}"), "m", "m/s", words);
             }
         }
         for (branch, place) in here.branches().enumerate() {
-            names[place] = (format!("{name}.relaxed_length_{}", branch + 1), "m", "m/s");
+            let branch = branch + 1;
+            let words = format!("Length at which viscoelastic branch {branch} of {part} is relaxed.");
+            names[place] = of(format!("{name}.relaxed_length_{branch}"), "m", "m/s", words);
         }
     }
     for (node, place) in nodes.iter().enumerate() {
         if let Some(place) = place {
-            names[*place] = (experiment.name_of_node(node, "absolute_pressure"), "Pa", "Pa/s");
+            let name = experiment.name_of_node(node, "absolute_pressure");
+            let sentence = sentences::of_air(plant, &name);
+            names[*place] = of(name, "Pa", "Pa/s", sentence);
         }
     }
     for (branch, place) in branches.iter().enumerate() {
         if let Some(place) = place {
-            names[*place] = (experiment.name_of_flow(branch, "mass_flow"), "kg/s", "kg/s^2");
+            let name = experiment.name_of_flow(branch, "mass_flow");
+            let sentence = sentences::of_air(plant, &name);
+            names[*place] = of(name, "kg/s", "kg/s^2", sentence);
         }
     }
     names

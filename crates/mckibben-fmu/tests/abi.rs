@@ -3,7 +3,7 @@
 mod common;
 
 use common::*;
-use mckibben_fmu::options::UnitOptions;
+use mckibben_fmu::options::{Interfaces, UnitOptions, Version};
 use mckibben_run::host::{HostPlant, Motion};
 use mckibben_scenario::Document;
 use std::ffi::CStr;
@@ -533,4 +533,171 @@ fn a_request_that_the_valve_does_not_have_is_refused() {
     assert!(message.contains("1 (fill) or -1 (exhaust)"), "{message}");
     // SAFETY: an instance.
     unsafe { fmi3FreeInstance(handle) };
+}
+
+/// The attribute of an element.
+fn attribute<'t>(element: &'t str, key: &str) -> Option<&'t str> {
+    element.split_once(&format!(" {key}=\""))?.1.split('"').next()
+}
+
+/// Scalars of a description of FMI 3.0: name, value reference, causality and start.
+fn scalars(text: &str) -> Vec<(&str, u32, &str, Option<f64>)> {
+    let elements = text.lines().filter(|line| line.trim_start().starts_with("<Float64") && line.ends_with("/>"));
+    let of = |element| {
+        let reference = attribute(element, "valueReference").and_then(|text| text.parse().ok()).expect("a reference");
+        let start = attribute(element, "start").map(|text| text.parse().expect("a number"));
+        let [name, causality] = ["name", "causality"].map(|key| attribute(element, key).expect("an attribute"));
+        (name, reference, causality, start)
+    };
+    elements.map(of).collect()
+}
+
+/// Every start of the description is what the library returns under that reference, and outputs have the order of the library's.
+fn check_starts(document: Document, options: &UnitOptions, name: &str) {
+    let (unit, messages) = (Unit::of_document(document, options), Messages::default());
+    let text = mckibben_fmu::description::model_description(&unit.model, "unit", Version::Three);
+    let scalars = scalars(&text);
+    assert!(scalars.iter().filter(|its| its.2 == "parameter").count() > 3, "{name}: parameters");
+    let library = mckibben_fmu::model::Model::read(&unit.folder).expect("the resources");
+    let outputs = library.plant().outputs().iter().map(|column| column.name.as_str());
+    let described = scalars.iter().filter(|its| its.2 == "output").map(|its| its.0);
+    assert!(described.eq(outputs), "{name}: the order of the outputs");
+    let is_exchange = options.interfaces == Interfaces::ModelExchange;
+    let handle = if is_exchange { unit.model_exchange(&messages) } else { unit.co_simulation(&messages, false) };
+    for (variable, reference, causality, start) in &scalars {
+        let own = library.variables().find(*reference).unwrap_or_else(|| panic!("{name}: {variable}"));
+        assert_eq!(own.name, *variable, "{name}: the library calls {reference} otherwise");
+        if let Some(start) = start {
+            let found = get(handle, *reference);
+            assert_eq!(found.to_bits(), start.to_bits(), "{name}: {variable} ({causality}) is {found} and not {start}");
+        }
+    }
+    // SAFETY: an instance.
+    unsafe { fmi3FreeInstance(handle) };
+}
+
+/// Description and library number the parameters alike, whatever the order of the keys in the file: those of the examples, values
+/// that are set from outside, and dotted keys before plain ones.
+#[test]
+fn starts_of_the_description_are_those_of_the_library() {
+    let example = |path: &str| {
+        Document::load(format!("{}/../../examples/{path}", env!("CARGO_MANIFEST_DIR"))).expect("an example")
+    };
+    for motion in [Motion::Host, Motion::Scenario] {
+        // No step is searched for, which takes long.
+        let interfaces = if motion == Motion::Host { Interfaces::Both } else { Interfaces::ModelExchange };
+        let options = UnitOptions { motion, interfaces, ..UnitOptions::default() };
+        for path in [
+            "plant/leg.toml",
+            "plant/arm.toml",
+            "plant/bottle.toml",
+            "plant/controlled.toml",
+            "antagonistic-joint.toml",
+            "own-muscle.toml",
+            "valves/cv-exhaust.toml",
+        ] {
+            check_starts(example(path), &options, path);
+        }
+        let mut set = example("paper/fig-12.toml");
+        set.set_plain_from("--set", "actuator.friction.viscous", "5 N*s/m").expect("a path");
+        set.set_plain_from("--set", "actuator.turns", "2.2").expect("a path");
+        check_starts(set, &options, "fig-12 with --set");
+    }
+}
+
+/// Shuffled keys: sub-tables and dotted keys stand before plain keys, and sections in several orders.
+#[test]
+fn the_order_of_keys_does_not_change_what_a_reference_means() {
+    let actuator = [
+        "actuator.friction.viscous = \"0.5 lbf*s/in\"",
+        "actuator.turns = 2.1",
+        "actuator.limit.stiffness = \"2e5 N/m\"",
+        "actuator.preset = \"colbrunn-2001\"",
+        "actuator.friction.coulomb_force = \"1 N\"",
+        "actuator.external_volume = \"4 mL\"",
+        "actuator.friction.coulomb_width = \"0 m\"",
+    ];
+    let mut meanings = Vec::new();
+    for rotation in 0..actuator.len() {
+        for is_reversed in [false, true] {
+            let mut lines = actuator.to_vec();
+            lines.rotate_left(rotation);
+            if is_reversed {
+                lines.reverse();
+            }
+            let text = format!("{}\n{MUSCLE}", lines.join("\n"));
+            let document = Document::parse(&text, "shuffled.toml").expect("TOML");
+            check_starts(document.clone(), &UnitOptions::default(), &text);
+            let unit = Unit::of_document(document, &UnitOptions::default());
+            let parameters = unit.model.variables().parameters.iter();
+            let mut named: Vec<(String, u64)> =
+                parameters.map(|number| (number.path.clone(), number.value.to_bits())).collect();
+            named.sort();
+            meanings.push(named);
+        }
+    }
+    assert!(meanings.windows(2).all(|pair| pair[0] == pair[1]), "values by their names");
+}
+
+/// A unit of one interface cannot be made for the other.
+#[test]
+fn a_unit_of_one_interface_is_not_made_for_the_other() {
+    let options = UnitOptions { interfaces: Interfaces::ModelExchange, ..scenario() };
+    let (unit, messages) = (Unit::new(MUSCLE, &options), Messages::default());
+    let handle = unit.model_exchange(&messages);
+    // SAFETY: an instance; texts and a function that live.
+    let refused = unsafe {
+        fmi3FreeInstance(handle);
+        fmi3InstantiateCoSimulation(
+            c"muscle".as_ptr(),
+            unit.token.as_ptr(),
+            unit.resources.as_ptr(),
+            false,
+            true,
+            false,
+            false,
+            std::ptr::null(),
+            0,
+            messages.pointer(),
+            Some(log),
+            std::ptr::null(),
+        )
+    };
+    assert!(refused.is_null());
+    let message = messages.take();
+    assert!(message.contains("written for model-exchange alone"), "{message}");
+}
+
+/// Mass and damping of the joints of a chain are tunable: the rates are those of the new values.
+#[test]
+fn the_numbers_of_a_joint_are_tunable() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/plant/leg.toml");
+    let options = UnitOptions { interfaces: Interfaces::ModelExchange, ..scenario() };
+    let document = Document::load(path).expect("an example");
+    let heavier = {
+        let mut document = document.clone();
+        document.set_plain_from("--set", "mechanism.joints.knee.mass", "0.5 kg").expect("a path");
+        Unit::of_document(document, &options)
+    };
+    let (unit, messages) = (Unit::of_document(document, &options), Messages::default());
+    let rate = |unit: &Unit, handle| get(handle, unit.reference("der(state.knee.rate)"));
+    let [tuned, expected] = [&unit, &heavier].map(|unit| {
+        let handle = unit.model_exchange(&messages);
+        initialise(handle);
+        update(handle);
+        handle
+    });
+    let before = rate(&unit, tuned);
+    assert_eq!(set(tuned, unit.reference("mechanism.joints.knee.mass"), 0.5), OK, "{}", messages.take());
+    assert_eq!(set(tuned, unit.reference("mechanism.joints.knee.length"), 0.5), ERROR);
+    assert!(messages.take().contains("is fixed"));
+    update(tuned);
+    let (after, of_heavier) = (rate(&unit, tuned), rate(&heavier, expected));
+    assert!((after - of_heavier).abs() <= 1e-9 * of_heavier.abs(), "{after} for {of_heavier} rad/s²");
+    assert!((after - before).abs() > 1e-3, "{before} rad/s² before");
+    // SAFETY: instances.
+    unsafe {
+        fmi3FreeInstance(tuned);
+        fmi3FreeInstance(expected);
+    }
 }

@@ -23,10 +23,14 @@
 
 use crate::adjustable::{Adjustable, Seeded};
 use crate::least_squares::{self, Evaluation, FitError, Found, Model, Search, Unknown};
+use crate::series;
 use mckibben::friction::{Memory, SlidingState, Viscoelastic};
 use mckibben::{Actuator, Error};
 use mckibben_scenario::Scenario;
 use thiserror::Error as ThisError;
+
+/// The part of the largest tension below which a residual is that of rounding.
+const ROUNDING: f64 = 1e-5;
 
 /// One sample of a loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -107,6 +111,11 @@ impl Loop {
             Some(first) => Ok(Self { name, samples, first }),
             None => Err(LoopError::NoTurn { name }),
         }
+    }
+
+    /// All samples in the order of time.
+    pub fn samples(&self) -> &[Sample] {
+        &self.samples
     }
 
     /// The samples that count: those after the first turn at which the length moves.
@@ -199,12 +208,29 @@ impl LoopTask {
         Ok(LoopFit { found, scenario, left })
     }
 
-    fn scale(&self) -> f64 {
-        let largest = self
+    /// The noise of a tension in N, where the model leaves more than three times of it: the scenario lacks something, or readings are
+    /// in other units.
+    pub fn unexplained(&self, found: &LoopFit) -> Option<f64> {
+        let series: Vec<[Vec<f64>; 2]> = self
             .loops
             .iter()
-            .flat_map(|of| &of.samples)
-            .fold(0.0_f64, |largest, sample| largest.max(sample.tension.abs()));
+            .map(|of| {
+                let all = |value: fn(&Sample) -> f64| of.samples.iter().map(value).collect();
+                [all(|sample| sample.time), all(|sample| sample.tension)]
+            })
+            .collect();
+        let noise = series::beyond_noise(found.left, series.iter().map(|[times, values]| (&times[..], &values[..])))?;
+        // Of readings without noise rounding is left.
+        (found.left > ROUNDING * self.largest()).then_some(noise)
+    }
+
+    /// The largest tension in N.
+    fn largest(&self) -> f64 {
+        self.loops.iter().flat_map(|of| &of.samples).fold(0.0_f64, |largest, sample| largest.max(sample.tension.abs()))
+    }
+
+    fn scale(&self) -> f64 {
+        let largest = self.largest();
         self.deviation.unwrap_or(if largest > 0.0 { largest } else { 1.0 })
     }
 }

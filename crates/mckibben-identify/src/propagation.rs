@@ -52,6 +52,7 @@ pub(crate) fn estimate((name, unit): Label, value: f64, standard_error: f64, deg
         standard_error: is_determined.then_some(standard_error),
         confidence_interval: is_determined.then_some([value - half, value + half]),
         on_bound: false,
+        bound: None,
     }
 }
 

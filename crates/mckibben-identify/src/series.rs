@@ -68,6 +68,22 @@ const WHOLE_STEPS: (usize, f64, f64) = (8, 0.9, 0.1);
 /// Steps of a sensor within the range of its samples at most: more are no wider than rounding.
 const MOST_STEPS: f64 = 1e4;
 
+/// Residuals over the noise of readings above which they are no noise.
+const BEYOND_NOISE: f64 = 3.0;
+
+/// Pooled noise of several time series, where so much is left of them that it is no noise: the model lacks something, or a search has
+/// ended away from the best values.
+pub(crate) fn beyond_noise<'s>(left: f64, series: impl Iterator<Item = (&'s [f64], &'s [f64])>) -> Option<f64> {
+    let (mut squares, mut count) = (0.0, 0.0);
+    for (times, values) in series {
+        let readings = times.len() as f64;
+        squares += readings * noise(times, values).powi(2);
+        count += readings;
+    }
+    let noise = (squares / count).sqrt();
+    (left > BEYOND_NOISE * noise).then_some(noise)
+}
+
 /// Standard deviation of the noise of a sample, at least that of the sensor's steps, `q/√12`. Samples that a sensor holds count once:
 /// their repetitions know nothing of its noise.
 pub(crate) fn noise(time: &[f64], value: &[f64]) -> f64 {

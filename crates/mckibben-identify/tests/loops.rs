@@ -163,6 +163,27 @@ fn branches_are_identifiable_by_the_speed_of_a_loop() {
     }
 }
 
+/// What a model leaves beyond three times the noise is reported, and noise alone is not.
+#[test]
+fn residuals_beyond_the_noise_are_reported() {
+    let path = "actuator.friction.viscous";
+    let fitted = |change: fn(Sample) -> Sample| {
+        let mut start = muscle(RATIO);
+        let places = vec![Place::find(path, &mut start).expect("a number")];
+        let unknowns = vec![Unknown::new(path, "N*s/m", 10.0).between(0.0, 1e3)];
+        let drawn = pulled(&start, 4e5, 0.2);
+        let samples: Vec<Sample> = drawn.samples().iter().copied().map(change).collect();
+        let task = task(start, places, unknowns, vec![Loop::new("slow", samples).expect("a loop")]);
+        let found = task.identify().unwrap_or_else(|error| panic!("{error}"));
+        (task.unexplained(&found), found.left)
+    };
+    assert_eq!(fitted(|sample| sample).0, None);
+    let (noise, left) = fitted(|sample| Sample { tension: sample.tension / 4.448, ..sample });
+    let noise = noise.expect("pounds for newtons");
+    // Noise that is uniform up to 0.2 N.
+    assert!((noise / (0.2 / 3f64.sqrt() / 4.448) - 1.0).abs() < 0.3 && left > 100.0 * noise, "{noise}, {left}");
+}
+
 #[test]
 fn what_is_no_loop_is_refused() {
     let sample = |time: f64, length: f64| Sample { time, length, gauge_pressure: 1e5, tension: 10.0 };

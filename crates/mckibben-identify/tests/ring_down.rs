@@ -251,6 +251,29 @@ fn what_a_muscle_shows_is_its_width_by_secant_over_sealed_stiffness() {
     close(springs.tangent, sealed, 1e-6, "k_t");
 }
 
+/// Samples without noise left residuals that are the error of the simulation, in which no step with derivatives is level: the waveform
+/// had no minimum.
+#[test]
+fn exact_samples_give_friction_by_every_estimator() {
+    for (interval, until) in [(2e-3, 3.0), (1e-3, 1.3)] {
+        let time = times(until, interval);
+        let rig = muscle(VISCOUS, WIDTH);
+        let record = Record::new(time.clone(), ring_down(&rig, &time)).expect("a record");
+        let guess = muscle(1.5 * VISCOUS, 0.7 * WIDTH);
+        let found = compare(&record, 2.72, Some((&guess, &released(), Free::ALL))).expect("turns");
+        assert!(found.refused.is_empty(), "{interval}: {:?}", found.refused);
+        let waveform = found.waveform.expect("a fit");
+        close(waveform.coulomb_width.value, WIDTH, 1e-3, "Q of the waveform");
+        close(waveform.viscous.value, VISCOUS, 1e-3, "c of the waveform");
+    }
+    // The linear oscillator in closed form, without a rig.
+    let found = compare(&record(&times(1.3, 1e-3), |time| OSCILLATOR.at(time)), MASS, None).expect("turns");
+    assert!(found.refused.is_empty(), "{:?}", found.refused);
+    let all = found.rows.iter().find(|row| row.estimator == Estimator::AllTurns).expect("a row");
+    close(all.coulomb_width.value, OSCILLATOR.width, 1e-3, "Q of all turns");
+    close(all.viscous.value, OSCILLATOR.viscous(), 1e-3, "c of all turns");
+}
+
 fn refusal(record: &Record) -> String {
     Turns::find(record).expect_err("it is refused").to_string()
 }

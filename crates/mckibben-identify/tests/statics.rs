@@ -8,7 +8,7 @@ use mckibben_identify::least_squares::Search;
 use mckibben_identify::statics::candidates;
 use mckibben_identify::statics::effectiveness::ratios;
 use mckibben_identify::statics::held_out::Grouping;
-use mckibben_identify::statics::units::suspect;
+use mckibben_identify::statics::units::{Misdirected, misdirected, suspect, vanishes_at_atmosphere};
 use mckibben_identify::statics::{Candidate, ForceMap, Point, StaticError, StaticFit, force};
 use mckibben_scenario::{Bladder, BladderForm, Effectiveness, Scenario};
 use std::path::Path;
@@ -248,11 +248,51 @@ fn other_units_than_it_says_are_suspected() {
             ..point
         }),
         ("tension is in lbf, where N was said", |point| Point { tension: point.tension / 4.448_222, ..point }),
+        ("pressure is in psi, where Pa was said", |point| Point {
+            gauge_pressure: point.gauge_pressure / 6894.757,
+            ..point
+        }),
+        ("pressure is in Pa, where MPa was said", |point| Point {
+            gauge_pressure: point.gauge_pressure * 1e6,
+            ..point
+        }),
+        ("tension is in kN, where N was said", |point| Point { tension: 1e-3 * point.tension, ..point }),
         ("tension is in N, where kgf was said", |point| Point { tension: point.tension * 9.806_65, ..point }),
     ] {
         let found = with(change).expect(words);
         assert!(found.causes.iter().any(|(cause, _)| cause.contains(words)), "{words}: {found:?}");
     }
+}
+
+#[test]
+fn tensions_of_another_direction_are_noticed() {
+    let truth = muscle(0.3, 0.02);
+    let map = map_of(&truth, 1.0);
+    let with = |change: fn(Point) -> Point| {
+        let points: Vec<Point> = map.points().iter().copied().map(change).collect();
+        misdirected(&points, &truth).expect("an actuator")
+    };
+    assert_eq!(with(|point| point), None);
+    assert_eq!(with(|point| Point { tension: -point.tension, ..point }), Some(Misdirected::Negative));
+    // At half of the thread's length the braid pushes.
+    assert_eq!(with(|point| Point { length: 0.5 * point.length, ..point }), Some(Misdirected::Pulling));
+    for file in ["dmsp-20-300.csv", "dmsp-10-250.csv"] {
+        let (map, base) = measured(file);
+        assert_eq!(misdirected(map.points(), &base).expect("an actuator"), None, "{file}");
+        assert_eq!(vanishes_at_atmosphere(&map, &base).expect("an actuator"), None, "{file}");
+    }
+}
+
+/// Absolute pressures for gauge stay within the usual ratio to the ideal braid, but the tensions do not vanish with the pressure.
+#[test]
+fn absolute_pressures_for_gauge_are_noticed() {
+    let truth = muscle(0.3, 0.02);
+    let map = map_of(&truth, 1.0);
+    assert_eq!(vanishes_at_atmosphere(&map, &truth).expect("an actuator"), None);
+    let absolute = |point: &Point| Point { gauge_pressure: point.gauge_pressure + 101_325.0, ..*point };
+    let map = ForceMap::new(map.points().iter().map(absolute).collect()).expect("a map");
+    let at = vanishes_at_atmosphere(&map, &truth).expect("an actuator").expect("a pressure");
+    assert!((at / 101_325.0 - 1.0).abs() < 0.02, "{at}");
 }
 
 #[test]

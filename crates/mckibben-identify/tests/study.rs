@@ -1,5 +1,6 @@
 //! Studies: every rule for dirty data by data that break it, both formats, and every mistake with its place.
 
+use crate::noise::Noise;
 use mckibben_identify::study::{Direction, Kind, Quantity, Recording, Severity, Study, StudyError, TankTarget};
 use std::path::PathBuf;
 
@@ -79,6 +80,23 @@ fn semicolons_and_decimal_commas() {
     assert_eq!(recording.channel(Quantity::Length).expect("a time series").1[0], 0.09);
 }
 
+/// Comments above the head are skipped, with any separator in them; a head behind `#` stays one.
+#[test]
+fn comments_stand_above_the_head() {
+    let folder = Folder::new("comments");
+    let plain = folder.recording(&table(20, even), "", "").unwrap_or_else(|error| panic!("{error}"));
+    for above in ["# by rig 3; second try\n", "# one\n\n# two, three\n", "\u{feff}#\n"] {
+        let text = format!("{above}{}", table(20, even));
+        let recording = folder.recording(&text, "", "").unwrap_or_else(|error| panic!("{above:?}: {error}"));
+        assert_eq!(recording.sheets[0].columns, plain.sheets[0].columns, "{above:?}");
+        let skipped = above.matches('\n').count();
+        assert_eq!(recording.sheets[0].lines[0], 2 + skipped, "{above:?}");
+    }
+    let text = table(20, even).replace("t,L,F", "# of the rig\n#t,L,F");
+    let error = folder.recording(&text, "", "").expect_err("the head has `#t`").to_string();
+    assert!(error.contains("the tables have: #t, L, F"), "{error}");
+}
+
 #[test]
 fn missing_readings_are_left_out_and_reported() {
     let folder = Folder::new("missing");
@@ -151,10 +169,77 @@ fn outliers_are_reported_or_left_out() {
     let folder = Folder::new("outliers");
     let text = table(60, |row| if row == 30 { "0.3,190,20".to_owned() } else { even(row) });
     let marked = folder.recording(&text, "", "").unwrap_or_else(|error| panic!("{error}"));
-    assert!(notes(&marked).contains("1 readings of the length look like outliers"), "{}", notes(&marked));
+    assert!(notes(&marked).contains("1 reading of the length looks like an outlier; it stays"), "{}", notes(&marked));
     assert_eq!(marked.channel(Quantity::Length).expect("a time series").0.len(), 60);
     let dropped = folder.recording(&text, "drop_outliers = true", "").unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(dropped.channel(Quantity::Length).expect("a time series").0.len(), 59);
+}
+
+/// Normal noise alone, of which a threshold in units of eight neighbours flagged about one reading in two hundred; a reading far off
+/// is still found.
+#[test]
+fn normal_noise_has_no_outliers() {
+    let folder = Folder::new("normal-noise");
+    let mut flagged = 0;
+    for seed in 1..=5 {
+        let noise = Noise::new(seed).added_to(&[0.0; 2401], 0.05);
+        let text = table(2401, |row| {
+            let time = 0.005 * row as f64;
+            format!("{time},{},20", 90.0 + 3.0 * time.sin() + noise[row])
+        });
+        let recording = folder.recording(&text, "", "").unwrap_or_else(|error| panic!("{error}"));
+        flagged += usize::from(notes(&recording).contains("outlier"));
+    }
+    assert!(flagged <= 1, "{flagged} of 5 clean records have outliers");
+    let noise = Noise::new(1).added_to(&[0.0; 2401], 0.05);
+    let text = table(2401, |row| {
+        let slip = if row == 1200 { 2.0 } else { 0.0 };
+        format!("{},{},20", 0.005 * row as f64, 90.0 + slip + noise[row])
+    });
+    let recording = folder.recording(&text, "", "").unwrap_or_else(|error| panic!("{error}"));
+    assert!(notes(&recording).contains("1 reading of the length looks like an outlier"), "{}", notes(&recording));
+}
+
+/// Files of equal stems gave runs of one name, whose parameters of `per_run` were one.
+#[test]
+fn runs_have_different_names() {
+    let folder = Folder::new("names");
+    let head = "[study]\nkind = \"trajectories\"\nscenario = \"m.toml\"\n";
+    let names = |runs: &str| {
+        let study = folder.study(&format!("{head}{runs}"));
+        study.map(|study| study.runs.into_iter().map(|run| run.name).collect::<Vec<_>>())
+    };
+    let run = |file: &str| format!("[[run]]\nfile = \"{file}\"\n");
+    let named = |file: &str, name: &str| format!("[[run]]\nfile = \"{file}\"\nname = \"{name}\"\n");
+    for (runs, expected) in [
+        (run("a.csv") + &run("b.csv"), ["a", "b"]),
+        (run("day1/rig.csv") + &run("day2/rig.csv"), ["day1/rig", "day2/rig"]),
+        (run("rig.csv") + &run("rig.csv"), ["rig", "rig-2"]),
+        (run("rig.csv") + &run("rig.parquet"), ["rig", "rig-2"]),
+        (run("day1/rig.csv") + &named("day2/rig.csv", "rig"), ["day1/rig", "rig"]),
+        (named("day1/rig.csv", "one") + &named("day2/rig.csv", "two"), ["one", "two"]),
+    ] {
+        assert_eq!(names(&runs).unwrap_or_else(|error| panic!("{error}")), expected, "{runs}");
+    }
+    let error = names(&(named("a.csv", "one") + &named("b.csv", "one"))).expect_err("one name for both");
+    assert_eq!(error.line, Some(9), "{error}");
+    assert!(error.to_string().contains("`one` is the name of two runs, in line 6 too"), "{error}");
+}
+
+#[test]
+fn a_deviation_is_above_zero() {
+    let folder = Folder::new("deviation");
+    for wrong in ["-0.05 mm", "0 mm"] {
+        let error = folder
+            .recording(&table(20, even), &format!("deviation = \"{wrong}\""), "")
+            .expect_err("a deviation that is none");
+        assert_eq!(error.line, Some(10), "{error}");
+        assert!(
+            error.to_string().contains(&format!("the deviation of `length` is {wrong}, which is not above zero")),
+            "{error}"
+        );
+    }
+    folder.recording(&table(20, even), "deviation = \"0.05 mm\"", "").unwrap_or_else(|error| panic!("{error}"));
 }
 
 #[test]
@@ -242,6 +327,12 @@ fn mistakes_are_shown_where_they_are() {
         ("t,L\n0,9,3\n", "more or fewer cells"),
         ("t,M\n0,9\n", "has a column `L`"),
         ("t,L\n", "no readings"),
+        ("", "data.csv: it is empty"),
+        ("\n \n", "data.csv: it is empty"),
+        ("# of the rig\n# in mm\n", "comments alone"),
+        ("# of the rig\n1,2\n3,4\n", "data.csv, line 2: its first line is numbers"),
+        ("# a, b\n# of the rig\nt,L\n0,9,3\n", "line 4: a line has more or fewer cells"),
+        ("L,t,L\n9,0,8\n", "data.csv: it has 2 columns `L`, and the length is read from that"),
     ] {
         folder.write("data.csv", table);
         let study = folder.study(&format!("{head}{columns}{run}")).unwrap_or_else(|error| panic!("{error}"));

@@ -189,7 +189,10 @@ fn what_cannot_be_fitted_says_why() {
     let mut silent = task(vec![recorded(&scenario(100.0), &paths, [0.0; 2], 0.4)], &paths, 1.0);
     silent.unknowns[0] = Unknown::new(paths[0], "m", 0.0);
     let error = silent.identify().expect_err("silent").to_string();
-    assert!(error.contains("`actuator.wall_thickness` changes no reading where it starts, at 0:"), "{error}");
+    assert!(
+        error.contains("`actuator.wall_thickness` changes no reading where it starts, at 0; readings end at 0.4 s:"),
+        "{error}"
+    );
     // Pulses of 37 ms vanish behind a delay of 60 ms.
     let paths = ["valve.opening_delay"];
     let mut vanished = task(vec![recorded(&scenario(100.0), &paths, [0.0; 2], 0.4)], &paths, 1.0);
@@ -199,6 +202,26 @@ fn what_cannot_be_fitted_says_why() {
 }
 
 /// Whenever a search is ended from another thread, it returns the best values so far, with what is drawn of them.
+/// Two readings of each quantity, of which the first is that of the start, let a search end anywhere.
+#[test]
+fn fewer_readings_than_parameters_are_refused() {
+    let paths = ["actuator.friction.viscous", "valve.flow_area"];
+    let mut run = recorded(&scenario(100.0), &paths, [0.0; 2], 0.4);
+    for series in &mut run.time_series {
+        // At 0.1 s the muscle moves; a reading at zero is that of the start.
+        series.times = vec![0.0, series.times[49]];
+        series.values = vec![series.values[0], series.values[49]];
+    }
+    let error = task(vec![run.clone()], &paths, 1.2).identify().expect_err("two of four readings").to_string();
+    assert!(error.contains("2 of 4 readings depend on the 2 parameters of [fit]"), "{error}");
+    assert!(error.contains("readings end at 0.1 s"), "{error}");
+    for series in &mut run.time_series {
+        (series.times.truncate(1), series.values.truncate(1));
+    }
+    let error = task(vec![run], &paths, 1.2).identify().expect_err("only the start").to_string();
+    assert!(error.contains("readings end at 0 s: there are no readings after the start"), "{error}");
+}
+
 #[test]
 fn an_interrupted_search_has_values_no_worse_than_its_start() {
     let run = recorded(&scenario(100.0), &UNKNOWNS, [5e-5, 2e3], 0.4);

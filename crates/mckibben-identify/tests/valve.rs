@@ -146,7 +146,7 @@ fn curves_that_identify_nothing_are_refused_with_a_remedy() {
         refused(&points)
     };
     assert!(one(|point| point.temperature = 21.0).contains("give it in kelvin"));
-    assert!(one(|point| point.upstream.0 = 7.0).contains("pascal"));
+    assert!(one(|point| point.upstream.0 = 7.0).contains("Pa"));
     assert!(one(|point| point.downstream = point.upstream).contains("swap the two"));
     assert!(one(|point| point.mass_flow = f64::NAN).contains("mass flow of point 3"));
     assert!(one(|point| point.mass_flow = -1.0).contains("not above zero"));
@@ -342,7 +342,7 @@ fn records_of_a_tank_that_cannot_be_are_refused() {
     let mut gauge = vec![2e5; 20];
     gauge[4] = -300.0;
     assert!(refused(gauge).contains("add the atmosphere's pressure"));
-    assert!(refused(vec![7.0; 20]).contains("pascal"));
+    assert!(refused(vec![7.0; 20]).contains("Pa"));
     assert!(refused(vec![f64::NAN; 20]).contains("not a finite number"));
     let record = TankRecord::new(times.clone(), vec![2e5; 20]).expect("a record");
     let tank = tank(Process::Isothermal, Transfer::Discharge);

@@ -29,6 +29,9 @@ const OF_MODEL: [(&str, &str); 2] = [
 const ALONE: [(&str, &str); 3] =
     [("load.kind", "\"isometric\""), ("initial.length", "\"1 m\""), ("run.duration", "\"1 s\"")];
 
+/// Where a value stands that the user has not written, in messages.
+const PLACE: &str = "the plugin";
+
 /// What a valve may be commanded before `ctrl` says it: the first that it takes.
 const AT_REST: [&str; 4] = [
     "{ kind = \"exhaust\" }",
@@ -65,10 +68,12 @@ pub(crate) fn read<'m>(attribute: impl Fn(&str) -> Option<&'m str>) -> Result<Co
         ..HostOptions::default()
     };
     let is_alone = given("scenario").or(given("scenario_text")).is_none();
-    let made = |document: Document| HostPlant::read(&if is_alone { alone(document)? } else { document }, &options);
+    let made = |document: Document, options: &HostOptions<'_>| {
+        HostPlant::read(&if is_alone { alone(document)? } else { document }, options)
+    };
     let host = match document.contains("valve") && !document.contains("command") {
-        false => made(document)?,
-        true => at_rest(&document, made)?,
+        false => made(document, &options)?,
+        true => at_rest(&document, made, &options)?,
     };
     let offsets = offsets(given("length_offset"), host.actuators())?;
     Ok(Config { host, offsets })
@@ -114,27 +119,40 @@ fn alone(mut document: Document) -> Result<Document, Failure> {
     let is_said = document.contains("initial.length");
     for (path, value) in ALONE {
         if !document.contains(path) {
-            document.set_text_from("the plugin", path, value)?;
+            document.set_text_from(PLACE, path, value)?;
         }
     }
     if !is_said {
         // MuJoCo says how long it is.
         let longest = document.scenario()?.actuator.max_length;
-        document.set_text_from("the plugin", "initial.length", &format!("\"{longest} m\""))?;
+        document.set_text_from(PLACE, "initial.length", &format!("\"{longest} m\""))?;
     }
     Ok(document)
 }
 
-/// Reads a scenario whose valve is commanded by `ctrl` alone.
-fn at_rest(document: &Document, made: impl Fn(Document) -> Result<HostPlant, Failure>) -> Result<HostPlant, Failure> {
-    let with = |command: &str| {
+/// Reads a scenario whose valve is commanded by `ctrl` alone; `made` reads one with options.
+fn at_rest(
+    document: &Document,
+    made: impl Fn(Document, &HostOptions<'_>) -> Result<HostPlant, Failure>,
+    options: &HostOptions<'_>,
+) -> Result<HostPlant, Failure> {
+    let with = |command: &str, options: &HostOptions<'_>| {
         let mut document = document.clone();
-        document.set_text_from("the plugin", "command", command)?;
-        made(document)
+        document.set_text_from(PLACE, "command", command)?;
+        made(document, options)
     };
-    let first = with(AT_REST[0]);
-    // What is wrong with anything else is wrong with every command.
-    first.or_else(|failure| AT_REST[1..].iter().find_map(|command| with(command).ok()).ok_or(failure))
+    let mut failures = Vec::new();
+    for command in AT_REST {
+        match with(command, options) {
+            Ok(host) => return Ok(host),
+            // The valve takes this command, so the options are wrong.
+            Err(failure) if with(command, &HostOptions::default()).is_ok() => return Err(failure),
+            Err(failure) => failures.push(failure),
+        }
+    }
+    // What is wrong with anything else is wrong with every command; the user has written none of them.
+    let of_file = failures.iter().position(|failure| !failure.to_string().contains(&format!("--> {PLACE}:")));
+    Err(failures.swap_remove(of_file.unwrap_or(0)))
 }
 
 /// A number in SI from a text with a unit.
@@ -222,6 +240,41 @@ mod tests {
                 .concat();
             let failure = with(&pairs).expect_err("a mistake").to_string();
             assert!(failure.contains(words), "{words}: {failure}");
+        }
+    }
+
+    /// The command before the first `ctrl` is the plugin's, so no message is about it.
+    #[test]
+    fn no_message_is_about_a_command_that_the_user_has_not_written() {
+        let regulator = [
+            ("supply.gauge_pressure", "6 bar"),
+            ("valve.kind", "pressure-regulator"),
+            ("valve.flow_area", "1 mm^2"),
+            ("valve.time_constant", "20 ms"),
+            ("valve.rate_limit", "20 bar/s"),
+        ];
+        let spool = [
+            ("supply.gauge_pressure", "6 bar"),
+            ("valve.kind", "proportional-spool"),
+            ("valve.flow_area", "2 mm^2"),
+            ("valve.spool.natural_frequency", "60 Hz"),
+            ("valve.spool.damping_ratio", "0.7"),
+        ];
+        let duty = ("command_mode", "duty");
+        let said = |keys: &[(&str, &str)], with_wrong: (&str, &str)| {
+            with(&[keys, &[with_wrong]].concat()).expect_err("a mistake").to_string()
+        };
+        for (said, words) in [
+            (said(&regulator, duty), "command_mode=\"set-point\""),
+            (said(&spool, duty), "command_mode=\"position\""),
+            (said(&regulator, ("max_step", "0 s")), "max_step"),
+            (said(&regulator, ("initial.gauge_pressure", "-3 bar")), "initial.gauge_pressure"),
+            (said(&spool, ("initial.gauge_pressure", "-3 bar")), "initial.gauge_pressure"),
+        ] {
+            assert!(
+                said.contains(words) && !said.contains("exhaust") && !said.contains("the plugin"),
+                "{words}: {said}"
+            );
         }
     }
 

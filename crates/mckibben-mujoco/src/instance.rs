@@ -281,10 +281,7 @@ impl Instance {
             };
             self.host.command(input, control)?;
         }
-        let Ends { lengths, next_velocities, .. } = &self.ends;
-        for (at, distance) in self.distances.iter_mut().enumerate() {
-            *distance = lengths[at] + self.offsets[at] + h * next_velocities[at];
-        }
+        self.place_ends(h)?;
         let until = self.host.steps().time() + h;
         self.host.advance(until, &self.distances)?;
         let count = self.wires.len();
@@ -336,12 +333,43 @@ impl Instance {
         steps.state()[plant.indices().actuators[actuator].pressure] - plant.network().atmosphere
     }
 
+    /// Takes the distances between the ends where MuJoCo has them, or after so many s at the velocities of the end of the step.
+    ///
+    /// # Errors
+    /// For a distance that is not above zero, with what it is made of. What is no number is left to the plant.
+    fn place_ends(&mut self, h: f64) -> Result<(), Failure> {
+        for at in 0..self.distances.len() {
+            let (length, offset) = (self.ends.lengths[at], self.offsets[at]);
+            self.distances[at] =
+                if h > 0.0 { length + offset + h * self.ends.next_velocities[at] } else { length + offset };
+            if self.distances[at] <= 0.0 {
+                // Without the rounding of the sum, for people.
+                let (name, distance) = (&self.host.actuators()[at], (1e9 * self.distances[at]).round() / 1e9);
+                let title = format!(
+                    "`{name}`: a length of {length} m in MuJoCo and a length_offset of {offset} m give a distance of \
+                     {distance:?} m between the ends"
+                );
+                return Err(Failure::input(title, "give a length_offset that leaves a distance above zero"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Why a plant cannot begin with its ends where MuJoCo has them, with what the distances are made of.
+    fn with_offsets(&self, failure: &Failure) -> Failure {
+        let ends = self.host.actuators().iter().zip(&self.ends.lengths).zip(&self.offsets);
+        let made = ends.map(|((name, length), offset)| format!("`{name}` {length} m + {offset} m")).collect::<Vec<_>>();
+        let help = format!(
+            "give a length_offset, negative where a tendon has cables or fittings; distances are MuJoCo's lengths plus it: {}",
+            made.join(", ")
+        );
+        Failure::input(failure.sentence(), help)
+    }
+
     /// Responses where MuJoCo has the ends.
     fn respond(&mut self, state: &[f64]) -> Result<(), Failure> {
         self.bring(state)?;
-        for (at, distance) in self.distances.iter_mut().enumerate() {
-            *distance = self.ends.lengths[at] + self.offsets[at];
-        }
+        self.place_ends(0.0)?;
         self.host.compute_at(&self.distances, &self.ends.velocities, &mut self.responses)
     }
 
@@ -367,9 +395,7 @@ impl Instance {
     /// Begins where MuJoCo has the ends, unless it has begun there already.
     fn begin(&mut self) -> Result<(), Failure> {
         let count = self.wires.len();
-        for (at, distance) in self.distances.iter_mut().enumerate() {
-            *distance = self.ends.lengths[at] + self.offsets[at];
-        }
+        self.place_ends(0.0)?;
         let begun = &self.here[..2 * count];
         let is_here = self.brought == Brought::Begun
             && same(&self.distances, &begun[..count])
@@ -379,7 +405,7 @@ impl Instance {
             return Ok(());
         }
         self.brought = Brought::Nowhere;
-        self.host.begin_at(&self.distances, &self.ends.velocities)?;
+        self.host.begin_at(&self.distances, &self.ends.velocities).map_err(|failure| self.with_offsets(&failure))?;
         let zeros = core::mem::take(&mut self.zeros);
         let taken = self.take_acts(&zeros);
         self.zeros = zeros;
@@ -504,6 +530,19 @@ mod tests {
         let (beyond, of_supply) = (after(30e5), after(6e5));
         assert_eq!(beyond.to_bits(), of_supply.to_bits());
         assert!((5e5..6.01e5).contains(&beyond), "{beyond} Pa");
+    }
+
+    #[test]
+    fn a_distance_that_cannot_be_names_the_offset() {
+        for (offset, words) in [
+            ("-500 mm", ["length_offset of -0.5 m", "a distance of -0.41 m"]),
+            ("500 mm", ["0.09 m + 0.5 m", "give a length_offset"]),
+        ] {
+            let keys = [&TANK[..], &[("length_offset", offset)]].concat();
+            let mut instance = instance(&keys, "muscle", &[]).expect("a muscle");
+            let said = stepped(&mut instance, 0.0).expect_err("no such distance").to_string();
+            assert!(words.iter().all(|words| said.contains(words)) && !said.contains("initial.length"), "{said}");
+        }
     }
 
     #[test]

@@ -8,7 +8,7 @@ use crate::arguments::{self, fitting};
 use crate::exceptions::{OrException, exception};
 use crate::pool;
 use crate::scenario::Scenario;
-use crate::typed::{Copied, Count, Given, Items, MemberWord, NewArguments, Numbers, PrecisionWord, Table};
+use crate::typed::{Copied, Count, Given, MemberWord, NewArguments, Numbers, PrecisionWord, Table, Texts};
 use mckibben::parameter;
 use mckibben::plant::{PlantRow, PlantSteps};
 use mckibben_batch::{PlantBatch, Precision};
@@ -272,23 +272,33 @@ impl Actuators {
     }
 }
 
+/// Sections whose numbers change nothing of actuators that a caller moves and commands.
+const IDLE: &[(&str, &str)] = &[
+    ("command", "these actuators, whose valves `step` commands"),
+    ("controller", "these actuators, whose valves `step` commands"),
+    ("run", "these actuators, which take the steps of the caller"),
+];
+
 #[pymethods]
 impl Actuators {
     #[new]
     #[expect(clippy::too_many_arguments, reason = "each is given by its name")]
-    #[pyo3(signature = (scenario, count, name = None, *, parameters = Items(Vec::new()), values = None, pulse_frequency = None, precision = PrecisionWord::from("double")))]
+    #[pyo3(signature = (scenario, count, name = None, *, parameters = Texts::NONE, values = None, pulse_frequency = None, precision = PrecisionWord::from("double")))]
     fn new(
         py: Python<'_>,
         scenario: Py<Scenario>,
         count: Count,
         name: Option<MemberWord>,
-        parameters: Items<String>,
+        parameters: Texts<'_>,
         values: Option<Table<'_>>,
         pulse_frequency: Option<f64>,
         precision: PrecisionWord,
     ) -> PyResult<Self> {
         let precision = precision.read().or_exception()?;
-        let (count, each, name, parameters) = (count.0, EACH, name.map(|name| name.0), parameters.0);
+        let (count, each, name) = (count.0, EACH, name.map(|name| name.0));
+        let parameters = parameters.read("parameters")?;
+        arguments::each_once("parameters", &parameters).or_exception()?;
+        arguments::taking_part("parameters", &parameters, IDLE).or_exception()?;
         arguments::room(py, count, "actuators", each)?;
         let model = Model::of(scenario.get(), name.as_deref(), pulse_frequency).or_exception()?;
         let mut rows = Vec::new();

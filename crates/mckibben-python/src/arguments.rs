@@ -3,8 +3,10 @@
 //! Each is refused before anything is allocated or has changed, by the argument's name and the element's index.
 
 use mckibben_run::failure::Failure;
+use mckibben_scenario::list_and_entry;
 use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
+use std::collections::HashMap;
 
 /// Refuses numbers that are not finite; `index` says how an element is named, as `[3]` or `[3, 0]`.
 pub(crate) fn finite_by(name: &str, numbers: &[f64], index: impl Fn(usize) -> String) -> Result<(), Failure> {
@@ -36,6 +38,37 @@ pub(crate) fn number(name: &str, value: f64, unit: &str, range: &str, is_in: boo
             format!("give {range}"),
         )),
     }
+}
+
+/// Refuses paths of parameters that name one number twice, as `load.mass` twice, or `[1]` and `[01]` of a list.
+pub(crate) fn each_once(name: &str, paths: &[String]) -> Result<(), Failure> {
+    let mut seen: HashMap<(&str, Option<usize>), &str> = HashMap::new();
+    for path in paths {
+        let entry = list_and_entry(path).and_then(|(list, place)| Some((list, place.parse::<usize>().ok()?)));
+        let key = entry.map_or((path.as_str(), None), |(list, place)| (list, Some(place)));
+        if let Some(first) = seen.insert(key, path) {
+            let twice = if first == path { String::new() } else { format!(", also as `{first}`") };
+            let title = format!("`{name}` names `{path}` twice{twice}");
+            return Err(Failure::input(title, "name each number once; the path of a list stands for all its entries"));
+        }
+    }
+    Ok(())
+}
+
+/// Refuses paths of parameters in sections that take no part in what is made of the scenario.
+pub(crate) fn taking_part(name: &str, paths: &[String], idle: &[(&str, &str)]) -> Result<(), Failure> {
+    for path in paths {
+        let sections: Vec<&str> = path.split('.').collect();
+        // Behind the name of an actuator, or of the second one of a joint.
+        let section = match sections.as_slice() {
+            ["actuators", _, section, ..] | ["antagonist", section, ..] | [section, ..] => *section,
+            [] => continue,
+        };
+        if let Some((_, why)) = idle.iter().find(|(idle, _)| *idle == section) {
+            return Err(Failure::input(format!("`{name}`: `{path}` changes nothing of {why}"), "leave it out"));
+        }
+    }
+    Ok(())
 }
 
 /// Refuses an array without the right number of entries.

@@ -3,7 +3,7 @@
 use crate::exceptions::OrException;
 use crate::scenario::Scenario;
 use crate::signals::followed_to_its_end;
-use crate::typed::{Count, Items, Quantity, Sections};
+use crate::typed::{Count, Items, Quantity, Sections, Texts};
 use mckibben_run::design::constraint::Constraint;
 use mckibben_run::design::outcome::{End, Outcome};
 use mckibben_run::design::vary::Vary;
@@ -124,7 +124,7 @@ pub(crate) fn _design<'py>(
     vary: Items<Range>,
     minimize: bool,
     objective: String,
-    subject_to: Items<String>,
+    subject_to: Texts<'_>,
     settle: bool,
     evaluations: Count,
     progress: Option<Bound<'py, PyAny>>,
@@ -138,7 +138,12 @@ pub(crate) fn _design<'py>(
         vary: vary.0.into_iter().map(vary_of).collect::<Result<_, _>>().or_exception()?,
         goal: if minimize { Goal::Minimize } else { Goal::Maximize },
         objective,
-        constraints: subject_to.0.into_iter().map(constraint).collect::<Result<_, _>>().or_exception()?,
+        constraints: subject_to
+            .read("subject_to")?
+            .into_iter()
+            .map(constraint)
+            .collect::<Result<_, _>>()
+            .or_exception()?,
         settle,
         evaluations: evaluations.0,
     };
@@ -181,6 +186,7 @@ fn described<'py>(py: Python<'py>, outcome: &Outcome) -> PyResult<Sections<'py>>
     all.set_item("scenario", outcome.found().to_toml())?;
     all.set_item("converged", outcome.is_converged())?;
     all.set_item("interrupted", outcome.is_interrupted())?;
+    all.set_item("warnings", outcome.warnings().iter().map(ToString::to_string).collect::<Vec<_>>())?;
     // Every run: its values, its numbers, and whether it met the constraints.
     let points = PyDict::new(py);
     let column = |name: String, values: Vec<f64>| points.set_item(name, PyArray1::from_vec(py, values));

@@ -5,7 +5,7 @@ use crate::exceptions::OrException;
 use crate::python;
 use crate::scenario::Scenario;
 use crate::signals::interruptible;
-use crate::typed::{Function, Items, Names, Numbers, Sequence};
+use crate::typed::{Function, Line, Names, Numbers, Texts};
 use mckibben::parameter;
 use mckibben_identify::adjustable::Adjustable;
 use mckibben_identify::trajectories::{Observed, Sampling, Subject, SubjectError};
@@ -95,6 +95,12 @@ impl Differentiable {
             let remedy = "leave `[controller]` out, and give the command in place of it";
             return Err(Failure::input("the commands of a controller have no derivatives here", remedy));
         }
+        let lists = [("parameters", parameters.len()), ("quantities", quantities.len()), ("times", times.len())];
+        if let Some((name, _)) = lists.iter().find(|(_, length)| *length == 0) {
+            return Err(Failure::input(format!("`{name}` is empty"), "give one at least"));
+        }
+        let of_run = "the quantities at `times` but the accuracy";
+        arguments::taking_part("parameters", parameters, &[("run", of_run)])?;
         let observed = quantities.iter().map(|name| observed_of(name, base.has_joint())).collect::<Result<_, _>>()?;
         let end = base.run.duration;
         if let Some(place) = times.iter().position(|time| !(0.0..=end).contains(time)) {
@@ -104,6 +110,7 @@ impl Differentiable {
         // A list stands for its entries.
         let each = |path: &String| Place::entries(path, &mut base).unwrap_or_else(|| vec![path.clone()]);
         let parameters: Vec<String> = parameters.iter().flat_map(each).collect();
+        arguments::each_once("parameters", &parameters)?;
         let (mut places, mut start) = (Vec::new(), Vec::new());
         for path in &parameters {
             let place = scenario.document.find(path, parameters.iter().map(String::as_str), &mut base);
@@ -145,15 +152,11 @@ impl Differentiable {
 #[pymethods]
 impl Differentiable {
     #[new]
-    fn new(
-        scenario: Py<Scenario>,
-        parameters: Items<String>,
-        quantities: Items<String>,
-        times: Sequence,
-    ) -> PyResult<Self> {
-        let (parameters, quantities) = (parameters.0, quantities.0);
+    fn new(scenario: Py<Scenario>, parameters: Texts<'_>, quantities: Texts<'_>, times: Line<'_>) -> PyResult<Self> {
+        let (parameters, quantities) = (parameters.read("parameters")?, quantities.read("quantities")?);
+        let times = times.read("times")?;
         let (parameters, subject, sampling, start) =
-            Self::of(scenario.get(), &parameters, &quantities, times.0).or_exception()?;
+            Self::of(scenario.get(), &parameters, &quantities, times).or_exception()?;
         Ok(Self { scenario, parameters, quantities, subject, sampling, start })
     }
 
@@ -207,9 +210,10 @@ impl Differentiable {
     /// -------
     /// numpy.ndarray
     ///     Quantities of shape (len(times), len(quantities)).
-    fn __call__<'py>(&self, py: Python<'py>, values: Sequence) -> PyResult<Numbers<'py>> {
-        self.checked(&values.0).or_exception()?;
-        let read = interruptible(py, |watch| self.sampling.values(&self.subject, &values.0, watch))?;
+    fn __call__<'py>(&self, py: Python<'py>, values: Line<'py>) -> PyResult<Numbers<'py>> {
+        let values = values.read("values")?;
+        self.checked(&values).or_exception()?;
+        let read = interruptible(py, |watch| self.sampling.values(&self.subject, &values, watch))?;
         let read = read.map_err(|error| self.failed(&error, py)).or_exception()?;
         Self::shaped(py, read, &[self.sampling.times.len(), self.quantities.len()])
     }
@@ -234,9 +238,10 @@ impl Differentiable {
     ///     The values are of another number, not finite or out of range.
     /// SimulationError
     ///     The run fails with these values.
-    fn value_and_jacobian<'py>(&self, py: Python<'py>, values: Sequence) -> PyResult<(Numbers<'py>, Numbers<'py>)> {
-        self.checked(&values.0).or_exception()?;
-        let both = interruptible(py, |watch| self.sampling.value_and_jacobian(&self.subject, &values.0, watch))?;
+    fn value_and_jacobian<'py>(&self, py: Python<'py>, values: Line<'py>) -> PyResult<(Numbers<'py>, Numbers<'py>)> {
+        let values = values.read("values")?;
+        self.checked(&values).or_exception()?;
+        let both = interruptible(py, |watch| self.sampling.value_and_jacobian(&self.subject, &values, watch))?;
         let (read, slopes) = both.map_err(|error| self.failed(&error, py)).or_exception()?;
         let (times, quantities) = (self.sampling.times.len(), self.quantities.len());
         let read = Self::shaped(py, read, &[times, quantities])?;

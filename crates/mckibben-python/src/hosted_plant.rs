@@ -1,12 +1,14 @@
 //! The plant of a scenario whose ends a robot's simulator moves: the class `HostedPlant`, and the plugin for MuJoCo.
 
-use crate::actuator::{check_dt, check_parts};
+use crate::actuator::{check_dt, check_parts, check_velocity, reach};
 use crate::arguments;
 use crate::exceptions::{OrException, exception};
+use crate::mark::mark;
 use crate::pace::{Pace, PaceParts, Span};
 use crate::pool;
 use crate::scenario::Scenario;
-use crate::typed::{Copied, Count, Matrix, NewArguments, PrecisionWord, Table};
+use crate::typed::{Copied, Count, Matrix, NewArguments, PrecisionWord, Rows, Table};
+use crate::vector_plant::{check_each_once, instances};
 use mckibben_run::failure::Failure;
 use mckibben_run::host::{HostBatch, HostOptions, HostPlant};
 use numpy::{PyArray1, PyArrayMethods, PyUntypedArrayMethods};
@@ -86,6 +88,10 @@ pub(crate) struct HostedPlant {
     max_step: Option<f64>,
     precision: PrecisionWord,
     batch: HostBatch,
+    /// A plant on which a start is tried.
+    trial: HostPlant,
+    /// What saved states begin with: of which plants they are.
+    mark: f64,
     pace: Pace,
 }
 
@@ -103,12 +109,33 @@ impl HostedPlant {
         self.batch.model().actuators().len()
     }
 
-    /// The numbers of a table with one row for each plant.
-    fn rows<'a>(&self, name: &str, table: &'a numpy::PyReadonlyArray2<'_, f64>, width: usize) -> PyResult<&'a [f64]> {
-        arguments::shaped(name, "float64", table.shape(), &[self.batch.count(), width]).or_exception()?;
-        let numbers = table.as_slice()?;
-        arguments::finite_table(name, numbers, width).or_exception()?;
-        Ok(numbers)
+    /// Distances between the ends and their velocities, with one row for each of so many plants.
+    fn ends<'a>(
+        &self,
+        count: usize,
+        distances: &'a numpy::PyReadonlyArray2<'_, f64>,
+        velocities: &'a numpy::PyReadonlyArray2<'_, f64>,
+    ) -> PyResult<[&'a [f64]; 2]> {
+        let distances = self.distances_of(count, distances)?;
+        let width = self.width();
+        let velocities = table("velocities", velocities, count, width)?;
+        let check = |(at, velocity): (usize, &f64)| check_velocity(&element("velocities", at, width), *velocity);
+        velocities.iter().enumerate().try_for_each(check).or_exception()?;
+        Ok([distances, velocities])
+    }
+
+    /// Distances between the ends, with one row for each of so many plants.
+    fn distances_of<'a>(&self, count: usize, distances: &'a numpy::PyReadonlyArray2<'_, f64>) -> PyResult<&'a [f64]> {
+        let width = self.width();
+        let distances = table("distances", distances, count, width)?;
+        let check = |(at, distance): (usize, &f64)| reach(None, &element("distances", at, width), *distance);
+        distances.iter().enumerate().try_for_each(check).or_exception()?;
+        Ok(distances)
+    }
+
+    /// Numbers of a saved state: the mark, and those of the plant.
+    fn state_size(&self) -> usize {
+        1 + self.batch.state_size()
     }
 
     /// Does work on the threads of the pool where there are enough plants, and else on the caller's own.
@@ -167,7 +194,7 @@ impl HostedPlant {
     fn new(
         py: Python<'_>,
         scenario: Py<Scenario>,
-        count: Count,
+        count: Count<1>,
         command_mode: Option<String>,
         pulse_frequency: Option<f64>,
         max_step: Option<f64>,
@@ -176,13 +203,14 @@ impl HostedPlant {
         let options =
             HostOptions { command_mode: command_mode.as_deref(), pulse_frequency, max_step, ..HostOptions::default() };
         let plant = HostPlant::read(&scenario.get().document, &options).or_exception()?;
-        if count.0 == 0 {
-            return Err(exception(&Failure::input("count = 0 plants cannot be stepped", "give a count of 1 or more")));
-        }
         arguments::room(py, count.0, "plants", EACH)?;
+        let commands: String =
+            plant.commands().iter().map(|its| format!("{}{:?}", its.name, its.mode.pulse_frequency())).collect();
+        let mark = mark(&scenario.get().to_toml(), &commands);
+        let (trial, pace) = (plant.clone(), Pace::default());
         let batch = HostBatch::with_precision(std::iter::repeat_n(plant, count.0), precision.read().or_exception()?)
             .or_exception()?;
-        Ok(Self { scenario, command_mode, pulse_frequency, max_step, precision, batch, pace: Pace::default() })
+        Ok(Self { scenario, command_mode, pulse_frequency, max_step, precision, batch, trial, mark, pace })
     }
 
     /// Names of the actuators, in the order of the columns of `distances`.
@@ -228,20 +256,57 @@ impl HostedPlant {
     /// distances : ndarray
     ///     Distances between the ends in m, above zero, of the shape (count, actuators), with the tendon if there is one.
     /// velocities : ndarray
-    ///     Their rates of change in m/s, of the same shape.
+    ///     Their rates of change in m/s, between -1e6 and 1e6, of the shape of `distances`.
     ///
     /// Raises
     /// ------
     /// InputError
-    ///     An array has another shape or is not C-contiguous, or an actuator cannot have such a distance.
+    ///     An array has another shape or is not C-contiguous, an actuator cannot have such a distance, or a velocity is out of
+    ///     range.
     fn begin(&mut self, py: Python<'_>, distances: Table<'_>, velocities: Table<'_>) -> PyResult<()> {
         let (distances, velocities) = (distances.read("distances")?, velocities.read("velocities")?);
-        let width = self.width();
-        let distances = self.rows("distances", &distances, width)?;
-        let velocities = self.rows("velocities", &velocities, width)?;
+        let [distances, velocities] = self.ends(self.batch.count(), &distances, &velocities)?;
         self.share(py, |batch| batch.begin_at(distances, velocities))?;
         self.pace = Pace::default();
         Ok(())
+    }
+
+    /// Begin some plants again, without a command to their valves, while the others continue.
+    ///
+    /// They begin with the ends at given distances, and all else as the scenario starts. The clock continues. Plants that have
+    /// stopped begin again as well.
+    ///
+    /// Parameters
+    /// ----------
+    /// rows : ndarray
+    ///     Indices of the plants, int64, from 0, each once.
+    /// distances : ndarray
+    ///     Distances between the ends in m, above zero, of the shape (len(rows), actuators), with the tendon if there is one.
+    /// velocities : ndarray
+    ///     Their rates of change in m/s, between -1e6 and 1e6, of the shape of `distances`.
+    ///
+    /// Raises
+    /// ------
+    /// InputError
+    ///     There is no such plant, an index is given twice, an array has another shape or is not C-contiguous, an actuator cannot
+    ///     have such a distance, or a velocity is out of range; nothing has changed.
+    fn restart(&mut self, py: Python<'_>, rows: Rows<'_>, distances: Table<'_>, velocities: Table<'_>) -> PyResult<()> {
+        let rows = instances(&rows, self.batch.count())?;
+        check_each_once(&rows).or_exception()?;
+        let (distances, velocities) = (distances.read("distances")?, velocities.read("velocities")?);
+        let [distances, velocities] = self.ends(rows.len(), &distances, &velocities)?;
+        let width = self.width();
+        let its = |at: usize| (&distances[width * at..width * (at + 1)], &velocities[width * at..width * (at + 1)]);
+        if rows.len() > 1 {
+            // Each start is tried before any plant begins again.
+            for (at, row) in rows.iter().enumerate() {
+                let tried = self.trial.begin_at(its(at).0, its(at).1);
+                tried.map_err(|failure| failure.of(&format!("plant {row}"))).or_exception()?;
+            }
+        }
+        self.share(py, |batch| {
+            rows.iter().enumerate().try_for_each(|(at, row)| batch.begin_row(*row, its(at).0, its(at).1))
+        })
     }
 
     /// Return the tensions with the ends at given distances and velocities.
@@ -251,17 +316,18 @@ impl HostedPlant {
     /// distances : ndarray
     ///     Distances between the ends in m, above zero, of the shape (count, actuators).
     /// velocities : ndarray
-    ///     Their rates of change in m/s, of the same shape.
+    ///     Their rates of change in m/s, between -1e6 and 1e6, of the shape of `distances`.
     ///
     /// Returns
     /// -------
     /// ndarray
-    ///     Tensions in N, zero or more, of the same shape.
+    ///     Tensions in N, zero or more, of the shape (count, actuators).
     ///
     /// Raises
     /// ------
     /// InputError
-    ///     An array has another shape or is not C-contiguous, or an actuator cannot have such a distance.
+    ///     An array has another shape or is not C-contiguous, an actuator cannot have such a distance, or a velocity is out of
+    ///     range.
     /// SimulationError
     ///     A plant has stopped.
     fn compute<'py>(
@@ -271,16 +337,14 @@ impl HostedPlant {
         velocities: Table<'py>,
     ) -> PyResult<Matrix<'py>> {
         let (distances, velocities) = (distances.read("distances")?, velocities.read("velocities")?);
-        let width = self.width();
-        let distances = self.rows("distances", &distances, width)?;
-        let velocities = self.rows("velocities", &velocities, width)?;
+        let [distances, velocities] = self.ends(self.batch.count(), &distances, &velocities)?;
         self.share(py, |batch| batch.compute_at(distances, velocities))?;
         let mut tensions = Vec::with_capacity(distances.len());
         for row in 0..self.batch.count() {
             let responses = self.batch.responses(row).or_exception()?;
             tensions.extend(responses.iter().map(|response| response.tension));
         }
-        matrix(py, tensions, self.batch.count(), width)
+        matrix(py, tensions, self.batch.count(), self.width())
     }
 
     /// Advance all plants by one time step, in which the ends go in straight lines to new distances.
@@ -309,9 +373,9 @@ impl HostedPlant {
     fn step(&mut self, py: Python<'_>, distances: Table<'_>, commands: Table<'_>, dt: f64) -> PyResult<()> {
         check_dt(dt).or_exception()?;
         let (distances, commands) = (distances.read("distances")?, commands.read("commands")?);
-        let (width, inputs) = (self.width(), self.batch.model().commands().len());
-        let distances = self.rows("distances", &distances, width)?;
-        let commands = self.rows("commands", &commands, inputs)?;
+        let (count, inputs) = (self.batch.count(), self.batch.model().commands().len());
+        let distances = self.distances_of(count, &distances)?;
+        let commands = table("commands", &commands, count, inputs)?;
         let pace = self.pace.on(Span { duration: dt, steps: 1 });
         let until = pace.now();
         let parts = self.parts(dt);
@@ -333,6 +397,20 @@ impl HostedPlant {
         // A step that was refused took no time.
         self.pace = pace;
         self.check()
+    }
+
+    /// Refuse commands that a valve does not take, before a step.
+    fn _check_commands(&self, commands: Table<'_>) -> PyResult<()> {
+        let commands = commands.read("commands")?;
+        let (count, inputs, model) = (self.batch.count(), self.batch.model().commands().len(), self.batch.model());
+        let check = |(at, number): (usize, &f64)| {
+            let of_row = |failure: Failure| match count {
+                1 => failure,
+                _ => failure.of(&format!("plant {}", at / inputs)),
+            };
+            model.check_command(at % inputs, *number).map(drop).map_err(of_row)
+        };
+        table("commands", &commands, count, inputs)?.iter().enumerate().try_for_each(check).or_exception()
     }
 
     /// Return the outputs where the plants are, of the shape (count, columns).
@@ -359,15 +437,20 @@ impl HostedPlant {
     /// Returns
     /// -------
     /// ndarray
-    ///     What `restore` takes; the order of the numbers may change from one version to the next.
+    ///     What `restore` takes. The first number of each row is a mark of the scenario and the commands; the order of the others
+    ///     may change from one version to the next.
     fn save<'py>(&mut self, py: Python<'py>) -> PyResult<Matrix<'py>> {
-        let width = self.batch.state_size();
-        let mut all = vec![0.0; self.batch.count() * width];
-        self.batch.save(&mut all).or_exception()?;
-        matrix(py, all, self.batch.count(), width)
+        let (width, count) = (self.state_size(), self.batch.count());
+        let mut numbers = vec![0.0; count * (width - 1)];
+        self.batch.save(&mut numbers).or_exception()?;
+        let rows = numbers.chunks(width - 1);
+        let all = rows.flat_map(|row| std::iter::once(self.mark).chain(row.iter().copied())).collect();
+        matrix(py, all, count, width)
     }
 
-    /// Bring all plants back to states that plants of the same scenario have saved.
+    /// Bring all plants back to states that plants of an equal scenario have saved.
+    ///
+    /// The scenarios may differ in `command`, `controller`, `initial`, `load`, `mechanism` and `run`.
     ///
     /// Parameters
     /// ----------
@@ -377,14 +460,28 @@ impl HostedPlant {
     /// Raises
     /// ------
     /// InputError
-    ///     The numbers are no states of these plants.
+    ///     The numbers are no states of these plants, or are states of plants of another scenario, command mode or pulse
+    ///     frequency; nothing has changed.
     fn restore(&mut self, py: Python<'_>, states: Table<'_>) -> PyResult<()> {
         let Copied { entries, shape } = states.copied("states")?;
-        if shape != [self.batch.count(), self.batch.state_size()] {
+        let width = self.state_size();
+        if shape.len() != 2 || shape[0] != self.batch.count() || shape[1] == 0 {
             let title = "`states` is no array that `save` has returned";
             return Err(Failure::input(title, "give such an array, of as many plants")).or_exception();
         }
-        self.share(py, |batch| batch.restore(&entries))?;
+        if let Some(row) = entries.chunks(shape[1]).position(|its| its[0] != self.mark) {
+            let title =
+                format!("states[{row}] is of another plant: its valves, its air or its law need not have such a state");
+            let remedy = "give states that plants of an equal scenario, command_mode and pulse_frequency have saved; only what \
+                          the scenario says of its load, mechanism, command, start and run may differ";
+            return Err(Failure::input(title, remedy)).or_exception();
+        }
+        if shape[1] != width {
+            let title = format!("`states` has {} numbers for each plant, whose state is {width}", shape[1]);
+            return Err(Failure::input(title, "give an array that this version of `save` has returned")).or_exception();
+        }
+        let numbers: Vec<f64> = entries.chunks(width).flat_map(|its| &its[1..]).copied().collect();
+        self.share(py, |batch| batch.restore(&numbers))?;
         self.pace = Pace::at(self.time());
         Ok(())
     }
@@ -425,6 +522,24 @@ impl HostedPlant {
             self.time()
         )
     }
+}
+
+/// The numbers of a table of so many rows and columns.
+fn table<'a>(
+    name: &str,
+    table: &'a numpy::PyReadonlyArray2<'_, f64>,
+    rows: usize,
+    width: usize,
+) -> PyResult<&'a [f64]> {
+    arguments::shaped(name, "float64", table.shape(), &[rows, width]).or_exception()?;
+    let numbers = table.as_slice()?;
+    arguments::finite_table(name, numbers, width).or_exception()?;
+    Ok(numbers)
+}
+
+/// The name of an element of a table of so many columns.
+fn element(name: &str, at: usize, width: usize) -> String {
+    format!("{name}[{}, {}]", at / width, at % width)
 }
 
 /// Numbers as an array of so many rows.

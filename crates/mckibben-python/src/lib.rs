@@ -8,6 +8,7 @@
 //! | `hosted_plant` | plants whose ends a simulator moves: `HostedPlant`; the plugin for MuJoCo |
 //! | `actuators` | many of them on arrays: `Actuators` |
 //! | `vector_plant` | many plants that are commanded together and reset one by one: `VectorPlant` |
+//! | `mark` | of which plants the numbers of a state are |
 //! | `pace` | the clock of plants that go on by equal spans |
 //! | `curves` | `curves`, `presets` |
 //! | `choosing` | what `size` and `design` of the package call |
@@ -43,6 +44,7 @@ mod exceptions;
 mod hosted_plant;
 mod identification;
 mod linear;
+mod mark;
 mod pace;
 mod parameters;
 mod pool;

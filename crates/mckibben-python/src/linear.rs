@@ -4,7 +4,7 @@ use crate::exceptions::OrException;
 use crate::python;
 use crate::scenario::Scenario;
 use crate::typed::{
-    Axes, Complex, Figure, Items, Matrix, Modes, Object, Parts, Point, Quantity, Sections, Sequence, Validity,
+    Axes, Complex, Figure, Items, Line, Matrix, Modes, Object, Parts, Point, Quantity, Sections, Texts, Validity,
 };
 use mckibben::linearize::Signal;
 use mckibben_run::linearize::{Measure, Request};
@@ -309,8 +309,13 @@ impl LinearModel {
     /// -------
     /// numpy.ndarray
     ///     Response of shape (len(omega), outputs, inputs), in the unit of the output over that of the input.
-    fn response<'py>(model: &Bound<'py, Self>, omega: Sequence) -> PyResult<Complex<'py>> {
-        python::call(model.py(), ("_linear", "response"), (model, omega.0)).map(Complex)
+    ///
+    /// Raises
+    /// ------
+    /// InputError
+    ///     A pole lies at a frequency, as that of an integrator at zero: the response there is without bound.
+    fn response<'py>(model: &Bound<'py, Self>, omega: Line<'py>) -> PyResult<Complex<'py>> {
+        python::call(model.py(), ("_linear", "response"), (model, omega.read("omega")?)).map(Complex)
     }
 
     /// Draw magnitude and phase of outputs over one input with Matplotlib.
@@ -336,11 +341,11 @@ impl LinearModel {
     fn bode<'py>(
         model: &Bound<'py, Self>,
         input: Option<String>,
-        outputs: Option<Items<String>>,
+        outputs: Option<Texts<'py>>,
         ax: Option<Axes<'py>>,
     ) -> PyResult<Figure<'py>> {
-        python::call(model.py(), ("_linear", "bode"), (model, input, outputs.map(|of| of.0), ax.map(|ax| ax.0)))
-            .map(Figure)
+        let outputs = outputs.map(|of| of.read("outputs")).transpose()?;
+        python::call(model.py(), ("_linear", "bode"), (model, input, outputs, ax.map(|ax| ax.0))).map(Figure)
     }
 
     /// Return the poles as modes with natural frequency, damping ratio and time constant, the slowest first.

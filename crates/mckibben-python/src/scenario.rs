@@ -7,7 +7,7 @@ use crate::values;
 use mckibben_run::failure::Failure;
 use mckibben_run::run::Ready;
 use mckibben_run::settle::Settling;
-use mckibben_scenario::Document;
+use mckibben_scenario::{Diagnostics, Document};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyDict;
@@ -90,7 +90,12 @@ impl Scenario {
             Some(sweep) => sweep.scenario(0).map_err(|_| error),
             None => Err(error),
         };
-        let understood = Some(document.scenario().or_else(first).or_exception()?);
+        let understood = document.scenario().or_else(first).or_exception()?;
+        if !document.contains("sweep") {
+            // What it describes is built once, so that a contradiction is found now and not by what uses it.
+            buildable(&understood).map_err(|error| Diagnostics::from(document.diagnose(&error))).or_exception()?;
+        }
+        let understood = Some(understood);
         let (name, text) = (document.source().name().to_owned(), document.source().text().to_owned());
         Ok(Self { name, text, in_si, set, document, understood, sections: PyOnceLock::new() })
     }
@@ -128,6 +133,16 @@ impl Scenario {
     /// The name without folder and ending.
     pub(crate) fn title(&self) -> String {
         PathBuf::from(&self.name).file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default()
+    }
+}
+
+/// Builds what a scenario of one actuator or joint describes, as `mckibben check` does.
+fn buildable(of: &mckibben_scenario::Scenario) -> Result<(), mckibben::Error> {
+    match (of.has_joint(), of.has_controller()) {
+        (false, false) => of.experiment().map(drop),
+        (false, true) => of.controlled_experiment().map(drop),
+        (true, false) => of.joint_experiment().map(drop),
+        (true, true) => of.controlled_joint_experiment().map(drop),
     }
 }
 
@@ -246,7 +261,7 @@ impl Scenario {
     /// Returns
     /// -------
     /// str
-    fn to_toml(&self) -> String {
+    pub(crate) fn to_toml(&self) -> String {
         self.understood.as_ref().map_or_else(|| self.document.to_toml(), mckibben_scenario::Scenario::to_toml)
     }
 

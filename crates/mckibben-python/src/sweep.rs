@@ -7,9 +7,10 @@ use mckibben_run::failure::Failure;
 use mckibben_run::output;
 use mckibben_run::sweep::counts::SweepCounts;
 use mckibben_run::sweep::destination::Place;
-use mckibben_run::sweep::folder::Folder;
+use mckibben_run::sweep::folder::{FinishedPart, Folder};
 use mckibben_run::sweep::prepared::Prepared;
 use mckibben_run::sweep::step::Choice;
+use mckibben_run::sweep::warned::Warned;
 use mckibben_run::table::Kind;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
@@ -75,17 +76,20 @@ fn cores() -> usize {
 }
 
 impl Sweep {
-    /// The parts that are not finished in the sweep's folder, and how many runs failed in the others.
-    fn missing_in(&self, folder: &Folder) -> Result<(Vec<u64>, u64), Failure> {
+    /// The parts that are not finished in the sweep's folder, and what is known of the runs of the others.
+    fn missing_in(&self, folder: &Folder) -> Result<(Vec<u64>, FinishedPart), Failure> {
         let plan = self.prepared.plan();
-        let (mut missing, mut failed) = (Vec::new(), 0);
+        let (mut missing, mut known) = (Vec::new(), FinishedPart::default());
         for part in 0..plan.parts() {
             match folder.finished(&plan, part)? {
-                Some(count) => failed += count,
+                Some(FinishedPart { failed, warned }) => {
+                    known.failed += failed;
+                    known.warned.add_all(&warned);
+                }
                 None => missing.push(part),
             }
         }
-        Ok((missing, failed))
+        Ok((missing, known))
     }
 }
 
@@ -216,7 +220,31 @@ impl Sweep {
     /// OutputError
     ///     The folder cannot be written to.
     fn missing(&self, folder: PathBuf) -> PyResult<(Vec<u64>, u64)> {
-        self.prepared.folder(&folder).and_then(|folder| self.missing_in(&folder)).or_exception()
+        let (missing, known) =
+            self.prepared.folder(&folder).and_then(|folder| self.missing_in(&folder)).or_exception()?;
+        Ok((missing, known.failed))
+    }
+
+    /// Warnings of the runs in the finished parts of the folder: codes, how many runs, the first of them, and what it says there.
+    ///
+    /// Parameters
+    /// ----------
+    /// folder : str or path
+    ///     Folder of the sweep.
+    ///
+    /// Returns
+    /// -------
+    /// list of tuple
+    ///     Code, number of runs, index of the first, and a sentence, for each code.
+    ///
+    /// Raises
+    /// ------
+    /// InputError
+    ///     The folder holds something else, or a damaged part.
+    fn warnings(&self, folder: PathBuf) -> PyResult<Vec<(String, u64, u64, String)>> {
+        let (_, known) = self.prepared.folder(&folder).and_then(|folder| self.missing_in(&folder)).or_exception()?;
+        let of = |(code, of): (&str, &Warned)| (code.to_owned(), of.runs, of.first, of.text.clone());
+        Ok(known.warned.iter().map(of).collect())
     }
 
     /// Write a part into the folder, whole or not at all.

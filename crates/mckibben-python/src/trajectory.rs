@@ -7,8 +7,8 @@ use crate::python;
 use crate::scenario::Scenario;
 use crate::signals::Watch;
 use crate::typed::{
-    self, Axes, AxisWord, Columns, Facts, Figure, Items, Listed, Name, Names, Numbers, Pandas, Parts, Polars, Row,
-    Sequence, Summary, Words,
+    self, Axes, AxisWord, Columns, Facts, Figure, Items, Line, Listed, Name, Names, Numbers, Pandas, Parts, Polars,
+    Row, Single, Summary, Texts, Words,
 };
 use mckibben_plot::Theme;
 use mckibben_run::axis::TrajectoryAxis;
@@ -447,7 +447,8 @@ impl Trajectory {
     /// ------
     /// InputError
     ///     The time is outside the run.
-    fn at<'py>(&self, py: Python<'py>, time: f64) -> PyResult<Row<'py>> {
+    fn at<'py>(&self, py: Python<'py>, time: Single<'py>) -> PyResult<Row<'py>> {
+        let time = time.read("time", "`at_times` takes several")?;
         let row = PyDict::new(py);
         for (name, values) in &self.between(py, &[time])? {
             row.set_item(name, values.get_item(0)?.call_method0("item")?)?;
@@ -471,9 +472,10 @@ impl Trajectory {
     /// ------
     /// InputError
     ///     A time is not finite or outside the run.
-    fn at_times<'py>(&self, py: Python<'py>, times: Sequence) -> PyResult<Columns<'py>> {
-        arguments::finite("times", &times.0).or_exception()?;
-        Ok(Columns(self.between(py, &times.0)?.into_any()))
+    fn at_times<'py>(&self, py: Python<'py>, times: Line<'py>) -> PyResult<Columns<'py>> {
+        let times = times.read("times")?;
+        arguments::finite("times", &times).or_exception()?;
+        Ok(Columns(self.between(py, &times)?.into_any()))
     }
 
     /// Return the columns as arrays by their names, in their order.
@@ -571,12 +573,9 @@ impl Trajectory {
     /// KeyError
     ///     There is no column of that name.
     #[pyo3(signature = (columns = None, ax = None))]
-    fn plot<'py>(
-        run: &Bound<'py, Self>,
-        columns: Option<Items<String>>,
-        ax: Option<Axes<'py>>,
-    ) -> PyResult<Figure<'py>> {
-        let arguments = (run, columns.map(|of| of.0), ax.map(|ax| ax.0));
+    fn plot<'py>(run: &Bound<'py, Self>, columns: Option<Texts<'py>>, ax: Option<Axes<'py>>) -> PyResult<Figure<'py>> {
+        let columns = columns.map(|of| of.read("columns")).transpose()?;
+        let arguments = (run, columns, ax.map(|ax| ax.0));
         python::call(run.py(), ("_beside", "plot"), arguments).map(Figure)
     }
 

@@ -323,6 +323,38 @@ impl<'a, 'py, T: FromPyObjectOwned<'py>> FromPyObject<'a, 'py> for Items<T> {
     }
 }
 
+/// Texts in a sequence. It is read by [`Texts::read`], which knows the name of its argument: one text is no list of its letters.
+pub(crate) struct Texts<'py>(Option<Bound<'py, PyAny>>);
+
+impl Texts<'_> {
+    /// No texts.
+    pub(crate) const NONE: Self = Self(None);
+
+    /// The texts of the argument of a name.
+    pub(crate) fn read(&self, name: &str) -> PyResult<Vec<String>> {
+        let Some(given) = &self.0 else { return Ok(Vec::new()) };
+        if given.is_instance_of::<PyString>() {
+            let remedy = format!("give [{}]", given.repr()?);
+            return Err(PyTypeError::new_err(format!("`{name}`: a list is wanted and no str; {remedy}")));
+        }
+        given.extract::<Items<String>>().map(|items| items.0).map_err(|error| {
+            match error.is_instance_of::<PyTypeError>(given.py()) {
+                true => PyTypeError::new_err(format!("`{name}`: {}; give a list of texts", error.value(given.py()))),
+                false => error,
+            }
+        })
+    }
+}
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Texts<'py> {
+    type Error = Infallible;
+    const INPUT_TYPE: PyStaticExpr = of!(name!("collections.abc", "Sequence"), STR);
+
+    fn extract(texts: Borrowed<'a, 'py, PyAny>) -> Result<Self, Infallible> {
+        Ok(Self(Some(texts.to_owned())))
+    }
+}
+
 /// The name of a column.
 pub(crate) struct Name(pub(crate) String);
 
@@ -386,20 +418,20 @@ impl Quantity {
 /// What an object is made of, for pickling: by place and by name.
 pub(crate) type NewArguments<'py, P> = (P, BTreeMap<&'static str, Bound<'py, PyAny>>);
 
-/// How many there are to be of something.
-pub(crate) struct Count(pub(crate) usize);
+/// How many there are to be of something, `LEAST` or more.
+pub(crate) struct Count<const LEAST: usize = 0>(pub(crate) usize);
 
-impl<'a, 'py> FromPyObject<'a, 'py> for Count {
+impl<'a, 'py, const LEAST: usize> FromPyObject<'a, 'py> for Count<LEAST> {
     type Error = PyErr;
     const INPUT_TYPE: PyStaticExpr = name!("builtins", "int");
 
     fn extract(count: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
         match count.extract() {
-            Ok(count) => Ok(Self(count)),
+            Ok(count) if count >= LEAST => Ok(Self(count)),
             Err(error) if !count.is_instance_of::<PyInt>() => Err(error),
-            Err(_) => Err(exception(&Failure::input(
-                format!("count = {} is no number that there can be of anything", shortened(&count.to_string())),
-                "give a whole number from 0 on, such as 1000",
+            _ => Err(exception(&Failure::input(
+                format!("count = {} is out of range", shortened(&count.to_string())),
+                format!("give a whole number from {LEAST} on, such as 1000"),
             ))),
         }
     }
@@ -432,6 +464,56 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Sequence {
                 Err(PyTypeError::new_err(title))
             }
         }
+    }
+}
+
+/// Numbers as of [`Sequence`]. They are read by [`Line::read`], which knows the name of the argument.
+pub(crate) struct Line<'py>(Bound<'py, PyAny>);
+
+impl Line<'_> {
+    /// The numbers of the argument of a name.
+    pub(crate) fn read(&self, name: &str) -> PyResult<Vec<f64>> {
+        let given = &self.0;
+        if let Ok(numbers) = given.extract::<Sequence>() {
+            return Ok(numbers.0);
+        }
+        let remedy = "give a number, or numbers in one dimension";
+        let dimensions = given.cast::<PyUntypedArray>().map_or(0, |array| array.ndim());
+        let what = match dimensions {
+            0 | 1 => format!("of type {}, which holds no such numbers", kind(given)),
+            _ => format!("an array with {dimensions} dimensions"),
+        };
+        Err(PyTypeError::new_err(format!("`{name}` is {what}; {remedy}")))
+    }
+}
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Line<'py> {
+    type Error = Infallible;
+    const INPUT_TYPE: PyStaticExpr = name!("numpy.typing", "ArrayLike");
+
+    fn extract(numbers: Borrowed<'a, 'py, PyAny>) -> Result<Self, Infallible> {
+        Ok(Self(numbers.to_owned()))
+    }
+}
+
+/// One number. It is read by [`Single::read`], which knows the name of its argument and what takes several.
+pub(crate) struct Single<'py>(Bound<'py, PyAny>);
+
+impl Single<'_> {
+    /// The number of the argument of a name; `several` says what takes more than one.
+    pub(crate) fn read(&self, name: &str, several: &str) -> PyResult<f64> {
+        self.0.extract().map_err(|_| {
+            PyTypeError::new_err(format!("`{name}` is one number, and of type {} here; {several}", kind(&self.0)))
+        })
+    }
+}
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Single<'py> {
+    type Error = Infallible;
+    const INPUT_TYPE: PyStaticExpr = FLOAT;
+
+    fn extract(number: Borrowed<'a, 'py, PyAny>) -> Result<Self, Infallible> {
+        Ok(Self(number.to_owned()))
     }
 }
 

@@ -115,6 +115,18 @@ impl Failure {
         }
     }
 
+    /// Adds a sentence to what to do about it; places in a file say what to do themselves.
+    #[must_use]
+    pub(crate) fn advised(self, advice: &str) -> Self {
+        match self.message {
+            Message::Words { title, help } => {
+                let help = help.map_or_else(|| advice.to_owned(), |help| format!("{help}; {advice}"));
+                Self { message: Message::Words { title, help: Some(help) }, ..self }
+            }
+            Message::Places(_) => self,
+        }
+    }
+
     /// What sort of failure it is.
     pub fn reason(&self) -> Reason {
         self.reason

@@ -45,6 +45,11 @@ pub fn count(value: u64) -> String {
     grouped
 }
 
+/// A number of things with its noun: `1 run`, `3 runs`. The plural of the noun ends in `s`.
+pub fn counted(value: u64, noun: &str) -> String {
+    format!("{} {noun}{}", count(value), if value == 1 { "" } else { "s" })
+}
+
 /// A value within this factor of a power of ten rounds up to it in four digits.
 const ROUNDS_UP: f64 = 1.00005;
 
@@ -118,6 +123,12 @@ mod tests {
         assert_eq!([given(25.0, "Hz"), given(2.0, "s"), given(100.0, "N")], ["25 Hz", "2 s", "100 N"]);
         assert_eq!([given(3000.0, "s"), given(0.001, "s")], ["3000 s", "1 ms"]);
         assert_eq!([given(0.0, "Pa"), given_percent(0.425)], ["0 bar", "42.5 %"]);
+    }
+
+    #[test]
+    fn one_thing_is_singular() {
+        let texts = [0, 1, 2, 12_345].map(|value| counted(value, "run"));
+        assert_eq!(texts, ["0 runs", "1 run", "2 runs", "12 345 runs"]);
     }
 
     #[test]

@@ -45,7 +45,7 @@ impl Alignment {
         Self { columns: columns.into_iter().collect(), gap: GAP }
     }
 
-    /// The columns with nothing between two.
+    /// The columns with nothing between two, but a blank where two cells would touch.
     #[must_use]
     pub fn without_gaps(self) -> Self {
         Self { gap: "", ..self }
@@ -66,8 +66,14 @@ impl Alignment {
     pub fn line<C: AsRef<str>>(&self, cells: &[C]) -> String {
         let mut line = String::new();
         for (place, ((side, width), cell)) in self.columns.iter().zip(cells).enumerate() {
-            let gap = if place == 0 { "" } else { self.gap };
             let cell = cell.as_ref();
+            let is_full = *side == Side::Left || cell.chars().count() >= *width;
+            let touches = !cell.is_empty() && is_full && line.ends_with(|last: char| last != ' ');
+            let gap = match place {
+                0 => "",
+                _ if self.gap.is_empty() && touches => " ",
+                _ => self.gap,
+            };
             line += &match side {
                 Side::Left => format!("{gap}{cell:<width$}"),
                 Side::Right => format!("{gap}{cell:>width$}"),
@@ -107,7 +113,9 @@ mod tests {
             Alignment::new([(Side::Left, 0), (Side::Right, 4), (Side::Left, 0)]).fit(rows.iter().map(|row| &row[..]));
         assert_eq!(rows.map(|row| columns.line(&row)), ["Δp         1.5  a", "length  −10.25"]);
         assert_eq!(columns.rule(), "──────  ──────  ─");
-        assert_eq!(columns.without_gaps().line(&["x", "2", "y"]), "x          2y");
+        assert_eq!(columns.clone().without_gaps().line(&["x", "2", "y"]), "x          2 y");
+        // A name and a number that fill their columns do not touch.
+        assert_eq!(columns.without_gaps().line(&["length", "−10.25", ""]), "length −10.25");
     }
 
     #[test]

@@ -109,6 +109,12 @@ pub fn units() -> &'static Units {
     CHOSEN.get().unwrap_or(&USUAL)
 }
 
+/// The unit that was chosen for values in an SI unit, as a scenario file writes it, with the factor and the offset that give a number in
+/// it; none where no choice was made, and of an SI unit that is not in the table.
+pub fn chosen_scale(si: &str) -> Option<(String, f64, f64)> {
+    CHOSEN.get().and_then(|units| units.scale(si))
+}
+
 /// Whether units were chosen of which none of length, pressure, mass and force is imperial: then a file to start from is metric.
 pub fn is_metric_chosen() -> bool {
     CHOSEN.get().is_some_and(Units::is_metric)
@@ -198,6 +204,18 @@ impl Shown {
         self.factor * value - self.zero
     }
 
+    /// The number in this unit of a value in SI, for a file: in SI as it is, and else with 15 significant digits, so that a value that was
+    /// given in this unit comes back.
+    pub(crate) fn written(&self, value: f64) -> f64 {
+        if self.factor == 1.0 && self.zero == 0.0 {
+            return value;
+        }
+        let number = self.number(value);
+        // Of a scale with an offset zero the rounding is that of the offset, which is some hundred degrees.
+        let text = if self.zero == 0.0 { format!("{number:.14e}") } else { format!("{number:.11}") };
+        text.parse().unwrap_or(number)
+    }
+
     /// A number with the unit behind it.
     pub fn with(&self, number: &str) -> String {
         let gap = if self.text.is_empty() || self.text == "°" { "" } else { " " };
@@ -283,6 +301,13 @@ impl Units {
         let shown = Shown { text: unit.symbol.clone(), factor: 1.0 / unit.size, zero: unit.zero };
         let name = format!("{}{}", stem(&column.name, &column.unit), ending(&unit.symbol));
         (Column { name, unit: unit.symbol.clone(), ..column }, shown)
+    }
+
+    /// The unit of values in an SI unit, with the factor and the offset that give a number in it.
+    fn scale(&self, si: &str) -> Option<(String, f64, f64)> {
+        let (_, unit) = self.0.iter().find(|((_, known, _), _)| *known == si)?;
+        // No unit has minus zero as its offset.
+        Some((unit.symbol.clone(), 1.0 / unit.size, 0.0 - unit.zero))
     }
 
     /// The names of the quantities with their units, for a help text.
@@ -451,6 +476,24 @@ mod tests {
         let units =
             ["length_m", "stiffness_n_m", "sonic_conductance_m3_s_pa", "damping_n_s_m", "contraction"].map(unit_of);
         assert_eq!(units, ["m", "N/m", "m^3/(s*Pa)", "N*s/m", ""]);
+    }
+
+    #[test]
+    fn a_value_that_was_given_in_the_unit_comes_back_in_a_file() {
+        let units: Units = "imperial".parse().unwrap();
+        for (si, symbol) in
+            [("kg", "lb"), ("Pa", "psi"), ("m", "in"), ("N", "lbf"), ("K", "degF"), ("rad", "deg"), ("s", "s")]
+        {
+            let shown = units.column(Column::number("x", si)).1;
+            for tenths in 1..2000 {
+                let number = f64::from(tenths) / 10.0;
+                let value = quantity::parse(&format!("{number} {symbol}")).unwrap().value;
+                assert_eq!(shown.written(value), number, "{number} {symbol}");
+            }
+        }
+        let seconds = units.column(Column::number("x", "s")).1;
+        let value = 0.1 + 0.2;
+        assert_eq!(seconds.written(value).to_bits(), value.to_bits(), "SI is lossless");
     }
 
     #[test]

@@ -3,13 +3,15 @@
 //! The core names the parameter at fault by its scenario key. The place is the value at that key; where the file does
 //! not give it, the description of a muscle at rest that it follows from, else the preset that did, else the section it
 //! belongs to, else the file. The other side of a contradiction
-//! is located too when the file gives it.
+//! is located too when the file gives it. Two faults are reported in the words of the file, since their keys are not those that the
+//! core checks: a braid whose angle at rest is too large, and frequencies without a common period.
 
 use crate::diagnostic::{Class, Diagnostic, Place};
 use crate::document::{Document, Value};
 use crate::keys;
 use crate::muscle;
 use crate::quantity;
+use mckibben::limit::Limit;
 use mckibben::parameter::{self as p, DURATION, MAX_COUNT, Parameter};
 use mckibben::{Count, Error};
 
@@ -32,6 +34,11 @@ impl Document {
                     .related(length, "the run's duration")
                     .help(*remedy)
             }
+            Error::Inconsistent { parameter, .. }
+                if parameter.key == p::MAX_LENGTH.key && self.angle_at_greatest_length().is_some() =>
+            {
+                self.pushes()
+            }
             Error::Inconsistent { parameter, value, requirement, remedy } => {
                 let other =
                     format!("{} = {}", requirement.other, quantity::format(requirement.value, requirement.unit));
@@ -46,10 +53,17 @@ impl Document {
                     .help(*remedy)
             }
             Error::Table { name, problem, entry, remedy } => {
+                if let Some([given, pressures, lengths]) = self.tensions(name).filter(|[given, p, l]| *given != p * l) {
+                    let due = pressures * lengths;
+                    let title = format!("`{name}` has {given} entries, and {due} are due");
+                    let label = format!("{pressures} pressures times {lengths} lengths are {due}");
+                    return self.shown(Class::BadList, name, None, title, label).help(*remedy);
+                }
                 let title = format!("`{name}`: {problem}");
                 let label = format!("entry {entry}: {problem}");
                 self.shown(Class::BadList, name, entry.checked_sub(1), title, label).help(*remedy)
             }
+            Error::NotImplemented(limit) if **limit == mckibben::limit::COMMON_PERIOD => self.periods(limit),
             Error::NotImplemented(limit) => {
                 Diagnostic::whole(Class::NotImplemented, self.source().name(), limit.title().to_string())
                     .help(limit.remedy)
@@ -67,6 +81,81 @@ impl Document {
                 Diagnostic::whole(Class::Stopped, self.source().name(), title).help(*remedy)
             }
             other => Diagnostic::whole(Class::Stopped, self.source().name(), other.to_string()),
+        }
+    }
+
+    /// How many entries the tensions of a force map, its pressures and its lengths have; none where `name` is no such list.
+    fn tensions(&self, name: &str) -> Option<[usize; 3]> {
+        let count = |row: &Parameter| match &self.entry(row.key)?.node.value {
+            Value::List(items) => Some(items.len()),
+            _ => None,
+        };
+        let is_map = name == p::MAP_TENSION.key;
+        is_map.then(|| Some([count(&p::MAP_TENSION)?, count(&p::MAP_PRESSURE)?, count(&p::MAP_LENGTH)?]))?
+    }
+
+    /// The braid angle in rad at the greatest length, where that is the length at rest since nothing else states it.
+    fn angle_at_greatest_length(&self) -> Option<f64> {
+        let stated = self.stated_braid();
+        let follows = stated.is_at_rest() && stated.get(&p::MAX_LENGTH).is_none();
+        stated.muscle().ok().filter(|_| follows).map(|muscle| muscle.braid_angle)
+    }
+
+    /// A braid whose angle at rest is above that at which it pushes, in the unit in which the file gives the angle.
+    fn pushes(&self) -> Diagnostic {
+        let (key, neutral) = (p::BRAID_ANGLE.key, 2_f64.sqrt().atan());
+        let angle = self.angle_at_greatest_length().unwrap_or(neutral);
+        let written = self.entry(key).map(|entry| entry.node.place.text().trim_matches(['"', '\'']).to_owned());
+        let (size, unit) = match &written {
+            Some(text) if text.contains("rad") || !text.contains(|c: char| c.is_alphabetic() || c == '°') => {
+                (1.0, "rad")
+            }
+            _ => (1_f64.to_degrees(), "deg"),
+        };
+        let title = match written {
+            Some(text) => format!("`{key}` = {text} is out of range for a muscle at its greatest length"),
+            None => format!("the braid angle at rest that follows, {:.4} {unit}, is out of range", angle * size),
+        };
+        let label = format!(
+            "must be greater than 0 {unit} and less than {:.3} {unit}; `{}` follows from the muscle at rest",
+            neutral * size,
+            p::MAX_LENGTH.key
+        );
+        self.shown(Class::Inconsistent, key, None, title, label).help(format!(
+            "give an angle such as {:.3} {unit}: above {:.3} {unit} a braid pushes, and no muscle pulls; give `{}` too if \
+             the muscle at rest is shorter than its greatest length",
+            25_f64.to_radians() * size,
+            neutral * size,
+            p::MAX_LENGTH.key
+        ))
+    }
+
+    /// Pulses and sinusoids without a common period: each with its key and its period.
+    fn periods(&self, limit: &Limit) -> Diagnostic {
+        let is_one = |key: &str| FREQUENCIES.iter().any(|row| row.key == key) || key == keys::MOTION_FREQUENCY.key;
+        let mut found = self.quantities(is_one);
+        found.retain(|(_, _, frequency)| *frequency > 0.0);
+        found.sort_by(|a, b| b.2.total_cmp(&a.2));
+        found.dedup_by(|a, b| a.2 == b.2);
+        let title = limit.title().to_string();
+        let [(fastest, first, most), others @ ..] = found.as_slice() else {
+            return Diagnostic::whole(Class::NotImplemented, self.source().name(), title).help(limit.remedy);
+        };
+        let label = |key: &str, frequency: f64| format!("`{key}` has a period of {}", period(frequency));
+        let shown = Diagnostic::at(Class::NotImplemented, first.place.clone(), title, label(fastest, *most));
+        let shown = others.iter().fold(shown, |shown, (key, node, frequency)| {
+            shown.related(Some(node.place.clone()), label(key, *frequency))
+        });
+        match others {
+            // Whole pulses of the fastest in each period of the other.
+            [(other, _, frequency)] if most / frequency <= 1000.0 => {
+                let count = (most / frequency).round();
+                let near = quantity::format(most / count, "Hz");
+                shown.help(format!(
+                    "change one of them: with `{other}` = \"{near}\" its period is {count} of those of `{fastest}`"
+                ))
+            }
+            _ => shown.help(limit.remedy),
         }
     }
 
@@ -110,6 +199,16 @@ impl Document {
         let entry = self.entry(name).or_else(|| self.entry(&near)).or_else(|| self.entry(by_name()?))?;
         Some(entry.node.place.clone())
     }
+}
+
+/// Keys of the frequencies of pulses and given sinusoids.
+static FREQUENCIES: [&Parameter; 3] = [&p::PWM_FREQUENCY, &p::MOTION_FREQUENCY, &p::SET_FREQUENCY];
+
+/// The period of a frequency in Hz, in four digits.
+fn period(frequency: f64) -> String {
+    let (size, unit) = if frequency > 1.0 { (1e3, "ms") } else { (1.0, "s") };
+    let rounded: f64 = format!("{:.3e}", size / frequency).parse().unwrap_or(f64::NAN);
+    format!("{rounded} {unit}")
 }
 
 fn in_unit(parameter: &Parameter, value: f64) -> String {

@@ -12,6 +12,7 @@ use crate::nearest::nearest;
 use crate::quantity;
 use crate::reader::list_of;
 use crate::text;
+use mckibben::parameter as p;
 use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
@@ -187,6 +188,12 @@ impl Document {
         path: &str,
         value: &str,
     ) -> Result<(), Diagnostics> {
+        if let Some(names) = path.strip_prefix("sweep.vary.").map(|varied| self.names_of_varied(varied)) {
+            let quoted: Vec<String> = names.iter().map(|name| quoted(name)).collect();
+            let root = table_of(&source(format!("sweep.vary.{} = {value}", quoted.join("."))))?;
+            let names: Vec<&str> = ["sweep", "vary"].into_iter().chain(names.iter().map(String::as_str)).collect();
+            return graft(&mut self.root, root, &names);
+        }
         match list_and_entry(path) {
             Some((list, entry)) => {
                 let source = source(format!("{list} = {value}"));
@@ -199,23 +206,45 @@ impl Document {
         }
     }
 
+    /// The names under which a path stands in `[sweep.vary]`, or is to stand there. The path may be quoted (`"load.mass"`) or not, and
+    /// lead into its range (`load.mass.count`); the way in which the document has it comes first.
+    fn names_of_varied(&self, path: &str) -> Vec<String> {
+        let unquoted = |quote: char| {
+            let (head, tail) = path.strip_prefix(quote)?.split_once(quote)?;
+            Some((head, tail.strip_prefix('.').unwrap_or(tail)))
+        };
+        let (head, tail) = unquoted('"').or_else(|| unquoted('\'')).unwrap_or((path, ""));
+        let is_quoted = head != path || path.contains('[');
+        let whole = if tail.is_empty() { head.to_owned() } else { format!("{head}.{tail}") };
+        let split = |path: &str| path.split('.').filter(|name| !name.is_empty()).map(str::to_owned).collect::<Vec<_>>();
+        let under = |name: &str, rest: &str| [vec![name.to_owned()], split(rest)].concat();
+        // What stands there in quotes, whole or up to a part of its range.
+        if let Some(Value::Table(table)) = self.entry(keys::VARY).map(|entry| &entry.node.value) {
+            let quoted = table.0.iter().map(|entry| entry.name.as_str()).filter(|name| name.contains('.'));
+            let found = quoted.filter_map(|name| Some((name, whole.strip_prefix(name)?)));
+            if let Some((name, rest)) = found.into_iter().find(|(_, rest)| rest.is_empty() || rest.starts_with('.')) {
+                return under(name, rest);
+            }
+        }
+        if is_quoted && !self.contains(&format!("{}.{head}", keys::VARY)) {
+            return under(head, tail);
+        }
+        split(&whole)
+    }
+
     /// The list at a path with the value of a source for one of its entries.
     fn with_entry(&self, source: &Arc<Source>, (list, entry): (&str, &str)) -> Result<Node, Diagnostics> {
         let place = Place::new(source.clone(), 0..list.len());
         let alone = Self { source: source.clone(), root: table_of(source)? };
         let new = alone.entry(list).map(|entry| entry.node.clone());
-        let (Some(new), Some(Entry { node: Node { place: at, value: Value::List(items) }, .. })) =
-            (new, self.entry(list))
+        if let Some((title, help)) = self.no_entry((list, entry)) {
+            return Err(Diagnostic::at(Class::UnknownKey, place, title, "names no entry").help(help).into());
+        }
+        let (Some(new), Some(Entry { node: Node { place: at, value: Value::List(items) }, .. }), Ok(index)) =
+            (new, self.entry(list), entry.parse::<usize>())
         else {
-            let title = format!("the file has no list `{list}`");
-            let found = Diagnostic::at(Class::UnknownKey, place, title, "names an entry of a list");
-            return Err(found.help("write the path of a list of the file, with the place of its entry from 0").into());
-        };
-        let index = entry.parse::<usize>().ok().filter(|index| *index < items.len());
-        let Some(index) = index else {
-            let title = format!("`{list}` has {} entries, and none `[{entry}]`", items.len());
-            let found = Diagnostic::at(Class::UnknownKey, place, title, "names no entry");
-            return Err(found.help("count from 0, as in `[0]`").into());
+            // Not reached: the list has been found. Refused rather than assumed.
+            return Err(Diagnostic::at(Class::UnknownKey, place, "this is no path to a key", "names no entry").into());
         };
         let mut items = items.clone();
         items[index] = new;
@@ -313,6 +342,44 @@ impl Document {
         }
     }
 
+    /// As [`Document::put`], at a path that may be that of an entry of a list, such as `command.time[1]`, which is put where the list
+    /// has that entry.
+    pub(crate) fn put_at(&mut self, path: &str, key: &Place, node: &Node) {
+        let Some((list, entry)) = list_and_entry(path) else { return self.put(path, key, node) };
+        let found = self.entry(list).map(|found| (found.key.clone(), found.node.clone()));
+        let (Some((key, mut whole)), Ok(index)) = (found, entry.parse::<usize>()) else { return };
+        if let Value::List(items) = &mut whole.value
+            && let Some(item) = items.get_mut(index)
+        {
+            *item = node.clone();
+            self.put(list, &key, &whole);
+        }
+    }
+
+    /// The value at a path, which may be that of an entry of a list.
+    pub(crate) fn node_at(&self, path: &str) -> Option<&Node> {
+        let Some((list, entry)) = list_and_entry(path) else { return self.entry(path).map(|entry| &entry.node) };
+        match &self.entry(list)?.node.value {
+            Value::List(items) => items.get(entry.parse::<usize>().ok()?),
+            _ => None,
+        }
+    }
+
+    /// Why the file has no entry of a list at a path: what is wrong and what to do, or `None` where it has one.
+    pub(crate) fn no_entry(&self, (list, entry): (&str, &str)) -> Option<(String, &'static str)> {
+        match self.entry(list).map(|entry| &entry.node.value) {
+            Some(Value::List(items)) => {
+                let is_there = entry.parse::<usize>().is_ok_and(|index| index < items.len());
+                let title = || format!("`{list}` has {} entries, and none `[{entry}]`", items.len());
+                (!is_there).then(|| (title(), "count from 0, as in `[0]`"))
+            }
+            _ => {
+                let help = "write the path of a list of the file, with the place of its entry from 0";
+                Some((format!("the file has no list `{list}`"), help))
+            }
+        }
+    }
+
     /// Every key with its value as TOML in its section, the keys of a section before its sections and else in the order of the
     /// file: documents with equal text say the same.
     pub fn to_toml(&self) -> String {
@@ -323,6 +390,46 @@ impl Document {
 
     pub(crate) fn root(&self) -> &Table {
         &self.root
+    }
+
+    /// Single quantities of the keys that `is_one` takes, in SI, wherever the file gives them: of all, of a part of a plant or of the
+    /// antagonist of a joint. What is no quantity is left out.
+    pub(crate) fn quantities(&self, is_one: impl Fn(&str) -> bool) -> Vec<(String, &Node, f64)> {
+        let mut found = Vec::new();
+        let mut tables = vec![(String::new(), &self.root)];
+        while let Some((above, table)) = tables.pop() {
+            for entry in &table.0 {
+                let path = if above.is_empty() { entry.name.clone() } else { format!("{above}.{}", entry.name) };
+                let value = match &entry.node.value {
+                    Value::Table(inner) => {
+                        tables.push((path, inner));
+                        continue;
+                    }
+                    Value::String(text) => quantity::parse(text).ok().map(|read| read.value),
+                    Value::Number(value) => Some(*value),
+                    Value::List(_) | Value::Other(_) => None,
+                };
+                let key = keys::stands_for(path.strip_prefix("antagonist.").unwrap_or(&path));
+                if let Some(value) = value.filter(|_| is_one(&key)) {
+                    found.push((path, &entry.node, value));
+                }
+            }
+        }
+        found
+    }
+
+    /// The highest gauge pressure in Pa that the file gives of a supply, or none.
+    pub fn highest_supply(&self) -> Option<f64> {
+        let rows = [&p::SUPPLY_GAUGE_PRESSURE, &p::RESERVOIR_PRESSURE, &p::CUT_OUT];
+        let found = self.quantities(|key| rows.iter().any(|row| row.key == key));
+        found.into_iter().map(|(_, _, gauge)| gauge).reduce(f64::max)
+    }
+
+    /// The absolute pressure of the atmosphere in Pa that the file gives, or the usual one.
+    pub fn atmosphere(&self) -> f64 {
+        let row = &p::ATMOSPHERIC_PRESSURE;
+        let given = self.quantities(|key| key == row.key).first().map(|(_, _, pressure)| *pressure);
+        given.or(row.default).unwrap_or(0.0)
     }
 
     pub(crate) fn entry(&self, path: &str) -> Option<&Entry> {

@@ -53,7 +53,25 @@ enum At {
     Entry(List, usize),
 }
 
-type List = fn(&mut Scenario) -> Option<&mut [f64]>;
+/// The place of a list in a scenario, or `None` when the scenario has no such list.
+pub(crate) type List = fn(&mut Scenario) -> Option<&mut [f64]>;
+
+/// The lists whose numbers a scenario has in other units than the file.
+static CONVERTED: [&Parameter; 7] = [
+    &p::EFFECTIVENESS_POLYNOMIAL,
+    &p::SAROSI_COEFFICIENTS,
+    &p::MEMBRANE_MODULUS,
+    &p::BOLEN_SHAPE,
+    &p::PRESSURE_COEFFICIENTS,
+    &p::PASSIVE_COEFFICIENTS,
+    &p::MAP_TENSION,
+];
+
+/// The place of a list of quantities, where the scenario has them as the file does.
+pub(crate) fn list_of(parameter: &Parameter) -> Option<List> {
+    let converted = CONVERTED.iter().any(|row| row.key == parameter.key);
+    LISTS.iter().find(|(row, _)| row.key == parameter.key && !converted).map(|(_, list)| *list)
+}
 
 /// The lists whose entries are numbers of the model.
 static LISTS: &[(&Parameter, List)] = &[

@@ -16,7 +16,7 @@ use crate::keys::{self, KEYS, Key, SECTIONS};
 use crate::nearest::nearest;
 use crate::presets::Preset;
 use crate::quantity;
-use mckibben::parameter::Parameter;
+use mckibben::parameter::{self, Parameter, Range};
 
 /// What a method returns in place of a value whose mistake has been noted.
 const STAND_IN: f64 = 1.0;
@@ -236,6 +236,24 @@ impl<'d> Reader<'d> {
         sound
     }
 
+    /// How many mistakes have been noted.
+    pub(crate) fn mistakes(&self) -> usize {
+        self.found.len()
+    }
+
+    /// Names a key of which mistakes from one on were noted by its path in the file, as in `mechanism.joints.elbow.damping` for
+    /// `mechanism.joints.*.damping`.
+    pub(crate) fn name_from(&mut self, first: usize, key: &str, path: &str) {
+        let last = |of: &str| of.rsplit('.').next().unwrap_or_default().to_owned();
+        let named = |words: &str| match words.strip_prefix("* = ") {
+            Some(value) => Some(format!("{} = {value}", last(path))),
+            None if words.starts_with(path) => None,
+            None => words.contains(key).then(|| words.replacen(key, path, 1)),
+        };
+        let noted = self.found.split_off(first);
+        self.found.extend(noted.into_iter().map(|diagnostic| diagnostic.renamed(named)));
+    }
+
     /// Whether a mistake has been noted.
     pub(crate) fn has_mistakes(&self) -> bool {
         !self.found.is_empty()
@@ -245,6 +263,18 @@ impl<'d> Reader<'d> {
     pub(crate) fn list(&mut self, row: &'static Parameter) -> Option<Vec<f64>> {
         let entry = self.entry(row.key)?;
         let items = self.items(entry)?;
+        if let Some(inner) = items.iter().find(|item| matches!(item.value, Value::List(_))) {
+            let title = format!("`{}` is one list of numbers, not a list of lists", row.key);
+            let help = match row.key == parameter::MAP_TENSION.key {
+                true => {
+                    "give the rows one after the other, a row for each pressure with a tension for each length: of an array of that \
+                     shape, `ravel()`"
+                }
+                false => "give all entries one after the other, without brackets within the list",
+            };
+            self.note(Diagnostic::at(Class::WrongType, inner.place.clone(), title, "a list in the list").help(help));
+            return None;
+        }
         let read: Vec<Option<f64>> = items.iter().map(|item| self.quantity(item, row)).collect();
         read.into_iter().collect()
     }
@@ -351,8 +381,8 @@ impl<'d> Reader<'d> {
         match quantity::parse_unit(text) {
             Ok((dimension, size)) if dimension == expected => return Some(size),
             Ok((dimension, _)) => {
-                let title =
-                    format!("\"{text}\" is a unit of {}, but `{path}` is one of {}", dimension.noun(), expected.noun());
+                let (found, due) = (dimension.noun(), noun_of(path, like));
+                let title = format!("\"{text}\" is a unit of {found}, but `{path}` is one of {due}");
                 let place = node.place.clone();
                 let help = format!("write it as in `{name} = \"{like}\"`");
                 self.note(Diagnostic::at(Class::WrongDimension, place, title, "wrong dimension").help(help));
@@ -428,7 +458,7 @@ impl<'d> Reader<'d> {
                 Ok(read) => read.value,
             },
             other => {
-                let title = format!("`{}` is {}, not {}", row.key, expected.noun(), other.noun());
+                let title = format!("`{}` is {}, not {}", row.key, noun_of(row.key, row.unit), other.noun());
                 let label = if pure { "a number is expected" } else { "a string with number and unit is expected" };
                 let diagnostic = Diagnostic::at(Class::WrongType, place(), title, label);
                 self.note(example_of(row, expected).into_iter().fold(diagnostic, Diagnostic::help));
@@ -438,7 +468,12 @@ impl<'d> Reader<'d> {
         if row.range.contains(value) {
             return Some(value);
         }
-        self.note(out_of_range(place(), row, value, &format!("{} {}", row.range, row.unit)));
+        self.note(match &node.value {
+            Value::String(text) if row.unit == "rad" && text.contains(['d', '°']) && !text.contains("rad") => {
+                angle_out_of_range(place(), row, text)
+            }
+            _ => out_of_range(place(), row, value, &format!("{} {}", row.range, row.unit)),
+        });
         None
     }
 }
@@ -449,6 +484,23 @@ pub(crate) fn dimension_of(unit: &str) -> Dimension {
     quantity::parse_unit(unit).map_or(Dimension::NONE, |(dimension, _)| dimension)
 }
 
+/// What a key is, with its article. Quantities of several kinds share some dimensions; there its unit and name decide.
+pub(crate) fn noun_of(key: &str, unit: &str) -> String {
+    let dimension = dimension_of(unit);
+    let name = key.rsplit('.').next().unwrap_or(key);
+    let noun = match dimension {
+        Dimension::DAMPING if unit.contains('N') => "a damping coefficient",
+        Dimension::MASS_FLOW => "a mass flow",
+        Dimension::ENERGY if unit.contains('N') => "a torque",
+        Dimension::ENERGY => "an energy",
+        Dimension::CONDUCTANCE if name == "leakage" => "a volume flow over a pressure",
+        Dimension::CONDUCTANCE => "a sonic conductance",
+        Dimension::AREA if name == "coulomb_force_per_pressure" => "a force over a pressure",
+        _ => return dimension.noun(),
+    };
+    noun.to_owned()
+}
+
 /// Words in quotes with commas between.
 pub(crate) fn list_of<'w>(words: impl Iterator<Item = &'w str>) -> String {
     words.map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ")
@@ -457,6 +509,9 @@ pub(crate) fn list_of<'w>(words: impl Iterator<Item = &'w str>) -> String {
 /// A value outside what is admissible; `admissible` is words such as "greater than 0 Pa".
 pub(crate) fn out_of_range(place: Place, row: &Parameter, value: f64, admissible: &str) -> Diagnostic {
     let title = format!("`{}` = {} is out of range", row.key, quantity::format(value, row.unit));
+    if !value.is_finite() {
+        return Diagnostic::at(Class::OutOfRange, place, title, "is no finite number").help("give a finite number");
+    }
     let label = format!("must be {}", admissible.trim_end());
     let diagnostic = Diagnostic::at(Class::OutOfRange, place, title, label);
     // A share that is too large is often meant in percent.
@@ -466,6 +521,15 @@ pub(crate) fn out_of_range(place: Place, row: &Parameter, value: f64, admissible
     diagnostic.help(row.remedy)
 }
 
+/// An angle that is given in degrees, outside its range, which is reported in degrees.
+fn angle_out_of_range(place: Place, row: &Parameter, text: &str) -> Diagnostic {
+    // Ends of ranges are whole degrees but for rounding.
+    let degrees = |angle: f64| (angle.to_degrees() * 1e9).round() / 1e9;
+    let range = Range { low: degrees(row.range.low), high: degrees(row.range.high), ..row.range };
+    let title = format!("`{}` = {} is out of range", row.key, text.trim());
+    Diagnostic::at(Class::OutOfRange, place, title, format!("must be {range} deg")).help(row.remedy)
+}
+
 fn example_of(row: &Parameter, expected: Dimension) -> Option<String> {
     let example =
         keys::key_at(row.key).filter(|key| key.parameter().is_some()).map(|key| key.example).or(expected.example())?;
@@ -473,7 +537,7 @@ fn example_of(row: &Parameter, expected: Dimension) -> Option<String> {
 }
 
 fn without_unit(place: Place, row: &Parameter, expected: Dimension, number: &str) -> Diagnostic {
-    let title = format!("`{}` is {} and needs a unit", row.key, expected.noun());
+    let title = format!("`{}` is {} and needs a unit", row.key, noun_of(row.key, row.unit));
     // The unit that the key's own example has, which is the usual one of this quantity and not of its dimension alone.
     let example = keys::key_at(row.key).map(|key| key.example.trim_matches('"')).unwrap_or_default();
     let usual = example.split_once(' ').map(|(_, unit)| unit).filter(|unit| {
@@ -492,13 +556,16 @@ fn wrong_dimension(place: Place, row: &Parameter, expected: Dimension, found: Di
         let diagnostic = Diagnostic::at(Class::UnexpectedUnit, place, title, "a number without a unit is expected");
         return example_of(row, expected).into_iter().fold(diagnostic, Diagnostic::help);
     }
-    let title = format!("\"{text}\" is {}, but `{}` is {}", found.noun(), row.key, expected.noun());
+    let title = format!("\"{text}\" is {}, but `{}` is {}", found.noun(), row.key, noun_of(row.key, row.unit));
     let label = format!("expected a quantity in {}", row.unit);
     let diagnostic = Diagnostic::at(Class::WrongDimension, place, title, label);
     let hint = match (expected, found) {
         (Dimension::FORCE, Dimension::MASS) => Some("`lb`, `kg` are masses; forces are written in `lbf`, `kgf` or `N`"),
         (Dimension::MASS, Dimension::FORCE) => Some("`lbf`, `N` are forces; masses are written in `lb` or `kg`"),
         (Dimension::FREQUENCY, Dimension::ANGULAR_SPEED) => Some("a frequency counts periods: 60 rpm are \"1 Hz\""),
+        (Dimension::CONDUCTANCE, Dimension::VOLUME_FLOW | Dimension::MASS_FLOW) if row.key.ends_with(".leakage") => {
+            Some("divide the volume flow at the mean pressure by the gauge pressure at which it leaks")
+        }
         (Dimension::CONDUCTANCE, Dimension::VOLUME_FLOW) => Some("divide the flow by the supply's absolute pressure"),
         _ => None,
     };

@@ -12,6 +12,7 @@ use crate::keys::{
     SECTIONS, SUPPLIES, SWEEP, Section, VARY, all_keys, all_sections, is_of_antagonist, is_section_of_antagonist,
     key_at, section_at,
 };
+use crate::place::list_of;
 use crate::starter::{default_of, preset_may_give};
 use mckibben::parameter::{Parameter, Range};
 use serde_json::{Map, Value, json};
@@ -123,7 +124,9 @@ fn sweep_in_plant(section: &Section) -> Value {
     let mut properties = properties_in_plant(SWEEP);
     let meaning = section_at(VARY).map_or("", |section| section.meaning);
     properties.insert("vary".to_owned(), json!({ "description": meaning, "type": "object", "minProperties": 1 }));
-    let names = json!({ "type": "array", "minItems": 1, "items": { "type": "string" } });
+    let of_names = "The numbers that each run is reduced to: a quantity and a statistic, as in `length.final`; of a plant the column \
+                    of a sample and a statistic, as in `flexor.gauge_pressure.max`. `mckibben keys sweep.reductions` lists all.";
+    let names = json!({ "description": of_names, "type": "array", "minItems": 1, "items": { "type": "string" } });
     properties.insert("reductions".to_owned(), names);
     json!({ "description": section.meaning, "type": "object", "properties": properties, "additionalProperties": false })
 }
@@ -185,7 +188,14 @@ fn of_vary(section: &str, of_antagonist: bool) -> Map<String, Value> {
             properties.insert(format!("{ANTAGONIST}.{name}"), refer(key));
         }
     }
-    let inside = |properties| json!({ "type": "object", "properties": properties, "additionalProperties": false });
+    let inside = |section: &str, of_antagonist: bool| {
+        json!({
+            "type": "object",
+            "properties": of_vary(section, of_antagonist),
+            "patternProperties": of_entries(section, of_antagonist),
+            "additionalProperties": false,
+        })
+    };
     let takes = |of: &&Section| match of_antagonist {
         true => is_section_of_antagonist(of.path),
         false => !of.path.starts_with(SWEEP) && of.path != ANTAGONIST,
@@ -193,13 +203,36 @@ fn of_vary(section: &str, of_antagonist: bool) -> Map<String, Value> {
     for inner in SECTIONS.iter().filter(takes) {
         let (above, name) = inner.path.rsplit_once('.').unwrap_or(("", inner.path));
         if above == section {
-            properties.insert(name.to_owned(), inside(of_vary(inner.path, of_antagonist)));
+            properties.insert(name.to_owned(), inside(inner.path, of_antagonist));
         }
     }
     if section.is_empty() && !of_antagonist {
-        properties.insert(ANTAGONIST.to_owned(), inside(of_vary("", true)));
+        properties.insert(ANTAGONIST.to_owned(), inside("", true));
     }
     properties
+}
+
+/// The entries of lists that vary in a section, by a pattern of their names: the list with the place of the entry.
+fn of_entries(section: &str, of_antagonist: bool) -> Map<String, Value> {
+    let entry = |key: &Key| match key.kind {
+        Kind::Quantities(row) => list_of(row).map(|_| Kind::Quantity(row)),
+        Kind::Choices(choices) => Some(Kind::Choice(choices)),
+        _ => None,
+    };
+    let mut patterns = Map::new();
+    let takes = |key: &&Key| key.section() != SWEEP && (!of_antagonist || is_of_antagonist(key.path));
+    for key in KEYS.iter().filter(takes).filter(|key| section.is_empty() || key.section() == section) {
+        let Some(kind) = entry(key) else { continue };
+        let name = if section.is_empty() { key.path } else { key.name() };
+        let before = if section.is_empty() && !of_antagonist && is_of_antagonist(key.path) {
+            format!("({ANTAGONIST}\\.)?")
+        } else {
+            String::new()
+        };
+        let pattern = format!("^{before}{}\\[[0-9]+\\]$", name.replace('.', "\\."));
+        patterns.insert(pattern, of_axis(&Key { kind, ..*key }));
+    }
+    patterns
 }
 
 fn of_section(section: &Section) -> Value {
@@ -208,6 +241,7 @@ fn of_section(section: &Section) -> Value {
             "description": section.meaning,
             "type": "object",
             "properties": of_vary("", false),
+            "patternProperties": of_entries("", false),
             "minProperties": 1,
             "additionalProperties": false,
         });

@@ -83,8 +83,8 @@ impl Scenario {
             }
             drive(w, &second);
             tendon(w, &joint.antagonist.tendon);
-            if second.starts_at_own_pressure() {
-                w.number(&p::INITIAL_GAUGE_PRESSURE, second.initial.gauge_pressure);
+            if let Some(gauge_pressure) = second.initial.gauge_pressure {
+                w.number(&p::INITIAL_GAUGE_PRESSURE, gauge_pressure);
             }
             w.number(&p::INITIAL_TEMPERATURE, second.initial.temperature);
         }
@@ -558,8 +558,8 @@ fn load(w: &mut Writer, load: &Load) {
 
 fn initial_and_run(w: &mut Writer, scenario: &Scenario) {
     let (initial, run) = (&scenario.initial, &scenario.run);
-    if scenario.starts_at_own_pressure() {
-        w.number(&p::INITIAL_GAUGE_PRESSURE, initial.gauge_pressure);
+    if let Some(gauge_pressure) = initial.gauge_pressure {
+        w.number(&p::INITIAL_GAUGE_PRESSURE, gauge_pressure);
     }
     w.number(&p::INITIAL_TEMPERATURE, initial.temperature);
     match initial.length {

@@ -67,6 +67,8 @@ fn syntax() {
 #[test]
 fn unknown_keys_and_sections() {
     check("turns = 2.5", "turns = 2.5\nturn = 2", Class::UnknownKey, (4, 1), &["[actuator]", "did you mean `turns`?"]);
+    let study = "[study]\nkind = \"ring-down\"\nscenario = \"muscle.toml\"\n[load]";
+    check("[load]", study, Class::UnknownKey, (15, 2), &["no section [study]", "fit it by `mckibben identify`"]);
     check("[load]", "[laod]", Class::UnknownKey, (15, 2), &["no section [laod]", "did you mean `load`?"]);
     check("duration", "pressure = 1\nduration", Class::UnknownKey, (19, 1), &["`pressure` is not a key of [run]"]);
     check(
@@ -352,4 +354,46 @@ fn a_file_that_is_not_there() {
     let found = Scenario::load("no/such/file.toml").expect_err("no such file");
     assert!(found.to_string().contains("`no/such/file.toml` cannot be read"), "{found}");
     assert_eq!(found.iter().next().map(Diagnostic::class), Some(Class::Unreadable));
+}
+
+/// The remedy is a length and not the equilibrium, which an isometric load has none of.
+#[test]
+fn an_isometric_load_needs_a_length() {
+    let (from, to) = ("kind = \"hanging-mass\"\nmass = \"5 lb\"", "kind = \"isometric\"");
+    let words = [
+        "`initial.length` (L(0)) is missing",
+        "give `initial.length`, the distance between the attachments that the load holds",
+        "`length = \"3.5 in\"` in [initial]",
+    ];
+    check(from, to, Class::Missing, (16, 8), &words);
+    let section = "kind = \"isometric\"\n[initial]\ngauge_pressure = \"1 bar\"";
+    check(from, section, Class::Missing, (17, 2), &words);
+    for text in [to, section] {
+        assert!(!only(from, text).to_string().contains("equilibrium"), "{text}");
+    }
+    let word = only(from, "kind = \"isometric\"\n[initial]\nlength = \"equilibrium\"").to_string();
+    assert!(word.contains("write the distance between the attachments") && word.contains("\"3.5 in\""), "{word}");
+}
+
+/// Quantities that share a dimension are called what they are.
+#[test]
+fn a_dimension_of_two_quantities_names_neither_for_the_other() {
+    let leakage = |value: &str| only("turns = 2.5", &format!("turns = 2.5\nleakage = \"{value}\"")).to_string();
+    for (value, words) in [
+        (
+            "1 g/s",
+            "\"1 g/s\" is a damping coefficient or a mass flow, but `actuator.leakage` is a volume flow over a pressure",
+        ),
+        ("1 L/min ANR", "`actuator.leakage` is a volume flow over a pressure"),
+    ] {
+        let shown = leakage(value);
+        assert!(shown.contains(words), "{shown}");
+        assert!(shown.contains("expected a quantity in m^3/(s*Pa)"), "{shown}");
+        assert!(shown.contains("divide the volume flow at the mean pressure by the gauge pressure"), "{shown}");
+    }
+    let conductance = GOOD.replace("flow_area = \"1.8e-5 ft^2\"", "sonic_conductance = \"1 g/s\"");
+    let conductance = mistakes(&conductance).to_string();
+    assert!(conductance.contains("`valve.sonic_conductance` is a sonic conductance"), "{conductance}");
+    let damping = only("[supply]", "[actuator.friction]\nviscous = \"1 kg\"\n[supply]").to_string();
+    assert!(damping.contains("`actuator.friction.viscous` is a damping coefficient\n"), "{damping}");
 }

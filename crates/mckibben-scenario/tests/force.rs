@@ -145,7 +145,7 @@ fn what_is_missing_or_out_of_place_is_said() {
         (soft.as_str(), "give a stiffness above zero"),
         (far.as_str(), "`actuator.force.max_contraction` = 1.5 is out of range"),
         ("[actuator.force]\nmax_force = \"9 N\"", "has no meaning with `actuator.force.law` = \"ideal-braid\""),
-        (short.as_str(), "it has not one entry for each pressure and length"),
+        (short.as_str(), "`actuator.force.tension` has 3 entries, and 4 are due"),
         (falling.as_str(), "the entries do not rise"),
         ("[actuator.force]\nlaw = \"map\"", "`actuator.force.tension` (F) is missing"),
         ("[actuator.force]\nlaw = \"polynomial\"", "`actuator.force.pressure_coefficients` (a_i) is missing"),

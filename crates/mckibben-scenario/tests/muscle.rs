@@ -152,6 +152,26 @@ fn contradictions_are_refused_with_the_numbers() {
     // An angle beyond the neutral one: the core's rule, shown where the angle stands.
     let (class, line, text) = refused_by_model(&(lines([2, 3]) + "braid_angle = \"60 deg\"\n"));
     assert!(class == Class::Inconsistent && line == 4 && text.contains("follows from the muscle at rest"), "{text}");
+    for words in
+        ["`actuator.braid_angle` = 60 deg is out of range", "less than 54.736 deg", "an angle such as 25.000 deg"]
+    {
+        assert!(text.contains(words), "{words}\n{text}");
+    }
+    let (_, _, text) = refused_by_model(&(lines([2, 3]) + "braid_angle = \"1.2 rad\"\n"));
+    assert!(text.contains("`actuator.braid_angle` = 1.2 rad") && text.contains("less than 0.955 rad"), "{text}");
+    // Where the greatest length is given, a muscle may be at rest above that angle.
+    let stretched = "thread_length = \"300 mm\"\nturns = 2\nbraid_angle = \"60 deg\"\nmax_length = \"250 mm\"\n";
+    assert!(document(stretched).experiment().is_ok());
+    // Without the angle it follows.
+    let (_, _, text) = refused_by_model("turns = 4\nlength = \"100 mm\"\ndiameter = \"20 mm\"\n");
+    assert!(text.contains("the braid angle at rest that follows, 68.3") && text.contains("54.736 deg"), "{text}");
+    // Beyond a right angle it is no angle of a braid, in the unit of the file.
+    let (class, line, text) = refused(&(lines([2, 3]) + "braid_angle = \"95 deg\"\n"));
+    assert_eq!((class, line), (Class::OutOfRange, 4), "{text}");
+    assert!(
+        text.contains("= 95 deg is out of range") && text.contains("greater than 0 and less than 90 deg"),
+        "{text}"
+    );
 }
 
 fn refused_by_model(actuator: &str) -> (Class, usize, String) {

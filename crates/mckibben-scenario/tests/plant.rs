@@ -384,6 +384,33 @@ fn what_makes_no_sense_is_refused_with_its_reason() {
     }
 }
 
+/// A length that an isometric load lacks is missing at the actuator that lacks it, or once at all.
+#[test]
+fn an_isometric_load_of_a_plant_names_the_actuator_without_a_length() {
+    let all = format!("{ALL}[load]\nkind = \"isometric\"\n[actuators.a]\n[actuators.b]\n");
+    let found = document(&all).plant_experiment().expect_err("no length");
+    assert_eq!(found.count(), 1, "{found}");
+    assert!(found.to_string().contains("in [initial] for all actuators, or of each in its section"), "{found}");
+    let one = format!("{all}initial.length = \"90 mm\"\n");
+    let own = format!(
+        "{ALL}[actuators.a]\nload.kind = \"isometric\"\n[actuators.b]\nload.kind = \"isometric\"\n\
+                       initial.length = \"90 mm\"\n"
+    );
+    for text in [one, own] {
+        let found = document(&text).plant_experiment().expect_err("no length");
+        assert_eq!(found.count(), 1, "{found}");
+        let shown = found.to_string();
+        for words in [
+            "`actuators.a.initial.length` (L(0)) is missing",
+            "give `actuators.a.initial.length`, the distance between the attachments that the load holds",
+            "`initial.length = \"3.5 in\"` in [actuators.a]",
+        ] {
+            assert!(shown.contains(words), "{words}\n{shown}");
+        }
+        assert!(!shown.contains("equilibrium"), "{shown}");
+    }
+}
+
 /// A mistake in what all actuators share is reported once, where it stands.
 #[test]
 fn a_mistake_of_all_is_one_mistake() {

@@ -310,7 +310,7 @@ proptest! {
         let mut scenario = read(EXAMPLE);
         scenario.load = Load::HangingMass { mass, gravity: -pressure };
         scenario.actuator.turns = turns;
-        scenario.initial.gauge_pressure = pressure;
+        scenario.initial.gauge_pressure = Some(pressure);
         prop_assert_eq!(Scenario::from_str(&scenario.to_toml(), "again.toml"), Ok(scenario));
     }
 }
@@ -343,7 +343,7 @@ fn an_antagonist_is_as_the_agonist_but_for_what_is_said_of_it() {
     let Load::AntagonisticJoint(joint) = &same.load else { panic!("{:?}", same.load) };
     let second = &joint.antagonist;
     assert_eq!((&second.actuator, &second.valve, &second.command), (&same.actuator, &same.valve, &same.command));
-    assert_eq!((&second.tendon, second.gauge_pressure), (&joint.tendon, 1e5));
+    assert_eq!((&second.tendon, second.gauge_pressure), (&joint.tendon, Some(1e5)));
     assert_eq!((joint.min_angle, joint.max_angle), (None, Some(40_f64.to_radians())));
 
     let changed = format!(
@@ -356,7 +356,7 @@ fn an_antagonist_is_as_the_agonist_but_for_what_is_said_of_it() {
     assert_eq!((second.actuator.turns, scenario.actuator.turns), (3.0, 2.5));
     assert_eq!((&second.tendon.arm, &joint.tendon.arm), (&MomentArm::Pulley(0.02), &MomentArm::Pulley(0.015)));
     assert_eq!(second.tendon.rest_length, 0.08382);
-    assert_eq!((second.gauge_pressure, second.supply.map(|supply| supply.gauge_pressure)), (2e5, Some(5e5)));
+    assert_eq!((second.gauge_pressure, second.supply.map(|supply| supply.gauge_pressure)), (Some(2e5), Some(5e5)));
     assert_eq!(second.command, Some(Command::Table { time: vec![0.1], state: vec![CommandState::Fill] }));
     assert_eq!(second.valve, scenario.valve);
 

@@ -386,10 +386,10 @@ fn a_row_of_a_joint_is_what_its_text_says() {
         let second = last.of_antagonist().expect("a joint");
         [last, second].map(|of| (of.initial.gauge_pressure, of.actuator.thread_length, of.actuator.min_length))
     };
-    let long = (2e5, 0.12, 0.12 / 3_f64.sqrt());
+    let long = (Some(2e5), 0.12, 0.12 / 3_f64.sqrt());
     assert_eq!(of(""), [long; 2]);
     let own = "[antagonist]\ninitial.gauge_pressure = \"3 bar\"\nactuator.min_length = \"6 cm\"\n";
-    assert_eq!(of(own), [long, (3e5, 0.12, 0.06)]);
+    assert_eq!(of(own), [long, (Some(3e5), 0.12, 0.06)]);
 }
 
 #[test]
@@ -409,6 +409,93 @@ fn rows_are_joints_all_or_none() {
         document("[sweep.vary]\n\"antagonist.valve.flow_area\" = [\"1 mm^2\"]\n").sweep().expect_err("no joint");
     assert!(found.to_string().contains("[antagonist] has no meaning"), "{found}");
     in_grid("\"antagonist.load.mass\" = [\"1 kg\"]", Class::UnknownKey, 1, &["no path to a key"]);
+}
+
+/// An entry of a list varies as a key does: each row is what its text says, of one actuator and of both of a joint.
+#[test]
+fn entries_of_lists_vary() {
+    let pulses = "kind = \"pwm\"\nfrequency = \"25 Hz\"\nduty = 0.5";
+    let table = "kind = \"table\"\ntime = [\"0 s\", \"50 ms\", \"90 ms\"]\nstate = [\"fill\", \"exhaust\", \"fill\"]";
+    let base = BASE.replace(pulses, table);
+    assert_ne!(base, BASE);
+    let times = ["\"40 ms\"", "\"50 ms\"", "\"70 ms\""].map(str::to_owned);
+    let states = ["\"fill\"", "\"exhaust\"", "\"exhaust\""].map(str::to_owned);
+    let joint = with_joint(&base);
+    let own = format!("{joint}[antagonist]\ncommand.time = [\"0 s\", \"10 ms\", \"80 ms\"]\n");
+    for text in [&base, &joint, &own] {
+        assert!(try_rows(text, "command.time[1]", &times), "{text}");
+        assert!(try_rows(text, "command.state[1]", &states), "{text}");
+    }
+    assert!(try_rows(&own, "antagonist.command.time[1]", &times));
+    let read = |vary: &str| {
+        let text = format!("{base}[sweep.vary]\n{vary}\n");
+        Document::parse(&text, "muscle.toml").expect("TOML").sweep()
+    };
+    // Ranges are for entries too; a row whose times do not rise has no run.
+    let range = read("command.\"time[1]\" = { from = \"60 ms\", to = \"100 ms\", count = 3 }");
+    let range = range.unwrap_or_else(|error| panic!("{error}")).expect("a sweep");
+    for (row, time) in [0.06, 0.08, 0.1].into_iter().enumerate() {
+        assert!((number(&range, 0, row as u64) - time).abs() < 1e-15, "row {row}");
+    }
+    assert_eq!(range.axes()[0].column(), "command_time_1_s");
+    let runs = [0, 1, 2].map(|row| range.scenario(row).expect("a row").experiment().is_ok());
+    assert_eq!(runs, [true, true, false]);
+    for (vary, words) in [
+        ("\"command.time[3]\" = [\"1 s\"]", "`command.time` has 3 entries, and none `[3]`"),
+        ("\"command.time[x]\" = [\"1 s\"]", "none `[x]`"),
+        ("\"pressure.time[0]\" = [\"1 s\"]", "the file has no list `pressure.time`"),
+        ("\"load.mass[0]\" = [\"1 kg\"]", "the file has no list `load.mass`"),
+        ("\"command.time[1]\" = [\"1 kg\"]", "`command.time[1]` is a time"),
+        ("\"command.state[1]\" = [\"fil\"]", "\"fil\" is no choice for `command.state[1]`"),
+        ("\"command.time[1]\" = [\"60 ms\"]\n\"command.time[01]\" = [\"60 ms\"]", "`command.time[01]` varies twice"),
+    ] {
+        let found = read(vary).expect_err(vary).to_string();
+        assert!(found.contains(words), "{words}\n{found}");
+    }
+    // What the scenario has in other units than the file is read from the file alone.
+    let law = "[actuator]\neffectiveness.polynomial = [0.9, 1e-3]\neffectiveness.pressure_unit = \"psi\"\n";
+    let found = document(&format!("{law}[sweep.vary]\n\"actuator.effectiveness.polynomial[1]\" = [1e-3]\n")).sweep();
+    let found = found.expect_err("coefficients").to_string();
+    assert!(found.contains("cannot be set one by one in rows"), "{found}");
+}
+
+/// Entries of lists of a plant, by the names of its parts; a mistake has the path that the file has.
+#[test]
+fn entries_of_lists_of_a_plant_vary() {
+    let arm = std::fs::read_to_string("../../examples/plant/arm.toml").expect("an example");
+    let read =
+        |vary: &str| Document::parse(&format!("{arm}\n[sweep.vary]\n{vary}\n"), "arm.toml").expect("TOML").sweep();
+    let (time, state) = ("actuators.deltoid.command.time[1]", "actuators.deltoid.command.state[1]");
+    let (times, states) = (["\"0.25 s\"", "\"0.35 s\""], ["\"hold\"", "\"exhaust\""]);
+    let vary = format!("\"{time}\" = [{}]\n\"{state}\" = [{}]", times.join(", "), states.join(", "));
+    let sweep = read(&vary).unwrap_or_else(|error| panic!("{error}")).expect("a sweep");
+    let mut seen = Vec::new();
+    for row in 0..4 {
+        let mut document = Document::parse(&arm, "arm.toml").expect("TOML");
+        document.set_text(time, times[row / 2]).expect("an entry");
+        document.set_text(state, states[row % 2]).expect("an entry");
+        let expected = document.plant_experiment().unwrap_or_else(|error| panic!("{error}")).expect("a plant");
+        let found = sweep.plant(row as u64).expect("a plant").unwrap_or_else(|why| panic!("row {row}: {why}"));
+        assert_eq!(found, expected, "row {row}");
+        assert!(!seen.contains(&found), "row {row}");
+        seen.push(found);
+    }
+    for (vary, words) in [
+        ("\"actuators.biceps.command.time[9]\" = [\"1 s\"]", "none `[9]`"),
+        ("\"actuators.flexor.command.time[0]\" = [\"1 s\"]", "the file has no list `actuators.flexor.command.time`"),
+        (
+            "\"mechanism.joints.elbow.damping\" = [\"-1 N*m*s/rad\"]",
+            "`mechanism.joints.elbow.damping` = -1 N*m*s/rad is out of range",
+        ),
+        ("\"mechanism.joints.elbow.damping\" = [\"1 kg\"]", "`mechanism.joints.elbow.damping` is an angular damping"),
+        ("\"mechanism.joints.elbow.inertia\" = \"1 kg*m^2\"", "`\"mechanism.joints.elbow.inertia\" = ["),
+        ("\"actuators.biceps.coupling.arms.elbow\" = [\"1 kg\"]", "write it as in `elbow = "),
+        ("\"supplies.manifold.inlet.flow_area\" = [\"1 kg\"]", "`supplies.manifold.inlet.flow_area` is an area"),
+    ] {
+        let found = read(vary).expect_err(vary).to_string();
+        assert!(found.contains(words), "{words}\n{found}");
+        assert!(!found.contains(".*"), "{found}");
+    }
 }
 
 /// A given least length stays; one that is not given follows the thread, as in a file.
@@ -537,6 +624,14 @@ fn mistakes_of_the_design() {
     design("rows = 12", Class::NotApplicable, (2, 1), &["`sweep.design` = \"grid\"", "latin-hypercube"]);
     design("desing = \"grid\"", Class::UnknownKey, (2, 1), &["did you mean `design`?"]);
     design("reductions = [\"length.finale\"]", Class::InvalidChoice, (2, 15), &["did you mean \"length.final\"?"]);
+    let unknown = "reductions = [\"angel.final\"]";
+    let nearest = ["`mckibben keys sweep.reductions`", "did you mean \"angle.final\"?"];
+    design(unknown, Class::InvalidChoice, (2, 15), &nearest);
+    let found = document(&format!("[sweep]\n{unknown}\n{vary}")).sweep().expect_err("unknown").to_string();
+    // Of one actuator neither a joint's nor a controller's are meant, and only a few are named.
+    assert!(!found.contains("`angle") && !found.contains("_error") && found.len() < 700, "{found}");
+    let twice = "reductions = [\"length.final\", \"air.used\", \"length.final\"]";
+    design(twice, Class::Conflict, (2, 43), &["`length.final` is named twice", "first time"]);
     let error = "reductions = [\"length.final\", \"length_error.rms\"]";
     design(error, Class::NotApplicable, (2, 31), &["of a controller", "command.kind"]);
     design("record = \"samples\"", Class::Missing, (1, 2), &["sample_times"]);
@@ -780,4 +875,31 @@ fn rows_of_plants_leave_out_what_has_no_meaning_under_their_word() {
     let never = laws.replace(", \"tondu-lopez\"", "");
     let found = read(&never).expect_err("no row has it").to_string();
     assert!(found.contains("end_factor") && found.contains("has no meaning"), "{found}");
+}
+
+/// What varies is set from outside by its path, with or without the quotes of the file, whole or in a part of its range.
+#[test]
+fn what_varies_can_be_set_from_outside() {
+    let masses = |file: &str, path: &str, value: &str| {
+        let mut document = document(&format!("[sweep.vary]\n{file}\n"));
+        document.set_plain_from("--set", path, value).unwrap_or_else(|error| panic!("{path}: {error}"));
+        let sweep = document.sweep().unwrap_or_else(|error| panic!("{file}, {path}: {error}")).expect("a sweep");
+        let axis = sweep.axes().iter().position(|axis| axis.path == "load.mass").expect("the mass varies");
+        assert!(sweep.axes().iter().filter(|axis| axis.path == "load.mass").count() == 1);
+        (0..sweep.rows()).map(|row| number(&sweep, axis, row)).collect::<Vec<_>>()
+    };
+    for file in ["\"load.mass\" = [\"1 kg\"]", "load.mass = [\"1 kg\"]", "load = { mass = [\"1 kg\"] }"] {
+        for path in ["sweep.vary.\"load.mass\"", "sweep.vary.'load.mass'", "sweep.vary.load.mass"] {
+            assert_eq!(masses(file, path, "[\"2 kg\", \"3 kg\"]"), [2.0, 3.0], "{file}, {path}");
+        }
+    }
+    let range = "\"load.mass\" = { from = \"1 kg\", to = \"3 kg\", count = 2 }";
+    for path in ["sweep.vary.\"load.mass\".count", "sweep.vary.load.mass.count"] {
+        assert_eq!(masses(range, path, "3"), [1.0, 2.0, 3.0], "{path}");
+    }
+    // What does not vary yet is added.
+    assert_eq!(masses("\"load.mass\" = [\"1 kg\"]", "sweep.vary.\"command.duty\"", "[0.4, 0.6]"), [1.0, 1.0]);
+    let mut unknown = document("[sweep.vary]\n\"load.mass\" = [\"1 kg\"]\n");
+    unknown.set_plain_from("--set", "sweep.vary.\"load.mas\"", "[\"1 kg\"]").expect("a path");
+    assert!(unknown.sweep().expect_err("unknown").to_string().contains("did you mean"));
 }

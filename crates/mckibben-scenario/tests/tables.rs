@@ -314,6 +314,8 @@ fn the_schema_refuses_what_is_plainly_wrong() {
         json!({ "sweep": { "vary": { "load.mass": { "from": "5 lb" } } } }),
         json!({ "sweep": { "vary": { "load.mass": { "normal": { "mean": "5 lb", "deviation": 1 } } } } }),
         json!({ "sweep": { "vary": { "sweep.rows": [1] } } }),
+        json!({ "sweep": { "vary": { "command.time[x]": ["1 s"] } } }),
+        json!({ "sweep": { "vary": { "load.mass[0]": ["5 lb"] } } }),
         json!({ "sweep": { "vary": { "air.process": ["adiabatic"] } } }),
     ];
     for change in bad {
@@ -344,6 +346,9 @@ fn the_schema_accepts_every_way_to_vary() {
         "controller.proportional_band" = { from = "1 mm", to = "9 mm", count = 3 }
         controller.delay = [0, 1]
         controller.length = ["85 mm"]
+        "command.time[1]" = { from = "40 ms", to = "80 ms", count = 3 }
+        command."state[1]" = ["fill", "exhaust"]
+        "antagonist.command.time[0]" = ["1 ms", "2 ms"]
         "initial.length" = ["equilibrium", "3.5 in"]
         "valve.opening_delay" = { normal = { mean = "4 ms", deviation = "0.5 ms" } }
         "valve.efficiency" = { uniform = { from = 0.8, to = 0.9 } }

@@ -80,7 +80,7 @@ pub struct Response<S = f64> {
     pub mass_flow: S,
     /// Temperature of the air in K.
     pub temperature: S,
-    /// Volume of air, braid and hose, in m³.
+    /// Volume of the air in the braid and the external volume, in m³; that of a hose is not in it.
     pub volume: S,
 }
 

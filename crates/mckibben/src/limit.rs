@@ -84,7 +84,7 @@ limits! {
     SAVE_COMMANDS: "a state as numbers", "where more than 64 commands of one valve are on their way",
         "save it by `PlantSteps::save`, set the valve less often, or shorten valve.dead_time";
     COMMON_PERIOD: "settling", "where pulses and sinusoids have no common period of up to a thousand of the fastest pulses",
-        "give valve commands frequencies in a ratio of small whole numbers";
+        "give valve commands, motions and set points frequencies in a ratio of small whole numbers";
     SEGMENTS_JOINT: "a run in segments", "for an antagonistic joint and where actuators have names", "give search.horizon in place of search.segments";
     SEGMENTS_MEMORY: "a run in segments", "for a rig that remembers more than its four states",
         "leave out the air line, the pressure regulator, the tendon or the hysteresis, or run it whole";

@@ -3,13 +3,14 @@
 
 use crate::common::plants::{external, on_a_bottle, requested};
 use crate::common::{ATMOSPHERE, Paper, ROOM, assert_close, assert_within, bisect};
+use mckibben::friction::{BoucWen, Hysteresis, MaxwellSlip};
 use mckibben::load::SeriesTendon;
 use mckibben::mechanism::{Coupling, Mechanism};
 use mckibben::network::{Network, NodeKind};
 use mckibben::plant::{InitialAir, Mounted, Plant, PlantRun, PlantStart, PlantSteps};
-use mckibben::simulation::Method;
+use mckibben::simulation::{Method, PressureSeries};
 use mckibben::valve::Request;
-use mckibben::{Error, GaugePressure};
+use mckibben::{Error, GaugePressure, Response};
 
 const STIFFNESS: f64 = 2e4;
 const REST: f64 = 0.05;
@@ -52,6 +53,40 @@ fn on_tendon(viscous: f64, coulomb: f64) -> (Paper, PlantSteps, f64) {
 
 fn length(steps: &PlantSteps) -> f64 {
     steps.sample().actuators[0].length
+}
+
+/// What is computed with the ends elsewhere is what a straight move there leads to, for friction whose memory knows no time: back
+/// beyond where it turned, on past it, and then standing or turning there.
+#[test]
+fn hysteresis_elsewhere_is_that_after_a_move_there() {
+    let slip = MaxwellSlip::new(&[1e-4, 4e-4, 1e-3], &[0.2, 0.3, 0.1]).expect("elements");
+    let bouc_wen = BoucWen::new(3.5e-4, 2000.0, 1000.0).expect("a hysteresis");
+    for hysteresis in [Hysteresis::MaxwellSlip(slip), Hysteresis::BoucWen(bouc_wen)] {
+        let paper = Paper::sealed().friction(0.0, 1e-4).gauge(3e5).from(0.085, 0.0);
+        let paper = paper.with(|rig| rig.hysteresis = Some(hysteresis.clone()));
+        let (plant, start) = sealed(std::slice::from_ref(&paper), None, external(1));
+        let mut mounted = plant.actuators().to_vec();
+        mounted[0].pressure = PressureSeries::new(&[0.0], &[3e5]).ok();
+        let plant = Plant::new(mounted, plant.network().clone(), vec![external(1)]).expect("a plant");
+        for before in [0.085, 0.0853, 0.0848] {
+            let mut here = steps(&plant, &start);
+            here.move_to(0.1, &[before]).expect("a step");
+            for target in [0.0835, 0.0845, 0.08495, 0.0851, 0.0854, 0.086] {
+                let mut moved = here.clone();
+                moved.move_to(0.2, &[target]).expect("a step");
+                for rate in [-0.01, 0.0, 0.01] {
+                    let [mut expected, mut found] = [[Response::default()]; 2];
+                    moved.compute_at(&[target], &[rate], &mut expected).expect("a response");
+                    here.compute_at(&[target], &[rate], &mut found).expect("a response");
+                    let [expected, found] = [expected[0].tension, found[0].tension];
+                    assert!(
+                        (found - expected).abs() < 1e-6 * expected,
+                        "{before} to {target} at {rate}: {found} for {expected}"
+                    );
+                }
+            }
+        }
+    }
 }
 
 /// The tension is the law's, and its derivatives are differences of the law; the sealed air follows `P V^γ`.

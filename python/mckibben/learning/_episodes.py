@@ -245,7 +245,10 @@ class Episodes:
             raise InputError(f"actions: {first(given, ~finite)} is no finite number; give {self._lowest():g} to 1")
         # The plants read them in place, whatever the layout of what was given.
         commands = np.clip(np.ascontiguousarray(given, dtype=np.float64), self._lowest(), 1.0)
-        return commands * self.options.max_pressure if self.options.action_mode == "set-point" else commands
+        if self.options.action_mode != "set-point":
+            return commands
+        _, highest = self.plants.command_range
+        return np.minimum(commands * self.options.max_pressure, highest)
 
     def targets(self, place: int) -> dict[str, float]:
         """Return the targets of the episode of a plant in SI, by their columns."""

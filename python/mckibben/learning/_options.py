@@ -25,7 +25,7 @@ class Options:
 
     `action_mode` is the meaning of an action for each valve: "duty" (a duty cycle, 0 to 1), "request" (the number of exhaust, hold or
     fill among those that the valve takes), "position" of a proportional spool (-1 to 1) or "set-point" of a pressure
-    regulator (0 to 1 of `max_pressure` in Pa gauge). A number beyond these bounds counts as the bound; one that is not
+    regulator (0 to 1 of `max_pressure` in Pa gauge, at most what feeds it). A number beyond these bounds counts as the bound; one that is not
     finite, and a request that the valve does not take, is an `InputError`.
 
     `control_period` is the duration of an action in s. By default every action takes effect within it: a duty cycle holds for

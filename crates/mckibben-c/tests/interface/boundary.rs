@@ -111,6 +111,165 @@ fn a_state_is_saved_copied_and_left() {
     }
 }
 
+/// A reset returns to where the plant began, and a copy to where the copied plant did.
+#[test]
+fn a_reset_returns_to_where_the_plant_began() {
+    let plant = muscle();
+    let (began, rate) = (0.0905, 0.0);
+    let place = |plant: *const Plant| {
+        let mut place = [f64::NAN; 2];
+        let [time, distance] = &mut place;
+        unsafe {
+            assert_eq!(mckibben_time(plant, time), Status::Ok);
+            assert_eq!(mckibben_distances(plant, distance, 1), Status::Ok);
+        }
+        place
+    };
+    let step = |until: f64| {
+        let distance = 0.0895;
+        assert_eq!(unsafe { mckibben_advance(plant.0, until, &raw const distance, 1) }, Status::Ok, "{}", last_error());
+    };
+    step(1e-3);
+    let mut copy = null_mut();
+    unsafe {
+        assert_eq!(mckibben_plant_clone(plant.0, &raw mut copy), Status::Ok);
+        let copy = Owned(copy);
+        assert_eq!(place(copy.0), [1e-3, 0.0895]);
+        assert_eq!(mckibben_reset(copy.0), Status::Ok);
+        assert_eq!(place(copy.0), [0.0, 0.09]);
+        assert_eq!(mckibben_begin_at(plant.0, &raw const began, &raw const rate, 1), Status::Ok, "{}", last_error());
+        step(1e-3);
+        assert_eq!(mckibben_reset(plant.0), Status::Ok);
+        assert_eq!(place(plant.0), [0.0, began]);
+    }
+}
+
+/// A step into the past is refused with either motion, and the message has both times.
+#[test]
+fn a_step_into_the_past_is_refused() {
+    for motion in [Motion::Host, Motion::Scenario] {
+        let plant = read(MUSCLE, &options(motion));
+        let (d, mut time) = (0.09, f64::NAN);
+        unsafe {
+            let given = if mckibben_distance_count(plant.0) == 0 { null() } else { &raw const d };
+            let count = mckibben_distance_count(plant.0);
+            assert_eq!(mckibben_advance(plant.0, 2e-3, given, count), Status::Ok, "{}", last_error());
+            for past in [1.5e-3, -1.0, f64::NEG_INFINITY] {
+                assert_eq!(mckibben_advance(plant.0, past, given, count), Status::Input, "{past} s: {}", last_error());
+                assert!(last_error().contains(&format!("a step to {past:?} s")), "{}", last_error());
+                assert!(past.is_infinite() || last_error().contains("is at 0.002 s"), "{}", last_error());
+            }
+            assert_eq!(mckibben_time(plant.0, &raw mut time), Status::Ok);
+            assert_eq!(time, 2e-3);
+            // Where the scenario moves, there is nothing to do up to the present.
+            let due = if motion == Motion::Scenario { Status::Ok } else { Status::Input };
+            assert_eq!(mckibben_advance(plant.0, 2e-3, given, count), due);
+        }
+    }
+}
+
+/// A valve accepts the numbers that it can be commanded, and no others.
+#[test]
+fn what_a_valve_accepts_is_what_it_can_be_commanded() {
+    for (kind, requests) in [
+        ("two-way", &[0.0, 1.0] as &[f64]),
+        ("three-way", &[-1.0, 1.0]),
+        ("three-way-normally-open", &[-1.0, 1.0]),
+        ("fill-hold-exhaust", &[-1.0, 0.0, 1.0]),
+    ] {
+        let of_kind = MUSCLE.replace("[command]", &format!("kind = \"{kind}\"\n[command]"));
+        for (mode, due) in [(c"request", requests), (c"duty", &[0.0, 0.5, 1.0])] {
+            let options = Options { command_mode: mode.as_ptr(), ..options(Motion::Host) };
+            let plant = read(&of_kind, &options);
+            for number in [-1.0, -0.5, 0.0, 0.5, 1.0, 2.0, f64::NAN, f64::INFINITY] {
+                let mut accepts = -1;
+                unsafe {
+                    assert_eq!(mckibben_command_accepts(plant.0, 0, number, &raw mut accepts), Status::Ok);
+                    assert_eq!(accepts == 1, due.contains(&number), "{kind}, {mode:?}: {number}");
+                    assert_eq!(mckibben_command(plant.0, 0, number) == Status::Ok, accepts == 1, "{kind}: {number}");
+                }
+                assert!(matches!(accepts, 0 | 1));
+            }
+        }
+    }
+    let (plant, mut accepts) = (muscle(), 7);
+    unsafe {
+        assert_eq!(mckibben_command_accepts(plant.0, 1, 0.0, &raw mut accepts), Status::Input);
+        assert!(last_error().contains("no command 1"), "{}", last_error());
+        assert_eq!(mckibben_command_accepts(plant.0, 0, 0.0, null_mut()), Status::Pointer);
+        assert_eq!(mckibben_command_accepts(null(), 0, 0.0, &raw mut accepts), Status::Pointer);
+    }
+    assert_eq!(accepts, 7, "nothing is written where the call is refused");
+}
+
+/// A duty cycle takes effect at the next pulse of the plant's clock, and a valve rests before its first command.
+#[test]
+fn a_duty_cycle_waits_for_the_next_pulse() {
+    let three_way = MUSCLE.replace("[command]", "kind = \"three-way\"\n[command]");
+    let plant = read(&three_way, &options(Motion::Host));
+    let mut step = |until: f64| {
+        let distance = 0.09;
+        assert_eq!(unsafe { mckibben_advance(plant.0, until, &raw const distance, 1) }, Status::Ok, "{}", last_error());
+        output(&plant, c"actuator.gauge_pressure")
+    };
+    // The three-way valve exhausts.
+    let [begin, rested] = [0.001, 0.01].map(&mut step);
+    assert!(rested < 0.9 * begin, "{begin} Pa to {rested} Pa");
+    assert_eq!(unsafe { mckibben_command(plant.0, 0, 1.0) }, Status::Ok);
+    // Pulses are 40 ms apart; the valve opens 4 ms after a pulse begins.
+    let [waiting, before, filled] = [0.02, 0.04, 0.07].map(&mut step);
+    assert!(before < waiting && waiting < rested, "{rested} Pa, {waiting} Pa, {before} Pa");
+    assert!(filled > before + 1e4, "{before} Pa to {filled} Pa");
+}
+
+/// A state with more commands on their way than it has numbers for names the call that copies it.
+#[test]
+fn a_state_that_has_no_numbers_is_copied_by_a_clone() {
+    let late = MUSCLE.replace("[command]", "dead_time = \"100 ms\"\n[command]");
+    let plant = read(&late, &Options { command_mode: c"request".as_ptr(), ..options(Motion::Host) });
+    let mut numbers = vec![0.0; unsafe { mckibben_state_size(plant.0) }];
+    let (distance, mut copy) = (0.09, null_mut());
+    let saved: Vec<Status> = (1..=80_u32)
+        .map(|k| unsafe {
+            assert_eq!(mckibben_command(plant.0, 0, if k % 2 == 0 { 1.0 } else { -1.0 }), Status::Ok);
+            assert_eq!(mckibben_advance(plant.0, f64::from(k) * 1e-3, &raw const distance, 1), Status::Ok);
+            mckibben_save(plant.0, numbers.as_mut_ptr(), numbers.len())
+        })
+        .collect();
+    assert_eq!((saved[59], saved[79]), (Status::Ok, Status::Input), "{}", last_error());
+    assert!(last_error().contains("mckibben_plant_clone") && last_error().contains("64"), "{}", last_error());
+    assert!(!last_error().contains("PlantSteps"), "{}", last_error());
+    assert_eq!(unsafe { mckibben_plant_clone(plant.0, &raw mut copy) }, Status::Ok);
+    let copy = Owned(copy);
+    let ends = [&plant, &copy].map(|its| unsafe {
+        assert_eq!(mckibben_advance(its.0, 0.25, &raw const distance, 1), Status::Ok);
+        output(its, c"actuator.gauge_pressure").to_bits()
+    });
+    assert_eq!(ends[0], ends[1]);
+}
+
+/// Names of commands: the actuator, and the mode with an underscore.
+#[test]
+fn the_name_of_a_command_has_its_actuator_and_its_mode() {
+    let valves = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/valves");
+    for (file, due) in [
+        ("pressure-regulator.toml", ["actuator.set_point", "set-point", "Pa"]),
+        ("proportional-spool.toml", ["actuator.position", "position", ""]),
+    ] {
+        let (path, mut plant) = (valves.join(file).display().to_string(), null_mut());
+        let path = std::ffi::CString::new(path).expect("a path");
+        let mut info = MaybeUninit::<CommandInfo>::uninit();
+        unsafe {
+            let read = mckibben_plant_from_file(path.as_ptr(), null(), &raw mut plant);
+            assert_eq!(read, Status::Ok, "{}", last_error());
+            let plant = Owned(plant);
+            assert_eq!(mckibben_command_describe(plant.0, 0, info.as_mut_ptr()), Status::Ok);
+            let info = info.assume_init();
+            assert_eq!([text(info.name), text(info.mode), text(info.unit)], due);
+        }
+    }
+}
+
 /// A call that is refused returns its status and says why, and the plant stays as it was.
 #[test]
 fn wrong_use_is_refused_and_changes_nothing() {
@@ -136,7 +295,7 @@ fn wrong_use_is_refused_and_changes_nothing() {
         refused(mckibben_advance(plant.0, 1e-3, d.as_ptr(), 2), Status::Count, "mckibben_distance_count");
         refused(mckibben_advance(plant.0, 1e-3, d.as_ptr(), usize::MAX), Status::Count, "more than memory can hold");
         refused(mckibben_advance(plant.0, 1e-3, &raw const nan, 1), Status::Input, "NaN");
-        refused(mckibben_advance(plant.0, -1.0, d.as_ptr(), 1), Status::Input, "later");
+        refused(mckibben_advance(plant.0, -1.0, d.as_ptr(), 1), Status::Input, "-1.0 s");
         refused(mckibben_advance(plant.0, nan, d.as_ptr(), 1), Status::Input, "");
         refused(mckibben_compute(plant.0, d.as_ptr(), null(), 1, two.as_mut_ptr(), 1), Status::Pointer, "`rates`");
         refused(mckibben_compute(plant.0, d.as_ptr(), d.as_ptr(), 1, two.as_mut_ptr(), 2), Status::Count, "responses");
@@ -168,6 +327,12 @@ fn wrong_use_is_refused_and_changes_nothing() {
     }
 }
 
+/// A scenario with a pressure regulator.
+fn regulating() -> std::ffi::CString {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/valves/pressure-regulator.toml");
+    std::ffi::CString::new(std::fs::read(path).expect("the example")).expect("text")
+}
+
 /// A mistake in a scenario is shown in it; `*plant` is then NULL.
 #[test]
 fn a_plant_that_cannot_be_read_is_none() {
@@ -195,7 +360,11 @@ fn a_plant_that_cannot_be_read_is_none() {
     ] {
         let wrong = Options { motion, command_mode: mode, pulse_frequency: frequency, max_step: step };
         refused(good.as_ptr(), &raw const wrong, "help", Status::Input);
+        assert!(last_error().contains("options."), "an option has its name in C: {}", last_error());
+        assert!(!last_error().contains("_mode=\""), "{}", last_error());
     }
+    let (regulates, duty) = (regulating(), Options { command_mode: c"duty".as_ptr(), ..mode });
+    refused(regulates.as_ptr(), &raw const duty, "options.command_mode = \"set-point\", NULL for each", Status::Input);
     unsafe {
         assert_eq!(mckibben_plant_from_text(good.as_ptr(), null(), null(), null_mut()), Status::Pointer);
         let mut plant = null_mut();

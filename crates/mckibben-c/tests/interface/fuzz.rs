@@ -309,6 +309,8 @@ fn call(random: &mut Random, seen: &mut Seen, plant: *mut Plant, saved: &mut Vec
             12 => {
                 let (mut info, index) = (std::mem::MaybeUninit::uninit(), random.below(40));
                 mckibben_actuator_name(its, index);
+                let (number, mut accepts) = (random.number(1.0), 0);
+                mckibben_command_accepts(its, random.below(9), number, random.pointer(&raw mut accepts));
                 mckibben_output_describe(its, index, random.pointer(info.as_mut_ptr()))
             }
             _ => {

@@ -2,7 +2,7 @@
 
 use super::common::{MUSCLE, Owned, last_error, muscle, options, read};
 use mckibben_c::many::*;
-use mckibben_c::plant::{Motion, Plant, mckibben_output_count, mckibben_state_size};
+use mckibben_c::plant::{Motion, Options, Plant, mckibben_output_count, mckibben_state_size};
 use mckibben_c::status::Status;
 use mckibben_c::step::*;
 use std::ptr::{null, null_mut};
@@ -144,6 +144,7 @@ fn wrong_arguments_are_refused() {
     let [one, other, none]: [*const Plant; 3] = [plant.0, whole.0, null()];
     assert_eq!(make([one, other].as_ptr(), 2), Status::Input, "{}", last_error());
     assert_eq!(make([one, none].as_ptr(), 2), Status::Pointer);
+    assert!(last_error().contains("`plants[1]` is NULL"), "{}", last_error());
     assert_eq!(make(null(), 2), Status::Pointer);
     assert_eq!(make([one].as_ptr(), usize::MAX), Status::Count);
     assert_eq!(make(null(), 0), Status::Input);
@@ -181,4 +182,85 @@ fn wrong_arguments_are_refused() {
     let by_itself = Step { distances: null(), distance_count: 0, ..its };
     assert_eq!(go(scenario.0, &raw const by_itself), Status::Ok, "{}", last_error());
     assert_eq!(statuses, [Status::Ok; 3]);
+}
+
+/// A time in the past is refused with either motion, and no plant moves.
+#[test]
+fn a_step_into_the_past_is_refused() {
+    for motion in [Motion::Host, Motion::Scenario] {
+        let plant = read(MUSCLE, &options(motion));
+        let (together, numbers) = (batch(&[plant.0.cast_const(); 3], 0), [0.09; 3]);
+        let go = |until: f64| unsafe {
+            let step = match motion {
+                Motion::Host => step(until, &numbers),
+                Motion::Scenario => Step { distances: null(), distance_count: 0, ..step(until, &numbers) },
+            };
+            mckibben_batch_step(together.0, &raw const step, null_mut())
+        };
+        assert_eq!(go(2e-3), Status::Ok, "{}", last_error());
+        let before = state_in(&together, 1);
+        assert_eq!(go(1e-3), Status::Input);
+        assert!(last_error().contains("0.001 s") && last_error().contains("0.002 s"), "{}", last_error());
+        assert_eq!(state_in(&together, 1), before);
+        assert_eq!(go(3e-3), Status::Ok, "{}", last_error());
+        assert_ne!(state_in(&together, 1), before);
+    }
+}
+
+/// Plants go together that differ in numbers; what else must agree.
+#[test]
+fn plants_of_a_batch_agree_in_what_the_header_says() {
+    let slow = Options { pulse_frequency: 20.0, ..options(Motion::Host) };
+    let short = |motion| Options { max_step: 4e-4, ..options(motion) };
+    let requests = |motion| Options { command_mode: c"request".as_ptr(), ..options(motion) };
+    let (host, scenario) = (options(Motion::Host), options(Motion::Scenario));
+    let step = MUSCLE.replace("0.5 ms", "0.4 ms");
+    let (mass, pulses) = (MUSCLE.replace("5 lb", "6 lb"), MUSCLE.replace("25 Hz", "20 Hz"));
+    let late = |time: &str| MUSCLE.replace("[command]", &format!("dead_time = \"{time}\"\n[command]"));
+    for (one, other, options, goes) in [
+        (MUSCLE, &mass, [host, host], true),
+        (MUSCLE, &mass, [scenario, scenario], true),
+        // The host's motion does not use the scenario's step.
+        (MUSCLE, &step, [host, host], true),
+        (MUSCLE, &step, [scenario, scenario], false),
+        (MUSCLE, &step, [short(Motion::Scenario); 2], true),
+        (MUSCLE, &MUSCLE.to_owned(), [host, short(Motion::Host)], false),
+        (MUSCLE, &pulses, [host, host], false),
+        (MUSCLE, &pulses, [slow, slow], true),
+        (MUSCLE, &pulses, [requests(Motion::Host); 2], true),
+        (MUSCLE, &late("2 ms"), [host, host], false),
+        (&late("1 ms"), &late("2 ms"), [host, host], true),
+    ] {
+        let plants = [read(one, &options[0]), read(other, &options[1])];
+        let (handles, mut made) = (plants.each_ref().map(|plant| plant.0.cast_const()), null_mut());
+        let status = unsafe { mckibben_batch_from_plants(handles.as_ptr(), 2, 0, &raw mut made) };
+        unsafe { mckibben_batch_free(made) };
+        assert_eq!(status == Status::Ok, goes, "{options:?}: {}\n{other}", last_error());
+    }
+}
+
+/// A plant that is copied out of a batch returns to where it began: the scenario's start, or where it began again in the batch.
+#[test]
+fn a_copy_out_of_a_batch_returns_to_where_its_plant_began() {
+    let plant = muscle();
+    let (together, rate, began) = (batch(&[plant.0.cast_const(); 2], 0), 0.0, 0.0895);
+    let go = |until: f64| {
+        let step = step(until, &[0.0898, 0.0898]);
+        assert_eq!(unsafe { mckibben_batch_step(together.0, &raw const step, null_mut()) }, Status::Ok);
+    };
+    go(1e-3);
+    let begun = unsafe { mckibben_batch_begin_at(together.0, 1, &raw const began, &raw const rate, 1) };
+    assert_eq!(begun, Status::Ok, "{}", last_error());
+    go(2e-3);
+    for (index, due) in [(0, [0.0, 0.09]), (1, [1e-3, began])] {
+        let (mut copy, mut time, mut distance) = (null_mut(), f64::NAN, f64::NAN);
+        unsafe {
+            assert_eq!(mckibben_batch_plant(together.0, index, &raw mut copy), Status::Ok, "{}", last_error());
+            let copy = Owned(copy);
+            assert_eq!(mckibben_reset(copy.0), Status::Ok);
+            assert_eq!(mckibben_time(copy.0, &raw mut time), Status::Ok);
+            assert_eq!(mckibben_distances(copy.0, &raw mut distance, 1), Status::Ok);
+        }
+        assert_eq!([time, distance], due, "plant {index}");
+    }
 }

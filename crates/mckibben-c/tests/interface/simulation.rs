@@ -1,6 +1,7 @@
 //! Whole runs.
 
-use super::common::{MUSCLE, last_error, text};
+use super::common::{MUSCLE, last_error, options, read, text};
+use mckibben_c::plant::*;
 use mckibben_c::simulation::*;
 use mckibben_c::status::Status;
 use mckibben_run::record::Values;
@@ -55,6 +56,47 @@ fn a_run_has_the_columns_of_one_in_rust() {
         assert!(mckibben_run_word(null(), 0, 0).is_null());
         mckibben_run_free(run);
         mckibben_run_free(null_mut());
+    }
+}
+
+/// Outputs are the columns of a run that are numbers, without the time and set points, then contractions; under the names of parts.
+#[test]
+fn outputs_are_columns_under_the_names_of_parts() {
+    let examples = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
+    let regulator = std::fs::read_to_string(examples.join("valves/pressure-regulator.toml")).expect("the example");
+    let joint = std::fs::read_to_string(examples.join("valves/five-way-joint.toml")).expect("the example");
+    let joint = joint.replace("[run]", "[run]\nstep = \"0.5 ms\"");
+    for (scenario, parts) in [
+        (MUSCLE, [("actuator.", "")].as_slice()),
+        (&regulator, &[("actuator.", "")]),
+        (&joint, &[("agonist.", ""), ("antagonist.", "antagonist_"), ("joint.", "")]),
+    ] {
+        // Only the joint moves itself, so that its angle is an output.
+        let motion = if parts.len() == 1 { Motion::Host } else { Motion::Scenario };
+        let plant = read(scenario, &options(motion));
+        let document = Document::parse(scenario, "scenario.toml").expect("TOML");
+        let finished = Ready::of(&document).and_then(|ready| ready.run(&document, End::Duration, &mut |_| Ok(())));
+        let columns = finished.expect("an end").0.columns().expect("columns");
+        let numbers = columns.iter().filter(|column| matches!(column.values, Values::Numbers(_)));
+        let mut expected: Vec<&str> = numbers.map(|column| column.name.as_str()).collect();
+        assert_eq!(expected.remove(0), "time_s");
+        expected.retain(|name| !name.starts_with("set_point"));
+        for index in 0..unsafe { mckibben_output_count(plant.0) } {
+            let mut info = MaybeUninit::<OutputInfo>::uninit();
+            assert_eq!(unsafe { mckibben_output_describe(plant.0, index, info.as_mut_ptr()) }, Status::Ok);
+            let info = unsafe { info.assume_init() };
+            let (name, unit) = (text(info.name), text(info.unit));
+            if name.ends_with(".contraction") {
+                assert_eq!(unit, "");
+                continue;
+            }
+            let (part, column) = parts.iter().find(|(part, _)| name.starts_with(part)).expect("a part");
+            let ending = unit.to_lowercase().replace(['/', '*'], "_");
+            let due = format!("{column}{}_{ending}", &name[part.len()..]);
+            let place = expected.iter().position(|its| *its == due).unwrap_or_else(|| panic!("{name} [{unit}]: {due}"));
+            expected.remove(place);
+        }
+        assert!(expected.is_empty(), "columns that are no outputs: {expected:?}");
     }
 }
 

@@ -89,6 +89,17 @@ fn the_node_keeps_its_rate() {
     assert!(after(&printed, "shoulder ") > 0.01, "{printed}");
 }
 
+/// Three-way valves cannot hold: the node commands them numbers that they accept.
+#[test]
+fn the_node_commands_what_valves_of_two_positions_accept() {
+    let text = std::fs::read_to_string(arm()).expect("the example");
+    let text = text.replace("\"fill-hold-exhaust\"", "\"three-way\"").replace("\"hold\"", "\"exhaust\"");
+    let scenario = scratch("three-way").join("arm.toml");
+    std::fs::write(&scenario, text).expect("a file");
+    let done = Command::new(built("ros2_node.cpp", "three-way", &[])).arg(scenario).output().expect("the node");
+    assert!(done.status.success() && done.stderr.is_empty(), "{}", String::from_utf8_lossy(&done.stderr));
+}
+
 #[test]
 fn the_examples_run_under_valgrind() {
     for source in SOURCES {

@@ -17,10 +17,13 @@ fn installed(name: &str) -> PathBuf {
     }
     copy(&here().join("include/mckibben.h"), "include/mckibben.h");
     copy(&here().join("package/mckibben-config.cmake"), "lib/cmake/mckibben/mckibben-config.cmake");
-    let template = std::fs::read_to_string(here().join("package/mckibben.pc.in")).expect("a template");
-    std::fs::create_dir_all(prefix.join("lib/pkgconfig")).expect("a folder");
-    let due = template.replace("@VERSION@", env!("CARGO_PKG_VERSION"));
-    std::fs::write(prefix.join("lib/pkgconfig/mckibben.pc"), due).expect("a file");
+    for (file, to) in [("mckibben.pc", "lib/pkgconfig"), ("mckibben-config-version.cmake", "lib/cmake/mckibben")] {
+        let template = here().join(format!("package/{file}.in"));
+        let template = std::fs::read_to_string(template).expect("a template");
+        std::fs::create_dir_all(prefix.join(to)).expect("a folder");
+        let due = template.replace("@VERSION@", env!("CARGO_PKG_VERSION"));
+        std::fs::write(prefix.join(to).join(file), due).expect("a file");
+    }
     prefix
 }
 
@@ -41,13 +44,40 @@ fn pkg_config_finds_the_library() {
     assert!(run(&mut Command::new(prefix.join("program"))).starts_with("length 0.0"));
 }
 
+/// A program that was linked to the library by its path finds it elsewhere, by its name.
+#[test]
+fn a_program_finds_the_library_by_its_name() {
+    let prefix = installed("name");
+    let (here, there) = (prefix.join("lib"), prefix.join("moved"));
+    let path = here.join("libmckibben_c.so").display().to_string();
+    compile("hanging_mass.c", &prefix.join("program"), &[&path]);
+    std::fs::rename(&here, &there).expect("a folder");
+    let mut program = Command::new(prefix.join("program"));
+    assert!(run(program.env("LD_LIBRARY_PATH", &there)).starts_with("length 0.0"));
+}
+
 #[test]
 fn cmake_finds_the_library() {
     let prefix = installed("cmake");
+    let version = env!("CARGO_PKG_VERSION");
+    let numbers = [env!("CARGO_PKG_VERSION_MAJOR"), env!("CARGO_PKG_VERSION_MINOR"), env!("CARGO_PKG_VERSION_PATCH")];
+    let [major, minor, patch] = numbers.map(|number| number.parse::<u32>().expect("a number"));
+    let series = format!("{major}.{minor}");
+    // Later ones, and of another major number.
+    let other = format!("{series}.{} {major}.{} {}", patch + 1, minor + 1, major + 1);
     let project = format!(
         "cmake_minimum_required(VERSION 3.13)\n\
          project(arm C CXX)\n\
-         find_package(mckibben REQUIRED)\n\
+         foreach(other {other})\n\
+             find_package(mckibben ${{other}} QUIET)\n\
+             if(mckibben_FOUND)\n\
+                 message(FATAL_ERROR \"{version} is taken for ${{other}}\")\n\
+             endif()\n\
+         endforeach()\n\
+         find_package(mckibben {series} REQUIRED)\n\
+         if(NOT mckibben_VERSION STREQUAL \"{version}\")\n\
+             message(FATAL_ERROR \"${{mckibben_VERSION}} is found for {version}\")\n\
+         endif()\n\
          add_executable(arm {0}/arm.cpp)\n\
          target_link_libraries(arm PRIVATE mckibben::mckibben)\n\
          add_executable(mass {0}/hanging_mass.c)\n\

@@ -5,7 +5,7 @@ use crate::terminal::{self, GOOD, styled};
 use crate::{describe, files, warnings};
 use mckibben_run::engine;
 use mckibben_run::failure::Failure;
-use mckibben_run::quantities::{count, given};
+use mckibben_run::quantities::{counted, given};
 use mckibben_run::run::Ready;
 use mckibben_run::warnings::Warning;
 use mckibben_scenario::diagnostic::Class;
@@ -45,8 +45,9 @@ pub fn run(arguments: &CheckArguments) -> Result<(), Failure> {
     let (mut wrong, mut mistakes, mut warned) = (0, 0, 0);
     for path in &arguments.files {
         match check(path, &arguments.set) {
-            Ok((summary, found)) => {
+            Ok((summary, found, note)) => {
                 let file = path.display().to_string();
+                note.iter().for_each(|note| terminal::print_error(note));
                 found.iter().for_each(|one| terminal::print_error(&warnings::line(one, &file)));
                 if arguments.strict && !found.is_empty() {
                     wrong += 1;
@@ -73,14 +74,17 @@ pub fn run(arguments: &CheckArguments) -> Result<(), Failure> {
     Err(Failure::input(format!("{of_how_many}, {}", counts.join(" and ")), "mend what is shown above and check again"))
 }
 
-/// Reads a file, sets values and builds what it describes; a few words about it with its warnings, or its mistakes.
-fn check(path: &Path, set: &[Setting]) -> Result<(String, Vec<Warning>), Vec<Diagnostic>> {
+/// Reads a file, sets values and builds what it describes; a few words about it with its warnings and a note, or its mistakes.
+fn check(path: &Path, set: &[Setting]) -> Result<(String, Vec<Warning>, Option<String>), Vec<Diagnostic>> {
     let mut document = files::document(path).map_err(listed)?;
     set.iter().try_for_each(|setting| setting.set_in(&mut document)).map_err(listed)?;
     let summary = words(&document)?;
     // A scenario that the sweep completes describes nothing without it.
-    let found = Ready::of(&document).map(|ready| ready.warnings()).unwrap_or_default();
-    Ok((summary, found))
+    let ready = Ready::of(&document).ok();
+    let found = ready.as_ref().map(Ready::warnings).unwrap_or_default();
+    let file = path.display().to_string();
+    let note = ready.and_then(|ready| warnings::idle_steps(&document, ready.plan().engine, &file));
+    Ok((summary, found, note))
 }
 
 fn listed(found: Diagnostics) -> Vec<Diagnostic> {
@@ -129,8 +133,8 @@ fn words(document: &Document) -> Result<String, Vec<Diagnostic>> {
 
 fn summary_of_scenario(scenario: &Scenario) -> String {
     let (load, drive) = (describe::load(&scenario.load), describe::drive(scenario));
-    let (duration, rows) = (given(scenario.run.duration, "s"), count(engine::rows(&scenario.run)));
-    format!("{load}; {drive}; {duration}, {rows} samples")
+    let (duration, samples) = (given(scenario.run.duration, "s"), counted(engine::rows(&scenario.run), "sample"));
+    format!("{load}; {drive}; {duration}, {samples}")
 }
 
 /// The braids of the file, each on a line.
@@ -141,13 +145,13 @@ fn braids(document: &Document) -> String {
 
 fn summary_of_plant(plant: &PlantExperiment) -> String {
     let actuators = plant.names.actuators.join(", ");
-    let (duration, rows) = (given(plant.run.duration, "s"), count(engine::rows(&plant.run)));
-    format!("a plant of {actuators}; {duration}, {rows} samples")
+    let (duration, samples) = (given(plant.run.duration, "s"), counted(engine::rows(&plant.run), "sample"));
+    format!("a plant of {actuators}; {duration}, {samples}")
 }
 
 fn sweep_summary(sweep: &Sweep) -> String {
     let varied: Vec<&str> = sweep.axes().iter().map(|axis| axis.path.as_str()).collect();
-    format!("sweep of {} runs over {} ({})", count(sweep.rows()), varied.join(", "), sweep.design().name())
+    format!("sweep of {} over {} ({})", counted(sweep.rows(), "run"), varied.join(", "), sweep.design().name())
 }
 
 fn plural(mistakes: usize) -> String {

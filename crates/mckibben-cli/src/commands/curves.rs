@@ -30,7 +30,7 @@ pub struct CurvesArguments {
     pub files: Vec<PathBuf>,
     /// Gauge pressures, as in `35,45,55psi`; a number without a unit has that of the next. Without it, round ones up to the greatest of
     /// the scenario: that of its supply, its given pressure or its start.
-    #[arg(long, value_name = "LIST")]
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     pub gauge_pressures: Option<Pressures>,
     /// Write the curves as a table: .csv.
     #[arg(short, long, value_name = "FILE")]

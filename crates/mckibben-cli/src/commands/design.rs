@@ -3,7 +3,7 @@
 //! Everything is done by [`mckibben_run::design`]. Checked by `tests/design.rs`.
 
 use crate::settings::Setting;
-use crate::{files, interrupt, terminal};
+use crate::{files, interrupt, terminal, warnings};
 use mckibben_run::design::constraint::Constraint;
 use mckibben_run::design::outcome::Outcome;
 use mckibben_run::design::vary::Vary;
@@ -36,7 +36,7 @@ and .max, and so of every column.
 
 The search screens the ranges on all cores and goes on from the best points by COBYLA, which needs no derivatives. It is
 deterministic, and equal on any number of cores. It finds a local optimum. A run that fails counts as infeasible. A
-constraint is met to a millionth of its bound.
+constraint is met to a millionth of its bound. The warnings of the run at the best point are printed, as by `simulate`.
 
 Exit codes:
   0  done
@@ -155,5 +155,6 @@ fn found(outcome: &Outcome) -> String {
             text.push_str(&format!("\n{}", table.to_text_within(wide)));
         }
     }
+    text.push_str(&warnings::section(outcome.warnings()));
     text
 }

@@ -6,6 +6,7 @@ use crate::files;
 use crate::settings::Setting;
 use crate::terminal;
 use clap::ValueEnum;
+use mckibben_fmu::description::left_out;
 use mckibben_fmu::export::{Library, write_fmu};
 use mckibben_fmu::model::Model;
 use mckibben_fmu::options::{Interfaces, UnitOptions, Version};
@@ -29,6 +30,9 @@ The unit:
   output. With --motion scenario loads and mechanisms of the file move. Valves are commanded by `NAME.duty`,
   `NAME.request`, `NAME.position` or `NAME.set_point`. Controllers of the file are left out.
   The numbers that the file says are parameters, which a host may change before the run.
+  Values are in SI. --units chooses the units in which hosts display them.
+  With --kind me no step is chosen: the host integrates. With --kind cs or both and --motion scenario the step is
+  run.step, or the longest that run.accuracy allows.
 
 Exit codes:
   0  done
@@ -54,10 +58,10 @@ pub struct FmuArguments {
     #[arg(long, value_name = "MODE", value_parser = COMMAND_MODES)]
     pub command_mode: Option<String>,
     /// Frequency of the pulses of a duty cycle, such as `25 Hz`; else that of the scenario's PWM.
-    #[arg(long, value_name = "QUANTITY", value_parser = frequency)]
+    #[arg(long, value_name = "QUANTITY", value_parser = frequency, allow_hyphen_values = true)]
     pub pulse_frequency: Option<f64>,
     /// The longest part of a step that is taken in one go, such as `0.1 ms`.
-    #[arg(long, value_name = "QUANTITY", value_parser = time)]
+    #[arg(long, value_name = "QUANTITY", value_parser = time, allow_hyphen_values = true)]
     pub max_step: Option<f64>,
     /// Set a value of the scenario, such as `actuator.turns=2.2`; can be given again.
     #[arg(short, long, value_name = "KEY=VALUE")]
@@ -113,13 +117,9 @@ pub fn run(arguments: &FmuArguments) -> Result<(), Failure> {
         FmiVersion::Three => Version::Three,
         FmiVersion::Two => Version::Two,
     };
-    let interfaces = match arguments.kind {
-        UnitKind::Cs => Interfaces::CoSimulation,
-        UnitKind::Me => Interfaces::ModelExchange,
-        UnitKind::Both => Interfaces::Both,
-    };
-    write_fmu(path, &model, version, interfaces, &[library])?;
-    terminal::print(&terminal::wrote(path, ""))
+    write_fmu(path, &model, version, &[library])?;
+    let note = left_out(&model).map(|note| format!("{}\n", terminal::wrap(&note, "")));
+    terminal::print(&format!("{}{}", terminal::wrote(path, ""), note.unwrap_or_default()))
 }
 
 impl FmuArguments {
@@ -128,6 +128,11 @@ impl FmuArguments {
             motion: match self.motion {
                 UnitMotion::Host => Motion::Host,
                 UnitMotion::Scenario => Motion::Scenario,
+            },
+            interfaces: match self.kind {
+                UnitKind::Cs => Interfaces::CoSimulation,
+                UnitKind::Me => Interfaces::ModelExchange,
+                UnitKind::Both => Interfaces::Both,
             },
             command_mode: self.command_mode.clone(),
             pulse_frequency: self.pulse_frequency,

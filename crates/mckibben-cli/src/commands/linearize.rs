@@ -40,28 +40,28 @@ pub struct LinearizeArguments {
     #[arg(long, value_name = "QUANTITY", value_parser = measured("pressure", "Pa", "60 psi"), allow_hyphen_values = true)]
     pub gauge_pressure: Option<f64>,
     /// Distance between the attachments at the point, such as `85 mm`.
-    #[arg(long, value_name = "QUANTITY", value_parser = measured("length", "m", "85 mm"))]
+    #[arg(long, value_name = "QUANTITY", value_parser = measured("length", "m", "85 mm"), allow_hyphen_values = true)]
     pub length: Option<f64>,
     /// The load: a mass that hangs, such as `10 lb`, or a force, such as `40 N`.
-    #[arg(long, value_name = "QUANTITY", value_parser = Measure::read)]
+    #[arg(long, value_name = "QUANTITY", value_parser = Measure::read, allow_hyphen_values = true)]
     pub load: Option<Measure>,
     /// Commanded duty at the point: the valve by its mean flow under PWM.
-    #[arg(long, value_name = "PART", conflicts_with = "gauge_pressure")]
+    #[arg(long, value_name = "PART", conflicts_with = "gauge_pressure", allow_hyphen_values = true)]
     pub duty: Option<f64>,
     /// The valve by its mean flow under PWM, at the duty that holds the pressure.
     #[arg(long, conflicts_with = "duty")]
     pub pwm: bool,
     /// Temperature of the air at the point; else the scenario's air, brought there by its process.
-    #[arg(long, value_name = "QUANTITY", value_parser = measured("temperature", "K", "293 K"))]
+    #[arg(long, value_name = "QUANTITY", value_parser = measured("temperature", "K", "293 K"), allow_hyphen_values = true)]
     pub temperature: Option<f64>,
     /// Angle of a joint at the point, such as `20 deg`.
     #[arg(long, value_name = "QUANTITY", value_parser = measured("angle", "rad", "20 deg"), allow_hyphen_values = true, requires = "stiffness")]
     pub angle: Option<f64>,
     /// Stiffness that the two actuators give a joint at that angle, such as `2 N*m/rad`; the pressures follow.
-    #[arg(long, value_name = "QUANTITY", value_parser = measured("stiffness of a joint", "N*m/rad", "2 N*m/rad"), requires = "angle")]
+    #[arg(long, value_name = "QUANTITY", value_parser = measured("stiffness of a joint", "N*m/rad", "2 N*m/rad"), requires = "angle", allow_hyphen_values = true)]
     pub stiffness: Option<f64>,
     /// Replace Coulomb friction by the viscous damping that takes as much from an oscillation of this amplitude.
-    #[arg(long, value_name = "QUANTITY", value_parser = measured("length", "m", "85 mm"))]
+    #[arg(long, value_name = "QUANTITY", value_parser = measured("length", "m", "85 mm"), allow_hyphen_values = true)]
     pub amplitude: Option<f64>,
     /// Keep the air mass as a state where it follows from the others; its pole is zero.
     #[arg(long)]

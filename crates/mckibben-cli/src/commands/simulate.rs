@@ -124,6 +124,8 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
         warnings::refuse(&known)?;
     }
     files.probe()?;
+    let note = warnings::idle_steps(&document, ready.plan().engine, "").filter(|_| !arguments.quiet);
+    note.iter().for_each(|note| terminal::print_error(note));
 
     let (name, set) = (document.source().name().to_owned(), arguments.set.iter().map(Setting::to_string));
     let set: Vec<String> = set.collect();
@@ -302,7 +304,7 @@ impl<'a> Files<'a> {
         for path in self.paths() {
             let is_output = self.output.is_some_and(|(output, _)| output == path);
             let rows =
-                if is_output { format!(", {} rows", mckibben_run::quantities::count(rows)) } else { String::new() };
+                if is_output { format!(", {}", mckibben_run::quantities::counted(rows, "row")) } else { String::new() };
             text.push_str(&terminal::wrote(path, &rows));
         }
         if text.is_empty() { text } else { format!("\n{text}") }

@@ -32,37 +32,43 @@ the stroke, at the duty whose mean flow holds the load there; the ripple is that
 is written then starts there. A named valve is too slow where its delays are longer than the pulses.")]
 pub struct SizeArguments {
     /// What is moved: a mass that hangs, such as `5 kg`, or a force, such as `40 N`.
-    #[arg(long, value_name = "QUANTITY", value_parser = Measure::read)]
+    #[arg(long, value_name = "QUANTITY", value_parser = Measure::read, allow_hyphen_values = true)]
     pub load: Measure,
     /// How far, such as `30 mm`.
-    #[arg(long, value_name = "QUANTITY", value_parser = measured("length", "m", "30 mm"))]
+    #[arg(long, value_name = "QUANTITY", value_parser = measured("length", "m", "30 mm"), allow_hyphen_values = true)]
     pub stroke: f64,
     /// The gauge pressure that there is, such as `4 bar`.
-    #[arg(long, value_name = "QUANTITY", value_parser = measured("pressure", "Pa", "4 bar"))]
+    #[arg(long, value_name = "QUANTITY", value_parser = measured("pressure", "Pa", "4 bar"), allow_hyphen_values = true)]
     pub gauge_pressure: f64,
     /// Braid angles at rest of the braids that are made to measure, as in `20,25,30`, in degrees.
-    #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "15,20,25,30,35")]
+    #[arg(
+        long,
+        value_name = "LIST",
+        value_delimiter = ',',
+        default_value = "15,20,25,30,35",
+        allow_hyphen_values = true
+    )]
     pub braid_angles: Vec<f64>,
     /// Force over that of the ideal braid, of the braids that are made to measure.
-    #[arg(long, value_name = "PART", default_value_t = 1.0)]
+    #[arg(long, value_name = "PART", default_value_t = 1.0, allow_hyphen_values = true)]
     pub effectiveness: f64,
     /// The greatest length that a muscle may have at rest.
-    #[arg(long, value_name = "QUANTITY", value_parser = measured("length", "m", "30 mm"))]
+    #[arg(long, value_name = "QUANTITY", value_parser = measured("length", "m", "30 mm"), allow_hyphen_values = true)]
     pub most_length: Option<f64>,
     /// The greatest diameter that a braid may have at rest.
-    #[arg(long, value_name = "QUANTITY", value_parser = measured("length", "m", "30 mm"))]
+    #[arg(long, value_name = "QUANTITY", value_parser = measured("length", "m", "30 mm"), allow_hyphen_values = true)]
     pub most_diameter: Option<f64>,
     /// Within which time nine tenths of the stroke are to be done: the valve follows.
-    #[arg(long, value_name = "QUANTITY", value_parser = measured("time", "s", "0.3 s"))]
+    #[arg(long, value_name = "QUANTITY", value_parser = measured("time", "s", "0.3 s"), allow_hyphen_values = true)]
     pub time: Option<f64>,
     /// How much pulses may make the length swing in the middle of the stroke, peak to peak: their frequency follows.
-    #[arg(long, value_name = "QUANTITY", value_parser = measured("length", "m", "0.2 mm"), requires = "time")]
+    #[arg(long, value_name = "QUANTITY", value_parser = measured("length", "m", "0.2 mm"), requires = "time", allow_hyphen_values = true)]
     pub ripple: Option<f64>,
     /// The length of the hose from the valve: its diameter follows.
-    #[arg(long, value_name = "QUANTITY", value_parser = measured("length", "m", "30 mm"), requires = "time")]
+    #[arg(long, value_name = "QUANTITY", value_parser = measured("length", "m", "30 mm"), requires = "time", allow_hyphen_values = true)]
     pub hose: Option<f64>,
     /// For which candidate valves and hoses are listed and the scenario is written, by its place in the table.
-    #[arg(long, value_name = "PLACE", default_value_t = 1)]
+    #[arg(long, value_name = "PLACE", default_value_t = 1, allow_negative_numbers = true)]
     pub pick: usize,
     /// Write the candidates as a table: .csv.
     #[arg(short, long, value_name = "FILE")]

@@ -13,7 +13,7 @@ use mckibben::valve::REFERENCE_DENSITY;
 use mckibben_run::closed_loop::{Closed, Goal, Miss};
 use mckibben_run::failure::Failure;
 use mckibben_run::observation::{Ended, Observation, Range, Ripple, Steps};
-use mckibben_run::quantities::{self, count, given};
+use mckibben_run::quantities::{self, count, counted, given};
 use mckibben_run::settle::{Settled, Settling};
 use mckibben_run::text::{Alignment, Side};
 use mckibben_run::units::{rounding, units};
@@ -84,7 +84,7 @@ impl Summary<'_> {
         page.events(&self.observation.events);
         if let Some(closed) = self.control {
             goals(page, &closed.goals);
-            effort(page, closed, self.observation.air.from_supply);
+            effort(page, closed, self.observation.air.used());
         }
         let periodic = self.control.is_some() || is_periodic(RigPlant::new(self.rig).plant());
         page.settled(self.common.settled, periodic);
@@ -240,19 +240,20 @@ pub(crate) fn goals_by_name<'g>(page: &Page, goals: impl IntoIterator<Item = (St
 pub(crate) fn effort(page: &Page, closed: &Closed, air: f64) {
     page.line("samples", &format!("{}; errors are as measured then", count(closed.samples as u64)));
     let requests: Vec<String> = closed.requests.iter().map(|requests| count(*requests as u64)).collect();
-    page.line("requests", &format!("{} changes of the valve's command", requests.join(" and ")));
+    let changes = if closed.requests == [1] { "change" } else { "changes" };
+    page.line("requests", &format!("{} {changes} of the valve's command", requests.join(" and ")));
     page.line("air used", &format!("{} from the supply", page.quantity(air, "kg")));
 }
 
 /// How many steps and evaluations a run took.
 fn work(counts: Statistics) -> String {
-    let steps = count(counts.explicit_steps + counts.implicit_steps);
+    let steps = counted(counts.explicit_steps + counts.implicit_steps, "step");
     let implicit = match counts.implicit_steps {
         0 => String::new(),
         implicit => format!(" ({} of them implicit)", count(implicit)),
     };
-    let (rejected, evaluations) = (count(counts.rejected_steps), count(counts.evaluations));
-    format!("{steps} steps{implicit}, {rejected} repeated, {evaluations} evaluations")
+    let (rejected, evaluations) = (count(counts.rejected_steps), counted(counts.evaluations, "evaluation"));
+    format!("{steps}{implicit}, {rejected} repeated, {evaluations}")
 }
 
 /// What does not close of an energy audit, and what share of its turnover that is, unless that is no more than rounding.
@@ -302,9 +303,9 @@ fn under_pwm(page: &Page, ripple: &Ripple, contraction: f64) -> String {
     let drift = ripple.drift.map(|drift| format!(", and its mean moves by {} a period", page.quantity(drift, "m")));
     if !ripple.settled {
         return format!(
-            "not settled: the length travels {} in the last {} periods{}; --settle finds its orbit",
+            "not settled: the length travels {} in the last {}{}; --settle finds its orbit",
             page.quantity(ripple.travel, "m"),
-            count(ripple.periods),
+            counted(ripple.periods, "period"),
             drift.unwrap_or_default(),
         );
     }
@@ -603,22 +604,23 @@ impl Page {
     pub(crate) fn settled(&self, settled: Option<&Settled>, periodic: bool) {
         let Some(Settled { orbit, rows }) = settled else { return };
         self.heading("Settled");
-        let (periods, period) = (count(orbit.periods), given(orbit.period, "s"));
+        let (periods, period) = (counted(orbit.periods, "period"), given(orbit.period, "s"));
         if !orbit.settled {
             let left = self.sound(orbit.residual);
             let text = format!(
-                "not within {periods} periods of {period} behind the end: the states still change by {left:.1e} of their size \
+                "not within {periods} of {period} behind the end: the states still change by {left:.1e} of their size \
                  a period"
             );
             return self.line("", &text);
         }
         let (name, after) = if periodic {
-            ("orbit", format!("{periods} periods of {period}"))
+            ("orbit", format!("{periods} of {period}"))
         } else {
             ("equilibrium", given(orbit.periods as f64 * orbit.period, "s"))
         };
         let found = match orbit.guesses {
             0 => format!("reached after {after}"),
+            1 => format!("found by 1 guess in {after}"),
             guesses => format!("found by {} guesses in {after}", count(guesses)),
         };
         self.line(name, &found);

@@ -7,7 +7,7 @@ use mckibben::network::NodeKind;
 use mckibben::plant::{ActuatorLedger, Balance, MechanismLedger};
 use mckibben_run::failure::Failure;
 use mckibben_run::plant::{PlantFigures, control, observation};
-use mckibben_run::quantities::{count, given};
+use mckibben_run::quantities::{counted, given};
 
 /// Printed behind the name of a part whose gauge pressure is on a line.
 const GAUGE: &str = ", gauge";
@@ -98,8 +98,8 @@ impl Summary<'_> {
         );
         let of = &self.run.experiment;
         for ((control, samples), requests) in of.controls.iter().zip(&closed.samples).zip(&closed.requests) {
-            let (name, samples, requests) = (control::name(of, control), count(*samples), count(*requests));
-            page.line(name, &format!("{samples} samples, {requests} changes of what is commanded"));
+            let (samples, changes) = (counted(*samples, "sample"), counted(*requests, "change"));
+            page.line(control::name(of, control), &format!("{samples}, {changes} of what is commanded"));
         }
     }
 
@@ -207,8 +207,7 @@ fn described(mechanism: &Mechanism, joints: &[String]) -> String {
         Mechanism::Mass(mass) => format!("a mass of {}", given(mass.mass(), "kg")),
         Mechanism::Chain(chain) => {
             let belt = if chain.belt().is_some() { " over a belt" } else { "" };
-            let what = if joints.len() == 1 { "joint" } else { "joints" };
-            format!("a chain of {} {what}: {}{belt}", count(joints.len() as u64), joints.join(", "))
+            format!("a chain of {}: {}{belt}", counted(joints.len() as u64, "joint"), joints.join(", "))
         }
         Mechanism::Prescribed(_) => "a distance that is given over time".to_owned(),
         Mechanism::Fixed => "a distance that stays".to_owned(),

@@ -38,6 +38,35 @@ fn friction_and_hose_are_estimated_from_the_pressure_at_the_valve() {
     assert!(report.contains("the pressure at the end of the hose is the measured one"), "{report}");
 }
 
+/// The sensor at the valve shows 4 kPa too much. The muscle starts at what the scenario says, or at what the hose really had, and
+/// not at the reading.
+#[test]
+fn the_offset_of_the_pressure_at_the_valve_is_found() {
+    let folder = recorded("identify-hose-offset");
+    let record = std::fs::read_to_string(folder.path("run.csv")).expect("a record");
+    let place = record.lines().next().and_then(|head| head.split(',').position(|its| its == "hose_gauge_pressure_pa"));
+    let place = place.expect("a pressure in the hose");
+    let shifted = record.lines().enumerate().map(|(row, line)| {
+        let cells = line.split(',').enumerate().map(|(column, cell)| match (row, column == place) {
+            (1.., true) => (cell.parse::<f64>().expect("a number") + 4e3).to_string(),
+            _ => cell.to_owned(),
+        });
+        cells.collect::<Vec<_>>().join(",") + "\n"
+    });
+    folder.file("run.csv", &shifted.collect::<String>());
+    let study = STUDY.replace("[columns.gauge_pressure]\nname = \"gauge_pressure_pa\"\nunit = \"Pa\"\n", "").replace(
+        "[fit.\"hose.diameter\"]\nstart = \"3 mm\"\nfrom = \"1 mm\"\nto = \"6 mm\"\n",
+        "[fit.\"columns.hose_gauge_pressure.offset\"]\nstart = \"0 Pa\"\n",
+    );
+    let study = folder.file("study.toml", &study);
+    for scenario in [SCENARIO.to_owned(), SCENARIO.replace("[initial]\ngauge_pressure = \"40 psi\"\n", "")] {
+        folder.file("muscle.toml", &scenario);
+        let report = printed(&identify(&folder, &study));
+        let offset = cell(&read(&folder, "out/values.csv"), "columns.hose_gauge_pressure.offset", "value");
+        assert!((offset - 4e3).abs() < 20.0, "{offset} Pa is not 4000 Pa\n{report}");
+    }
+}
+
 #[test]
 fn a_pressure_in_a_hose_needs_a_hose() {
     let folder = recorded("identify-hose-none");

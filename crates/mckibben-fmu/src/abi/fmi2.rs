@@ -126,7 +126,7 @@ unsafe extern "C" fn fmi2Instantiate(
             1 => Kind::CoSimulation { event_mode: false, early_return: false },
             other => return Err(Refusal::error(format!("the type {other} of a unit is none"))),
         };
-        Ok((read_model(resources.as_deref().and_then(folder), guid.as_deref())?, kind))
+        Ok((read_model(resources.as_deref().and_then(folder), guid.as_deref(), kind)?, kind))
     }));
     match made.unwrap_or_else(|_| Err(Refusal::error("the library failed: report it with the unit"))) {
         Ok((model, kind)) => {

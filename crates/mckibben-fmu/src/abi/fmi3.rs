@@ -34,7 +34,7 @@ fn instantiate(
     sink: Option<Sink>,
 ) -> Handle {
     let log = Logger::new(sink, is_logging);
-    let model = catch_unwind(AssertUnwindSafe(|| read_model(resources.map(PathBuf::from), token.as_deref())));
+    let model = catch_unwind(AssertUnwindSafe(|| read_model(resources.map(PathBuf::from), token.as_deref(), kind)));
     let model = model.unwrap_or_else(|_| Err(Refusal::error("the library failed: report it with the unit")));
     match model {
         Ok(model) => {

@@ -10,7 +10,7 @@ mod shared;
 mod fmi2;
 mod fmi3;
 
-use crate::instance::{Instance, Refusal, Saved, Status};
+use crate::instance::{Instance, Kind, Refusal, Saved, Status};
 use crate::model::Model;
 use std::collections::HashMap;
 use std::ffi::{CStr, c_char, c_int, c_void};
@@ -204,16 +204,25 @@ fn to_c(text: &str) -> std::ffi::CString {
     std::ffi::CString::new(text.replace('\0', " ")).unwrap_or_default()
 }
 
-/// Reads the model of a unit whose resources are in a folder, and checks that it is the one that the host has described.
-fn read_model(resources: Option<PathBuf>, token: Option<&str>) -> Result<Model, Refusal> {
+/// Reads the model of a unit whose resources are in a folder, and checks that it is the one that the host has described and has
+/// the interface that the host uses.
+fn read_model(resources: Option<PathBuf>, token: Option<&str>, kind: Kind) -> Result<Model, Refusal> {
     let resources = resources.ok_or_else(|| Refusal::error("no folder of resources is given"))?;
     let model = Model::read(&resources)?;
-    match token {
-        Some(token) if token == model.token() => Ok(model),
-        other => Err(Refusal::error(format!(
+    if token != Some(model.token()) {
+        return Err(Refusal::error(format!(
             "the token is {}, but that of the unit is {}: description and resources are of two units",
-            other.unwrap_or("none"),
+            token.unwrap_or("none"),
             model.token()
-        ))),
+        )));
     }
+    let interfaces = model.options().interfaces;
+    let is_offered = match kind {
+        Kind::ModelExchange => interfaces.has_model_exchange(),
+        Kind::CoSimulation { .. } => interfaces.has_co_simulation(),
+    };
+    if !is_offered {
+        return Err(Refusal::error(format!("the unit was written for {} alone", interfaces.name())));
+    }
+    Ok(model)
 }

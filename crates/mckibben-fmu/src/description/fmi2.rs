@@ -1,6 +1,6 @@
 //! The description by FMI 2.0: scalars, referred to by their place in the list. Source: FMI 2.0.4, section 2.2.
 
-use super::{Xml, begin, numbers, units};
+use super::{Xml, begin, numbers, sentence, units};
 use crate::MODEL_IDENTIFIER;
 use crate::model::Model;
 use crate::options::Interfaces;
@@ -10,13 +10,13 @@ use crate::variables::{Causality, Slot, Variable};
 pub(super) fn description(model: &Model, name: &str, interfaces: Interfaces) -> String {
     let mut xml = Xml::new();
     let version = env!("CARGO_PKG_VERSION");
-    let tool = format!("mckibben {version}");
+    let (tool, sentence) = (format!("mckibben {version}"), sentence(model));
     let indicators = model.variables().indicators.to_string();
     let mut attributes = vec![
         ("fmiVersion", "2.0"),
         ("modelName", name),
         ("guid", model.token()),
-        ("description", "Braided pneumatic actuators (McKibben muscles) with their air network"),
+        ("description", sentence.as_str()),
         ("version", version),
         ("license", "MIT OR Apache-2.0"),
         ("generationTool", tool.as_str()),
@@ -93,7 +93,8 @@ fn variable(xml: &mut Xml, its: &Variable, shown: &[&Variable]) {
         if !its.unit.is_empty() {
             attributes.push(("unit", its.unit));
         }
-        attributes.extend(units::displays(its.unit).first().map(|(name, ..)| ("displayUnit", *name)));
+        let display = units::display(its.unit);
+        attributes.extend(display.as_deref().map(|name| ("displayUnit", name)));
         for (key, value) in [("min", &min), ("max", &max), ("derivative", &state)] {
             attributes.extend(value.as_ref().map(|value| (key, value.as_str())));
         }

@@ -1,6 +1,6 @@
 //! The description by FMI 3.0. Source: FMI 3.0.2, section 2.4.
 
-use super::{Xml, begin, numbers, units};
+use super::{Xml, begin, numbers, sentence, units};
 use crate::MODEL_IDENTIFIER;
 use crate::model::Model;
 use crate::options::Interfaces;
@@ -10,12 +10,12 @@ use crate::variables::{Causality, Slot, Variable};
 pub(super) fn description(model: &Model, name: &str, interfaces: Interfaces) -> String {
     let mut xml = Xml::new();
     let version = env!("CARGO_PKG_VERSION");
-    let tool = format!("mckibben {version}");
+    let (tool, sentence) = (format!("mckibben {version}"), sentence(model));
     let attributes = [
         ("fmiVersion", "3.0"),
         ("modelName", name),
         ("instantiationToken", model.token()),
-        ("description", "Braided pneumatic actuators (McKibben muscles) with their air network"),
+        ("description", sentence.as_str()),
         ("version", version),
         ("license", "MIT OR Apache-2.0"),
         ("generationTool", tool.as_str()),
@@ -76,10 +76,10 @@ fn variable(xml: &mut Xml, its: &Variable) {
         ("causality", causality),
         ("variability", variability),
     ];
-    let mut add = |key, value: Option<&'static str>| attributes.extend(value.map(|value| (key, value)));
-    add("initial", initial);
-    add("unit", Some(its.unit).filter(|unit| !unit.is_empty()));
-    add("displayUnit", units::displays(its.unit).first().map(|(name, ..)| *name));
+    let display = units::display(its.unit);
+    attributes.extend(initial.map(|initial| ("initial", initial)));
+    attributes.extend(Some(its.unit).filter(|unit| !unit.is_empty()).map(|unit| ("unit", unit)));
+    attributes.extend(display.as_deref().map(|name| ("displayUnit", name)));
     for (key, value) in [("min", &min), ("max", &max), ("derivative", &state)] {
         attributes.extend(value.as_ref().map(|value| (key, value.as_str())));
     }

@@ -7,14 +7,36 @@ mod fmi3;
 mod units;
 
 use crate::model::Model;
-use crate::options::{Interfaces, Version};
+use crate::options::Version;
 use std::fmt::Write as _;
 
-/// The description of a unit.
-pub fn model_description(model: &Model, name: &str, version: Version, interfaces: Interfaces) -> String {
+/// The description of a unit. Units for display are those that the process has chosen, in front of the usual ones.
+pub fn model_description(model: &Model, name: &str, version: Version) -> String {
+    let interfaces = model.options().interfaces;
     match version {
         Version::Two => fmi2::description(model, name, interfaces),
         Version::Three => fmi3::description(model, name, interfaces),
+    }
+}
+
+/// One sentence on the model, and one on the controllers that it leaves out.
+fn sentence(model: &Model) -> String {
+    let mut sentence = "Braided pneumatic actuators (McKibben muscles) with their air network.".to_owned();
+    if let Some(left_out) = left_out(model) {
+        sentence.push(' ');
+        sentence.push_str(&left_out);
+    }
+    sentence
+}
+
+/// That the controllers of the scenario are left out, by the names of what they control; none where it has none.
+pub fn left_out(model: &Model) -> Option<String> {
+    let names: Vec<String> = model.controllers().iter().map(|name| format!("`{name}`")).collect();
+    let of = names.join(", ");
+    match names.len() {
+        0 => None,
+        1 => Some(format!("The controller of {of} is left out: the host commands the valves.")),
+        _ => Some(format!("The controllers of {of} are left out: the host commands the valves.")),
     }
 }
 

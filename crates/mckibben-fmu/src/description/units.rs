@@ -2,19 +2,37 @@
 
 use super::Xml;
 use crate::variables::Variables;
+use mckibben_run::units::chosen_scale;
 use mckibben_scenario::quantity::parse_unit;
 
 /// Names of a unit for display with the factor and the offset that give a value in it.
 type Displays = &'static [(&'static str, f64, f64)];
 
-/// The units for display of a unit, the usual one first.
-pub(super) fn displays(unit: &str) -> Displays {
+/// The unit for display of a unit: the one that was chosen, or the usual one.
+pub(super) fn display(unit: &str) -> Option<String> {
+    let is_itself = chosen_scale(unit).is_some_and(|(symbol, ..)| symbol == unit);
+    displays(unit).into_iter().next().filter(|_| !is_itself).map(|(name, ..)| name)
+}
+
+/// The units for display of a unit: the one that was chosen, then the usual ones.
+fn displays(unit: &str) -> Vec<(String, f64, f64)> {
+    let mut all: Vec<_> = chosen_scale(unit).into_iter().filter(|(symbol, ..)| symbol != unit).collect();
+    for (name, factor, offset) in usual(unit) {
+        if !all.iter().any(|(known, ..)| known == name) {
+            all.push(((*name).to_owned(), *factor, *offset));
+        }
+    }
+    all
+}
+
+/// The usual units for display of a unit.
+fn usual(unit: &str) -> Displays {
     match unit {
         "Pa" => &[("bar", 1e-5, 0.0), ("kPa", 1e-3, 0.0), ("psi", 1.0 / 6_894.757_293_168_361, 0.0)],
         "m" => &[("mm", 1e3, 0.0), ("in", 1.0 / 0.0254, 0.0)],
         "m/s" => &[("mm/s", 1e3, 0.0)],
-        "m3" | "m^3" => &[("mL", 1e6, 0.0), ("L", 1e3, 0.0)],
-        "m2" | "m^2" => &[("mm2", 1e6, 0.0)],
+        "m^3" => &[("mL", 1e6, 0.0), ("L", 1e3, 0.0)],
+        "m^2" => &[("mm^2", 1e6, 0.0)],
         "kg" => &[("g", 1e3, 0.0)],
         "kg/s" => &[("g/s", 1e3, 0.0)],
         "s" => &[("ms", 1e3, 0.0)],
@@ -27,13 +45,7 @@ pub(super) fn displays(unit: &str) -> Displays {
 
 /// The exponents of m, kg, s, K and rad of a unit; none of one that is no product of them.
 fn exponents(unit: &str) -> Option<[i8; 5]> {
-    // Columns of a run say a power by its digit alone.
-    let written = match unit {
-        "m2" => "m^2",
-        "m3" => "m^3",
-        other => other,
-    };
-    let (dimension, size) = parse_unit(written).ok()?;
+    let (dimension, size) = parse_unit(unit).ok()?;
     (size == 1.0).then(|| dimension.exponents())
 }
 
@@ -57,8 +69,8 @@ pub(super) fn definitions(xml: &mut Xml, variables: &Variables) {
                 }
                 for (name, factor, offset) in displays(unit) {
                     let (factor, shift) = (format!("{factor:?}"), format!("{offset:?}"));
-                    let mut attributes = vec![("name", *name), ("factor", factor.as_str())];
-                    if *offset != 0.0 {
+                    let mut attributes = vec![("name", name.as_str()), ("factor", factor.as_str())];
+                    if offset != 0.0 {
                         attributes.push(("offset", &shift));
                     }
                     xml.element("DisplayUnit", &attributes);

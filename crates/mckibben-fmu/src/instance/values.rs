@@ -187,8 +187,7 @@ impl Instance {
     /// Whether a valve takes a number at some values of the parameters: a set point may be as high as the supply is set.
     pub(super) fn may_take(&self, index: usize, number: f64) -> bool {
         let is_free = |input: &CommandInput| {
-            let mode = input.mode.fed_at(f64::INFINITY);
-            matches!(mode, CommandMode::SetPoint { .. }) && mode.command(number).is_ok()
+            matches!(input.mode, CommandMode::SetPoint { .. }) && input.mode.command(number).is_ok()
         };
         self.plant.accepts(index, number) || self.plant.commands().get(index).is_some_and(is_free)
     }

@@ -206,7 +206,10 @@ pub struct Unit {
 
 impl Unit {
     pub fn new(text: &str, options: &UnitOptions) -> Self {
-        let document = Document::parse(text, "muscle.toml").expect("TOML");
+        Self::of_document(Document::parse(text, "muscle.toml").expect("TOML"), options)
+    }
+
+    pub fn of_document(document: Document, options: &UnitOptions) -> Self {
         let model = Model::new(document, options.clone()).expect("a scenario");
         static COUNT: std::sync::atomic::AtomicUsize = std::sync::atomic::AtomicUsize::new(0);
         let count = COUNT.fetch_add(1, std::sync::atomic::Ordering::Relaxed);

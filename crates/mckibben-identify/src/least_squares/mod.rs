@@ -62,6 +62,12 @@ pub trait Model {
         1e-16
     }
 
+    /// The size of a residual that is the error of the model itself, as of a simulated trajectory: residuals of this size have no
+    /// direction at a minimum.
+    fn error(&self) -> f64 {
+        0.0
+    }
+
     /// How exact the derivatives are, as a part of their size: a direction with a smaller singular value is not
     /// identifiable.
     fn precision(&self) -> f64 {
@@ -113,6 +119,11 @@ impl Unknown {
             (_, widest) if widest > 0.0 => widest,
             _ => 1.0,
         }
+    }
+
+    /// The bound that a value rests on, if it rests on one.
+    pub fn bound_of(&self, value: f64) -> Option<f64> {
+        self.rests(value).into_iter().zip(self.bounds).find(|(rests, _)| *rests).map(|(_, bound)| bound)
     }
 
     /// Whether a value rests on the least or the largest, as near as a search comes to a bound.

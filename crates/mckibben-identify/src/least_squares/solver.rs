@@ -319,6 +319,8 @@ impl<'a> Scaled<'a> {
         }
         let weights: Vec<f64> = residuals.iter().map(|residual| loss.weight(*residual)).collect();
         let length = norm(residuals.iter().zip(&weights).map(|(residual, weight)| residual * weight.sqrt()));
+        // What the error of the model makes of residuals that are to be zero.
+        let rounded = self.model.error() * (residuals.len() as f64).sqrt();
         (0..values.len()).all(|unknown| {
             let scaled = |slope: &f64| slope * self.sizes[unknown];
             let column = || slopes.iter().skip(unknown).step_by(values.len()).map(scaled).zip(&weights);
@@ -330,7 +332,9 @@ impl<'a> Scaled<'a> {
                 return false;
             }
             // A perfect fit has no direction left to be at right angles to, only the rounding of the model.
-            outwards || along.abs() <= STATIONARY * size * length || along.abs() <= STEP_RESOLVED * size * size
+            outwards
+                || along.abs() <= size * rounded.max(STATIONARY * length)
+                || along.abs() <= STEP_RESOLVED * size * size
         })
     }
 }

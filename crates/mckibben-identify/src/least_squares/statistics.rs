@@ -37,6 +37,8 @@ pub struct Estimate {
     pub confidence_interval: Option<[f64; 2]>,
     /// Whether it rests on one of its bounds.
     pub on_bound: bool,
+    /// The bound that it rests on, which its value is but for rounding.
+    pub bound: Option<f64>,
 }
 
 /// A combination of unknowns and how well the data determine it.
@@ -125,6 +127,7 @@ impl Fit {
                 standard_error,
                 confidence_interval: standard_error.map(|error| [value - quantile * error, value + quantile * error]),
                 on_bound: on_bound[unknown],
+                bound: unknowns[unknown].bound_of(value),
             }
         };
         let mut correlations = vec![vec![0.0; columns]; columns];
@@ -163,6 +166,7 @@ impl Fit {
             standard_error: None,
             confidence_interval: None,
             on_bound: unknown.rests(*value).contains(&true),
+            bound: unknown.bound_of(*value),
         };
         let degrees_of_freedom = residuals.len().saturating_sub(unknowns.len());
         let squares = residuals.iter().map(|residual| residual * residual).sum::<f64>();

@@ -19,6 +19,8 @@ use mckibben::{AbsolutePressure, Over, Scalar};
 
 /// Relative tolerance of the trajectories: far below any sensor's noise.
 const TOLERANCE: f64 = 1e-8;
+/// Error of a trajectory over its amplitude.
+const ERROR: f64 = 1e2 * TOLERANCE;
 /// Part of the record that is fitted first, so that the phase is nearly right when the rest is.
 const FIRST_PART: f64 = 0.3;
 /// Samples that a start is taken from.
@@ -109,6 +111,7 @@ impl Restoring {
 fn scaled(estimate: &Estimate, factor: f64) -> Estimate {
     let mut scaled = estimate.clone();
     scaled.value *= factor;
+    scaled.bound = estimate.bound.map(|bound| bound * factor);
     scaled.standard_error = estimate.standard_error.map(|deviation| deviation * factor);
     scaled.confidence_interval = estimate.confidence_interval.map(|interval| interval.map(|end| end * factor));
     scaled
@@ -158,7 +161,16 @@ impl Waveform {
             unknowns.push(Unknown::new("gauge_pressure", "Pa", start.gauge_pressure.0));
             rows.push(&parameter::INITIAL_GAUGE_PRESSURE);
         }
-        let of = |samples: usize| Trajectory { rig, start: &begin, rows: &rows, time: &time[..samples], length, noise };
+        let error = ERROR * amplitude;
+        let of = |samples: usize| Trajectory {
+            rig,
+            start: &begin,
+            rows: &rows,
+            time: &time[..samples],
+            length,
+            noise,
+            error,
+        };
         let part = ((FIRST_PART * time.len() as f64) as usize).max(4 * unknowns.len()).min(time.len());
         if let Ok(fit) = fit(&of(part), &unknowns, &Search::default()) {
             for (unknown, value) in unknowns.iter_mut().zip(fit.values()) {
@@ -223,6 +235,8 @@ struct Trajectory<'a> {
     time: &'a [f64],
     length: &'a [f64],
     noise: f64,
+    /// That of the simulation, in m.
+    error: f64,
 }
 
 /// More directions than there are unknowns; the engine is compiled for these anyway.
@@ -247,6 +261,10 @@ impl Trajectory<'_> {
 impl Model for Trajectory<'_> {
     fn residuals(&self) -> usize {
         self.time.len()
+    }
+
+    fn error(&self) -> f64 {
+        self.error / self.noise
     }
 
     fn evaluate(&self, values: &[f64]) -> Evaluation {

@@ -11,7 +11,7 @@
 //! | two spans of `zero` | the straight line through both is taken off: offset and drift |
 //! | readings at or beyond `saturates` | left out |
 //! | the same extreme value many times on end, nothing said about it | refused: say `saturates`, or that it does not with a larger one |
-//! | a reading 8 robust deviations from the median of its 8 neighbours | reported; left out with `drop_outliers` |
+//! | a reading 8 robust deviations from the median of its 8 neighbours, and farther from it than half a reading of the column is expected to be by its noise | reported; left out with `drop_outliers` |
 //! | few readings a hundred times as large as all others; of lengths and temperatures ten times as large or as small; one reading over time a thousand times | refused; left out with `drop_outliers` |
 //! | a length or a temperature that is not above zero | refused; left out with `drop_outliers` |
 //! | a step in time a thousand times as long as all others together | refused |
@@ -22,6 +22,7 @@ use super::file::ColumnEntry;
 use super::table::Table;
 use super::{Column, Quantity, Sheet, StudyError};
 use crate::median::{deviation, median};
+use statrs::distribution::{ContinuousCDF, Normal};
 use std::fmt;
 
 /// Robust deviations from which on a reading is an outlier.
@@ -150,6 +151,11 @@ fn apart(sizes: &[(usize, f64)], factor: f64, timed: bool) -> Vec<(usize, f64)> 
     sizes[..few].iter().map(|(row, size)| (*row, size / other)).collect()
 }
 
+/// Standard deviations beyond which of so many normal readings half a reading is expected (Chauvenet's criterion).
+fn chauvenet(readings: usize) -> f64 {
+    Normal::standard().inverse_cdf(1.0 - 0.25 / readings.max(1) as f64)
+}
+
 struct Work<'a> {
     table: &'a Table,
     name: String,
@@ -257,7 +263,10 @@ impl Work<'_> {
         }
         self.note(
             Severity::Warned,
-            format!("{doubles} rows have the time of the row before; their readings were averaged"),
+            match doubles {
+                1 => "1 row has the time of the row before; their readings were averaged".to_owned(),
+                _ => format!("{doubles} rows have the time of the row before; their readings were averaged"),
+            },
         );
         self.retain(columns, &keep);
         Ok(())
@@ -317,8 +326,9 @@ impl Work<'_> {
         }
         let lines: Vec<String> = found.iter().take(5).map(|(place, _)| self.lines[*place].to_string()).collect();
         let text = format!(
-            "{} readings of the {words} cannot be and were left out (line {}{})",
-            found.len(),
+            "{} of the {words} cannot be and {} left out (line {}{})",
+            readings(found.len()),
+            if found.len() == 1 { "was" } else { "were" },
             lines.join(", "),
             if found.len() > lines.len() { ", …" } else { "" }
         );
@@ -333,7 +343,7 @@ impl Work<'_> {
         let rate = 1.0 / usual;
         // As many digits as it takes, of six.
         let rate = (1e6 * rate).round() / 1e6;
-        self.note(Severity::Noted, format!("{} readings, {rate} a second", times.len()));
+        self.note(Severity::Noted, format!("{}, {rate} a second", readings(times.len())));
         if largest > 5.0 * usual {
             let at = steps.iter().position(|step| *step == largest).unwrap_or(0);
             self.note(Severity::Warned, format!("a gap of {largest:.4} s after {:.4} s", times[at]));
@@ -388,32 +398,36 @@ impl Work<'_> {
     fn outliers(&mut self, column: &mut Column, rules: &Rules) {
         let values = column.values.clone();
         let half = WINDOW / 2;
-        let mut found = 0;
-        for at in half..values.len().saturating_sub(half) {
+        // How far each reading lies from the median of its neighbours, and the deviation of these.
+        let off = |at: usize| {
             let around: Vec<f64> = (at - half..=at + half)
                 .filter(|near| *near != at)
                 .map(|near| values[near])
                 .filter(|value| value.is_finite())
                 .collect();
-            let Some(middle) = median(&around) else { continue };
-            let spread = deviation(around.iter().map(|value| value - middle));
-            if spread > 0.0 && (values[at] - middle).abs() > FAR * spread {
-                found += 1;
-                if rules.drop_outliers {
-                    column.values[at] = f64::NAN;
-                }
-            }
+            let middle = median(&around).filter(|_| values[at].is_finite())?;
+            Some((at, values[at] - middle, deviation(around.iter().map(|value| value - middle))))
+        };
+        let off: Vec<(usize, f64, f64)> = (half..values.len().saturating_sub(half)).filter_map(off).collect();
+        let usual = chauvenet(off.len()) * deviation(off.iter().map(|(_, off, _)| *off));
+        let is_far = |off: f64, spread: f64| spread > 0.0 && off.abs() > FAR * spread && off.abs() > usual;
+        let far: Vec<usize> = off.iter().filter(|(_, off, spread)| is_far(*off, *spread)).map(|(at, ..)| *at).collect();
+        if rules.drop_outliers {
+            far.iter().for_each(|at| column.values[*at] = f64::NAN);
         }
+        let found = far.len();
         if found > 0 {
-            let done = if rules.drop_outliers {
-                "were left out"
-            } else {
-                "stay: say drop_outliers = true, or a robust search"
+            let [look, were, stay] = match found {
+                1 => ["looks like an outlier; it", "was", "stays"],
+                _ => ["look like outliers; they", "were", "stay"],
             };
-            self.note(
-                Severity::Warned,
-                format!("{found} readings of the {} look like outliers; they {done}", column.words()),
-            );
+            let done = if rules.drop_outliers {
+                format!("{were} left out")
+            } else {
+                format!("{stay}: say drop_outliers = true, or a robust search")
+            };
+            let count = readings(found);
+            self.note(Severity::Warned, format!("{count} of the {} {look} {done}", column.words()));
         }
     }
 
@@ -429,7 +443,10 @@ impl Work<'_> {
             if gone > 0 {
                 self.note(
                     Severity::Warned,
-                    format!("{gone} readings of the {of} at the end of the sensor were left out"),
+                    match gone {
+                        1 => format!("1 reading of the {of} at the end of the sensor was left out"),
+                        _ => format!("{gone} readings of the {of} at the end of the sensor were left out"),
+                    },
                 );
             }
             return Ok(());
@@ -464,8 +481,10 @@ impl Work<'_> {
         }
         if count > 0 {
             let text = format!(
-                "{count} readings of the {} are at or below {end} N: slack, which says only that the muscle does not pull",
-                column.words()
+                "{} of the {} {} at or below {end} N: slack, which says only that the muscle does not pull",
+                readings(count),
+                column.words(),
+                if count == 1 { "is" } else { "are" }
             );
             self.note(Severity::Noted, text);
         }
@@ -480,4 +499,9 @@ impl Work<'_> {
             self.note(Severity::Warned, text);
         }
     }
+}
+
+/// A number of readings in words.
+fn readings(count: usize) -> String {
+    if count == 1 { "1 reading".to_owned() } else { format!("{count} readings") }
 }

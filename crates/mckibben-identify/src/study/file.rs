@@ -108,6 +108,8 @@ pub struct ColumnEntry {
     pub part: Option<String>,
     /// Its name in the table's head.
     pub name: String,
+    /// Its unit, as the study has it; the SI unit where it has none.
+    pub unit: String,
     /// Size of its unit in SI.
     pub scale: f64,
     /// What 0 of its unit is in SI: zero but of degC and degF.
@@ -121,7 +123,8 @@ pub struct ColumnEntry {
 /// One run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RunEntry {
-    /// Its name.
+    /// Its name: that in the study, else the stem of its first file, with the folder where stems are equal. No two runs have
+    /// one name.
     pub name: String,
     /// Its tables.
     pub files: Vec<PathBuf>,
@@ -210,7 +213,7 @@ struct RawZero {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct RawRun {
-    name: Option<String>,
+    name: Option<Spanned<String>>,
     file: Option<PathBuf>,
     #[serde(default)]
     files: Vec<PathBuf>,
@@ -260,7 +263,7 @@ impl Text {
 
 impl ColumnEntry {
     /// What it measures, in words.
-    pub(super) fn words(&self) -> String {
+    pub fn words(&self) -> String {
         words_of(self.quantity, self.part.as_deref())
     }
 }
@@ -303,7 +306,11 @@ impl Study {
         let within = Within { path, text, numbers_are_si };
         let file: File = toml::from_str(text).map_err(|error| {
             let at = error.span().map(|span| span.start);
-            within.fault(at, error.message().to_owned(), "see `mckibben identify --help` for a study file")
+            let help = match numbers_are_si {
+                true => "see `help(mckibben.Study)`",
+                false => "see `mckibben identify --help` for a study file",
+            };
+            within.fault(at, error.message().to_owned(), help)
         })?;
         let head_at = file.study.span().start;
         let head = file.study.into_inner();
@@ -321,9 +328,10 @@ impl Study {
             let remedy = "add `[[run]]` with `file = \"data.csv\"`";
             return Err(within.fault(Some(head_at), "it has no runs", remedy));
         }
+        let names = within.names(&file.run)?;
         let mut runs = Vec::new();
-        for raw in file.run {
-            runs.push(within.run(raw)?);
+        for (raw, name) in file.run.into_iter().zip(names) {
+            runs.push(within.run(raw, name)?);
         }
         let fit_entries = file.fit.into_iter().map(|(path, raw)| FitEntry {
             path,
@@ -403,6 +411,11 @@ impl Study {
             return Err(StudyError::new(&self.path, None, what, format!("the tables have: {}", heads.join(", "))));
         }
         for table in &tables {
+            if let Some(entry) = self.columns.iter().find(|entry| table.count(&entry.name) > 1) {
+                let (name, count) = (&entry.name, table.count(&entry.name));
+                let what = format!("it has {count} columns `{name}`, and the {} is read from that", entry.words());
+                return Err(StudyError::new(&table.file, None, what, "give each column of the table a different name"));
+            }
             let entries: Vec<&ColumnEntry> = self.columns.iter().filter(|entry| table.has(&entry.name)).collect();
             recording.sheets.push(clean::sheet(table, &entries, &run.held, &mut recording.notes)?);
         }
@@ -434,7 +447,7 @@ impl Within<'_> {
     }
 
     pub(super) fn fault(&self, at: Option<usize>, what: impl Into<String>, remedy: impl Into<String>) -> StudyError {
-        let line = at.map(|at| self.text[..at.min(self.text.len())].matches('\n').count() + 1);
+        let line = at.map(|at| self.line(at));
         StudyError::new(self.path, line, what, remedy)
     }
 
@@ -548,6 +561,7 @@ impl Within<'_> {
                 ));
             }
         };
+        let unit = raw.unit.as_ref().map_or_else(|| quantity.unit().to_owned(), |unit| unit.as_ref().clone());
         let mut zeros = Vec::new();
         for known in raw.zero.unwrap_or_default() {
             let span = [self.si(&known.from, Quantity::Time)?, self.si(&known.to, Quantity::Time)?];
@@ -565,6 +579,16 @@ impl Within<'_> {
             zeros,
             drop_outliers: raw.drop_outliers,
         };
+        if let (Some(given), Some(deviation)) = (&raw.deviation, rules.deviation)
+            && !(deviation > 0.0 && deviation.is_finite())
+        {
+            let what = format!("the deviation of `{name}` is {}, which is not above zero", given.as_ref());
+            return Err(self.fault(
+                Some(given.span().start),
+                what,
+                "give the standard deviation of a reading, or leave it out",
+            ));
+        }
         if rules.slack.is_some() && !quantity.is_tension() {
             return Err(self.fault(
                 at,
@@ -574,24 +598,72 @@ impl Within<'_> {
         }
         let sensor = RawSensor { drift: raw.drift, shift: raw.shift, lag: raw.lag, hold: raw.hold };
         let sensor = sensor.read(self, quantity)?;
-        Ok(ColumnEntry { quantity, part, name: raw.name, scale, zero, rules, sensor })
+        Ok(ColumnEntry { quantity, part, name: raw.name, unit, scale, zero, rules, sensor })
     }
 
-    fn run(&self, raw: Spanned<RawRun>) -> Result<RunEntry, StudyError> {
+    /// The line of a place in the text, counted from 1.
+    fn line(&self, at: usize) -> usize {
+        self.text[..at.min(self.text.len())].matches('\n').count() + 1
+    }
+
+    /// The names of runs, no two equal: those that the study gives, else stems of files. Where stems are equal, the path without
+    /// its ending; where that is equal too, a number behind it.
+    fn names(&self, runs: &[Spanned<RawRun>]) -> Result<Vec<String>, StudyError> {
+        let mut names: Vec<Option<String>> = vec![None; runs.len()];
+        let mut given: Vec<(String, usize)> = Vec::new();
+        for (run, name) in runs.iter().zip(&mut names) {
+            let Some(text) = &run.as_ref().name else { continue };
+            let at = text.span().start;
+            if let Some((_, first)) = given.iter().find(|(other, _)| *other == as_file_name(text.as_ref())) {
+                // A program that hands over a study has no lines.
+                let also =
+                    if self.numbers_are_si { String::new() } else { format!(", in line {} too", self.line(*first)) };
+                let what = format!("`{}` is the name of two runs{also}", text.as_ref());
+                return Err(self.fault(Some(at), what, "give each run a different name"));
+            }
+            given.push((as_file_name(text.as_ref()), at));
+            *name = Some(text.as_ref().clone());
+        }
+        let file = |run: &Spanned<RawRun>| run.as_ref().file.iter().chain(&run.as_ref().files).next().cloned();
+        let whole = |path: PathBuf| path.with_extension("").to_string_lossy().replace('\\', "/");
+        let stem = |path: PathBuf| path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+        let unnamed = || runs.iter().filter(|run| run.as_ref().name.is_none()).filter_map(file);
+        let is_single = |name: &str, of: &dyn Fn(PathBuf) -> String| {
+            unnamed().filter(|path| as_file_name(&of(path.clone())) == as_file_name(name)).count() == 1
+        };
+        let mut taken: Vec<String> = given.into_iter().map(|(name, _)| name).collect();
+        for (run, name) in runs.iter().zip(&mut names).filter(|(_, name)| name.is_none()) {
+            // A run without a file is refused where it is read.
+            let Some(path) = file(run) else { continue };
+            let [short, long] = [stem(path.clone()), whole(path)];
+            let is_free = |name: &str, taken: &[String]| !taken.contains(&as_file_name(name));
+            let own = if is_single(&short, &stem) && is_free(&short, &taken) { short } else { long };
+            let numbered = |number: usize| if number == 1 { own.clone() } else { format!("{own}-{number}") };
+            let own = (1..).map(numbered).find(|name| is_free(name, &taken)).unwrap_or_default();
+            taken.push(as_file_name(&own));
+            *name = Some(own);
+        }
+        Ok(names.into_iter().map(Option::unwrap_or_default).collect())
+    }
+
+    fn run(&self, raw: Spanned<RawRun>, name: String) -> Result<RunEntry, StudyError> {
         let at = raw.span().start;
         let raw = raw.into_inner();
         let files: Vec<PathBuf> = raw.file.into_iter().chain(raw.files).map(|file| beside(self.path, &file)).collect();
-        let Some(first) = files.first() else {
+        if files.is_empty() {
             return Err(self.fault(Some(at), "a run has no file", "give `file = \"data.csv\"`"));
-        };
-        let stem = first.file_stem().map(|stem| stem.to_string_lossy().into_owned());
+        }
         let mut held = Vec::new();
         for (name, value) in raw.held {
             let quantity = self.quantity(&name, value.span().start)?;
             held.push((quantity, self.si(&value, quantity)?));
         }
         let set = raw.set.into_iter().map(|(key, value)| (key, value.to_string()));
-        let name = raw.name.or(stem).unwrap_or_default();
         Ok(RunEntry { name, held, set: set.collect(), files, session: raw.session })
     }
+}
+
+/// The name of a run as part of the name of a file, without separators of folders.
+pub fn as_file_name(run: &str) -> String {
+    run.trim_start_matches(['/', '\\']).replace(['/', '\\', ':'], "-")
 }

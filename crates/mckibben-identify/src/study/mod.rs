@@ -43,7 +43,7 @@ mod table;
 mod valve;
 
 pub use clean::{Note, Severity};
-pub use file::{ColumnEntry, FitEntry, Input, Kind, RunEntry, Study};
+pub use file::{ColumnEntry, FitEntry, Input, Kind, RunEntry, Study, as_file_name};
 pub use search::SearchEntry;
 pub use sensors::SensorEntry;
 pub use table::Table;
@@ -354,7 +354,7 @@ impl Sheet {
 /// One run: its tables, what differs in its scenario, and what was found wrong.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recording {
-    /// The name of its file or the one it was given.
+    /// The one that the study gives, or that of its file; no two recordings of a study have one name.
     pub name: String,
     /// A table for each file.
     pub sheets: Vec<Sheet>,

@@ -5,8 +5,9 @@
 //! | nothing, `nan`, `NA`, `null`, `-`, a null of Parquet | no reading |
 //! | anything else that is no number | a mistake, with its line; no reading in a column that the study does not name |
 //!
-//! A first line of numbers alone is refused: a table has a head. Separators are commas, semicolons or tabs, whichever
-//! the head has; with semicolons a decimal comma is read as a point.
+//! Lines above the head that begin with `#` are comments, as in scenario files, and are skipped; directly above numbers a line with
+//! as many cells is the head nevertheless. A head of numbers alone is refused, and so is a file without a head. Separators are
+//! commas, semicolons or tabs, whichever the head has; with semicolons a decimal comma is read as a point.
 
 use super::StudyError;
 use parquet::file::reader::{FileReader, SerializedFileReader};
@@ -45,6 +46,11 @@ impl Table {
         self.columns.iter().any(|(of, _)| of == name)
     }
 
+    /// How many columns have this name.
+    pub(super) fn count(&self, name: &str) -> usize {
+        self.columns.iter().filter(|(of, _)| of == name).count()
+    }
+
     pub(super) fn heads(self) -> Vec<String> {
         self.columns.into_iter().map(|(name, _)| name).collect()
     }
@@ -70,23 +76,28 @@ fn unreadable(file: &Path, error: impl std::fmt::Display) -> StudyError {
 fn read_csv(file: &Path, named: &[&str]) -> Result<Table, StudyError> {
     let text = std::fs::read_to_string(file).map_err(|error| unreadable(file, error))?;
     let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
+    let Some((above, text)) = from_the_head(text) else {
+        let what = if text.trim().is_empty() { "it is empty" } else { "it has comments alone" };
+        let remedy = "give a table with a line of the names of its columns, such as `t_s,L_m,F_N`, above its readings";
+        return Err(StudyError::new(file, None, what, remedy));
+    };
     let first = text.lines().next().unwrap_or_default();
-    let separator = [';', '\t', ','].into_iter().find(|separator| first.contains(*separator)).unwrap_or(',');
+    let separator = separator(first);
     let mut reader =
         csv::ReaderBuilder::new().delimiter(separator as u8).trim(csv::Trim::All).from_reader(text.as_bytes());
     let heads = reader.headers().map_err(|error| unreadable(file, error))?.clone();
-    if !heads.is_empty() && heads.iter().all(|head| head.parse::<f64>().is_ok()) {
+    if !heads.is_empty() && is_numbers(first, separator) {
         let what = "its first line is numbers, where the names of the columns are expected";
-        return Err(StudyError::new(file, Some(1), what, "put a line such as `t_s,L_m,F_N` above them"));
+        return Err(StudyError::new(file, Some(above + 1), what, "put a line such as `t_s,L_m,F_N` above them"));
     }
     let mut columns: Vec<(String, Vec<f64>)> = heads.iter().map(|head| (head.to_owned(), Vec::new())).collect();
     let mut lines = Vec::new();
     for record in reader.records() {
         let record = record.map_err(|error| {
-            let line = error.position().map(|position| position.line() as usize);
+            let line = error.position().map(|position| above + position.line() as usize);
             StudyError::new(file, line, "a line has more or fewer cells than the head", "mend or remove the line")
         })?;
-        let line = record.position().map_or(0, |position| position.line() as usize);
+        let line = record.position().map_or(0, |position| above + position.line() as usize);
         for ((name, column), cell) in columns.iter_mut().zip(&record) {
             let value = number(cell, separator);
             if value.is_none() && named.contains(&name.as_str()) {
@@ -98,6 +109,41 @@ fn read_csv(file: &Path, named: &[&str]) -> Result<Table, StudyError> {
         lines.push(line);
     }
     Ok(Table { file: file.to_path_buf(), columns, lines })
+}
+
+/// How many lines stand above the head of a table, and the text from the head on; `None` where there is no head.
+fn from_the_head(text: &str) -> Option<(usize, &str)> {
+    let (mut above, mut rest) = (0, text);
+    while !rest.is_empty() {
+        let (line, below) = rest.split_once('\n').unwrap_or((rest, ""));
+        let is_comment = line.starts_with('#');
+        let is_head = match is_comment {
+            true => is_head_of(line, below.lines().next().unwrap_or_default()),
+            false => !line.trim().is_empty(),
+        };
+        if is_head {
+            return Some((above, rest));
+        }
+        (above, rest) = (above + 1, below);
+    }
+    None
+}
+
+/// The separator of a line.
+fn separator(line: &str) -> char {
+    [';', '\t', ','].into_iter().find(|separator| line.contains(*separator)).unwrap_or(',')
+}
+
+/// Whether a line that begins with `#` names the columns of the numbers below it.
+fn is_head_of(line: &str, below: &str) -> bool {
+    let separator = separator(line);
+    is_numbers(below, separator) && line.split(separator).count() == below.split(separator).count()
+}
+
+/// Whether a line is numbers alone, some of which may be missing.
+fn is_numbers(line: &str, separator: char) -> bool {
+    let mut cells = line.split(separator).map(|cell| number(cell.trim().trim_matches('"'), separator));
+    cells.clone().all(|number| number.is_some()) && cells.any(|number| number.is_some_and(f64::is_finite))
 }
 
 /// The number of a cell; NaN when there is no reading, `None` when it is something else.

@@ -12,9 +12,6 @@ const SIGNIFICANT: f64 = 8.0;
 /// Change over the time series, in scatters of a reading about the line, below which it is not reported.
 const SIZE: f64 = 1.0;
 
-/// Residuals over noise above which they are no noise.
-const BEYOND_NOISE: f64 = 3.0;
-
 /// A time series whose residuals drift.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drift {
@@ -43,14 +40,9 @@ impl Task {
     /// The quantities of which the model leaves more than the noise of their readings.
     pub fn unexplained(&self, found: &Identified) -> Vec<Unexplained> {
         let of = |(observed, left): &(Observed, f64)| {
-            let (mut squares, mut count) = (0.0, 0.0);
-            for recorded in self.series_of(observed) {
-                let readings = recorded.times.len() as f64;
-                squares += readings * series::noise(&recorded.times, &recorded.values).powi(2);
-                count += readings;
-            }
-            let noise = (squares / count).sqrt();
-            (*left > BEYOND_NOISE * noise).then_some(Unexplained { observed: observed.clone(), left: *left, noise })
+            let series = self.series_of(observed).map(|recorded| (&recorded.times[..], &recorded.values[..]));
+            let noise = series::beyond_noise(*left, series)?;
+            Some(Unexplained { observed: observed.clone(), left: *left, noise })
         };
         found.left.iter().filter_map(of).collect()
     }

@@ -103,12 +103,29 @@ pub enum TrajectoryError {
         error: SubjectError,
     },
     /// A number that the model does not have at its start.
-    #[error("`{path}` changes no reading where it starts, at {start}: {}", silence(path))]
+    #[error("`{path}` changes no reading where it starts, at {start}; readings end at {until} s: {}", silence(path, *until))]
     Silent {
         /// The number.
         path: String,
         /// Its start, in its SI unit.
         start: f64,
+        /// The time of the last reading in s.
+        until: f64,
+    },
+    /// No more readings that the unknowns change than there are unknowns.
+    #[error(
+        "{changed} of {readings} readings depend on the {unknowns} parameters of [fit], and cannot determine them; readings end at {until} s: \
+         record longer or sample faster, or fit fewer parameters"
+    )]
+    FewReadings {
+        /// How many of the readings depend on a parameter.
+        changed: usize,
+        /// How many there are.
+        readings: usize,
+        /// How many parameters.
+        unknowns: usize,
+        /// The time of the last reading in s.
+        until: f64,
     },
     /// Numbers of sensors in segments.
     #[error(
@@ -132,13 +149,14 @@ pub enum TrajectoryError {
 }
 
 /// Why a parameter may change no reading, and what to do about it.
-fn silence(path: &str) -> &'static str {
+fn silence(path: &str, until: f64) -> &'static str {
     match path.contains("_delay") || path.contains("dead_time") {
+        _ if until <= 0.0 => "there are no readings after the start of a run; record longer",
         true => {
-            "a valve whose delay is longer than its pulses never moves; start below the shortest pulse, or give runs with longer pulses"
+            "a valve whose delay is longer than its pulses never moves; start below the shortest pulse, or give longer records or pulses"
         }
         false => {
-            "the part that it belongs to is absent at zero, or acts in none of the runs; start elsewhere, or hold it"
+            "the part that it belongs to is absent at zero, or acts later or in none of the runs; start elsewhere, record longer, or hold it"
         }
     }
 }
@@ -323,13 +341,25 @@ impl Task {
             let is_stopped = self.search.monitor.is_stopped();
             return Err(if is_stopped { FitError::Interrupted } else { FitError::NoStart }.into());
         }
+        let width = first.len();
+        let until = self.runs.iter().flat_map(|run| &run.time_series).filter_map(|series| series.times.last());
+        let until = until.copied().fold(0.0, f64::max);
         let silent = |unknown: &usize| slopes.iter().skip(*unknown).step_by(first.len()).all(|slope| *slope == 0.0);
         match (0..first.len()).find(silent) {
             Some(unknown) => {
                 let Unknown { name, start, .. } = &self.unknowns[unknown];
-                Err(TrajectoryError::Silent { path: name.clone(), start: *start })
+                Err(TrajectoryError::Silent { path: name.clone(), start: *start, until })
             }
-            None => Ok(()),
+            None => {
+                let changed = slopes.chunks(width.max(1)).filter(|row| row.iter().any(|slope| *slope != 0.0)).count();
+                let priors = self.unknowns.iter().filter(|unknown| unknown.prior.is_some()).count();
+                let (readings, unknowns) = (residuals.len(), self.unknowns.len());
+                // Too few readings in all are refused where the search begins.
+                match changed + priors <= unknowns && readings + priors > unknowns {
+                    true => Err(TrajectoryError::FewReadings { changed, readings, unknowns, until }),
+                    false => Ok(()),
+                }
+            }
         }
     }
 }

@@ -111,7 +111,15 @@ impl Subject {
         match self {
             Self::Scenario(of) => Ok(Built::of(&of.at(values)?)?),
             Self::Plant(AdjustablePlant { document, places }) => {
-                // What is outside the range of its parameter is the core's to say.
+                // What is outside the range of its parameter is the core's to say, but for keys whose part has a name.
+                for (place, value) in places.iter().zip(values) {
+                    let row = place.parameter();
+                    if let Err(error) = row.check(*value)
+                        && row.key.contains('*')
+                    {
+                        return Err(SubjectError::File(error.to_string().replace(row.key, &place.path())));
+                    }
+                }
                 document.with_plant_values(places, values)?;
                 let plant = AdjustedPlant::new(document, places, values)?;
                 if !plant.experiment().controls.is_empty() {

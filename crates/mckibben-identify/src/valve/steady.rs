@@ -125,7 +125,9 @@ pub(super) fn check_pressure(
         value if value <= 0.0 => {
             ("not above zero, so it is no absolute pressure", "add the atmosphere's pressure if it is a gauge pressure")
         }
-        value if value < 1e3 => ("hardly more than a vacuum", "give it in pascal, absolute: 1 bar is 100000 Pa"),
+        value if value < 1e3 => {
+            ("hardly more than a vacuum", "check its unit, and that it is absolute: 1 bar is 100000 Pa")
+        }
         _ => return Ok(()),
     };
     Err(ValveError::Implausible { what, point: place + 1, value, unit, problem, remedy })

@@ -3,6 +3,7 @@
 use super::state::{ActuatorState, HEAD};
 use crate::arguments;
 use crate::exceptions::exception;
+use crate::mark::mark;
 use crate::scenario::Scenario;
 use crate::typed::RequestWord;
 use mckibben::plant::{Plant, PlantRow, PlantRun, PlantStart, PlantSteps};
@@ -29,9 +30,6 @@ pub(crate) struct Model {
     /// What its states begin with: of which actuator they are.
     pub(crate) mark: f64,
 }
-
-/// Sections of a scenario that an actuator in a user's loop does not use.
-const ELSEWHERE: &[&str] = &["command", "controller", "initial", "load", "run", "sweep"];
 
 impl Model {
     /// The scenario's actuator with its valve and all that feeds it, whatever the load; of a joint the one of this name. Pulses
@@ -61,9 +59,7 @@ impl Model {
         let text = alone
             .as_ref()
             .map_or_else(|| scenario.of_one().map(mckibben_scenario::Scenario::to_toml), |of| Ok(of.to_toml()))?;
-        let mut table: toml::Table = text.parse().unwrap_or_default();
-        table.retain(|section, _| ELSEWHERE.iter().all(|elsewhere| section != *elsewhere));
-        Ok(Self { steps, begin, size, pulses, mark: mark(&format!("{table}{}", pulses.frequency)) })
+        Ok(Self { steps, begin, size, pulses, mark: mark(&text, &pulses.frequency.to_string()) })
     }
 
     /// The command that a number is, in the kind of the valve.
@@ -73,7 +69,8 @@ impl Model {
 
     /// The command that a request or a number is.
     pub(crate) fn commanded(&self, name: &str, given: &ValveInput) -> Result<RuntimeCommand, Failure> {
-        let Some(valve) = self.steps.plant().network().valves.first() else {
+        let network = self.steps.plant().network();
+        let Some(valve) = network.valves.first() else {
             return Err(Failure::input(
                 "there is a command to a valve, but the actuator has none",
                 "give the actuator a valve, or leave it sealed",
@@ -90,7 +87,7 @@ impl Model {
                 self.pulses.of_duty(duty)
             }
         };
-        valve.solenoid.check_command(&commanded).map_err(|error| Failure::from(error).of(name))?;
+        network.check_command(0, &commanded).map_err(|error| Failure::from(error).of(name))?;
         Ok(commanded)
     }
 
@@ -183,15 +180,6 @@ pub(crate) fn respond(steps: &mut PlantSteps, velocity: f64) -> Result<mckibben:
     let mut response = [mckibben::Response::default()];
     steps.compute_at(&[distance(steps)], &[velocity], &mut response)?;
     Ok(response[0])
-}
-
-/// A number that identifies a text, exact as a float.
-fn mark(text: &str) -> f64 {
-    // FNV-1a.
-    let hash = text
-        .bytes()
-        .fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3));
-    (hash >> 11) as f64
 }
 
 /// Command of a valve in a step.

@@ -119,7 +119,7 @@ impl Fleet {
         self.batch.keep_to_thread(keeps);
     }
 
-    /// Whether the valves can be commanded this: a number for each valve of each plant.
+    /// Whether the valves can be commanded this: a number for each valve of each plant, or of that of the file where there are none.
     pub(super) fn check(&self, actions: &[f64]) -> Result<(), (usize, Failure)> {
         let valves = self.valves().max(1);
         // Duty cycles within their range differ in nothing that a valve would mind.
@@ -130,13 +130,27 @@ impl Fleet {
             _ => actions,
         };
         for (row, actions) in actions.chunks(valves).enumerate() {
-            for (number, solenoid) in actions.iter().zip(self.file.solenoids()) {
-                let commanded =
-                    self.action_mode.command(*number).and_then(|commanded| solenoid.check_command(&commanded));
-                commanded.map_err(|error| (row, error.into()))?;
+            let network = self.batch.plant(row).unwrap_or(&self.file.begin().plant).network();
+            for (number, valve) in actions.iter().zip(&self.file.valves) {
+                let commanded = self.action_mode.command(*number);
+                let checked = commanded.and_then(|commanded| network.check_command(*valve, &commanded));
+                checked.map_err(|error| (row, error.into()))?;
             }
         }
         Ok(())
+    }
+
+    /// The least and the greatest command of each valve of each plant: all least ones first.
+    pub(super) fn command_range(&self) -> Vec<f64> {
+        let of_row = |row: usize| {
+            let network = self.batch.plant(row).unwrap_or(&self.file.begin().plant).network();
+            let mode =
+                |valve: &usize| network.feed_of(*valve).map_or(self.action_mode, |feed| self.action_mode.fed_at(feed));
+            self.file.valves.iter().map(move |valve| mode(valve).range())
+        };
+        let ranges: Vec<_> = (0..self.batch.len()).flat_map(of_row).collect();
+        let ends = ranges.iter().map(|(low, ..)| *low).chain(ranges.iter().map(|(_, high, _)| *high));
+        ends.collect()
     }
 
     /// Sets the valves to what has been checked, goes on, and writes the columns, and which have left the physics and stopped:

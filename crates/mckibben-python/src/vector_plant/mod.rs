@@ -16,7 +16,7 @@ use crate::pace::Span;
 use crate::pool;
 use crate::scenario::Scenario;
 use crate::typed::{
-    ActionWord, Copied, Count, Flags, Items, NewArguments, Numbers as Array, PrecisionWord, Rows, Sequence, Table,
+    ActionWord, Copied, Count, Flags, NewArguments, Numbers as Array, PrecisionWord, Rows, Sequence, Table, Texts,
 };
 use file::File;
 use fleet::Fleet;
@@ -25,7 +25,7 @@ use mckibben::simulation::MOST_PARTS;
 use mckibben::valve::{Command, Solenoid};
 use mckibben_run::failure::Failure;
 use mckibben_run::host::{CommandMode, Pulses};
-use numpy::{PyArray1, PyUntypedArrayMethods};
+use numpy::{PyArray1, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use std::collections::BTreeMap;
@@ -119,6 +119,7 @@ impl VectorPlant {
         (count, precision): (usize, &PrecisionWord),
     ) -> Result<Self, Failure> {
         let file = File::read(scenario.clone_ref(py), parameters)?;
+        arguments::taking_part("parameters", parameters, IDLE)?;
         if file.valves.is_empty() {
             let remedy = "give the scenario [supply] and [valve]";
             return Err(Failure::input("the plant has no valve that could be commanded", remedy));
@@ -203,7 +204,7 @@ fn of_plant((row, failure): (usize, Failure)) -> Failure {
 }
 
 /// The indices of instances, of which there are so many.
-fn instances(rows: &Rows<'_>, count: usize) -> PyResult<Vec<usize>> {
+pub(crate) fn instances(rows: &Rows<'_>, count: usize) -> PyResult<Vec<usize>> {
     let known = |(at, row): (usize, &i64)| {
         usize::try_from(*row).ok().filter(|row| *row < count).ok_or_else(|| {
             let remedy = match count.checked_sub(1) {
@@ -217,7 +218,7 @@ fn instances(rows: &Rows<'_>, count: usize) -> PyResult<Vec<usize>> {
 }
 
 /// Refuses an instance that is named twice.
-fn check_each_once(rows: &[usize]) -> Result<(), Failure> {
+pub(crate) fn check_each_once(rows: &[usize]) -> Result<(), Failure> {
     let mut places = BTreeMap::new();
     for (at, row) in rows.iter().enumerate() {
         if let Some(first) = places.insert(*row, at) {
@@ -228,21 +229,30 @@ fn check_each_once(rows: &[usize]) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Sections whose numbers change nothing of plants that a caller commands.
+const IDLE: &[(&str, &str)] = &[
+    ("command", "this plant, whose valves `actions` command"),
+    ("controller", "this plant, whose valves `actions` command"),
+    ("run", "this plant: all instances take the steps of the scenario"),
+];
+
 #[pymethods]
 impl VectorPlant {
     #[new]
-    #[pyo3(signature = (scenario, count, *, parameters = Items(Vec::new()), action_mode = ActionWord::from("duty"), pulse_frequency = None, precision = PrecisionWord::from("double")))]
+    #[pyo3(signature = (scenario, count, *, parameters = Texts::NONE, action_mode = ActionWord::from("duty"), pulse_frequency = None, precision = PrecisionWord::from("double")))]
     fn new(
         py: Python<'_>,
         scenario: Py<Scenario>,
         count: Count,
-        parameters: Items<String>,
+        parameters: Texts<'_>,
         action_mode: ActionWord,
         pulse_frequency: Option<f64>,
         precision: PrecisionWord,
     ) -> PyResult<Self> {
         let actions = (action_mode.0.as_str(), pulse_frequency);
-        let mut plants = Self::of(py, &scenario, &parameters.0, actions, (count.0, &precision)).or_exception()?;
+        let parameters = parameters.read("parameters")?;
+        arguments::each_once("parameters", &parameters).or_exception()?;
+        let mut plants = Self::of(py, &scenario, &parameters, actions, (count.0, &precision)).or_exception()?;
         arguments::room(py, count.0, "plants", plants.fleet.bytes())?;
         plants.begin(py, None)?;
         Ok(plants)
@@ -417,6 +427,16 @@ impl VectorPlant {
     fn time<'py>(&self, py: Python<'py>) -> Array<'py> {
         let time = vec![self.fleet.time(); self.count];
         Array(PyArray1::from_vec(py, time).into_any())
+    }
+
+    /// Least and greatest command of each valve of each instance, float64 of shape (2, count, valves), as `action_mode` says.
+    ///
+    /// Set points end at the gauge pressure in Pa of what feeds the valve of the instance.
+    #[getter]
+    fn command_range<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
+        let shape = [2, self.count, self.fleet.valves()];
+        let range = PyArray1::from_vec(py, self.fleet.command_range()).reshape(shape)?;
+        Ok(Array(range.into_any()))
     }
 
     /// Frequency of the pulses in Hz; `None` unless `action_mode` is "duty".

@@ -65,7 +65,7 @@ impl Pressures {
     pub fn of_scenario(scenario: &Scenario) -> Self {
         let supply = scenario.supply.as_ref().map(|supply| supply.gauge_pressure);
         let given = || Some(scenario.pressure.as_ref()?.values().fold(f64::NEG_INFINITY, f64::max));
-        let greatest = supply.or_else(given).unwrap_or(scenario.initial.gauge_pressure);
+        let greatest = supply.or_else(given).unwrap_or(scenario.first_gauge_pressure());
         if !(greatest.is_finite() && greatest >= 1.0) {
             return Self::of_pascals(&OF_THE_PAPER.map(|psi| psi * PSI));
         }

@@ -9,6 +9,7 @@ use super::written::Written;
 use crate::failure::Failure;
 use crate::run::Ready;
 use crate::settle::End;
+use crate::warnings::{Warning, of_run};
 use mckibben_scenario::Document;
 
 /// What the names of the numbers of an orbit begin with.
@@ -79,6 +80,17 @@ impl Evaluator {
             }
         }
         Ok(numbers)
+    }
+
+    /// The warnings of the run of a document; none where it fails, which its numbers say.
+    pub(super) fn warnings(&self, document: &Document) -> Vec<Warning> {
+        let run = || {
+            let ready = Ready::of(document)?;
+            let before = ready.warnings();
+            let (figures, _) = ready.stream(document, None, End::Duration)?;
+            Ok::<_, Failure>(of_run(before, &figures))
+        };
+        run().unwrap_or_default()
     }
 
     /// The values of what is looked at; in words what there is no number of.

@@ -31,6 +31,7 @@ mod written;
 
 use crate::failure::{Failure, Reason};
 use crate::progress::Progress;
+use crate::quantities::counted;
 use constraint::Constraint;
 use evaluate::{Evaluator, Named};
 use mckibben_identify::least_squares::Monitor;
@@ -154,10 +155,8 @@ impl Design {
             }
             known.insert(bits(&values), Err(reason.clone()));
         }
-        let count = known.len();
-        Err(Failure::stopped(format!(
-            "none of the first {count} runs within --vary came to its end; the last: {reason}"
-        )))
+        let runs = counted(known.len() as u64, "run");
+        Err(Failure::stopped(format!("none of the first {runs} within --vary came to its end; the last: {reason}")))
     }
 
     /// Searches, on all cores, until it is done or the monitor ends it: then the best of what was run is what is found.
@@ -214,7 +213,19 @@ impl Design {
         }
         let is_converged = is_converged && !interrupted;
         let found = evaluator.document(&points[of_best].values)?;
-        Ok(Outcome { document, unit, points, best: of_best, scales, is_converged, interrupted, found, request })
+        let warnings = evaluator.warnings(&found);
+        Ok(Outcome {
+            document,
+            unit,
+            points,
+            best: of_best,
+            scales,
+            is_converged,
+            interrupted,
+            found,
+            warnings,
+            request,
+        })
     }
 }
 
@@ -252,6 +263,8 @@ fn check(vary: &Vary) -> Result<(), Failure> {
     }
     for (end, value) in vary.ends.into_iter().zip(vary.ends_in_si()) {
         if let Err(error) = row.check(value) {
+            // The row of a part of a plant has no name for it.
+            let error = error.to_string().replace(row.key, &vary.key);
             let title = format!("--vary {vary}: its end {} cannot be: {error}", vary.text(end));
             return Err(Failure::input(title, format!("let the range of {} stay within what is admissible", vary.key)));
         }

@@ -9,6 +9,7 @@ use super::{Goal, Request};
 use crate::failure::Failure;
 use crate::quantities::{digits, plain, quantity};
 use crate::report::Table;
+use crate::warnings::Warning;
 use mckibben_plot::Figure;
 use mckibben_scenario::Document;
 use serde_json::{Value, json};
@@ -63,6 +64,8 @@ pub struct Outcome {
     pub(super) interrupted: bool,
     /// The document with the values of the best point.
     pub(super) found: Document,
+    /// The warnings of its run.
+    pub(super) warnings: Vec<Warning>,
 }
 
 impl Outcome {
@@ -79,6 +82,11 @@ impl Outcome {
     /// Whether the search was ended before it was done.
     pub fn is_interrupted(&self) -> bool {
         self.interrupted
+    }
+
+    /// The warnings of the run at the best point, as `mckibben simulate` has them.
+    pub fn warnings(&self) -> &[Warning] {
+        &self.warnings
     }
 
     /// The request.
@@ -303,6 +311,7 @@ impl Outcome {
             "evaluations": self.points.len(),
             "converged": self.is_converged,
             "interrupted": self.interrupted,
+            "warnings": self.warnings.iter().map(|of| json!({ "code": of.code, "part": of.part, "text": of.text })).collect::<Vec<_>>(),
             "failed": failures.values().sum::<usize>(),
             "failures": failures,
         });

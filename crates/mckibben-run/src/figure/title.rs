@@ -4,7 +4,7 @@
 //! what drives the valve.
 
 use crate::quantities::{digits, given, given_percent, plain};
-use mckibben_scenario::{Command, Document, Load, Motion, Regulator, Scenario};
+use mckibben_scenario::{Command, Document, Load, Motion, Regulator, Scenario, Sweep};
 
 /// Words that end with a point without ending a sentence.
 const ABBREVIATED: [&str; 10] = ["Fig", "fig", "No", "e.g", "i.e", "vs", "al", "approx", "ca", "Eq"];
@@ -13,12 +13,18 @@ const LONGEST: usize = 220;
 
 /// The title of a document's runs. `set` are the values that differ from the file, as `KEY=VALUE`.
 pub fn of(document: &Document, set: &[String]) -> String {
-    let composed = || match document.scenario() {
-        Ok(scenario) => composed(&scenario),
-        Err(_) => plant(document),
-    };
+    made(document, set, || document.scenario().ok().map(|scenario| composed(&scenario, &[])))
+}
+
+/// The title of a sweep of a document: as [`of`], without what varies.
+pub fn of_sweep(document: &Document, sweep: &Sweep, set: &[String]) -> String {
+    let varied: Vec<&str> = sweep.axes().iter().map(|axis| axis.path.as_str()).collect();
+    made(document, set, || sweep.scenario(0).ok().map(|first| composed(&first, &varied)))
+}
+
+fn made(document: &Document, set: &[String], of_one: impl FnOnce() -> Option<String>) -> String {
     let sentence = sentence(document.source().text());
-    let title = sentence.unwrap_or_else(composed);
+    let title = sentence.or_else(of_one).unwrap_or_else(|| plant(document));
     if set.is_empty() { title } else { format!("{title} ({})", set.join(", ").replace('=', " = ")) }
 }
 
@@ -66,9 +72,15 @@ fn sentence(text: &str) -> Option<String> {
     (is_sentence && sentence.chars().count() <= LONGEST).then_some(sentence)
 }
 
-/// What a scenario of one actuator or of a joint is, in a sentence.
-fn composed(of: &Scenario) -> String {
+/// What a scenario of one actuator or of a joint is, in a sentence without the keys that vary.
+fn composed(of: &Scenario, varied: &[&str]) -> String {
+    let varies = |key: &str| varied.contains(&key);
+    let moves = varied.iter().any(|key| key.starts_with("load.motion"));
     let load = match &of.load {
+        _ if varies("load.kind") => "A muscle".to_owned(),
+        Load::HangingMass { .. } if varies("load.mass") => "A muscle under a load".to_owned(),
+        Load::ConstantForce { .. } if varies("load.force") => "A muscle under a constant force".to_owned(),
+        Load::PrescribedMotion(Motion::Sinusoid { .. }) if moves => "A muscle that is moved".to_owned(),
         Load::HangingMass { mass, .. } => format!("A muscle under a {} load", kilograms(*mass)),
         Load::ConstantForce { force, .. } => format!("A muscle under a constant force of {}", given(*force, "N")),
         Load::Isometric => "A muscle at constant length".to_owned(),
@@ -80,10 +92,14 @@ fn composed(of: &Scenario) -> String {
     };
     let drive = match &of.command {
         _ if of.pressure.is_some() => "at a pressure that is given over time".to_owned(),
+        _ if varies("command.kind") || varies("command.state") => return load,
         None => "sealed".to_owned(),
         Some(_) if of.valve.is_none() => "sealed".to_owned(),
         Some(Command::Pwm { frequency, duty, .. }) => {
-            format!("pulsed at {} and {}", given(*frequency, "Hz"), given_percent(*duty))
+            let frequency = (!varies("command.frequency")).then(|| given(*frequency, "Hz"));
+            let duty = (!varies("command.duty")).then(|| given_percent(*duty));
+            let parts: Vec<String> = frequency.into_iter().chain(duty).collect();
+            if parts.is_empty() { "pulsed".to_owned() } else { format!("pulsed at {}", parts.join(" and ")) }
         }
         Some(Command::Constant(state)) => format!("with the valve at {}", state.name()),
         Some(Command::SetPoints { .. }) => "with set points of its regulator".to_owned(),
@@ -136,5 +152,25 @@ mod tests {
         assert_eq!(of(&document, &[]), "A muscle under a 2.268 kg load, pulsed at 25 Hz and 40 %");
         let set = ["load.mass=1 kg".to_owned()];
         assert!(of(&document, &set).ends_with("40 % (load.mass = 1 kg)"));
+    }
+
+    #[test]
+    fn the_title_of_a_sweep_leaves_out_what_varies() {
+        let text = "[load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n[valve]\npreset = \"matrix-821\"\n[supply]\n\
+                    gauge_pressure = \"60 psi\"\n[command]\nkind = \"pwm\"\nfrequency = \"25 Hz\"\nduty = 0.4\n[run]\n\
+                    duration = \"1 s\"\n[sweep.vary]\n";
+        for (vary, due) in [
+            ("\"command.duty\" = [0.2, 0.4]", "A muscle under a 2.268 kg load, pulsed at 25 Hz"),
+            ("\"command.frequency\" = [\"20 Hz\", \"30 Hz\"]", "A muscle under a 2.268 kg load, pulsed at 40 %"),
+            (
+                "\"load.mass\" = [\"1 kg\"]\n\"command.duty\" = [0.2]\n\"command.frequency\" = [\"9 Hz\"]",
+                "A muscle under a load, pulsed",
+            ),
+            ("\"load.gravity\" = [9.8]", "A muscle under a 2.268 kg load, pulsed at 25 Hz and 40 %"),
+        ] {
+            let document = Document::parse_in_si(&format!("{text}{vary}\n"), "muscle.toml").unwrap();
+            let sweep = document.sweep().unwrap().unwrap();
+            assert_eq!(of_sweep(&document, &sweep, &[]), due, "{vary}");
+        }
     }
 }

@@ -12,7 +12,7 @@ use super::model::{HostModel, Motion};
 use super::plant::HostPlant;
 use crate::failure::Failure;
 use mckibben::plant::{PlantRow, PlantSampler};
-use mckibben::{Error, Response, parameter};
+use mckibben::{Error, Response};
 use mckibben_batch::{PlantBatch, Precision};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -69,25 +69,27 @@ impl HostBatch {
     }
 
     fn of(plants: &mut dyn Iterator<Item = HostPlant>, precision: Precision) -> Result<Self, Failure> {
-        let (mut models, mut state_size, mut differs): (Vec<Arc<HostModel>>, usize, bool) = (Vec::new(), 0, false);
+        let (mut models, mut state_size): (Vec<Arc<HostModel>>, usize) = (Vec::new(), 0);
+        let mut differs = None;
         // Each is taken when the batch asks for it: what a plant computes with is there once at a time.
         let rows = plants.map_while(|mut plant| {
             let size = plant.state_size();
             if let Some(first) = models.first() {
-                let is_of_kind = Arc::ptr_eq(&plant.model, first) || plant.model.is_of_kind(first);
-                differs = !is_of_kind || size != state_size;
+                let of_kind = if Arc::ptr_eq(&plant.model, first) { None } else { plant.model.difference(first) };
+                differs = of_kind.or_else(|| {
+                    (size != state_size).then(|| {
+                        let title = format!("its state is {size} numbers, that of the first plant {state_size}");
+                        (title, "let them have equal parts, and a dead time of zero in all of them or in none")
+                    })
+                });
             }
             state_size = size;
             models.push(plant.model);
-            (!differs).then_some(plant.steps)
+            differs.is_none().then_some(plant.steps)
         });
         let made = PlantBatch::with_precision(rows, precision);
-        if differs {
-            return Err(Failure::input(
-                "its actuators, valves, outputs, states or steps are not those of the first plant",
-                "make a batch of plants of one scenario, or of scenarios that differ in numbers alone",
-            )
-            .of(&format!("plant {}", models.len() - 1)));
+        if let Some((title, help)) = differs {
+            return Err(Failure::input(title, help).of(&format!("plant {}", models.len() - 1)));
         }
         let (mut batch, Some(first)) = (made?, models.first()) else {
             return Err(Failure::input("there is no plant to step", "give one or more"));
@@ -161,7 +163,7 @@ impl HostBatch {
     pub fn advance(&mut self, until: f64, distances: &[f64]) -> Result<(), Failure> {
         let from = self.time();
         if self.model().motion() == Motion::Scenario {
-            self.model().check_distances(distances)?;
+            self.model().check_count("distances", distances.len())?;
             self.steps.clear();
             self.steps.extend(self.models[0].step_ends(from, until)?);
             if !self.steps.is_empty() {
@@ -169,11 +171,12 @@ impl HostBatch {
             }
             return Ok(());
         }
+        self.model().check_time(from, until)?;
         let span = until - from;
-        let rate = |to: &f64, at: &f64| parameter::INITIAL_VELOCITY.check((to - at) / span).map(drop);
-        if span > 0.0 {
-            self.check_ends("distances", distances, &parameter::INITIAL_LENGTH)?;
-            self.check_each(distances.iter().zip(&self.ends[0]).map(|(to, at)| rate(to, at)))?;
+        self.check_count("distances", distances.len(), self.model().distance_count())?;
+        self.each_of(distances, HostModel::check_distance)?;
+        for (place, (to, at)) in distances.iter().zip(&self.ends[0]).enumerate() {
+            self.of_place(place, self.model().check_rate(place, (to - at) / span))?;
         }
         self.batch.move_to(until, distances)?;
         let [at, rates] = &mut self.ends;
@@ -189,8 +192,12 @@ impl HostBatch {
     /// # Errors
     /// Unless there is one of each for each actuator whose ends the host moves, and for one that is none.
     pub fn compute_at(&mut self, distances: &[f64], rates: &[f64]) -> Result<(), Failure> {
-        self.check_ends("distances", distances, &parameter::INITIAL_LENGTH)?;
-        self.check_ends("rates", rates, &parameter::INITIAL_VELOCITY)?;
+        self.check_ends(distances, rates)?;
+        for (row, (model, distances)) in self.models.iter().zip(distances.chunks(self.width())).enumerate() {
+            if self.batch.fault(row).is_none() {
+                model.check_reach(distances).map_err(|failure| self.of_row(failure, row))?;
+            }
+        }
         Ok(self.batch.compute_at(distances, rates)?)
     }
 
@@ -269,8 +276,7 @@ impl HostBatch {
     /// # Errors
     /// As there. Then nothing has changed.
     pub fn begin_at(&mut self, distances: &[f64], rates: &[f64]) -> Result<(), Failure> {
-        self.check_ends("distances", distances, &parameter::INITIAL_LENGTH)?;
-        self.check_ends("rates", rates, &parameter::INITIAL_VELOCITY)?;
+        self.check_ends(distances, rates)?;
         let each = self.model().distance_count();
         let begin = |(row, model): (usize, &Arc<HostModel>)| {
             let its = each * row..each * (row + 1);
@@ -334,9 +340,21 @@ impl HostBatch {
     pub fn restore(&mut self, numbers: &[f64]) -> Result<(), Failure> {
         self.check_count("numbers of states", numbers.len(), self.state_size)?;
         let Self { models, batch, ends, state_size, .. } = self;
+        let mut first = None;
         batch.change(|row, steps| {
             let its = &numbers[*state_size * row..*state_size * (row + 1)];
-            steps.restore_from(its).map_err(|error| of_row(error.into(), row, models.len()))
+            let taken = steps.restore_from(its).map_err(Failure::from).and_then(|()| models[row].check_lengths(steps));
+            let (time, first) = (steps.time(), *first.get_or_insert(steps.time()));
+            let is_of_one_time = || match time == first {
+                true => Ok(()),
+                false => Err(Failure::input(
+                    format!(
+                        "the states are of different times: this one of {time:?} s, that of plant 0 of {first:?} s"
+                    ),
+                    "give states that were saved together; to begin one plant again, restart it alone",
+                )),
+            };
+            taken.and_then(|()| is_of_one_time()).map_err(|failure| of_row(failure, row, models.len()))
         })?;
         *ends = all_ends(&models[0], batch);
         Ok(())
@@ -347,22 +365,32 @@ impl HostBatch {
         check_count(name, given, self.count() * each)
     }
 
-    /// That there is one number in its range for each actuator whose ends the host moves.
-    fn check_ends(&self, name: &str, numbers: &[f64], range: &'static parameter::Parameter) -> Result<(), Failure> {
-        self.check_count(name, numbers.len(), self.model().distance_count())?;
-        self.check_each(numbers.iter().map(|number| range.check(*number).map(drop)))
+    /// That there is a distance and a rate for each actuator whose ends the host moves.
+    fn check_ends(&self, distances: &[f64], rates: &[f64]) -> Result<(), Failure> {
+        for (name, numbers) in [("distances", distances), ("rates", rates)] {
+            self.check_count(name, numbers.len(), self.model().distance_count())?;
+        }
+        self.each_of(distances, HostModel::check_distance)?;
+        self.each_of(rates, HostModel::check_rate)
     }
 
-    /// That everything that is said of the actuators of the plants, one after the other, holds.
-    fn check_each(&self, said: impl Iterator<Item = Result<(), Error>>) -> Result<(), Failure> {
-        let actuators = self.model().actuators();
-        match said.enumerate().find_map(|(at, said)| said.err().map(|error| (at, error))) {
-            None => Ok(()),
-            Some((at, error)) => {
-                let failure = Failure::from(error).of(&actuators[at % actuators.len()]);
-                Err(self.of_row(failure, at / actuators.len()))
-            }
-        }
+    /// That something holds for the numbers of all actuators, by their places.
+    fn each_of(
+        &self,
+        numbers: &[f64],
+        check: impl Fn(&HostModel, usize, f64) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
+        (0..).zip(numbers).try_for_each(|(place, number)| self.of_place(place, check(self.model(), place, *number)))
+    }
+
+    /// What was found of an actuator, by its place among those of all plants.
+    fn of_place(&self, place: usize, found: Result<(), Failure>) -> Result<(), Failure> {
+        found.map_err(|failure| self.of_row(failure, place / self.width()))
+    }
+
+    /// Numbers that a plant has of its ends.
+    fn width(&self) -> usize {
+        self.model().distance_count().max(1)
     }
 
     fn of_row(&self, failure: Failure, row: usize) -> Failure {

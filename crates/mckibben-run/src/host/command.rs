@@ -11,7 +11,7 @@
 
 use crate::failure::Failure;
 use mckibben::valve::{Command, Request, RuntimeCommand, Solenoid};
-use mckibben::{Error, GaugePressure, Requirement, parameter};
+use mckibben::{Error, GaugePressure, parameter};
 
 /// How often pulses come, and what is requested in them and between.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -215,29 +215,11 @@ impl CommandMode {
             Self::Duty(pulses) => Ok(pulses.of_duty(parameter::DUTY.check(number)?)),
             Self::Request => request(number).map(RuntimeCommand::Request),
             Self::Position => parameter::COMMAND_POSITION.check(number).map(RuntimeCommand::Position),
-            Self::SetPoint { feed } => {
+            Self::SetPoint { .. } => {
                 let gauge = parameter::COMMAND_GAUGE_PRESSURE.check(number)?;
-                if gauge > feed.max(0.0) {
-                    return Err(beyond_feed(gauge, *feed));
-                }
                 Ok(RuntimeCommand::SetPoint(GaugePressure(gauge)))
             }
         }
-    }
-}
-
-/// The error of a set point (Pa, gauge) above what feeds the regulator, as the core has it for those of a scenario.
-fn beyond_feed(gauge: f64, feed: f64) -> Error {
-    Error::Inconsistent {
-        parameter: &parameter::COMMAND_GAUGE_PRESSURE,
-        value: gauge,
-        requirement: Requirement {
-            relation: "must not be greater than",
-            other: parameter::SUPPLY_GAUGE_PRESSURE.key,
-            value: feed,
-            unit: parameter::SUPPLY_GAUGE_PRESSURE.unit,
-        },
-        remedy: "lower the set point or raise the supply: a regulator cannot give more than feeds it",
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 use mckibben::Error;
-use mckibben::network::NodeKind;
+use mckibben::network::{BranchKind, NodeKind};
 use mckibben::plant::Plant;
 use mckibben_scenario::{Document, Engine, MechanismNames, PlantExperiment, PlantNames, Scenario};
 
@@ -42,18 +42,11 @@ pub fn experiment_of_one(scenario: &Scenario) -> Result<PlantExperiment, Error> 
         mechanisms = vec![MechanismNames::default(); plant.mechanisms().len()];
     }
     let network = plant.network();
-    // One valve drives both actuators of a joint where it has five ways.
-    let valve_of = |actuator: usize| match network.valves.len() {
-        0 => None,
-        1 => Some(0),
-        _ => Some(actuator),
-    };
     let is_first =
         |node: usize| matches!(network.nodes[node].kind, NodeKind::Hose(_)) && network.hose_start(node) == node;
     let hoses: Vec<usize> = (0..network.nodes.len()).filter(|node| is_first(*node)).collect();
     let count = actuators.len();
     let names = PlantNames {
-        valves: (0..count).map(valve_of).collect(),
         hoses: (0..count).map(|actuator| hoses.get(actuator).copied()).collect(),
         actuators,
         mechanisms,
@@ -61,7 +54,16 @@ pub fn experiment_of_one(scenario: &Scenario) -> Result<PlantExperiment, Error> 
     };
     let mut experiment = PlantExperiment { plant, start, run, names, controls: Vec::new() };
     experiment.names.nodes = supplies(&experiment, has_own_supplies);
+    experiment.names.valves = experiment.names.actuators.iter().map(|name| valve_of(&experiment, name)).collect();
     Ok(experiment)
+}
+
+/// The valve through which an actuator is fed, if there is one.
+fn valve_of(of: &PlantExperiment, actuator: &str) -> Option<usize> {
+    of.plant.network().branches.iter().find_map(|branch| match branch.kind {
+        BranchKind::Path { valve, .. } if of.owner_of_node(branch.to) == actuator => Some(valve),
+        _ => None,
+    })
 }
 
 /// The names of the nodes that are supplies whose pressure changes; each is called after its actuator where that shares it with no other.

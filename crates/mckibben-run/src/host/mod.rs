@@ -54,6 +54,7 @@
 
 mod batch;
 pub mod command;
+mod ends;
 mod experiment;
 mod model;
 mod plant;

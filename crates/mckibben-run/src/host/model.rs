@@ -3,14 +3,12 @@
 //! Plants of a host share it; what changes is in [`HostPlant`](super::HostPlant) and in [`HostBatch`](super::HostBatch).
 
 use super::command::{CommandMode, Pulses};
+use super::ends;
 use super::experiment::experiment_of;
 use crate::failure::Failure;
 use mckibben::Error;
-use mckibben::network::{Network, NodeKind};
 use mckibben::parameter::ACCURACY;
-use mckibben::plant::{
-    Plant, PlantRow, PlantRun, PlantSample, PlantStart, PlantSteps, TimeStepping, plant_step_for_accuracy,
-};
+use mckibben::plant::{Plant, PlantRow, PlantRun, PlantSample, PlantStart, PlantSteps, TimeStepping};
 use mckibben::simulation::{MOST_PARTS, Method};
 use mckibben::valve::{RuntimeCommand, Solenoid};
 use mckibben_scenario::{Document, PlantColumn, PlantExperiment, PlantQuantity};
@@ -41,6 +39,9 @@ pub struct HostOptions<'o> {
     pub pulse_frequency: Option<f64>,
     /// The longest part of a step in s; whole steps where none is given, and where the scenario moves, its `run.step`.
     pub max_step: Option<f64>,
+    /// Whether the host integrates the states, as in model exchange: then no step is chosen, and the plant is not advanced by its
+    /// own steps.
+    pub host_integrates: bool,
 }
 
 /// A valve that a host commands by a number.
@@ -72,6 +73,8 @@ pub struct HostModel {
     commands: Vec<CommandInput>,
     outputs: Vec<PlantColumn>,
     quantities: Vec<PlantQuantity>,
+    /// Where the actuators end: see [`ends::limits`].
+    pub(super) limits: Vec<Option<(&'static str, f64)>>,
     /// The longest part of a step in s.
     pub(super) longest: f64,
     stepping: TimeStepping,
@@ -95,28 +98,24 @@ impl HostModel {
         Pulses::of(None, options.pulse_frequency)?;
         let commands = inputs(&experiment, options)?;
         let valves: Vec<usize> = commands.iter().map(|input| input.valve).collect();
+        // The scenario's own commands say what a step has to follow; those of the host are not known yet.
+        let step = match options.motion {
+            Motion::Host => None,
+            Motion::Scenario if options.host_integrates => Some(experiment.run.sample_interval),
+            Motion::Scenario => Some(experiment.fixed_step().map_err(of_fixed_steps).map_err(failed)?),
+        };
         let PlantExperiment { plant, start, run, names, .. } = experiment;
         let mut experiment =
             PlantExperiment { plant: plant.without_commands(&valves), start, run, names, controls: Vec::new() };
         let method = experiment.run.core_method();
-        let stepping = match options.motion {
-            Motion::Host => {
+        let stepping = match step {
+            None => {
                 let (plant, start) = experiment.plant.to_external(&experiment.start).map_err(failed)?;
                 (experiment.plant, experiment.start) = (plant, start);
                 experiment.names.mechanisms = vec![Default::default()];
                 TimeStepping::Located { relative_tolerance: TOLERANCE }
             }
-            Motion::Scenario => {
-                let chosen = || {
-                    let times = (run.duration, run.sample_interval);
-                    let of = (&experiment.plant, &experiment.start);
-                    plant_step_for_accuracy(of, &Vec::new, times, method, run.accuracy)
-                        .map(|chosen| chosen.step)
-                        .map_err(of_fixed_steps)
-                };
-                let step = run.step.map_or_else(chosen, Ok).map_err(failed)?;
-                TimeStepping::Fixed { method, step: step.min(longest) }
-            }
+            Some(step) => TimeStepping::Fixed { method, step: step.min(longest) },
         };
         let is_output = |column: &PlantColumn| {
             // What a valve is commanded is the host's own.
@@ -129,8 +128,8 @@ impl HostModel {
             outputs.push(PlantColumn::number(name, "", PlantQuantity::Contraction(actuator)));
         }
         let quantities = outputs.iter().filter_map(is_output).collect();
-        let motion = options.motion;
-        Ok(Self { experiment, motion, commands, outputs, quantities, longest, stepping })
+        let (motion, limits) = (options.motion, ends::limits(&experiment.plant).map_err(failed)?);
+        Ok(Self { experiment, motion, commands, outputs, quantities, limits, longest, stepping })
     }
 
     /// The names of the actuators.
@@ -195,7 +194,11 @@ impl HostModel {
     pub fn check_command(&self, input: usize, number: f64) -> Result<RuntimeCommand, Failure> {
         let its = self.input(input)?;
         let (mode, solenoid) = (&its.mode, self.solenoid(its));
-        let command = mode.command(number).and_then(|command| solenoid.check_command(&command).map(|()| command));
+        let network = self.experiment.plant.network();
+        let command = mode.command(number).and_then(|command| {
+            network.check_command(its.valve, &command)?;
+            Ok(command)
+        });
         command.map_err(|error| {
             let (low, high, unit) = mode.range();
             // Pulses may hold a request that the valve does not have, whatever the duty cycle.
@@ -222,35 +225,51 @@ impl HostModel {
         })
     }
 
-    /// Whether plants of both are commanded, moved and read alike.
-    pub(super) fn is_of_kind(&self, other: &Self) -> bool {
-        let names = |its: &Self| (its.motion, its.longest, its.stepping);
-        names(self) == names(other)
-            && self.actuators() == other.actuators()
-            && self.commands.len() == other.commands.len()
-            && self.commands.iter().zip(&other.commands).all(|(one, other)| one.is_alike(other))
-            && self.outputs == other.outputs
-    }
-
-    /// That no distances are given where the scenario moves the ends.
-    pub(super) fn check_distances(&self, distances: &[f64]) -> Result<(), Failure> {
-        if self.motion == Motion::Host || distances.is_empty() {
-            return Ok(());
+    /// Why plants of both cannot be stepped together, with a remedy; none where they are commanded, moved and read alike.
+    pub(super) fn difference(&self, other: &Self) -> Option<(String, &'static str)> {
+        const ALIKE: &str = "make a batch of plants of one scenario, or of scenarios that differ in numbers alone";
+        let words = |what: &str| Some((what.to_owned(), ALIKE));
+        if self.motion != other.motion || self.longest != other.longest {
+            return Some((
+                "it is moved by another, or has another max_step".to_owned(),
+                "give all of them equal options",
+            ));
         }
-        Err(Failure::input(
-            format!("{} distances are given, but the scenario moves the ends", distances.len()),
-            "give none, or read the scenario with the motion of the host",
-        ))
+        if let (Some(one), Some(two)) = (self.step(), other.step())
+            && one != two
+        {
+            let title = format!("its own step is {one:?} s, that of the first plant {two:?} s");
+            return Some((title, "give all of them an equal run.step, or a max_step that is shorter than all"));
+        }
+        if self.stepping != other.stepping {
+            return words("its run.method is another than that of the first plant");
+        }
+        if self.actuators() != other.actuators() {
+            return words("its actuators are not those of the first plant");
+        }
+        let (mine, theirs) = (&self.commands, &other.commands);
+        if let Some((one, two)) = mine.iter().zip(theirs).find(|(one, two)| !one.is_alike(two)) {
+            return Some(match (one.mode.pulse_frequency(), two.mode.pulse_frequency()) {
+                (Some(its), Some(first)) if its != first => {
+                    let title =
+                        format!("`{}` is pulsed at {its:?} Hz, that of the first plant at {first:?} Hz", one.name);
+                    (title, "give all of them an equal pulse_frequency")
+                }
+                _ => (format!("its command `{}` is not `{}` of the first plant", one.name, two.name), ALIKE),
+            });
+        }
+        if mine.len() != theirs.len() || self.outputs != other.outputs {
+            return words("its valves or outputs are not those of the first plant");
+        }
+        None
     }
 
     /// The ends in s of the scenario's own steps, one after the other.
     ///
     /// # Errors
-    /// For a time without end and for more than [`MOST_PARTS`] steps.
+    /// For a time without end or before that, and for more than [`MOST_PARTS`] steps.
     pub(super) fn step_ends(&self, from: f64, until: f64) -> Result<impl Iterator<Item = f64> + use<>, Failure> {
-        if !until.is_finite() {
-            return Err(Failure::input(format!("a step to {until:?} s has no end"), "give a finite time in s"));
-        }
+        self.check_time(from, until)?;
         let stepping = self.stepping;
         if let TimeStepping::Fixed { step, .. } = stepping
             && (until - from) / step > MOST_PARTS
@@ -311,7 +330,8 @@ impl HostModel {
                 "set `initial` in the scenario, or read it with the motion of the host",
             ));
         }
-        distances.iter().try_for_each(|its| mckibben::parameter::INITIAL_LENGTH.check(*its).map(drop))?;
+        self.check_ends(distances, rates)?;
+        self.check_reach(distances)?;
         let start = PlantStart {
             positions: vec![distances.to_vec()],
             rates: vec![rates.to_vec()],
@@ -369,7 +389,7 @@ fn inputs(experiment: &PlantExperiment, options: &HostOptions<'_>) -> Result<Vec
             }
             None => CommandMode::of(&its.solenoid, pulses),
         };
-        let mode = feed_of(network, valve).map_or(mode, |gauge| mode.fed_at(gauge));
+        let mode = network.feed_of(valve).map_or(mode, |gauge| mode.fed_at(gauge));
         inputs.push(CommandInput { name: mode.title(name), actuators: vec![actuator], mode, valve });
     }
     Ok(inputs)
@@ -384,14 +404,6 @@ fn of_fixed_steps(error: Error) -> Error {
         }
         other => other,
     }
-}
-
-/// The gauge pressure in Pa of what feeds a regulating valve.
-fn feed_of(network: &Network, valve: usize) -> Option<f64> {
-    network.nodes.iter().find_map(|node| match node.kind {
-        NodeKind::Port { valve: its, feed, .. } if its == valve => Some(feed),
-        _ => None,
-    })
 }
 
 #[cfg(test)]

@@ -83,12 +83,27 @@ impl HostPlant {
     /// when the plant leaves the physics. Then the plant is where it was.
     pub fn advance(&mut self, until: f64, distances: &[f64]) -> Result<(), Failure> {
         match self.model.motion() {
-            Motion::Host => Ok(self.steps.move_to(until, distances)?),
+            Motion::Host => {
+                self.check_move(until, distances)?;
+                Ok(self.steps.move_to(until, distances)?)
+            }
             Motion::Scenario => {
-                self.model.check_distances(distances)?;
+                self.model.check_count("distances", distances.len())?;
                 self.go_on(until)
             }
         }
+    }
+
+    /// That the ends can go to `distances` in m until a time in s.
+    fn check_move(&self, until: f64, distances: &[f64]) -> Result<(), Failure> {
+        self.model.check_count("distances", distances.len())?;
+        let from = self.steps.time();
+        self.model.check_time(from, until)?;
+        for (actuator, distance) in distances.iter().enumerate() {
+            self.model.check_distance(actuator, *distance)?;
+            self.model.check_rate(actuator, (distance - self.distance(actuator)) / (until - from))?;
+        }
+        Ok(())
     }
 
     /// Goes on by the scenario's own steps.
@@ -128,6 +143,8 @@ impl HostPlant {
     /// # Errors
     /// As there.
     pub fn compute_at(&mut self, distances: &[f64], rates: &[f64], responses: &mut [Response]) -> Result<(), Failure> {
+        self.model.check_ends(distances, rates)?;
+        self.model.check_reach(distances)?;
         Ok(self.steps.compute_at(distances, rates, responses)?)
     }
 

@@ -2,15 +2,15 @@
 
 use super::outcome::{Outcome, WARNED};
 use super::prediction::Prediction;
-use super::{Material, column, gauge_pressures, values};
+use super::{Material, column, gauge_pressures, units, values};
 use crate::failure::Failure;
 use crate::progress::Progress;
+use crate::quantities::counted;
 use crate::report::{Data, Plate, Section, Table};
 use mckibben::Actuator;
 use mckibben_identify::statics::candidates;
 use mckibben_identify::statics::effectiveness::{Ratio, ratios};
 use mckibben_identify::statics::held_out::{Grouping, HeldOut};
-use mckibben_identify::statics::units::suspect;
 use mckibben_identify::statics::{Candidate, Errors, ForceMap, Point, StaticError, StaticFit, force};
 use mckibben_identify::study::{Quantity, Recording};
 use mckibben_plot::{Axis, Colour, Dash, Figure, Legend, Panel, Series, Style};
@@ -71,6 +71,7 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
         points.extend(of_run);
         lines.extend(their_lines);
     }
+    units::check_signs(material, &points, &base)?;
     let place = |point: usize| match (points.get(point), lines.get(point)) {
         (Some(Point { run, .. }), Some(line)) => format!("line {line} of the run `{}`", material.recordings[*run].name),
         _ => format!("point {}", point + 1),
@@ -83,16 +84,16 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     })?;
     let mut warnings = material.notes();
     warnings.extend(left_out(&base));
-    units(material, &map, &base, &mut warnings)?;
+    warnings.extend(units::tensions(material, &map, &base)?);
     possible(&map, &base, &place)?;
     let deviation = deviation(&material.recordings);
     let (mut judged, unfitted) = judged(material, &map, &base, deviation)?;
-    warnings.extend(unfitted);
+    warnings.extend(unfitted.iter().map(|(names, why)| format!("{} not fitted: {why}", were(names))));
     let by = criterion(&judged);
     judged.sort_by(|a, b| b.is_identifiable().cmp(&a.is_identifiable()).then(a.error(by).total_cmp(&b.error(by))));
     let Some(best) = best(&judged, by) else {
-        let why = warnings.iter().filter(|warning| warning.contains("was not fitted")).take(NAMED).cloned();
-        let why: String = why.map(|why| format!("; {why}")).collect();
+        let why = unfitted.iter().take(NAMED).map(|(names, why)| format!("; {} not fitted: {why}", were(names)));
+        let why: String = why.collect();
         let title = format!("no law could be fitted: give more points, at more lengths and pressures{why}");
         return Err(Failure::stopped(title));
     };
@@ -140,31 +141,6 @@ fn points_of(recording: &Recording, run: usize, atmosphere: f64) -> Result<(Vec<
 /// The standard deviation of a tension in N, where every run knows the same.
 fn deviation(recordings: &[Recording]) -> Option<f64> {
     recordings.first()?.column(Quantity::Tension)?.deviation
-}
-
-/// Refuses readings that a wrong unit explains, and reports what is odd.
-fn units(material: &Material, map: &ForceMap, base: &Scenario, warnings: &mut Vec<String>) -> Result<(), Failure> {
-    let failed = |error: mckibben::Error| Failure::of_core(&error, &material.document);
-    let Some(found) = suspect(map, base).map_err(failed)?.filter(|_| !material.study.units_are_right) else {
-        return Ok(());
-    };
-    let ratio = found.ratio;
-    match found.causes.first() {
-        Some((cause, left)) => {
-            let title = format!(
-                "the tensions are {ratio:.3} of the ideal braid's, which no muscle is; it seems that {cause}: that would leave {left:.2}"
-            );
-            let help = "mend the unit in [columns], or the geometry in the scenario; if all of it is right, say units_are_right = true in [study]";
-            Err(Failure::input(title, help))
-        }
-        None => {
-            warnings.push(format!(
-                "! the tensions are {ratio:.3} of the ideal braid's of `thread_length` and `turns` in the scenario: check units and geometry. \
-                 Fitted turns take up any such factor."
-            ));
-            Ok(())
-        }
-    }
 }
 
 /// What the scenario says of its muscle and no law of a force map has.
@@ -215,17 +191,30 @@ fn possible(map: &ForceMap, base: &Scenario, place: &impl Fn(usize) -> String) -
     }
 }
 
+/// The laws that were not fitted for one reason, each in backquotes, with the verb behind them.
+fn were(names: &[String]) -> String {
+    let first: Vec<String> = names.iter().take(NAMED).map(|name| format!("`{name}`")).collect();
+    match names.len() {
+        1 => format!("{} was", first.concat()),
+        count if count <= NAMED => format!("{} were", first.join(", ")),
+        count => format!("{} and {} more were", first.join(", "), count - NAMED),
+    }
+}
+
+/// Laws that were not fitted, and why.
+type Unfitted = Vec<(Vec<String>, String)>;
+
 /// Fits every candidate, and each of them without each group; and why others were not fitted.
 fn judged(
     material: &Material,
     map: &ForceMap,
     base: &Scenario,
     deviation: Option<f64>,
-) -> Result<(Vec<Judged>, Vec<String>), Failure> {
+) -> Result<(Vec<Judged>, Unfitted), Failure> {
     let search = material.search();
     let all = candidates::all(base, map).map_err(|error| Failure::stopped(error.to_string()))?;
     let progress = Progress::begin("fitting", Some(all.len() as u64));
-    let (mut judged, mut unfitted) = (Vec::new(), Vec::new());
+    let (mut judged, mut unfitted): (Vec<Judged>, Unfitted) = (Vec::new(), Vec::new());
     for (candidate, done) in all.into_iter().zip(1..) {
         match candidate.fit(map, deviation, &search) {
             Ok(fit) => {
@@ -233,7 +222,13 @@ fn judged(
                 let held_out = Grouping::ALL.into_iter().filter_map(held_out).collect();
                 judged.push(Judged { candidate, fit, held_out });
             }
-            Err(error) => unfitted.push(format!("`{}` was not fitted: {error}", candidate.name)),
+            Err(error) => {
+                let why = error.to_string();
+                match unfitted.iter_mut().find(|(_, of)| *of == why) {
+                    Some((names, _)) => names.push(candidate.name),
+                    None => unfitted.push((vec![candidate.name], why)),
+                }
+            }
         }
         progress.at(done);
     }
@@ -310,8 +305,10 @@ fn introduction(
     let (held, slack) = (map.held().count(), map.points().len() - map.held().count());
     let percent = |errors: Errors| format!("{:.2} %", 100.0 * errors.root_mean_square);
     let mut words = vec![format!(
-        "{held} tensions up to {:.1} N; {slack} slack points, at which a law may not pull. Errors are in percent of the largest tension. {}",
+        "{} up to {:.1} N; {}, at which a law may not pull. Errors are in percent of the largest tension. {}",
+        counted(held as u64, "tension"),
         map.largest(),
+        counted(slack as u64, "slack point"),
         match deviation {
             Some(deviation) => format!("A tension is known to {deviation:.3} N (one standard deviation)."),
             None => "The scatter about each law says how sure its numbers are.".to_owned(),

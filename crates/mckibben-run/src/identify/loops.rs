@@ -2,9 +2,9 @@
 
 use super::outcome::{self, Outcome, Stems};
 use super::prediction::Prediction;
-use super::{Material, column, gauge_pressures, minima, unknowns, values};
+use super::{Material, column, gauge_pressures, minima, units, unknowns, values};
 use crate::failure::Failure;
-use crate::quantities::quantity;
+use crate::quantities::{counted, quantity};
 use crate::report::{Data, Plate, Section, Table};
 use mckibben::parameter;
 use mckibben_identify::adjustable::Adjustable;
@@ -41,15 +41,27 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     warnings.extend(material.stopped().filter(|_| found.found.fit.ending == Ending::Minimum));
     let minima = minima::of(&found.found, &task.unknowns);
     warnings.extend(minima.words());
+    let has_intervals = found.found.fit.ending == Ending::Minimum;
+    warnings.extend(task.unexplained(&found).map(|noise| {
+        let advice = match units::doubts(material).is_empty() {
+            true => {
+                "look at the units, the offsets and the geometry; the scenario lacks something, or the search has ended away from the best \
+                 values (`more_starts` in [search] helps there)"
+            }
+            false => units::FIRST,
+        };
+        values::beyond_noise("tension", "N", [found.left, noise], has_intervals, advice)
+    }));
     let scenarios = vec![("scenario.toml".to_owned(), outcome::file(&found.scenario))];
     let numbers = values::table("Numbers with their 95 % intervals".to_owned(), &found.found.fit);
     let sections = sections(&task, &found, [&numbers, &minima.table], &scenarios)?;
     let predictions = predictions(&task, &found)?;
     let readings = found.found.fit.residuals.len();
     let introduction = format!(
-        "{} parameters from {readings} tensions of {} loops, length and pressure taken as they were measured. Residual of the tension: {} root mean square.",
-        task.unknowns.len(),
-        task.loops.len(),
+        "{} from {} of {}, length and pressure taken as they were measured. Residual of the tension: {} root mean square.",
+        counted(task.unknowns.len() as u64, "parameter"),
+        counted(readings as u64, "tension"),
+        counted(task.loops.len() as u64, "loop"),
         quantity(found.left, "N")
     );
     Ok(Outcome {

@@ -62,8 +62,11 @@ pub(super) fn of(found: &Found, unknowns: &[Unknown]) -> Minima {
     let rivals: Vec<&OtherMinimum> = others.iter().filter(|of| of.error_ratio.powi(2) <= RIVAL).collect();
     let rivals = rivals.first().map(|nearest| {
         let value = |(unknown, value): (&Unknown, &f64)| {
+            let bound = unknown.bound_of(*value);
+            let value = bound.unwrap_or(*value);
             let shown = units().shown(unknown.unit, value.abs());
-            format!("`{}` = {}", unknown.name, shown.with(&rounded(shown.number(*value), None)))
+            let rests = if bound.is_some() { " (on its bound)" } else { "" };
+            format!("`{}` = {}{rests}", unknown.name, shown.with(&rounded(shown.number(value), None)))
         };
         let values: Vec<String> = unknowns.iter().zip(&nearest.values).map(value).take(NAMED).collect();
         let more = if unknowns.len() > NAMED { " …" } else { "" };
@@ -103,7 +106,10 @@ fn table(found: &Found, unknowns: &[Unknown], others: &[OtherMinimum]) -> Table 
             true => format!("{ratio:.3e}"),
             false => "–".to_owned(),
         };
-        let values = values.iter().map(|value| rounded(*value, None));
+        let values = unknowns
+            .iter()
+            .zip(values)
+            .map(|(unknown, value)| rounded(unknown.bound_of(*value).unwrap_or(*value), None));
         values.chain([ratio, searches.to_string(), if is_minimum { "yes" } else { "no" }.to_owned()]).collect()
     };
     let is_minimum = found.fit.ending == Ending::Minimum;

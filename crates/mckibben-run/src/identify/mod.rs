@@ -8,6 +8,7 @@
 //! | `loops` | friction and hysteresis from tension over length to and fro |
 //! | `rings` | friction from ring-downs, by every estimator |
 //! | `valve` | a valve from steady flow, a tank, or the pressure under a pulse train |
+//! | `units` | readings that the scenario cannot have, refused, and those that are far from what it has |
 //! | `unknowns` | the unknowns of a study |
 //! | `values` | numbers with their intervals, as tables |
 //! | `responses` | overshoot, first peak, frequency and settling of step-like runs |
@@ -28,6 +29,7 @@ mod responses;
 mod rings;
 mod sensors;
 mod trajectories;
+mod units;
 mod unknowns;
 mod values;
 mod valve;
@@ -78,7 +80,9 @@ impl Request {
     /// # Errors
     /// [`Failure::input`] where the text is no study.
     pub fn in_memory(text: &str, tables: Vec<Table>, document: Document) -> Result<Self, Failure> {
-        let study = Study::in_memory(text, "the study", tables).map_err(mistake)?;
+        // The lines of the text are not those of anything that the caller wrote.
+        let of_memory = |error| mistake(StudyError { line: None, ..error });
+        let study = Study::in_memory(text, "the study", tables).map_err(of_memory)?;
         Ok(Self { study, document, monitor: Monitor::default() })
     }
 
@@ -111,6 +115,7 @@ pub fn identified(request: Request, folder: Option<&Path>) -> Result<Outcome, Fa
         monitor.stop_after(limit);
     }
     let material = Material { study, document, recordings, monitor };
+    units::check(&material)?;
     let found = match material.study.kind {
         Kind::ForceMap => force_map::outcome(&material),
         Kind::Trajectories => trajectories::outcome(&material),
@@ -127,7 +132,9 @@ pub fn identified(request: Request, folder: Option<&Path>) -> Result<Outcome, Fa
             let interrupted = material.study.kind.has_search() && material.monitor.is_stopped();
             Ok(Outcome { interrupted, ..found })
         }
-        found => found,
+        Err(failure) => Err(units::doubts(&material).iter().fold(failure, |failure, doubt| {
+            failure.advised(doubt.trim_start_matches(outcome::WARNED).trim_end_matches('.'))
+        })),
     }
 }
 
@@ -171,12 +178,13 @@ impl Material {
         Some(format!("{}{}", outcome::WARNED, values::early(self.monitor.ending()?)))
     }
 
-    /// What was found in the data, the graver first.
+    /// What was found in the data, the graver first: before all else readings that are far from what the scenario can have.
     fn notes(&self) -> Vec<String> {
         let mut notes: Vec<_> = self.recordings.iter().flat_map(|recording| &recording.notes).collect();
         notes.sort_by_key(|note| std::cmp::Reverse(note.severity));
         let mark = |severity| if severity == Severity::Warned { outcome::WARNED } else { "" };
-        notes.into_iter().map(|note| format!("{}{note}", mark(note.severity))).collect()
+        let notes = notes.into_iter().map(|note| format!("{}{note}", mark(note.severity)));
+        units::doubts(self).into_iter().chain(notes).collect()
     }
 }
 

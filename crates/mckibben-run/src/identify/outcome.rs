@@ -8,7 +8,7 @@ use crate::failure::Failure;
 use crate::output;
 use crate::report::{Data, PAGE, Plate, Report, Section, Table};
 use mckibben_identify::least_squares::Estimate;
-use mckibben_identify::study::{Kind, Quantity, Recording, Sheet, Study};
+use mckibben_identify::study::{Kind, Quantity, Recording, Sheet, Study, as_file_name};
 use mckibben_plot::{Axis, Figure, Legend, Panel, Series};
 use mckibben_scenario::Scenario;
 use std::path::{Path, PathBuf};
@@ -23,7 +23,7 @@ const TABLES: [&str; 4] = ["comparison.csv", "values.csv", "minima.csv", "respon
 
 /// The name of a run's scenario, where runs have their own.
 pub(super) fn scenario_of(run: &str) -> String {
-    format!("scenario-{run}.toml")
+    format!("scenario-{}.toml", as_file_name(run))
 }
 
 /// The names of all files that a study may write.
@@ -157,15 +157,16 @@ impl Outcome {
             id: "measured",
             label: "Measured",
             title: "The measurements as they were read",
+            paragraphs: vec![format!("Nothing was found: {}", failure.sentence())],
             plates: plates.collect(),
             ..Section::default()
         };
-        let warnings = material.notes().into_iter().chain([format!("{WARNED}failed: {}", failure.sentence())]);
         Self {
             title: format!("{}: nothing was found", material.name()),
-            introduction: vec![format!("Nothing was found: {}", failure.sentence())],
+            // The reason is on the page, and is the error of the verdict.
+            introduction: vec!["Nothing was found.".to_owned()],
             sections: vec![section],
-            warnings: warnings.collect(),
+            warnings: material.notes(),
             failed: vec![failure],
             ..Self::default()
         }
@@ -282,6 +283,7 @@ mod tests {
             standard_error,
             confidence_interval: None,
             on_bound: false,
+            bound: None,
         };
         let of = |estimate| Outcome { estimates: vec![estimate], ..Outcome::default() };
         assert!(of(estimate(1.0, Some(0.1))).verdict(None).is_ok());

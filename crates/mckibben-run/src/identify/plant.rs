@@ -163,7 +163,9 @@ fn give_pressures(
     warnings: &mut Vec<String>,
 ) -> Result<(), Failure> {
     let atmosphere = of.plant.network().atmosphere;
-    let (mut given, mut until): (Vec<(usize, PressureSeries)>, f64) = (Vec::new(), 0.0);
+    // Of actuators, in the muscle and at the end of its hose.
+    let [mut in_muscle, mut in_hose]: [Vec<(usize, PressureSeries)>; 2] = [Vec::new(), Vec::new()];
+    let mut until: f64 = 0.0;
     for (sheet, column) in recording.of_parts() {
         let (time, mut values) = over_time(recording, sheet, column)?;
         match observed(of, column)?.1 {
@@ -171,32 +173,36 @@ fn give_pressures(
                 if column.quantity == Quantity::AbsolutePressure {
                     values.iter_mut().for_each(|pressure| *pressure -= atmosphere);
                 }
-                if !given.iter().any(|(other, _)| *other == actuator) {
-                    let its = (column.quantity, column.part.as_deref());
-                    given.push((actuator, sensors::recorded(material, its, PressurePlace::Muscle, [time, values])?));
-                }
+                let its = (column.quantity, column.part.as_deref());
+                in_muscle.push((actuator, sensors::recorded(material, its, PressurePlace::Muscle, [time, values])?));
             }
-            // At the end of its hose it counts for more than in the muscle, which it drives through the hose.
             PlantQuantity::NodePressure(node) | PlantQuantity::NodeGaugePressure(node)
                 if let Some(actuator) = of.names.hoses.iter().position(|hose| *hose == Some(node)) =>
             {
                 if column.quantity == Quantity::HosePressure {
                     values.iter_mut().for_each(|pressure| *pressure -= atmosphere);
                 }
-                given.retain(|(other, _)| *other != actuator);
                 let its = (column.quantity, column.part.as_deref());
-                given.push((actuator, sensors::recorded(material, its, PressurePlace::Hose, [time, values])?));
+                in_hose.push((actuator, sensors::recorded(material, its, PressurePlace::Hose, [time, values])?));
             }
             _ => until = until.max(time.last().copied().unwrap_or(0.0)),
         }
     }
-    if given.is_empty() {
+    if in_muscle.is_empty() && in_hose.is_empty() {
         let title = format!("the run `{}` has no pressure of an actuator", recording.name);
         let part = of.names.actuators.first().map_or("flexor", String::as_str);
         return Err(Failure::input(title, format!("add `[columns.\"{part}.gauge_pressure\"]`")));
     }
-    for (actuator, series) in given {
-        let name = &of.names.actuators[actuator];
+    for (actuator, name) in of.names.actuators.iter().enumerate() {
+        let of_it = |readings: &[(usize, PressureSeries)]| {
+            readings.iter().find(|(its, _)| *its == actuator).map(|(_, series)| series.clone())
+        };
+        // At the end of its hose it drives the muscle, which starts at what was read in it first.
+        let (series, first) = match (of_it(&in_hose), of_it(&in_muscle)) {
+            (Some(in_hose), in_muscle) => (in_hose, in_muscle.and_then(|series| series.values().next())),
+            (None, Some(in_muscle)) => (in_muscle, None),
+            (None, None) => continue,
+        };
         if of.names.valves[actuator].is_some() {
             let (where_, hose) = match series.at {
                 PressurePlace::Muscle => ("", ", hose"),
@@ -211,7 +217,7 @@ fn give_pressures(
             }
         }
         held_at_its_end(recording, &format!("the pressure of `{name}`"), (&series.time, until), warnings);
-        document.give_pressure(name, &series)?;
+        document.give_pressure(name, &series, first)?;
     }
     Ok(())
 }

@@ -28,7 +28,7 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     let (runs, failed) = outcome::of_each(material.recordings.iter(), &mut warnings, |recording, _| {
         let mut scenario = material.document_of(recording)?.scenario()?;
         if let Some(pressure) = pressure_at_start(recording, scenario.air.atmospheric_pressure) {
-            scenario.initial.gauge_pressure = pressure;
+            scenario.initial.gauge_pressure = Some(pressure);
         }
         let record = record(recording)?;
         let found = compared(&scenario, &record)

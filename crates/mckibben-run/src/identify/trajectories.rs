@@ -4,10 +4,10 @@ use super::outcome::{self, Outcome, Stems, WARNED};
 use super::prediction::Prediction;
 use super::sensors::{self, OfSensor};
 use super::unknowns::{self, OfRun, Stands};
-use super::{Material, minima, plant, pressure_of, responses, values};
+use super::{Material, minima, plant, pressure_of, responses, units, values};
 use crate::failure::Failure;
 use crate::progress::Progress;
-use crate::quantities::quantity;
+use crate::quantities::{counted, quantity};
 use crate::report::{Data, Plate, Section, Table};
 use mckibben::parameter;
 use mckibben_identify::adjustable::Adjustable;
@@ -18,7 +18,7 @@ use mckibben_identify::trajectories::{
     Unexplained,
 };
 use mckibben_plot::{Axis, Colour, Figure, Legend, Panel, Series};
-use mckibben_scenario::{Load, Place, PressurePlace, PressureSeries, Scenario};
+use mckibben_scenario::{Document, Load, Place, PressurePlace, PressureSeries, Scenario};
 
 /// More starts than the first, unless the study says how many: so many are evaluated once, and the search goes from so many of
 /// them, those of least cost.
@@ -52,9 +52,10 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
             quantity(every, "s")
         ));
     }
-    warnings.extend(task.drifts(&found).iter().map(drifting));
+    let is_doubted = !units::doubts(material).is_empty();
+    warnings.extend(task.drifts(&found).iter().map(|drift| drifting(drift, is_doubted)));
     let has_intervals = found.found.fit.ending == Ending::Minimum;
-    warnings.extend(task.unexplained(&found).iter().map(|rest| unexplained(rest, has_intervals)));
+    warnings.extend(task.unexplained(&found).iter().map(|rest| unexplained(rest, has_intervals, is_doubted)));
     let scenarios = outcome::files(
         task.runs.iter().map(|run| run.name.as_str()).zip(found.scenarios.iter().map(Described::to_toml)),
     );
@@ -104,7 +105,7 @@ fn runs(material: &Material, warnings: &mut Vec<String>) -> Result<(Vec<Recorded
         let document = material.document_of(recording)?;
         let mut scenario = document.scenario()?;
         if material.study.input == Input::GaugePressure {
-            give_pressure(&mut scenario, (material, recording), warnings)?;
+            give_pressure((&document, &mut scenario), (material, recording), warnings)?;
         }
         if let Some((_, column)) = recording.of_parts().next() {
             let title =
@@ -150,7 +151,7 @@ fn runs(material: &Material, warnings: &mut Vec<String>) -> Result<(Vec<Recorded
 /// Drives a run by the pressure that was measured, of a joint by both, in place of what the scenario says: by that at the end of
 /// the hose where it was measured there, so that the hose takes part.
 fn give_pressure(
-    scenario: &mut Scenario,
+    (document, scenario): (&Document, &mut Scenario),
     (material, recording): (&Material, &Recording),
     warnings: &mut Vec<String>,
 ) -> Result<(), Failure> {
@@ -184,18 +185,23 @@ fn give_pressure(
     }
     (scenario.valve, scenario.command, scenario.supply) = (None, None, None);
     if at_hose {
-        // What was read in the muscle first, else what was read in the hose: then no air flows at the start.
-        let first = in_muscle.iter().any(|quantity| recording.column(*quantity).is_some());
-        let first = if first { measured_series(of, in_muscle, (scenario, at), warnings)? } else { its.clone() };
-        scenario.initial.gauge_pressure = first.values().next().unwrap_or_default();
+        // The muscle starts at what was read in it first, else at what the scenario says, else at what was read in the hose:
+        // then no air flows at the start.
+        if in_muscle.iter().any(|quantity| recording.column(*quantity).is_some()) {
+            scenario.initial.gauge_pressure = measured_series(of, in_muscle, (scenario, at), warnings)?.values().next();
+        } else if !document.contains(parameter::INITIAL_GAUGE_PRESSURE.key) {
+            scenario.initial.gauge_pressure = None;
+        }
     } else {
         scenario.hose = None;
+        scenario.initial.gauge_pressure = None;
     }
     scenario.pressure = Some(its);
     if let Load::AntagonisticJoint(joint) = &mut scenario.load {
         let second = &mut *joint.antagonist;
         (second.valve, second.command, second.hose, second.supply) = (None, None, None, None);
         second.has_own_supply = false;
+        second.gauge_pressure = None;
         second.pressure = others;
     }
     Ok(())
@@ -281,43 +287,42 @@ fn time_series(
 
 fn introduction(task: &Task, found: &Identified) -> Vec<String> {
     let readings: usize = task.runs.iter().flat_map(|run| &run.time_series).map(|recorded| recorded.values.len()).sum();
-    let numbers = counted(task.unknowns.len(), "parameter");
-    let runs = counted(task.runs.len(), "run");
+    let numbers = counted(task.unknowns.len() as u64, "parameter");
+    let (runs, readings) = (counted(task.runs.len() as u64, "run"), counted(readings as u64, "reading"));
     let condition = match found.found.fit.ending {
         Ending::Minimum => format!(" Condition number {:.1e}.", found.found.fit.condition),
         _ => String::new(),
     };
     vec![format!(
-        "{numbers} from {readings} readings of {runs}, by trajectories with every event located and their exact derivatives.{condition}"
+        "{numbers} from {readings} of {runs}, by trajectories with every event located and their exact derivatives.{condition}"
     )]
 }
 
-/// So many of something.
-fn counted(count: usize, word: &str) -> String {
-    if count == 1 { format!("1 {word}") } else { format!("{count} {word}s") }
-}
-
-fn drifting(drift: &Drift) -> String {
+fn drifting(drift: &Drift, is_doubted: bool) -> String {
     let (words, unit) = (drift.observed.words(), drift.observed.unit());
+    let advice = match is_doubted {
+        true => units::FIRST,
+        false => "a sensor that drifts (`zero` takes off what you know of it), or something that the scenario lacks",
+    };
     format!(
         "{WARNED}`{}`: what the model leaves of the {words} changes by {} from the first reading to the last, where readings scatter by {}: \
-         a sensor that drifts (`zero` takes off what you know of it), or something that the scenario lacks.",
+         {advice}.",
         drift.run,
         quantity(drift.change, unit),
         quantity(drift.scatter, unit)
     )
 }
 
-fn unexplained(rest: &Unexplained, has_intervals: bool) -> String {
-    let doubt = if has_intervals { " The intervals are too short." } else { "" };
+fn unexplained(rest: &Unexplained, has_intervals: bool, is_doubted: bool) -> String {
+    let advice = match is_doubted {
+        true => units::FIRST,
+        false => {
+            "the scenario lacks something, or the search has ended away from the best values (`more_starts`, `horizon` or `segments` in \
+             [search] help there)"
+        }
+    };
     let (words, unit) = (rest.observed.words(), rest.observed.unit());
-    format!(
-        "{WARNED}what the model leaves of the {words}, {}, is more than its readings scatter from one to the next, {}: the scenario \
-         lacks something, or the search has ended away from the best values (`more_starts`, `horizon` or `segments` in [search] help \
-         there).{doubt}",
-        quantity(rest.left, unit),
-        quantity(rest.noise, unit)
-    )
+    values::beyond_noise(&words, unit, [rest.left, rest.noise], has_intervals, advice)
 }
 
 /// Residuals of each quantity over all runs, and of each run with and without it in the fit.

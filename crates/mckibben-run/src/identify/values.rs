@@ -1,7 +1,7 @@
 //! Numbers with their intervals.
 
 use super::outcome::WARNED;
-use crate::quantities::digits;
+use crate::quantities::{digits, quantity};
 use crate::report::Table;
 use crate::units::units;
 use mckibben_identify::least_squares::{Direction, Ending, Estimate, Fit, Unknown};
@@ -29,7 +29,7 @@ fn with_last_digit(value: f64, last: i32) -> String {
 /// A value and half of its interval, in a unit that is so many times smaller.
 pub(super) fn give_or_take(estimate: &Estimate, factor: f64) -> String {
     let standard_error = estimate.standard_error.map(|standard_error| factor * standard_error);
-    let value = rounded(factor * estimate.value, standard_error);
+    let value = rounded(factor * estimate.bound.unwrap_or(estimate.value), standard_error);
     match estimate.confidence_interval {
         Some([low, high]) => format!("{value} ± {}", rounded(0.5 * factor * (high - low), standard_error)),
         None => value,
@@ -64,17 +64,35 @@ pub(super) fn row(estimate: &Estimate) -> Vec<String> {
     let number = |value: f64| rounded(value, estimate.standard_error);
     let interval = estimate.confidence_interval.map(|ends| ends.map(number));
     let interval = interval.map_or_else(|| silence(estimate).to_owned(), |[low, high]| format!("{low} to {high}"));
-    vec![format!("`{}`", estimate.name), number(estimate.value), estimate.unit.to_owned(), interval]
+    let value = estimate.bound.unwrap_or(estimate.value);
+    vec![format!("`{}`", estimate.name), number(value), estimate.unit.to_owned(), interval]
 }
 
 /// A value with its interval and unit in words, such as `0.60 (0.59 to 0.61) L/(s·bar)`.
 pub(super) fn with_interval(estimate: &Estimate) -> String {
-    let shown = units().shown(estimate.unit, estimate.value.abs());
+    let value = estimate.bound.unwrap_or(estimate.value);
+    let shown = units().shown(estimate.unit, value.abs());
     let error = estimate.standard_error.map(|error| shown.number(error) - shown.number(0.0));
     let number = |value: f64| rounded(shown.number(value), error);
     let interval = estimate.confidence_interval.map(|ends| ends.map(number));
     let interval = interval.map(|[low, high]| format!(" ({low} to {high})"));
-    shown.with(&format!("{}{}", number(estimate.value), interval.unwrap_or_default()))
+    shown.with(&format!("{}{}", number(value), interval.unwrap_or_default()))
+}
+
+/// That so much is left of a quantity that it is no noise, and what to do: first about units where these are in doubt.
+pub(super) fn beyond_noise(
+    words: &str,
+    unit: &str,
+    [left, noise]: [f64; 2],
+    has_intervals: bool,
+    advice: &str,
+) -> String {
+    let doubt = if has_intervals { " The intervals are too short." } else { "" };
+    format!(
+        "{WARNED}what the model leaves of the {words}, {}, is more than its readings scatter from one to the next, {}: {advice}.{doubt}",
+        quantity(left, unit),
+        quantity(noise, unit)
+    )
 }
 
 /// The name of the part of a plant that a path leads into.
@@ -256,7 +274,9 @@ pub(super) fn warnings(fit: &Fit, unknowns: &[Unknown]) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Direction, Estimate, Unknown, not_identifiable, part_of, resting, rounded};
+    use super::{
+        Direction, Estimate, Unknown, give_or_take, not_identifiable, part_of, resting, rounded, row, with_interval,
+    };
 
     /// What is said of an estimate on one of the bounds of its unknown.
     fn said(name: &str, bounds: [f64; 2], value: f64) -> String {
@@ -267,6 +287,7 @@ mod tests {
             standard_error: None,
             confidence_interval: None,
             on_bound: true,
+            bound: None,
         };
         resting(&estimate, Some(&Unknown { bounds, ..Unknown::new(name, "", value) }))
     }
@@ -302,6 +323,22 @@ mod tests {
         assert!(other.contains("`hose.length` changes no reading there"), "{other}");
         let both = not_identifiable(&direction(&["load.mass", "actuator.turns"]));
         assert!(both.contains("`load.mass` (+0.70) and `actuator.turns` (+0.70)"), "{both}");
+    }
+
+    #[test]
+    fn an_estimate_on_its_bound_is_shown_as_the_bound() {
+        let estimate = Estimate {
+            name: "actuator.friction.viscous".to_owned(),
+            unit: "N*s/m",
+            value: 6.4e-16,
+            standard_error: None,
+            confidence_interval: None,
+            on_bound: true,
+            bound: Some(0.0),
+        };
+        assert_eq!(row(&estimate)[1..], ["0", "N*s/m", "on its bound"]);
+        assert!(with_interval(&estimate).starts_with("0 "), "{}", with_interval(&estimate));
+        assert_eq!(give_or_take(&estimate, 1e3), "0");
     }
 
     #[test]

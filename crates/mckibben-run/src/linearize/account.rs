@@ -193,8 +193,10 @@ pub(super) fn matrices(system: &StateSpace) -> Table {
         unit => format!("{} {unit}", signal.symbol),
     };
     let columns = system.states.iter().chain(&system.inputs).map(titled);
+    let sizes: Vec<f64> = system.states.iter().chain(&system.inputs).map(|signal| usual_size(signal.unit)).collect();
     let row = |name: String, of_states: &[f64], of_inputs: &[f64]| -> Vec<String> {
-        let entries = of_states.iter().chain(of_inputs).map(|entry| match entry {
+        let entries: Vec<f64> = of_states.iter().chain(of_inputs).copied().collect();
+        let entries = without_rounding(&entries, &sizes).into_iter().map(|entry| match entry {
             0.0 => "0".to_owned(),
             entry => minus(format!("{entry:.4e}")),
         });
@@ -211,6 +213,30 @@ pub(super) fn matrices(system: &StateSpace) -> Table {
     }
     let head = std::iter::once(String::new()).chain(columns).collect();
     Table { caption: "rates and tension by states and inputs, as differences from the point".to_owned(), head, rows }
+}
+
+/// The part of the largest effect in a row below which an entry is rounding of terms that cancel.
+const ROUNDING: f64 = 1e-13;
+
+/// The entries of a row, each with the usual size of its column: zero where what it does is rounding of what the largest does.
+fn without_rounding(entries: &[f64], sizes: &[f64]) -> Vec<f64> {
+    let effects = || entries.iter().zip(sizes).map(|(entry, size)| (entry * size).abs());
+    let fine = ROUNDING * effects().fold(0.0, f64::max);
+    entries.iter().zip(effects()).map(|(entry, effect)| if effect < fine { 0.0 } else { *entry }).collect()
+}
+
+/// The usual order of size of a signal in its unit.
+fn usual_size(unit: &str) -> f64 {
+    match unit {
+        "m" => 1e-2,
+        "m/s" | "rad" => 1e-1,
+        "Pa" => 1e5,
+        "kg" => 1e-5,
+        "kg/s" => 1e-4,
+        "K" => 1e2,
+        "N" => 1e1,
+        _ => 1.0,
+    }
 }
 
 /// Whether an output is the tension of an actuator.
@@ -314,4 +340,21 @@ fn notes(model: &Model) -> Vec<String> {
 /// A true minus sign.
 fn minus(text: String) -> String {
     text.replace('-', "−")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Entries of one row have many units, so they are compared by what their columns usually do.
+    #[test]
+    fn rounding_in_a_row_is_printed_as_zero() {
+        let sizes = ["m", "m/s", "Pa", "kg"].map(usual_size);
+        let rate_of_pressure = [-3.725e-9, 3.0507e6, -1.1291e1, 4.6122e9];
+        assert_eq!(without_rounding(&rate_of_pressure, &sizes), [0.0, 3.0507e6, -1.1291e1, 4.6122e9]);
+        // A flow of mass by the pressure is small in its unit, and no rounding.
+        let rate_of_mass = [-2.8456e-3, 0.0, -2.083e-9, -8.7741];
+        assert_eq!(without_rounding(&rate_of_mass, &sizes), rate_of_mass);
+        assert_eq!(without_rounding(&[0.0; 4], &sizes), [0.0; 4]);
+    }
 }

@@ -68,6 +68,11 @@ fn of_request(request: &Request, error: Error) -> Failure {
 /// The rig with another load of its kind.
 fn loaded(rig: &Rig, load: Measure) -> Result<Rig, Failure> {
     let changed = match (rig.load(), load) {
+        // The mass that follows has another name and value than what was requested.
+        (Load::HangingMass { .. }, Measure::Force(force)) if force.is_finite() && force <= 0.0 => {
+            let title = format!("`load` = {} is outside its range (greater than 0): the load hangs", given(force, "N"));
+            return Err(Failure::input(title, "give a force above zero, or a mass such as \"2 kg\""));
+        }
         (Load::HangingMass { gravity, .. }, Measure::Mass(mass)) => Load::hanging_mass(mass, *gravity)?,
         (Load::HangingMass { gravity, .. }, Measure::Force(force)) => Load::hanging_mass(force / gravity, *gravity)?,
         (Load::ConstantForce { mass, .. }, Measure::Force(force)) => Load::constant_force(*mass, force)?,

@@ -6,7 +6,7 @@ use super::{Account, Model, Request, account, bode, export, given};
 use crate::failure::Failure;
 use mckibben::linearize::{Pole, StateSpace};
 use mckibben_plot::Figure;
-use mckibben_scenario::Document;
+use mckibben_scenario::{Diagnostics, Document};
 
 /// A linear model at an operating point, with what is known about it.
 pub struct LinearModel(Kind);
@@ -28,7 +28,9 @@ impl LinearModel {
             let model = PlantModel::new(name, &experiment, request, document.assumed())?;
             return Self(Kind::Plant(Box::new(model))).checked();
         }
-        if let Some(experiment) = document.joint_experiment()? {
+        // A linear model has no controller: its valves are held shut.
+        let scenario = document.scenario()?.open_loop();
+        if let Some(experiment) = document.joint_of(&scenario)? {
             let model = JointModel::new(name, &experiment, request, document.assumed())?;
             return Self(Kind::Joint(Box::new(model))).checked();
         }
@@ -38,7 +40,8 @@ impl LinearModel {
                 "leave out `angle` and `stiffness`",
             ));
         }
-        let linear = given::linearization(request, &document.experiment()?)?;
+        let experiment = scenario.experiment().map_err(|error| Diagnostics::from(document.diagnose(&error)))?;
+        let linear = given::linearization(request, &experiment)?;
         let model = Model::new(name, linear, request, document.assumed())?;
         Self(Kind::Actuator(Box::new(model))).checked()
     }

@@ -6,9 +6,10 @@
 use super::Made;
 use crate::observation::{Ended, Range};
 use crate::warnings::Reached;
-use mckibben::network::NodeKind;
+use mckibben::network::{BranchKind, NodeKind};
 use mckibben::plant::{PlantLedger, PlantLedgerKeeper, PlantSample, PlantStep};
 use mckibben::simulation::{EventKind, Reading, SampleTimes};
+use mckibben::valve::Port;
 use mckibben_scenario::{PlantExperiment, PlantQuantity};
 use std::collections::BTreeMap;
 
@@ -147,9 +148,12 @@ fn rows(of: &PlantExperiment) -> Vec<Row> {
     rows
 }
 
-/// The air in kg that all sources of a run gave: sources without end, and regulators that no other supply feeds.
+/// The air in kg that valves let in from their supplies, less what went back, and that came in where a pressure is given.
 pub fn air_used(of: &PlantExperiment, ledger: &PlantLedger) -> f64 {
-    let kinds = of.plant.network().nodes.iter().map(|node| &node.kind);
-    let gives = |kind: &NodeKind| !matches!(kind, NodeKind::Atmosphere);
-    kinds.zip(&ledger.nodes).filter(|(kind, _)| gives(kind)).map(|(_, node)| node.supplied.mass).sum()
+    let network = of.plant.network();
+    let is_inlet = |kind: &BranchKind| matches!(kind, BranchKind::Path { port: Port::Supply, .. });
+    let branches = network.branches.iter().zip(&ledger.branches).filter(|(branch, _)| is_inlet(&branch.kind));
+    let nodes = network.nodes.iter().zip(&ledger.nodes);
+    let given = nodes.filter(|(node, _)| matches!(node.kind, NodeKind::Given { .. })).map(|(_, its)| its.supplied.mass);
+    branches.map(|(_, its)| its.carried.mass).chain(given).sum()
 }

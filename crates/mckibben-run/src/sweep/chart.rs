@@ -204,6 +204,7 @@ fn result(reduction: Reduction, at: Vec<f64>) -> Values {
         Quantity::Tension => "tension",
         Quantity::MassFlow => "mass flow",
         Quantity::Air => "air",
+        Quantity::Exergy => "exergy",
         Quantity::Angle => "angle",
         Quantity::AngularVelocity => "angular velocity",
         Quantity::Torque => "torque",
@@ -235,6 +236,7 @@ fn result(reduction: Reduction, at: Vec<f64>) -> Values {
         Statistic::SettlingTime => format!("{quantity} settling time"),
         Statistic::Overshoot => format!("{quantity} overshoot"),
         Statistic::Used => format!("{quantity} used"),
+        Statistic::Efficiency => format!("{quantity} efficiency"),
     };
     scaled(label, reduction.unit(), at)
 }

@@ -3,7 +3,7 @@
 //! Its size does not depend on the number of runs: of many, a figure keeps every second, third, … by its row.
 
 use super::rows::Outcome;
-use crate::warnings::Warning;
+use super::warned::WarnedRuns;
 use mckibben_scenario::{ReducedColumn, Sweep};
 use std::collections::BTreeMap;
 
@@ -23,18 +23,7 @@ pub struct SweepCounts {
     /// Which rows are kept for a figure: those that this divides; none where there is no figure.
     stride: Option<u64>,
     kept: BTreeMap<u64, Vec<f64>>,
-    warned: BTreeMap<&'static str, Warned>,
-}
-
-/// The runs that warnings of a code are of.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Warned {
-    /// How many runs.
-    pub runs: u64,
-    /// The first of them.
-    pub first: u64,
-    /// Its warning.
-    pub warning: Warning,
+    warned: WarnedRuns,
 }
 
 /// Least, sum and greatest of a reduction, and how many runs have it.
@@ -63,7 +52,7 @@ impl SweepCounts {
             reasons: BTreeMap::new(),
             stride: is_drawn.then(|| sweep.rows().div_ceil(DRAWN).max(1)),
             kept: BTreeMap::new(),
-            warned: BTreeMap::new(),
+            warned: WarnedRuns::default(),
         }
     }
 
@@ -99,24 +88,14 @@ impl SweepCounts {
         }
     }
 
-    /// Sees the warnings of a run that are known before it, each code once.
-    pub fn warn(&mut self, row: u64, warnings: &[Warning]) {
-        for (place, warning) in warnings.iter().enumerate() {
-            if warnings[..place].iter().any(|before| before.code == warning.code) {
-                continue;
-            }
-            let new = || Warned { runs: 0, first: row, warning: warning.clone() };
-            let known = self.warned.entry(warning.code).or_insert_with(new);
-            known.runs += 1;
-            if row < known.first {
-                (known.first, known.warning) = (row, warning.clone());
-            }
-        }
+    /// Takes the warnings of runs.
+    pub fn warn(&mut self, warned: &WarnedRuns) {
+        self.warned.add_all(warned);
     }
 
     /// The warnings by their codes: of how many runs, and the first of each.
-    pub fn warned(&self) -> impl Iterator<Item = &Warned> {
-        self.warned.values()
+    pub fn warned(&self) -> &WarnedRuns {
+        &self.warned
     }
 
     /// Counts runs of which nothing but their number is known.

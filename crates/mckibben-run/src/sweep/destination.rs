@@ -2,8 +2,9 @@
 
 use super::folder::{FAILED, Folder, PART, ROWS};
 use super::plan::{Plan, Unit};
-use super::rows::Outcome;
+use super::rows::Simulated;
 use super::table::{self, LAYOUT};
+use super::warned::{WARNINGS, WarnedRuns};
 use crate::failure::Failure;
 use crate::output::Pending;
 use crate::table::{Column, Format, Writer};
@@ -44,19 +45,30 @@ pub struct Destination<'a> {
     part: Option<Writer<Pending>>,
     /// Failed runs in the file under way.
     failed: u64,
+    /// The warnings of the runs in it.
+    warned: WarnedRuns,
 }
 
 impl<'a> Destination<'a> {
     /// Begins to write to a place.
     pub fn new(sweep: &'a Sweep, plan: Plan, notes: Vec<(String, String)>, place: Place) -> Self {
-        Self { sweep, plan, columns: table::columns(sweep), notes, place, part: None, failed: 0 }
+        Self {
+            sweep,
+            plan,
+            columns: table::columns(sweep),
+            notes,
+            place,
+            part: None,
+            failed: 0,
+            warned: WarnedRuns::default(),
+        }
     }
 
-    /// Writes the outcomes of a unit; units come in the order of their rows.
+    /// Writes what the rows of a unit came to; units come in the order of their rows.
     ///
     /// # Errors
     /// [`Failure::output`] when they cannot be written.
-    pub fn write(&mut self, unit: &Unit, outcomes: &[Outcome]) -> Result<(), Failure> {
+    pub fn write(&mut self, unit: &Unit, simulated: &Simulated) -> Result<(), Failure> {
         let rows = self.plan.rows_of(unit.part);
         let writer = match &mut self.place {
             Place::Nowhere => return Ok(()),
@@ -70,15 +82,17 @@ impl<'a> Destination<'a> {
                 }
             },
         };
-        for (row, outcome) in unit.rows.clone().zip(outcomes) {
-            self.failed += table::write(self.sweep, row, outcome, writer)?;
+        for (row, outcome, warnings) in simulated.rows(unit.rows.clone()) {
+            self.failed += table::write(self.sweep, row, (outcome, warnings), writer)?;
+            self.warned.see(row, warnings);
         }
         if matches!(self.place, Place::Folder(_))
             && unit.rows.end == rows.end
             && let Some(part) = self.part.take()
         {
-            part.finish(&about(&self.notes, unit.part, rows, self.failed))?.commit()?;
-            self.failed = 0;
+            let found = (self.failed, &self.warned);
+            part.finish(&about(&self.notes, unit.part, rows, found))?.commit()?;
+            (self.failed, self.warned) = (0, WarnedRuns::default());
         }
         Ok(())
     }
@@ -89,7 +103,10 @@ impl<'a> Destination<'a> {
     /// [`Failure::output`] when it cannot be written.
     pub fn finish(self) -> Result<(), Failure> {
         match self.place {
-            Place::File(writer) => writer.finish(&about(&self.notes, 0, 0..self.plan.rows, self.failed))?.commit(),
+            Place::File(writer) => {
+                let found = (self.failed, &self.warned);
+                writer.finish(&about(&self.notes, 0, 0..self.plan.rows, found))?.commit()
+            }
             Place::Folder(folder) => {
                 folder.clear_remains();
                 Ok(())
@@ -112,9 +129,13 @@ pub(super) fn about(
     notes: &[(String, String)],
     part: u64,
     rows: std::ops::Range<u64>,
-    failed: u64,
+    (failed, warned): (u64, &WarnedRuns),
 ) -> Vec<(String, String)> {
-    let of_part =
-        [(PART, part.to_string()), (ROWS, format!("{}..{}", rows.start, rows.end)), (FAILED, failed.to_string())];
+    let of_part = [
+        (PART, part.to_string()),
+        (ROWS, format!("{}..{}", rows.start, rows.end)),
+        (FAILED, failed.to_string()),
+        (WARNINGS, warned.to_json()),
+    ];
     notes.iter().cloned().chain(of_part.map(|(key, value)| (key.to_owned(), value))).collect()
 }

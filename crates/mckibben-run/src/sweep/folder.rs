@@ -9,6 +9,7 @@
 //! Checked by the program's `tests/sweep.rs` and `tests/sweep_folder.rs`.
 
 use super::plan::Plan;
+use super::warned::{WARNINGS, WarnedRuns};
 use crate::failure::Failure;
 use crate::quantities::count;
 use crate::table::{Seal, seal};
@@ -74,6 +75,15 @@ impl Manifest {
             .or_else(|| difference_of("part_rows", "the rows of a part are"))
             .unwrap_or_else(|| "its sweep.json differs".to_owned())
     }
+}
+
+/// What is known of a part that is finished.
+#[derive(Clone, Debug, Default, Eq, PartialEq)]
+pub struct FinishedPart {
+    /// How many of its runs failed.
+    pub failed: u64,
+    /// The warnings of its runs.
+    pub warned: WarnedRuns,
 }
 
 /// A folder that belongs to a sweep.
@@ -155,11 +165,11 @@ impl Folder {
         self.path.join(name(part))
     }
 
-    /// How many runs of a part failed, if the part is finished. One without a checksum, of an earlier version, is not.
+    /// What is known of the runs of a part, if the part is finished. One without a checksum, or without its warnings, of an earlier version, is not.
     ///
     /// # Errors
     /// [`Failure::input`] when there is a file in its place that is damaged or not this part.
-    pub fn finished(&self, plan: &Plan, part: u64) -> Result<Option<u64>, Failure> {
+    pub fn finished(&self, plan: &Plan, part: u64) -> Result<Option<FinishedPart>, Failure> {
         let path = self.part(part);
         let refused = |what: &str| {
             let title = format!("`{}` is {what}", path.display());
@@ -178,14 +188,17 @@ impl Folder {
         }
         let rows = plan.rows_of(part);
         let expected = [(PART, part.to_string()), (ROWS, format!("{}..{}", rows.start, rows.end))];
-        let failed = || {
+        let found = || {
             let reader = SerializedFileReader::new(file).ok()?;
             let notes = reader.metadata().file_metadata().key_value_metadata()?.clone();
             let value = |key: &str| notes.iter().find(|pair| pair.key == key)?.value.clone();
             let is_this = expected.iter().all(|(key, expected)| value(key).as_ref() == Some(expected));
-            value(FAILED)?.parse().ok().filter(|_| is_this)
+            // A part of an earlier version has no warnings, and is not finished.
+            let Some(warned) = value(WARNINGS) else { return Some(None).filter(|_| is_this) };
+            let (failed, warned) = (value(FAILED)?.parse().ok()?, WarnedRuns::from_json(&warned)?);
+            Some(Some(FinishedPart { failed, warned })).filter(|_| is_this)
         };
-        failed().map(Some).ok_or_else(damaged)
+        found().ok_or_else(damaged)
     }
 
     /// What stays in the folder when its sweep is ended before it is done, in words.

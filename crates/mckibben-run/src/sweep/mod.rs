@@ -20,6 +20,7 @@
 //! | [`destination`] | where the lines go |
 //! | [`folder`] | the parts of a sweep, finished or to be done |
 //! | [`read`] | the reductions of a finished part |
+//! | [`warned`] | the warnings of the runs, counted |
 //! | [`counts`] | what is printed and drawn of the runs |
 //! | [`chart`] | lines, maps and scatter plots of the reductions |
 //!
@@ -40,3 +41,4 @@ pub mod schedule;
 mod series;
 pub mod step;
 pub mod table;
+pub mod warned;

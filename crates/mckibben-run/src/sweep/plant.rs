@@ -32,7 +32,7 @@ struct Recorder<'a> {
     series: Series<PlantQuantity>,
     rows: Vec<Vec<Cell<'static>>>,
     fault: Option<String>,
-    /// The ledger, where the air from sources is recorded.
+    /// The ledger, where the air from sources or its exergy is recorded.
     keeper: Option<PlantLedgerKeeper<'a>>,
     /// What controllers decide, where their errors are recorded.
     follower: Option<Follower<'a>>,
@@ -46,11 +46,11 @@ impl<'a> Recorder<'a> {
         };
         let of_samples = |of: &PlantReduction| match of.of {
             PlantReduced::Quantity(quantity) => Some((quantity, of.statistic)),
-            PlantReduced::Error(..) | PlantReduced::Air => None,
+            PlantReduced::Error(..) | PlantReduced::Air | PlantReduced::Efficiency => None,
         };
         let records = |wanted: fn(PlantReduced) -> bool| reductions.into_iter().flatten().any(|of| wanted(of.of));
-        let keeper =
-            records(|of| of == PlantReduced::Air).then(|| PlantLedgerKeeper::new(&of.plant, of.run.stepping()));
+        let keeper = records(|of| matches!(of, PlantReduced::Air | PlantReduced::Efficiency))
+            .then(|| PlantLedgerKeeper::new(&of.plant, of.run.stepping()));
         let follower = records(|of| matches!(of, PlantReduced::Error(..))).then(|| Follower::new(of));
         let duration = of.run.duration;
         let period = slowest_period(of).unwrap_or(LAST_PART * duration);
@@ -114,11 +114,14 @@ impl rows::Recorder for Recorder<'_> {
             return Outcome::Failed(fault);
         }
         let Some(reductions) = self.reductions else { return Outcome::Sampled(self.rows) };
-        let air = self.keeper.zip(run).map(|(keeper, run)| air_used(self.of, &keeper.finish(run)));
+        let ledger = self.keeper.zip(run).map(|(keeper, run)| keeper.finish(run));
         let owners = self.follower.as_ref().map_or_else(Vec::new, Follower::owners);
         let goals = self.follower.and_then(Follower::finish).map_or_else(Vec::new, |closed| closed.goals);
         let value = |reduction: &PlantReduction| match reduction.of {
-            PlantReduced::Air => air,
+            PlantReduced::Air => ledger.as_ref().map(|ledger| air_used(self.of, ledger)),
+            PlantReduced::Efficiency => {
+                ledger.as_ref().filter(|_| !self.of.plant.network().valves.is_empty())?.total().efficiency()
+            }
             PlantReduced::Error(control, quantity) => {
                 let own =
                     goals.iter().zip(&owners).filter(|(goal, owner)| **owner == control && goal.quantity == quantity);

@@ -9,6 +9,7 @@ use super::folder::{Folder, Manifest};
 use super::plan::{Plan, Unit};
 use super::step::Choice;
 use super::table::{self, LAYOUT};
+use super::warned::WarnedRuns;
 use super::{rows, schedule};
 use crate::failure::Failure;
 use crate::progress::Progress;
@@ -91,13 +92,14 @@ impl Prepared {
         let units = self.plan.units(parts, self.unit(total, jobs));
         let work = |unit: &Unit| rows::simulate_rows(&self.sweep, choice, unit.rows.clone());
         let written = schedule::in_order(jobs, units, work, |unit, simulated| {
-            let rows::Simulated { outcomes, warned } = simulated;
-            destination.write(&unit, &outcomes)?;
-            warned.iter().for_each(|(row, warnings)| totals.warn(*row, warnings));
-            for (row, outcome) in unit.rows.clone().zip(&outcomes) {
+            destination.write(&unit, &simulated)?;
+            let mut warned = WarnedRuns::default();
+            for (row, outcome, warnings) in simulated.rows(unit.rows.clone()) {
                 totals.see(row, outcome);
+                warned.see(row, warnings);
             }
-            done += outcomes.len() as u64;
+            totals.warn(&warned);
+            done += simulated.outcomes.len() as u64;
             progress.at(done);
             Ok(())
         });
@@ -114,16 +116,17 @@ impl Prepared {
     pub fn part(&self, choice: Option<&Choice>, part: u64) -> Result<Vec<u8>, Failure> {
         let rows = self.plan.rows_of(part);
         let mut writer = Writer::parquet(self.columns.clone(), LAYOUT, Path::new("memory"), Vec::new())?;
-        let mut failed = 0;
+        let (mut failed, mut warned) = (0, WarnedRuns::default());
         let units = self.plan.units(vec![part], self.unit(rows.end - rows.start, 1));
         let work = |unit: &Unit| rows::simulate_rows(&self.sweep, choice, unit.rows.clone());
         schedule::in_order(1, units, work, |unit, simulated| {
-            for (row, outcome) in unit.rows.zip(&simulated.outcomes) {
-                failed += table::write(&self.sweep, row, outcome, &mut writer)?;
+            for (row, outcome, warnings) in simulated.rows(unit.rows) {
+                failed += table::write(&self.sweep, row, (outcome, warnings), &mut writer)?;
+                warned.see(row, warnings);
             }
             Ok(())
         })?;
-        writer.finish(&destination::about(&self.notes_with(choice), part, rows, failed))
+        writer.finish(&destination::about(&self.notes_with(choice), part, rows, (failed, &warned)))
     }
 
     /// Rows of a unit of work: few, so that the threads end together, but as many as are stepped side by side.

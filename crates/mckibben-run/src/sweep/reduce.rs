@@ -12,6 +12,7 @@
 //! | `settling_time` | the first sample from which on `|x − x(T)| ≤ 2 % · |x(T) − x(0)|` |
 //! | `overshoot` | how far x passes x(T) in the direction of `x(T) − x(0)`, as a share of that change |
 //! | `used` | the air drawn from the supply |
+//! | `efficiency` of the exergy | the work on the load over the exergy that was supplied, by the ledger of the run |
 //! | `rms`, `peak` of an error | of what a controller was to reach less what its sensors showed, at its sampling instants |
 //!
 //! What happens between two samples is not seen. `used` sums the gains of air mass between samples at which the flow path
@@ -42,6 +43,7 @@ pub struct Reducer {
     /// Of the sample before.
     before: Option<Air>,
     air_used: f64,
+    efficiency: Option<f64>,
     goals: Vec<Goal>,
 }
 
@@ -69,9 +71,10 @@ impl Reducer {
 
     /// Begins a run with the windows of its ripples.
     fn with_windows(reductions: &[Reduction], windows: Windows) -> Self {
-        let of_samples = |of: &&Reduction| !matches!(of.quantity, Quantity::Air | Quantity::Error(_));
+        let of_samples =
+            |of: &&Reduction| !matches!(of.quantity, Quantity::Air | Quantity::Exergy | Quantity::Error(_));
         let of = reductions.iter().filter(of_samples).map(|of| (of.quantity, of.statistic));
-        Self { series: Series::new(of, windows), before: None, air_used: 0.0, goals: Vec::new() }
+        Self { series: Series::new(of, windows), before: None, air_used: 0.0, efficiency: None, goals: Vec::new() }
     }
 
     /// Sees the next sample.
@@ -83,8 +86,10 @@ impl Reducer {
         }
         if let Some(before) = self.before.replace(air) {
             for ((was_open, was), (is_open, is)) in before.into_iter().zip(air) {
+                // What leaves while the supply is open goes back there; else it may have left by the exhaust.
                 if was_open || is_open {
-                    self.air_used += (is - was).max(0.0);
+                    let least = if was_open && is_open { f64::NEG_INFINITY } else { 0.0 };
+                    self.air_used += (is - was).max(least);
                 }
             }
         }
@@ -100,6 +105,11 @@ impl Reducer {
         self.air_used = mass;
     }
 
+    /// Gives the work on the load over the exergy that was supplied.
+    pub fn set_efficiency(&mut self, efficiency: Option<f64>) {
+        self.efficiency = efficiency;
+    }
+
     /// Gives what a controller was to reach, with what was measured.
     pub fn set_goals(&mut self, goals: Vec<Goal>) {
         self.goals = goals;
@@ -109,6 +119,7 @@ impl Reducer {
     pub fn finish(&self, reductions: &[Reduction]) -> Vec<Option<f64>> {
         let value = |reduction: &Reduction| match reduction.quantity {
             Quantity::Air => Some(self.air_used),
+            Quantity::Exergy => self.efficiency,
             Quantity::Error(of) => self.missed(of, reduction.statistic),
             quantity => self.series.reduced(quantity, reduction.statistic),
         };

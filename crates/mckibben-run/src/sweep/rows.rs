@@ -3,7 +3,7 @@
 //! | a row goes through time | when |
 //! |---|---|
 //! | side by side with others, in a [`PlantBatch`] | at fixed steps, if its samples are all that is looked at |
-//! | individually, each step handed on and not kept | by the event-located engine; where steps are looked at: for air that sources gave, and for how far a controller missed; and where it goes on to its orbit |
+//! | individually, each step handed on and not kept | by the event-located engine; where steps are looked at: for air that sources gave and its exergy, and for how far a controller missed; and where it goes on to its orbit |
 //!
 //! Rows of a batch have the same times and words, so that the batch is one group and stays on the unit's thread. A row is
 //! bit-identical to its individual run. A row that cannot be built or cannot go on gives its reason and nothing else.
@@ -20,15 +20,16 @@ use crate::run::Ready;
 use crate::settle;
 use crate::single_actuator::SingleActuator;
 use crate::table::Cell;
-use crate::warnings::Warning;
-use mckibben::Error;
+use crate::warnings::{Reached, Warning};
 use mckibben::air::Flow;
 use mckibben::command::Driver;
 use mckibben::plant::{
-    Plant, PlantRun, PlantSample, PlantSampler, PlantStart, PlantStep, PlantSteps, PlantView, TimeStepping,
+    Plant, PlantLedgerKeeper, PlantRun, PlantSample, PlantSampler, PlantStart, PlantStep, PlantSteps, PlantView,
+    TimeStepping,
 };
 use mckibben::simulation::{JointRig, JointSample, Reading, Rig, Sample, SampleTimes};
 use mckibben::valve::Command;
+use mckibben::{Actuator, Error};
 use mckibben_batch::{PlantBatch, Width};
 use mckibben_scenario::sweep::Quantity;
 use mckibben_scenario::{AxisValue, Record, Reduction, Run, Scenario, StatisticsOver, Sweep};
@@ -68,11 +69,38 @@ pub(super) trait Recorder {
     fn finish(self: Box<Self>, run: Option<&PlantRun>) -> Outcome;
 }
 
+/// A recorder, and what of the actuators the warnings need: extremes of the samples.
+struct Watch<'r> {
+    recorder: Box<dyn Recorder + 'r>,
+    actuators: Vec<Actuator>,
+    reached: Vec<Reached>,
+}
+
+impl<'r> Watch<'r> {
+    fn new(plant: &Plant, recorder: Box<dyn Recorder + 'r>) -> Self {
+        let actuators: Vec<Actuator> = plant.actuators().iter().map(|mounted| mounted.actuator.clone()).collect();
+        Self { recorder, reached: vec![Reached::NONE; actuators.len()], actuators }
+    }
+
+    fn see(&mut self, sample: &PlantSample) {
+        for ((reached, actuator), sample) in self.reached.iter_mut().zip(&self.actuators).zip(&sample.actuators) {
+            reached.see_briefly(actuator, sample);
+        }
+        self.recorder.see(sample);
+    }
+
+    fn finish(self, run: Option<&PlantRun>) -> Ended {
+        let outcome = self.recorder.finish(run);
+        let reached = if matches!(outcome, Outcome::Failed(_)) { Vec::new() } else { self.reached };
+        Ended { outcome, reached }
+    }
+}
+
 /// A row before its first step.
 pub(super) struct Row<'r> {
     plan: Run,
     run: PlantRun,
-    recorder: Box<dyn Recorder + 'r>,
+    watch: Watch<'r>,
 }
 
 impl<'r> Row<'r> {
@@ -84,40 +112,40 @@ impl<'r> Row<'r> {
         drivers: Vec<Driver>,
         recorder: Box<dyn Recorder + 'r>,
     ) -> Result<Self, Error> {
-        Ok(Self { plan, run: PlantRun::with_drivers(plant, start, how, drivers)?, recorder })
+        Ok(Self { plan, run: PlantRun::with_drivers(plant, start, how, drivers)?, watch: Watch::new(plant, recorder) })
     }
 
     /// Simulates the row individually, and on to the orbit where statistics are taken over that.
-    fn simulate(mut self, record: &Record, over: StatisticsOver) -> Result<Outcome, Error> {
-        let Self { plan, run, recorder } = &mut self;
+    fn simulate(mut self, record: &Record, over: StatisticsOver) -> Result<Ended, Error> {
+        let Self { plan, run, watch } = &mut self;
         let mut reading = Reading::new(times(record, plan), plan.duration);
         run.stream_to(plan.duration, &mut |step| {
-            recorder.step(step);
+            watch.recorder.step(step);
             reading.step(step, |sample: &PlantSample| {
-                recorder.see(sample);
+                watch.see(sample);
                 Ok(())
             })
         })?;
         reading.finish(&run.sample(), |sample| {
-            recorder.see(sample);
+            watch.see(sample);
             Ok::<_, Error>(())
         })?;
         if over == StatisticsOver::Orbit {
-            over_orbit((run.clone(), plan), recorder.as_mut())?;
+            over_orbit((run.clone(), plan), watch)?;
         }
-        Ok(self.recorder.finish(Some(&self.run)))
+        Ok(self.watch.finish(Some(&self.run)))
     }
 }
 
 /// Takes a run on from its end to its orbit, and over two periods of it.
-fn over_orbit((mut run, plan): (PlantRun, &Run), recorder: &mut dyn Recorder) -> Result<(), Error> {
+fn over_orbit((mut run, plan): (PlantRun, &Run), watch: &mut Watch<'_>) -> Result<(), Error> {
     const PERIODS: u32 = 2;
     let orbit = settle::to_orbit(&mut run, plan)?;
     let end = run.time() + f64::from(PERIODS) * orbit.period;
-    recorder.turn_to_orbit(orbit.settled.then(|| Windows::last(orbit.period, end)));
+    watch.recorder.turn_to_orbit(orbit.settled.then(|| Windows::last(orbit.period, end)));
     if orbit.settled {
-        recorder.see(&run.sample());
-        settle::over_periods(&mut run, orbit.period, PERIODS, &mut |sample| recorder.see(sample))?;
+        watch.see(&run.sample());
+        settle::over_periods(&mut run, orbit.period, PERIODS, &mut |sample| watch.see(sample))?;
     }
     Ok(())
 }
@@ -135,36 +163,60 @@ fn times<'t>(record: &'t Record, plan: &Run) -> Box<dyn Iterator<Item = f64> + '
 pub struct Simulated {
     /// The outcome of each.
     pub outcomes: Vec<Outcome>,
-    /// What was known to be amiss before the run of some of them.
-    pub warned: Vec<(u64, Vec<Warning>)>,
+    /// The warnings of each.
+    pub warnings: Vec<Vec<Warning>>,
+}
+
+impl Simulated {
+    /// The rows with what they came to and their warnings.
+    pub fn rows(&self, rows: Range<u64>) -> impl Iterator<Item = (u64, &Outcome, &[Warning])> {
+        let warnings = self.warnings.iter().map(Vec::as_slice);
+        rows.zip(self.outcomes.iter().zip(warnings)).map(|(row, (outcome, warnings))| (row, outcome, warnings))
+    }
 }
 
 /// Simulates the rows, with a common step for those that give none.
 pub fn simulate_rows(sweep: &Sweep, choice: Option<&Choice>, rows: Range<u64>) -> Simulated {
     let record = sweep.record();
-    let built: Vec<(u64, Result<Ready, String>)> = rows.map(|row| (row, build(sweep, row))).collect();
+    let built: Vec<(u64, Result<Built, String>)> = rows.map(|row| (row, build(sweep, row))).collect();
     let mut groups: Vec<Group<'_>> = Vec::new();
-    let mut outcomes: Vec<Outcome> = Vec::new();
+    let mut ended: Vec<Ended> = Vec::new();
     for (index, (row, built)) in built.iter().enumerate() {
         let ready = match built {
             Err(reason) => Err(reason.clone()),
             Ok(built) => built.row(sweep, choice).map_err(|error| error.to_string()),
         };
-        outcomes.push(match ready {
-            Err(reason) => Outcome::Failed(reason),
+        ended.push(match ready {
+            Err(reason) => Ended::failed(reason),
             Ok(ready) if ready.goes_along() && sweep.over() == StatisticsOver::Run => {
                 Group::join(&mut groups, GroupKey::of(sweep, *row, &ready), (index, ready));
                 // What the batch will compute is put in its place afterwards.
-                Outcome::Reduced(Vec::new())
+                Ended::failed(String::new())
             }
-            Ok(ready) => {
-                ready.simulate(record, sweep.over()).unwrap_or_else(|error| Outcome::Failed(error.to_string()))
-            }
+            Ok(ready) => ready.simulate(record, sweep.over()).unwrap_or_else(Ended::failed),
         });
     }
-    groups.into_iter().for_each(|group| group.simulate(record, &mut outcomes));
-    let warned = built.iter().filter_map(|(row, built)| Some((*row, built.as_ref().ok()?.warnings())));
-    Simulated { warned: warned.filter(|(_, warnings)| !warnings.is_empty()).collect(), outcomes }
+    groups.into_iter().for_each(|group| group.simulate(record, &mut ended));
+    let mut simulated = Simulated::default();
+    for ((_, built), ended) in built.iter().zip(ended) {
+        let warnings = built.as_ref().map(|built| built.ready.warnings_with(&ended.reached)).unwrap_or_default();
+        simulated.warnings.push(warnings);
+        simulated.outcomes.push(ended.outcome);
+    }
+    simulated
+}
+
+/// What a row came to, and what of its actuators the warnings need.
+struct Ended {
+    outcome: Outcome,
+    /// Empty where it did not come to its end.
+    reached: Vec<Reached>,
+}
+
+impl Ended {
+    fn failed(reason: impl ToString) -> Self {
+        Self { outcome: Outcome::Failed(reason.to_string()), reached: Vec::new() }
+    }
 }
 
 /// Rows that go through time side by side, each with its place among the outcomes.
@@ -191,19 +243,19 @@ impl<'a> Group<'a> {
     }
 
     /// Takes all of them through time.
-    fn simulate(self, record: &Record, outcomes: &mut [Outcome]) {
+    fn simulate(self, record: &Record, ended: &mut [Ended]) {
         let Self { key: GroupKey { how: TimeStepping::Fixed { method, step }, .. }, rows, .. } = self else { return };
         let Some(plan) = rows.first().map(|(_, row)| row.plan) else { return };
         let mut steps: Vec<_> = rows.iter().map(|(_, row)| row.run.steps(method)).collect();
         let mut samplers: Vec<_> = steps.iter().map(|its| PlantSampler::new(its)).collect();
         // What is due at the start is passed before the first sample.
         let began = steps.iter_mut().map(PlantSteps::pass_due);
-        let (places, mut recorders): (Vec<_>, Vec<_>) =
-            rows.into_iter().zip(began).map(|((index, row), began)| (index, began.map(|()| row.recorder))).unzip();
+        let (places, mut watches): (Vec<_>, Vec<_>) =
+            rows.into_iter().zip(began).map(|((index, row), began)| (index, began.map(|()| row.watch))).unzip();
         let mut batch = match PlantBatch::new(steps) {
             Ok(batch) => batch,
             Err(error) => {
-                places.iter().for_each(|index| outcomes[*index] = Outcome::Failed(error.to_string()));
+                places.iter().for_each(|index| ended[*index] = Ended::failed(&error));
                 return;
             }
         };
@@ -214,24 +266,23 @@ impl<'a> Group<'a> {
                 // A time at which no step ends divides one.
                 let until = if end - time > ROUNDING * step { time } else { end };
                 if let Err(error) = batch.advance_to(until) {
-                    recorders.iter_mut().for_each(|recorder| *recorder = Err(error.clone()));
+                    watches.iter_mut().for_each(|watch| *watch = Err(error.clone()));
                     break;
                 }
             }
-            for (row, (recorder, sampler)) in recorders.iter_mut().zip(&mut samplers).enumerate() {
-                let Ok(living) = recorder else { continue };
+            for (row, (watch, sampler)) in watches.iter_mut().zip(&mut samplers).enumerate() {
+                let Ok(living) = watch else { continue };
                 match batch.row(row) {
                     Ok(steps) => living.see(sampler.read(steps, time)),
-                    Err(error) => *recorder = Err(error),
+                    Err(error) => *watch = Err(error),
                 }
             }
-            if recorders.iter().all(Result::is_err) {
+            if watches.iter().all(Result::is_err) {
                 break;
             }
         }
-        for (index, recorder) in places.into_iter().zip(recorders) {
-            let failed = |error: Error| Outcome::Failed(error.to_string());
-            outcomes[index] = recorder.map_or_else(failed, |recorder| recorder.finish(None));
+        for (index, watch) in places.into_iter().zip(watches) {
+            ended[index] = watch.map_or_else(Ended::failed, |watch| watch.finish(None));
         }
     }
 }
@@ -239,7 +290,7 @@ impl<'a> Group<'a> {
 impl Row<'_> {
     /// Whether it may go side by side with others.
     fn goes_along(&self) -> bool {
-        matches!(self.run.stepping(), TimeStepping::Fixed { .. }) && !self.recorder.takes_steps()
+        matches!(self.run.stepping(), TimeStepping::Fixed { .. }) && !self.watch.recorder.takes_steps()
     }
 }
 
@@ -263,7 +314,22 @@ impl<'a> GroupKey<'a> {
     }
 }
 
-fn build(sweep: &Sweep, row: u64) -> Result<Ready, String> {
+/// What a row describes.
+struct Built {
+    ready: Ready,
+    /// The plant of one actuator or a joint, where its ledger is recorded.
+    plant: Option<Plant>,
+}
+
+fn build(sweep: &Sweep, row: u64) -> Result<Built, String> {
+    let ready = ready_of(sweep, row)?;
+    let is_of_ledger = |of: &Reduction| of.quantity == Quantity::Exergy;
+    let records = matches!(sweep.record(), Record::Reductions(list) if list.iter().any(is_of_ledger));
+    let plant = if records { ready.plant().map_err(|error| error.to_string())? } else { None };
+    Ok(Built { ready, plant })
+}
+
+fn ready_of(sweep: &Sweep, row: u64) -> Result<Ready, String> {
     if let Some(plant) = sweep.plant(row) {
         let plant = plant?;
         within(sweep.record(), plant.run.duration)?;
@@ -298,20 +364,39 @@ fn describe(scenario: &Scenario) -> Result<Ready, Error> {
 }
 
 impl Ready {
+    /// The plant that one actuator or a joint is; none of a plant with names.
+    fn plant(&self) -> Result<Option<Plant>, Error> {
+        let plant = match self {
+            Self::Actuator(of) => SingleActuator::from(&**of).view()?.plant().clone(),
+            Self::Controlled(of) => SingleActuator::from(&**of).view()?.plant().clone(),
+            Self::Joint(of) => Pair::from(&**of).view()?.plant().clone(),
+            Self::ControlledJoint(of) => Pair::from(&**of).view()?.plant().clone(),
+            Self::Plant(_) => return Ok(None),
+        };
+        Ok(Some(plant))
+    }
+}
+
+impl Built {
     /// Before its first step.
     fn row<'b>(&'b self, sweep: &'b Sweep, choice: Option<&Choice>) -> Result<Row<'b>, Error> {
-        match self {
-            Self::Actuator(of) => ready(SingleActuator::from(&**of), choice, sweep.record()),
-            Self::Controlled(of) => ready(SingleActuator::from(&**of), choice, sweep.record()),
-            Self::Joint(of) => ready(Pair::from(&**of), choice, sweep.record()),
-            Self::ControlledJoint(of) => ready(Pair::from(&**of), choice, sweep.record()),
-            Self::Plant(of) => plant::ready(of, choice, sweep),
+        let recorded = (sweep.record(), self.plant.as_ref());
+        match &self.ready {
+            Ready::Actuator(of) => ready(SingleActuator::from(&**of), choice, recorded),
+            Ready::Controlled(of) => ready(SingleActuator::from(&**of), choice, recorded),
+            Ready::Joint(of) => ready(Pair::from(&**of), choice, recorded),
+            Ready::ControlledJoint(of) => ready(Pair::from(&**of), choice, recorded),
+            Ready::Plant(of) => plant::ready(of, choice, sweep),
         }
     }
 }
 
-/// A subject before its first step.
-fn ready<'b, S: Swept + 'b>(of: S, choice: Option<&Choice>, record: &'b Record) -> Result<Row<'b>, Error>
+/// A subject before its first step; with its plant where its ledger is recorded.
+fn ready<'b, S: Swept + 'b>(
+    of: S,
+    choice: Option<&Choice>,
+    (record, kept): (&'b Record, Option<&'b Plant>),
+) -> Result<Row<'b>, Error>
 where
     S::View: 'b,
     <S::View as PlantView>::Sample: 'b,
@@ -320,7 +405,8 @@ where
     let how = step::stepping(&plan, choice, || of.stepping())?;
     let drivers = of.driver(&view)?.into_iter().collect();
     let (plant, start) = (view.plant().clone(), view.start(of.start()));
-    let recorder = ViewRecorder::new(of, view, record, how);
+    let keeper = kept.map(|plant| PlantLedgerKeeper::new(plant, how));
+    let recorder = ViewRecorder { keeper, ..ViewRecorder::new(of, view, record, how) };
     Row::new(plan, (&plant, &start), how, drivers, Box::new(recorder))
 }
 
@@ -335,7 +421,7 @@ trait Swept: Subject {
     /// The command whose period is that of a ripple.
     fn command(rig: &RigOf<Self>) -> Option<&Command>;
 
-    /// The mass flow in kg/s that comes from supplies.
+    /// The mass flow in kg/s that comes from supplies, less what goes back.
     fn drawn(flows: &<Self::View as PlantView>::Flows) -> f64;
 }
 
@@ -356,7 +442,7 @@ impl Swept for SingleActuator<'_> {
     }
 
     fn drawn([supply, _]: &[Flow; 2]) -> f64 {
-        supply.inward
+        supply.inward - supply.outward
     }
 }
 
@@ -374,7 +460,7 @@ impl Swept for Pair<'_> {
     }
 
     fn drawn(flows: &[[Flow; 2]; 2]) -> f64 {
-        flows.iter().map(|[supply, _]| supply.inward).sum()
+        flows.iter().map(|[supply, _]| supply.inward - supply.outward).sum()
     }
 }
 
@@ -392,6 +478,8 @@ struct ViewRecorder<'r, S: Swept> {
     goals: Option<Vec<Goal>>,
     /// Air in kg that came from supplies, where steps are exact enough to sum it.
     drawn: Option<f64>,
+    /// The ledger, where the exergy of the air is recorded.
+    keeper: Option<PlantLedgerKeeper<'r>>,
 }
 
 impl<'r, S: Swept> ViewRecorder<'r, S> {
@@ -408,7 +496,18 @@ impl<'r, S: Swept> ViewRecorder<'r, S> {
         let reducer = |list| Reducer::new(list, S::command(view.rig()), of.plan().duration);
         let reductions = reductions.map(|list| (list, reducer(list)));
         let fields = S::columns(view.rig());
-        Self { of, reductions, view, fields, rows: Vec::new(), cells: Vec::new(), fault: None, goals, drawn }
+        Self {
+            of,
+            reductions,
+            view,
+            fields,
+            rows: Vec::new(),
+            cells: Vec::new(),
+            fault: None,
+            goals,
+            drawn,
+            keeper: None,
+        }
     }
 }
 
@@ -434,11 +533,14 @@ impl<S: Swept> Recorder for ViewRecorder<'_, S> {
     }
 
     fn takes_steps(&self) -> bool {
-        self.goals.is_some() || self.drawn.is_some()
+        self.goals.is_some() || self.drawn.is_some() || self.keeper.is_some()
     }
 
     fn step(&mut self, step: &PlantStep<'_>) {
-        let Self { of, view, goals, drawn, .. } = self;
+        let Self { of, view, goals, drawn, keeper, .. } = self;
+        if let Some(keeper) = keeper {
+            keeper.step(step);
+        }
         if let Some(drawn) = drawn {
             step.quadrature(|weight, sample| *drawn += weight * S::drawn(&view.valve_flows(sample)));
         }
@@ -449,7 +551,7 @@ impl<S: Swept> Recorder for ViewRecorder<'_, S> {
         }
     }
 
-    fn finish(self: Box<Self>, _: Option<&PlantRun>) -> Outcome {
+    fn finish(self: Box<Self>, run: Option<&PlantRun>) -> Outcome {
         if let Some(fault) = self.fault {
             return Outcome::Failed(fault);
         }
@@ -460,6 +562,10 @@ impl<S: Swept> Recorder for ViewRecorder<'_, S> {
             reducer.set_air_used(drawn);
         }
         reducer.set_goals(self.goals.unwrap_or_default());
+        // As in a summary: without a valve nothing is drawn.
+        let drawing = run.filter(|run| !run.plant().network().valves.is_empty());
+        let ledger = self.keeper.zip(drawing).map(|(keeper, run)| keeper.finish(run));
+        reducer.set_efficiency(ledger.and_then(|ledger| ledger.total().efficiency()));
         Outcome::Reduced(reducer.finish(reductions))
     }
 }

@@ -183,7 +183,11 @@ impl<Q: Copy + PartialEq> Track<Q> {
             }
             Statistic::Overshoot if change > 0.0 => Some((self.greatest - self.last) / change),
             Statistic::Overshoot if change < 0.0 => Some((self.least - self.last) / change),
-            Statistic::Overshoot | Statistic::SettlingTime | Statistic::Used | Statistic::Rms => None,
+            Statistic::Overshoot
+            | Statistic::SettlingTime
+            | Statistic::Used
+            | Statistic::Rms
+            | Statistic::Efficiency => None,
         }
     }
 

@@ -5,15 +5,18 @@
 //! | `run` | the row of the sweep, from 0 |
 //! | one for each varied key | its value: a number in SI, with the unit at the end of the name, or a word |
 //! | one for each reduction; or those of `mckibben simulate` | a number, or nothing |
+//! | `warnings` | the codes of the run's warnings, such as `thrown`; nothing where there is none |
 //! | `error` | why the run failed; nothing when it did not |
 //!
 //! With reductions a run is one line; with samples or trajectories it is one line for each sample. A run that failed is
 //! one line without results.
 
 use super::rows::Outcome;
+use super::warned::codes;
 use crate::failure::Failure;
 use crate::record::{Field, of_actuator, of_joint_alone};
 use crate::table::{Cell, Column, Layout, Writer};
+use crate::warnings::Warning;
 use mckibben_scenario::{AxisKind, AxisValue, PlantColumn, Record, Sweep};
 use std::io::Write;
 
@@ -22,6 +25,8 @@ pub(super) const LAYOUT: Layout = Layout { schema: "sweep", group: 1 << 16, seal
 
 /// The column of the row's index.
 pub const RUN: &str = "run";
+/// The column of the codes of warnings.
+pub const WARNINGS: &str = "warnings";
 /// The column of the reason.
 pub const ERROR: &str = "error";
 
@@ -39,6 +44,7 @@ pub fn columns(sweep: &Sweep) -> Vec<Column> {
         }
         Record::Samples(_) | Record::Trajectories => columns.extend(sampled(sweep).into_iter().map(Column::optional)),
     }
+    columns.push(Column::word(WARNINGS).optional());
     columns.push(Column::word(ERROR).optional());
     columns
 }
@@ -70,10 +76,10 @@ fn sampled(sweep: &Sweep) -> Vec<Column> {
 pub fn write<W: Write + Send>(
     sweep: &Sweep,
     row: u64,
-    outcome: &Outcome,
+    (outcome, warnings): (&Outcome, &[Warning]),
     writer: &mut Writer<W>,
 ) -> Result<u64, Failure> {
-    lines(sweep, row, outcome, &mut |cells| writer.row(cells))?;
+    lines(sweep, row, (outcome, warnings), &mut |cells| writer.row(cells))?;
     Ok(u64::from(matches!(outcome, Outcome::Failed(_))))
 }
 
@@ -81,7 +87,7 @@ pub fn write<W: Write + Send>(
 fn lines(
     sweep: &Sweep,
     row: u64,
-    outcome: &Outcome,
+    (outcome, warnings): (&Outcome, &[Warning]),
     each: &mut dyn FnMut(&[Cell<'_>]) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
     let values: Vec<AxisValue<'_>> = (0..sweep.axes().len()).map(|axis| sweep.value(axis, row)).collect();
@@ -91,16 +97,18 @@ fn lines(
         AxisValue::Word(word) => Cell::Word(word),
     }));
     let head = line.len();
+    let codes = codes(warnings);
+    let warned = if codes.is_empty() { Cell::Nothing } else { Cell::Word(&codes) };
     match outcome {
         Outcome::Reduced(values) => {
             line.extend(values.iter().copied().map(Cell::from));
-            line.push(Cell::Nothing);
+            line.extend([warned, Cell::Nothing]);
             each(&line)
         }
         Outcome::Sampled(rows) => rows.iter().try_for_each(|row| {
             line.truncate(head);
             line.extend(row);
-            line.push(Cell::Nothing);
+            line.extend([warned, Cell::Nothing]);
             each(&line)
         }),
         Outcome::Failed(reason) => {
@@ -110,7 +118,7 @@ fn lines(
                 Record::Samples(_) | Record::Trajectories => sampled(sweep).len(),
             };
             line.extend(std::iter::repeat_n(Cell::Nothing, results));
-            line.push(Cell::Word(reason));
+            line.extend([warned, Cell::Word(reason)]);
             each(&line)
         }
     }

@@ -108,7 +108,7 @@ impl Cell<'_> {
     /// The cell with its number in a unit.
     fn shown(self, unit: &Shown) -> Self {
         match self {
-            Self::Number(value) => Self::Number(unit.number(value)),
+            Self::Number(value) => Self::Number(unit.written(value)),
             other => other,
         }
     }

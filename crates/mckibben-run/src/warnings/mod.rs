@@ -78,8 +78,12 @@ impl fmt::Display for Warning {
 
 /// The warnings of a run: those known before it and those that follow from what it reached, each actuator once for a code.
 pub fn of_run(before: Vec<Warning>, figures: &Figures) -> Vec<Warning> {
+    joined(before, figures.warnings())
+}
+
+fn joined(before: Vec<Warning>, after: Vec<Warning>) -> Vec<Warning> {
     let mut all = before;
-    for new in figures.warnings() {
+    for new in after {
         match all.iter_mut().find(|known| (known.code, &known.part) == (new.code, &new.part)) {
             Some(known) => *known = new,
             None => all.push(new),
@@ -89,6 +93,27 @@ pub fn of_run(before: Vec<Warning>, figures: &Figures) -> Vec<Warning> {
 }
 
 impl Ready {
+    /// The warnings of a run in which its actuators reached these extremes; of none those that are known before.
+    pub(crate) fn warnings_with(&self, reached: &[Reached]) -> Vec<Warning> {
+        let of_rig = |rig| reached::warnings(&Parts::named(RigPlant::new(rig).plant(), &[""]), reached);
+        let of_joint = |rig| match JointPlant::new(rig) {
+            Ok(view) => reached::warnings(&Parts::named(view.plant(), &NAMES), reached),
+            Err(_) => Vec::new(),
+        };
+        let after = match self {
+            _ if reached.is_empty() => Vec::new(),
+            Self::Actuator(of) => of_rig(&of.rig),
+            Self::Controlled(of) => of_rig(&of.experiment.rig),
+            Self::Joint(of) => of_joint(&of.rig),
+            Self::ControlledJoint(of) => of_joint(&of.experiment.rig),
+            Self::Plant(of) => {
+                let actuators = of.names.actuators.clone();
+                reached::warnings(&Parts { plant: &of.plant, actuators, valves: Vec::new() }, reached)
+            }
+        };
+        joined(self.warnings(), after)
+    }
+
     /// The warnings that are known before anything is simulated.
     pub fn warnings(&self) -> Vec<Warning> {
         match self {
@@ -347,6 +372,14 @@ mod tests {
         };
         assert_eq!(of("-40 N"), ["law-negative"]);
         assert!(of("0 N").is_empty());
+        // A muscle that nothing fills has the atmosphere's pressure to within rounding.
+        let empty = [
+            ("valve", "{ kind = \"fill-hold-exhaust\", flow_area = \"1 mm^2\" }"),
+            ("command", "{ kind = \"hold\" }"),
+            ("load", "{ kind = \"isometric\" }"),
+            ("initial", "{ length = \"85 mm\" }"),
+        ];
+        assert!(codes(&empty)[1].is_empty());
     }
 
     #[test]

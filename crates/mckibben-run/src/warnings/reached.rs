@@ -48,7 +48,22 @@ impl Reached {
         self.take(actuator, [sample.distance, sample.length, sample.tension], sample.pressure);
     }
 
+    /// As [`Reached::see_in_plant`], for the many runs of a sweep: the law of force is evaluated only where the tension is low, since
+    /// where a law pushes the tension is zero but for friction.
+    pub(crate) fn see_briefly(&mut self, actuator: &Actuator, sample: &ActuatorSample) {
+        let is_low = sample.tension <= 0.5 * self.tension.greatest;
+        self.see_extremes(actuator, [sample.distance, sample.length, sample.tension], sample.pressure);
+        if is_low {
+            self.see_force(actuator, sample.length, sample.pressure);
+        }
+    }
+
     fn take(&mut self, actuator: &Actuator, [distance, length, tension]: [f64; 3], pressure: AbsolutePressure) {
+        self.see_extremes(actuator, [distance, length, tension], pressure);
+        self.see_force(actuator, length, pressure);
+    }
+
+    fn see_extremes(&mut self, actuator: &Actuator, [distance, length, tension]: [f64; 3], pressure: AbsolutePressure) {
         let gauge = actuator.gauge(pressure.0).0;
         self.distance.see(distance);
         self.length.see(length);
@@ -57,6 +72,12 @@ impl Reached {
         if length > actuator.limits().min_length() {
             self.law[0].see(length);
             self.law[1].see(gauge);
+        }
+    }
+
+    fn see_force(&mut self, actuator: &Actuator, length: f64, pressure: AbsolutePressure) {
+        if length > actuator.limits().min_length() {
+            let gauge = actuator.gauge(pressure.0).0;
             let force = actuator.law().force(length, GaugePressure(gauge));
             if force < self.least_force[0] {
                 self.least_force = [force, length, gauge];
@@ -206,11 +227,14 @@ fn ends(bounds: impl Fn(usize) -> (Option<f64>, Option<f64>)) -> Option<[f64; 2]
     Some([first, last])
 }
 
+/// A push in N that the rounding of pressures makes: of a millipascal on ten square centimetres.
+const ROUNDING: f64 = 1e-6;
+
 /// That the law gives a force that pushes, which no load takes from a muscle: a law that is wrong there, or a muscle that is pressed
 /// together, as a measured one with a stiff wall below its length at rest.
 fn negative(name: &str, reached: &Reached) -> Option<Warning> {
     let [force, length, gauge] = reached.least_force;
-    let is_more_than_rounding = force < -f64::EPSILON && force < -NEGATIVE * reached.tension.greatest;
+    let is_more_than_rounding = force < -ROUNDING && force < -NEGATIVE * reached.tension.greatest;
     if !is_more_than_rounding {
         return None;
     }

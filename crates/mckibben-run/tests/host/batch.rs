@@ -210,7 +210,15 @@ fn what_cannot_be_is_refused() {
     assert!(HostBatch::new(Vec::new()).is_err());
     let mixed = [muscles(), arms(1, Motion::Host)].concat();
     assert!(HostBatch::new(mixed).expect_err("of another kind").to_string().contains("plant 21"));
+    let host = |text: &str, options: &HostOptions<'_>| HostPlant::read(&document(text), options).expect("a plant");
+    let (of_host, faster) = (HostOptions::default(), MUSCLE.replace("25 Hz", "50 Hz"));
+    let pair = HostBatch::new([host(MUSCLE, &of_host), host(&faster, &of_host)]);
+    let said = pair.expect_err("other pulses").to_string();
+    assert!(said.contains("25.0 Hz") && said.contains("50.0 Hz") && said.contains("pulse_frequency"), "{said}");
     let whole = HostOptions { motion: Motion::Scenario, ..HostOptions::default() };
+    let shorter = MUSCLE.replace("0.5 ms", "0.25 ms");
+    let said = HostBatch::new([host(MUSCLE, &whole), host(&shorter, &whole)]).expect_err("other steps").to_string();
+    assert!(said.contains("0.0005 s") && said.contains("run.step"), "{said}");
     let mut whole = HostBatch::new(vec![HostPlant::read(&document(MUSCLE), &whole).expect("a plant")]).expect("one");
     assert!(whole.advance(1e-3, &[0.09]).is_err() && whole.begin_at(&[0.09], &[0.0]).is_err());
     assert!(whole.advance(f64::INFINITY, &[]).is_err());

@@ -230,7 +230,12 @@ fn what_cannot_be_is_refused() {
         of.advance(1e-3, &[0.5]),
         of.advance(-1.0, &[0.09]),
         of.advance(f64::INFINITY, &[0.09]),
+        of.advance(1e-3, &[-0.09]),
+        of.advance(1e-3, &[0.0]),
         of.compute_at(&[0.09], &[f64::NAN], &mut [response]),
+        of.compute_at(&[0.5], &[0.0], &mut [response]),
+        of.begin_at(&[0.09], &[f64::NAN]),
+        of.begin_at(&[0.09], &[f64::INFINITY]),
         of.read_outputs(&mut []),
         of.save(&mut []),
         of.restore(&[0.0]),
@@ -241,11 +246,33 @@ fn what_cannot_be_is_refused() {
     let mut whole = host(MUSCLE, &HostOptions { motion: Motion::Scenario, ..HostOptions::default() });
     assert!(whole.advance(1e-3, &[0.09]).is_err() && whole.begin_at(&[0.09], &[0.0]).is_err());
     assert!(whole.advance(f64::NAN, &[]).is_err());
+    whole.advance(1e-2, &[]).expect("a step");
+    whole.advance(1e-2, &[]).expect("no step");
+    let back = whole.advance(5e-3, &[]).expect_err("a step back").to_string();
+    assert!(back.contains("0.005 s") && back.contains("0.01 s"), "{back}");
+    // The edges of its pulses would fill the memory.
+    let mut long =
+        host(&MUSCLE.replace("0.5 ms", "1e6 s"), &HostOptions { motion: Motion::Scenario, ..HostOptions::default() });
+    long.command(0, 0.5).expect("a duty cycle");
+    assert!(long.advance(1e6, &[]).expect_err("a long step").to_string().contains("edges of pulses"));
     let late = HostOptions { max_step: Some(0.0), ..HostOptions::default() };
     assert!(HostPlant::read(&document(MUSCLE), &late).is_err());
     let never = HostOptions { pulse_frequency: Some(0.0), ..HostOptions::default() };
     let held = MUSCLE.replace("kind = \"pwm\"\nfrequency = \"25 Hz\"\nduty = 0.5", "kind = \"fill\"");
     assert!(HostPlant::read(&document(&held), &never).is_err());
+}
+
+/// Where a scenario moves, its steps are those of the accuracy that it wants of its own run: with its commands and controllers.
+#[test]
+fn a_scenario_moves_by_the_steps_of_its_own_run() {
+    let whole = HostOptions { motion: Motion::Scenario, ..HostOptions::default() };
+    let named = format!("{}\n[actuators.muscle]\n", MUSCLE.replace("step = \"0.5 ms\"\n", ""));
+    let experiment = document(&named).plant_experiment().expect("a plant").expect("with names");
+    let own = experiment.stepping().expect("a step").1.expect("chosen").step;
+    assert!(own < 5e-4, "{own} s");
+    assert_eq!(host(&named, &whole).step(), Some(own));
+    assert_eq!(host(&named, &HostOptions { max_step: Some(1e-5), ..whole }).step(), Some(1e-5));
+    assert_eq!(host(MUSCLE, &whole).step(), Some(5e-4));
 }
 
 /// A supply whose pressure changes is an output, of one actuator and of a joint; one without end is none.

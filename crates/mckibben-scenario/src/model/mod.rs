@@ -4,7 +4,7 @@ mod parts;
 
 pub(crate) use parts::{core_actuation, core_air, core_hose, core_motion, core_supply_line, core_valve};
 
-use crate::choice::{BladderForm, Engine, Method, PressurePlace};
+use crate::choice::{BladderForm, Engine, Method};
 use crate::diagnostic::Diagnostics;
 use crate::document::Document;
 use crate::scenario::{
@@ -118,8 +118,11 @@ impl Document {
         self.joint_of(&self.scenario()?)
     }
 
-    /// The joint that a scenario of this document describes.
-    pub(crate) fn joint_of(&self, scenario: &Scenario) -> Result<Option<JointExperiment>, Diagnostics> {
+    /// The joint that a scenario describes, which is that of this document or one made of it; `None` when its load is another.
+    ///
+    /// # Errors
+    /// The first contradiction that the model finds, with its place in the file.
+    pub fn joint_of(&self, scenario: &Scenario) -> Result<Option<JointExperiment>, Diagnostics> {
         scenario.joint().map_err(|(of, error)| match of {
             Part::Joint => self.diagnose(&error).into(),
             Part::Antagonist => self.antagonist().diagnose(&error).into(),
@@ -194,8 +197,9 @@ impl Scenario {
 
     fn start_of(&self, joint: &Joint) -> JointInitial {
         let (first, second) = (&self.initial, &joint.antagonist);
+        let second_pressure = first_gauge_pressure(second.gauge_pressure, second.pressure.as_ref());
         JointInitial {
-            gauge_pressure: [first.gauge_pressure, second.gauge_pressure].map(GaugePressure),
+            gauge_pressure: [self.first_gauge_pressure(), second_pressure].map(GaugePressure),
             temperature: [first.temperature, second.temperature],
             angle: match joint.angle {
                 InitialAngle::Equilibrium => simulation::InitialAngle::Equilibrium,
@@ -248,7 +252,7 @@ impl Run {
 
     /// The step in s of a run of a plant: the one that is given, or the longest that the accuracy allows, with its error.
     /// `drivers` makes the drivers again.
-    fn step_of(
+    pub(crate) fn step_of(
         &self,
         of: (&Plant, &PlantStart),
         drivers: &dyn Fn() -> Vec<Driver>,
@@ -330,9 +334,9 @@ impl Scenario {
         self.tendon.map(|of| load::SeriesTendon::new(of.stiffness, of.rest_length)).transpose()
     }
 
-    /// Whether the pressure in the actuator at the start is its own, and not that of a given one.
-    pub(crate) fn starts_at_own_pressure(&self) -> bool {
-        self.pressure.as_ref().is_none_or(|given| given.at == PressurePlace::Hose)
+    /// Gauge pressure in the actuator at the start in Pa.
+    pub fn first_gauge_pressure(&self) -> f64 {
+        first_gauge_pressure(self.initial.gauge_pressure, self.pressure.as_ref())
     }
 
     /// The pressure over time, where it is given.
@@ -475,7 +479,7 @@ impl Scenario {
     /// The start as the core takes it.
     pub fn initial(&self) -> Initial {
         Initial {
-            gauge_pressure: GaugePressure(self.initial.gauge_pressure),
+            gauge_pressure: GaugePressure(self.first_gauge_pressure()),
             temperature: self.initial.temperature,
             length: match self.initial.length {
                 InitialLength::At(length) => simulation::InitialLength::At(length),
@@ -486,4 +490,9 @@ impl Scenario {
             velocity: self.initial.velocity,
         }
     }
+}
+
+/// The gauge pressure in Pa that an actuator starts at: its own, else the first of a pressure that is given.
+fn first_gauge_pressure(own: Option<f64>, given: Option<&scenario::PressureSeries>) -> f64 {
+    own.or_else(|| given?.values().next()).unwrap_or_default()
 }

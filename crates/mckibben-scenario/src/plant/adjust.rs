@@ -144,32 +144,40 @@ impl Document {
     }
 
     /// Gives the pressure over time of one actuator of a plant, or at the end of its hose, in place of its valve and what belongs to
-    /// that.
+    /// that. Behind a hose it starts at the gauge pressure `first` in Pa, if there is one, else where the file says.
     ///
     /// # Errors
     /// When the file has something there that is no section.
-    pub fn give_pressure(&mut self, actuator: &str, series: &PressureSeries) -> Result<(), Diagnostics> {
+    pub fn give_pressure(
+        &mut self,
+        actuator: &str,
+        series: &PressureSeries,
+        first: Option<f64>,
+    ) -> Result<(), Diagnostics> {
         let of_muscle = ["hose", p::INITIAL_GAUGE_PRESSURE.key];
         let also: &[&str] = if series.at == PressurePlace::Muscle { &of_muscle } else { &[] };
         for section in ["valve", "command", "controller", "supply", "pressure"].iter().chain(also) {
             self.remove(&format!("{ACTUATORS}.{actuator}.{section}"));
         }
+        let said = |number: f64, row: &Parameter| match row.unit {
+            "" => number.to_string(),
+            unit => format!("\"{}\"", quantity::format(number, unit)),
+        };
+        let mut give = |key: &str, text: &str| {
+            self.set_text_from("the measured pressure", &format!("{ACTUATORS}.{actuator}.{key}"), text)
+        };
         for (row, numbers) in [(&p::SERIES_TIME, &series.time), (&p::SERIES_GAUGE_PRESSURE, &series.gauge_pressure)] {
-            let said: Vec<String> =
-                numbers.iter().map(|number| format!("\"{}\"", quantity::format(*number, row.unit))).collect();
-            let (path, list) = (format!("{ACTUATORS}.{actuator}.{}", row.key), format!("[{}]", said.join(", ")));
-            self.set_text_from("the measured pressure", &path, &list)?;
+            let list: Vec<String> = numbers.iter().map(|number| said(*number, row)).collect();
+            give(row.key, &format!("[{}]", list.join(", ")))?;
         }
         let PressureSensor { offset, scale, shift } = series.sensor;
         for (row, number) in [(&p::SERIES_OFFSET, offset), (&p::SERIES_SCALE, scale), (&p::SERIES_SHIFT, shift)] {
-            let said = match row.unit {
-                "" => number.to_string(),
-                unit => format!("\"{}\"", quantity::format(number, unit)),
-            };
-            self.set_text_from("the measured pressure", &format!("{ACTUATORS}.{actuator}.{}", row.key), &said)?;
+            give(row.key, &said(number, row))?;
         }
-        let path = format!("{ACTUATORS}.{actuator}.{}", keys::PRESSURE_AT);
-        self.set_text_from("the measured pressure", &path, &format!("\"{}\"", series.at.name()))?;
+        if let Some(first) = first {
+            give(p::INITIAL_GAUGE_PRESSURE.key, &said(first, &p::INITIAL_GAUGE_PRESSURE))?;
+        }
+        give(keys::PRESSURE_AT, &format!("\"{}\"", series.at.name()))?;
         Ok(())
     }
 

@@ -131,7 +131,7 @@ impl Parts {
         let pressure = given.clone().filter(|_| line.hose.is_none());
         let bare = driven.actuator.clone().without_valve();
         let mut initial = InitialAir {
-            gauge_pressure: GaugePressure(alone.initial.gauge_pressure),
+            gauge_pressure: GaugePressure(alone.first_gauge_pressure()),
             temperature: alone.initial.temperature,
         };
         let (mechanism, coupling, length);

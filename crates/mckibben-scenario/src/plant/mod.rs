@@ -65,6 +65,15 @@ impl PlantExperiment {
         let drivers = || self.controls.iter().map(PlantControl::driver).collect();
         self.run.stepping_of((&self.plant, &self.start), &drivers)
     }
+
+    /// The step in s of fixed steps: the one that is given, or the longest that the accuracy allows.
+    ///
+    /// # Errors
+    /// As [`plant_step_for_accuracy`](mckibben::plant::plant_step_for_accuracy), when a step is chosen.
+    pub fn fixed_step(&self) -> Result<f64, Error> {
+        let drivers = || self.controls.iter().map(PlantControl::driver).collect();
+        self.run.step_of((&self.plant, &self.start), &drivers).map(|(step, _)| step)
+    }
 }
 
 /// What a file says of one actuator of a plant.

@@ -5,7 +5,7 @@
 
 use super::{alternative, columns, gauge_pressure, joint};
 use crate::choice::{Engine, FrictionStart, LoadKind, Method, PressurePlace};
-use crate::diagnostic::{Class, Diagnostic};
+use crate::diagnostic::{Class, Diagnostic, Place};
 use crate::keys::{self, EQUILIBRIUM};
 use crate::quantity;
 use crate::reader::{Reader, out_of_range};
@@ -62,14 +62,11 @@ pub(super) fn pressure(r: &mut Reader<'_>) -> Option<PressureSeries> {
     Some(PressureSeries { at, time, gauge_pressure, sensor: PressureSensor { offset, scale, shift } })
 }
 
-/// The gauge pressure that the air in an actuator starts at: behind a hose with a given pressure that of its first row, unless
-/// the file says another.
-pub(super) fn first_pressure(r: &mut Reader<'_>, given: Option<&PressureSeries>, air: &Air) -> f64 {
-    let first = given.filter(|given| given.at == PressurePlace::Hose).and_then(|given| given.values().next());
-    match first {
-        Some(first) if !r.has(p::INITIAL_GAUGE_PRESSURE.key) => first,
-        _ => gauge_pressure(r, &p::INITIAL_GAUGE_PRESSURE, air),
-    }
+/// The gauge pressure that the air in an actuator starts at: with a given pressure what the file says, which it does not have
+/// to.
+pub(super) fn first_pressure(r: &mut Reader<'_>, given: Option<&PressureSeries>, air: &Air) -> Option<f64> {
+    let follows = given.is_some() && !r.has(p::INITIAL_GAUGE_PRESSURE.key);
+    (!follows).then(|| gauge_pressure(r, &p::INITIAL_GAUGE_PRESSURE, air))
 }
 
 /// The tendon in series, if the file has one.
@@ -149,7 +146,63 @@ pub(super) fn motion_of(r: &mut Reader<'_>, rows: &MotionRows) -> Motion {
     Motion::Sinusoid { length, amplitude, frequency, phase }
 }
 
-pub(super) fn initial(r: &mut Reader<'_>, load: Option<&Load>, series: Option<&PressureSeries>, air: &Air) -> Initial {
+/// Whose start is read, for messages about what is missing.
+#[derive(Clone, Copy)]
+pub(super) enum Owner<'p> {
+    /// The actuator of a file that names none.
+    Single,
+    /// Each actuator of a plant.
+    All,
+    /// The actuator of this name of a plant, and the place of its section.
+    Named(&'p str, &'p Place),
+}
+
+/// Notes that an isometric load has no length to hold.
+fn no_length(r: &mut Reader<'_>, owner: Owner<'_>) {
+    let path = p::INITIAL_LENGTH.key;
+    if r.is_meant(path) {
+        return;
+    }
+    let chosen = r.value_place("load.kind");
+    let section = match owner {
+        Owner::Single | Owner::All => r.key_place("initial"),
+        Owner::Named(_, place) => Some(place.clone()),
+    };
+    let (place, related) = match (section, chosen) {
+        (Some(section), chosen) => (section, chosen),
+        (None, Some(chosen)) => (chosen, None),
+        (None, None) => return r.missing(path, ""),
+    };
+    let is_section = related.is_some();
+    let (path, remedy) = match owner {
+        Owner::Single => (path.to_owned(), "as in `length = \"3.5 in\"` in [initial]".to_owned()),
+        Owner::All => {
+            let remedy = "as in `length = \"3.5 in\"` in [initial] for all actuators, or of each in its section, such as \
+                          `initial.length = \"3.5 in\"`";
+            (path.to_owned(), remedy.to_owned())
+        }
+        Owner::Named(name, _) => {
+            let section = format!("{}.{name}", keys::ACTUATORS);
+            (format!("{section}.{path}"), format!("as in `{path} = \"3.5 in\"` in [{section}]"))
+        }
+    };
+    let title = format!("`{path}` (L(0)) is missing, at which an isometric load holds the actuator");
+    let label =
+        if is_section { format!("`{path}` is expected") } else { "holds a length that nothing gives".to_owned() };
+    r.note(
+        Diagnostic::at(Class::Missing, place, title, label)
+            .related(related, "chosen here")
+            .help(format!("give `{path}`, the distance between the attachments that the load holds, {remedy}")),
+    );
+}
+
+pub(super) fn initial(
+    r: &mut Reader<'_>,
+    load: Option<&Load>,
+    series: Option<&PressureSeries>,
+    air: &Air,
+    owner: Owner<'_>,
+) -> Initial {
     let path = p::INITIAL_LENGTH.key;
     let balanced = !r.has(path) || r.says(path, EQUILIBRIUM.name);
     let given = if balanced { InitialLength::Equilibrium } else { at(r) };
@@ -165,10 +218,10 @@ pub(super) fn initial(r: &mut Reader<'_>, load: Option<&Load>, series: Option<&P
                         r.note(
                             Diagnostic::at(Class::NotApplicable, place, title, label)
                                 .related(r.value_place("load.kind"), "chosen here")
-                                .help("write the length, as in `length = \"3.5 in\"`"),
+                                .help("write the distance between the attachments that the load holds, as in `\"3.5 in\"`"),
                         );
                     }
-                    None => r.missing(path, ", at which an isometric load holds the actuator"),
+                    None => no_length(r, owner),
                 }
             }
             if let Some(place) = moving {

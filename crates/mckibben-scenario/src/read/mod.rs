@@ -71,7 +71,7 @@ impl Document {
         let pressure = conditions::pressure(r);
         let tendon = conditions::tendon(r);
         let load = if self.contains("load") { conditions::load(r, &air) } else { None };
-        let initial = conditions::initial(r, load.as_ref(), pressure.as_ref(), &air);
+        let initial = conditions::initial(r, load.as_ref(), pressure.as_ref(), &air, conditions::Owner::Single);
         let run = if self.contains("run") { Some(conditions::run(r)) } else { None };
         reader.finish()?;
         match (load, run) {

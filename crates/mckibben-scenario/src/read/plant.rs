@@ -369,7 +369,11 @@ impl Document {
         let (load, initial, mount);
         if has_load {
             load = conditions::load(of, &air);
-            initial = conditions::initial(of, load.as_ref(), pressure.as_ref(), &air);
+            // What no actuator says is missing once, for all that share the load.
+            let says_length = |of: &str| self.contains(&format!("{ACTUATORS}.{of}.{}", p::INITIAL_LENGTH.key));
+            let shared = !r.has(&own("load")) && !self.named(ACTUATORS).iter().any(|(of, _)| says_length(of));
+            let owner = if shared { conditions::Owner::All } else { conditions::Owner::Named(name, place) };
+            initial = conditions::initial(of, load.as_ref(), pressure.as_ref(), &air, owner);
             mount = Some(Mount::Own);
             if matches!(load, Some(Load::AntagonisticJoint(_)))
                 && let Some(place) = of.value_place("load.kind")

@@ -85,7 +85,9 @@ impl<'d> Reader<'d> {
         let elsewhere: Vec<String> =
             KEYS.iter().filter(|key| key.name() == name).map(|key| format!("[{}]", key.section())).collect();
         let of_plant = !self.of_plant && keys::is_of_plant(&child);
-        let help = if of_plant {
+        let help = if child == "study" {
+            "this file is a study: fit it by `mckibben identify`, and give the scenario that it names here".to_owned()
+        } else if of_plant {
             "this is for files in which actuators have names: add for instance `[actuators.muscle]`".to_owned()
         } else if let Some(meant) = nearest(name, valid.iter().copied()).or(within) {
             self.meant.push(if section.is_empty() { meant.to_owned() } else { format!("{section}.{meant}") });

@@ -124,8 +124,8 @@ pub struct Antagonist {
     pub tendon: Tendon,
     /// The elastic tendon between it and the joint, if there is one.
     pub series_tendon: Option<SeriesTendon>,
-    /// Gauge pressure at the start in Pa.
-    pub gauge_pressure: f64,
+    /// Gauge pressure at the start in Pa; where it is not said, that of the first row of a pressure that is given.
+    pub gauge_pressure: Option<f64>,
     /// Temperature of the air at the start in K.
     pub temperature: f64,
 }

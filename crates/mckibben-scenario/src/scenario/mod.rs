@@ -53,8 +53,8 @@ pub struct Scenario {
 /// The state at the start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Initial {
-    /// Gauge pressure in the actuator in Pa.
-    pub gauge_pressure: f64,
+    /// Gauge pressure in the actuator in Pa; where it is not said, that of the first row of a pressure that is given.
+    pub gauge_pressure: Option<f64>,
     /// Temperature of the actuator's air in K.
     pub temperature: f64,
     /// Distance between the attachments.

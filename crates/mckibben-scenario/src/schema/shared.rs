@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 use std::collections::HashMap;
 
 /// Parts of a schema that hold schemas by name, and those that hold a list of them or one.
-const BY_NAME: [&str; 2] = ["properties", "$defs"];
+const BY_NAME: [&str; 3] = ["properties", "patternProperties", "$defs"];
 const ONE_OR_MORE: [&str; 8] =
     ["items", "anyOf", "allOf", "oneOf", "additionalProperties", "propertyNames", "then", "else"];
 /// Characters below which a reference would be no shorter.

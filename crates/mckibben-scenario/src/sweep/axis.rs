@@ -5,7 +5,9 @@ use super::distribution::Distribution;
 use super::field::Field;
 use super::spacing::Ends;
 use crate::choice::Spacing;
+use crate::place::List;
 use crate::quantity;
+use crate::scenario::Scenario;
 use mckibben::parameter::Parameter;
 use std::fmt::Write;
 
@@ -52,6 +54,18 @@ pub(super) struct Target {
     pub(super) parameter: &'static Parameter,
     /// None of what describes a muscle at rest, which is no number of the scenario.
     pub(super) field: Option<Field>,
+    /// The list and the place in it, of an entry of a list.
+    pub(super) entry: Option<(List, usize)>,
+}
+
+impl Target {
+    /// The number in a scenario, if it has one.
+    pub(super) fn slot(self, scenario: &mut Scenario) -> Option<&mut f64> {
+        match self.entry {
+            Some((list, index)) => list(scenario)?.get_mut(index),
+            None => self.field.and_then(|field| field(scenario)),
+        }
+    }
 }
 
 /// What there is to take from, numbers in SI.
@@ -158,9 +172,9 @@ impl Axis {
     }
 }
 
-/// A column's name: the path and the unit in lower case, joined by `_`.
+/// A column's name: the path, with the place of an entry of a list, and the unit in lower case, joined by `_`.
 pub fn column_of(path: &str, unit: &str) -> String {
     let unit = unit.to_lowercase().replace(['(', ')', '^'], "").replace(['*', '/'], "_");
-    let path = path.replace(['.', '-'], "_");
+    let path = path.replace(['.', '-', '['], "_").replace(']', "");
     if unit.is_empty() { path } else { format!("{path}_{unit}") }
 }

@@ -190,7 +190,10 @@ static FIELDS: &[(&Parameter, Field)] = &[
         Load::PrescribedMotion(Motion::Sinusoid { phase, .. }) => Some(phase),
         _ => None,
     }),
-    (&p::INITIAL_GAUGE_PRESSURE, |s| Some(&mut s.initial.gauge_pressure)),
+    (&p::INITIAL_GAUGE_PRESSURE, |s| {
+        let first = s.first_gauge_pressure();
+        Some(s.initial.gauge_pressure.get_or_insert(first))
+    }),
     (&p::INITIAL_TEMPERATURE, |s| Some(&mut s.initial.temperature)),
     (&p::INITIAL_LENGTH, |s| match &mut s.initial.length {
         InitialLength::At(length) => Some(length),

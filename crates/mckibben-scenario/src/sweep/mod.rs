@@ -272,7 +272,7 @@ impl Sweep {
                 // A number without a place is not reached: the reading of the bases has refused it.
                 if let Some(stated) = braid.as_mut().and_then(|braid| braid.slot(target.parameter)) {
                     *stated = Some(value);
-                } else if let Some(place) = target.field.and_then(|field| field(scenario)) {
+                } else if let Some(place) = target.slot(scenario) {
                     *place = value;
                 }
                 Ok::<_, Error>(())

@@ -2,7 +2,8 @@
 //!
 //! A run of a plant costs more than a reading, so that every row is read as a file would be, with all that the reading
 //! refuses. Reductions name a column and a statistic: `elbow.angle.max`, `flexor.gauge_pressure.final`; of the error of a
-//! controller `flexor.length_error.rms`; `air.used` is what all sources gave.
+//! controller `flexor.length_error.rms`; `air.used` is what all sources gave, `exergy.efficiency` the work on all
+//! mechanisms over the exergy that was supplied.
 
 use super::Record;
 use super::axis::{AxisValue, column_of};
@@ -12,13 +13,16 @@ use super::vary::{self, Varied};
 use crate::diagnostic::{Class, Diagnostic, Diagnostics, Place};
 use crate::document::{Document, Node, Value};
 use crate::keys::{self, SWEEP};
-use crate::nearest::nearest;
+use crate::nearest::{nearest, nearest_few};
 use crate::plant::{PlantColumn, PlantControl, PlantExperiment, PlantQuantity};
 use crate::quantity;
 use crate::reader::{Reader, list_of};
 use crate::scenario::Run;
 use mckibben::control;
 use mckibben::parameter as p;
+
+/// Columns that are printed in place of one that is unknown.
+const NEAREST: usize = 8;
 
 /// The rows of a sweep as plants.
 #[derive(Clone, Debug)]
@@ -44,6 +48,8 @@ pub enum PlantReduced {
     Error(usize, control::Quantity),
     /// The air in kg that all sources gave.
     Air,
+    /// Work on the mechanisms over the exergy that was supplied.
+    Efficiency,
 }
 
 /// A statistic of something of a plant.
@@ -99,7 +105,7 @@ impl Swept {
                 AxisValue::Number(number) if unit.is_empty() => Value::Number(number),
                 AxisValue::Number(number) => Value::String(quantity::format(number, unit)),
             };
-            document.put(path, place, &Node { place: place.clone(), value });
+            document.put_at(path, place, &Node { place: place.clone(), value });
         }
         self.left_out.iter().for_each(|of| of.leave_out(&mut document));
         match document.plant_experiment() {
@@ -141,15 +147,18 @@ fn reductions(document: &Document, of: &PlantExperiment) -> Result<Vec<PlantRedu
             continue;
         };
         match named(name, of) {
-            Ok(reduction) => found.push(reduction),
+            Ok(reduction) => found.push((reduction, item.place.clone())),
             Err((title, help)) => {
                 reader
                     .note(Diagnostic::at(Class::InvalidChoice, item.place.clone(), title, "no row has it").help(help));
             }
         }
     }
+    let named: Vec<(&str, Place)> =
+        found.iter().map(|(of, place): &(PlantReduction, Place)| (of.name.as_str(), place.clone())).collect();
+    super::read::check_each_once(&mut reader, &named);
     reader.finish()?;
-    Ok(found)
+    Ok(found.into_iter().map(|(of, _)| of).collect())
 }
 
 /// The reduction of a name; why there is none and what there is.
@@ -172,6 +181,12 @@ fn named(name: &str, of: &PlantExperiment) -> Result<PlantReduction, (String, St
             _ => unknown("of `air` there is `air.used`".to_owned()),
         };
     }
+    if what == "exergy" {
+        return match statistic {
+            "efficiency" => made("", PlantReduced::Efficiency, Statistic::Efficiency),
+            _ => unknown("of `exergy` there is `exergy.efficiency`".to_owned()),
+        };
+    }
     let columns = of.columns();
     let errors = errors(of);
     if let Some((_, control, quantity)) = errors.iter().find(|(error, ..)| error == what) {
@@ -186,10 +201,14 @@ fn named(name: &str, of: &PlantExperiment) -> Result<PlantReduction, (String, St
     let column = columns.iter().find(|column| column.name == what);
     let Some((column, quantity)) = column.and_then(|column| Some((column, column.quantity()?))) else {
         let known = columns.iter().filter(|column| column.quantity().is_some()).map(|column| column.name.as_str());
-        let known: Vec<&str> = known.chain(errors.iter().map(|(name, ..)| name.as_str())).chain(["air"]).collect();
+        let known: Vec<&str> =
+            known.chain(errors.iter().map(|(name, ..)| name.as_str())).chain(["air", "exergy"]).collect();
         return unknown(match nearest(what, known.iter().copied()) {
             Some(meant) => format!("did you mean `{meant}.{statistic}`?"),
-            None => format!("its columns are {}", list_of(known.into_iter())),
+            None => format!(
+                "the nearest of its columns: {}; `mckibben simulate --output` writes all of them",
+                list_of(nearest_few(what, known, NEAREST).into_iter())
+            ),
         });
     };
     let known = Statistic::OF_SERIES.into_iter().find(|known| known.name() == statistic);

@@ -12,13 +12,14 @@ use super::random::Stream;
 use super::reduction::{DEFAULT, DEFAULT_OF_JOINT, Quantity, Reduction};
 use super::vary::{self, Varied};
 use super::{Base, Record, Sweep, sobol};
-use crate::choice::{DesignKind, RecordKind, StatisticsOver};
+use crate::choice::{DesignKind, RecordKind, StatisticsOver, Word as _};
 use crate::diagnostic::{Class, Diagnostic, Diagnostics, Place};
-use crate::document::Document;
+use crate::document::{Document, Value};
 use crate::keys::{self, SWEEP, VARY};
 use crate::muscle::BRAID;
+use crate::nearest::{nearest, nearest_few};
 use crate::quantity;
-use crate::reader::Reader;
+use crate::reader::{Reader, list_of};
 use crate::scenario::Scenario;
 use mckibben::parameter as p;
 
@@ -145,7 +146,7 @@ fn record(r: &mut Reader<'_>, is_plant: bool) -> Option<Record> {
         None | Some(RecordKind::Reductions) => {
             let path = "sweep.reductions";
             // Those of a plant have names of the file in them.
-            Record::Reductions(if r.has(path) && !is_plant { r.words(path)? } else { DEFAULT.to_vec() })
+            Record::Reductions(if r.has(path) && !is_plant { reductions(r, path)? } else { DEFAULT.to_vec() })
         }
         Some(RecordKind::Trajectories) => Record::Trajectories,
         Some(RecordKind::Samples) => {
@@ -162,6 +163,68 @@ fn record(r: &mut Reader<'_>, is_plant: bool) -> Option<Record> {
             Record::Samples(times)
         }
     })
+}
+
+/// Names that are printed in place of one that is unknown.
+const NEAREST: usize = 6;
+
+/// The reductions that the file names; `None` when a mistake has been noted.
+fn reductions(r: &mut Reader<'_>, path: &str) -> Option<Vec<Reduction>> {
+    let items = r.items_of(&r.entry(path)?.node, path)?;
+    let before = r.mistakes();
+    let mut found: Vec<(Reduction, Place)> = Vec::new();
+    for item in items {
+        let Value::String(name) = &item.value else {
+            let title = "a reduction is a name in quotes";
+            r.note(Diagnostic::at(Class::WrongType, item.place.clone(), title, "not a name"));
+            continue;
+        };
+        match Reduction::from_name(name) {
+            Some(reduction) => found.push((reduction, item.place.clone())),
+            None => {
+                let (title, help) = (format!("\"{name}\" is no choice for `{path}`"), meant(r.document(), name));
+                r.note(Diagnostic::at(Class::InvalidChoice, item.place.clone(), title, "unknown word").help(help));
+            }
+        }
+    }
+    let named: Vec<(&str, Place)> = found.iter().map(|(of, place)| (of.name(), place.clone())).collect();
+    check_each_once(r, &named);
+    (r.mistakes() == before).then(|| found.into_iter().map(|(of, _)| of).collect())
+}
+
+/// The reductions of this kind of scenario whose names are nearest to one that is unknown.
+fn meant(document: &Document, name: &str) -> String {
+    let is_word = |key: &str, words: &[&str]| words.iter().any(|word| document.is_word(key, word));
+    let varies = |section: &str| match document.entry(VARY).map(|entry| &entry.node.value) {
+        Some(Value::Table(table)) => table.0.iter().any(|entry| entry.name.split('.').next() == Some(section)),
+        _ => false,
+    };
+    // What rows choose may be either.
+    let has_joint = is_word("load.kind", &["antagonistic-joint"]) || varies("load") || document.contains("antagonist");
+    let has_controller = document.contains("controller") || document.contains("controllers") || varies("command");
+    let is_of_scenario = |of: &&Reduction| {
+        (has_joint || !of.quantity.is_of_joint()) && (has_controller || !matches!(of.quantity, Quantity::Error(_)))
+    };
+    let known = || Reduction::ALL.iter().filter(is_of_scenario).map(|of| of.name());
+    let all = "`mckibben keys sweep.reductions` lists all of them";
+    match nearest(name, known()) {
+        Some(meant) => format!("did you mean \"{meant}\"? {all}"),
+        None => format!("the nearest: {}; {all}", list_of(nearest_few(name, known(), NEAREST).into_iter())),
+    }
+}
+
+/// Refuses a reduction that is named twice: two columns would have one name.
+pub(super) fn check_each_once(r: &mut Reader<'_>, named: &[(&str, Place)]) {
+    for (index, (name, place)) in named.iter().enumerate() {
+        if let Some((_, first)) = named[..index].iter().find(|(other, _)| other == name) {
+            let title = format!("the reduction `{name}` is named twice");
+            r.note(
+                Diagnostic::at(Class::Conflict, place.clone(), title, "second time")
+                    .related(Some(first.clone()), "first time")
+                    .help("keep one of them"),
+            );
+        }
+    }
 }
 
 /// Refuses times beyond the end of the run, unless the run's duration varies.
@@ -228,7 +291,7 @@ fn bases(
         for varied in varied.iter().rev() {
             if let Some(count) = varied.read_each_row() {
                 let value = varied.value(rest % count);
-                document.put(&varied.path, &varied.key, value);
+                document.put_at(&varied.path, &varied.key, value);
                 chosen.push(format!("`{} = {}`", varied.path, value.place.text()));
                 rest /= count;
             }
@@ -251,7 +314,7 @@ impl Base {
     fn new(document: &Document, scenario: Scenario, varied: &[Varied<'_>]) -> Self {
         let second = document.antagonist();
         let taken_over = |of: &Varied<'_>| {
-            second.entry(&of.path).is_some_and(|entry| of.nodes().any(|node| node.place.is(&entry.node.place)))
+            second.node_at(&of.path).is_some_and(|own| of.nodes().any(|node| node.place.is(&own.place)))
         };
         let sets_second = |of: &Varied<'_>| scenario.has_joint() && (of.is_of_antagonist() || taken_over(of));
         let sets_second: Vec<bool> = varied.iter().map(sets_second).collect();

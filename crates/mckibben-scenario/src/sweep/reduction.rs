@@ -28,6 +28,8 @@ pub enum Quantity {
     MassFlow,
     /// Air of the supply in kg; of a joint, of both actuators.
     Air,
+    /// Exergy of the air that was supplied, of both actuators of a joint.
+    Exergy,
     /// Angle of a joint in rad.
     Angle,
     /// Angular velocity of a joint in rad/s.
@@ -77,6 +79,8 @@ pub enum Statistic {
     Rms,
     /// Amount drawn from the supply.
     Used,
+    /// Work on the load over what was supplied.
+    Efficiency,
 }
 
 macro_rules! name {
@@ -113,6 +117,9 @@ macro_rules! name {
     (Used) => {
         "used"
     };
+    (Efficiency) => {
+        "efficiency"
+    };
 }
 
 impl Statistic {
@@ -133,7 +140,7 @@ impl Statistic {
     pub const fn is_of_orbit(self) -> bool {
         match self {
             Self::Final | Self::Mean | Self::Min | Self::Max | Self::Ripple | Self::Drift | Self::Peak => true,
-            Self::SettlingTime | Self::Overshoot | Self::Rms | Self::Used => false,
+            Self::SettlingTime | Self::Overshoot | Self::Rms | Self::Used | Self::Efficiency => false,
         }
     }
 
@@ -151,6 +158,7 @@ impl Statistic {
             Self::Peak => name!(Peak),
             Self::Rms => name!(Rms),
             Self::Used => name!(Used),
+            Self::Efficiency => name!(Efficiency),
         }
     }
 }
@@ -188,7 +196,11 @@ macro_rules! meaning {
         concat!("Change of the ends of the ", $of, " from the interval of the ripple before to the last.")
     };
     (SettlingTime, $of:literal) => {
-        concat!("First time after which the ", $of, " stays within 2 % of its total change of its final value.")
+        concat!(
+            "First time after which the ",
+            $of,
+            " stays within 2 % of its total change of its final value; the duration where it still changes at the end."
+        )
     };
     (Overshoot, $of:literal) => {
         concat!("Share of its total change by which the ", $of, " passes its final value.")
@@ -198,6 +210,9 @@ macro_rules! meaning {
     };
     (Rms, $of:literal) => {
         concat!("Root mean square of the ", $of, ".")
+    };
+    (Efficiency, $of:literal) => {
+        concat!("Work on the load over the ", $of, " that was supplied; none where none was.")
     };
     (Used, $of:literal) => {
         concat!("Mass of the ", $of, " drawn from the supply.")
@@ -254,6 +269,7 @@ reductions! {
     Tension "tension", "tension": Final Mean Min Max Ripple Drift SettlingTime Overshoot Peak;
     MassFlow "mass_flow", "mass flow into the actuator": Final Mean Min Max Ripple Drift Peak;
     Air "air", "air": Used;
+    Exergy "exergy", "exergy of the air": Efficiency;
     Angle "angle", "angle of the joint": Final Mean Min Max Ripple Drift SettlingTime Overshoot Peak;
     AngularVelocity "angular_velocity", "angular velocity of the joint": Final Mean Min Max Ripple Drift Peak;
     Torque "torque", "torque of both actuators": Final Mean Min Max Ripple Drift SettlingTime Overshoot Peak;
@@ -307,7 +323,7 @@ impl Reduction {
     pub const fn unit(self) -> &'static str {
         match (self.quantity, self.statistic) {
             (_, Statistic::SettlingTime) => "s",
-            (_, Statistic::Overshoot) => "",
+            (_, Statistic::Overshoot) | (Quantity::Exergy, _) => "",
             (Quantity::Length | Quantity::AntagonistLength, _) => "m",
             (Quantity::Velocity, _) => "m/s",
             (
@@ -408,6 +424,7 @@ mod tests {
             ("gauge_pressure.ripple", "gauge_pressure_ripple_pa"),
             ("temperature.min", "temperature_min_k"),
             ("air.used", "air_used_kg"),
+            ("exergy.efficiency", "exergy_efficiency"),
             ("length_error.rms", "length_error_rms_m"),
             ("gauge_pressure_error.peak", "gauge_pressure_error_peak_pa"),
         ] {

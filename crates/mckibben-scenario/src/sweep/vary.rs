@@ -1,6 +1,7 @@
 //! Reads `[sweep.vary]`: for the path of each key a list, a range or a distribution, with every mistake in them.
 //!
-//! A path may be quoted (`"load.mass" = ...`), dotted (`load.mass = ...`) or a section (`[sweep.vary.load]`).
+//! A path may be quoted (`"load.mass" = ...`), dotted (`load.mass = ...`) or a section (`[sweep.vary.load]`), and that of an entry
+//! of a list that the file has (`"command.time[1]" = ...`).
 
 use super::axis::{AxisKind, Target, Values, column_of};
 use super::distribution::Distribution;
@@ -9,9 +10,10 @@ use super::plant;
 use super::spacing::Ends;
 use crate::choice::{DesignKind, Spacing, Word};
 use crate::diagnostic::{Class, Diagnostic, Place};
-use crate::document::{Document, Entry, Node, Table, Value};
+use crate::document::{Document, Entry, Node, Table, Value, list_and_entry};
 use crate::keys::{self, COUNT, FACTOR, KEYS, Key, Kind, SWEEP, VARY};
 use crate::nearest::nearest;
+use crate::place::list_of as place_of_list;
 use crate::read::controller::{regulated, row_in_its_unit};
 use crate::reader::{Reader, list_of};
 use mckibben::control::Quantity;
@@ -34,7 +36,7 @@ pub(super) fn first(document: &Document, varied: &[Varied<'_>]) -> Document {
     let mut whole = document.clone();
     whole.remove(SWEEP);
     for varied in varied {
-        whole.put(&varied.path, &varied.key, varied.first());
+        whole.put_at(&varied.path, &varied.key, varied.first());
     }
     whole
 }
@@ -85,7 +87,9 @@ impl<'d> Varied<'d> {
 
     pub(super) fn target(&self) -> Option<Target> {
         let parameter = self.parameter.filter(|_| self.read_each_row().is_none())?;
-        Some(Target { parameter, field: field_of(parameter) })
+        let index = list_and_entry(&self.path).and_then(|(_, entry)| entry.parse().ok());
+        let entry = index.and_then(|index| Some((place_of_list(parameter)?, index)));
+        Some(Target { parameter, field: field_of(parameter).filter(|_| index.is_none()), entry })
     }
 }
 
@@ -116,7 +120,7 @@ pub(super) fn read<'d>(r: &mut Reader<'d>, design: DesignKind) -> Vec<Varied<'d>
     let regulated = regulated_by(r, &found);
     let mut varied: Vec<Varied<'d>> = Vec::new();
     for Found { path, row, entry } in found {
-        if let Some(before) = varied.iter().find(|varied| varied.path == path) {
+        if let Some(before) = varied.iter().find(|varied| are_equal(&varied.path, &path)) {
             let title = format!("`{path}` varies twice");
             r.note(
                 Diagnostic::at(Class::Conflict, entry.key.clone(), title, "second time")
@@ -127,12 +131,21 @@ pub(super) fn read<'d>(r: &mut Reader<'d>, design: DesignKind) -> Vec<Varied<'d>
         }
         let regulated = if r.document().is_plant() { regulated_at(r.document(), &path) } else { regulated };
         let parameter = row.parameter().or_else(|| row_in_its_unit(regulated, row.path));
+        let before = r.mistakes();
         let values = values(r, (row, parameter), &entry.node, design);
+        // A controller's row in the unit of what it regulates has the path of the key.
+        r.name_from(before, row.path, &path);
         if let Some((values, nodes)) = values.filter(|(_, nodes)| !nodes.is_empty()) {
             varied.push(Varied { path, key: entry.key.clone(), values, row, parameter, nodes });
         }
     }
     varied
+}
+
+/// Whether two paths are of one key, or of one entry of a list: `[1]` and `[01]`.
+fn are_equal(one: &str, other: &str) -> bool {
+    let entry = |path| list_and_entry(path).and_then(|(list, place)| Some((list, place.parse::<usize>().ok()?)));
+    one == other || entry(one).is_some_and(|of| entry(other) == Some(of))
 }
 
 /// An entry that is a key.
@@ -177,15 +190,26 @@ fn paths<'d>(r: &mut Reader<'d>, table: &'d Table, above: &str, found: &mut Vec<
     for entry in &table.0 {
         let path = if above.is_empty() { entry.name.clone() } else { format!("{above}.{}", entry.name) };
         // Of the second actuator the same keys, as far as it has them.
-        let (key, is_section) = match keys::in_antagonist(&path) {
+        let entry_of = list_and_entry(&path).map(|(list, place)| (list.to_owned(), place.to_owned()));
+        let name = entry_of.as_ref().map_or(path.as_str(), |(list, _)| list);
+        let (key, is_section) = match keys::in_antagonist(name) {
             Some(of) => (keys::key_at(of).filter(|_| keys::is_of_antagonist(of)), keys::is_section_of_antagonist(of)),
             None if r.document().is_plant() => {
                 let section = keys::section_at(&keys::section_for(&path));
-                (plant::key_of(&path), section.is_some_and(|of| !of.path.starts_with(SWEEP)))
+                (plant::key_of(name), section.is_some_and(|of| !of.path.starts_with(SWEEP)))
             }
-            None => (keys::key_at(&path), keys::section_at(&path).is_some_and(|of| !of.path.starts_with(SWEEP))),
+            None => (keys::key_at(name), keys::section_at(&path).is_some_and(|of| !of.path.starts_with(SWEEP))),
         };
         match (key, &entry.node.value) {
+            (Some(row), _) if entry_of.is_some() && row.section() != SWEEP => {
+                let of = entry_of.as_ref().map(|(list, place)| (list.as_str(), place.as_str())).unwrap_or_default();
+                match refused_entry(r, row, of) {
+                    Some((title, help)) => {
+                        r.note(Diagnostic::at(Class::UnknownKey, entry.key.clone(), title, "cannot vary").help(help))
+                    }
+                    None => found.push(Found { path, row, entry }),
+                }
+            }
             (Some(row), _) if row.varies() => found.push(Found { path, row, entry }),
             (Some(row), _) => fixed(r, row, entry),
             (None, Value::Table(inner)) if is_section => paths(r, inner, &path, found),
@@ -194,14 +218,24 @@ fn paths<'d>(r: &mut Reader<'d>, table: &'d Table, above: &str, found: &mut Vec<
     }
 }
 
+/// Why an entry of a list does not vary, and what to do: the file has no such list or entry, or rows of one actuator cannot set it.
+fn refused_entry(r: &Reader<'_>, key: &Key, of: (&str, &str)) -> Option<(String, &'static str)> {
+    if let Some(fault) = r.document().no_entry(of) {
+        return Some(fault);
+    }
+    let settable = r.document().is_plant() || key.parameter().is_none_or(|row| place_of_list(row).is_some());
+    let title = || format!("the entries of `{}` cannot be set one by one in rows", of.0);
+    (!settable).then(|| (title(), "run one sweep for each value"))
+}
+
 /// Notes a key that does not vary.
 fn fixed(r: &mut Reader<'_>, key: &Key, entry: &Entry) {
     let (title, help) = if key.section() == SWEEP {
         (format!("`{}` describes the sweep itself", key.path), "remove it")
     } else {
         (
-            format!("`{}` is a list, which does not vary", key.path),
-            "vary keys that hold one value; run one sweep for each list",
+            format!("`{}` is a list, which does not vary as a whole", key.path),
+            "vary one of its entries, counted from 0, as in `\"command.time[1]\"`; or run one sweep for each list",
         )
     };
     r.note(Diagnostic::at(Class::NotApplicable, entry.key.clone(), title, "cannot vary").help(help));
@@ -235,7 +269,9 @@ fn values<'d>(
         (Value::List(_), _) => {
             let items = r.items_of(node, key.path)?;
             let values = match key.kind {
-                Kind::Choice(choices) => words(items, |item| r.one_of(item, key.path, choices).is_some())?,
+                Kind::Choice(choices) | Kind::Choices(choices) => {
+                    words(items, |item| r.one_of(item, key.path, choices).is_some())?
+                }
                 Kind::Name => words(items, |item| matches!(item.value, Value::String(_)))?,
                 Kind::Unit(like) => words(items, |item| r.unit_of(item, key.path, like).is_some())?,
                 Kind::QuantityOr(row, word) if items.iter().any(|item| is(item, word.name)) => {
@@ -249,9 +285,10 @@ fn values<'d>(
             };
             Some((values, items.iter().collect()))
         }
-        (Value::Table(table), Kind::Quantity(_) | Kind::QuantityOr(..) | Kind::TimeSeries(_) | Kind::Regulated) => {
-            spread(r, table, node, parameter?, design)
-        }
+        (
+            Value::Table(table),
+            Kind::Quantity(_) | Kind::Quantities(_) | Kind::QuantityOr(..) | Kind::TimeSeries(_) | Kind::Regulated,
+        ) => spread(r, table, node, parameter?, design),
         (other, kind) => {
             let what = match (kind, parameter) {
                 (Kind::Whole(_), _) => "a list of whole numbers",

@@ -126,6 +126,12 @@ impl<R: Real> RuntimeCommands<R> {
         Some(self.edge).filter(|edge| !is_due(until, *edge))
     }
 
+    /// About how many edges of pulses come before `until` in s.
+    #[inline]
+    pub(crate) fn edges_until(&self, until: R) -> f64 {
+        self.edge(until).map_or(0.0, |edge| 2.0 * self.pulse_frequency.value() * (until - edge).value())
+    }
+
     /// Continues the command of a valve that has come to `time` by the pulses before `until`, both in s.
     #[inline]
     pub(crate) fn advance(&mut self, actuation: &mut Actuation<R>, progress: &mut Progress<R>, [time, until]: [R; 2]) {

@@ -9,10 +9,10 @@ use super::{Network, NodeKind};
 use crate::error::Error;
 use crate::line::Poppet;
 use crate::numbered::Row;
-use crate::parameter;
+use crate::plant::steps::{MOST_PARTS, TOO_MANY_PARTS};
 use crate::scalar::Real;
 use crate::simulation::Actuation;
-use crate::valve::{Approach, Command, RuntimeCommand};
+use crate::valve::{Approach, Command, Regulator, RuntimeCommand};
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 
@@ -215,10 +215,32 @@ impl<R: Real> Network<R> {
 }
 
 impl<R: Real> Network<R> {
+    /// Checks that a valve can do what is demanded, with what feeds it.
+    ///
+    /// # Errors
+    /// As [`Solenoid::check_command`](crate::valve::Solenoid::check_command); [`Error::Inconsistent`] for a set point above the
+    /// gauge pressure of what feeds the regulator.
+    pub fn check_command(&self, valve: usize, commanded: &RuntimeCommand<R>) -> Result<(), Error> {
+        self.valves[valve].solenoid.check_command(commanded)?;
+        match (commanded, self.feed_of(valve)) {
+            (RuntimeCommand::SetPoint(gauge), Some(feed)) => Regulator::check_set_point(gauge.0.value(), feed.value()),
+            _ => Ok(()),
+        }
+    }
+
+    /// The gauge pressure in Pa of what feeds a pressure regulator in a valve's place, if it is one.
+    pub fn feed_of(&self, valve: usize) -> Option<R> {
+        self.valves[valve].solenoid.regulator()?;
+        self.nodes.iter().find_map(|node| match node.kind {
+            NodeKind::Port { valve: its, feed, .. } if its == valve => Some(feed),
+            _ => None,
+        })
+    }
+
     /// Sets what a valve does from `time` in s on, in place of all that was to come.
     ///
     /// # Errors
-    /// As [`Solenoid::check_command`](crate::valve::Solenoid::check_command).
+    /// As [`Network::check_command`].
     pub(crate) fn set_valve(
         &self,
         valve: usize,
@@ -226,7 +248,7 @@ impl<R: Real> Network<R> {
         commanded: RuntimeCommand<R>,
         mode: &mut NetworkMode<R>,
     ) -> Result<(), Error> {
-        self.valves[valve].solenoid.check_command(&commanded)?;
+        self.check_command(valve, &commanded)?;
         let of_valve = &mut mode.valves[valve];
         let setting = of_valve.setting.get_or_insert_with(|| Box::new(Setting::of(&self.valves[valve])));
         let Setting { actuation, commands, pulse_frequency } = &mut **setting;
@@ -248,7 +270,7 @@ impl<R: Real> Network<R> {
         commanded: &RuntimeCommand<R>,
         mode: &mut NetworkMode<R>,
     ) -> Result<bool, Error> {
-        self.valves[valve].solenoid.check_command(commanded)?;
+        self.check_command(valve, commanded)?;
         let setting = &mut mode.valves[valve].setting;
         Ok(setting.as_mut().is_some_and(|setting| setting.commands.follow(commanded)))
     }
@@ -271,7 +293,7 @@ impl<R: Real> Network<R> {
     /// Appends the edges of a valve's pulses from `time` to `until`, both in s.
     ///
     /// # Errors
-    /// [`Error::TooMany`] for more pulses than a run may have.
+    /// [`Error::Misuse`] for more edges than a step may have: they are kept until they have passed.
     pub(crate) fn pulse_valve(
         &self,
         valve: usize,
@@ -280,10 +302,9 @@ impl<R: Real> Network<R> {
     ) -> Result<(), Error> {
         let of_valve = &mut mode.valves[valve];
         let Some(setting) = &mut of_valve.setting else { return Ok(()) };
-        let Setting { actuation, commands, pulse_frequency } = &mut **setting;
-        if let Some(frequency) = pulse_frequency {
-            let pulses = frequency.value() * (until - time).value();
-            parameter::PWM_FREQUENCY.check_count(frequency.value(), pulses, "pulses")?;
+        let Setting { actuation, commands, .. } = &mut **setting;
+        if commands.edges_until(until) > MOST_PARTS {
+            return Err(TOO_MANY_PARTS);
         }
         commands.advance(actuation, &mut of_valve.progress, [time, until]);
         Ok(())

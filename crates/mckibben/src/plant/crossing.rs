@@ -434,6 +434,26 @@ impl<R: Real> System<R> {
         self.wires[i].member.follow(&mut its.trace, length, sliding, slips);
     }
 
+    /// Takes what the friction of actuators on a mechanism remembers straight on to where their ends are in a state.
+    pub(crate) fn carry_memories(
+        &self,
+        m: usize,
+        time: R,
+        state: &[R],
+        mode: &mut PlantMode<R>,
+        at: &mut Evaluation<R>,
+    ) {
+        let follows = |i: &usize| self.wires[*i].places.length.is_none();
+        for &i in self.plant.places.members[m].iter().filter(|i| follows(i)) {
+            if mode.actuators[i].trace.is_none() {
+                continue;
+            }
+            self.enter_distances(time, state, mode, at);
+            let length = self.wires[i].member.actuator.limits().actuator_length(at.units[i].length);
+            self.wires[i].member.carry(&mut mode.actuators[i].trace, length);
+        }
+    }
+
     /// Restores what a step knows exactly: given motions and pressures, isothermal contents, balances without viscosity, and
     /// the rates of what sticks.
     pub(crate) fn project(&self, time: R, state: &mut [R], mode: &PlantMode<R>, at: &mut Evaluation<R>) {

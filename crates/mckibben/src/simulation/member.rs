@@ -163,6 +163,14 @@ impl<R: Real> Member<R> {
         trace.branch = hysteresis.branch(&trace.memory, trace.direction);
     }
 
+    /// Takes the memory on to an actuator length in m, where it rests: past all that slips on the way.
+    pub(crate) fn carry(&self, trace: &mut Option<Trace<R>>, length: R) {
+        let (Some(trace), Some(hysteresis)) = (trace, self.actuator.friction().hysteresis()) else { return };
+        hysteresis.moved(&mut trace.memory, length, R::zero());
+        trace.direction = 0.0;
+        trace.branch = hysteresis.branch(&trace.memory, 0.0);
+    }
+
     /// LuGre's law, if that is the friction.
     #[inline(always)]
     pub(crate) fn lugre(&self) -> Option<&LuGre<R>> {

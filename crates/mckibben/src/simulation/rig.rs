@@ -143,24 +143,11 @@ pub(super) fn check_line(actuator: &Actuator, actuation: Option<&Actuation>, lin
     Ok(())
 }
 
-/// That no set point lies beyond the supply: no regulator can go there.
+/// That no set point lies above the supply.
 fn check_set_points(command: &Command, valve: &Valve) -> Result<(), Error> {
     let supply = valve.supply.gauge_pressure().0;
     let mut set_points = (0..).map_while(|index| command.set_point(index));
-    match set_points.find(|(_, gauge)| *gauge > supply) {
-        Some((_, gauge)) => Err(Error::Inconsistent {
-            parameter: &parameter::COMMAND_GAUGE_PRESSURE,
-            value: gauge,
-            requirement: Requirement {
-                relation: "must not be greater than",
-                other: parameter::SUPPLY_GAUGE_PRESSURE.key,
-                value: supply,
-                unit: parameter::SUPPLY_GAUGE_PRESSURE.unit,
-            },
-            remedy: "lower the set point or raise the supply: a regulator cannot give more than feeds it",
-        }),
-        None => Ok(()),
-    }
+    set_points.try_for_each(|(_, gauge)| Regulator::check_set_point(gauge, supply))
 }
 
 impl<S: Real> Actuation<S> {

@@ -27,7 +27,7 @@
 //! form; `tests/regulated_rig.rs`: dead time, rest, flow path.
 
 use crate::convert::Convert;
-use crate::error::Error;
+use crate::error::{Error, Requirement};
 use crate::parameter;
 use crate::scalar::{Over, Real, Scalar};
 
@@ -60,6 +60,24 @@ impl Regulator {
             time_constant: parameter::REGULATOR_TIME_CONSTANT.check(time_constant)?,
             dead_time: parameter::VALVE_DEAD_TIME.check(dead_time)?,
             rate_limit: parameter::REGULATOR_RATE_LIMIT.check(rate_limit)?,
+        })
+    }
+
+    /// Checks that what feeds a regulator, at a gauge pressure in Pa, is enough for a set point in Pa, gauge.
+    pub(crate) fn check_set_point(gauge: f64, feed: f64) -> Result<(), Error> {
+        if gauge <= feed {
+            return Ok(());
+        }
+        Err(Error::Inconsistent {
+            parameter: &parameter::COMMAND_GAUGE_PRESSURE,
+            value: gauge,
+            requirement: Requirement {
+                relation: "must not be greater than",
+                other: parameter::SUPPLY_GAUGE_PRESSURE.key,
+                value: feed,
+                unit: parameter::SUPPLY_GAUGE_PRESSURE.unit,
+            },
+            remedy: "lower the set point or raise the supply: a regulator cannot give more than feeds it",
         })
     }
 }

@@ -17,6 +17,7 @@ use crate::terminal;
 use mckibben_run::failure::Failure;
 use mckibben_run::output;
 use mckibben_run::progress::Progress;
+use mckibben_run::quantities::counted;
 use mckibben_scenario::Style;
 use page::{Entry, Group};
 use std::path::{Path, PathBuf};
@@ -75,19 +76,16 @@ pub fn run(arguments: &GalleryArguments) -> Result<(), Failure> {
     // The page comes last, so that where it stands everything that it refers to stands too.
     let path = arguments.output.join("index.html");
     write(arguments, &path, page::html(&arguments.folder.display().to_string(), &groups).as_bytes())?;
-    terminal::print(&format!(
-        "{} {}, {} figures\n",
-        terminal::styled(terminal::GOOD, "wrote"),
-        path.display(),
-        files.len()
-    ))?;
     let entries = groups.iter().flat_map(|group| &group.entries);
     let failed: Vec<&str> = entries.filter(|entry| entry.drawn.is_err()).map(|entry| entry.file.as_str()).collect();
+    let drawn = counted((files.len() - failed.len()) as u64, "figure");
+    terminal::print(&terminal::wrote(&path, &format!(", {drawn}")))?;
     if failed.is_empty() {
         return Ok(());
     }
     let (count, names) = (failed.len(), failed.join(", "));
-    Err(Failure::stopped(format!("{count} of {} files failed: {names}; {} shows why", files.len(), path.display())))
+    let all = counted(files.len() as u64, "file");
+    Err(Failure::stopped(format!("{count} of {all} failed: {names}; {} shows why", path.display())))
 }
 
 /// The scenario files of a folder.

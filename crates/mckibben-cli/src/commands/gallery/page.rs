@@ -1,5 +1,6 @@
 //! The page of the gallery: one HTML file without scripts that shows the figures beside it.
 
+use mckibben_run::quantities::counted;
 use mckibben_run::report::{STYLE, escaped};
 use std::fmt::Write as _;
 
@@ -42,7 +43,8 @@ macro_rules! put {
 pub(super) fn html(folder: &str, groups: &[Group]) -> String {
     let mut out = String::new();
     let entries = || groups.iter().flat_map(|group| &group.entries);
-    let (count, failed) = (entries().count(), entries().filter(|entry| entry.drawn.is_err()).count());
+    let (count, failed) = (entries().count() as u64, entries().filter(|entry| entry.drawn.is_err()).count());
+    let count = counted(count, "file");
     let folder = escaped(folder);
     put!(out, "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n");
     put!(out, "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n");
@@ -52,7 +54,7 @@ pub(super) fn html(folder: &str, groups: &[Group]) -> String {
     for (place, group) in groups.iter().enumerate() {
         put!(out, "<li><a href=\"#group-{place}\">{}</a></li>\n", name(group, &folder));
     }
-    put!(out, "</ol>\n</nav>\n<main>\n<header>\n<h1>Gallery of <code>{folder}</code></h1>\n<p>{count} files");
+    put!(out, "</ol>\n</nav>\n<main>\n<header>\n<h1>Gallery of <code>{folder}</code></h1>\n<p>{count}");
     if failed > 0 {
         put!(out, ", <span class=\"verdict differs\">{failed} failed</span>");
     }

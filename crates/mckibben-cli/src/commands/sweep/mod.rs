@@ -14,7 +14,7 @@ use mckibben_run::output;
 use mckibben_run::record;
 use mckibben_run::sweep::counts::SweepCounts;
 use mckibben_run::sweep::destination::Place;
-use mckibben_run::sweep::folder::Folder;
+use mckibben_run::sweep::folder::{FinishedPart, Folder};
 use mckibben_run::sweep::plan::{Plan, Shard};
 use mckibben_run::sweep::prepared::Prepared;
 use mckibben_run::sweep::step::Choice;
@@ -57,8 +57,9 @@ a controller take the event-located engine unless run.step is given.
 A sweep that was stopped goes on where it was when the same command is given again: finished parts are kept, once each was \
 held to the checksum in it. Shards are counted from 1; shard I of N does the parts I, I + N, I + 2 N, ... and can share the \
 folder with the others, also when all begin at once. \
-A run that fails has its reason in the column `error` and no numbers; it does not stop the others. Warnings that are known \
-before a run, as of a valve that never opens, are counted in the summary; `mckibben simulate` has those of a run too.
+A run that fails has its reason in the column `error` and no numbers; it does not stop the others. The summary counts the \
+runs with each warning and names the first; the column `warnings` has the codes of each run. They follow from the start of a run and \
+from its samples.
 
 Exit codes:
   0  done; some runs may have failed, and the summary says so
@@ -145,7 +146,7 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
 
     if let Some((path, format)) = figure {
         let set: Vec<String> = arguments.set.iter().map(ToString::to_string).collect();
-        let title = mckibben_run::figure::title::of(&document, &set);
+        let title = mckibben_run::figure::title::of_sweep(&document, sweep, &set);
         let bytes = chart::draw(sweep, &totals, &title, (path, format))?;
         output::write(path, &bytes)?;
     }
@@ -258,7 +259,8 @@ fn keep(
 ) -> Result<Vec<u64>, Failure> {
     let mut finished = Vec::new();
     for part in parts {
-        let Some(failed) = folder.finished(plan, *part)? else { continue };
+        let Some(FinishedPart { failed, warned }) = folder.finished(plan, *part)? else { continue };
+        totals.warn(&warned);
         match sweep.record().reduced() {
             Some(reductions) => {
                 let results: Vec<String> = reductions.into_iter().map(|reduction| reduction.column).collect();

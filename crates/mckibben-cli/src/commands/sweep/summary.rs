@@ -3,10 +3,11 @@
 use super::{SweepArguments, Target};
 use crate::describe;
 use crate::terminal::{self, FAINT, HEADING, NOTABLE, styled};
-use mckibben_run::quantities::{count, digits, given, quantity};
-use mckibben_run::sweep::counts::{SweepCounts, Warned};
+use mckibben_run::quantities::{count, counted, digits, given, quantity};
+use mckibben_run::sweep::counts::SweepCounts;
 use mckibben_run::sweep::plan::{Plan, Shard};
 use mckibben_run::sweep::step::Choice;
+use mckibben_run::sweep::warned::Warned;
 use mckibben_run::text::{Alignment, Side};
 use mckibben_run::units::units;
 use mckibben_scenario::Sweep;
@@ -22,11 +23,8 @@ pub(super) fn summary(
     (kept, written, elapsed): (u64, u64, Duration),
 ) -> String {
     let seconds = elapsed.as_secs_f64();
-    let mut text = format!(
-        "{}  {}\n",
-        styled(HEADING, arguments.file.display()),
-        styled(FAINT, format!("{} runs", count(plan.rows)))
-    );
+    let mut text =
+        format!("{}  {}\n", styled(HEADING, arguments.file.display()), styled(FAINT, counted(plan.rows, "run")));
     let line = |name: &str, what: &str| terminal::entry(name, 8, what);
     let varied: Vec<&str> = sweep.axes().iter().map(|axis| axis.path.as_str()).collect();
     text.push_str(&line("varied", &format!("{} ({})", varied.join(", "), sweep.design().name())));
@@ -45,12 +43,12 @@ pub(super) fn summary(
     }
     let new = totals.runs() - kept;
     if kept > 0 {
-        text.push_str(&line("kept", &format!("{} runs of parts that were finished before", count(kept))));
+        text.push_str(&line("kept", &format!("{} of parts that were finished before", counted(kept, "run"))));
     }
     let rate = if seconds > 0.0 { digits(new as f64 / seconds) } else { String::new() };
-    text.push_str(&line("cost", &format!("{} runs in {}, {rate} runs/s", count(new), quantity(seconds, "s"))));
+    text.push_str(&line("cost", &format!("{} in {}, {rate} runs/s", counted(new, "run"), quantity(seconds, "s"))));
     if arguments.shard != Shard::WHOLE {
-        let share = format!("{}: {} of {} runs", arguments.shard, count(totals.runs()), count(plan.rows));
+        let share = format!("{}: {} of {}", arguments.shard, count(totals.runs()), counted(plan.rows, "run"));
         text.push_str(&line("shard", &share));
     }
     text.push_str(&ranges(totals));
@@ -59,7 +57,7 @@ pub(super) fn summary(
     let mut files = String::new();
     if let Some(path) = &arguments.output {
         let is_folder = matches!(Target::of(arguments), Ok(Target::Folder(_)));
-        let parts = if written == 1 { "1 part".to_owned() } else { format!("{} parts", count(written)) };
+        let parts = counted(written, "part");
         if !is_folder {
             files.push_str(&terminal::wrote(path, ""));
         } else if written > 0 {
@@ -104,7 +102,7 @@ fn ranges(totals: &SweepCounts) -> String {
         let values = [spread.least, spread.sum / spread.runs as f64, spread.greatest];
         let [least, mean, greatest] = values.map(formatter(&values, reduction.unit));
         let missing = totals.runs() - totals.failed() - spread.runs;
-        let note = if missing > 0 { format!("none in {} runs", count(missing)) } else { String::new() };
+        let note = if missing > 0 { format!("none in {}", counted(missing, "run")) } else { String::new() };
         rows.push([reduction.name.clone(), least, mean, greatest, note]);
     }
     let right = (Side::Right, width);
@@ -125,7 +123,7 @@ fn failures(totals: &SweepCounts) -> String {
     if totals.failed() == 0 {
         return String::new();
     }
-    let heading = format!("{} of {} runs failed", count(totals.failed()), count(totals.runs()));
+    let heading = format!("{} of {} failed", count(totals.failed()), counted(totals.runs(), "run"));
     let mut text = format!("\n{}\n", styled(NOTABLE, heading));
     for (row, reason) in totals.reasons() {
         let reason = reason.split_whitespace().collect::<Vec<_>>().join(" ");
@@ -137,12 +135,12 @@ fn failures(totals: &SweepCounts) -> String {
     text
 }
 
-/// The warnings that are known before a run, each code with its first run.
+/// The warnings of the runs, each code with its first run.
 fn warnings(totals: &SweepCounts) -> String {
     let mut text = String::new();
-    for Warned { runs, first, warning } in totals.warned() {
+    for (code, Warned { runs, first, text: warning }) in totals.warned().iter() {
         let of = if *runs == 1 { "1 run".to_owned() } else { format!("{} runs, the first", count(*runs)) };
-        put(&mut text, format_args!("{}\n", terminal::wrap(&format!("{of} {first}: {warning}"), "  ")));
+        put(&mut text, format_args!("{}\n", terminal::wrap(&format!("{code}: {of} {first}: {warning}"), "  ")));
     }
     if text.is_empty() { text } else { format!("\n{}\n{text}", styled(NOTABLE, "Warnings")) }
 }

@@ -5,6 +5,7 @@ use super::super::{Material, Prediction, pressure_over_time, values};
 use super::{Stems, at_its_end, failed, named, put, says_its_end, valve_of, with_interval};
 use crate::failure::Failure;
 use crate::figure::symbols;
+use crate::quantities::counted;
 use crate::report::{Data, Plate, Section, Table};
 use mckibben::parameter::{self, Parameter};
 use mckibben_identify::least_squares::Estimate;
@@ -45,11 +46,11 @@ pub(in super::super) fn pulse_train(material: &Material) -> Result<Outcome, Fail
     let text = file(&with_delays(&scenario, rows, &delays, &mut warnings)?);
     let points = duties(&runs);
     let mut introduction = vec![format!(
-        "From energised to the opening {}, from released to the closing {}, over {} onsets of {} runs.",
+        "From energised to the opening {}, from released to the closing {}, over {} of {}.",
         with_interval(&delays[0]),
         with_interval(&delays[1]),
-        runs.iter().map(|run| run.found.onsets.len()).sum::<usize>(),
-        runs.len()
+        counted(runs.iter().map(|run| run.found.onsets.len() as u64).sum(), "onset"),
+        counted(runs.len() as u64, "run")
     )];
     // With one frequency and duty alone the duties repeat what the onsets say.
     if points.len() > 1 {

@@ -5,7 +5,7 @@ use super::super::{Material, Prediction, column, values};
 use super::{absolute_pressures, actuator_of, flow_path_of, law_of, named, put, rows, valve_of, with_interval};
 use super::{says_its_end, with_conductance, with_flow_path};
 use crate::failure::Failure;
-use crate::quantities::quantity;
+use crate::quantities::{counted, quantity};
 use crate::report::{Data, Plate, Section, Table};
 use mckibben::AbsolutePressure;
 use mckibben::air::Air;
@@ -68,8 +68,8 @@ pub(in super::super) fn flow_curve(material: &Material) -> Result<Outcome, Failu
     let numbers = values::of("Numbers with their 95 % intervals".to_owned(), &estimates);
     let scenarios = vec![("scenario.toml".to_owned(), file(&scenario))];
     let introduction = format!(
-        "{} points of steady flow, {} of them choked: C = {} and b = {}, by least squares over all of them at once. {}",
-        points.points.len(),
+        "{} of steady flow, {} of them choked: C = {} and b = {}, by least squares over all of them at once. {}",
+        counted(points.points.len() as u64, "point"),
         found.choked,
         with_interval(&found.sonic_conductance),
         with_interval(&found.critical_ratio),
@@ -131,6 +131,7 @@ pub(in super::super) fn steady_flow(material: &Material) -> Result<Outcome, Fail
             put(&mut scenario, &[(row, effective)])?;
             let of_area = Estimate {
                 value: effective,
+                bound: None,
                 standard_error: found.factor.standard_error.map(|deviation| area * deviation),
                 confidence_interval: found.factor.confidence_interval.map(|ends| ends.map(|end| area * end)),
                 ..named(&found.factor, row)
@@ -328,7 +329,11 @@ fn the_standards_way(found: &FlowCurve) -> Table {
         [(&found.choked_conductance, found.choked, "choked"), (&found.subsonic_ratio, found.subsonic, "subsonic")];
     let row = |(estimate, count, which): (&Estimate, usize, &str)| {
         let mut row = values::row(estimate);
-        row[0] = format!("{} ({count} {which} points)", row[0].replace('`', "").replace('_', " "));
+        row[0] = format!(
+            "{} ({})",
+            row[0].replace('`', "").replace('_', " "),
+            counted(count as u64, &format!("{which} point"))
+        );
         row
     };
     Table {

@@ -7,13 +7,13 @@ use super::steady::{CURVE, curve_plate};
 use super::{Stems, actuator_of, at_its_end, failed, flow_path_of, law_of, named};
 use super::{put, says_its_end, valve_of, with_conductance, with_interval};
 use crate::failure::Failure;
-use crate::quantities::quantity;
+use crate::quantities::{counted, digits, plain, quantity};
 use crate::report::{Data, Plate, Section, Table};
 use mckibben::valve::{REFERENCE_DENSITY, REFERENCE_TEMPERATURE};
 use mckibben::{AbsolutePressure, parameter};
 use mckibben_identify::least_squares::Estimate;
 use mckibben_identify::study::clean::{STUCK, longest_at_the_end};
-use mckibben_identify::study::{Direction, Quantity, Recording, TankEntry, TankTarget};
+use mckibben_identify::study::{ColumnEntry, Direction, Quantity, Recording, TankEntry, TankTarget};
 use mckibben_identify::valve::{FlowCurve, Scatter, SteadyPoint, Tank, TankFit, TankRecord, TankUnknown, Transfer};
 use mckibben_plot::{Axis, Colour, Figure, Legend, Panel, Series};
 use mckibben_scenario::{ExhaustTemperature, Process, Scenario};
@@ -22,6 +22,8 @@ use mckibben_scenario::{ExhaustTemperature, Process, Scenario};
 const LARGEST_RATIO: f64 = 0.9;
 /// Standard deviations of a reading by which a trajectory may be off before it is reported.
 const MISFIT: f64 = 1.5;
+/// An absolute pressure in Pa that no tank has.
+const VACUUM: f64 = 1e3;
 
 /// The files of the runs' pressures; a page has no more.
 pub(super) const PRESSURES: Stems = ["tank-1", "tank-2", "tank-3", "tank-4", "tank-5", "tank-6"];
@@ -87,6 +89,11 @@ pub(in super::super) fn tank(material: &Material) -> Result<Outcome, Failure> {
     })
 }
 
+/// The column of the study that a quantity was read from.
+fn of_column(material: &Material, quantity: Quantity) -> Option<&ColumnEntry> {
+    material.study.columns.iter().find(|entry| entry.quantity == quantity)
+}
+
 fn experiment<'a>(
     material: &Material,
     recording: &'a Recording,
@@ -131,6 +138,19 @@ fn experiment<'a>(
     let counts = |(time, _): &(f64, f64)| (from..=to).contains(time);
     let (times, pressures): (Vec<f64>, Vec<f64>) =
         times.into_iter().zip(values).filter(counts).map(|(time, value)| (time, value + shift)).unzip();
+    let least = pressures.iter().copied().fold(f64::INFINITY, f64::min);
+    if let Some(column) =
+        of_column(material, measured).filter(|_| measured == Quantity::AbsolutePressure && least < VACUUM)
+    {
+        let title = format!(
+            "the run `{run}`: the column `{}` with the absolute pressure reads {} {}, which is below the pressure of any atmosphere",
+            column.name,
+            plain(&digits((least - column.zero) / column.scale)),
+            column.unit
+        );
+        let help = "if it is a gauge pressure, name it `[columns.gauge_pressure]`; else correct `unit` in [columns.absolute_pressure]";
+        return Err(Failure::input(title, help));
+    }
     let record = TankRecord::new(times.clone(), pressures.clone()).map_err(|error| failed(run, &error))?;
     let silent = !says_its_end(material, measured);
     possible(run, (measured, silent), &pressures, transfer, atmosphere, warnings)?;
@@ -241,10 +261,10 @@ fn by_windows(runs: &[Experiment<'_>], windows: usize, warnings: &mut Vec<String
     let both = [&found.sonic_conductance, &found.critical_ratio];
     let (scenarios, numbers) = with_both(runs, both, warnings)?;
     let words = format!(
-        "C = {} and b = {} from the slopes of {} windows with a pressure ratio below {LARGEST_RATIO}, as of an isothermal tank.",
+        "C = {} and b = {} from the slopes of {} with a pressure ratio below {LARGEST_RATIO}, as of an isothermal tank.",
         with_interval(&found.sonic_conductance),
         with_interval(&found.critical_ratio),
-        points.len()
+        counted(points.len() as u64, "window")
     );
     let mut plates: Vec<Plate> = runs.iter().zip(PRESSURES).map(|(of, stem)| pressure_plate(of, None, stem)).collect();
     plates.push(curve_plate(&points, &found, &air, CURVE)?);
@@ -290,8 +310,8 @@ fn by_trajectory(runs: &[Experiment<'_>], warnings: &mut Vec<String>) -> Result<
         numbers.push(named(heat, &parameter::HEAT_TRANSFER));
     }
     words.push_str(&format!(
-        ", from {} readings{} that scatter by {} about the trajectory.",
-        runs.iter().map(|of| of.times.len()).sum::<usize>(),
+        ", from {}{} with a scatter of {} about the trajectory.",
+        counted(runs.iter().map(|of| of.times.len() as u64).sum(), "reading"),
         if runs.len() > 1 { format!(" of {} runs together", runs.len()) } else { String::new() },
         quantity(found.scatter, "Pa")
     ));

@@ -74,6 +74,12 @@ pub const NO_ACTUATOR: Error = Error::Misuse {
 /// Parts of a move, and edges of pulses within it, at most: more would take minutes, and is a mistake.
 pub const MOST_PARTS: f64 = 1e7;
 
+/// What is said of a step with more.
+pub(crate) const TOO_MANY_PARTS: Error = Error::Misuse {
+    what: "a step has more than ten million parts and edges of pulses",
+    remedy: "take a shorter step, pulses of a lower frequency, or longer parts",
+};
+
 /// A part that is this much longer than the longest is as long.
 const ROUNDING: f64 = 1e-9;
 
@@ -130,13 +136,7 @@ pub fn check_move(span: f64, parts: impl FnOnce() -> f64) -> Result<(), Error> {
         });
     }
     parameter::DURATION.check(span)?;
-    if parts() > MOST_PARTS {
-        return Err(Error::Misuse {
-            what: "a step has more than ten million parts and edges of pulses",
-            remedy: "take a shorter step, pulses of a lower frequency, or longer parts",
-        });
-    }
-    Ok(())
+    if parts() > MOST_PARTS { Err(TOO_MANY_PARTS) } else { Ok(()) }
 }
 
 /// Where a part of a move ends that begins at `from` and takes a span, all in s.

@@ -33,6 +33,7 @@ mod saved;
 pub use accuracy::{PILOT, PlantReference, PlantStepError, SHORTEST, plant_step_for_accuracy};
 pub use exchange::{EventUpdate, PlantExchange};
 pub use host::MOST_PARTS;
+pub(crate) use host::TOO_MANY_PARTS;
 pub use host::{NO_ACTUATOR, check_longest_part, check_move, host_mechanisms, part_end, parts_of};
 pub use method::Method;
 pub use method::Stages;

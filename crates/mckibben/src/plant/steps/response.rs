@@ -38,7 +38,8 @@ impl<R: Instantiate> PlantSteps<R> {
 
     /// The responses of all actuators, as [`PlantSteps::compute`] has them, with the ends of all external mechanisms at
     /// `distances` in m and moving at `rates` in m/s in place of where they are: one of each for each coordinate, in the order
-    /// of the mechanisms. The air and the memory of friction are those of the state that has been reached, which stays.
+    /// of the mechanisms. The pressure of the air is that of the state that has been reached, which stays. Hysteresis without a
+    /// rate is what it is after a straight move from there; bristles and the length on a tendon, which follow in time, stay.
     ///
     /// # Errors
     /// [`Error::Table`] unless there is one distance and one rate for each coordinate, and one response for each actuator;
@@ -81,9 +82,11 @@ impl<R: Instantiate> PlantSteps<R> {
         let mut first = 0;
         for (m, here) in host_mechanisms(&system.plant) {
             let theirs = first..first + here.coordinates;
+            first += here.coordinates;
+            system.carry_memories(m, *time, state, mode, &mut work.at);
             state[here.position(0)..here.position(0) + here.coordinates].copy_from_slice(&distances[theirs.clone()]);
             state[here.rate(0)..here.rate(0) + here.coordinates].copy_from_slice(&rates[theirs]);
-            first += here.coordinates;
+            system.carry_memories(m, *time, state, mode, &mut work.at);
             system.enter_given_motion(m, *time, state, mode, &mut work.at);
         }
         self.evaluate(0..self.plant().mechanisms().len());
@@ -124,7 +127,7 @@ impl<R: Instantiate> PlantSteps<R> {
         let mounted = &system.plant.actuators()[actuator];
         let (unit, chamber, its) = (work.at.units[actuator], work.at.chambers[actuator], &mode.actuators[actuator]);
         let slopes = match &mounted.tendon {
-            Some(_) if its.loose => [R::zero(); 3],
+            Some(_) if its.loose || unit.tension.value() <= 0.0 => [R::zero(); 3],
             Some(tendon) => [tendon.stiffness(), R::zero(), R::zero()],
             None => {
                 let mut sliding = its.mode;
