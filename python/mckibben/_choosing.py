@@ -406,7 +406,7 @@ def design(
     ((objective, least),) = names
     ranges = [(key, *_ends(key, ends)) for key, ends in vary.items()]
     if isinstance(evaluations, int) and evaluations < 1:
-        raise InputError(f"evaluations = {evaluations}, but a search has at least one run; give a whole number from 1 on, such as 200")
+        raise InputError(f"`evaluations` = {evaluations}, but a search has at least one run; give a whole number from 1 on, such as 200")
     found = _design(scenario, ranges, least, objective, subject_to, settle, evaluations, progress)
     name, (value, unit) = found["objective"]
     result = DesignResult(

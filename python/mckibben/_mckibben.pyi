@@ -837,6 +837,10 @@ class HostedPlant:
     def __new__(cls, /, scenario: Scenario, count: int = ..., *, command_mode: str | None = None, pulse_frequency: SupportsFloat | SupportsIndex | None = None, max_step: SupportsFloat | SupportsIndex | None = None, precision: Literal["double", "single"] = ...) -> HostedPlant: ...
     def __repr__(self, /) -> str: ...
     def __setstate__(self, /, state: tuple[NDArray[float64], tuple[SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex, SupportsIndex]]) -> None: ...
+    def _check_commands(self, /, commands: NDArray[float64]) -> None:
+        """
+        Refuse commands that a valve does not take, before a step.
+        """
     @property
     def actuators(self, /) -> list[str]:
         """
@@ -851,12 +855,13 @@ class HostedPlant:
         distances : ndarray
             Distances between the ends in m, above zero, of the shape (count, actuators), with the tendon if there is one.
         velocities : ndarray
-            Their rates of change in m/s, of the same shape.
+            Their rates of change in m/s, between -1e6 and 1e6, of the shape of `distances`.
 
         Raises
         ------
         InputError
-            An array has another shape or is not C-contiguous, or an actuator cannot have such a distance.
+            An array has another shape or is not C-contiguous, an actuator cannot have such a distance, or a velocity is out of
+            range.
         """
     @property
     def columns(self, /) -> list[str]:
@@ -877,17 +882,18 @@ class HostedPlant:
         distances : ndarray
             Distances between the ends in m, above zero, of the shape (count, actuators).
         velocities : ndarray
-            Their rates of change in m/s, of the same shape.
+            Their rates of change in m/s, between -1e6 and 1e6, of the shape of `distances`.
 
         Returns
         -------
         ndarray
-            Tensions in N, zero or more, of the same shape.
+            Tensions in N, zero or more, of the shape (count, actuators).
 
         Raises
         ------
         InputError
-            An array has another shape or is not C-contiguous, or an actuator cannot have such a distance.
+            An array has another shape or is not C-contiguous, an actuator cannot have such a distance, or a velocity is out of
+            range.
         SimulationError
             A plant has stopped.
         """
@@ -915,9 +921,33 @@ class HostedPlant:
         SimulationError
             A plant has stopped.
         """
+    def restart(self, /, rows: NDArray[int64], distances: NDArray[float64], velocities: NDArray[float64]) -> None:
+        """
+        Begin some plants again, without a command to their valves, while the others continue.
+
+        They begin with the ends at given distances, and all else as the scenario starts. The clock continues. Plants that have
+        stopped begin again as well.
+
+        Parameters
+        ----------
+        rows : ndarray
+            Indices of the plants, int64, from 0, each once.
+        distances : ndarray
+            Distances between the ends in m, above zero, of the shape (len(rows), actuators), with the tendon if there is one.
+        velocities : ndarray
+            Their rates of change in m/s, between -1e6 and 1e6, of the shape of `distances`.
+
+        Raises
+        ------
+        InputError
+            There is no such plant, an index is given twice, an array has another shape or is not C-contiguous, an actuator cannot
+            have such a distance, or a velocity is out of range; nothing has changed.
+        """
     def restore(self, /, states: NDArray[float64]) -> None:
         """
-        Bring all plants back to states that plants of the same scenario have saved.
+        Bring all plants back to states that plants of an equal scenario have saved.
+
+        The scenarios may differ in `command`, `controller`, `initial`, `load`, `mechanism` and `run`.
 
         Parameters
         ----------
@@ -927,7 +957,8 @@ class HostedPlant:
         Raises
         ------
         InputError
-            The numbers are no states of these plants.
+            The numbers are no states of these plants, or are states of plants of another scenario, command mode or pulse
+            frequency; nothing has changed.
         """
     def save(self, /) -> NDArray[float64]:
         """
@@ -936,7 +967,8 @@ class HostedPlant:
         Returns
         -------
         ndarray
-            What `restore` takes; the order of the numbers may change from one version to the next.
+            What `restore` takes. The first number of each row is a mark of the scenario and the commands; the order of the others
+            may change from one version to the next.
         """
     @property
     def scenario(self, /) -> Scenario:
@@ -1090,6 +1122,11 @@ class LinearModel:
         -------
         numpy.ndarray
             Response of shape (len(omega), outputs, inputs), in the unit of the output over that of the input.
+
+        Raises
+        ------
+        InputError
+            A pole lies at a frequency, as that of an integrator at zero: the response there is without bound.
         """
     @property
     def states(self, /) -> list[str]:
@@ -1596,6 +1633,25 @@ class Sweep:
         """
         Units of the columns of numbers by their names, in SI.
         """
+    def warnings(self, /, folder: str | PathLike[str]) -> list[tuple[str, int, int, str]]:
+        """
+        Warnings of the runs in the finished parts of the folder: codes, how many runs, the first of them, and what it says there.
+
+        Parameters
+        ----------
+        folder : str or path
+            Folder of the sweep.
+
+        Returns
+        -------
+        list of tuple
+            Code, number of runs, index of the first, and a sentence, for each code.
+
+        Raises
+        ------
+        InputError
+            The folder holds something else, or a damaged part.
+        """
 
 @final
 class Trajectory:
@@ -1675,7 +1731,7 @@ class Trajectory:
         """
         Angular velocities of a joint in rad/s.
         """
-    def at(self, /, time: SupportsFloat | SupportsIndex) -> dict[str, float | str]:
+    def at(self, /, time: float) -> dict[str, float | str]:
         """
         Return every column at one time, from the interpolating polynomials of the steps.
 
@@ -2030,6 +2086,13 @@ class VectorPlant:
         ------
         InputError
             The model finds a contradiction in the scenario.
+        """
+    @property
+    def command_range(self, /) -> NDArray[float64]:
+        """
+        Least and greatest command of each valve of each instance, float64 of shape (2, count, valves), as `action_mode` says.
+
+        Set points end at the gauge pressure in Pa of what feeds the valve of the instance.
         """
     @property
     def defaults(self, /) -> NDArray[float64]:

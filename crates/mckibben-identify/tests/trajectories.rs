@@ -216,7 +216,8 @@ fn fewer_readings_than_parameters_are_refused() {
     assert!(error.contains("2 of 4 readings depend on the 2 parameters of [fit]"), "{error}");
     assert!(error.contains("readings end at 0.1 s"), "{error}");
     for series in &mut run.time_series {
-        (series.times.truncate(1), series.values.truncate(1));
+        series.times.truncate(1);
+        series.values.truncate(1);
     }
     let error = task(vec![run], &paths, 1.2).identify().expect_err("only the start").to_string();
     assert!(error.contains("readings end at 0 s: there are no readings after the start"), "{error}");

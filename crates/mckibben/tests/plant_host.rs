@@ -63,7 +63,7 @@ fn hysteresis_elsewhere_is_that_after_a_move_there() {
     let bouc_wen = BoucWen::new(3.5e-4, 2000.0, 1000.0).expect("a hysteresis");
     for hysteresis in [Hysteresis::MaxwellSlip(slip), Hysteresis::BoucWen(bouc_wen)] {
         let paper = Paper::sealed().friction(0.0, 1e-4).gauge(3e5).from(0.085, 0.0);
-        let paper = paper.with(|rig| rig.hysteresis = Some(hysteresis.clone()));
+        let paper = paper.with(|rig| rig.hysteresis = Some(hysteresis));
         let (plant, start) = sealed(std::slice::from_ref(&paper), None, external(1));
         let mut mounted = plant.actuators().to_vec();
         mounted[0].pressure = PressureSeries::new(&[0.0], &[3e5]).ok();

@@ -247,8 +247,9 @@ class Episodes:
         commands = np.clip(np.ascontiguousarray(given, dtype=np.float64), self._lowest(), 1.0)
         if self.options.action_mode != "set-point":
             return commands
-        _, highest = self.plants.command_range
-        return np.minimum(commands * self.options.max_pressure, highest)
+        highest: Numbers = self.plants.command_range[1]
+        wanted: Numbers = np.minimum(commands * self.options.max_pressure, highest)
+        return wanted
 
     def targets(self, place: int) -> dict[str, float]:
         """Return the targets of the episode of a plant in SI, by their columns."""
