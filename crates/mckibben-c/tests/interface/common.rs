@@ -1,5 +1,6 @@
 //! Plants of the tests.
 
+use mckibben_c::many::Step;
 use mckibben_c::plant::{Motion, Options, Plant, mckibben_plant_free, mckibben_plant_from_text};
 use mckibben_c::status::{Status, mckibben_last_error};
 use std::ffi::{CStr, CString};
@@ -58,4 +59,19 @@ pub(crate) fn last_error() -> String {
 pub(crate) fn text(pointer: *const std::ffi::c_char) -> String {
     assert!(!pointer.is_null(), "{}", text(mckibben_last_error()));
     unsafe { CStr::from_ptr(pointer) }.to_str().expect("UTF-8").to_owned()
+}
+
+/// A step to a time in s with these distances, and nothing else.
+pub(crate) fn step(until: f64, distances: &[f64]) -> Step {
+    Step {
+        until,
+        commands: null(),
+        command_count: 0,
+        distances: distances.as_ptr(),
+        distance_count: 1,
+        responses: null_mut(),
+        response_count: 0,
+        outputs: null_mut(),
+        output_count: 0,
+    }
 }

@@ -1,6 +1,6 @@
 //! Many plants in one call.
 
-use super::common::{MUSCLE, Owned, last_error, muscle, options, read};
+use super::common::{MUSCLE, Owned, last_error, muscle, options, read, step};
 use mckibben_c::many::*;
 use mckibben_c::plant::{Motion, Options, Plant, mckibben_output_count, mckibben_state_size};
 use mckibben_c::status::Status;
@@ -37,21 +37,6 @@ fn state_in(batch: &Together, index: usize) -> Vec<u64> {
     let mut plant = null_mut();
     assert_eq!(unsafe { mckibben_batch_plant(batch.0, index, &raw mut plant) }, Status::Ok, "{}", last_error());
     state(&Owned(plant))
-}
-
-/// A step to a time in s with these distances, and nothing else.
-fn step(until: f64, distances: &[f64]) -> Step {
-    Step {
-        until,
-        commands: null(),
-        command_count: 0,
-        distances: distances.as_ptr(),
-        distance_count: 1,
-        responses: null_mut(),
-        response_count: 0,
-        outputs: null_mut(),
-        output_count: 0,
-    }
 }
 
 #[test]

@@ -24,7 +24,7 @@ use control::{Closed, Follower};
 use mckibben::Error;
 use mckibben::parameter;
 use mckibben::plant::{Part, PlantConsumer, PlantRun, PlantSample, PlantTrajectory};
-use mckibben_scenario::{PlantControl, PlantExperiment};
+use mckibben_scenario::PlantExperiment;
 use observation::{Observation, Observer};
 
 /// A run of a plant that is kept.
@@ -80,7 +80,7 @@ pub(crate) struct Made {
 pub(crate) fn begin(of: &PlantExperiment) -> Result<Made, Error> {
     parameter::DURATION.check(of.run.duration)?;
     let stepping = Stepping::of(&of.run, || of.stepping())?;
-    let drivers = of.controls.iter().map(PlantControl::driver).collect();
+    let drivers = of.drivers();
     Ok(Made { run: PlantRun::with_drivers(&of.plant, &of.start, stepping.how, drivers)?, stepping })
 }
 

@@ -12,14 +12,13 @@ use mckibben::Error;
 use mckibben::plant::{PlantLedgerKeeper, PlantRun, PlantSample, PlantStep};
 use mckibben::valve::Command;
 use mckibben_scenario::{
-    PlantColumn, PlantContent, PlantControl, PlantExperiment, PlantQuantity, PlantReduced, PlantReduction, Record,
-    Sweep,
+    PlantColumn, PlantContent, PlantExperiment, PlantQuantity, PlantReduced, PlantReduction, Record, Sweep,
 };
 
 /// A row before its first step.
 pub(super) fn ready<'r>(of: &'r PlantExperiment, choice: Option<&Choice>, sweep: &'r Sweep) -> Result<Row<'r>, Error> {
     let how = step::stepping(&of.run, choice, || of.stepping())?;
-    let drivers = of.controls.iter().map(PlantControl::driver).collect();
+    let drivers = of.drivers();
     let recorder = Recorder::new(of, sweep.plant_columns(), sweep.record());
     Row::new(of.run, (&of.plant, &of.start), how, drivers, Box::new(recorder))
 }

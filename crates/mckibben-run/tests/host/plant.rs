@@ -262,7 +262,7 @@ fn what_cannot_be_is_refused() {
     assert!(HostPlant::read(&document(&held), &never).is_err());
 }
 
-/// Where a scenario moves, its steps are those of the accuracy that it wants of its own run: with its commands and controllers.
+/// Where a scenario moves, its steps are those that `run.accuracy` allows for its run, with its commands and controllers.
 #[test]
 fn a_scenario_moves_by_the_steps_of_its_own_run() {
     let whole = HostOptions { motion: Motion::Scenario, ..HostOptions::default() };

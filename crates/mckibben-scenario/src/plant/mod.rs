@@ -33,6 +33,7 @@ use crate::document::Document;
 use crate::keys;
 use crate::scenario::{Air, Command, Controller, FlowPath, Hose, Motion, Run, Scenario, Supply, Valve};
 use mckibben::Error;
+use mckibben::command::Driver;
 use mckibben::mechanism::Mechanism;
 use mckibben::plant::{Plant, PlantStart, PlantStepError, TimeStepping};
 
@@ -62,8 +63,7 @@ impl PlantExperiment {
     /// # Errors
     /// As [`plant_step_for_accuracy`](mckibben::plant::plant_step_for_accuracy), when a step is chosen.
     pub fn stepping(&self) -> Result<(TimeStepping, Option<PlantStepError>), Error> {
-        let drivers = || self.controls.iter().map(PlantControl::driver).collect();
-        self.run.stepping_of((&self.plant, &self.start), &drivers)
+        self.run.stepping_of((&self.plant, &self.start), &|| self.drivers())
     }
 
     /// The step in s of fixed steps: the one that is given, or the longest that the accuracy allows.
@@ -71,8 +71,12 @@ impl PlantExperiment {
     /// # Errors
     /// As [`plant_step_for_accuracy`](mckibben::plant::plant_step_for_accuracy), when a step is chosen.
     pub fn fixed_step(&self) -> Result<f64, Error> {
-        let drivers = || self.controls.iter().map(PlantControl::driver).collect();
-        self.run.step_of((&self.plant, &self.start), &drivers).map(|(step, _)| step)
+        self.run.step_of((&self.plant, &self.start), &|| self.drivers()).map(|(step, _)| step)
+    }
+
+    /// Its controllers before their first samples.
+    pub fn drivers(&self) -> Vec<Driver> {
+        self.controls.iter().map(PlantControl::driver).collect()
     }
 }
 

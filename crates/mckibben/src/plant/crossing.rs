@@ -427,11 +427,16 @@ impl<R: Real> System<R> {
         if mode.actuators[i].trace.is_none() {
             return;
         }
-        self.enter_distances(time, state, mode, at);
-        let length = self.wires[i].member.actuator.limits().actuator_length(at.units[i].length);
+        let length = self.remembered_length(i, time, state, mode, at);
         let its = &mut mode.actuators[i];
         let sliding = its.mode.sliding;
         self.wires[i].member.follow(&mut its.trace, length, sliding, slips);
+    }
+
+    /// The length in m that the hysteresis of an actuator follows, in a state.
+    fn remembered_length(&self, i: usize, time: R, state: &[R], mode: &PlantMode<R>, at: &mut Evaluation<R>) -> R {
+        self.enter_distances(time, state, mode, at);
+        self.wires[i].member.actuator.limits().actuator_length(at.units[i].length)
     }
 
     /// Takes what the friction of actuators on a mechanism remembers straight on to where their ends are in a state.
@@ -448,8 +453,7 @@ impl<R: Real> System<R> {
             if mode.actuators[i].trace.is_none() {
                 continue;
             }
-            self.enter_distances(time, state, mode, at);
-            let length = self.wires[i].member.actuator.limits().actuator_length(at.units[i].length);
+            let length = self.remembered_length(i, time, state, mode, at);
             self.wires[i].member.carry(&mut mode.actuators[i].trace, length);
         }
     }

@@ -52,6 +52,12 @@ pub struct Trace<R> {
 }
 
 impl<R: Real> Trace<R> {
+    /// Begins the branch from where the memory is, in a direction.
+    fn head(&mut self, hysteresis: &Hysteresis<R>, direction: f64) {
+        self.direction = direction;
+        self.branch = hysteresis.branch(&self.memory, direction);
+    }
+
     /// The force of the hysteresis over the secant stiffness in m, at an actuator length in m on the branch.
     #[inline(always)]
     pub(crate) fn width<T: Over<R>>(&self, length: T) -> T {
@@ -159,16 +165,14 @@ impl<R: Real> Member<R> {
             // With a trace the velocity does not matter.
             hysteresis.moved(&mut trace.memory, length, R::zero());
         }
-        trace.direction = sliding.direction();
-        trace.branch = hysteresis.branch(&trace.memory, trace.direction);
+        trace.head(hysteresis, sliding.direction());
     }
 
     /// Takes the memory on to an actuator length in m, where it rests: past all that slips on the way.
     pub(crate) fn carry(&self, trace: &mut Option<Trace<R>>, length: R) {
         let (Some(trace), Some(hysteresis)) = (trace, self.actuator.friction().hysteresis()) else { return };
         hysteresis.moved(&mut trace.memory, length, R::zero());
-        trace.direction = 0.0;
-        trace.branch = hysteresis.branch(&trace.memory, 0.0);
+        trace.head(hysteresis, 0.0);
     }
 
     /// LuGre's law, if that is the friction.
