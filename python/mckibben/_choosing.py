@@ -49,7 +49,9 @@ class SizedMuscle:
     force_at_rest : float
         Force in N of all muscles at their length at rest and the whole pressure.
     air : float
-        Mass in kg of the air that a stroke takes, all muscles together.
+        Mass in kg of the air that a stroke takes at a temperature of 293.15 K, all muscles together: from the length at rest without
+        pressure to the end of the stroke. A fill of `scenario` takes less (`air.used`) where its air is warmed: that of the isentropic
+        process, the default, is at the end of the stroke warmer than the room.
     sonic_conductance : float or None
         Least sonic conductance in m³/(s·Pa) of the valve of each muscle; `None` without a time, or where none is enough.
     pwm_frequency : float or None
@@ -192,7 +194,7 @@ def size(
     stroke: float | str,
     gauge_pressure: float | str,
     braid_angles: collections.abc.Sequence[float | str] = ANGLES,
-    effectiveness: float = 1.0,
+    effectiveness: float | str = 1.0,
     most_length: float | str | None = None,
     most_diameter: float | str | None = None,
     time: float | str | None = None,
@@ -213,8 +215,8 @@ def size(
         Gauge pressure of the supply in Pa, or text with a unit.
     braid_angles : sequence of float or str, optional
         Braid angles at rest, in rad or as text, of the braids that are made to measure; 15° to 35° by default.
-    effectiveness : float, optional
-        Force of a real braid over that of the ideal one, for the braids that are made to measure.
+    effectiveness : float or str, optional
+        Force of a real braid over that of the ideal one, 0.8 or "80 %", for the braids that are made to measure.
     most_length : float or str, optional
         Greatest length at rest in m, or text with a unit.
     most_diameter : float or str, optional
@@ -404,6 +406,8 @@ def design(
     if len(names) != 1:
         raise InputError("one number is made least or greatest; give `minimize` or `maximize`, and only one of them")
     ((objective, least),) = names
+    if not isinstance(vary, collections.abc.Mapping):
+        raise InputError(f'`vary` is of type {type(vary).__name__}; give a dictionary of keys, such as {{"load.mass": (2.0, 3.0)}}')
     ranges = [(key, *_ends(key, ends)) for key, ends in vary.items()]
     if isinstance(evaluations, int) and evaluations < 1:
         raise InputError(f"`evaluations` = {evaluations}, but a search has at least one run; give a whole number from 1 on, such as 200")
@@ -436,6 +440,8 @@ def _ends(key: str, ends: str | tuple[float | str, float | str]) -> tuple[float 
         if not dots:
             raise InputError(f'`vary`: the range of {key} is {ends!r}; write it as in "3..7 bar"')
         return low.strip(), high.strip()
-    if len(ends) != 2:
-        raise InputError(f"`vary`: the range of {key} has {len(ends)} ends; give the lower and the upper one")
-    return ends
+    try:
+        low, high = ends
+    except (TypeError, ValueError):
+        raise InputError(f"`vary`: the range of {key} is {ends!r}; give its two ends, the lower and the upper one") from None
+    return low, high

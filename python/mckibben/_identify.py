@@ -183,6 +183,9 @@ class Study:
                 file = f"table {number} of {name}"
                 tables.append((file, [(str(key), _numbers(key, table[key], name)) for key in getattr(table, "columns", table) if key in wanted]))
                 files.append(file)
+            for part in ("held", "set"):
+                if not isinstance(getattr(run, part), collections.abc.Mapping):
+                    raise InputError(f"{part} of the run `{name}` is {getattr(run, part)!r}; give a dictionary of numbers or texts")
             held = {quantity: _text(value) for quantity, value in run.held.items()}
             session = {} if run.session is None else {"session": run.session}
             runs.append({"name": name, "files": files, "held": held, "set": dict(run.set), **session})
@@ -205,6 +208,8 @@ class Study:
         for section in ("flow", "tank", "pulses"):
             values = getattr(self, section)
             if values is not None:
+                if not isinstance(values, collections.abc.Mapping):
+                    raise InputError(f"{section} is {values!r}; give a dictionary of the keys of a study's section [{section}]")
                 sections[section] = {key: value if key in _PLAIN else _text(value) for key, value in values.items()}
         return sections, tables
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import collections.abc
+import itertools
 import math
+import re
 import typing
 
 import numpy
@@ -22,12 +24,24 @@ _POINTS = 100
 _BEYOND = 1.0
 
 
+def identifiers(names: collections.abc.Sequence[str]) -> list[str]:
+    """Return names without characters that python-control and MATLAB refuse, such as `biceps_duty` for `biceps.duty`; unequal names
+    stay unequal."""
+    made: list[str] = []
+    for name in names:
+        plain = re.sub("[^0-9A-Za-z_]", "_", name)
+        known = {*made, *(other for other in names if other != name)}
+        counts = (plain if count == 1 else f"{plain}_{count}" for count in itertools.count(1))
+        made.append(next(one for one in counts if one not in known))
+    return made
+
+
 def to_control(model: LinearModel) -> typing.Any:
-    """Return the model as `control.ss`, with the names of its signals."""
+    """Return the model as `control.ss`, with the names of its signals; each point in them is an underscore."""
     import control
 
     names = {"states": model.states, "inputs": model.inputs, "outputs": model.outputs}
-    return control.ss(model.A, model.B, model.C, model.D, **names)
+    return control.ss(model.A, model.B, model.C, model.D, **{part: identifiers(of) for part, of in names.items()})
 
 
 def response(model: LinearModel, omega: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.complex128]:

@@ -15,6 +15,15 @@ def addresses(model: Any, field: str, actuators: Sequence[int]) -> NDArray[numpy
     return numpy.array(actuators if known is None else [known[at] for at in actuators], dtype=numpy.int64)
 
 
+def check_actuation(mujoco: Any, model: Any) -> None:
+    """Refuses a model in which motors exert no force."""
+    if int(model.opt.disableflags) & int(mujoco.mjtDisableBit.mjDSBL_ACTUATION):
+        raise InputError(
+            'the model has <flag actuation="disable"/>, so that its motors exert no force: leave the flag out, or write '
+            'actuation="enable"'
+        )
+
+
 def check_motor(mujoco: Any, model: Any, at: int) -> None:
     """Refuses an actuator whose force would not be the tension that is written into its control."""
     name, kind, joint_kind = model.actuator(at).name, mujoco.mjtTrn, mujoco.mjtJoint
@@ -26,6 +35,9 @@ def check_motor(mujoco: Any, model: Any, at: int) -> None:
         raise InputError(f"the motor `{name}` {what}: {remedy}")
 
     plain = f'write <motor name="{name}" tendon="…"/>'
+    group = int(model.actuator_group[at])
+    if 0 <= group < 31 and int(model.opt.disableactuator) >> group & 1:
+        refuse(f"is of group {group}, which the model disables", f"leave {group} out of <option actuatorgroupdisable=…/>")
     if model.actuator_plugin[at] >= 0:
         refuse("belongs to a plugin, which computes its force", f"step this model with mujoco.mj_step, or {plain}")
     if model.actuator_dyntype[at] != int(mujoco.mjtDyn.mjDYN_NONE):

@@ -39,6 +39,8 @@ class Summary(collections.abc.Mapping[str, float]):
     assumed: dict[str, str]
 
     def __getitem__(self, name: str) -> float:
+        if name not in self.numbers:
+            raise KeyError(f"there is no `{name}` but {', '.join(self.numbers)}")
         return self.numbers[name]
 
     def __iter__(self) -> collections.abc.Iterator[str]:
@@ -138,6 +140,9 @@ class Settled(collections.abc.Mapping[str, Settling]):
     columns: dict[str, Settling]
 
     def __getitem__(self, name: str) -> Settling:
+        if name not in self.columns:
+            known = ", ".join(self.columns) or "none, as the run has not settled"
+            raise KeyError(f"there is no `{name}` but {known}")
         return self.columns[name]
 
     def __iter__(self) -> collections.abc.Iterator[str]:

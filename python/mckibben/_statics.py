@@ -8,6 +8,7 @@ import typing
 import numpy
 from numpy.typing import ArrayLike, NDArray
 
+from mckibben._arguments import array_of
 from mckibben._mckibben import Scenario, _curves, _Statics
 from mckibben.errors import InputError
 
@@ -94,7 +95,7 @@ class Statics:
         numpy.ndarray
             Of the common shape; NaN out of reach.
         """
-        return self._both(self._of.force, length, gauge_pressure)
+        return self._both(self._of.force, length=length, gauge_pressure=gauge_pressure)
 
     def stiffness(self, length: ArrayLike, gauge_pressure: ArrayLike, *, sealed: bool = False) -> Numbers:
         """Return the stiffness at constant pressure, equation (7), or with the valve shut, equation (5).
@@ -113,7 +114,7 @@ class Statics:
         numpy.ndarray
             Stiffness in N/m, of the common shape; NaN out of reach.
         """
-        return self._both(self._of.sealed_stiffness if sealed else self._of.stiffness, length, gauge_pressure)
+        return self._both(self._of.sealed_stiffness if sealed else self._of.stiffness, length=length, gauge_pressure=gauge_pressure)
 
     def volume(self, length: ArrayLike) -> Numbers:
         """Return the volume of the air, in the braid and outside it.
@@ -128,11 +129,11 @@ class Statics:
         numpy.ndarray
             Volume in m^3, of the shape of `length`; NaN out of reach.
         """
-        lengths = _numbers(length)
+        lengths = array_of("length", length)
         return self._of.volume(lengths.ravel()).reshape(lengths.shape)
 
     def gauge_pressure_for(
-        self, length: ArrayLike, force: ArrayLike, *, max_gauge_pressure: float | None = None
+        self, length: ArrayLike, force: ArrayLike, *, max_gauge_pressure: float | str | None = None
     ) -> Numbers:
         """The least gauge pressure in Pa at which the actuator bears a force at a length.
 
@@ -142,8 +143,8 @@ class Statics:
             Distance between the ends in m.
         force : array_like
             Tension in N, zero or above.
-        max_gauge_pressure : float, optional
-            The highest gauge pressure in Pa; that of the scenario's supply unless given.
+        max_gauge_pressure : float or str, optional
+            The highest gauge pressure in Pa, or text with a unit; that of the scenario's supply unless given.
 
         Returns
         -------
@@ -158,7 +159,7 @@ class Statics:
         most = self.supply_gauge_pressure if max_gauge_pressure is None else max_gauge_pressure
         if most is None:
             raise InputError("the scenario has no supply; give `max_gauge_pressure` in Pa")
-        return self._both(lambda first, second: self._of.gauge_pressure_for(first, second, most), length, force)
+        return self._both(lambda first, second: self._of.gauge_pressure_for(first, second, most), length=length, force=force)
 
     def length_for(self, gauge_pressure: ArrayLike, force: ArrayLike) -> Numbers:
         """Return the length at which the actuator bears a force at a gauge pressure.
@@ -176,22 +177,16 @@ class Statics:
             Length in m, of the common shape; NaN where the actuator pulls harder even at its shortest length, or bears less at
             its longest.
         """
-        return self._both(self._of.length_for, gauge_pressure, force)
+        return self._both(self._of.length_for, gauge_pressure=gauge_pressure, force=force)
 
     @staticmethod
-    def _both(function: collections.abc.Callable[..., Numbers], first: ArrayLike, second: ArrayLike) -> Numbers:
-        pair = numpy.broadcast_arrays(_numbers(first), _numbers(second))
+    def _both(function: collections.abc.Callable[..., Numbers], **arguments: ArrayLike) -> Numbers:
+        pair = numpy.broadcast_arrays(*(array_of(name, given) for name, given in arguments.items()))
         return function(*(numpy.ravel(of) for of in pair)).reshape(pair[0].shape)
 
     def __repr__(self) -> str:
         ends = f"{1e3 * self.min_length:.1f} to {1e3 * self.max_length:.1f} mm"
         return f"<mckibben.Statics of {self._scenario.name!r}, {ends}>"
-
-
-def _numbers(given: ArrayLike) -> Numbers:
-    """Return numbers as an array; what a mask hides is missing, and NaN."""
-    hidden = numpy.ma.getmaskarray(given) if isinstance(given, numpy.ma.MaskedArray) else False
-    return numpy.where(hidden, numpy.nan, numpy.asarray(given, dtype=float))
 
 
 class Curves(collections.abc.Mapping[str, Numbers]):

@@ -6,12 +6,14 @@ import collections
 import collections.abc
 import concurrent.futures
 import dataclasses
+import numbers
 import os
 import pathlib
 import tempfile
 import typing
 import warnings
 
+from mckibben._arguments import check_scenario, is_number
 from mckibben._axes import axes_for, label
 from mckibben._listed import listed
 from mckibben._mckibben import Scenario, Sweep
@@ -275,6 +277,16 @@ def sweep(
     >>> list(runs["load_mass_kg"]), runs.attrs["units"]["length_final_m"]
     ([2.0, 3.0], 'm')
     """
+    check_scenario(scenario)
+    if jobs is not None and not (is_number(jobs) and isinstance(jobs, numbers.Integral) and jobs >= 1):
+        raise InputError(f"`jobs` = {jobs!r} is no number of threads; give a whole number from 1 to 4096, or leave it out")
+    if not (executor is None or isinstance(executor, str) or callable(getattr(executor, "submit", None))):
+        raise InputError(
+            f'`executor` is of type {type(executor).__name__}; give "ray", or one with the interface of concurrent.futures, such as '
+            "concurrent.futures.ProcessPoolExecutor()"
+        )
+    if not (vary is None or isinstance(vary, collections.abc.Mapping)):
+        raise InputError(f'`vary` is of type {type(vary).__name__}; give a dictionary of keys, such as {{"load.mass": [2.0, 3.0]}}')
     given = {
         "sweep.vary": None if vary is None else dict(vary),
         "sweep.reductions": None if reductions is None else listed("reductions", reductions),

@@ -43,7 +43,7 @@ import numpy
 from numpy.typing import NDArray
 
 from mckibben._mckibben import HostedPlant, Scenario, _register_mujoco
-from mckibben._motors import addresses, check_motor
+from mckibben._motors import addresses, check_actuation, check_motor
 from mckibben._tables import parameters
 from mckibben.errors import InputError, SimulationError
 
@@ -269,6 +269,7 @@ class Driver:
         if missing:
             raise InputError(f"the model has no motor {missing}: it has {sorted(found)}; add <motor> of these names")
         motors = [found[name].id for name in names]
+        check_actuation(mujoco, model)
         for motor in motors:
             check_motor(mujoco, model, motor)
         # Since 3.11 an actuator may have several controls and forces; before, both have its number.

@@ -307,9 +307,13 @@ def test_what_another_thread_is_stepping_is_refused(scenario):
     fine = scenario.with_values({"run.engine": "fixed-step", "run.step": "5 us"})
     plants = mckibben.VectorPlant(fine, 2)
     shown, stopped = numpy.zeros((2, len(plants.columns))), numpy.zeros(2, dtype=bool)
+    hosted, ends = mckibben.HostedPlant(scenario, max_step=5e-6), numpy.full((1, 1), 0.09)
+    hosted.begin(ends, numpy.zeros((1, 1)))
     for step, other, name in [
         (lambda: many.step(dt=1.0, **arrays(2), max_step=5e-6), many.reset, "Actuators"),
         (lambda: plants.step(numpy.full((2, 1), 0.5), 1.0, shown, stopped), plants.start, "VectorPlant"),
+        (lambda: hosted.step(ends, numpy.full((1, 1), 0.5), 1.0), hosted.observe, "HostedPlant"),
+        (lambda: hosted.step(ends, numpy.full((1, 1), 0.5), 1.0), lambda: hosted.time, "HostedPlant"),
     ]:
         refused = []
         with concurrent.futures.ThreadPoolExecutor(1) as pool:
@@ -320,7 +324,8 @@ def test_what_another_thread_is_stepping_is_refused(scenario):
                 except mckibben.InputError as error:
                     refused.append(str(error))
             run.result()
-        assert refused and all(f"these {name} are being stepped by another thread" in words for words in refused)
+        busy = f"these {name} are" if name.endswith("s") else f"this {name} is"
+        assert refused and all(f"{busy} being stepped by another thread" in words for words in refused)
         other()
 
 
@@ -627,3 +632,84 @@ def test_numbers_of_another_shape_are_refused_by_their_argument(swing):
 def test_a_load_that_is_no_force_is_refused_by_its_argument(swing):
     with pytest.raises(mckibben.InputError, match="`load` = -5 N"):
         mckibben.linearize(swing, load=-5.0)
+
+
+# --- kinds of arguments ---------------------------------------------------------------------------------------------
+
+
+def test_what_is_no_number_is_refused_by_its_argument(scenario):
+    muscle = mckibben.Actuator(scenario)
+    state, statics = muscle.start(), mckibben.Statics(scenario)
+    right = {"length": 0.09, "velocity": 0.0, "command": 0.5, "dt": STEP}
+    for name in right:
+        for wrong in ([0.1], True, numpy.bool_(True)) if name == "command" else ([0.1], None, True, numpy.bool_(True)):
+            with pytest.raises(TypeError, match=f"`{name}` is of type"):
+                muscle.step(state, **right | {name: wrong})
+        with pytest.raises(mckibben.InputError, match=f"{name}"):
+            muscle.step(state, **right | {name: "5 parsec"})
+    for wrong in (None, "x", True, [True, False]):
+        with pytest.raises(TypeError, match="`length` is"):
+            statics.force(wrong, 2e5)
+        with pytest.raises(TypeError, match="`gauge_pressure` is"):
+            statics.force(0.08, wrong)
+    for wrong in (True, [1]):
+        with pytest.raises(TypeError, match="`gauge_pressure` is of type"):
+            mckibben.linearize(scenario, gauge_pressure=wrong)
+
+
+def test_quantities_may_be_text_with_a_unit(scenario):
+    muscle = mckibben.Actuator(scenario, pulse_frequency="25 Hz")
+    state, statics = muscle.start(), mckibben.Statics(scenario)
+    _, tension, _ = muscle.step(state, 0.085, 0.01, 0.4, 1e-3, max_step=5e-4)
+    assert muscle.step(state, "85 mm", "1 cm/s", "40 %", "1 ms", max_step="0.5 ms")[1] == tension
+    assert muscle.rest_length("2 bar") == muscle.rest_length(2e5)
+    assert statics.gauge_pressure_for(0.08, 20.0, max_gauge_pressure="4 bar") == statics.gauge_pressure_for(
+        0.08, 20.0, max_gauge_pressure=4e5
+    )
+    step, same = mckibben.DifferentiableStep(muscle, "1 ms"), mckibben.DifferentiableStep(muscle, 1e-3)
+    numpy.testing.assert_array_equal(step(step.pack(state, "85 mm", 0.0, "40 %")), same(same.pack(state, 0.085, 0.0, 0.4)))
+    model, other = mckibben.linearize(scenario, duty="40 %"), mckibben.linearize(scenario, duty=0.4)
+    numpy.testing.assert_array_equal(model.A, other.A)
+    with pytest.raises(mckibben.InputError, match="command = \"slowly\" is no command"):
+        muscle.step(state, 0.085, 0.0, "slowly", STEP)
+
+
+def test_what_is_no_scenario_is_refused_with_the_way_to_read_a_file(scenario):
+    for call in [mckibben.simulate, mckibben.linearize, mckibben.Statics, mckibben.curves, mckibben.Actuator, mckibben.HostedPlant,
+                 mckibben.sweep, mckibben.Sweep]:
+        with pytest.raises(TypeError, match=r"`scenario` is of type str; give mckibben.Scenario.from_file\(.x.toml.\)"):
+            call("x.toml")
+    with pytest.raises(TypeError, match="`scenario` is of type int"):
+        mckibben.VectorPlant(5, 1)
+
+
+def test_arguments_of_a_sweep_are_refused_by_name(scenario):
+    of = functools.partial(mckibben.sweep, scenario, vary={"load.mass": [2.0]}, reductions=["length.final"])
+    for wrong, words in [({"jobs": 0}, "`jobs` = 0"), ({"jobs": True}, "`jobs` = True"), ({"executor": 5}, "`executor` is of type int"),
+                         ({"vary": 5}, "`vary` is of type int")]:
+        with pytest.raises(mckibben.InputError, match=words):
+            of(**wrong)
+
+
+def test_entries_that_a_mask_hides_are_refused(scenario):
+    many, given = mckibben.Actuators(scenario, 4), arrays(4)
+    hidden = numpy.ma.masked_array(given["length"], [False, True, False, False])
+    with pytest.raises(mckibben.InputError, match="`length` is a masked array whose mask hides entries"):
+        many.step(dt=STEP, **given | {"length": hidden})
+    many.step(dt=STEP, **given | {"length": numpy.ma.masked_array(given["length"])})
+
+
+def test_a_figure_that_a_run_does_not_have_is_named(swing):
+    with pytest.raises(KeyError, match="there is no `foo` but length.final, "):
+        mckibben.simulate(swing).summary()["foo"]
+    with pytest.raises(KeyError, match="there is no `foo` but "):
+        swing.settle()["foo"]
+
+
+def test_very_many_times_are_read_in_parts(swing):
+    run = mckibben.simulate(swing)
+    times = numpy.linspace(0.0, 0.1, 120_001)
+    many = run.at_times(times)
+    for place in (0, 49_999, 50_000, 100_000, 120_000):
+        assert {name: values[place] for name, values in many.items()} == run.at(times[place])
+    assert len(run.at_times([])["length_m"]) == 0

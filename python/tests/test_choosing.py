@@ -5,7 +5,9 @@ from __future__ import annotations
 import csv
 import json
 import math
+import re
 
+import numpy
 import pytest
 
 import mckibben
@@ -218,3 +220,20 @@ def test_texts_in_place_of_lists_and_no_evaluations_are_refused(rig):
     for evaluations in (0, -1):
         with pytest.raises(mckibben.InputError, match=f"evaluations`? = {evaluations}.*from 1 on"):
             mckibben.design(rig, vary, minimize="air.used", evaluations=evaluations)
+
+
+def test_the_place_of_a_range_keeps_its_arrow_and_its_lines(rig):
+    with pytest.raises(mckibben.InputError, match="--> `vary`:1:6") as refused:
+        mckibben.design(rig, {"load.mass": (1.0, 2.0)}, minimize="length.final", evaluations=5)
+    assert re.search("[^-`]--+ chosen here", str(refused.value)) and "`_" not in str(refused.value)
+
+
+def test_the_air_of_a_stroke_is_that_of_room_temperature():
+    """By the gas law at 293.15 K; a fill by the isentropic process of the scenario takes less."""
+    muscle = mckibben.size(**WANTED, time=0.3, braid_angles=["25 deg"])[0]
+    statics = mckibben.Statics(muscle.scenario)
+    volumes = statics.volume([muscle.length - 0.03, muscle.length])
+    pressures = 101325.0 + numpy.array([muscle.needed_gauge_pressure, 0.0])
+    masses = pressures * volumes / (286.99 * 293.15)
+    assert muscle.air == pytest.approx(muscle.count * (masses[0] - masses[1]), rel=1e-4)
+    assert muscle.count * mckibben.simulate(muscle.scenario).summary()["air.used"] < muscle.air

@@ -329,3 +329,24 @@ def test_an_option_out_of_its_range_is_refused(options: dict[str, Any], words: s
 def test_a_scenario_whose_duration_is_no_whole_number_of_steps_gets_the_nearest() -> None:
     one = gymnasium.make(MASS, pulse_frequency=30.4).unwrapped
     assert one.dt == 1.0 / 30.4 and one._episodes.periods == 61
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"noise": 1e-3}, 'noise is no dictionary but 0.001.*"length_m"'),
+        ({"max_pressure": 3e5}, 'max_pressure = 300000.0 has no effect with action_mode="duty"'),
+        ({"targets": {"length_m": (0.2, 0.3)}}, "beyond the thread"),
+        ({"targets": {"length_m": (-0.2, 0.08)}}, "not above zero"),
+        ({"targets": {"absolute_pressure_pa": (-2e5, -1e5)}}, "not above zero"),
+    ],
+)
+def test_what_has_no_effect_or_no_meaning_is_refused(options, words) -> None:
+    with pytest.raises(mckibben.InputError, match=words):
+        gymnasium.make("mckibben/HangingMass-v0", **options)
+
+
+def test_no_noise_and_nothing_drawn_may_be_none() -> None:
+    one = gymnasium.make("mckibben/HangingMass-v0", noise=None, randomize=None)
+    other = gymnasium.make("mckibben/HangingMass-v0")
+    np.testing.assert_array_equal(one.reset(seed=3)[0], other.reset(seed=3)[0])

@@ -12,6 +12,7 @@ import numpy
 import pytest
 
 import mckibben
+from mckibben._linear import identifiers
 
 pytestmark = pytest.mark.blas
 
@@ -348,3 +349,36 @@ def test_the_response_at_a_pole_is_refused(examples):
     with pytest.raises(mckibben.InputError, match="a pole at zero.*leave 0.0 rad/s out of `omega`"):
         model.response([1.0, 0.0])
     assert numpy.isfinite(model.response([1.0])).all()
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+@pytest.mark.parametrize("file", ["plant/arm", "plant/bottle", "plant/leg"])
+def test_points_in_the_names_of_signals_are_underscores_in_control(file, examples):
+    model = mckibben.linearize(mckibben.Scenario.from_file(examples / f"{file}.toml"))
+    system = model.to_control()
+    for labels, names in [
+        (system.state_labels, model.states), (system.input_labels, model.inputs), (system.output_labels, model.outputs)
+    ]:
+        assert labels == [name.replace(".", "_").replace("-", "_") for name in names] and len(set(labels)) == len(labels)
+    numpy.testing.assert_array_equal(system.A, model.A)
+
+
+def test_names_without_points_stay_unequal():
+    assert identifiers(["a.b", "a_b", "a.c", "a-c"]) == ["a_b_2", "a_b", "a_c", "a_c_2"]
+
+
+def test_an_angle_without_lengths_is_refused_by_its_name(examples):
+    joint = mckibben.Scenario.from_file(examples / "linearize-joint.toml")
+    for angle, words in [(5, "(?s)`angle` = 5 rad gives an actuator a length of .*a number is in rad"), (-5, "`angle` = -5 rad")]:
+        with pytest.raises(mckibben.InputError, match=words) as refused:
+            mckibben.linearize(joint, angle=angle, stiffness=1)
+        assert "controller" not in str(refused.value)
+    with pytest.raises(mckibben.InputError, match="`stiffness` = 1000000 N.m/rad contradicts"):
+        mckibben.linearize(joint, angle=0.2, stiffness=1e6)
+
+
+def test_a_pressure_that_stands_at_the_supply_is_said_to_be_there(examples):
+    """Pulses of a two-way valve fill the muscle up to the supply, where no air flows."""
+    with pytest.warns(UserWarning, match="stands at that beyond an open port"):
+        model = mckibben.linearize(mckibben.Scenario.from_file(examples / "valves/kv-two-way.toml"))
+    assert not [words for words in model.warnings if "too large" in words]

@@ -558,6 +558,17 @@ def test_a_driver_refuses_the_muscles_of_the_plugin():
         mckibben.mujoco.Driver(model, scenario(), command_mode="request")
 
 
+def test_motors_that_the_model_disables_are_refused():
+    model = with_motor()
+    model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_ACTUATION)
+    with pytest.raises(mckibben.InputError, match='flag actuation="disable"'):
+        mckibben.mujoco.Driver(model, scenario(), command_mode="request")
+    model = with_motor()
+    model.opt.disableactuator = 1
+    with pytest.raises(mckibben.InputError, match="is of group 0, which the model disables"):
+        mckibben.mujoco.Driver(model, scenario(), command_mode="request")
+
+
 def test_a_motor_on_a_joint_is_one_on_a_tendon():
     """The tendon is as long as the joint is low; the joint of another body may have a range of forces."""
     ends = []
@@ -713,3 +724,18 @@ def test_a_length_offset_that_cannot_be_is_named(offset):
     run(model, data, 0.002, 0.0)
     said = log()
     assert "length_offset" in said and "initial.length" not in said, said
+
+
+@pytest.mark.parametrize(("act", "gauge"), [("1e-9", 1e-9), ("150000", 150000.0), ("0", None)])
+def test_a_keyframe_sets_the_pressure_except_by_zero(act, gauge):
+    """Zero is what a reset writes, so it stands for the pressure of the scenario."""
+    text = (MODELS / "hanging-mass.xml").read_text()
+    key = f'<keyframe><key qpos="0" act="{act}"/></keyframe></mujoco>'
+    model, plain = (mujoco.MjModel.from_xml_string(text.replace("</mujoco>", end)) for end in (key, "</mujoco>"))
+    data, begun = mujoco.MjData(model), mujoco.MjData(plain)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    mujoco.mj_forward(model, data)
+    mujoco.mj_forward(plain, begun)
+    pressures = [of.sensor("muscle.gauge_pressure").data[0] for of in (data, begun)]
+    assert pressures[0] == pytest.approx(pressures[1] if gauge is None else gauge, abs=1e-3)
+    assert pressures[1] > 1e3

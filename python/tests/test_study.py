@@ -264,3 +264,10 @@ def test_tables_that_are_none_are_refused(rig, lengths):
         mckibben.identify(mckibben.Study(kind="trajectory", scenario=rig, runs=[{"t": TIMES}], columns={}))  # type: ignore[arg-type]
     with pytest.raises(mckibben.InputError, match="2 dimensions"):
         mckibben.identify(study(rig, {"t": TIMES, "L": lengths.reshape(7, 43)}))
+
+
+@pytest.mark.parametrize("section", ["flow", "tank", "pulses"])
+def test_a_section_that_is_no_dictionary_is_refused_by_its_name(section, swing):
+    study = mckibben.Study(kind="trajectories", scenario=swing, runs={"t": [0.0, 0.1]}, columns={"time": "t"}, **{section: 5})
+    with pytest.raises(mckibben.InputError, match=f"{section} is 5; give a dictionary"):
+        mckibben.identify(study)

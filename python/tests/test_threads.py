@@ -255,3 +255,25 @@ def test_a_long_call_ends_at_an_interrupt(what, scenario, interrupted):
         # By a call without a line of Python.
         interrupted(functools.partial.__call__, call)
     assert seen() == before
+
+
+@pytest.mark.parametrize("work", [
+    "mckibben.Scenario.from_file(FILE).with_values({'run.duration': '2000 s'}).settle()",
+    "mckibben.size(load='5 kg', stroke='30 mm', gauge_pressure='4 bar', time=0.3, ripple='0.2 mm',"
+    " braid_angles=[f'{angle / 100} deg' for angle in range(1500, 3500)])",
+])
+def test_what_takes_long_ends_by_ctrl_c(work, examples):
+    """In a process of its own, whose main thread is the one that is interrupted."""
+    program = f"""
+import mckibben, os, signal, threading, time
+FILE = {str(examples / "linearize-pwm.toml")!r}
+mckibben.size(load="5 kg", stroke="30 mm", gauge_pressure="4 bar")
+threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT)).start()
+begun = time.monotonic()
+try:
+    {work}
+except KeyboardInterrupt:
+    print(time.monotonic() - begun)
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=120, check=True)
+    assert 0.4 < float(done.stdout) < 5.0

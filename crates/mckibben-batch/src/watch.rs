@@ -21,7 +21,7 @@ use crate::held::{Held, are_apart};
 use crate::motion::HostEnds;
 use crate::wide::Wide;
 use mckibben::internals::{
-    Evaluation, Formulas, GuardForm, NetworkGuard, System, ThreadContact, Trace, tendon_tension,
+    Evaluation, Formulas, GuardForm, MOST_AIR, NetworkGuard, System, ThreadContact, Trace, tendon_tension,
 };
 use mckibben::line::Poppet;
 use mckibben::mechanism::Mechanism;
@@ -183,6 +183,7 @@ impl<W: Wide> Watch<W> {
         }
         for place in system.places_of_air() {
             self.states[place].above(lane, W::SMALLEST);
+            self.states[place].below(lane, W::below(MOST_AIR));
         }
         for wire in &system.wires {
             if let Some(place) = wire.length_place() {

@@ -11,6 +11,7 @@ use crate::status::{Refusal, Status, status, value};
 use crate::step::Response;
 use mckibben_run::failure::Failure;
 use mckibben_run::host::HostBatch;
+use mckibben_run::sweep::schedule::STACK;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::sync::Mutex;
 use std::thread::JoinHandle;
@@ -52,7 +53,7 @@ impl Threads {
     fn start(count: usize) -> Result<Self, Refusal> {
         let mut handles = Vec::new();
         let start = |thread: rayon::ThreadBuilder| {
-            handles.push(std::thread::Builder::new().spawn(|| thread.run())?);
+            handles.push(std::thread::Builder::new().stack_size(STACK).spawn(|| thread.run())?);
             Ok(())
         };
         match ThreadPoolBuilder::new().num_threads(count).spawn_handler(start).build() {

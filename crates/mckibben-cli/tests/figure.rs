@@ -1,7 +1,7 @@
 //! The figures of runs: which panels, curves, strips and marks they have, columns by name, and several files over each other.
 
 use crate::common::{Folder, of_repository};
-use mckibben_plot::{Colour, Dash, Extent, Figure};
+use mckibben_plot::{Colour, Dash, Extent, Figure, Reference};
 use mckibben_run::axis::TrajectoryAxis;
 use mckibben_run::figure::{self, Picture, Request};
 use mckibben_run::run::{Finished, Ready};
@@ -103,6 +103,41 @@ fn set_points_are_dotted_in_the_colour_of_what_they_are_of() {
             assert!(of.count() >= 2, "{name}: a set point without its curve");
         }
     }
+}
+
+/// Three muscles of two lengths: each line has the colour and the name of its curve, and what two share the names of both.
+#[test]
+fn limits_of_several_muscles_can_be_told_apart() {
+    let figure = one(usual(&example("plant/bottle")));
+    let panel = figure.panels.iter().find(|panel| panel.y.label == "length").expect("a panel");
+    let lines = panel.references.iter().filter_map(|reference| match reference {
+        Reference::Horizontal { label, colour, .. } => Some((label.as_str(), *colour)),
+        Reference::Vertical { .. } => None,
+    });
+    let lines: Vec<(&str, Colour)> = lines.collect();
+    let of = |name: &str| panel.series.iter().find(|series| series.label == name).expect("a curve").colour;
+    for words in ["max length, long", "min length, long"] {
+        assert!(lines.contains(&(words, of("long"))), "{lines:?}");
+    }
+    assert!(lines.contains(&("max length, paper and thick", Colour::Neutral)), "{lines:?}");
+    // One muscle has its limits without a name.
+    let alone = one(usual(&example("fill-hold-exhaust")));
+    let named = alone.panels.iter().flat_map(|panel| &panel.references);
+    let is_plain = |of: &Reference| matches!(of, Reference::Horizontal { label, .. } if !label.contains(','));
+    assert!(named.clone().count() > 0 && named.clone().all(is_plain), "{:?}", named.collect::<Vec<_>>());
+}
+
+/// Two muscles fall onto their taut braids at once: a kind of which there are too many about an instant is counted in the note.
+#[test]
+fn marks_do_not_pile_up() {
+    let run = example("plant/bottle");
+    let figure = one(usual(&run));
+    let mut times: Vec<f64> = figure.panels[0].marks.iter().flat_map(|marks| marks.x.iter().copied()).collect();
+    times.sort_by(f64::total_cmp);
+    let most =
+        times.iter().map(|from| times.iter().filter(|at| (*from..=from + 0.02 * 3.2).contains(at)).count()).max();
+    assert!(most <= Some(8) && most > Some(1), "{times:?}");
+    assert!(figure.note.contains("not marked: ") && figure.note.contains("rebound"), "{}", figure.note);
 }
 
 /// Every event is on the figure: as a mark, as the end of a strip, or by its number in the note.

@@ -37,13 +37,21 @@ fn what_is_no_unit_is_refused() {
     let folder = Folder::new("fmu-refused");
     for (arguments, words) in [
         (&["--output", "arm.zip"][..], ".fmu"),
-        (&["--output", "arm.fmu", "--command-mode", "position"], "command_mode"),
-        (&["--output", "arm.fmu", "--pulse-frequency", "0 Hz"], "pulse_frequency"),
+        (&["--output", "arm.fmu", "--command-mode", "position"], "give --command-mode duty or --command-mode request"),
+        (&["--output", "arm.fmu", "--command-mode", "duty"], "give --pulse-frequency, such as '25 Hz'"),
+        (&["--output", "arm.fmu", "--pulse-frequency", "0 Hz"], "`0 Hz` is not above zero"),
+        (&["--output", "arm.fmu", "--max-step", "-1 ms"], "`-1 ms` is not above zero"),
+        (&["--output", "arm.fmu", "--max-step", "1 ms", "--kind", "me"], "leave out --max-step"),
+        (
+            &["--output", "arm.fmu", "--pulse-frequency", "25 Hz", "--command-mode", "request"],
+            "leave out --pulse-frequency",
+        ),
         (&["--output", "arm.fmu", "--set", "initial.gauge_pressure=-20 bar"], "gauge_pressure"),
         (&["--output", "arm.fmu", "--fmi", "1"], "--fmi"),
     ] {
         let (code, printed) = run(&folder, arguments);
         assert_eq!(code, Some(2), "{arguments:?}: {printed}");
+        let printed = printed.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(printed.contains(words), "{arguments:?}: {printed}");
     }
     assert!(folder.names().is_empty());
@@ -65,6 +73,7 @@ fn a_unit_says_what_it_leaves_out_and_takes_units() {
     let pressure =
         description.lines().find(|line| line.contains("name=\"gripper.gauge_pressure\"")).expect("an output");
     assert!(pressure.contains("unit=\"Pa\" displayUnit=\"psi\""), "{pressure}");
+    assert!(description.contains("name=\"degF\" factor=\"1.8\" offset=\"-459.67\""), "short numbers");
     let printed =
         write("examples/friction/lugre.toml", &["--output", "lugre.fmu", "--kind", "me", "--motion", "scenario"]);
     assert!(!printed.contains("left out"), "{printed}");

@@ -476,17 +476,73 @@ fn the_exergy_of_the_supply_is_reported_where_there_is_a_valve() {
         String::from_utf8(output.stdout).unwrap()
     };
     let with = printed("examples/fill-hold-exhaust.toml");
-    let (_, exergy) = with.split_once("Exergy of the supply's air").expect("its heading");
-    for name in ["drawn", "gas work", "exhaust", "valve", "heat", "residual", "efficiency", "of compressor"] {
+    let (_, exergy) = with.split_once("Exergy of the air").expect("its heading");
+    for name in ["drawn", "gas work", "exhaust", "throttled", "heat", "residual", "efficiency", "of compressor"] {
         assert!(exergy.contains(&format!("\n  {name}")), "{name}: {exergy}");
     }
     assert!(!printed("examples/paper/fig-08.toml").contains("Exergy"), "a sealed muscle draws nothing");
     let (_, of_joint) = printed("examples/antagonistic-joint.toml")
-        .split_once("Exergy of the supply's air")
+        .split_once("Exergy of the air")
         .map_or_else(|| panic!("a joint has its circuit"), |(before, after)| (before.to_owned(), after.to_owned()));
-    for name in ["drawn", "gas work", "exhaust", "valve", "heat", "residual", "efficiency", "of compressor"] {
+    for name in ["drawn", "gas work", "exhaust", "throttled", "heat", "residual", "efficiency", "of compressor"] {
         assert!(of_joint.contains(&format!("\n  {name}")), "{name}: {of_joint}");
     }
+}
+
+/// The rows of a table of the summary in kg or J, up to its residual, without those that are parts of the row above.
+fn table<'t>(text: &'t str, heading: &str) -> Vec<(&'t str, f64)> {
+    let lines = text.lines().skip_while(|line| *line != heading).skip(1);
+    let lines = lines.take_while(|line| !line.starts_with("  residual")).filter(|line| !line.starts_with("   "));
+    let row = |line: &'t str| {
+        let (name, rest) = line.split_at(16);
+        let (number, unit) = rest.trim().split("  ").next().and_then(|value| value.split_once(' ')).expect("a value");
+        let scale = match unit {
+            "J" => 1.0,
+            "g" | "mJ" => 1e-3,
+            "mg" | "µJ" => 1e-6,
+            "µg" | "nJ" => 1e-9,
+            _ => panic!("{unit}: {line}"),
+        };
+        (name.trim(), scale * number.parse::<f64>().expect("a number"))
+    };
+    lines.map(row).collect()
+}
+
+/// What goes in is the sum of what comes out, to the digits that are printed.
+fn adds_up(text: &str, heading: &str, gives: &[&str]) {
+    let rows = table(text, heading);
+    assert!(gives.iter().all(|name| rows.iter().any(|(its, _)| its == name)), "{gives:?}:\n{text}");
+    let sign = |name: &str| if gives.contains(&name) { 1.0 } else { -1.0 };
+    let left: f64 = rows.iter().map(|(name, value)| sign(name) * value).sum();
+    let largest = rows.iter().fold(0.0, |largest: f64, (_, value)| largest.max(value.abs()));
+    assert!(left.abs() < 1e-3 * largest, "{left} of {heading}:\n{text}");
+}
+
+/// Of one actuator that leaks, on a tank that a compressor fills for four, of a joint whose effectiveness takes work, and of a plant with hoses.
+#[test]
+fn the_rows_of_each_table_add_up() {
+    let folder = Folder::new("tables");
+    let printed = |file: &str, set: &[&str]| {
+        let file = of_repository(file).display().to_string();
+        run(&folder, &[&["simulate", "--verbose", &file], set].concat())
+    };
+    let tank = printed("examples/line/tank.toml", &[]);
+    adds_up(&tank, "Energy", &["gas work"]);
+    adds_up(&tank, "Exergy of the air", &["drawn", "compressed"]);
+    for name in ["leaked", "others"] {
+        assert!(table(&tank, "Exergy of the air").iter().any(|(its, _)| *its == name), "{name}: {tank}");
+    }
+    assert!(tank.contains("\n  efficiency"), "{tank}");
+    let joint = printed("examples/antagonistic-joint.toml", &["--set", "actuator.effectiveness.constant=0.9"]);
+    assert!(table(&joint, "Energy").iter().any(|(name, _)| *name == "effectiveness"), "{joint}");
+    assert!(joint.contains("by the gauge pressures: agonist "), "{joint}");
+    adds_up(&joint, "Energy", &["gas work"]);
+    adds_up(&joint, "Exergy of the air", &["drawn"]);
+    let plant = printed("examples/plant/hose-joint.toml", &[]);
+    assert!(table(&plant, "Air").iter().any(|(name, mass)| *name == "in hoses" && *mass > 1e-6), "{plant}");
+    adds_up(&plant, "Air", &["supply"]);
+    adds_up(&plant, "Energy", &["gas work"]);
+    adds_up(&plant, "Exergy of the air", &["drawn"]);
 }
 
 /// Parts of the actuators of a joint other than the valves add columns behind each one's valve; what happens to the bottle of

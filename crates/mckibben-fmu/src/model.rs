@@ -24,6 +24,8 @@ pub const TOLERANCE: f64 = 1e-6;
 #[derive(Clone, Debug)]
 pub struct Model {
     document: Document,
+    /// The document with set points of zero, since the host commands the valves: a supply may be lower than those of the scenario.
+    uncommanded: Document,
     options: UnitOptions,
     variables: Variables,
     /// The plant with the parameters of the scenario.
@@ -51,9 +53,10 @@ impl Model {
     fn of_canonical(document: Document, options: UnitOptions) -> Result<Self, Failure> {
         let plant = HostPlant::read(&document, &options.of_host())?;
         let indicators = PlantExchange::new(plant.steps(), TOLERANCE)?.guard_count();
+        let uncommanded = uncommanded(&document, &plant)?;
         let variables = Variables::new(&document, &plant, indicators);
         let token = token_of(&[&document.to_toml(), &options.to_text(), env!("CARGO_PKG_VERSION")]);
-        Ok(Self { document, options, variables, plant, token })
+        Ok(Self { document, uncommanded, options, variables, plant, token })
     }
 
     /// From the folder of a unit's resources.
@@ -115,7 +118,7 @@ impl Model {
     /// # Errors
     /// For a value that the scenario cannot have.
     pub fn build(&self, parameters: &[f64]) -> Result<HostPlant, Failure> {
-        let mut document = self.document.clone();
+        let mut document = self.uncommanded.clone();
         let mut is_changed = false;
         for (number, value) in self.variables.parameters.iter().zip(parameters) {
             if number.value.to_bits() != value.to_bits() {
@@ -126,6 +129,21 @@ impl Model {
         }
         if is_changed { HostPlant::read(&document, &self.options.of_host()) } else { Ok(self.plant.clone()) }
     }
+}
+
+/// A document in which the set points of actuators are zero. Supplies keep theirs, which are part of the plant.
+fn uncommanded(document: &Document, plant: &HostPlant) -> Result<Document, Failure> {
+    let mut document = document.clone();
+    let own = plant.actuators().iter().map(|name| format!("actuators.{name}"));
+    for owner in [String::new(), "antagonist".to_owned()].into_iter().chain(own) {
+        let key = |key: &str| format!("{owner}.command.{key}").trim_start_matches('.').to_owned();
+        if document.contains(&key("gauge_pressure")) {
+            for name in ["time", "gauge_pressure"] {
+                document.set_in_si("command of the unit", &key(name), "[0.0]")?;
+            }
+        }
+    }
+    Ok(document)
 }
 
 /// A document whose keys stand in the order of the text that is written to the resources.

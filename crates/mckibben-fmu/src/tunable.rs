@@ -3,7 +3,10 @@
 //! A parameter is tunable if the states of the plant can stay as they are when it changes: a flow, a damping, a weight. Fixed
 //! are starts, dimensions, the gas, motions given over time, and what decides which parts there are.
 
-use mckibben_scenario::DocumentNumber;
+use mckibben::network::{Network, Node, NodeKind};
+use mckibben::parameter;
+use mckibben_run::host::experiment_of;
+use mckibben_scenario::{Document, DocumentNumber};
 
 /// Keys of a scenario file.
 const TUNABLE: [&str; 49] = [
@@ -65,9 +68,35 @@ const APART_FROM_ZERO: [&str; 4] = [
     "actuator.friction.coulomb_force_per_pressure",
 ];
 
-/// Whether a number of a scenario can be changed while its unit runs.
-pub(crate) fn is_tunable(number: &DocumentNumber) -> bool {
-    TUNABLE.contains(&number.key)
+/// By how much a pressure in Pa is changed to see whether the plant changes.
+const NUDGE: f64 = 1.0;
+
+/// Whether a number of a document can be changed while its unit runs.
+pub(crate) fn is_tunable(document: &Document, number: &DocumentNumber) -> bool {
+    TUNABLE.contains(&number.key) && !(number.key == parameter::SUPPLY_GAUGE_PRESSURE.key && is_start(document, number))
+}
+
+/// Whether a number only says how the plant starts: the pressure of a supply is that of its air at the start where it has a
+/// volume and no regulator, its own or of another supply that follows it.
+fn is_start(document: &Document, number: &DocumentNumber) -> bool {
+    let given = |value: f64| {
+        let mut document = document.clone();
+        document.set_in_si("parameter of the unit", &number.path, &format!("{value:?}")).ok()?;
+        Some(given_pressures(experiment_of(&document).ok()?.plant.network()))
+    };
+    let nudged = given(number.value + NUDGE).or_else(|| given(number.value - NUDGE));
+    nudged.is_some() && nudged == given(number.value)
+}
+
+/// The gauge pressures in Pa of a network that are no states: of its mains, and what regulators are set to and fed by.
+fn given_pressures(network: &Network) -> Vec<f64> {
+    let of = |node: &Node| match node.kind {
+        NodeKind::Source => Some(node.gauge),
+        NodeKind::Outlet { set, .. } => Some(set),
+        NodeKind::Port { feed, .. } => Some(feed),
+        _ => None,
+    };
+    network.nodes.iter().filter_map(of).collect()
 }
 
 /// Whether a change adds or removes a part of the plant.

@@ -177,7 +177,7 @@ impl Variables {
         }];
         all.extend(inputs(plant));
         all.extend(outputs(plant));
-        all.extend(parameters.iter().enumerate().map(|(index, number)| parameter(index, number)));
+        all.extend(parameters.iter().enumerate().map(|(index, number)| parameter(document, index, number)));
         all.extend(inner(plant, &states, indicators));
         let of_arrays = elements(plant);
         all.extend(arrays(plant, &of_arrays));
@@ -300,9 +300,9 @@ fn outputs(plant: &HostPlant) -> Vec<Variable> {
 }
 
 /// A parameter. FMI's ranges include their ends, so an end that is excluded stands in the description alone.
-fn parameter(index: usize, number: &DocumentNumber) -> Variable {
+fn parameter(document: &Document, index: usize, number: &DocumentNumber) -> Variable {
     let Parameter { unit, range, .. } = number.parameter;
-    let causality = Causality::Parameter { is_tunable: is_tunable(number) };
+    let causality = Causality::Parameter { is_tunable: is_tunable(document, number) };
     let sentence = sentences::parameter(number.parameter);
     let of = scalar(Slot::Parameter(index), number.path.clone(), causality, unit, sentence);
     let end = |number: f64, is_included: bool| Some(number).filter(|number| is_included && number.is_finite());

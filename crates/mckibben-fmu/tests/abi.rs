@@ -133,6 +133,261 @@ fn a_saved_state_goes_on_bit_for_bit() {
     }
 }
 
+/// An example of the repository.
+fn example(path: &str) -> Document {
+    Document::load(format!("{}/../../examples/{path}", env!("CARGO_MANIFEST_DIR"))).expect("an example")
+}
+
+/// The core's plant where a parameter has another value, in SI.
+fn core_with(unit: &Unit, path: &str, value: f64) -> HostPlant {
+    let mut document = unit.model.document().clone();
+    document.set_in_si("parameter", path, &format!("{value:?}")).expect("a path");
+    HostPlant::read(&document, &unit.model.options().of_host()).expect("a plant")
+}
+
+/// A parameter may move the start. Distances that the host has not set follow it, and those that it has set, be it to the start of
+/// the description, are where the plant begins: either way the run is that of the core from there.
+#[test]
+fn the_run_begins_at_the_distances_that_the_inputs_show() {
+    let mut regulated = example("valves/pressure-regulator.toml");
+    regulated.set_in_si("--set", "initial.gauge_pressure", "1e5").expect("a path");
+    for (document, path, value) in [
+        (example("fill-hold-exhaust.toml"), "load.mass", 1.0),
+        (regulated, "initial.gauge_pressure", 2e5),
+        (example("tendon.toml"), "load.mass", 2.0),
+        (example("plant/arm.toml"), "mechanism.joints.elbow.angle", 0.6),
+    ] {
+        let (unit, messages) = (Unit::of_document(document, &UnitOptions::default()), Messages::default());
+        let names = unit.model.plant().actuators();
+        let of = |what: &str| names.iter().map(|name| unit.reference(&format!("{name}.{what}"))).collect::<Vec<u32>>();
+        let (references, array) = (of("distance"), unit.reference("distances"));
+        let distances = |plant: &HostPlant| (0..names.len()).map(|its| plant.distance(its)).collect::<Vec<f64>>();
+        let described = distances(unit.model.plant());
+        for (is_set, is_exchange) in [(false, false), (true, false), (false, true), (true, true)] {
+            let mut core = core_with(&unit, path, value);
+            assert_ne!(distances(&core), described, "{path} moves the start");
+            if is_set {
+                core.begin_at(&described, &vec![0.0; names.len()]).expect("distances");
+            }
+            let begin = distances(&core);
+            let handle =
+                if is_exchange { unit.model_exchange(&messages) } else { unit.co_simulation(&messages, false) };
+            let shown = || references.iter().map(|its| get(handle, *its)).collect::<Vec<f64>>();
+            if is_set && is_exchange {
+                references.iter().zip(&described).for_each(|(its, start)| assert_eq!(set(handle, *its, *start), OK));
+            } else if is_set {
+                // SAFETY: one reference and as many values as the array has.
+                let status = unsafe { fmi3SetFloat64(handle, &array, 1, described.as_ptr(), names.len()) };
+                assert_eq!(status, OK);
+            }
+            assert_eq!(set(handle, unit.reference(path), value), OK, "{}", messages.take());
+            assert_eq!(shown(), begin, "{path}, set: {is_set}");
+            for index in 0..core.commands().len() {
+                let input = core.commands()[index].name.clone();
+                core.command(index, get(handle, unit.reference(&input))).expect("a command");
+            }
+            initialise(handle);
+            if is_exchange {
+                update(handle);
+                let expected = outputs(&mut core);
+                let columns = core.outputs().iter().map(|column| column.name.as_str()).zip(expected);
+                for (name, length) in columns.filter(|(name, _)| name.ends_with(".length")) {
+                    let found = get(handle, unit.reference(name));
+                    assert!((found - length).abs() < 1e-12, "{path}, set: {is_set}: {name} is {found} for {length} m");
+                }
+            } else {
+                assert_eq!(step(handle, 0.0, 1e-3).0, OK, "{}", messages.take());
+                core.advance(1e-3, &begin).expect("a step");
+                let columns = core.outputs().iter().map(|column| get(handle, unit.reference(&column.name)));
+                assert_eq!(columns.collect::<Vec<f64>>(), outputs(&mut core), "{path}, set: {is_set}");
+            }
+            assert_eq!(shown(), begin, "{path}, set: {is_set}");
+            // SAFETY: an instance.
+            unsafe { fmi3FreeInstance(handle) };
+        }
+    }
+}
+
+/// Which distances the host has set is part of a saved state, and is forgotten by a reset.
+#[test]
+fn distances_that_are_set_stay_in_a_saved_state() {
+    let (unit, messages) =
+        (Unit::of_document(example("fill-hold-exhaust.toml"), &UnitOptions::default()), Messages::default());
+    let (mass, distance) = (unit.reference("load.mass"), unit.reference("actuator.distance"));
+    let start = unit.model.plant().distance(0);
+    let moved = core_with(&unit, "load.mass", 1.0).distance(0);
+    let [first, second] = [(); 2].map(|()| unit.co_simulation(&messages, false));
+    let (mut state, mut other, mut size) = (NULL, NULL, 0);
+    assert_eq!(set(first, distance, start), OK);
+    // SAFETY: room for handles, sizes and bytes.
+    unsafe {
+        assert_eq!(fmi3EnterInitializationMode(first, false, 0.0, 0.0, false, 0.0), OK);
+        assert_eq!(fmi3GetFMUState(first, &mut state), OK);
+        assert_eq!(fmi3SerializedFMUStateSize(first, state, &mut size), OK);
+        let mut bytes = vec![0_u8; size];
+        assert_eq!(fmi3SerializeFMUState(first, state, bytes.as_mut_ptr(), size), OK);
+        assert_eq!(fmi3DeserializeFMUState(second, bytes.as_ptr(), size, &mut other), OK, "{}", messages.take());
+        assert_eq!(fmi3Reset(first), OK);
+        assert_eq!(set(first, mass, 1.0), OK);
+        assert_eq!(get(first, distance), moved, "nothing is set after a reset");
+        for (handle, state) in [(first, state), (second, other)] {
+            assert_eq!(fmi3SetFMUState(handle, state), OK, "{}", messages.take());
+            assert_eq!(set(handle, mass, 1.0), OK);
+            assert_eq!(get(handle, distance), start, "as it was set");
+            fmi3FreeInstance(handle);
+        }
+    }
+    let callbacks =
+        Callbacks { logger: None, allocate: 0, free: 0, step_finished: 0, environment: std::ptr::null_mut() };
+    for kind in [0, 1] {
+        let mut value = 0.0;
+        // SAFETY: texts and functions that live, references and values.
+        unsafe {
+            let (token, resources) = (unit.token.as_ptr(), unit.resources.as_ptr());
+            let handle = fmi2Instantiate(c"muscle".as_ptr(), kind, token, resources, &callbacks, 0, 0);
+            assert_eq!(fmi2SetReal(handle, &mass, 1, &1.0), OK);
+            assert_eq!(fmi2GetReal(handle, &distance, 1, &mut value), OK);
+            fmi2FreeInstance(handle);
+        }
+        assert_eq!(value, moved, "by FMI 2.0");
+    }
+}
+
+/// The unit is not computed beyond the stop time of its run, but for rounding; an integrator may evaluate a little beyond it.
+#[test]
+fn the_stop_time_is_kept() {
+    let (unit, messages) = (Unit::new(MUSCLE, &UnitOptions::default()), Messages::default());
+    let handle = unit.co_simulation(&messages, false);
+    // SAFETY: an instance.
+    unsafe {
+        for (start, stop, word) in
+            [(f64::NAN, 1.0, "start time NaN s"), (0.0, f64::NAN, "NaN s is none"), (2.0, 1.0, "before")]
+        {
+            assert_eq!(fmi3EnterInitializationMode(handle, false, 0.0, start, true, stop), ERROR);
+            let message = messages.take();
+            assert!(message.contains(word) && !message.contains("Some"), "{message}");
+        }
+        assert_eq!(fmi3EnterInitializationMode(handle, false, 0.0, 0.0, true, 0.01), OK);
+        assert_eq!(fmi3ExitInitializationMode(handle), OK);
+    }
+    assert_eq!(step(handle, 0.0, 0.009).0, OK);
+    assert_eq!(step(handle, 0.009, 2e-3).0, ERROR);
+    assert!(messages.take().contains("beyond the stop time of 0.01 s"));
+    assert_eq!(step(handle, 0.009, 1e-3 * (1.0 + 1e-12)).0, OK, "{}", messages.take());
+    assert_eq!(step(handle, 0.01, 1e-3).0, ERROR);
+    let integrated = unit.model_exchange(&messages);
+    let [mut again, mut end, mut nominals, mut values, mut has_next] = [false; 5];
+    let mut next = 0.0;
+    // SAFETY: instances, and room for each.
+    unsafe {
+        assert_eq!(fmi3EnterInitializationMode(integrated, false, 0.0, 1.0, true, 1.1), OK);
+        assert_eq!(fmi3ExitInitializationMode(integrated), OK);
+        update(integrated);
+        assert_eq!(fmi3EnterContinuousTimeMode(integrated), OK);
+        assert_eq!(fmi3SetTime(integrated, 1.105), OK, "{}", messages.take());
+        assert_eq!(fmi3SetTime(integrated, 1.2), ERROR);
+        assert_eq!(fmi3EnterEventMode(integrated), OK);
+        let status = fmi3UpdateDiscreteStates(
+            integrated,
+            &mut again,
+            &mut end,
+            &mut nominals,
+            &mut values,
+            &mut has_next,
+            &mut next,
+        );
+        assert_eq!(status, ERROR, "no event lies beyond the stop time");
+        assert_eq!(fmi3SetTime(integrated, 1.1), OK);
+        update(integrated);
+        fmi3FreeInstance(integrated);
+        fmi3FreeInstance(handle);
+    }
+    let callbacks =
+        Callbacks { logger: None, allocate: 0, free: 0, step_finished: 0, environment: std::ptr::null_mut() };
+    // SAFETY: texts and functions that live.
+    unsafe {
+        let (token, resources) = (unit.token.as_ptr(), unit.resources.as_ptr());
+        let second = fmi2Instantiate(c"muscle".as_ptr(), 1, token, resources, &callbacks, 0, 0);
+        assert_eq!(fmi2SetupExperiment(second, 0, 0.0, 10.0, 1, 9.0), ERROR);
+        assert_eq!(fmi2SetupExperiment(second, 0, 0.0, 10.0, 1, 10.002), OK);
+        assert_eq!(fmi2EnterInitializationMode(second), OK);
+        assert_eq!(fmi2ExitInitializationMode(second), OK);
+        assert_eq!(fmi2DoStep(second, 10.0, 1e-3, 1), OK);
+        assert_eq!(fmi2DoStep(second, 10.001, 2e-3, 1), ERROR);
+        assert_eq!(fmi2DoStep(second, 10.001, 1e-3, 1), OK);
+        fmi2FreeInstance(second);
+    }
+}
+
+/// A supply may be lower than the set points of the scenario, which the unit leaves out: for one actuator, and where it has a name.
+#[test]
+fn set_points_of_the_scenario_are_no_limit() {
+    let named = REGULATED.replace("[command]", "[actuators.flexor.command]");
+    // Named supplies are outputs as well.
+    let rows = [(REGULATED, "actuator", "supply.gauge_pressure"), (&named, "flexor", "scenario.supply.gauge_pressure")];
+    for (text, name, supply) in rows {
+        let (unit, messages) = (Unit::new(text, &UnitOptions::default()), Messages::default());
+        let (point, supply) = (unit.reference(&format!("{name}.set_point")), unit.reference(supply));
+        let handle = unit.co_simulation(&messages, false);
+        assert_eq!(set(handle, supply, 1e5), OK);
+        assert_eq!(set(handle, point, 0.5e5), OK);
+        initialise(handle);
+        assert_eq!(set(handle, supply, 0.8e5), OK, "{}", messages.take());
+        assert_eq!(set(handle, supply, 0.4e5), ERROR, "the set point of the host is above");
+        assert_eq!(step(handle, 0.0, 1.0).0, OK, "{}", messages.take());
+        let gauge = get(handle, unit.reference(&format!("{name}.gauge_pressure")));
+        assert!((gauge - 0.5e5).abs() < 1e3, "{gauge} Pa");
+        // SAFETY: an instance.
+        unsafe { fmi3FreeInstance(handle) };
+    }
+}
+
+/// Commands that have not taken effect are part of a state; of too many of them the message is in the words of the unit.
+#[test]
+fn too_many_commands_within_a_dead_time_are_not_saved() {
+    let text = REGULATED.replace("time_constant", "dead_time = \"500 ms\"\ntime_constant");
+    let (unit, messages) = (Unit::new(&text, &UnitOptions::default()), Messages::default());
+    let (handle, point) = (unit.co_simulation(&messages, false), unit.reference("actuator.set_point"));
+    initialise(handle);
+    let mut state = NULL;
+    for k in 0..80_u32 {
+        assert_eq!(set(handle, point, 1e5 + 100.0 * f64::from(k)), OK);
+        assert_eq!(step(handle, 1e-3 * f64::from(k), 1e-3).0, OK, "{}", messages.take());
+    }
+    // SAFETY: room for a handle.
+    unsafe {
+        assert_eq!(fmi3GetFMUState(handle, &mut state), ERROR);
+        let message = messages.take();
+        assert!(message.contains("within its dead time") && !message.contains("PlantSteps"), "{message}");
+        fmi3FreeInstance(handle);
+    }
+}
+
+/// A pressure or a mass of air that is not above zero is discarded, so that an integrator takes a shorter step; the states stay.
+#[test]
+fn states_without_air_are_discarded() {
+    let (unit, messages) = (Unit::new(MUSCLE, &scenario()), Messages::default());
+    let handle = unit.model_exchange(&messages);
+    initialise(handle);
+    update(handle);
+    let count = unit.model.variables().states.len();
+    let [mut before, mut after] = [vec![0.0; count], vec![0.0; count]];
+    // SAFETY: room for the states.
+    unsafe {
+        assert_eq!(fmi3EnterContinuousTimeMode(handle), OK);
+        assert_eq!(fmi3GetContinuousStates(handle, before.as_mut_ptr(), count), OK);
+        for name in ["state.actuator.absolute_pressure", "state.actuator.air_mass"] {
+            let mut states = before.clone();
+            states[unit.reference(name) as usize % 65_536] *= -1.0;
+            assert_eq!(fmi3SetContinuousStates(handle, states.as_ptr(), count), DISCARD);
+            assert!(messages.take().contains(name));
+            assert_eq!(fmi3GetContinuousStates(handle, after.as_mut_ptr(), count), OK);
+            assert_eq!(after, before);
+        }
+        fmi3FreeInstance(handle);
+    }
+}
+
 /// A parameter that is set before the run is that of the scenario; after initialisation it is refused.
 #[test]
 fn parameters_are_those_of_the_scenario() {
@@ -481,6 +736,8 @@ fn an_arm_is_one_instance() {
         assert_eq!(fmi3SetFloat64(handle, &reference, 1, all.as_ptr(), count), OK);
         assert_eq!(fmi3SetFloat64(handle, &reference, 1, all.as_ptr(), count - 1), ERROR);
     }
+    let message = messages.take();
+    assert!(message.contains("5 values are given for `commands`, which has 6"), "{message}");
     assert_eq!(step(handle, 0.0, 0.2).0, OK, "{}", messages.take());
     assert!(get(handle, gauge) > begin + 1e4);
     // SAFETY: an instance.
@@ -580,9 +837,6 @@ fn check_starts(document: Document, options: &UnitOptions, name: &str) {
 /// that are set from outside, and dotted keys before plain ones.
 #[test]
 fn starts_of_the_description_are_those_of_the_library() {
-    let example = |path: &str| {
-        Document::load(format!("{}/../../examples/{path}", env!("CARGO_MANIFEST_DIR"))).expect("an example")
-    };
     for motion in [Motion::Host, Motion::Scenario] {
         // No step is searched for, which takes long.
         let interfaces = if motion == Motion::Host { Interfaces::Both } else { Interfaces::ModelExchange };

@@ -101,6 +101,22 @@ fn a_supply_that_changes_is_an_output() {
     assert!(matches!(of("supply.reservoir_volume"), Some(Causality::Parameter { .. })));
 }
 
+/// The pressure of a supply is a start where air is stored at it, and tunable where mains or a regulator keep it.
+#[test]
+fn the_pressure_of_a_tank_is_a_start() {
+    for (path, name, is_tunable) in [
+        ("plant/arm.toml", "supplies.tank.gauge_pressure", false),
+        ("plant/arm.toml", "supplies.regulator.gauge_pressure", true),
+        ("plant/bottle.toml", "scenario.supply.gauge_pressure", false),
+        ("line/tank.toml", "scenario.supply.gauge_pressure", true),
+        ("paper/fig-12.toml", "supply.gauge_pressure", true),
+    ] {
+        let model = Model::new(example(path), UnitOptions::default()).expect("a scenario");
+        let its = model.variables().all.iter().find(|its| its.name == name).expect("a parameter");
+        assert_eq!(its.causality, Causality::Parameter { is_tunable }, "{path}: {name}");
+    }
+}
+
 /// The range of a set point ends at the supply.
 #[test]
 fn the_range_of_a_set_point_ends_at_the_supply() {

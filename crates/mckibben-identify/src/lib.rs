@@ -16,6 +16,7 @@ pub mod adjustable;
 pub mod least_squares;
 pub mod loops;
 mod median;
+mod motion;
 mod propagation;
 pub mod ring_down;
 mod series;

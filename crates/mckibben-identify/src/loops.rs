@@ -10,27 +10,36 @@
 //! samples. Its derivatives with respect to the unknowns are exact. A
 //! loop starts relaxed, which its first turn forgets: the readings before the first turn of the length do not count.
 //!
-//! The velocity is that of the straight line from the sample before; where it is zero, dry friction has no direction
-//! and the reading does not count. Noise in length turns the direction about when the machine is slow: thin such a
-//! recording until a step is many times the noise.
+//! Velocity, direction, and the length along which hysteresis and branches go are those of parabolas through several readings, in windows
+//! that follow from the noise of the length (`motion`). A reading whose direction is not known, near a turn or a rest, does not
+//! count: dry friction has no known sign there. The static force takes the length as it was read, and not the parabola's: so its noise
+//! k σ, with the stiffness k, is another for each residual, as an interval takes it to be. A parabola would spread it over a window.
+//!
+//! ```text
+//! s² = σ_F² + k² σ_L²        where the deviation σ_F of a tension is known; k² is the mean of squared stiffnesses at the start
+//! ```
 //!
 //! With a Maxwell-slip law of given reaches its stiffness ratios are the weights of a play-operator sum (generalised
 //! Prandtl–Ishlinskii), in which the tension is linear: bounds of zero keep them from pushing.
 //!
 //! Source: the Maxwell-slip model as in the core's `friction`; the fit is derived here.
 //! Checked by `tests/loops.rs`: weights, Coulomb width and damping put in come back out, and a law
-//! without hysteresis leaves the loop.
+//! without hysteresis leaves the loop; how often intervals of Coulomb width and damping hold the truth under noise of the length.
 
 use crate::adjustable::{Adjustable, Seeded};
 use crate::least_squares::{self, Evaluation, FitError, Found, Model, Search, Unknown};
+use crate::motion::Motion;
 use crate::series;
 use mckibben::friction::{Memory, SlidingState, Viscoelastic};
-use mckibben::{Actuator, Error};
+use mckibben::{AbsolutePressure, Actuator, Error};
 use mckibben_scenario::Scenario;
 use thiserror::Error as ThisError;
 
 /// The part of the largest tension below which a residual is that of rounding.
 const ROUNDING: f64 = 1e-5;
+
+/// Readings of a known direction that a run must have, at least: one in so many.
+const KNOWN: usize = 10;
 
 /// One sample of a loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,7 +60,8 @@ pub struct Loop {
     /// What it is called.
     pub name: String,
     samples: Vec<Sample>,
-    /// The first sample after the first turn of the length.
+    motion: Motion,
+    /// The first sample of a known direction after the first turn of the length.
     first: usize,
 }
 
@@ -60,11 +70,27 @@ pub struct Loop {
 pub enum LoopError {
     /// The length does not turn.
     #[error(
-        "the length of the run `{name}` does not reverse: hysteresis appears only where it does; record it to and fro"
+        "the length of the run `{name}` does not reverse beyond its noise: hysteresis appears only where it reverses; record it to and fro"
     )]
     NoTurn {
         /// The run.
         name: String,
+    },
+    /// The direction of the length is known almost nowhere.
+    #[error(
+        "the direction of the length of the run `{name}` is not known at {hidden} of {readings} readings: its noise, {:.3} µm, hides it, or it \
+         reverses within a few readings; read the length with less noise or more often, move faster, or fit kind = \"trajectories\"",
+        1e6 * noise
+    )]
+    Hidden {
+        /// The run.
+        name: String,
+        /// Readings at which it moves and its direction is not known.
+        hidden: usize,
+        /// Readings at which it moves.
+        readings: usize,
+        /// Noise of the length in m.
+        noise: f64,
     },
     /// Samples that are none.
     #[error("sample {sample} of the run `{name}` is not finite, or its time does not rise; mend the table")]
@@ -83,11 +109,12 @@ pub enum LoopError {
 }
 
 impl Loop {
-    /// A loop of samples.
+    /// A loop of samples, whose lengths have a standard deviation in m that is known, or that is estimated from them.
     ///
     /// # Errors
-    /// [`LoopError::BadSample`], and [`LoopError::NoTurn`] when the length never turns.
-    pub fn new(name: impl Into<String>, samples: Vec<Sample>) -> Result<Self, LoopError> {
+    /// [`LoopError::BadSample`], [`LoopError::NoTurn`] when the length never turns, and [`LoopError::Hidden`] when its
+    /// direction is known almost nowhere.
+    pub fn new(name: impl Into<String>, samples: Vec<Sample>, deviation: Option<f64>) -> Result<Self, LoopError> {
         let name = name.into();
         let bad = |(place, sample): (usize, &Sample)| {
             let finite = [sample.time, sample.length, sample.gauge_pressure, sample.tension]
@@ -98,18 +125,22 @@ impl Loop {
         if let Some(place) = samples.iter().enumerate().position(bad) {
             return Err(LoopError::BadSample { name, sample: place + 1 });
         }
-        let way = |place: usize| samples[place].length - samples[place - 1].length;
-        let mut direction = 0.0;
-        let reversal = (1..samples.len()).find(|place| {
-            let is_reversal = way(*place) * direction < 0.0;
-            if way(*place) != 0.0 {
-                direction = way(*place).signum();
+        let [times, lengths]: [Vec<f64>; 2] = [|sample: &Sample| sample.time, |sample: &Sample| sample.length]
+            .map(|value: fn(&Sample) -> f64| samples.iter().map(value).collect());
+        if first_turn(lengths.windows(2).map(|pair| pair[1] - pair[0])).is_none() {
+            return Err(LoopError::NoTurn { name });
+        }
+        let motion = Motion::new(&times, &lengths, deviation);
+        let first = first_turn(motion.moving.iter().map(|moving| moving.map_or(0.0, |moving| moving.velocity)));
+        let found = Self { name, samples, motion, first: first.unwrap_or(0) };
+        let [known, readings] = [found.counted(), found.moving()];
+        match first {
+            _ if known * KNOWN < readings || known == 0 => {
+                let (hidden, noise) = (readings - known, found.motion.noise);
+                Err(LoopError::Hidden { name: found.name, hidden, readings, noise })
             }
-            is_reversal
-        });
-        match reversal {
-            Some(first) => Ok(Self { name, samples, first }),
-            None => Err(LoopError::NoTurn { name }),
+            None => Err(LoopError::NoTurn { name: found.name }),
+            Some(_) => Ok(found),
         }
     }
 
@@ -118,48 +149,103 @@ impl Loop {
         &self.samples
     }
 
-    /// The samples that count: those after the first turn at which the length moves.
+    /// Standard deviation of a length in m, as it was stated or is estimated, whichever is larger.
+    pub fn length_noise(&self) -> f64 {
+        self.motion.noise
+    }
+
+    /// How many samples count.
+    pub fn counted(&self) -> usize {
+        self.counting().count()
+    }
+
+    /// Samples from the first turn on that do not count because the direction of the length is not known there. Those that rest between
+    /// equal lengths are not among them.
+    pub fn left_out(&self) -> usize {
+        self.moving() - self.counted()
+    }
+
+    /// Samples that the velocity is from, at the median of those that count.
+    pub fn window(&self) -> usize {
+        let mut halves: Vec<usize> =
+            self.counting().filter_map(|place| Some(self.motion.moving[place]?.half)).collect();
+        halves.sort_unstable();
+        halves.get(halves.len() / 2).map_or(0, |half| 2 * half + 1)
+    }
+
+    /// The samples that count: those from the first turn on at which the direction of the length is known.
     fn counting(&self) -> impl Iterator<Item = usize> + '_ {
-        let moves = |place: &usize| self.samples[*place].length != self.samples[place - 1].length;
-        (self.first..self.samples.len()).filter(moves)
+        (self.first..self.samples.len()).filter(|place| self.motion.moving[*place].is_some())
+    }
+
+    /// How many samples from the first turn on do not rest between equal lengths, or count nevertheless.
+    fn moving(&self) -> usize {
+        let length = |place: usize| self.samples.get(place).map(|sample| sample.length);
+        let moves = |place: &usize| {
+            let before = if *place > 0 { length(place - 1) } else { None };
+            let others = [before, length(place + 1)];
+            self.motion.moving[*place].is_some()
+                || others.into_iter().flatten().any(|other| Some(other) != length(*place))
+        };
+        (self.first..self.samples.len()).filter(moves).count()
     }
 
     /// Visits the tension at each sample that counts, in order, over any scalar of the actuator.
     fn tensions<S: mckibben::Real>(&self, actuator: &Actuator<S>, mut visit: impl FnMut(usize, S)) {
-        let Some(begin) = self.samples.first() else { return };
+        let Some(begin) = self.motion.path.first().copied() else { return };
         let atmosphere = actuator.air().atmosphere().0;
-        let mut memory = Memory::relaxed(actuator.limits().actuator_length(S::constant(begin.length)));
+        let mut memory = Memory::relaxed(actuator.limits().actuator_length(S::constant(begin)));
         let branches = actuator.friction().viscoelastic();
-        let mut relaxed = vec![S::constant(begin.length); branches.map_or(0, Viscoelastic::count)];
+        let mut relaxed = vec![S::constant(begin); branches.map_or(0, Viscoelastic::count)];
         for place in 1..self.samples.len() {
-            let (before, here) = (self.samples[place - 1], self.samples[place]);
-            let velocity = S::constant((here.length - before.length) / (here.time - before.time));
-            let length = S::constant(here.length);
+            let here = self.samples[place];
+            let span = here.time - self.samples[place - 1].time;
+            let ends = [self.motion.path[place - 1], self.motion.path[place]];
+            let moving = self.motion.moving[place];
+            let velocity = S::constant(moving.map_or((ends[1] - ends[0]) / span, |moving| moving.velocity));
+            let path = S::constant(ends[1]);
             if let Some(law) = branches {
-                relax(law, &mut relaxed, [before, here]);
+                relax(law, &mut relaxed, ends, span);
             }
-            if place >= self.first && here.length != before.length {
-                let sliding =
-                    SlidingState { width: actuator.width(&memory, length, velocity), ..velocity.sign().into() };
-                let sliding = sliding.with_branches(branches, length, branches.map(|law| law.sums(&relaxed)));
+            if place >= self.first && moving.is_some() {
+                let sliding = SlidingState { width: actuator.width(&memory, path, velocity), ..velocity.sign().into() };
+                let sliding = sliding.with_branches(branches, path, branches.map(|law| law.sums(&relaxed)));
                 let pressure = S::constant(here.gauge_pressure) + atmosphere;
-                visit(place, actuator.tension_sliding(length, velocity, pressure, sliding));
+                visit(place, actuator.tension_sliding(S::constant(here.length), velocity, pressure, sliding));
             }
-            actuator.remember(&mut memory, length, velocity);
+            actuator.remember(&mut memory, path, velocity);
         }
     }
+
+    /// Sum of the squares of what the noise of the length makes of the static force in N, over the samples that count.
+    fn squares_of_noise(&self, actuator: &Actuator) -> f64 {
+        let atmosphere = actuator.air().atmosphere().0;
+        let of = |place: usize| {
+            let Sample { length, gauge_pressure, .. } = self.samples[place];
+            actuator.stiffness(length, AbsolutePressure(gauge_pressure + atmosphere)) * self.motion.noise
+        };
+        self.counting().map(of).map(|force| force * force).sum()
+    }
+}
+
+/// The place of the first of some velocities that is against the first that is not zero.
+fn first_turn(mut velocities: impl Iterator<Item = f64>) -> Option<usize> {
+    let mut first = 0.0;
+    velocities.position(|velocity| {
+        first = if first == 0.0 { velocity } else { first };
+        velocity * first < 0.0
+    })
 }
 
 /// Takes the relaxed lengths in m of branches on from one sample to the next, along a straight line of the length: a stretch e goes
 /// to `e d + v τ (1 − d)` with `d = e^{−t/τ}`.
-fn relax<S: mckibben::Real>(law: &Viscoelastic<S>, relaxed: &mut [S], [before, here]: [Sample; 2]) {
-    let span = here.time - before.time;
+fn relax<S: mckibben::Real>(law: &Viscoelastic<S>, relaxed: &mut [S], [before, here]: [f64; 2], span: f64) {
     for (branch, relaxed) in relaxed.iter_mut().enumerate() {
         let time = law.relaxation_time(branch);
         let decay = (-S::constant(span) / time).exp();
-        let steady = S::constant((here.length - before.length) / span) * time;
-        let stretch = S::constant(before.length) - *relaxed;
-        *relaxed = S::constant(here.length) - (steady + decay * (stretch - steady));
+        let steady = S::constant((here - before) / span) * time;
+        let stretch = S::constant(before) - *relaxed;
+        *relaxed = S::constant(here) - (steady + decay * (stretch - steady));
     }
 }
 
@@ -200,16 +286,21 @@ impl LoopTask {
         // Sticking and sliding make kinks.
         let search = Search { known_scales: self.deviation.is_some(), any_end: true, ..self.search.clone() };
         let start: Vec<f64> = self.unknowns.iter().map(|unknown| unknown.start).collect();
-        self.adjustable.at(&start)?.driven()?;
-        let found = least_squares::fit_from(self, &self.unknowns, &self.starts, &search)?;
+        let actuator = self.adjustable.at(&start)?.driven()?.actuator;
+        let scale = match self.deviation {
+            Some(deviation) => deviation.hypot(self.noise_of_length(&actuator)),
+            None => self.largest(),
+        };
+        let weighed = Weighed { task: self, scale: if scale > 0.0 { scale } else { 1.0 } };
+        let found = least_squares::fit_from(&weighed, &self.unknowns, &self.starts, &search)?;
         let scenario = self.adjustable.at(&found.fit.values())?;
-        let squares: f64 = found.fit.residuals.iter().map(|residual| (residual * self.scale()).powi(2)).sum();
+        let squares: f64 = found.fit.residuals.iter().map(|residual| (residual * weighed.scale).powi(2)).sum();
         let left = (squares / found.fit.residuals.len().max(1) as f64).sqrt();
         Ok(LoopFit { found, scenario, left })
     }
 
-    /// The noise of a tension in N, where the model leaves more than three times of it: the scenario lacks something, or readings are
-    /// in other units.
+    /// The noise of a tension in N, with what the noise of the length makes of the static force, where the model leaves more than three
+    /// times of it: the scenario lacks something, or readings are in other units.
     pub fn unexplained(&self, found: &LoopFit) -> Option<f64> {
         let series: Vec<[Vec<f64>; 2]> = self
             .loops
@@ -219,41 +310,56 @@ impl LoopTask {
                 [all(|sample| sample.time), all(|sample| sample.tension)]
             })
             .collect();
-        let noise = series::beyond_noise(found.left, series.iter().map(|[times, values]| (&times[..], &values[..])))?;
+        let of_tension = series::pooled_noise(series.iter().map(|[times, values]| (&times[..], &values[..])));
+        let actuator = found.scenario.driven().ok()?.actuator;
+        let noise = of_tension.hypot(self.noise_of_length(&actuator));
         // Of readings without noise rounding is left.
-        (found.left > ROUNDING * self.largest()).then_some(noise)
+        (found.left > series::BEYOND_NOISE * noise && found.left > ROUNDING * self.largest()).then_some(noise)
+    }
+
+    /// Root mean square in N of what the noise of the lengths makes of the static force.
+    fn noise_of_length(&self, actuator: &Actuator) -> f64 {
+        let squares: f64 = self.loops.iter().map(|of| of.squares_of_noise(actuator)).sum();
+        (squares / self.count().max(1) as f64).sqrt()
+    }
+
+    /// How many samples count.
+    fn count(&self) -> usize {
+        self.loops.iter().map(Loop::counted).sum()
     }
 
     /// The largest tension in N.
     fn largest(&self) -> f64 {
         self.loops.iter().flat_map(|of| &of.samples).fold(0.0_f64, |largest, sample| largest.max(sample.tension.abs()))
     }
-
-    fn scale(&self) -> f64 {
-        let largest = self.largest();
-        self.deviation.unwrap_or(if largest > 0.0 { largest } else { 1.0 })
-    }
 }
 
-impl Model for LoopTask {
+/// A task with the scale of its residuals in N.
+struct Weighed<'t> {
+    task: &'t LoopTask,
+    scale: f64,
+}
+
+impl Model for Weighed<'_> {
     fn residuals(&self) -> usize {
-        self.loops.iter().map(|of| of.counting().count()).sum()
+        self.task.count()
     }
 
     fn evaluate(&self, values: &[f64]) -> Evaluation {
-        let (count, scale) = (self.residuals(), self.scale());
+        let (count, scale) = (self.residuals(), self.scale);
+        let LoopTask { adjustable, loops, .. } = self.task;
         let (mut residuals, mut slopes) = (vec![f64::NAN; count], vec![0.0; count * values.len()]);
-        let Ok(driven) = self.adjustable.at(values).and_then(|scenario| scenario.driven()) else {
+        let Ok(driven) = adjustable.at(values).and_then(|scenario| scenario.driven()) else {
             return Evaluation { residuals, slopes };
         };
-        for first in self.adjustable.passes() {
-            let mut seeds = self.adjustable.seeds(first);
+        for first in adjustable.passes() {
+            let mut seeds = adjustable.seeds(first);
             let actuator: Actuator<Seeded> = driven.actuator.map(|parameter, value| seeds.over(parameter, value));
             let mut row = 0;
-            for of in &self.loops {
+            for of in loops {
                 of.tensions(&actuator, |place, tension| {
                     residuals[row] = (tension.value - of.samples[place].tension) / scale;
-                    self.adjustable.spread(
+                    adjustable.spread(
                         first,
                         &tension.slope,
                         1.0 / scale,

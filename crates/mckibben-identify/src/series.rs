@@ -69,38 +69,48 @@ const WHOLE_STEPS: (usize, f64, f64) = (8, 0.9, 0.1);
 const MOST_STEPS: f64 = 1e4;
 
 /// Residuals over the noise of readings above which they are no noise.
-const BEYOND_NOISE: f64 = 3.0;
+pub(crate) const BEYOND_NOISE: f64 = 3.0;
 
 /// Pooled noise of several time series, where so much is left of them that it is no noise: the model lacks something, or a search has
 /// ended away from the best values.
 pub(crate) fn beyond_noise<'s>(left: f64, series: impl Iterator<Item = (&'s [f64], &'s [f64])>) -> Option<f64> {
+    let noise = pooled_noise(series);
+    (left > BEYOND_NOISE * noise).then_some(noise)
+}
+
+/// Root mean square of the noise of the readings of several time series.
+pub(crate) fn pooled_noise<'s>(series: impl Iterator<Item = (&'s [f64], &'s [f64])>) -> f64 {
     let (mut squares, mut count) = (0.0, 0.0);
     for (times, values) in series {
         let readings = times.len() as f64;
         squares += readings * noise(times, values).powi(2);
         count += readings;
     }
-    let noise = (squares / count).sqrt();
-    (left > BEYOND_NOISE * noise).then_some(noise)
+    (squares / count).sqrt()
 }
 
 /// Standard deviation of the noise of a sample, at least that of the sensor's steps, `q/√12`. Samples that a sensor holds count once:
 /// their repetitions know nothing of its noise.
 pub(crate) fn noise(time: &[f64], value: &[f64]) -> f64 {
+    visible_noise(time, value).max(resolution(value) / 12.0_f64.sqrt())
+}
+
+/// Standard deviation of the noise that readings show. At rest, and at a constant speed, a sensor whose steps are larger than its noise shows
+/// none.
+pub(crate) fn visible_noise(time: &[f64], value: &[f64]) -> f64 {
     let is_new = |place: &usize| *place == 0 || value[*place] != value[*place - 1];
     let new: Vec<usize> = (0..value.len()).filter(is_new).collect();
     let repeated = (value.len() - new.len()) as f64;
-    let scatter = if repeated > HELD * value.len() as f64 {
+    if repeated > HELD * value.len() as f64 {
         let of = |numbers: &[f64]| -> Vec<f64> { new.iter().map(|place| numbers[*place]).collect() };
         scatter(&of(time), &of(value))
     } else {
         scatter(time, value)
-    };
-    scatter.max(resolution(value) / 12.0_f64.sqrt())
+    }
 }
 
 /// The step of a sensor whose samples differ by whole steps; zero where they do not.
-fn resolution(value: &[f64]) -> f64 {
+pub(crate) fn resolution(value: &[f64]) -> f64 {
     let differences = value.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|difference| *difference > 0.0);
     let differences: Vec<f64> = differences.collect();
     let (least, part, miss) = WHOLE_STEPS;

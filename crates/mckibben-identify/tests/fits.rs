@@ -6,6 +6,7 @@ mod noise;
 
 mod dirty_rig;
 mod ends;
+mod follow;
 mod least_squares;
 mod loops;
 mod plant;

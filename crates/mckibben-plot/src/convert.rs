@@ -124,7 +124,7 @@ impl Panel {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figure::{Marks, Series, Span, Symbol};
+    use crate::figure::{Colour, Marks, Series, Span, Symbol};
 
     /// Metres to millimetres and kelvins to degrees: each number of the figure has moved once, whatever it is of.
     #[test]
@@ -148,7 +148,10 @@ mod tests {
         assert_eq!((first.y.unit.as_str(), shown.x.unit.as_str(), second.y.unit.as_str()), ("mm", "ms", "°C"));
         assert_eq!((first.y.min, first.y.max), (Some(0.0), Some(200.0)));
         assert_eq!((&first.series[0].x, &first.series[0].y), (&vec![0.0, 1000.0], &vec![100.0, 200.0]));
-        assert_eq!(first.references, [Reference::Horizontal { y: 150.0, label: "limit".to_owned() }]);
+        assert_eq!(
+            first.references,
+            [Reference::Horizontal { y: 150.0, label: "limit".to_owned(), colour: Colour::Neutral }]
+        );
         assert_eq!(first.spans[0].length_regime, Extent::Vertical(100.0, 120.0));
         assert_eq!((&first.marks[0].x, &first.marks[0].y), (&vec![1000.0], &vec![200.0]));
         assert!((second.series[0].y[0] - 26.85).abs() < 1e-12);

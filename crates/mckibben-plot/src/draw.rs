@@ -2,7 +2,7 @@
 
 use super::axis::Scale;
 use super::decimate::{COLUMN, chord, clip, clip_polygon, reduce, runs, staircase, thin};
-use super::figure::{Extent, Marks, Panel, Reference, Series, Span, Style};
+use super::figure::{Colour, Extent, Marks, Panel, Reference, Series, Span, Style};
 use super::layout::{TICK, TICK_GAP, TICK_SIZE, words};
 use super::legend::{
     End, LINE, MARK, SHADE, STRIP, STRIP_ROW, STRIP_SHADE, dash, draw_marks, draw_points, rule, symbol,
@@ -70,8 +70,15 @@ pub(super) fn panel(scene: &mut Scene, panel: &Panel, frame: &Frame<'_>, faces: 
     }
     let mut taken = Vec::new();
     for marks in &panel.marks {
-        let (moved, leaders) = apart(&places(panel, marks, frame), &mut taken, frame.area);
-        scene.outline(leaders);
+        let places = places(panel, marks, frame);
+        let moved = if marks.stay {
+            taken.extend(&places);
+            places
+        } else {
+            let (moved, leaders) = apart(&places, &mut taken, frame.area);
+            scene.outline(leaders);
+            moved
+        };
         draw_marks(scene, marks.colour.into(), (marks.symbol, marks.filled), &moved);
     }
     for (row, strip) in panel.strips.iter().rev().enumerate() {
@@ -322,26 +329,34 @@ fn axes(scene: &mut Scene, frame: &Frame<'_>) {
 /// The reference lines of a panel, behind the data.
 fn rules(scene: &mut Scene, panel: &Panel, frame: &Frame<'_>) {
     let area = frame.area;
-    let mut lines = rule();
     for reference in &panel.references {
+        let mut line = rule(ink_of(reference));
         let (a, b) = match reference {
             Reference::Horizontal { y, .. } => ([area.left, frame.page_y(*y)], [area.right, frame.page_y(*y)]),
             Reference::Vertical { x, .. } => ([frame.page_x(*x), area.top], [frame.page_x(*x), area.bottom]),
         };
         // A position that is not a number is nowhere.
         if (a[0] + a[1]).is_finite()
-            && let Some(line) = chord(a, b, area)
+            && let Some(ends) = chord(a, b, area)
         {
-            lines.polyline(&line);
+            line.polyline(&ends);
+            scene.outline(line);
         }
     }
-    scene.outline(lines);
+}
+
+/// What a reference line is drawn in.
+fn ink_of(reference: &Reference) -> Ink {
+    match reference {
+        Reference::Horizontal { colour, .. } if *colour != Colour::Neutral => (*colour).into(),
+        _ => Ink::Muted,
+    }
 }
 
 /// The words on the vertical reference lines, each where it covers no data; and those for which there is no such place, with those of
 /// horizontal lines: the data decide where on these there is room, and what is called so in one figure would be called elsewhere in the
 /// next. Only distances within the axes matter, so the answer is the same wherever the panel stands.
-pub(super) fn rule_words(panel: &Panel, frame: &Frame<'_>, faces: &Faces) -> (Vec<Words>, Vec<String>) {
+pub(super) fn rule_words(panel: &Panel, frame: &Frame<'_>, faces: &Faces) -> (Vec<Words>, Vec<(String, Ink)>) {
     let (mut placed, mut homeless) = (Vec::new(), Vec::new());
     if panel.references.is_empty() {
         return (placed, homeless);
@@ -354,9 +369,10 @@ pub(super) fn rule_words(panel: &Panel, frame: &Frame<'_>, faces: &Faces) -> (Ve
     taken.extend(panel.marks.iter().flat_map(|marks| places(panel, marks, frame)).map(|p| vec![p]));
     for reference in &panel.references {
         let (Reference::Horizontal { label, .. } | Reference::Vertical { label, .. }) = reference;
-        let of_legend = |homeless: &mut Vec<String>| {
-            if is_on(reference, frame) && !homeless.contains(label) {
-                homeless.push(label.clone());
+        let of_legend = |homeless: &mut Vec<(String, Ink)>| {
+            let entry = (label.clone(), ink_of(reference));
+            if is_on(reference, frame) && !homeless.contains(&entry) {
+                homeless.push(entry);
             }
         };
         let Reference::Vertical { x, .. } = reference else {

@@ -213,7 +213,7 @@ pub struct Strip {
 }
 
 /// Events: small symbols, hollow or filled, on a curve or along the upper edge of the panel. Those that would stand on
-/// others are moved up from the curve, with a thin line to where they belong.
+/// others are moved up from the curve, with a thin line to where they belong, unless their place is what they say.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Marks {
     /// Their name in the legend; without one they are not listed.
@@ -226,6 +226,8 @@ pub struct Marks {
     pub symbol: Symbol,
     /// Whether a shape that has an inside is filled.
     pub filled: bool,
+    /// Whether they stay where they are, also on others: of points both coordinates are read.
+    pub stay: bool,
     /// Their colour.
     pub colour: Colour,
 }
@@ -233,18 +235,25 @@ pub struct Marks {
 impl Marks {
     /// Marks on a curve, in the colour of text.
     pub fn at(label: impl Into<String>, symbol: Symbol, x: Vec<f64>, y: Vec<f64>) -> Self {
-        Self { label: label.into(), x, y, symbol, filled: false, colour: Colour::Neutral }
+        Self { label: label.into(), x, y, symbol, filled: false, stay: false, colour: Colour::Neutral }
     }
 
     /// Marks on the upper edge of the panel.
     pub fn on_edge(label: impl Into<String>, symbol: Symbol, x: Vec<f64>) -> Self {
-        Self { label: label.into(), x, y: Vec::new(), symbol, filled: false, colour: Colour::Neutral }
+        Self { label: label.into(), x, y: Vec::new(), symbol, filled: false, stay: false, colour: Colour::Neutral }
     }
 
     /// Returns the marks with their inside filled.
     #[must_use]
     pub fn filled(mut self) -> Self {
         self.filled = true;
+        self
+    }
+
+    /// Returns the marks such that they stay where they are, also on others.
+    #[must_use]
+    pub fn staying(mut self) -> Self {
+        self.stay = true;
         self
     }
 
@@ -265,6 +274,8 @@ pub enum Reference {
         y: f64,
         /// Its words; may be empty.
         label: String,
+        /// That of the curve that it belongs to; neutral where it belongs to none or to all.
+        colour: Colour,
     },
     /// At a value of x.
     Vertical {
@@ -371,8 +382,14 @@ impl Panel {
 
     /// Returns the panel with a line at a value of y.
     #[must_use]
-    pub fn horizontal(mut self, y: f64, label: impl Into<String>) -> Self {
-        self.references.push(Reference::Horizontal { y, label: label.into() });
+    pub fn horizontal(self, y: f64, label: impl Into<String>) -> Self {
+        self.horizontal_of(y, label, Colour::Neutral)
+    }
+
+    /// Returns the panel with a line at a value of y in the colour of the curve that it belongs to.
+    #[must_use]
+    pub fn horizontal_of(mut self, y: f64, label: impl Into<String>, colour: Colour) -> Self {
+        self.references.push(Reference::Horizontal { y, label: label.into(), colour });
         self
     }
 

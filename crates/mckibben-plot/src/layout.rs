@@ -112,7 +112,11 @@ pub(super) fn laid_out(figure: &Figure, least: &[f64]) -> Result<(Scene, Vec<f64
         let mut frame =
             Frame { area, x, y, x_ticks: &x_ticks, y_ticks: &y_ticks, numbered: i + 1 == figure.panels.len() };
         let homeless = draw::rule_words(panel, &frame, &faces).1.into_iter();
-        names.extend(homeless.filter(|label| !label.trim().is_empty()).map(|label| Entry { key: Key::Rule, label }));
+        names.extend(
+            homeless
+                .filter(|(label, _)| !label.trim().is_empty())
+                .map(|(label, ink)| Entry { key: Key::Rule { ink }, label }),
+        );
         let head = top;
         let rows = legend::rows(names, &faces, width - left - RIM);
         legend::draw_rows(&mut scene, &rows, left, top);

@@ -33,7 +33,7 @@ pub(super) enum Key {
     Shade { ink: Ink },
     Mark { ink: Ink, symbol: Symbol, filled: bool },
     Strip { ink: Ink },
-    Rule,
+    Rule { ink: Ink },
 }
 
 impl Key {
@@ -43,14 +43,14 @@ impl Key {
             Key::Line { .. } | Key::Points { .. } => 0,
             Key::Shade { .. } | Key::Strip { .. } => 1,
             Key::Mark { .. } => 2,
-            Key::Rule => 3,
+            Key::Rule { .. } => 3,
         }
     }
 
     /// How wide the sample is.
     fn width(self) -> f64 {
         match self {
-            Key::Line { .. } | Key::Rule => 15.0,
+            Key::Line { .. } | Key::Rule { .. } => 15.0,
             Key::Shade { .. } | Key::Strip { .. } => 10.0,
             Key::Points { .. } | Key::Mark { .. } => 5.0,
         }
@@ -58,8 +58,8 @@ impl Key {
 }
 
 /// The line and the pattern of references.
-pub(super) fn rule() -> Outline {
-    Outline::stroked(Ink::Muted, 0.7, &[3.0, 1.6])
+pub(super) fn rule(ink: Ink) -> Outline {
+    Outline::stroked(ink, 0.7, &[3.0, 1.6])
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -210,8 +210,8 @@ fn sample(scene: &mut Scene, key: Key, [x, y]: Point) {
             bar.rectangle(Area { left: x, top: y - 0.5 * STRIP, right, bottom: y + 0.5 * STRIP });
             scene.outline(bar);
         }
-        Key::Rule => {
-            let mut line = rule();
+        Key::Rule { ink } => {
+            let mut line = rule(ink);
             line.polyline(&[[x, y], [right, y]]);
             scene.outline(line);
         }

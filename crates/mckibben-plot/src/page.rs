@@ -98,7 +98,7 @@ fn panel(out: &mut String, of: &Panel) {
         let _ = write!(out, "\"filled\":{},\"x\":{},\"y\":{}}}", marks.filled, numbers(&marks.x), numbers(&marks.y));
     });
     let lines = of.references.iter().filter_map(|reference| match reference {
-        Reference::Horizontal { y, label } => Some((*y, label)),
+        Reference::Horizontal { y, label, .. } => Some((*y, label)),
         Reference::Vertical { .. } => None,
     });
     let lines: Vec<_> = lines.collect();

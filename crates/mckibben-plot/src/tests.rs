@@ -146,7 +146,11 @@ fn hostile_words_stay_words() {
     figure.x = Axis::new(evil, evil);
     figure.panels[0].y.label = evil.to_string();
     figure.panels[0].series[0].label = evil.to_string();
-    figure.panels[0].references.push(Reference::Horizontal { y: 181.0, label: evil.to_string() });
+    figure.panels[0].references.push(Reference::Horizontal {
+        y: 181.0,
+        label: evil.to_string(),
+        colour: Colour::Neutral,
+    });
     let svg = figure.to_svg(Theme::Auto).unwrap();
     assert!(!svg.contains("<script") && !svg.contains('\u{0}') && !svg.contains('\u{7}'));
     assert_eq!(svg.matches("<text").count(), svg.matches("</text>").count());
@@ -234,7 +238,7 @@ fn words_on_a_vertical_line_leave_before_they_cover_data_and_those_of_horizontal
     assert!(beside.contains("paint-order") && beside.matches(">rest</text>").count() == 1);
     assert!(!above.contains("paint-order") && above.matches(">rest</text>").count() == 1);
     let twice = |points| {
-        let horizontal = |y| Reference::Horizontal { y, label: "rest".to_string() };
+        let horizontal = |y| Reference::Horizontal { y, label: "rest".to_string(), colour: Colour::Neutral };
         let svg = svg(points, horizontal(0.0));
         (svg.contains("paint-order"), svg.matches(">rest</text>").count())
     };
@@ -402,6 +406,42 @@ fn a_legend_has_no_entry_twice() {
     let panel = Panel::new(Axis::new("y", "")).series(line(1.0)).series(line(2.0)).legend(Legend::Above);
     let svg = Figure::new(Axis::new("x", "")).panel(panel).to_svg(Theme::Light).unwrap();
     assert_eq!(svg.matches(">run<").count(), 1);
+}
+
+/// Two lines of one name in the colours of two curves are two entries of the legend, each drawn in its colour.
+#[test]
+fn lines_in_the_colours_of_their_curves_can_be_told_apart() {
+    let panel = Panel::new(Axis::new("length", "mm"))
+        .series(Series::line("a", vec![0.0, 1.0], vec![0.0, 4.0]))
+        .horizontal(1.0, "max length")
+        .horizontal_of(2.0, "max length, a", Colour::Category(0))
+        .horizontal_of(3.0, "max length, b", Colour::Category(1));
+    let svg = Figure::new(Axis::new("time", "s")).panel(panel).to_svg(Theme::Light).unwrap();
+    let lines: Vec<&str> = svg.split('<').filter(|part| part.contains("stroke-dasharray")).collect();
+    let strokes: Vec<&str> =
+        lines.iter().map(|line| line.split("stroke=\"").nth(1).unwrap().split('"').next().unwrap()).collect();
+    // The line and its sample in the legend, of each.
+    let mut distinct = strokes.clone();
+    distinct.sort_unstable();
+    distinct.dedup();
+    assert_eq!((strokes.len(), distinct.len()), (6, 3), "{svg}");
+    for word in [">max length<", ">max length, a<", ">max length, b<"] {
+        assert_eq!(svg.matches(word).count(), 1, "{word}");
+    }
+}
+
+/// Marks that say where they are stay there, also on each other, and those that come later keep away from them.
+#[test]
+fn marks_that_are_read_are_not_moved() {
+    let of = |stay: bool| {
+        let at = || Marks::at("point", Symbol::Square, vec![1.0, 1.0], vec![2.0, 2.02]);
+        let marks = if stay { at().staying() } else { at() };
+        let panel = Panel::new(Axis::new("y", "").starting_at(0.0).ending_at(4.0)).marks(marks);
+        Figure::new(Axis::new("x", "").starting_at(0.0).ending_at(2.0)).panel(panel).to_svg(Theme::Light).unwrap()
+    };
+    // A mark that is moved has a line to where it belongs.
+    let leaders = |svg: &str| svg.matches(r#"stroke-width="0.5""#).count();
+    assert_eq!(leaders(&of(false)), leaders(&of(true)) + 1);
 }
 
 /// A mark that would hide another stands beside it, with a line to where it belongs.

@@ -4,11 +4,14 @@ use crate::actuator::{
     ActuatorState, Model, PARTS_PER_CHECK, ValveInput, check_dt, check_parts, check_velocity, distance, longest_part,
     reach, steps_of,
 };
+use crate::alone;
 use crate::arguments::{self, fitting};
 use crate::exceptions::{OrException, exception};
 use crate::pool;
-use crate::scenario::Scenario;
-use crate::typed::{Copied, Count, Given, MemberWord, NewArguments, Numbers, PrecisionWord, Table, Texts};
+use crate::scenario::{Scenario, ScenarioArgument};
+use crate::typed::{
+    Copied, Count, FREQUENCY, Given, MemberWord, NewArguments, Numbers, PrecisionWord, Quantity, TIME, Table, Texts,
+};
 use mckibben::parameter;
 use mckibben::plant::{PlantRow, PlantSteps};
 use mckibben_batch::{PlantBatch, Precision};
@@ -44,8 +47,8 @@ const EACH: usize = 20 << 10;
 ///     Paths of the parameters that differ between the actuators, such as "actuator.turns". Not together with `name`.
 /// values : numpy.ndarray, optional
 ///     Values of `parameters` in SI, float64 of shape (count, len(parameters)), of any memory layout. Required with `parameters`.
-/// pulse_frequency : float, optional
-///     Frequency in Hz, above zero, of the pulses of a duty cycle. By default that of the scenario's PWM. Required where the
+/// pulse_frequency : float or str, optional
+///     Frequency in Hz, above zero, or text with a unit, of the pulses of a duty cycle. By default that of the scenario's PWM. Required where the
 ///     valve has poppets and the scenario has no PWM.
 /// precision : {"double", "single"}, optional
 ///     Numbers that the actuators are stepped in; double by default. Single precision takes twice as many at once, and keeps seven digits of a
@@ -256,10 +259,7 @@ impl Actuators {
         match self.many.try_lock() {
             Ok(many) => Ok(many),
             Err(TryLockError::Poisoned(many)) => Ok(many.into_inner()),
-            Err(TryLockError::WouldBlock) => Err(exception(&Failure::input(
-                "these Actuators are being stepped by another thread",
-                "give each thread separate Actuators, or wait for the other",
-            ))),
+            Err(TryLockError::WouldBlock) => Err(alone::busy("Actuators")),
         }
     }
 
@@ -286,14 +286,16 @@ impl Actuators {
     #[pyo3(signature = (scenario, count, name = None, *, parameters = Texts::NONE, values = None, pulse_frequency = None, precision = PrecisionWord::from("double")))]
     fn new(
         py: Python<'_>,
-        scenario: Py<Scenario>,
+        scenario: ScenarioArgument<'_>,
         count: Count,
         name: Option<MemberWord>,
         parameters: Texts<'_>,
         values: Option<Table<'_>>,
-        pulse_frequency: Option<f64>,
+        pulse_frequency: Option<Quantity<'_>>,
         precision: PrecisionWord,
     ) -> PyResult<Self> {
+        let scenario = scenario.0.unbind();
+        let pulse_frequency = pulse_frequency.map(|it| it.si("pulse_frequency", FREQUENCY)).transpose()?;
         let precision = precision.read().or_exception()?;
         let (count, each, name) = (count.0, EACH, name.map(|name| name.0));
         let parameters = parameters.read("parameters")?;
@@ -340,8 +342,8 @@ impl Actuators {
     /// command : numpy.ndarray or None
     ///     Commands of the valves: duty cycles from 0 to 1; of pressure regulators the set points, gauge pressures in Pa; of
     ///     proportional spools the positions from -1 to 1. With `None` the last commands continue.
-    /// dt : float
-    ///     Duration of the step in s, above zero.
+    /// dt : float or str
+    ///     Duration of the step in s, above zero, or text with a unit.
     /// tension : numpy.ndarray
     ///     Receives the tensions in N.
     /// per_length : numpy.ndarray, optional
@@ -350,8 +352,8 @@ impl Actuators {
     ///     Receives the derivatives of the tension with respect to the velocity, in N*s/m.
     /// absolute_pressure : numpy.ndarray, optional
     ///     Receives the absolute pressures in Pa.
-    /// max_step : float, optional
-    ///     Longest part of the step in s, as of `Actuator.step`. By default the step is one part.
+    /// max_step : float or str, optional
+    ///     Longest part of the step in s, or text with a unit, as of `Actuator.step`. By default the step is one part.
     ///
     /// Raises
     /// ------
@@ -374,14 +376,16 @@ impl Actuators {
         length: Given<'py>,
         velocity: Given<'py>,
         command: Option<Given<'py>>,
-        dt: f64,
+        dt: Quantity<'py>,
         tension: Given<'py>,
         per_length: Option<Given<'py>>,
         per_velocity: Option<Given<'py>>,
         absolute_pressure: Option<Given<'py>>,
-        max_step: Option<f64>,
+        max_step: Option<Quantity<'py>>,
     ) -> PyResult<()> {
         let (model, count) = (&self.model, self.count);
+        let dt = dt.si("dt", TIME)?;
+        let max_step = max_step.map(|it| it.si("max_step", TIME)).transpose()?;
         check_dt(dt).or_exception()?;
         let longest = longest_part(max_step).or_exception()?;
         let length = read("length", &length, count)?;

@@ -1,9 +1,9 @@
 //! What `size` and `design` of the package call: which muscle does something, and which values of keys do it best.
 
 use crate::exceptions::OrException;
-use crate::scenario::Scenario;
-use crate::signals::followed_to_its_end;
-use crate::typed::{Count, Items, Quantity, Sections, Texts};
+use crate::scenario::ScenarioArgument;
+use crate::signals::{followed_to_its_end, interruptible};
+use crate::typed::{Count, Items, Quantity, SHARE, Sections, Texts, Value};
 use mckibben_run::design::constraint::Constraint;
 use mckibben_run::design::outcome::{End, Outcome};
 use mckibben_run::design::vary::Vary;
@@ -32,34 +32,34 @@ impl _Sizes {
     #[expect(clippy::too_many_arguments, reason = "each is given by its name")]
     fn new(
         py: Python<'_>,
-        load: Quantity,
-        stroke: Quantity,
-        gauge_pressure: Quantity,
-        braid_angles: Items<Quantity>,
-        effectiveness: f64,
-        most_length: Option<Quantity>,
-        most_diameter: Option<Quantity>,
-        time: Option<Quantity>,
-        ripple: Option<Quantity>,
+        load: Quantity<'_>,
+        stroke: Quantity<'_>,
+        gauge_pressure: Quantity<'_>,
+        braid_angles: Items<Quantity<'_>>,
+        effectiveness: Quantity<'_>,
+        most_length: Option<Quantity<'_>>,
+        most_diameter: Option<Quantity<'_>>,
+        time: Option<Quantity<'_>>,
+        ripple: Option<Quantity<'_>>,
     ) -> PyResult<Self> {
-        let read = |name: &str, of: Quantity, [what, unit, example]: [&str; 3]| {
+        let read = |name: &str, of: Quantity<'_>, [what, unit, example]: [&str; 3]| {
             of.read(name, |text| quantities::read(text, what, unit, example), |number| number)
         };
         let length = ["length", "m", "30 mm"];
-        let maybe = |name: &str, of: Option<Quantity>, how| of.map(|of| read(name, of, how)).transpose();
+        let maybe = |name: &str, of: Option<Quantity<'_>>, how| of.map(|of| read(name, of, how)).transpose();
         let angles = braid_angles.0.into_iter().map(|angle| read("braid_angles", angle, ["angle", "rad", "25 deg"]));
         let requirement = Requirement {
-            load: load.read("load", |text| Measure::read(text).map(force_of), |force| force).or_exception()?,
-            stroke: read("stroke", stroke, length).or_exception()?,
-            gauge_pressure: read("gauge_pressure", gauge_pressure, ["pressure", "Pa", "4 bar"]).or_exception()?,
-            braid_angles: angles.collect::<Result<_, _>>().or_exception()?,
-            effectiveness,
-            most_length: maybe("most_length", most_length, length).or_exception()?,
-            most_diameter: maybe("most_diameter", most_diameter, length).or_exception()?,
-            time: maybe("time", time, ["time", "s", "0.3 s"]).or_exception()?,
-            ripple: maybe("ripple", ripple, length).or_exception()?,
+            load: load.read("load", |text| Measure::read(text).map(force_of), |force| force)?,
+            stroke: read("stroke", stroke, length)?,
+            gauge_pressure: read("gauge_pressure", gauge_pressure, ["pressure", "Pa", "4 bar"])?,
+            braid_angles: angles.collect::<PyResult<_>>()?,
+            effectiveness: effectiveness.si("effectiveness", SHARE)?,
+            most_length: maybe("most_length", most_length, length)?,
+            most_diameter: maybe("most_diameter", most_diameter, length)?,
+            time: maybe("time", time, ["time", "s", "0.3 s"])?,
+            ripple: maybe("ripple", ripple, length)?,
         };
-        py.detach(|| Sizes::of(requirement)).or_exception_of_arguments().map(Self)
+        interruptible(py, |check| Sizes::of_checked(requirement, check))?.or_exception_of_arguments().map(Self)
     }
 
     /// The candidates, those that take the least air first.
@@ -86,33 +86,35 @@ impl _Sizes {
 
     /// Named valves, each with the time in s in which it does nine tenths of the stroke.
     fn valves(&self, py: Python<'_>, place: usize) -> PyResult<Vec<(&'static str, Option<f64>)>> {
-        let found = py.detach(|| self.0.valves(place)).or_exception_of_arguments()?;
+        let found = interruptible(py, |check| self.0.valves_checked(place, check))?.or_exception_of_arguments()?;
         Ok(found.into_iter().map(|valve| (valve.name, valve.time)).collect())
     }
 
     /// Inner diameters in m of hoses of a length, each with the least conductance of the valve behind it.
-    fn hoses(&self, py: Python<'_>, place: usize, length: Quantity) -> PyResult<Vec<(f64, Option<f64>)>> {
+    fn hoses(&self, py: Python<'_>, place: usize, length: Quantity<'_>) -> PyResult<Vec<(f64, Option<f64>)>> {
         let read = |text: &str| quantities::read(text, "length", "m", "2 m");
-        let length = length.read("length", read, |number| number).or_exception()?;
-        let found = py.detach(|| self.0.hoses(place, length)).or_exception_of_arguments()?;
+        let length = length.read("length", read, |number| number)?;
+        let found =
+            interruptible(py, |check| self.0.hoses_checked(place, length, check))?.or_exception_of_arguments()?;
         Ok(found.into_iter().map(|hose| (hose.diameter, hose.quickness.conductance())).collect())
     }
 }
 
 /// A key with the ends of its range: numbers in SI, or text as in "3" and "7 bar".
-type Range = (String, Quantity, Quantity);
+type Range<'py> = (String, Quantity<'py>, Quantity<'py>);
 
-fn vary_of((key, low, high): Range) -> Result<Vary, Failure> {
+fn vary_of((key, low, high): Range<'_>) -> PyResult<Vary> {
     let path = key.split_once('[').map_or(key.as_str(), |(list, _)| list);
     let unit = key_for(path).and_then(Key::parameter).map_or("", |row| row.unit);
-    let end = |end: Quantity| match end {
-        Quantity::Number(number) => format!("{number:?} {unit}"),
-        Quantity::Text(text) => text,
+    let end = |end: Quantity<'_>| match end.given(&format!("vary[{key:?}]"))? {
+        Value::Number(number) => Ok(format!("{number:?} {unit}")),
+        Value::Text(text) => Ok::<_, PyErr>(text),
     };
-    let text = format!("{key}={}..{}", end(low).trim_end(), end(high).trim_end());
-    text.parse().map_err(|why: String| {
+    let text = format!("{key}={}..{}", end(low)?.trim_end(), end(high)?.trim_end());
+    let vary = text.parse().map_err(|why: String| {
         Failure::input(format!("`vary`: {why}"), "give a pair of numbers in SI, or text such as \"3..7 bar\"")
-    })
+    });
+    vary.or_exception()
 }
 
 /// Search values of keys.
@@ -120,8 +122,8 @@ fn vary_of((key, low, high): Range) -> Result<Vary, Failure> {
 #[expect(clippy::too_many_arguments, reason = "the package gives each of them")]
 pub(crate) fn _design<'py>(
     py: Python<'py>,
-    scenario: &Bound<'py, Scenario>,
-    vary: Items<Range>,
+    scenario: ScenarioArgument<'py>,
+    vary: Items<Range<'py>>,
     minimize: bool,
     objective: String,
     subject_to: Texts<'_>,
@@ -135,7 +137,7 @@ pub(crate) fn _design<'py>(
     };
     let request = Request {
         settings: Vec::new(),
-        vary: vary.0.into_iter().map(vary_of).collect::<Result<_, _>>().or_exception()?,
+        vary: vary.0.into_iter().map(vary_of).collect::<PyResult<_>>()?,
         goal: if minimize { Goal::Minimize } else { Goal::Maximize },
         objective,
         constraints: subject_to
@@ -152,7 +154,7 @@ pub(crate) fn _design<'py>(
         Some(progress) => progress.call1(py, (monitor.evaluations(), most)).map(drop),
         None => Ok(()),
     };
-    let document = &scenario.get().document;
+    let document = &scenario.0.get().document;
     let work = || Design::of(document, request)?.search(&monitor);
     let outcome = match followed_to_its_end(py, report, || monitor.stop(), work)? {
         // Ctrl-C ends the search with what it has found; where that is nothing, and whatever else was raised, is raised.

@@ -2,7 +2,7 @@
 
 use crate::arguments;
 use crate::exceptions::OrException;
-use crate::scenario::Scenario;
+use crate::scenario::ScenarioArgument;
 use crate::typed::{GaugePressures, Numbered, Sections, Sequence};
 use mckibben_run::curves::{Curves, Pressures};
 use mckibben_run::failure::Failure;
@@ -29,10 +29,10 @@ use pyo3::types::PyDict;
 #[pyo3(signature = (scenario, gauge_pressures = None))]
 pub(crate) fn _curves<'py>(
     py: Python<'py>,
-    scenario: &Bound<'py, Scenario>,
+    scenario: ScenarioArgument<'py>,
     gauge_pressures: Option<GaugePressures>,
 ) -> PyResult<Numbered<'py>> {
-    let document = &scenario.get().document;
+    let document = &scenario.0.get().document;
     let (table, count) = py
         .detach(|| {
             let text = |text: &str| {

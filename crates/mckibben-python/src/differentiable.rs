@@ -3,7 +3,7 @@
 use crate::arguments;
 use crate::exceptions::OrException;
 use crate::python;
-use crate::scenario::Scenario;
+use crate::scenario::{Scenario, ScenarioArgument};
 use crate::signals::interruptible;
 use crate::typed::{Function, Line, Names, Numbers, Texts};
 use mckibben::parameter;
@@ -152,7 +152,13 @@ impl Differentiable {
 #[pymethods]
 impl Differentiable {
     #[new]
-    fn new(scenario: Py<Scenario>, parameters: Texts<'_>, quantities: Texts<'_>, times: Line<'_>) -> PyResult<Self> {
+    fn new(
+        scenario: ScenarioArgument<'_>,
+        parameters: Texts<'_>,
+        quantities: Texts<'_>,
+        times: Line<'_>,
+    ) -> PyResult<Self> {
+        let scenario = scenario.0.unbind();
         let (parameters, quantities) = (parameters.read("parameters")?, quantities.read("quantities")?);
         let times = times.read("times")?;
         let (parameters, subject, sampling, start) =

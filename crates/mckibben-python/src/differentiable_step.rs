@@ -14,7 +14,7 @@ use crate::actuator::{
 };
 use crate::exceptions::OrException;
 use crate::python;
-use crate::typed::{Function, NewArguments, Numbers, Sequence};
+use crate::typed::{Function, LENGTH, NewArguments, Numbers, Quantity, Sequence, TIME, VELOCITY, Value};
 use mckibben::plant::{PlantRun, PlantSteps};
 use mckibben::valve::RuntimeCommand;
 use mckibben::{DIRECTIONS, Error, GaugePressure, Over, Seeded};
@@ -34,10 +34,10 @@ use pyo3::prelude::*;
 /// ----------
 /// actuator : Actuator
 ///     Actuator whose step it is.
-/// dt : float
-///     Duration of the step in s, above zero.
-/// max_step : float, optional
-///     Longest part of the step in s, as of `Actuator.step`. By default the step is one part.
+/// dt : float or str
+///     Duration of the step in s, above zero, or text with a unit.
+/// max_step : float or str, optional
+///     Longest part of the step in s, or text with a unit, as of `Actuator.step`. By default the step is one part.
 ///
 /// Raises
 /// ------
@@ -218,7 +218,8 @@ impl DifferentiableStep {
 impl DifferentiableStep {
     #[new]
     #[pyo3(signature = (actuator, dt, *, max_step = None))]
-    fn new(actuator: Py<Actuator>, dt: f64, max_step: Option<f64>) -> PyResult<Self> {
+    fn new(actuator: Py<Actuator>, dt: Quantity<'_>, max_step: Option<Quantity<'_>>) -> PyResult<Self> {
+        let (dt, max_step) = (dt.si("dt", TIME)?, max_step.map(|it| it.si("max_step", TIME)).transpose()?);
         check_dt(dt).or_exception()?;
         let longest = longest_part(max_step).or_exception()?;
         let model = &actuator.get().model;
@@ -263,11 +264,11 @@ impl DifferentiableStep {
     /// ----------
     /// state : ActuatorState
     ///     State of the actuator at the beginning of the step.
-    /// length : float
-    ///     Distance between the ends in m at the end of the step, above zero.
-    /// velocity : float
+    /// length : float or str
+    ///     Distance between the ends in m at the end of the step, above zero, or text with a unit.
+    /// velocity : float or str
     ///     Velocity of the ends in m/s at the end of the step, above zero while lengthening.
-    /// command : float, optional
+    /// command : float or str, optional
     ///     Command of the valve: a duty cycle, a gauge pressure in Pa or a position; 0 by default. Ignored where there is no
     ///     valve.
     ///
@@ -280,15 +281,20 @@ impl DifferentiableStep {
     /// ------
     /// InputError
     ///     The state belongs to another actuator.
-    #[pyo3(signature = (state, length, velocity, command = 0.0))]
+    #[pyo3(signature = (state, length, velocity, command = Quantity::Number(0.0)))]
     fn pack<'py>(
         &self,
         py: Python<'py>,
         state: &Bound<'py, ActuatorState>,
-        length: f64,
-        velocity: f64,
-        command: f64,
+        length: Quantity<'py>,
+        velocity: Quantity<'py>,
+        command: Quantity<'py>,
     ) -> PyResult<Numbers<'py>> {
+        let (length, velocity) = (length.si("length", LENGTH)?, velocity.si("velocity", VELOCITY)?);
+        let command = match command.given("command")? {
+            Value::Number(number) => number,
+            Value::Text(text) => self.model().number_of("command", &text).or_exception()?,
+        };
         let mut values = self.model().own_numbers(state.get()).or_exception()?.to_vec();
         values.extend([length, velocity, command]);
         values.truncate(self.width());

@@ -41,9 +41,17 @@ fn with_arguments(text: &str) -> String {
             let mut words = String::new();
             let mut rest = part;
             while let Some((before, behind)) = rest.split_once("--") {
-                let end = behind.find(|c: char| !(c.is_ascii_lowercase() || c == '-')).unwrap_or(behind.len());
-                words = words + before + "`" + &behind[..end].replace('-', "_") + "`";
-                rest = &behind[end..];
+                words += before;
+                rest = behind.trim_start_matches('-');
+                let dashes = behind.len() - rest.len();
+                if dashes == 0 && rest.starts_with(|c: char| c.is_ascii_lowercase()) {
+                    let end = rest.find(|c: char| !(c.is_ascii_lowercase() || c == '-')).unwrap_or(rest.len());
+                    words = words + "`" + &rest[..end].replace('-', "_") + "`";
+                    rest = &rest[end..];
+                } else {
+                    // The arrow in front of a place, or a line under words, is no option.
+                    words = words + "--" + &"-".repeat(dashes);
+                }
             }
             words + rest
         }
@@ -62,5 +70,19 @@ fn raise(failure: &Failure, words: String) -> PyErr {
         Reason::Input => classes::InputError::new_err(words),
         Reason::Stopped => classes::SimulationError::new_err(words),
         Reason::Output => classes::OutputError::new_err(words),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::with_arguments;
+
+    #[test]
+    fn options_are_arguments_and_the_arrow_of_a_place_stays() {
+        let written =
+            "error: no such key\n --> --vary:1:1\n  | ------ here\nuse --subject-to; or `mckibben size --load '5 kg'`";
+        let read =
+            "error: no such key\n --> `vary`:1:1\n  | ------ here\nuse `subject_to`; or `mckibben size --load '5 kg'`";
+        assert_eq!(with_arguments(written), read);
     }
 }

@@ -1,13 +1,14 @@
 //! The plant of a scenario whose ends a robot's simulator moves: the class `HostedPlant`, and the plugin for MuJoCo.
 
 use crate::actuator::{check_dt, check_parts, check_velocity, reach};
+use crate::alone;
 use crate::arguments;
 use crate::exceptions::{OrException, exception};
 use crate::mark::mark;
 use crate::pace::{Pace, PaceParts, Span};
 use crate::pool;
-use crate::scenario::Scenario;
-use crate::typed::{Copied, Count, Matrix, NewArguments, PrecisionWord, Rows, Table};
+use crate::scenario::{Scenario, ScenarioArgument};
+use crate::typed::{Copied, Count, FREQUENCY, Matrix, NewArguments, PrecisionWord, Quantity, Rows, TIME, Table};
 use crate::vector_plant::{check_each_once, instances};
 use mckibben_run::failure::Failure;
 use mckibben_run::host::{HostBatch, HostOptions, HostPlant};
@@ -39,10 +40,10 @@ pub(crate) fn _register_mujoco() -> PyResult<()> {
 /// command_mode : {"duty", "request", "position", "set-point"}, optional
 ///     What a command is: a duty cycle from 0 to 1; 1 to fill, 0 to hold, -1 to exhaust; the position of a proportional spool
 ///     from -1 to 1; the set point of a pressure regulator, a gauge pressure in Pa. By default what each valve takes.
-/// pulse_frequency : float, optional
-///     Frequency in Hz of the pulses of a duty cycle, above zero; by default that of the scenario's PWM.
-/// max_step : float, optional
-///     Longest part of a step in s, above zero: the air takes several in a long step. By default a step is one part.
+/// pulse_frequency : float or str, optional
+///     Frequency in Hz of the pulses of a duty cycle, above zero, or text with a unit; by default that of the scenario's PWM.
+/// max_step : float or str, optional
+///     Longest part of a step in s, above zero, or text with a unit: the air takes several in a long step. By default a step is one part.
 /// precision : {"double", "single"}, optional
 ///     Numbers that the plants are stepped in; double by default. Single precision takes twice as many at once, and keeps seven digits of a
 ///     state: what a step changes below the last of them is lost. It needs a package that is built with the feature `f32`.
@@ -98,6 +99,9 @@ pub(crate) struct HostedPlant {
 /// States of the plants as `save` returns them, and their clock.
 type State<'py> = (Matrix<'py>, PaceParts);
 
+/// Name of the class, for messages.
+const CLASS: &str = "HostedPlant";
+
 /// Memory that a plant takes at least, in bytes.
 const EACH: usize = 4096;
 
@@ -136,6 +140,41 @@ impl HostedPlant {
     /// Numbers of a saved state: the mark, and those of the plant.
     fn state_size(&self) -> usize {
         1 + self.batch.state_size()
+    }
+
+    /// The states of all plants as numbers, each behind the mark.
+    fn saved<'py>(&mut self, py: Python<'py>) -> PyResult<Matrix<'py>> {
+        let (width, count) = (self.state_size(), self.batch.count());
+        let mut numbers = vec![0.0; count * (width - 1)];
+        self.batch.save(&mut numbers).or_exception()?;
+        let rows = numbers.chunks(width - 1);
+        let all = rows.flat_map(|row| std::iter::once(self.mark).chain(row.iter().copied())).collect();
+        matrix(py, all, count, width)
+    }
+
+    /// Brings all plants back to states that were saved.
+    fn bring_back(&mut self, py: Python<'_>, states: &Table<'_>) -> PyResult<()> {
+        let Copied { entries, shape } = states.copied("states")?;
+        let width = self.state_size();
+        if shape.len() != 2 || shape[0] != self.batch.count() || shape[1] == 0 {
+            let title = "`states` is no array that `save` has returned";
+            return Err(Failure::input(title, "give such an array, of as many plants")).or_exception();
+        }
+        if let Some(row) = entries.chunks(shape[1]).position(|its| its[0] != self.mark) {
+            let title =
+                format!("states[{row}] is of another plant: its valves, its air or its law need not have such a state");
+            let remedy = "give states that plants of an equal scenario, command_mode and pulse_frequency have saved; only what \
+                          the scenario says of its load, mechanism, command, start and run may differ";
+            return Err(Failure::input(title, remedy)).or_exception();
+        }
+        if shape[1] != width {
+            let title = format!("`states` has {} numbers for each plant, whose state is {width}", shape[1]);
+            return Err(Failure::input(title, "give an array that this version of `save` has returned")).or_exception();
+        }
+        let numbers: Vec<f64> = entries.chunks(width).flat_map(|its| &its[1..]).copied().collect();
+        self.share(py, |batch| batch.restore(&numbers))?;
+        self.pace = Pace::at(self.batch.time());
+        Ok(())
     }
 
     /// Does work on the threads of the pool where there are enough plants, and else on the caller's own.
@@ -193,13 +232,16 @@ impl HostedPlant {
     #[pyo3(signature = (scenario, count = Count(1), *, command_mode = None, pulse_frequency = None, max_step = None, precision = PrecisionWord::from("double")))]
     fn new(
         py: Python<'_>,
-        scenario: Py<Scenario>,
+        scenario: ScenarioArgument<'_>,
         count: Count<1>,
         command_mode: Option<String>,
-        pulse_frequency: Option<f64>,
-        max_step: Option<f64>,
+        pulse_frequency: Option<Quantity<'_>>,
+        max_step: Option<Quantity<'_>>,
         precision: PrecisionWord,
     ) -> PyResult<Self> {
+        let scenario = scenario.0.unbind();
+        let pulse_frequency = pulse_frequency.map(|it| it.si("pulse_frequency", FREQUENCY)).transpose()?;
+        let max_step = max_step.map(|it| it.si("max_step", TIME)).transpose()?;
         let options =
             HostOptions { command_mode: command_mode.as_deref(), pulse_frequency, max_step, ..HostOptions::default() };
         let plant = HostPlant::read(&scenario.get().document, &options).or_exception()?;
@@ -215,38 +257,44 @@ impl HostedPlant {
 
     /// Names of the actuators, in the order of the columns of `distances`.
     #[getter]
-    fn actuators(&self) -> Vec<String> {
-        self.batch.model().actuators().to_vec()
+    fn actuators(this: &Bound<'_, Self>) -> PyResult<Vec<String>> {
+        let plants = alone::to_read(this, CLASS)?;
+        Ok(plants.batch.model().actuators().to_vec())
     }
 
     /// Names of the commands, in the order of the columns of `commands`: actuator and mode.
     #[getter]
-    fn commands(&self) -> Vec<String> {
-        self.batch.model().commands().iter().map(|input| input.name.clone()).collect()
+    fn commands(this: &Bound<'_, Self>) -> PyResult<Vec<String>> {
+        let plants = alone::to_read(this, CLASS)?;
+        Ok(plants.batch.model().commands().iter().map(|input| input.name.clone()).collect())
     }
 
     /// Names of what `observe` returns, with their units, such as "biceps.gauge_pressure_pa".
     #[getter]
-    fn columns(&self) -> Vec<String> {
-        self.batch.model().outputs().iter().map(mckibben_scenario::PlantColumn::title).collect()
+    fn columns(this: &Bound<'_, Self>) -> PyResult<Vec<String>> {
+        let plants = alone::to_read(this, CLASS)?;
+        Ok(plants.batch.model().outputs().iter().map(mckibben_scenario::PlantColumn::title).collect())
     }
 
     /// Number of plants.
     #[getter]
-    fn count(&self) -> usize {
-        self.batch.count()
+    fn count(this: &Bound<'_, Self>) -> PyResult<usize> {
+        let plants = alone::to_read(this, CLASS)?;
+        Ok(plants.batch.count())
     }
 
     /// Time in s since the start.
     #[getter]
-    fn time(&self) -> f64 {
-        self.batch.time()
+    fn time(this: &Bound<'_, Self>) -> PyResult<f64> {
+        let plants = alone::to_read(this, CLASS)?;
+        Ok(plants.batch.time())
     }
 
     /// Distances between the ends in m where the plants are, of the shape (count, actuators).
     #[getter]
-    fn distances<'py>(&self, py: Python<'py>) -> PyResult<Matrix<'py>> {
-        matrix(py, self.batch.distances().to_vec(), self.batch.count(), self.width())
+    fn distances<'py>(this: &Bound<'py, Self>, py: Python<'py>) -> PyResult<Matrix<'py>> {
+        let plants = alone::to_read(this, CLASS)?;
+        matrix(py, plants.batch.distances().to_vec(), plants.batch.count(), plants.width())
     }
 
     /// Begin at t = 0 with the ends at given distances, and all else as the scenario starts.
@@ -263,11 +311,12 @@ impl HostedPlant {
     /// InputError
     ///     An array has another shape or is not C-contiguous, an actuator cannot have such a distance, or a velocity is out of
     ///     range.
-    fn begin(&mut self, py: Python<'_>, distances: Table<'_>, velocities: Table<'_>) -> PyResult<()> {
+    fn begin(this: &Bound<'_, Self>, py: Python<'_>, distances: Table<'_>, velocities: Table<'_>) -> PyResult<()> {
+        let plants = &mut *alone::to_change(this, CLASS)?;
         let (distances, velocities) = (distances.read("distances")?, velocities.read("velocities")?);
-        let [distances, velocities] = self.ends(self.batch.count(), &distances, &velocities)?;
-        self.share(py, |batch| batch.begin_at(distances, velocities))?;
-        self.pace = Pace::default();
+        let [distances, velocities] = plants.ends(plants.batch.count(), &distances, &velocities)?;
+        plants.share(py, |batch| batch.begin_at(distances, velocities))?;
+        plants.pace = Pace::default();
         Ok(())
     }
 
@@ -290,21 +339,28 @@ impl HostedPlant {
     /// InputError
     ///     There is no such plant, an index is given twice, an array has another shape or is not C-contiguous, an actuator cannot
     ///     have such a distance, or a velocity is out of range; nothing has changed.
-    fn restart(&mut self, py: Python<'_>, rows: Rows<'_>, distances: Table<'_>, velocities: Table<'_>) -> PyResult<()> {
-        let rows = instances(&rows, self.batch.count())?;
+    fn restart(
+        this: &Bound<'_, Self>,
+        py: Python<'_>,
+        rows: Rows<'_>,
+        distances: Table<'_>,
+        velocities: Table<'_>,
+    ) -> PyResult<()> {
+        let plants = &mut *alone::to_change(this, CLASS)?;
+        let rows = instances(&rows, plants.batch.count())?;
         check_each_once(&rows).or_exception()?;
         let (distances, velocities) = (distances.read("distances")?, velocities.read("velocities")?);
-        let [distances, velocities] = self.ends(rows.len(), &distances, &velocities)?;
-        let width = self.width();
+        let [distances, velocities] = plants.ends(rows.len(), &distances, &velocities)?;
+        let width = plants.width();
         let its = |at: usize| (&distances[width * at..width * (at + 1)], &velocities[width * at..width * (at + 1)]);
         if rows.len() > 1 {
             // Each start is tried before any plant begins again.
             for (at, row) in rows.iter().enumerate() {
-                let tried = self.trial.begin_at(its(at).0, its(at).1);
+                let tried = plants.trial.begin_at(its(at).0, its(at).1);
                 tried.map_err(|failure| failure.of(&format!("plant {row}"))).or_exception()?;
             }
         }
-        self.share(py, |batch| {
+        plants.share(py, |batch| {
             rows.iter().enumerate().try_for_each(|(at, row)| batch.begin_row(*row, its(at).0, its(at).1))
         })
     }
@@ -331,20 +387,21 @@ impl HostedPlant {
     /// SimulationError
     ///     A plant has stopped.
     fn compute<'py>(
-        &mut self,
+        this: &Bound<'py, Self>,
         py: Python<'py>,
         distances: Table<'py>,
         velocities: Table<'py>,
     ) -> PyResult<Matrix<'py>> {
+        let plants = &mut *alone::to_change(this, CLASS)?;
         let (distances, velocities) = (distances.read("distances")?, velocities.read("velocities")?);
-        let [distances, velocities] = self.ends(self.batch.count(), &distances, &velocities)?;
-        self.share(py, |batch| batch.compute_at(distances, velocities))?;
+        let [distances, velocities] = plants.ends(plants.batch.count(), &distances, &velocities)?;
+        plants.share(py, |batch| batch.compute_at(distances, velocities))?;
         let mut tensions = Vec::with_capacity(distances.len());
-        for row in 0..self.batch.count() {
-            let responses = self.batch.responses(row).or_exception()?;
+        for row in 0..plants.batch.count() {
+            let responses = plants.batch.responses(row).or_exception()?;
             tensions.extend(responses.iter().map(|response| response.tension));
         }
-        matrix(py, tensions, self.batch.count(), self.width())
+        matrix(py, tensions, plants.batch.count(), plants.width())
     }
 
     /// Advance all plants by one time step, in which the ends go in straight lines to new distances.
@@ -355,8 +412,8 @@ impl HostedPlant {
     ///     Distances between the ends in m at the end of the step, above zero, of the shape (count, actuators).
     /// commands : ndarray
     ///     Commands of the valves during the step, of the shape (count, commands).
-    /// dt : float
-    ///     Duration of the step in s, above zero.
+    /// dt : float or str
+    ///     Duration of the step in s, above zero, or text with a unit.
     ///
     /// Raises
     /// ------
@@ -370,39 +427,49 @@ impl HostedPlant {
     /// Notes
     /// -----
     /// Ctrl-C ends a step of many parts; then all plants are in their states before the step.
-    fn step(&mut self, py: Python<'_>, distances: Table<'_>, commands: Table<'_>, dt: f64) -> PyResult<()> {
+    fn step(
+        this: &Bound<'_, Self>,
+        py: Python<'_>,
+        distances: Table<'_>,
+        commands: Table<'_>,
+        dt: Quantity<'_>,
+    ) -> PyResult<()> {
+        let dt = dt.si("dt", TIME)?;
+        let plants = &mut *alone::to_change(this, CLASS)?;
         check_dt(dt).or_exception()?;
         let (distances, commands) = (distances.read("distances")?, commands.read("commands")?);
-        let (count, inputs) = (self.batch.count(), self.batch.model().commands().len());
-        let distances = self.distances_of(count, &distances)?;
+        let (count, inputs) = (plants.batch.count(), plants.batch.model().commands().len());
+        let distances = plants.distances_of(count, &distances)?;
         let commands = table("commands", &commands, count, inputs)?;
-        let pace = self.pace.on(Span { duration: dt, steps: 1 });
+        let pace = plants.pace.on(Span { duration: dt, steps: 1 });
         let until = pace.now();
-        let parts = self.parts(dt);
+        let parts = plants.parts(dt);
         check_parts(parts, dt).or_exception()?;
         let spans = (parts / PARTS_PER_CHECK).ceil().max(1.0) as u64;
         match spans {
-            1 => self.share(py, |batch| {
+            1 => plants.share(py, |batch| {
                 batch.command(commands)?;
                 batch.advance(until, distances)
             })?,
             _ => {
-                let before = self.batch.clone();
-                if let Err(error) = self.advance_in_spans(py, spans, until, distances, commands) {
-                    self.batch = before;
+                let before = plants.batch.clone();
+                if let Err(error) = plants.advance_in_spans(py, spans, until, distances, commands) {
+                    plants.batch = before;
                     return Err(error);
                 }
             }
         }
         // A step that was refused took no time.
-        self.pace = pace;
-        self.check()
+        plants.pace = pace;
+        plants.check()
     }
 
     /// Refuse commands that a valve does not take, before a step.
-    fn _check_commands(&self, commands: Table<'_>) -> PyResult<()> {
+    fn _check_commands(this: &Bound<'_, Self>, commands: Table<'_>) -> PyResult<()> {
+        let plants = alone::to_read(this, CLASS)?;
         let commands = commands.read("commands")?;
-        let (count, inputs, model) = (self.batch.count(), self.batch.model().commands().len(), self.batch.model());
+        let (count, inputs, model) =
+            (plants.batch.count(), plants.batch.model().commands().len(), plants.batch.model());
         let check = |(at, number): (usize, &f64)| {
             let of_row = |failure: Failure| match count {
                 1 => failure,
@@ -424,12 +491,13 @@ impl HostedPlant {
     /// ------
     /// SimulationError
     ///     A plant has stopped.
-    fn observe<'py>(&mut self, py: Python<'py>) -> PyResult<Matrix<'py>> {
-        let width = self.batch.model().outputs().len();
-        let mut all = vec![0.0; self.batch.count() * width];
-        self.share(py, |batch| batch.read_outputs(&mut all))?;
-        self.check()?;
-        matrix(py, all, self.batch.count(), width)
+    fn observe<'py>(this: &Bound<'py, Self>, py: Python<'py>) -> PyResult<Matrix<'py>> {
+        let plants = &mut *alone::to_change(this, CLASS)?;
+        let width = plants.batch.model().outputs().len();
+        let mut all = vec![0.0; plants.batch.count() * width];
+        plants.share(py, |batch| batch.read_outputs(&mut all))?;
+        plants.check()?;
+        matrix(py, all, plants.batch.count(), width)
     }
 
     /// Return the states of all plants as numbers, of the shape (count, numbers of a state).
@@ -439,13 +507,8 @@ impl HostedPlant {
     /// ndarray
     ///     What `restore` takes. The first number of each row is a mark of the scenario and the commands; the order of the others
     ///     may change from one version to the next.
-    fn save<'py>(&mut self, py: Python<'py>) -> PyResult<Matrix<'py>> {
-        let (width, count) = (self.state_size(), self.batch.count());
-        let mut numbers = vec![0.0; count * (width - 1)];
-        self.batch.save(&mut numbers).or_exception()?;
-        let rows = numbers.chunks(width - 1);
-        let all = rows.flat_map(|row| std::iter::once(self.mark).chain(row.iter().copied())).collect();
-        matrix(py, all, count, width)
+    fn save<'py>(this: &Bound<'py, Self>, py: Python<'py>) -> PyResult<Matrix<'py>> {
+        alone::to_change(this, CLASS)?.saved(py)
     }
 
     /// Bring all plants back to states that plants of an equal scenario have saved.
@@ -462,65 +525,53 @@ impl HostedPlant {
     /// InputError
     ///     The numbers are no states of these plants, or are states of plants of another scenario, command mode or pulse
     ///     frequency; nothing has changed.
-    fn restore(&mut self, py: Python<'_>, states: Table<'_>) -> PyResult<()> {
-        let Copied { entries, shape } = states.copied("states")?;
-        let width = self.state_size();
-        if shape.len() != 2 || shape[0] != self.batch.count() || shape[1] == 0 {
-            let title = "`states` is no array that `save` has returned";
-            return Err(Failure::input(title, "give such an array, of as many plants")).or_exception();
-        }
-        if let Some(row) = entries.chunks(shape[1]).position(|its| its[0] != self.mark) {
-            let title =
-                format!("states[{row}] is of another plant: its valves, its air or its law need not have such a state");
-            let remedy = "give states that plants of an equal scenario, command_mode and pulse_frequency have saved; only what \
-                          the scenario says of its load, mechanism, command, start and run may differ";
-            return Err(Failure::input(title, remedy)).or_exception();
-        }
-        if shape[1] != width {
-            let title = format!("`states` has {} numbers for each plant, whose state is {width}", shape[1]);
-            return Err(Failure::input(title, "give an array that this version of `save` has returned")).or_exception();
-        }
-        let numbers: Vec<f64> = entries.chunks(width).flat_map(|its| &its[1..]).copied().collect();
-        self.share(py, |batch| batch.restore(&numbers))?;
-        self.pace = Pace::at(self.time());
-        Ok(())
+    fn restore(this: &Bound<'_, Self>, py: Python<'_>, states: Table<'_>) -> PyResult<()> {
+        alone::to_change(this, CLASS)?.bring_back(py, &states)
     }
 
     /// Scenario of the plants.
     #[getter]
-    fn scenario(&self, py: Python<'_>) -> Py<Scenario> {
-        self.scenario.clone_ref(py)
+    fn scenario(this: &Bound<'_, Self>, py: Python<'_>) -> PyResult<Py<Scenario>> {
+        let plants = alone::to_read(this, CLASS)?;
+        Ok(plants.scenario.clone_ref(py))
     }
 
-    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<NewArguments<'py, (Py<Scenario>, usize)>> {
+    fn __getnewargs_ex__<'py>(
+        this: &Bound<'py, Self>,
+        py: Python<'py>,
+    ) -> PyResult<NewArguments<'py, (Py<Scenario>, usize)>> {
+        let plants = alone::to_read(this, CLASS)?;
         let named = [
-            ("command_mode", (&self.command_mode).into_bound_py_any(py)?),
-            ("pulse_frequency", self.pulse_frequency.into_bound_py_any(py)?),
-            ("max_step", self.max_step.into_bound_py_any(py)?),
-            ("precision", self.precision.clone().into_bound_py_any(py)?),
+            ("command_mode", (&plants.command_mode).into_bound_py_any(py)?),
+            ("pulse_frequency", plants.pulse_frequency.into_bound_py_any(py)?),
+            ("max_step", plants.max_step.into_bound_py_any(py)?),
+            ("precision", plants.precision.clone().into_bound_py_any(py)?),
         ];
-        Ok(((self.scenario.clone_ref(py), self.batch.count()), named.into()))
+        Ok(((plants.scenario.clone_ref(py), plants.batch.count()), named.into()))
     }
 
     /// Return the states of the plants and their clock.
-    fn __getstate__<'py>(&mut self, py: Python<'py>) -> PyResult<State<'py>> {
-        Ok((self.save(py)?, self.pace.parts()))
+    fn __getstate__<'py>(this: &Bound<'py, Self>, py: Python<'py>) -> PyResult<State<'py>> {
+        let plants = &mut *alone::to_change(this, CLASS)?;
+        Ok((plants.saved(py)?, plants.pace.parts()))
     }
 
-    fn __setstate__(&mut self, py: Python<'_>, state: (Table<'_>, PaceParts)) -> PyResult<()> {
+    fn __setstate__(this: &Bound<'_, Self>, py: Python<'_>, state: (Table<'_>, PaceParts)) -> PyResult<()> {
+        let plants = &mut *alone::to_change(this, CLASS)?;
         let (states, pace) = state;
-        self.restore(py, states)?;
-        self.pace = Pace::of_parts(pace);
+        plants.bring_back(py, &states)?;
+        plants.pace = Pace::of_parts(pace);
         Ok(())
     }
 
-    fn __repr__(&self) -> String {
-        format!(
+    fn __repr__(this: &Bound<'_, Self>) -> PyResult<String> {
+        let plants = alone::to_read(this, CLASS)?;
+        Ok(format!(
             "<mckibben.HostedPlant, {} of {} at {:?} s>",
-            self.batch.count(),
-            self.actuators().join(", "),
-            self.time()
-        )
+            plants.batch.count(),
+            plants.batch.model().actuators().join(", "),
+            plants.batch.time()
+        ))
     }
 }
 

@@ -8,6 +8,7 @@
 //! | `hosted_plant` | plants whose ends a simulator moves: `HostedPlant`; the plugin for MuJoCo |
 //! | `actuators` | many of them on arrays: `Actuators` |
 //! | `vector_plant` | many plants that are commanded together and reset one by one: `VectorPlant` |
+//! | `alone` | objects that one thread at a time works on |
 //! | `mark` | of which plants the numbers of a state are |
 //! | `pace` | the clock of plants that go on by equal spans |
 //! | `curves` | `curves`, `presets` |
@@ -34,6 +35,7 @@
 
 mod actuator;
 mod actuators;
+mod alone;
 mod arguments;
 mod choosing;
 mod columns;

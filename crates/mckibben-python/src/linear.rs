@@ -2,9 +2,9 @@
 
 use crate::exceptions::OrException;
 use crate::python;
-use crate::scenario::Scenario;
+use crate::scenario::ScenarioArgument;
 use crate::typed::{
-    Axes, Complex, Figure, Items, Line, Matrix, Modes, Object, Parts, Point, Quantity, Sections, Texts, Validity,
+    Axes, Complex, Figure, Items, Line, Matrix, Modes, Object, Parts, Point, Quantity, SHARE, Sections, Texts, Validity,
 };
 use mckibben::linearize::Signal;
 use mckibben_run::linearize::{Measure, Request};
@@ -30,8 +30,8 @@ use std::ffi::CString;
 ///     Length of the actuator at the point in m.
 /// load : float or str, optional
 ///     Load at the point: a force in N, or as text also a mass that hangs, such as "10 lb".
-/// duty : float, optional
-///     Commanded duty cycle at the point, 0 to 1; the pressure follows from the mean flow of the valve under PWM.
+/// duty : float or str, optional
+///     Commanded duty cycle at the point, 0 to 1, or as text "40 %"; the pressure follows from the mean flow of the valve under PWM.
 /// pwm : bool, optional
 ///     Take the mean flow of the valve under PWM, at the duty cycle that holds the pressure; of a pressure regulator the set
 ///     point, of a proportional spool the position. False by default. Not together with `duty`.
@@ -84,35 +84,36 @@ use std::ffi::CString;
 #[expect(clippy::too_many_arguments, reason = "each is given by its name")]
 pub(crate) fn linearize(
     py: Python<'_>,
-    scenario: &Bound<'_, Scenario>,
-    gauge_pressure: Option<Quantity>,
-    length: Option<Quantity>,
-    load: Option<Quantity>,
-    duty: Option<f64>,
+    scenario: ScenarioArgument<'_>,
+    gauge_pressure: Option<Quantity<'_>>,
+    length: Option<Quantity<'_>>,
+    load: Option<Quantity<'_>>,
+    duty: Option<Quantity<'_>>,
     pwm: bool,
-    temperature: Option<Quantity>,
-    angle: Option<Quantity>,
-    stiffness: Option<Quantity>,
-    amplitude: Option<Quantity>,
+    temperature: Option<Quantity<'_>>,
+    angle: Option<Quantity<'_>>,
+    stiffness: Option<Quantity<'_>>,
+    amplitude: Option<Quantity<'_>>,
     all_states: bool,
 ) -> PyResult<LinearModel> {
-    let read = |name: &str, of: Option<Quantity>, [what, unit, example]: [&str; 3]| {
+    let read = |name: &str, of: Option<Quantity<'_>>, [what, unit, example]: [&str; 3]| {
         of.map(|of| of.read(name, |text| quantities::read(text, what, unit, example), |number| number)).transpose()
     };
     let of_length = ["length", "m", "85 mm"];
     let request = Request {
-        gauge_pressure: read("gauge_pressure", gauge_pressure, ["pressure", "Pa", "60 psi"]).or_exception()?,
-        length: read("length", length, of_length).or_exception()?,
-        load: load.map(|load| load.read("load", Measure::read, Measure::Force)).transpose().or_exception()?,
-        duty,
+        gauge_pressure: read("gauge_pressure", gauge_pressure, ["pressure", "Pa", "60 psi"])?,
+        length: read("length", length, of_length)?,
+        load: load.map(|load| load.read("load", Measure::read, Measure::Force)).transpose()?,
+        duty: duty.map(|duty| duty.si("duty", SHARE)).transpose()?,
         pwm,
-        temperature: read("temperature", temperature, ["temperature", "K", "293 K"]).or_exception()?,
-        angle: read("angle", angle, ["angle", "rad", "20 deg"]).or_exception()?,
-        stiffness: read("stiffness", stiffness, ["stiffness of a joint", "N*m/rad", "2 N*m/rad"]).or_exception()?,
-        amplitude: read("amplitude", amplitude, of_length).or_exception()?,
+        temperature: read("temperature", temperature, ["temperature", "K", "293 K"])?,
+        angle: read("angle", angle, ["angle", "rad", "20 deg"])?,
+        stiffness: read("stiffness", stiffness, ["stiffness of a joint", "N*m/rad", "2 N*m/rad"])?,
+        amplitude: read("amplitude", amplitude, of_length)?,
         all_states,
     };
-    let (name, document) = (scenario.get().document.source().name(), &scenario.get().document);
+    let document = &scenario.0.get().document;
+    let name = document.source().name();
     let found = py.detach(|| mckibben_run::linearize::LinearModel::of(name, document, &request)).or_exception()?;
     let model = LinearModel::new(py, &found)?;
     for warning in &model.warnings {
@@ -294,6 +295,7 @@ impl LinearModel {
     /// Returns
     /// -------
     /// control.StateSpace
+    ///     In its names an underscore stands for each point, which python-control refuses: `biceps_duty` for `biceps.duty`.
     fn to_control<'py>(model: &Bound<'py, Self>) -> PyResult<Object<'py>> {
         python::call(model.py(), ("_linear", "to_control"), (model,)).map(Object)
     }

@@ -6,12 +6,10 @@
 //! thread held when the process forked stays shut in the child.
 
 use mckibben_run::failure::Failure;
+use mckibben_run::sweep::schedule::STACK;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::ptr;
 use std::sync::atomic::{AtomicPtr, Ordering};
-
-/// Bytes of stack of a thread: as much as a program's first has, and what a study needs without optimisation.
-const STACK: usize = 16 << 20;
 
 /// The threads of a process.
 struct Pool {

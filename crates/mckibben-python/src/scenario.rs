@@ -2,12 +2,15 @@
 
 use crate::exceptions::OrException;
 use crate::python;
-use crate::typed::{Items, Object, Sections, Settled, Values};
+use crate::signals::Watch;
+use crate::typed::{Items, Object, Sections, Settled, Values, kind};
 use crate::values;
 use mckibben_run::failure::Failure;
 use mckibben_run::run::Ready;
 use mckibben_run::settle::Settling;
 use mckibben_scenario::{Diagnostics, Document};
+use pyo3::exceptions::PyTypeError;
+use pyo3::inspect::PyStaticExpr;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyDict;
@@ -68,6 +71,24 @@ pub(crate) struct Scenario {
     understood: Option<mckibben_scenario::Scenario>,
     /// The dictionary of `to_dict`, made at the first use of an attribute. It is read only.
     sections: PyOnceLock<Py<PyDict>>,
+}
+
+/// The scenario of an argument, which the message for anything else names.
+pub(crate) struct ScenarioArgument<'py>(pub(crate) Bound<'py, Scenario>);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for ScenarioArgument<'py> {
+    type Error = PyErr;
+    const INPUT_TYPE: PyStaticExpr = <Py<Scenario> as FromPyObject<'a, 'py>>::INPUT_TYPE;
+
+    fn extract(given: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        given.cast::<Scenario>().map(|scenario| Self(scenario.to_owned())).map_err(|_| {
+            let remedy = match given.extract::<String>() {
+                Ok(path) => format!("mckibben.Scenario.from_file({path:?})"),
+                Err(_) => "mckibben.Scenario, such as one of mckibben.Scenario.from_file".to_owned(),
+            };
+            PyTypeError::new_err(format!("`scenario` is of type {}; give {remedy}", kind(&given)))
+        })
+    }
 }
 
 impl Scenario {
@@ -308,6 +329,10 @@ impl Scenario {
     /// SimulationError
     ///     The simulation cannot go on.
     ///
+    /// Notes
+    /// -----
+    /// The interpreter is released, so other threads continue. Ctrl-C ends it.
+    ///
     /// Examples
     /// --------
     ///     >>> import mckibben
@@ -326,7 +351,9 @@ impl Scenario {
     /// Return the orbit and its columns, each with its unit, mean, ripple, least and greatest value.
     fn _settled(&self, py: Python<'_>) -> PyResult<SettledColumns> {
         let document = &self.document;
-        let found = py.detach(|| Ready::of(document)?.settle(document)).or_exception()?;
+        let mut watch = Watch::new();
+        let found = py.detach(|| Ready::of(document)?.settle(document, &mut |time| watch.at(time)));
+        let found = watch.outcome(found)?;
         let (orbit, rows) = (found.orbit, found.rows);
         let of = |row: Settling| {
             let ripple = row.ripple();

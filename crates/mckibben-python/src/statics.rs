@@ -2,8 +2,8 @@
 
 use crate::arguments;
 use crate::exceptions::OrException;
-use crate::scenario::Scenario;
-use crate::typed::{Numbers, Sequence};
+use crate::scenario::ScenarioArgument;
+use crate::typed::{Numbers, PRESSURE, Quantity, Sequence};
 use mckibben::{Actuator, GaugePressure};
 use mckibben_run::failure::Failure;
 use numpy::PyArray1;
@@ -72,7 +72,8 @@ fn not_infinite(name: &str, numbers: &[f64]) -> Result<(), Failure> {
 #[pymethods]
 impl _Statics {
     #[new]
-    fn new(scenario: &Scenario) -> PyResult<Self> {
+    fn new(scenario: ScenarioArgument<'_>) -> PyResult<Self> {
+        let scenario = scenario.0.get();
         let of = scenario.of_one().or_exception()?;
         let actuator =
             of.driven().map_err(|error| Failure::of_core(&error, &scenario.document)).or_exception()?.actuator;
@@ -124,8 +125,9 @@ impl _Statics {
         py: Python<'py>,
         length: Sequence,
         force: Sequence,
-        most: f64,
+        most: Quantity<'py>,
     ) -> PyResult<Numbers<'py>> {
+        let most = most.si("max_gauge_pressure", PRESSURE)?;
         arguments::number("max_gauge_pressure", most, "Pa", "a gauge pressure in Pa above zero", most > 0.0)
             .or_exception()?;
         Self::each(py, (["length", "force"], &length.0, &force.0), |length, force| {

@@ -1,7 +1,7 @@
 //! A sweep by its parts: the class `Sweep`.
 
 use crate::exceptions::OrException;
-use crate::scenario::Scenario;
+use crate::scenario::{Scenario, ScenarioArgument};
 use crate::typed::{Items, Names};
 use mckibben_run::failure::Failure;
 use mckibben_run::output;
@@ -97,7 +97,8 @@ impl Sweep {
 impl Sweep {
     #[new]
     #[pyo3(signature = (scenario, chosen = None))]
-    fn new(py: Python<'_>, scenario: Py<Scenario>, chosen: Option<Chosen>) -> PyResult<Self> {
+    fn new(py: Python<'_>, scenario: ScenarioArgument<'_>, chosen: Option<Chosen>) -> PyResult<Self> {
+        let scenario = scenario.0.unbind();
         let of = scenario.get();
         let (prepared, choice) = py
             .detach(|| {
@@ -288,7 +289,7 @@ impl Sweep {
     /// Raises
     /// ------
     /// InputError
-    ///     The folder holds something else, or `jobs` is too large.
+    ///     The folder holds something else, or `jobs` is out of range.
     /// OutputError
     ///     A file cannot be written.
     ///
@@ -300,10 +301,15 @@ impl Sweep {
         &self,
         py: Python<'_>,
         folder: PathBuf,
-        jobs: Option<NonZeroUsize>,
+        jobs: Option<usize>,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<()> {
-        let jobs = jobs.map_or_else(cores, NonZeroUsize::get);
+        let jobs = jobs.unwrap_or_else(cores);
+        if jobs == 0 {
+            let remedy =
+                format!("give a whole number from 1 to {MOST_JOBS}, or leave it out for a thread on each core");
+            return Err(Failure::input("`jobs` = 0 is out of range", remedy)).or_exception();
+        }
         if jobs > MOST_JOBS {
             let remedy = format!("give {MOST_JOBS} at most; more than there are cores are of no use");
             return Err(Failure::input(format!("{jobs} jobs are more threads than can be started"), remedy))

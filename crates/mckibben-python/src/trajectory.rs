@@ -4,7 +4,7 @@ use crate::arguments;
 use crate::columns::{array, dictionary};
 use crate::exceptions::OrException;
 use crate::python;
-use crate::scenario::Scenario;
+use crate::scenario::{Scenario, ScenarioArgument};
 use crate::signals::Watch;
 use crate::typed::{
     self, Axes, AxisWord, Columns, Facts, Figure, Items, Line, Listed, Name, Names, Numbers, Pandas, Parts, Polars,
@@ -14,7 +14,7 @@ use mckibben_plot::Theme;
 use mckibben_run::axis::TrajectoryAxis;
 use mckibben_run::failure::Failure;
 use mckibben_run::output;
-use mckibben_run::record::{Format, Provenance};
+use mckibben_run::record::{Format, Provenance, Values};
 use mckibben_run::run::{Finished, Ready};
 use mckibben_run::settle::End;
 use mckibben_run::warnings::of_run;
@@ -68,9 +68,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 #[pyo3(signature = (scenario, *, progress = None))]
 pub(crate) fn simulate(
     py: Python<'_>,
-    scenario: &Bound<'_, Scenario>,
+    scenario: ScenarioArgument<'_>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Trajectory> {
+    let scenario = scenario.0;
     let finished = run(py, scenario.get(), progress)?;
     let (columns, log) = py.detach(|| finished.columns().map(|columns| (columns, finished.log()))).or_exception()?;
     let of_column = |column: mckibben_run::record::Filled| {
@@ -84,7 +85,7 @@ pub(crate) fn simulate(
     };
     let events = log.times.into_iter().zip(log.rows).map(event).collect();
     let kept = Mutex::new(Some(Arc::new(finished)));
-    Ok(Trajectory { scenario: scenario.clone().unbind(), columns, events, kept })
+    Ok(Trajectory { scenario: scenario.unbind(), columns, events, kept })
 }
 
 fn run(py: Python<'_>, scenario: &Scenario, progress: Option<Bound<'_, PyAny>>) -> PyResult<Finished> {
@@ -214,6 +215,9 @@ impl Event {
     }
 }
 
+/// Times between the samples that are read between two checks for Ctrl-C.
+const TIMES_PER_CHECK: usize = 50_000;
+
 impl Trajectory {
     fn find(&self, name: &str) -> Option<&Column> {
         self.columns.iter().find(|column| column.name == name)
@@ -241,7 +245,20 @@ impl Trajectory {
 
     fn between<'py>(&self, py: Python<'py>, times: &[f64]) -> PyResult<Bound<'py, PyDict>> {
         let finished = self.finished(py)?;
-        let columns = py.detach(|| finished.columns_at(times)).or_exception()?;
+        // Ctrl-C is handled between parts of very many times.
+        let mut columns =
+            py.detach(|| finished.columns_at(&times[..times.len().min(TIMES_PER_CHECK)])).or_exception()?;
+        for part in times.chunks(TIMES_PER_CHECK).skip(1) {
+            py.check_signals()?;
+            let more = py.detach(|| finished.columns_at(part)).or_exception()?;
+            for (column, more) in columns.iter_mut().zip(more) {
+                match (&mut column.values, more.values) {
+                    (Values::Numbers(numbers), Values::Numbers(more)) => numbers.extend(more),
+                    (Values::Words(words), Values::Words(more)) => words.extend(more),
+                    _ => {}
+                }
+            }
+        }
         dictionary(py, columns)
     }
 

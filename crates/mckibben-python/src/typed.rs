@@ -1,8 +1,9 @@
 //! Python objects with the types that the stubs give them.
 
-use crate::exceptions::exception;
+use crate::exceptions::{OrException, exception};
 use mckibben_batch::Precision;
 use mckibben_run::failure::Failure;
+use mckibben_run::quantities;
 use numpy::ndarray::Dimension;
 use numpy::{
     AllowTypeChange, BorrowError, Element, Ix1, Ix2, PyArray, PyArrayLike1, PyArrayMethods, PyReadonlyArray,
@@ -12,7 +13,7 @@ use pyo3::conversion::FromPyObjectOwned;
 use pyo3::exceptions::PyTypeError;
 use pyo3::inspect::{PyStaticConstant, PyStaticExpr};
 use pyo3::prelude::*;
-use pyo3::types::{PyInt, PyMapping, PyString};
+use pyo3::types::{PyBool, PyFloat, PyInt, PyMapping, PyString};
 use pyo3::{type_hint_identifier as name, type_hint_subscript as of, type_hint_union};
 use std::collections::BTreeMap;
 use std::convert::Infallible;
@@ -259,7 +260,18 @@ impl<'py, T: Entry, D: Dimension> Given<'py, T, D> {
         ))
     }
 
+    /// The array under the name of its argument. What the mask of one hides is no entry.
     fn named(&self, name: &str) -> PyResult<&Bound<'py, PyArray<T, D>>> {
+        if !self.array.is_exact_instance_of::<PyUntypedArray>()
+            && let Some(mask) = self.array.getattr_opt("mask")?
+            && mask.call_method0("any")?.is_truthy()?
+        {
+            let title = format!("`{name}` is a masked array whose mask hides entries");
+            return Err(exception(&Failure::input(
+                title,
+                format!("give {name}.filled(…), with numbers in their place"),
+            )));
+        }
         self.array.cast().map_err(|_| {
             let of = |count: usize| format!("{count} dimension{}", if count == 1 { "" } else { "s" });
             let what = match self.array.cast::<PyUntypedArray>() {
@@ -372,47 +384,98 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Name {
     }
 }
 
-/// A quantity: a number in SI, or text with its unit.
-pub(crate) enum Quantity {
+/// A quantity: a number in SI, or text with its unit. It is read by [`Quantity::read`], [`Quantity::si`] and [`Quantity::given`],
+/// which know the name of its argument.
+pub(crate) enum Quantity<'py> {
+    Number(f64),
+    /// What is no float of Python.
+    Other(Bound<'py, PyAny>),
+}
+
+/// What an argument of a quantity is.
+pub(crate) enum Value {
     Number(f64),
     Text(String),
 }
 
-impl<'a, 'py> FromPyObject<'a, 'py> for Quantity {
-    type Error = PyErr;
+/// How text of a quantity is read: what it is, its SI unit, and an example.
+pub(crate) type Measured = [&'static str; 3];
+
+pub(crate) const LENGTH: Measured = ["length", "m", "85 mm"];
+pub(crate) const VELOCITY: Measured = ["velocity", "m/s", "10 mm/s"];
+pub(crate) const TIME: Measured = ["time", "s", "1 ms"];
+pub(crate) const PRESSURE: Measured = ["pressure", "Pa", "2 bar"];
+pub(crate) const FREQUENCY: Measured = ["frequency", "Hz", "25 Hz"];
+pub(crate) const SHARE: Measured = ["share", "%", "40 %"];
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Quantity<'py> {
+    type Error = Infallible;
     const INPUT_TYPE: PyStaticExpr = type_hint_union!(FLOAT, STR);
 
-    fn extract(given: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
-        match given.extract() {
-            Ok(text) => Ok(Self::Text(text)),
-            Err(_) => given.extract().map(Self::Number).map_err(|_| {
-                let what = kind(&given);
-                PyTypeError::new_err(format!(
-                    "a quantity is a number in SI or text with its unit, such as \"60 psi\", and no {what}"
-                ))
-            }),
-        }
+    fn extract(given: Borrowed<'a, 'py, PyAny>) -> Result<Self, Infallible> {
+        // Steps take several, so what is usual comes first.
+        Ok(given.cast_exact::<PyFloat>().map_or_else(|_| Self::Other(given.to_owned()), |it| Self::Number(it.value())))
     }
 }
 
-impl Quantity {
-    /// What the argument of a name says, from text as `read` takes it.
+impl Quantity<'_> {
+    /// Whether the argument of a name is a number or text. Truth values and `None` are neither.
+    pub(crate) fn given(&self, name: &str) -> PyResult<Value> {
+        let given = match self {
+            Self::Number(number) => return Ok(Value::Number(*number)),
+            Self::Other(given) => given,
+        };
+        if let Ok(text) = given.extract::<String>() {
+            return Ok(Value::Text(text));
+        }
+        match given.extract::<f64>() {
+            Ok(number) if !is_truth(given) => Ok(Value::Number(number)),
+            _ => {
+                let title =
+                    format!("`{name}` is of type {}, and is to be a number in SI or text with its unit", kind(given));
+                Err(PyTypeError::new_err(title))
+            }
+        }
+    }
+
+    /// The argument of a name, from text as `read` takes it. Numbers that are not finite are refused.
     pub(crate) fn read<T>(
         self,
         name: &str,
         read: impl FnOnce(&str) -> Result<T, String>,
         of: impl FnOnce(f64) -> T,
-    ) -> Result<T, Failure> {
-        match self {
-            Self::Number(number) if number.is_finite() => Ok(of(number)),
-            Self::Number(number) => {
+    ) -> PyResult<T> {
+        let read = match self.given(name)? {
+            Value::Number(number) if number.is_finite() => Ok(of(number)),
+            Value::Number(number) => {
                 Err(Failure::input(format!("{name} = {number:?} is no finite number"), "give a finite number"))
             }
-            Self::Text(text) => read(&text).map_err(|why| {
-                Failure::input(format!("`{name}`: {why}"), "give a number in SI, or text with a unit of this quantity")
-            }),
+            Value::Text(text) => read(&text).map_err(|why| of_text(name, &why)),
+        };
+        read.or_exception()
+    }
+
+    /// The argument of a name in SI. Whoever takes it refuses what is out of its range.
+    pub(crate) fn si(self, name: &str, measured: Measured) -> PyResult<f64> {
+        match self.given(name)? {
+            Value::Number(number) => Ok(number),
+            Value::Text(text) => si_of_text(name, &text, measured).or_exception(),
         }
     }
+}
+
+/// The number in SI of text in the argument of a name.
+pub(crate) fn si_of_text(name: &str, text: &str, [what, unit, example]: Measured) -> Result<f64, Failure> {
+    quantities::read(text, what, unit, example).map_err(|why| of_text(name, &why))
+}
+
+fn of_text(name: &str, why: &str) -> Failure {
+    Failure::input(format!("`{name}`: {why}"), "give a number in SI, or text with a unit of this quantity")
+}
+
+/// Whether an object is a truth value of Python or NumPy, which count as numbers there.
+pub(crate) fn is_truth(given: &Bound<'_, PyAny>) -> bool {
+    given.is_instance_of::<PyBool>() || matches!(kind(given).as_str(), "bool" | "bool_")
 }
 
 /// What an object is made of, for pickling: by place and by name.
@@ -502,7 +565,7 @@ pub(crate) struct Single<'py>(Bound<'py, PyAny>);
 impl Single<'_> {
     /// The number of the argument of a name; `several` says what takes more than one.
     pub(crate) fn read(&self, name: &str, several: &str) -> PyResult<f64> {
-        self.0.extract().map_err(|_| {
+        self.0.extract().ok().filter(|_| !is_truth(&self.0)).ok_or_else(|| {
             PyTypeError::new_err(format!("`{name}` is one number, and of type {} here; {several}", kind(&self.0)))
         })
     }

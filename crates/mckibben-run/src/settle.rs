@@ -5,14 +5,20 @@
 //!
 //! Checked by the tests below, and by the program's `tests/settle.rs`.
 
+use crate::closed_loop::Goals;
+use crate::engine::{self, Reached, Stepping, Subject};
 use crate::failure::Failure;
+use crate::joint::pair::Pair;
+use crate::plant;
 use crate::progress::Progress;
 use crate::record::Field;
 use crate::run::Ready;
+use crate::single_actuator::SingleActuator;
 use crate::table::{Cell, Kind};
 use crate::units::stem;
-use mckibben::plant::{Orbit, PlantRun, PlantSample};
-use mckibben_scenario::{Document, Run};
+use mckibben::Error;
+use mckibben::plant::{Orbit, PlantRun, PlantSample, PlantView};
+use mckibben_scenario::{Document, PlantExperiment, Run};
 
 /// Instants of a period at which it is read.
 const POINTS: u32 = 1000;
@@ -57,14 +63,39 @@ impl Settling {
 }
 
 impl Ready {
-    /// Runs it, and goes on behind the end to its periodic orbit, or its equilibrium where nothing is pulsed.
+    /// Runs it, and goes on behind the end to its periodic orbit, or its equilibrium where nothing is pulsed. `reached` is called with
+    /// the time in s now and then, and may end it by an error such as [`Error::Interrupted`].
     ///
     /// # Errors
-    /// [`Failure::input`] where pulses have no common period; what the core finds, shown in the document.
-    pub fn settle(self, document: &Document) -> Result<Settled, Failure> {
-        let (_, settled) = self.stream(document, None, End::Orbit)?;
-        settled.ok_or_else(|| Failure::stopped("the run did not come to its end"))
+    /// [`Failure::input`] where pulses have no common period; what the core finds, shown in the document; and those of `reached`.
+    pub fn settle(self, document: &Document, reached: &mut Reached<'_>) -> Result<Settled, Failure> {
+        let settled = match self {
+            Self::Actuator(of) => of_subject(&SingleActuator::from(&*of), reached),
+            Self::Controlled(of) => of_subject(&SingleActuator::from(&*of), reached),
+            Self::Joint(of) => of_subject(&Pair::from(&*of), reached),
+            Self::ControlledJoint(of) => of_subject(&Pair::from(&*of), reached),
+            Self::Plant(of) => of_plant(&of, reached),
+        };
+        settled.map_err(|error| Failure::of_core(&error, document))
     }
+}
+
+/// Runs a subject to its orbit, and keeps nothing on the way.
+fn of_subject<S: Subject>(of: &S, reached: &mut Reached<'_>) -> Result<Settled, Error> {
+    let view = of.view()?;
+    let stepping = Stepping::of(of.plan(), || of.stepping())?;
+    let goals = Goals::new(of.goals().unwrap_or_default().into());
+    let (end, _) = engine::stream(of, (&view, stepping.how), &goals, &mut |step| reached(step.end()))?;
+    let fields = S::fields(view.rig(), &Goals::default());
+    read((end.run, of.plan()), &fields, |sample| view.sample(sample), reached)
+}
+
+/// Runs a plant to its orbit, and keeps nothing on the way.
+fn of_plant(of: &PlantExperiment, reached: &mut Reached<'_>) -> Result<Settled, Error> {
+    let mut follower = plant::control::Follower::new(of);
+    let made = plant::stream(of, &mut follower, &mut |step| reached(step.end()))?;
+    let fields = plant::columns::fields(of, &Goals::default(), &[]);
+    read((made.run, &of.run), &fields, PlantSample::clone, reached)
 }
 
 /// Where a run ends.
@@ -87,10 +118,10 @@ impl End {
         (run, plan): (PlantRun, &Run),
         fields: &[Field<T>],
         sample: impl Fn(&PlantSample) -> T,
-    ) -> Result<Option<Settled>, mckibben::Error> {
+    ) -> Result<Option<Settled>, Error> {
         match self {
             Self::Duration => Ok(None),
-            Self::Orbit => read((run, plan), fields, sample).map(Some),
+            Self::Orbit => read((run, plan), fields, sample, &mut |_| Ok(())).map(Some),
         }
     }
 }
@@ -99,14 +130,19 @@ impl End {
 ///
 /// # Errors
 /// What the core finds.
-pub(crate) fn to_orbit(run: &mut PlantRun, plan: &Run) -> Result<Orbit, mckibben::Error> {
+pub(crate) fn to_orbit(run: &mut PlantRun, plan: &Run) -> Result<Orbit, Error> {
+    watched_to_orbit(run, plan, &mut |_| Ok(()))
+}
+
+/// Takes a run to its orbit as [`to_orbit`] does; `reached` is called with the time in s behind each period, and may end it.
+fn watched_to_orbit(run: &mut PlantRun, plan: &Run, reached: &mut Reached<'_>) -> Result<Orbit, Error> {
     run.set_stepping(plan.relative_tolerance)?;
     let progress = Progress::begin("settling", Some(MOST_PERIODS));
     let mut periods = 0;
-    run.settle(LOOK, MOST_PERIODS, &mut |_| {
+    run.settle(LOOK, MOST_PERIODS, &mut |time| {
         periods += 1;
         progress.at(periods);
-        Ok(())
+        reached(time)
     })
 }
 
@@ -119,7 +155,7 @@ pub(crate) fn over_periods(
     period: f64,
     periods: u32,
     each: &mut dyn FnMut(&PlantSample),
-) -> Result<(), mckibben::Error> {
+) -> Result<(), Error> {
     let start = run.time();
     for point in 1..=periods * POINTS {
         run.advance_to(start + period * f64::from(point) / f64::from(POINTS))?;
@@ -133,8 +169,9 @@ fn read<T>(
     (mut run, plan): (PlantRun, &Run),
     fields: &[Field<T>],
     sample: impl Fn(&PlantSample) -> T,
-) -> Result<Settled, mckibben::Error> {
-    let orbit = to_orbit(&mut run, plan)?;
+    reached: &mut Reached<'_>,
+) -> Result<Settled, Error> {
+    let orbit = watched_to_orbit(&mut run, plan, reached)?;
     if !orbit.settled {
         return Ok(Settled { orbit, rows: Vec::new() });
     }
@@ -179,7 +216,7 @@ mod tests {
             [("paper/fig-12", "tension"), ("antagonistic-joint", "angle"), ("plant/arm", "elbow.angle")]
         {
             let document = Document::load(examples.join(format!("{file}.toml"))).unwrap();
-            let settled = Ready::of(&document).unwrap().settle(&document).unwrap();
+            let settled = Ready::of(&document).unwrap().settle(&document, &mut |_| Ok(())).unwrap();
             assert!(settled.orbit.settled, "{file}: {:?}", settled.orbit);
             let names: std::collections::BTreeSet<&str> = settled.rows.iter().map(|row| row.name.as_str()).collect();
             assert_eq!(names.len(), settled.rows.len(), "{file}");
@@ -189,6 +226,24 @@ mod tests {
             if known == "tension" {
                 let weight = 5.0 * 0.453_592_37 * 9.80665;
                 assert!((row.mean - weight).abs() < 1e-3 * weight, "{row:?} for {weight} N");
+            }
+        }
+    }
+
+    /// What `reached` fails by ends it: on the way to the end of the run, and behind it.
+    #[test]
+    fn it_can_be_interrupted_before_and_behind_the_end_of_the_run() {
+        let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
+        for file in ["paper/fig-12", "antagonistic-joint", "plant/arm"] {
+            let document = Document::load(examples.join(format!("{file}.toml"))).unwrap();
+            let end = Ready::of(&document).unwrap().plan().duration;
+            for until in [0.5 * end, end * (1.0 + 1e-9)] {
+                let mut last = 0.0;
+                let settled = Ready::of(&document).unwrap().settle(&document, &mut |time| {
+                    last = time;
+                    if time > until { Err(Error::Interrupted { time }) } else { Ok(()) }
+                });
+                assert!(settled.is_err() && last > until, "{file}: {last} s of {until} s");
             }
         }
     }

@@ -97,7 +97,12 @@ impl Summary {
             ("viscous", actuators(|of| of.viscous)),
             ("coulomb", actuators(|of| of.coulomb)),
             ("slip", actuators(|of| of.slip)),
+            ("relaxation", actuators(|of| of.branches)),
+            ("exchanged", actuators(|of| of.branch_exchange)),
             ("taut_braid", actuators(|of| of.braid)),
+            ("slack", actuators(|of| of.slack)),
+            ("driven", mechanisms(|of| of.driven)),
+            ("belt", mechanisms(|of| of.belt - of.belt_work)),
             ("joints", mechanisms(|of| of.damping + of.stops)),
             ("effectiveness", total.effectiveness_loss),
         ];
@@ -112,6 +117,7 @@ impl Summary {
             ("left_inside", total.stored),
             ("exhaust", total.exhaust),
             ("leaked", total.leaked),
+            ("others", total.others),
             ("throttled", total.throttled),
             ("mixing", total.mixed),
             ("heat", total.heat_loss),
@@ -276,6 +282,16 @@ mod tests {
             assert!(summary.numbers.iter().all(|number| number.value.is_finite()), "{file}");
             let value = |name: &str| summary.numbers.iter().find(|number| number.name == name).unwrap().value;
             assert!(value("energy.residual").abs() < 1e-6 * value("energy.gas_work").abs().max(1e-3), "{file}");
+            let sum = |of: &str, names: &str| names.split(' ').map(|name| value(&format!("{of}.{name}"))).sum::<f64>();
+            let sinks =
+                "to_load stored viscous coulomb slip relaxation exchanged taut_braid slack effectiveness residual";
+            assert!((value("energy.gas_work") - sum("energy", sinks)).abs() < 1e-9, "{file}");
+            let parts = "kinetic potential joints belt driven";
+            let load = value("energy.to_load");
+            assert!((load - sum("energy", parts)).abs() < 1e-6 * load.abs().max(1e-3), "{file}");
+            let ends = "left_inside exhaust leaked others throttled mixing heat residual";
+            let supplied = sum("exergy", "drawn compressed");
+            assert!((supplied - value("energy.gas_work") - sum("exergy", ends)).abs() < 1e-9 * supplied, "{file}");
         }
     }
 
@@ -292,7 +308,9 @@ mod tests {
             let numbers = finished.figures().unwrap().summary().numbers;
             numbers.iter().find(|number| number.name == "air.used").unwrap().value
         };
-        for file in ["line/tank.toml", "paper/fig-12.toml"] {
+        for file in
+            ["line/tank.toml", "paper/fig-12.toml", "valves/pressure-regulator.toml", "valves/proportional-spool.toml"]
+        {
             let (alone, named) = (used(file, ""), used(file, "\n[actuators.muscle]\n"));
             assert!(alone > 1e-6 && (named - alone).abs() < 1e-6 * alone, "{file}: {named} for {alone} kg");
         }

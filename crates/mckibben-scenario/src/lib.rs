@@ -48,6 +48,7 @@ mod diagnose;
 pub mod diagnostic;
 mod dimension;
 mod document;
+mod follow;
 pub mod keys;
 mod model;
 mod muscle;

@@ -20,6 +20,7 @@
 //!
 //! Checked by `tests/muscle.rs`: each determining set against the closed form, contradictions and gaps with their places.
 
+use crate::follow::least_length;
 use mckibben::parameter::{self as p, Parameter};
 use mckibben::{Error, Requirement};
 use std::f64::consts::PI;
@@ -172,7 +173,7 @@ impl Stated {
                 (b, n, root(b * b - (PI * n * d).powi(2)))
             }
             // Nothing is said of rest: it is described where the braid is taut.
-            _ => (b, n, self.max_length.unwrap_or(b / 3_f64.sqrt())),
+            _ => (b, n, self.max_length.unwrap_or_else(|| least_length(b))),
         };
         let around = root(b * b - l * l);
         let follows = [b, n, l, around / (PI * n), (l / b).clamp(-1.0, 1.0).acos()];
@@ -198,7 +199,7 @@ impl Stated {
         let used = |at: usize| self.values[at].unwrap_or(follows[at]);
         let [thread_length, turns, length, diameter, braid_angle] = [B, N, L, D, THETA].map(used);
         let max_length = self.max_length.unwrap_or(length);
-        let min_length = self.min_length.unwrap_or(thread_length / 3_f64.sqrt());
+        let min_length = self.min_length.unwrap_or_else(|| least_length(thread_length));
         Ok(Muscle { thread_length, turns, length, diameter, braid_angle, max_length, min_length, stated: self })
     }
 

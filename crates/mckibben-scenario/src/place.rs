@@ -28,6 +28,7 @@
 //! Checked by `tests/place.rs`: for every key, the derivative that is seeded is that of setting the value.
 
 use crate::document::{Document, Node, Value, list_and_entry};
+use crate::follow::Follower;
 use crate::keys::{ANTAGONIST, KEYS, in_antagonist, is_of_antagonist};
 use crate::muscle::AT_REST;
 use crate::nearest::nearest;
@@ -399,8 +400,8 @@ pub struct Seeds {
     passed: Vec<[usize; 2]>,
     /// Whether its number has been met.
     met: Vec<bool>,
-    /// Shares of a number in another that follows from it, of one actuator.
-    followers: Vec<(&'static Parameter, usize, usize, f64)>,
+    /// Numbers that follow from those of places: each with its actuator and its derivative by each place.
+    followers: Vec<(&'static Parameter, usize, Vec<f64>)>,
 }
 
 impl Seeds {
@@ -410,11 +411,31 @@ impl Seeds {
         Self { passed: vec![[0; 2]; places.len()], met: vec![false; places.len()], followers: Vec::new(), places }
     }
 
-    /// Makes a parameter of an actuator, 0 or of a joint's second 1, follow from one of the places, at a rate.
+    /// Has what a scenario leaves out follow from the places: the start of a reservoir, that of a muscle whose pressure over time
+    /// is given, and of those actuators of which `least_follows` says so the least length.
     #[must_use]
-    pub fn with_follower(mut self, parameter: &'static Parameter, actuator: usize, place: usize, rate: f64) -> Self {
-        self.followers.push((parameter, actuator, place, rate));
+    pub fn with_followers(mut self, of: &Scenario, least_follows: [bool; 2]) -> Self {
+        self.follow(0, of, least_follows[0]);
+        if let Some(second) = of.of_antagonist() {
+            self.follow(1, &second, least_follows[1]);
+        }
         self
+    }
+
+    fn follow(&mut self, actuator: usize, of: &Scenario, least_follows: bool) {
+        for follower in Follower::ALL.into_iter().filter(|of| least_follows || *of != Follower::LeastLength) {
+            let by = |place: &Place| {
+                let number = |row: &'static Parameter, value: f64| {
+                    let is_it = place.parameter.key == row.key && place.of[actuator];
+                    let moves = is_it && !matches!(place.at, At::Entry(_, index) if index > 0);
+                    Dual { value, slope: [f64::from(u8::from(moves))] }
+                };
+                follower.value(of, number).map(|Dual { slope: [slope], .. }| slope)
+            };
+            if let Some(shares) = self.places.iter().map(by).collect::<Option<Vec<f64>>>() {
+                self.followers.push((follower.parameter(), actuator, shares));
+            }
+        }
     }
 
     /// The places whose numbers have not been met: the scenario has them, but not the parts that were mapped. A wall of no
@@ -451,11 +472,9 @@ impl Seeds {
                 *slope = 1.0;
             }
         }
-        for (follower, actuator, direction, rate) in &self.followers {
-            let here = follower.key == parameter.key && *actuator == of;
-            if let Some(slope) = dual.slope.get_mut(*direction).filter(|_| here) {
-                *slope = *rate;
-            }
+        let here = |(row, actuator, _): &&(&Parameter, usize, Vec<f64>)| row.key == parameter.key && *actuator == of;
+        for (_, _, shares) in self.followers.iter().filter(here) {
+            dual.slope.iter_mut().zip(shares).for_each(|(slope, share)| *slope += share);
         }
         dual
     }

@@ -100,6 +100,11 @@ impl<'d> Reader<'d> {
 
     /// Notes that a key is absent, at the header of its section. `because` says why it must be there.
     pub(crate) fn missing(&mut self, path: &str, because: &str) {
+        self.missing_or(path, because, None);
+    }
+
+    /// As [`Reader::missing`]; `instead` says what else would do.
+    fn missing_or(&mut self, path: &str, because: &str, instead: Option<&str>) {
         if self.is_meant(path) {
             return;
         }
@@ -120,7 +125,8 @@ impl<'d> Reader<'d> {
                     .help(format!("add a section `[{section}]`"))
             }
         };
-        self.note(example.into_iter().fold(diagnostic, Diagnostic::help));
+        let remedies = example.into_iter().chain(instead.map(str::to_owned));
+        self.note(remedies.fold(diagnostic, Diagnostic::help));
     }
 
     /// Notes that a whole section is absent, at the section that requires it or at the end.
@@ -140,7 +146,9 @@ impl<'d> Reader<'d> {
             }
         };
         let needed = KEYS.iter().filter(|key| key.section() == section && key.required && key.when.is_none());
-        let lines: Vec<String> = needed.map(|key| format!("`{} = {}`", key.name(), key.example)).collect();
+        let by_controller = section == "command" && self.has("controller");
+        let example = |key: &Key| if by_controller && key.name() == "kind" { "\"controllers\"" } else { key.example };
+        let lines: Vec<String> = needed.map(|key| format!("`{} = {}`", key.name(), example(key))).collect();
         self.note(diagnostic.help(format!("add `[{section}]` with at least {}", lines.join(" and "))));
     }
 
@@ -179,14 +187,15 @@ impl<'d> Reader<'d> {
         })
     }
 
-    /// The key's value, which the caller has read, else the table's default; when there is none the key is missing.
-    pub(crate) fn value_or(&mut self, row: &'static Parameter, read: Option<f64>) -> f64 {
+    /// The key's value, which the caller has read, else the table's default; when there is none the key is missing, and `instead` says
+    /// what else would do.
+    pub(crate) fn value_or(&mut self, row: &'static Parameter, read: Option<f64>, instead: Option<&str>) -> f64 {
         match read.or(row.default) {
             Some(value) => value,
             // Its mistake has been noted.
             None if self.has(row.key) => STAND_IN,
             None => {
-                self.missing(row.key, "");
+                self.missing_or(row.key, "", instead);
                 STAND_IN
             }
         }

@@ -179,7 +179,7 @@ fn words_out_of_the_list() {
 #[test]
 fn what_is_missing_is_shown_at_its_section() {
     check("duty = 0.5\n", "", Class::Missing, (11, 2), &["`command.duty` (d) is missing", "duty = 0.5"]);
-    check("turns = 2.5\n", "", Class::Missing, (1, 2), &["`actuator.turns`"]);
+    check("turns = 2.5\n", "", Class::Missing, (1, 2), &["`actuator.turns`", "`actuator.preset = \"colbrunn-2001\"`"]);
     check("flow_area = \"1.8e-5 ft^2\"\n", "", Class::Missing, (7, 2), &["`sonic_conductance`"]);
     check("kind = \"three-way\"\n", "", Class::Missing, (7, 2), &["`valve.kind`"]);
     check(

@@ -374,9 +374,11 @@ fn what_follows_from_a_number_has_its_share() {
     let mut scenario = Scenario::load(examples("")[0].clone()).unwrap_or_else(|error| panic!("{error}"));
     let thread = Place::find("actuator.thread_length", &mut scenario).expect("a number");
     let rate = 1.0 / 3_f64.sqrt();
-    let mut seeds = Seeds::new([thread]).with_follower(&mckibben::parameter::MIN_LENGTH, 0, 0, rate);
-    assert_eq!(seeds.over::<1>(&mckibben::parameter::MIN_LENGTH, 0.06).slope, [rate]);
+    let mut seeds = Seeds::new([thread]).with_followers(&scenario, [true; 2]);
+    assert!((seeds.over::<1>(&mckibben::parameter::MIN_LENGTH, 0.06).slope[0] - rate).abs() < 1e-15);
     assert_eq!(seeds.over::<1>(&mckibben::parameter::TURNS, 2.0).slope, [0.0]);
+    let mut seeds = Seeds::new([thread]).with_followers(&scenario, [false; 2]);
+    assert_eq!(seeds.over::<1>(&mckibben::parameter::MIN_LENGTH, 0.06).slope, [0.0]);
 }
 
 #[test]

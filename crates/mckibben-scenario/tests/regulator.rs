@@ -55,6 +55,7 @@ fn mistakes_are_reported() {
     let with = |valve: &str| VALVE.to_owned() + valve;
     let cases = [
         (mistakes(&[SUPPLY, VALVE, &COMMAND.replace("4 bar", "7 bar")]), "cannot give more than feeds it"),
+        (mistakes(&[SUPPLY, VALVE, &COMMAND.replace("4 bar", "7 bar")]), "or raise `supply.gauge_pressure`"),
         (mistakes(&[SUPPLY, VALVE, "[command]\nkind = \"fill\"\n"]), "takes set points of pressure"),
         (mistakes(&[SUPPLY, "[valve]\nkind = \"three-way\"\nflow_area = \"1 mm^2\"\n", COMMAND]), "pressure-regulator"),
         (mistakes(&[SUPPLY, VALVE, &COMMAND.replace(", \"1 bar\"", "")]), "equally long"),

@@ -24,7 +24,7 @@ mod of_plants {
     pub use crate::plant::guard::FASTEST;
     pub use crate::plant::sliding::Facet;
     pub use crate::plant::steps::{
-        NO_ACTUATOR, Stages, check_longest_part, check_move, host_mechanisms, part_end, parts_of,
+        MOST_AIR, NO_ACTUATOR, Stages, check_longest_part, check_move, host_mechanisms, part_end, parts_of,
     };
     pub use crate::plant::tendon::{is_damped as end_is_damped, tension as tendon_tension};
     pub use crate::plant::wire::Wire;

@@ -80,9 +80,9 @@ limits! {
         "of an actuator on a tendon whose pressure is given and that has no viscous friction",
         "give actuator.friction.viscous, however small: without it the tendon's balance follows the pressure's rate, which is no input";
     SAVE_DRIVERS: "a state as numbers", "where drivers command valves",
-        "save it by `PlantSteps::save`, or let the host set the valves";
+        "let the host set the valves; in Rust `PlantSteps::save` keeps a state as it is";
     SAVE_COMMANDS: "a state as numbers", "where more than 64 commands of one valve are on their way",
-        "save it by `PlantSteps::save`, set the valve less often, or shorten valve.dead_time";
+        "set the valve less often, or shorten valve.dead_time; in Rust `PlantSteps::save` keeps a state as it is";
     COMMON_PERIOD: "settling", "where pulses and sinusoids have no common period of up to a thousand of the fastest pulses",
         "give valve commands, motions and set points frequencies in a ratio of small whole numbers";
     SEGMENTS_JOINT: "a run in segments", "for an antagonistic joint and where actuators have names", "give search.horizon in place of search.segments";

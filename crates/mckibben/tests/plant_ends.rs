@@ -1,12 +1,13 @@
 //! Where ends may start: lengths that an actuator can have, and ends on tendons, which have no mass.
 
 use crate::common::{ATMOSPHERE, INCH, Paper, ROOM, assert_within};
+use mckibben::force::{Characteristic, Law, MartensBoblan};
 use mckibben::friction::Coulomb;
 use mckibben::load::SeriesTendon;
 use mckibben::mechanism::{Attachment, Chain, ChainSegment, Coupling, JointStops, Mass, Mechanism, Pull, Revolute};
 use mckibben::network::Network;
-use mckibben::plant::{InitialAir, Mounted, Part, Plant, PlantEventKind, PlantStart, simulate_plant};
-use mckibben::simulation::EventKind;
+use mckibben::plant::{InitialAir, Mounted, Part, Plant, PlantEventKind, PlantRun, PlantStart, simulate_plant};
+use mckibben::simulation::{EventKind, Method};
 use mckibben::{Error, GaugePressure};
 use std::f64::consts::PI;
 
@@ -130,4 +131,48 @@ fn a_limb_swings_through_the_dead_centres_of_its_muscles() {
     }
     let work = run.ledger().work();
     assert!(work.closes(1e-6), "{work:?}");
+}
+
+/// A law that falls below zero again before the end of the thread: the end starts where it and the tendon balance, not at the end.
+#[test]
+fn an_end_starts_at_the_balance_of_a_law_that_falls_again() {
+    let paper = Paper::sealed().friction(0.0, 0.0);
+    let (plant, start) = {
+        let (plant, start) = on_a_weight(&paper, true, REST + 3.9 * INCH, None);
+        let actuator = paper.clone().with(|paper| paper.characteristic = Some(falling(paper))).actuator();
+        let mounted = Mounted { actuator, ..plant.actuators()[0].clone() };
+        let weight = plant.mechanisms()[0].clone();
+        (Plant::new(vec![mounted], Network::new(&paper.air()), vec![weight]).expect("a plant"), start)
+    };
+    let actuator = &plant.actuators()[0].actuator;
+    let end = paper.thread_length;
+    let state = plant.start(&start).expect("a start");
+    let here = plant.indices().actuators[0];
+    let (length, pressure) = (state[here.length.expect("a state")], state[here.pressure]);
+    assert!(length < 0.98 * end, "{length} of {end}");
+    let force: f64 = actuator.static_force(length, pressure);
+    assert_within(force, STIFFNESS * (3.9 * INCH - length), 1e-6);
+}
+
+/// An ideal braid within a membrane whose modulus is far below zero near the end of the thread.
+fn falling(paper: &Paper) -> Characteristic {
+    let (end, rest) = (paper.thread_length, 3.6 * INCH);
+    let cube = -4e7 / (end - rest).powi(3);
+    let modulus = [-cube * rest.powi(3), 3.0 * cube * rest * rest, -3.0 * cube * rest, cube];
+    let law = MartensBoblan::new(&paper.braid(), rest, 1e-3, modulus).expect("a law");
+    Characteristic::new(paper.braid(), Law::MartensBoblan(law))
+}
+
+/// A tendon that is pulled half a metre in one step: no muscle stands that, and no pressure of millions of bars comes of it.
+#[test]
+fn no_step_leaves_the_physics_in_silence() {
+    let (plant, start) = on_a_weight(&Paper::sealed(), true, REST + 3.7 * INCH, None);
+    let (plant, start) = plant.to_external(&start).expect("a host's");
+    for pulled in [0.1, 0.2, 0.3, 0.5, 1.0, 10.0] {
+        let mut steps = PlantRun::new(&plant, &start, 1e-9).expect("a start").steps(Method::Stable);
+        if steps.move_to(1e-2, &[REST + 3.7 * INCH + pulled]).is_ok() {
+            let pressure = steps.state()[plant.indices().actuators[0].pressure];
+            assert!(pressure < 1e9, "{pressure} Pa at {pulled} m");
+        }
+    }
 }

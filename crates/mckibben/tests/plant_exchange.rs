@@ -227,3 +227,28 @@ fn pulses_that_no_poppet_follows_are_no_events() {
     let host = Host::new(&Plant::of_rig(&rig), &Plant::start_of_rig(&rig, &paper.start()));
     assert_eq!(host.next, f64::INFINITY);
 }
+
+/// At its shortest length without a velocity the weight decides: each update leaves the muscle taken up, whatever it was before, and no
+/// guard that a host sees is zero.
+#[test]
+fn a_muscle_at_its_shortest_length_takes_up_its_load() {
+    let paper = Paper::sealed().gauge(4e5);
+    let shortest = paper.rig().actuator().limits().min_length();
+    let paper = paper.from(shortest, 0.0);
+    let rig = paper.rig();
+    let (plant, start) = (Plant::of_rig(&rig), Plant::start_of_rig(&rig, &paper.start()));
+    let mut run = PlantRun::new(&plant, &start, 1e-11).expect("a start");
+    let mut host = Host::new(&plant, &start);
+    for _ in 0..3 {
+        host.exchange.update(&mut host.steps).expect("goes on");
+        let mut guards = vec![0.0; host.exchange.guard_count()];
+        host.exchange.guards(&host.steps, &mut guards);
+        assert!(guards.iter().all(|guard| *guard > 0.0), "{guards:?}");
+    }
+    run.advance_to(0.2).expect("a run");
+    host.advance(0.2, 2e-5);
+    assert!(run.state()[0] > shortest);
+    for (ours, theirs) in host.steps.state().iter().zip(run.state()) {
+        assert!((ours - theirs).abs() < 1e-5 * theirs.abs().max(1e-2), "{ours} for {theirs}");
+    }
+}

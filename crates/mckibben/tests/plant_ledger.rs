@@ -10,7 +10,7 @@ use mckibben::mechanism::{Coupling, Mass, Mechanism, Pull, Spring};
 use mckibben::network::Network;
 use mckibben::plant::{Balance, InitialAir, Mounted, Plant, PlantLedger, PlantStart, PlantTrajectory, simulate_plant};
 use mckibben::simulation::{Actuation, JointSample, PressureSeries, Rig, SeriesTendon};
-use mckibben::valve::{Command, Request, Solenoid, ValveKind};
+use mckibben::valve::{Command, FlowStandard, Request, Solenoid, ValveKind};
 use mckibben::{Error, GaugePressure};
 use proptest::prelude::*;
 
@@ -272,6 +272,37 @@ fn lines_close() {
     }
 }
 
+/// An end on a tendon without much viscous friction: its velocity follows from a balance of stiff forces, and errs by much more than its
+/// length in long steps. The ledger goes by the length, and so has the work of located events.
+#[test]
+fn long_steps_on_a_tendon_keep_the_ledger() {
+    use mckibben::plant::TimeStepping;
+    use mckibben::simulation::Method;
+    let tendon = SeriesTendon::new(6e4, 0.05).expect("a tendon");
+    let requests = vec![Request::Fill, Request::Hold, Request::Exhaust];
+    let command = Command::table(vec![0.0, 0.1, 0.2], requests).expect("a command");
+    for viscous in [1.0, 20.0] {
+        for process in [Process::Isentropic, Process::Isothermal] {
+            let paper =
+                Paper::driven(command.clone()).gauge(2e5).process(process).friction(viscous, 0.0).with(|paper| {
+                    paper.kind = ValveKind::FillHoldExhaust;
+                    paper.standard = FlowStandard::Orifice { flow_area: 3e-7 };
+                });
+            let rig = paper.rig().with_tendon(tendon);
+            let start = rig.start(&paper.initial()).expect("a start");
+            let (plant, start) = (Plant::of_rig(&rig), Plant::start_of_rig(&rig, &start));
+            let ledger_of = |how: TimeStepping| simulate_plant(&plant, &start, 0.35, how).expect("a run").ledger();
+            let exact = ledger_of(1e-9.into());
+            let steps = ledger_of(TimeStepping::Fixed { method: Method::Stable, step: 5e-4 });
+            let [ours, theirs] = [&steps, &exact].map(|ledger| ledger.actuators[0].gas_work);
+            assert!((ours - theirs).abs() < 0.05 * theirs.abs(), "{viscous} {process:?}: {ours} for {theirs}");
+            for (name, balance) in sums(&steps) {
+                assert!(balance.imbalance() < 0.02, "{viscous} {process:?}: {name} leaves {balance:?}");
+            }
+        }
+    }
+}
+
 /// A proportional pressure regulator draws what it needs from its supply and lets go to the atmosphere what comes back.
 #[test]
 fn a_pressure_regulator_closes() {
@@ -285,6 +316,10 @@ fn a_pressure_regulator_closes() {
     let total = ledger.total();
     assert!(total.drawn > 0.0 && total.stored > 0.0);
     assert!(total.exhaust > 0.0 && ledger.nodes.iter().any(|of| of.released > 0.0 && of.throttled > 0.0));
+    // What it drew is what it let go besides what the muscle keeps.
+    let port = ledger.nodes.iter().find(|of| of.vented > 0.0).expect("a port");
+    assert!(port.supplied.mass + port.vented > 1.5 * port.supplied.mass, "{port:?}");
+    assert_close(port.supplied.mass, ledger.actuators[0].air_gain, 1e-6);
     assert_closes("a regulator", &ledger, 1e-7);
 }
 

@@ -239,6 +239,33 @@ fn derivatives_are_those_of_finite_differences() {
     }
 }
 
+/// Two coils that are released and energised at once move their poppets in one instant, each with its own delay: the instants have
+/// derivatives of their own.
+#[test]
+fn coils_that_move_in_one_instant_have_a_derivative_each() {
+    let command = Command::table(vec![0.01, 0.05], vec![Request::Fill, Request::Exhaust]).expect("a command");
+    let paper =
+        slow(Paper::driven(command)).with(|rig| (rig.kind, rig.delays) = (ValveKind::FillHoldExhaust, (3e-3, 3e-3)));
+    for times in [[0.0; 2], [4e-3; 2]] {
+        let rig = ramped(&paper, times);
+        let end = |rig: &Rig| simulate(rig, paper.start(), 0.1, 1e-11).expect("a run").at(0.1).pressure.0;
+        let rows: [&'static Parameter; 2] = [&parameter::OPENING_DELAY, &parameter::CLOSING_DELAY];
+        let ramps: [&'static Parameter; 2] = [&parameter::OPENING_TIME, &parameter::CLOSING_TIME];
+        for row in rows.into_iter().chain(ramps).take(if times[0] > 0.0 { 4 } else { 2 }) {
+            let seeded = seeded(&rig, row);
+            let start = seeded.begin(&paper.initial().map(|_, value| Dual::of(value))).expect("a start");
+            let run = simulate(&seeded, start, Dual::of(0.1), 1e-11).expect("a run");
+            let difference = slope(1e-4, |relative| end(&scaled(&rig, row, relative)));
+            let found = run.at(Dual::of(0.1)).pressure.0.slope[0];
+            assert!(
+                (found - difference).abs() < 1e-4 * difference.abs(),
+                "{} at {times:?}: {found} for {difference}",
+                row.key
+            );
+        }
+    }
+}
+
 /// Poppets take their time where a host moves the ends, too.
 #[test]
 fn ends_that_a_host_moves_take_it() {

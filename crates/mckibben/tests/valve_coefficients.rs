@@ -112,8 +112,8 @@ fn c_from_cv_is_within_a_quarter_of_what_a_catalogue_states() {
     let ratios =
         stated.map(|(c, cv)| sonic_conductance(&law(FlowStandard::Cv { cv, pressure_drop_ratio: 0.7 }, &air)) / c);
     // What `docs/valves.md` says.
-    for (ratio, published) in ratios.into_iter().zip([1.03, 1.25, 1.21, 0.98]) {
-        assert_within(ratio, published, 0.006);
+    for (ratio, published) in ratios.into_iter().zip([1.03, 1.25, 1.21, 0.97]) {
+        assert_within(ratio, published, 0.005);
     }
 }
 

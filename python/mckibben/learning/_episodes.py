@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from mckibben._mckibben import VectorPlant
 from mckibben.errors import InputError
 from mckibben.learning._draws import Numbers, Places, Source, check, drawn
-from mckibben.learning._options import Options, periods
+from mckibben.learning._options import MAX_PRESSURE, Options, periods
 from mckibben.learning._phase import Phase
 from mckibben.learning._tasks import Task
 
@@ -26,7 +26,7 @@ class Episodes:
             self.plants = VectorPlant(
                 task.scenario,
                 count,
-                parameters=list(options.randomize),
+                parameters=list(options.drawn),
                 action_mode=options.action_mode,
                 pulse_frequency=options.pulse_frequency,
                 precision=options.precision,
@@ -34,17 +34,17 @@ class Episodes:
         except InputError as error:
             # The message names the argument that the caller gave.
             raise InputError(str(error).replace("`parameters`", "`randomize`")) from None
-        check(options.randomize, self.plants)
+        check(options.drawn, self.plants)
         self.period = options.period(self.plants)
         self.periods = options.steps(self.plants, self.period)
         columns = {name: place for place, name in enumerate(self.plants.columns)}
         known = ", ".join(columns)
-        for name in (*options.noise, *task.targets, *(seen.column for seen in task.seen)):
+        for name in (*options.deviations, *task.targets, *(seen.column for seen in task.seen)):
             if name not in columns:
                 raise InputError(f"`{name}` is no column of this plant; name one of {known}")
         # Column by column: NumPy is slow along rows of a few numbers.
         self._seen = [(columns[seen.column], seen.zero, 1.0 / seen.unit) for seen in task.seen]
-        noise = np.array([options.noise.get(seen.column, 0.0) / seen.unit for seen in task.seen])
+        noise = np.array([options.deviations.get(seen.column, 0.0) / seen.unit for seen in task.seen])
         self._noise = noise if noise.any() else None
         self._aimed = [(columns[name], low, 1.0 / (high - low)) for name, (low, high) in task.targets.items()]
         self._requests = np.array(self.plants.requests) if options.action_mode == "request" else None
@@ -75,7 +75,7 @@ class Episodes:
     def observation_space(self) -> gymnasium.Space[Any]:
         """Return the space of the observations of one plant; bounded where the plant is and has no noise."""
         seen = [
-            (seen.least - seen.zero) / seen.unit if self.options.noise.get(seen.column, 0.0) == 0.0 else -np.inf
+            (seen.least - seen.zero) / seen.unit if self.options.deviations.get(seen.column, 0.0) == 0.0 else -np.inf
             for seen in self.task.seen
         ]
         phase = 0 if self._phase is None else self._phase.size - 2
@@ -94,7 +94,7 @@ class Episodes:
     def start(self, source: Source, targets: Any = None) -> Observations:
         """Begin an episode of every plant and reset their clock. Returns the observations."""
         aims = self._targets(targets, self._all)
-        self.plants.start(drawn(self.options.randomize, source, self._all))
+        self.plants.start(drawn(self.options.drawn, source, self._all))
         return self._begin(source, self._all, aims)
 
     def restart(self, source: Source, places: Places, targets: Any = None) -> Observations:
@@ -102,7 +102,7 @@ class Episodes:
         if len(places) == self.count:
             return self.start(source, targets)
         aims = self._targets(targets, places)
-        self.plants.restart(places, drawn(self.options.randomize, source, places))
+        self.plants.restart(places, drawn(self.options.drawn, source, places))
         return self._begin(source, places, aims)
 
     def _begin(self, source: Source, places: Places, aims: Mapping[int, Numbers]) -> Observations:
@@ -248,7 +248,7 @@ class Episodes:
         if self.options.action_mode != "set-point":
             return commands
         highest: Numbers = self.plants.command_range[1]
-        wanted: Numbers = np.minimum(commands * self.options.max_pressure, highest)
+        wanted: Numbers = np.minimum(commands * (self.options.max_pressure or MAX_PRESSURE), highest)
         return wanted
 
     def targets(self, place: int) -> dict[str, float]:

@@ -15,6 +15,8 @@ ActionMode = Literal["duty", "request", "position", "set-point"]
 Precision = Literal["double", "single"]
 Draw = tuple[float, float] | Callable[[np.random.Generator, int], Any]
 
+# Gauge pressure in Pa of a set point of 1 by default.
+MAX_PRESSURE = 6e5
 # Least control period in s by default, where actions are no duty cycles.
 REQUEST_PERIOD = 5e-3
 
@@ -25,7 +27,7 @@ class Options:
 
     `action_mode` is the meaning of an action for each valve: "duty" (a duty cycle, 0 to 1), "request" (the number of exhaust, hold or
     fill among those that the valve takes), "position" of a proportional spool (-1 to 1) or "set-point" of a pressure
-    regulator (0 to 1 of `max_pressure` in Pa gauge, at most what feeds it). A number beyond these bounds counts as the bound; one that is not
+    regulator (0 to 1 of `max_pressure` in Pa gauge, 6e5 by default, at most what feeds it). A number beyond these bounds counts as the bound; one that is not
     finite, and a request that the valve does not take, is an `InputError`.
 
     `control_period` is the duration of an action in s. By default every action takes effect within it: a duty cycle holds for
@@ -42,7 +44,7 @@ class Options:
     could have, so that to end early never pays. `info["is_success"]` says whether all targets are within
     `success_tolerance` of their ranges after a step, `info["diverged"]` whether the plant has diverged.
 
-    `noise` are standard deviations of the observation in SI, by columns. Observations are `sensor_delay` in s old, and actions
+    `noise` are standard deviations of the observation in SI, by columns; none by default. Observations are `sensor_delay` in s old, and actions
     take effect `action_delay` in s late, whole numbers of control periods; the phase and the duty cycle under way are the
     controller's own, and have neither noise nor delay. `randomize` are paths of parameters of the plant that are drawn for
     each episode: uniformly between two ends in SI, or by a function of a generator and the number of values. All random
@@ -56,14 +58,14 @@ class Options:
     duration: float | None = None
     max_episode_steps: int | None = None
     pulse_frequency: float | None = None
-    max_pressure: float = 6e5
+    max_pressure: float | None = None
     distance_limit: float = 2.0
     terminal_penalty: float | None = None
     success_tolerance: float = 0.05
-    noise: Mapping[str, float] = field(default_factory=dict)
+    noise: Mapping[str, float] | None = field(default_factory=dict)
     sensor_delay: float = 0.0
     action_delay: float = 0.0
-    randomize: Mapping[str, Draw] = field(default_factory=dict)
+    randomize: Mapping[str, Draw] | None = field(default_factory=dict)
     precision: Precision = "double"
 
     def __post_init__(self) -> None:
@@ -74,10 +76,18 @@ class Options:
         steps = self.max_episode_steps
         if steps is not None and not (isinstance(steps, Integral) and steps >= 1):
             raise InputError(f"max_episode_steps = {steps!r} is no number of steps; give a whole number of 1 or more")
-        for name in ("noise", "randomize"):
-            if not isinstance(getattr(self, name), Mapping):
-                raise InputError(f'{name} is no dictionary; give one by names, as {{"load.mass": (1.5, 3.0)}}')
-        for column, deviation in self.noise.items():
+        if self.max_pressure is not None and self.action_mode != "set-point":
+            raise InputError(
+                f'max_pressure = {self.max_pressure!r} has no effect with action_mode="{self.action_mode}"; leave it out, or give '
+                'action_mode="set-point"'
+            )
+        for name, example in (("noise", '{"length_m": 1e-4}'), ("randomize", '{"load.mass": (1.5, 3.0)}')):
+            given = getattr(self, name)
+            if given is None:
+                object.__setattr__(self, name, {})
+            elif not isinstance(given, Mapping):
+                raise InputError(f"{name} is no dictionary but {given!r}; give one by names, as {example}")
+        for column, deviation in self.deviations.items():
             if not (is_number(deviation) and deviation >= 0.0):
                 raise InputError(f"noise: `{column}` = {deviation!r} is no standard deviation; give zero or more, in SI")
 
@@ -89,6 +99,16 @@ class Options:
         if not (is_number(number) and (number > 0.0 or number == 0.0 and not above_zero)):
             range_ = "above zero" if above_zero else "of zero or more"
             raise InputError(f"{name} = {number!r} is out of range; give a finite number {range_}")
+
+    @property
+    def deviations(self) -> Mapping[str, float]:
+        """Standard deviations of the observation in SI, by columns."""
+        return self.noise or {}
+
+    @property
+    def drawn(self) -> Mapping[str, Draw]:
+        """Parameters that are drawn for each episode, by their paths."""
+        return self.randomize or {}
 
     def period(self, plants: VectorPlant) -> float:
         """Return the duration in s of an action of these plants."""

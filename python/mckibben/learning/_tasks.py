@@ -22,6 +22,8 @@ VELOCITY = {
     "position_m": "velocity_m_s",
     "angle_rad": "angular_velocity_rad_s",
 }
+# Quantities that are above zero.
+ABOVE_ZERO = ("length_m", "absolute_pressure_pa", "air_mass_kg", "temperature_k")
 # Share of the range of a coordinate that is left out at each end, unless targets are given.
 MARGIN = 0.1
 
@@ -69,12 +71,14 @@ def reach(scenario: Scenario, targets: Ranges | None = None) -> Task:
     Raises
     ------
     InputError
-        For a column that the plant does not have, for a range that is none, and where no range can be chosen.
+        For a column that the plant does not have, for a range that is none or that its quantity cannot have, and where no range can
+        be chosen.
     """
     columns = VectorPlant.columns_of(scenario)
     if targets is None:
         targets = chosen(scenario, columns)
     _check(targets, columns)
+    _check_threads(scenario, targets)
     velocities = [(column, velocity_of(column)) for column in targets]
     seen = (
         *(_position(column, targets[column]) for column in targets),
@@ -196,6 +200,29 @@ def _check(targets: Ranges, columns: list[str]) -> None:
             raise InputError(f"targets: {column} = {given!r} is no range; {remedy}") from None
         if not -math.inf < low < high < math.inf:
             raise InputError(f"targets: {column} from {low} to {high} is no range; {remedy}")
+        if low <= 0.0 and column.rpartition(".")[2].endswith(ABOVE_ZERO):
+            raise InputError(f"targets: {column} from {low} to {high} has values that are not above zero; give a range in SI above zero")
+
+
+def _check_threads(scenario: Scenario, targets: Ranges) -> None:
+    """Refuse lengths of actuators that their threads cannot have. Those on a tendon have no such end."""
+    lengths = [column for column in targets if column.rpartition(".")[2] == "length_m"]
+    try:
+        plant = Plant(scenario) if lengths else None
+    except InputError:
+        # What is wrong with the plant is said where its environment is made.
+        return
+    for column in lengths:
+        actuator = column.rpartition(".")[0]
+        if plant is None or plant.section(actuator, "tendon"):
+            continue
+        own = [f"actuators.{actuator}.thread_length"] if actuator else []
+        thread, (low, high) = plant.number(*own, "actuator.thread_length"), targets[column]
+        if thread is not None and high >= thread:
+            raise InputError(
+                f"targets: {column} from {low} to {high} is beyond the thread of the actuator, which is {thread:.6g} m long; give a "
+                "range of shorter lengths in m"
+            )
 
 
 def _position(column: str, ends: Range) -> Seen:

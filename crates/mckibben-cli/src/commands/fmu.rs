@@ -112,7 +112,19 @@ pub fn run(arguments: &FmuArguments) -> Result<(), Failure> {
     let library = library()?;
     let mut document = files::document(&arguments.file)?;
     arguments.set.iter().try_for_each(|setting| setting.apply(&mut document))?;
-    let model = Model::new(document, arguments.options())?;
+    if let (Some(_), UnitKind::Me) = (arguments.max_step, arguments.kind) {
+        let title = "--max-step is of the steps of co-simulation, and a unit of --kind me has none";
+        return Err(Failure::input(title, "leave out --max-step, or give --kind cs or --kind both"));
+    }
+    let model = Model::new(document, arguments.options()).map_err(in_words_of_options)?;
+    let is_pulsed = model.plant().commands().iter().any(|input| input.mode.pulse_frequency().is_some());
+    if arguments.pulse_frequency.is_some() && !is_pulsed {
+        let title = "--pulse-frequency is of duty cycles, and the unit commands no valve by one";
+        return Err(Failure::input(
+            title,
+            "leave out --pulse-frequency, or command valves with seats by --command-mode duty",
+        ));
+    }
     let version = match arguments.fmi {
         FmiVersion::Three => Version::Three,
         FmiVersion::Two => Version::Two,
@@ -148,10 +160,31 @@ fn library() -> Result<Library, Failure> {
     Library::find([folder, folder.join("../lib").as_path(), folder.join("deps").as_path()])
 }
 
+/// A refusal with the names of the options, for messages that all hosts share.
+fn in_words_of_options(failure: Failure) -> Failure {
+    let said = failure.sentence();
+    let named = COMMAND_MODES.iter().fold(said.clone(), |said, mode| {
+        said.replace(&format!("command_mode=\"{mode}\""), &format!("--command-mode {mode}"))
+    });
+    let named = named.replace("give pulse_frequency in Hz", "give --pulse-frequency, such as '25 Hz'");
+    match named.split_once("; ") {
+        Some((title, help)) if named != said => Failure::input(title, help),
+        _ => failure,
+    }
+}
+
 fn frequency(text: &str) -> Result<f64, String> {
-    read(text, "frequency", "Hz", "25 Hz")
+    read(text, "frequency", "Hz", "25 Hz").and_then(|given| above_zero(text, given, "25 Hz"))
 }
 
 fn time(text: &str) -> Result<f64, String> {
-    read(text, "time", "s", "0.1 ms")
+    read(text, "time", "s", "0.1 ms").and_then(|given| above_zero(text, given, "0.1 ms"))
+}
+
+fn above_zero(text: &str, given: f64, example: &str) -> Result<f64, String> {
+    if given.is_finite() && given > 0.0 {
+        Ok(given)
+    } else {
+        Err(format!("`{text}` is not above zero; give for instance '{example}'"))
+    }
 }

@@ -1,8 +1,8 @@
 //! What the run of a joint came to, as text for people.
 
 use crate::describe;
-use crate::summary::{Common, Exergy, Page, circuit, effort, goals, is_periodic, residual, sums};
-use mckibben::plant::{ActuatorLedger, JointPlant, MechanismLedger, PlantLedger};
+use crate::summary::{Common, Page, effort, goals, is_periodic, ledger};
+use mckibben::plant::JointPlant;
 use mckibben::simulation::JointRig;
 use mckibben_run::closed_loop::Closed;
 use mckibben_run::failure::Failure;
@@ -45,10 +45,9 @@ impl Summary<'_> {
         let periodic = self.control.is_some() || JointPlant::new(self.rig).is_ok_and(|view| is_periodic(view.plant()));
         page.settled(self.common.settled, periodic);
         if page.verbose {
-            energy(page, &ended.ledger);
+            ledger::energy(page, &ended.ledger, &NAMES);
             if ended.draws {
-                let process = self.rig.driven()[0].actuator.air().process();
-                circuit(page, &Exergy::of_plant(&ended.ledger), process, sums(&ended.ledger.exergy()));
+                ledger::exergy(page, &ended.ledger);
             }
         }
         page.finish(&self.common.assumptions())
@@ -110,23 +109,4 @@ fn air(page: &Page, used: [AirUse; 2]) {
         let (from, to) = (page.quantity(air.from_supply, "kg"), page.quantity(air.to_atmosphere, "kg"));
         page.line(name, &format!("{from} from the supply, {to} to the exhaust"));
     }
-}
-
-fn energy(page: &Page, ledger: &PlantLedger) {
-    page.heading("Energy");
-    let joules = |value: f64| page.quantity(value, "J");
-    let (actuators, limbs) = (&ledger.actuators, &ledger.mechanisms);
-    for (of, (name, whose)) in actuators.iter().zip([("gas work", "agonist's gauge pressure"), ("", "antagonist's")]) {
-        page.value(name, &joules(of.gas_work), &format!("by the {whose}"));
-    }
-    let limb = |of: &dyn Fn(&MechanismLedger) -> f64| limbs.iter().map(of).sum::<f64>();
-    page.value(
-        "to the limb",
-        &joules(limb(&|of| of.kinetic + of.potential)),
-        "kinetic and potential, pressed stops included",
-    );
-    let dissipated = actuators.iter().map(ActuatorLedger::dissipated).sum();
-    page.value("dissipated", &joules(dissipated), "in both actuators");
-    page.value("", &joules(limb(&|of| of.damping + of.stops)), "in the joint and its stops");
-    residual(page, sums(&ledger.work()));
 }

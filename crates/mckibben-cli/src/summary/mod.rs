@@ -1,13 +1,13 @@
 //! What a run came to, as text for people: of an actuator on its load, and what that of a joint and that of a plant have in common.
 
 pub(crate) mod joint;
+pub(crate) mod ledger;
 pub(crate) mod plant;
 
 use crate::describe;
 use crate::terminal::{FAINT, HEADING, NOTABLE, entry, styled, wrap};
-use mckibben::air::Process;
 use mckibben::engine::Statistics;
-use mckibben::plant::{Balance, Plant, PlantLedger, RigPlant};
+use mckibben::plant::{Plant, RigPlant};
 use mckibben::simulation::{EventKind, Rig};
 use mckibben::valve::REFERENCE_DENSITY;
 use mckibben_run::closed_loop::{Closed, Goal, Miss};
@@ -90,10 +90,9 @@ impl Summary<'_> {
         page.settled(self.common.settled, periodic);
         if page.verbose {
             let ended = &self.observation.ended;
-            energy(page, &ended.ledger);
+            ledger::energy(page, &ended.ledger, &["muscle"]);
             if ended.draws {
-                let process = self.rig.actuator().air().process();
-                circuit(page, &Exergy::of_plant(&ended.ledger), process, sums(&ended.ledger.exergy()));
+                ledger::exergy(page, &ended.ledger);
             }
         }
         page.finish(&self.common.assumptions())
@@ -256,24 +255,6 @@ fn work(counts: Statistics) -> String {
     format!("{steps}{implicit}, {rejected} repeated, {evaluations}")
 }
 
-/// What does not close of an energy audit, and what share of its turnover that is, unless that is no more than rounding.
-pub(crate) fn residual(page: &Page, sums: [f64; 3]) {
-    residual_in(page, sums, "J");
-}
-
-/// What does not close of a sum in a unit.
-pub(crate) fn residual_in(page: &Page, [residual, turnover, rounding]: [f64; 3], unit: &str) {
-    let _ = page.sound(turnover);
-    let share = if turnover <= rounding {
-        format!("within rounding, which may leave {}", page.quantity(rounding, unit))
-    } else if residual == 0.0 {
-        "nothing is left".to_owned()
-    } else {
-        format!("{:.1e} of the turnover", page.sound(residual / turnover))
-    };
-    page.value("residual", &page.quantity(residual, unit), &share);
-}
-
 /// The longest step, and on what ground it was taken: the time in s that was compared, and the greatest error.
 fn step_of(page: &Page, step: f64, chosen: Option<[f64; 2]>, run: &Run) -> String {
     let Some([compared, greatest]) = chosen else {
@@ -315,104 +296,6 @@ fn under_pwm(page: &Page, ripple: &Ripple, contraction: f64) -> String {
     };
     let mean = page.quantity(ripple.mean, "m");
     format!("settled: mean length {mean} (contraction {}), {motion}", page.percent(contraction))
-}
-
-/// What does not close of a sum, the turnover, and what rounding may leave.
-pub(crate) fn sums(of: &Balance) -> [f64; 3] {
-    [of.residual, of.turnover, of.rounding]
-}
-
-fn energy(page: &Page, ledger: &PlantLedger) {
-    let ([audit], [load]) = (&ledger.actuators[..], &ledger.mechanisms[..]) else { return };
-    let (work, to_load) = (ledger.work(), load.kinetic + load.potential + load.driven);
-    page.heading("Energy");
-    let named = [
-        ("gas work", audit.gas_work, "by the gauge pressure"),
-        ("to the load", to_load, "kinetic and potential, or the work on a prescribed motion"),
-        ("stored", audit.braid_storage, "in the taut braid"),
-        ("stored", audit.tendon_storage, "in the tendon in series"),
-        ("in elements", audit.hysteresis_storage, "stored by the elements of the hysteresis"),
-        ("in branches", audit.branch_storage, "stored by viscoelastic branches"),
-        ("bladder", audit.bladder_storage, "stored in the bladder"),
-        ("viscous", audit.viscous, "dissipated by viscous friction"),
-        ("Coulomb", audit.coulomb, "dissipated by Coulomb friction"),
-        ("slip", audit.slip, "dissipated by the elements of the hysteresis that slip"),
-        ("relaxation", audit.branches, "dissipated by viscoelastic branches"),
-        ("exchanged", audit.branch_exchange, "taken from viscoelastic branches by changes of the pressure"),
-        ("braid damping", audit.braid, "dissipated by the taut braid"),
-        ("slack", audit.slack, "correction of friction while a tendon cannot push"),
-        (
-            "effectiveness",
-            audit.effectiveness_loss,
-            "taken by an effectiveness other than 1, or a law that does not follow from virtual work",
-        ),
-    ];
-    page.energies(&named, work.turnover);
-    residual(page, sums(&work));
-}
-
-/// Exergy of the air from the supply and where it went, in J.
-pub(crate) struct Exergy {
-    drawn: f64,
-    gas_work: f64,
-    stored: f64,
-    exhaust: f64,
-    throttled: f64,
-    mixed: f64,
-    heat: f64,
-    /// Least work of a compressor for what was drawn.
-    compressor: f64,
-    /// Work on the load.
-    work: f64,
-}
-
-impl Exergy {
-    pub(crate) fn of_plant(of: &PlantLedger) -> Self {
-        let of = of.total();
-        Self {
-            drawn: of.drawn,
-            gas_work: of.gas_work,
-            stored: of.stored,
-            exhaust: of.exhaust,
-            throttled: of.throttled,
-            mixed: of.mixed,
-            heat: of.heat_loss,
-            compressor: of.least_work,
-            work: of.work,
-        }
-    }
-}
-
-/// Where the exergy of the air from the supply went; with what does not close, the turnover, and what rounding may leave, in J.
-pub(crate) fn circuit(page: &Page, of: &Exergy, process: Process, sums: [f64; 3]) {
-    page.heading("Exergy of the supply's air");
-    let heat = match process {
-        Process::Isentropic | Process::Polytropic { .. } => {
-            "lost through heat that the process implies; negative: gained"
-        }
-        Process::Isothermal | Process::EnergyBalance { .. } => "lost through heat",
-    };
-    let [_, turnover, _] = sums;
-    let named = [
-        ("drawn", of.drawn, "work potential at the supply's temperature and outside pressure"),
-        ("gas work", of.gas_work, "by the gauge pressure, see Energy"),
-        ("left inside", of.stored, "gained by the air in actuators, hoses and reservoirs"),
-        ("exhaust", of.exhaust, "thrown out with the air"),
-        ("valve", of.throttled, "destroyed in the valve on the way in"),
-        ("mixing", of.mixed, "destroyed as air of two temperatures mixes"),
-        ("heat", of.heat, heat),
-    ];
-    page.energies(&named, turnover);
-    residual(page, sums);
-    if of.drawn > 0.0 && of.compressor > 0.0 {
-        let compressor_work = page.quantity(of.compressor, "J");
-        page.value("efficiency", &page.percent(of.work / of.drawn), "work on the load over what was drawn");
-        page.value(
-            "of compressor",
-            &page.percent(of.work / of.compressor),
-            &format!("over its isothermal work, {compressor_work}"),
-        );
-    }
 }
 
 /// Whether a plant without controllers has pulses or given sinusoids. What has no common period does not settle at all.
@@ -647,32 +530,8 @@ impl Page {
 mod tests {
     use super::*;
 
-    fn of(sums: [f64; 3]) -> Result<String, Failure> {
-        let page = Page::default();
-        page.heading("NaN.toml, inf");
-        residual(&page, sums);
-        page.finish("")
-    }
-
-    #[test]
-    fn a_remainder_is_judged_against_a_turnover_that_is_more_than_rounding() {
-        let text = |sums| of(sums).expect("finite numbers");
-        assert!(text([2e-9, 4.0, 1e-12]).contains("5.0e-10 of the turnover"));
-        // The turnover of a muscle that is held at one length: half of it does not close, and says nothing.
-        let held = text([2e-17, 4e-17, 1e-12]);
-        assert!(held.contains("within rounding, which may leave 1.000 pJ") && !held.contains("turnover"), "{held}");
-        assert!(text([0.0, 0.0, 1e-12]).contains("within rounding"));
-    }
-
     #[test]
     fn what_is_not_finite_is_an_error_that_names_its_line() {
-        for sums in
-            [[f64::NAN, 4.0, 1e-12], [f64::INFINITY, 4.0, 1e-12], [0.0, f64::NAN, 1e-12], [1.0, f64::INFINITY, 0.0]]
-        {
-            let failure = of(sums).expect_err("no praise for what is not finite");
-            assert_eq!(failure.code(), 3);
-            assert!(failure.to_string().contains("the summary's residual = "), "{failure}");
-        }
         let page = Page::default();
         page.range("length", 1.0, Range { least: f64::NAN, greatest: 2.0 }, "m");
         page.line("fine", &page.quantity(1.0, "m"));

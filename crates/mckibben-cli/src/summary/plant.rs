@@ -1,10 +1,9 @@
 //! What the run of a plant came to, as text for people.
 
 use crate::describe;
-use crate::summary::{Common, Page, goals_by_name, is_periodic, residual_in as residual};
+use crate::summary::{Common, Page, goals_by_name, is_periodic, ledger};
 use mckibben::mechanism::Mechanism;
 use mckibben::network::NodeKind;
-use mckibben::plant::{ActuatorLedger, Balance, MechanismLedger};
 use mckibben_run::failure::Failure;
 use mckibben_run::plant::{PlantFigures, control, observation};
 use mckibben_run::quantities::{counted, given};
@@ -36,8 +35,9 @@ impl Summary<'_> {
         let periodic = self.run.control.is_some() || is_periodic(&self.run.experiment.plant);
         page.settled(self.common.settled, periodic);
         if page.verbose {
-            self.energy(page);
-            self.exergy(page);
+            let (ledger, names) = (&self.run.observation.ended.ledger, &self.run.experiment.names.actuators);
+            ledger::energy(page, ledger, &names.iter().map(String::as_str).collect::<Vec<_>>());
+            ledger::exergy(page, ledger);
         }
         page.finish(&self.common.assumptions())
     }
@@ -118,87 +118,38 @@ impl Summary<'_> {
             return page.line("air", &format!("{} from the supplies", mass(used)));
         }
         page.heading("Air");
+        let mut gained: f64 = ledger.nodes.iter().map(|of| of.air_gain).sum();
+        let mut drawn = Vec::new();
         for (name, node) in &of.names.nodes {
-            let supplied = ledger.nodes[*node].supplied.mass;
-            let stores = matches!(network.nodes[*node].kind, NodeKind::Reservoir(_));
-            if stores {
-                page.value(name, &mass(ledger.nodes[*node].air_gain), "gained by what is stored there");
-            } else if supplied != 0.0 {
-                page.value(name, &mass(supplied), "drawn");
+            let its = &ledger.nodes[*node];
+            if matches!(network.nodes[*node].kind, NodeKind::Reservoir(_)) {
+                page.value(name, &mass(its.air_gain), "gained by what is stored there");
+                gained -= its.air_gain;
+            } else if its.supplied.mass != 0.0 {
+                page.value(name, &mass(its.supplied.mass), "drawn");
+                drawn.push(*node);
             }
         }
-        let outside = network.nodes.iter().zip(&ledger.nodes);
-        let outside = outside.filter(|(node, _)| matches!(node.kind, NodeKind::Atmosphere));
-        let outside: f64 = outside.map(|(_, node)| -node.supplied.mass).sum();
+        let (mut outside, mut given) = (0.0, ledger.actuators.iter().map(|of| of.given.mass).sum::<f64>());
+        for (index, (node, its)) in network.nodes.iter().zip(&ledger.nodes).enumerate() {
+            match node.kind {
+                NodeKind::Atmosphere => outside -= its.supplied.mass,
+                _ if drawn.contains(&index) => {}
+                _ => given += its.supplied.mass,
+            }
+        }
+        let shown = |mass: f64| mass.abs() > fine;
+        if shown(given) {
+            page.value("brought", &mass(given), "by given pressures and mains without a name");
+        }
         page.value("atmosphere", &mass(outside), "let out, less what came in");
-        let gained: f64 = ledger.actuators.iter().map(|of| of.air_gain).sum();
-        page.value("left inside", &mass(gained), "gained by the actuators");
-        balance(page, &ledger.air(), "kg");
-    }
-
-    /// Where the work of the gas went.
-    fn energy(&self, page: &Page) {
-        page.heading("Energy");
-        let (ledger, total) = (&self.run.observation.ended.ledger, self.run.observation.ended.ledger.total());
-        let mechanisms = |of: fn(&MechanismLedger) -> f64| -> f64 { ledger.mechanisms.iter().map(of).sum() };
-        let actuators = |of: fn(&ActuatorLedger) -> f64| -> f64 { ledger.actuators.iter().map(of).sum() };
-        let named = [
-            ("gas work", total.gas_work, "by the gauge pressures"),
-            ("to the loads", total.work, "work of the actuators on what they move"),
-            ("kinetic", mechanisms(|of| of.kinetic), "gained by what moves"),
-            ("potential", mechanisms(|of| of.potential), "gained: weights, constant forces, springs, stops"),
-            ("given motion", mechanisms(|of| of.driven), "work on motions that are given"),
-            ("joints", mechanisms(|of| of.damping + of.stops), "dissipated by damping and stops"),
-            ("belt", mechanisms(|of| of.belt - of.belt_work), "dissipated under the foot, less the work of the belt"),
-            ("stored", total.elastic, "in braids, bladders, tendons, hysteresis and branches"),
-            ("viscous", actuators(|of| of.viscous), "dissipated by viscous friction"),
-            ("Coulomb", actuators(|of| of.coulomb), "dissipated by Coulomb friction"),
-            ("slip", actuators(|of| of.slip), "dissipated by hysteresis that slips"),
-            ("relaxation", actuators(|of| of.branches), "dissipated by viscoelastic branches"),
-            ("exchanged", actuators(|of| of.branch_exchange), "taken from branches by changes of the pressure"),
-            ("braid damping", actuators(|of| of.braid), "dissipated by taut braids"),
-            ("slack", actuators(|of| of.slack), "correction of friction while a tension cannot push"),
-            (
-                "effectiveness",
-                total.effectiveness_loss,
-                "taken by an effectiveness other than 1, or a law other than virtual work",
-            ),
-        ];
-        let work = ledger.work();
-        page.energies(&named, work.turnover);
-        balance(page, &work, "J");
-    }
-
-    /// Where the exergy of the air went.
-    fn exergy(&self, page: &Page) {
-        let (ledger, total) = (&self.run.observation.ended.ledger, self.run.observation.ended.ledger.total());
-        let exergy = ledger.exergy();
-        if exergy.turnover <= exergy.rounding {
-            return;
+        let within: f64 = ledger.actuators.iter().map(|of| of.air_gain).sum();
+        page.value("left inside", &mass(within), "gained by the actuators");
+        if shown(gained) {
+            page.value("in hoses", &mass(gained), "gained by hoses and what else has a volume");
         }
-        page.heading("Exergy of the air");
-        let named = [
-            ("drawn", total.drawn, "work potential of what sources gave"),
-            ("gas work", total.gas_work, "by the gauge pressures, see Energy"),
-            ("compressed", total.compressed, "least work of the compressors in the plant"),
-            ("left inside", total.stored, "gained by the air in actuators, hoses and reservoirs"),
-            ("exhaust", total.exhaust, "let go with the air"),
-            ("leaked", total.leaked, "let go with the air that leaked"),
-            ("throttled", total.throttled, "destroyed in valves, hoses and regulators"),
-            ("mixing", total.mixed, "destroyed as air of two temperatures mixes"),
-            ("heat", total.heat_loss, "lost with heat; negative: gained"),
-        ];
-        page.energies(&named, exergy.turnover);
-        balance(page, &exergy, "J");
-        if let Some(efficiency) = total.efficiency() {
-            page.value("efficiency", &page.percent(efficiency), "work on the loads over what was drawn and compressed");
-        }
+        ledger::balance(page, &ledger.air(), "kg");
     }
-}
-
-/// What of a sum does not close.
-fn balance(page: &Page, of: &Balance, unit: &str) {
-    residual(page, [of.residual, of.turnover, of.rounding], unit);
 }
 
 /// A mechanism in words.

@@ -14,9 +14,16 @@ pub(super) fn display(unit: &str) -> Option<String> {
     displays(unit).into_iter().next().filter(|_| !is_itself).map(|(name, ..)| name)
 }
 
+/// A number that differs from one of ten digits by rounding alone is that one.
+fn short(number: f64) -> f64 {
+    let rounded = format!("{number:.9e}").parse().unwrap_or(number);
+    if (rounded - number).abs() <= 1e-12 * number.abs() { rounded } else { number }
+}
+
 /// The units for display of a unit: the one that was chosen, then the usual ones.
 fn displays(unit: &str) -> Vec<(String, f64, f64)> {
-    let mut all: Vec<_> = chosen_scale(unit).into_iter().filter(|(symbol, ..)| symbol != unit).collect();
+    let chosen = chosen_scale(unit).map(|(symbol, factor, offset)| (symbol, short(factor), short(offset)));
+    let mut all: Vec<_> = chosen.into_iter().filter(|(symbol, ..)| symbol != unit).collect();
     for (name, factor, offset) in usual(unit) {
         if !all.iter().any(|(known, ..)| known == name) {
             all.push(((*name).to_owned(), *factor, *offset));

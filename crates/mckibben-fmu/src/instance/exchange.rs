@@ -3,8 +3,13 @@
 //! Where the host moves the ends, distances and rates are inputs, and states of the plant that are none of the unit.
 
 use super::{Instance, Kind, Phase, Refusal};
+use crate::variables::Slot;
 use mckibben::plant::{EventUpdate, PlantExchange};
 use mckibben_run::host::Motion;
+
+/// How far an integrator may evaluate beyond the stop time, relative to the length of the run: those of several steps, such as
+/// CVODE, go beyond the end and interpolate back.
+const AHEAD: f64 = 0.1;
 
 impl Instance {
     /// How many continuous states there are.
@@ -41,13 +46,15 @@ impl Instance {
     /// Takes on a time in s of the host.
     ///
     /// # Errors
-    /// In another phase than Continuous or Event; for a time that is not finite.
+    /// In another phase than Continuous or Event; for a time that is not finite, and one beyond the stop time by more than a tenth of
+    /// the run.
     pub fn set_time(&mut self, time: f64) -> Result<(), Refusal> {
         self.check_exchange()?;
         self.check_phase(&[Phase::Continuous, Phase::Event])?;
         if !time.is_finite() {
             return Err(Refusal::error(format!("the time {time:?} s is none")));
         }
+        self.check_stop(time, AHEAD)?;
         let own = time - self.offset;
         let (exchange, plant) = self.exchange()?;
         exchange.place(plant.steps_mut(), own, |_| {});
@@ -58,13 +65,21 @@ impl Instance {
     /// Takes on continuous states.
     ///
     /// # Errors
-    /// In another phase than Continuous; for another count; discarded where a state is not finite.
+    /// In another phase than Continuous; for another count; discarded where a state is not finite, and where a pressure or a mass of
+    /// air is not above zero. Then the states stay.
     pub fn set_states(&mut self, states: &[f64]) -> Result<(), Refusal> {
         self.check_exchange()?;
         self.check_phase(&[Phase::Continuous])?;
         self.check_states(states.len())?;
         if let Some(place) = states.iter().position(|state| !state.is_finite()) {
             return Err(Refusal::discard(format!("continuous state {place} is {:?}", states[place])));
+        }
+        if let Some(place) = self.first_without_air(states) {
+            let name = self.model.variables().find(Slot::State(place).reference()).map_or("", |its| its.name.as_str());
+            return Err(Refusal::discard(format!(
+                "`{name}` = {:?} is not above zero; take a shorter step",
+                states[place]
+            )));
         }
         self.exchange()?;
         let (time, of_unit) = (self.plant.steps().time(), &self.model.variables().states);
@@ -77,6 +92,17 @@ impl Instance {
         }
         self.are_outputs_known = false;
         Ok(())
+    }
+
+    /// The first of continuous states that is a pressure or a mass of air and not above zero.
+    fn first_without_air(&self, states: &[f64]) -> Option<usize> {
+        let indices = self.plant.steps().plant().indices();
+        let is_air = |place: usize| {
+            let of_actuator = indices.actuators.iter().any(|its| place == its.pressure || place == its.mass());
+            of_actuator || indices.nodes.contains(&Some(place))
+        };
+        let mut of_unit = self.model.variables().states.iter().zip(states);
+        of_unit.position(|(place, state)| *state <= 0.0 && is_air(*place))
     }
 
     /// Writes the continuous states.
@@ -157,9 +183,10 @@ impl Instance {
     /// left to do. The next instant is in the host's time.
     ///
     /// # Errors
-    /// In another phase than Event; discarded where the plant cannot go on.
+    /// In another phase than Event; beyond the stop time; discarded where the plant cannot go on.
     pub fn update(&mut self) -> Result<EventUpdate, Refusal> {
         self.check_phase(&[Phase::Event])?;
+        self.check_stop(self.time(), 0.0)?;
         self.retune()?;
         self.send_commands()?;
         self.are_outputs_known = false;

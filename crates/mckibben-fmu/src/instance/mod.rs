@@ -26,6 +26,9 @@ use mckibben::plant::PlantExchange;
 use mckibben_run::failure::{Failure, Reason};
 use mckibben_run::host::{HostPlant, Motion};
 
+/// A time in s that differs by less, relative to the time, is the same.
+const SAME: f64 = 1e-9;
+
 /// What a call has come to; the numbers are those of both versions of FMI.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 #[repr(i32)]
@@ -103,7 +106,8 @@ pub enum Phase {
     Terminated,
 }
 
-/// What a host has set.
+/// The values of the inputs. While the run has not begun, distances and rates that the host has not set are those at which the
+/// parameters have the plant begin.
 #[derive(Clone, Debug, PartialEq)]
 struct Inputs {
     /// Numbers by which valves are commanded.
@@ -112,6 +116,10 @@ struct Inputs {
     distances: Vec<f64>,
     /// In m/s.
     rates: Vec<f64>,
+    /// Whether the host has set each distance, be it to the value that it had.
+    are_distances_set: Vec<bool>,
+    /// The rates likewise.
+    are_rates_set: Vec<bool>,
 }
 
 /// An instance of a unit.
@@ -135,6 +143,8 @@ pub struct Instance {
     is_stale: bool,
     /// The host's time in s at which the plant's is zero.
     offset: f64,
+    /// The host's time in s at which its run ends; infinite where it gives none.
+    stop: f64,
     /// The relative tolerance of the host.
     tolerance: f64,
     exchange: Option<PlantExchange>,
@@ -162,6 +172,7 @@ impl Instance {
             sent: vec![None; commands],
             is_stale: false,
             offset: 0.0,
+            stop: f64::INFINITY,
             tolerance: TOLERANCE,
             exchange: None,
             outputs: vec![0.0; plant.outputs().len()],
@@ -218,14 +229,20 @@ impl Instance {
         }
     }
 
-    /// Takes the tolerance and the start time of an experiment, in s.
+    /// Takes the tolerance of an experiment and its start and stop times in s. The unit is not computed beyond the stop time.
     ///
     /// # Errors
-    /// In another phase than Instantiated; for a time that is not finite, and a tolerance outside its range.
+    /// In another phase than Instantiated; for a start that is not finite, a stop before it, and a tolerance that is not above zero.
     pub fn set_up(&mut self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Result<(), Refusal> {
         self.check_phase(&[Phase::Instantiated])?;
-        if !start.is_finite() || stop.is_some_and(|stop| stop.is_nan() || stop < start) {
-            return Err(Refusal::error(format!("a run from {start:?} s to {stop:?} s has no length")));
+        if !start.is_finite() {
+            return Err(Refusal::error(format!("the start time {start:?} s is none; give a finite one")));
+        }
+        if let Some(stop) = stop.filter(|stop| stop.is_nan() || *stop < start) {
+            let wrong = if stop.is_nan() { "is none" } else { "is before the start" };
+            return Err(Refusal::error(format!(
+                "the stop time {stop:?} s {wrong}; give one at or after the start time of {start:?} s, or none"
+            )));
         }
         let range = parameter::RELATIVE_TOLERANCE.range;
         match tolerance {
@@ -238,8 +255,17 @@ impl Instance {
             }
             None => {}
         }
-        self.offset = start;
+        (self.offset, self.stop) = (start, stop.unwrap_or(f64::INFINITY));
         Ok(())
+    }
+
+    /// That a time in s of the host is not beyond the stop time by more than rounding, or than `allowance` of the run.
+    fn check_stop(&self, time: f64, allowance: f64) -> Result<(), Refusal> {
+        let rounding = SAME * time.abs().max(self.stop.abs()).max(1.0);
+        if time <= self.stop + rounding.max(allowance * (self.stop - self.offset)) {
+            return Ok(());
+        }
+        Err(Refusal::error(format!("the time {time:?} s is beyond the stop time of {:?} s", self.stop)))
     }
 
     /// Begins initialisation.
@@ -278,14 +304,13 @@ impl Instance {
             return Ok(());
         }
         let mut plant = self.model.build(&self.parameters)?;
-        self.built.clone_from(&self.parameters);
-        let changed = Inputs::of_start(&self.model);
-        let is_moved = changed.distances != self.inputs.distances || changed.rates != self.inputs.rates;
-        if plant.motion() == Motion::Host && is_moved {
-            plant.begin_at(&self.inputs.distances, &self.inputs.rates)?;
+        let mut inputs = self.inputs.clone();
+        if inputs.follow(&plant) {
+            plant.begin_at(&inputs.distances, &inputs.rates)?;
         }
         plant.state_size();
-        self.plant = plant;
+        (self.plant, self.inputs) = (plant, inputs);
+        self.built.clone_from(&self.parameters);
         self.sent.fill(None);
         self.entered.clone_from(&self.inputs.rates);
         (self.is_stale, self.are_outputs_known) = (false, false);
@@ -297,8 +322,7 @@ impl Instance {
         if self.parameters == self.built {
             return self.check_commands(&self.plant);
         }
-        let mut state = vec![0.0; self.plant.state_size()];
-        self.plant.save(&mut state)?;
+        let state = self.plant_state()?;
         let mut plant = self.model.build(&self.parameters)?;
         if plant.state_size() != state.len() {
             return Err(Refusal::error(
@@ -355,7 +379,7 @@ impl Instance {
         self.inputs = Inputs::of_start(&self.model);
         self.entered.clone_from(&self.inputs.rates);
         self.sent.fill(None);
-        (self.offset, self.tolerance, self.exchange) = (0.0, TOLERANCE, None);
+        (self.offset, self.stop, self.tolerance, self.exchange) = (0.0, f64::INFINITY, TOLERANCE, None);
         (self.is_stale, self.are_outputs_known) = (false, false);
         self.phase = Phase::Instantiated;
         Ok(())
@@ -370,10 +394,29 @@ impl Inputs {
             let all = model.variables().all.iter().filter(|its| wanted(its.slot));
             all.filter_map(|its| its.start.first().copied()).collect()
         };
+        let distances = starts(|slot| matches!(slot, Slot::Distance(_)));
         Self {
             commands: starts(|slot| matches!(slot, Slot::Command(_))),
-            distances: starts(|slot| matches!(slot, Slot::Distance(_))),
             rates: starts(|slot| matches!(slot, Slot::Rate(_))),
+            are_distances_set: vec![false; distances.len()],
+            are_rates_set: vec![false; distances.len()],
+            distances,
         }
+    }
+
+    /// Takes the distances and rates that the host has not set from where a plant begins; whether one that it has set is another.
+    fn follow(&mut self, plant: &HostPlant) -> bool {
+        let (indices, state) = (plant.steps().plant().indices(), plant.steps().state());
+        let Some(here) = indices.mechanisms.first().filter(|_| plant.motion() == Motion::Host) else { return false };
+        let mut is_elsewhere = false;
+        let mut take = |value: &mut f64, is_set: bool, start: f64| {
+            is_elsewhere |= is_set && *value != start;
+            *value = if is_set { *value } else { start };
+        };
+        for index in 0..self.distances.len() {
+            take(&mut self.distances[index], self.are_distances_set[index], state[here.position(index)]);
+            take(&mut self.rates[index], self.are_rates_set[index], state[here.rate(index)]);
+        }
+        is_elsewhere
     }
 }

@@ -10,7 +10,7 @@ use mckibben_run::host::HostPlant;
 /// How bytes of a state begin.
 const MAGIC: &[u8; 8] = b"mckibfmu";
 /// The version of their layout.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 /// Bytes of a token.
 const TOKEN: usize = 38;
 /// Bytes before the numbers.
@@ -35,6 +35,7 @@ pub struct Saved {
     entered: Vec<f64>,
     is_stale: bool,
     offset: f64,
+    stop: f64,
     tolerance: f64,
 }
 
@@ -44,8 +45,7 @@ impl Instance {
     /// # Errors
     /// Where the state cannot be saved: more than 64 commands of one valve are on their way.
     pub fn save(&mut self) -> Result<Saved, Refusal> {
-        let mut plant = vec![0.0; self.plant.state_size()];
-        self.plant.save(&mut plant)?;
+        let plant = self.plant_state()?;
         Ok(Saved {
             token: self.model.token().to_owned(),
             kind: self.kind,
@@ -58,8 +58,23 @@ impl Instance {
             entered: self.entered.clone(),
             is_stale: self.is_stale,
             offset: self.offset,
+            stop: self.stop,
             tolerance: self.tolerance,
         })
+    }
+
+    /// The state of the plant as numbers.
+    pub(super) fn plant_state(&mut self) -> Result<Vec<f64>, Refusal> {
+        let mut numbers = vec![0.0; self.plant.state_size()];
+        match self.plant.steps_mut().save_to(&mut numbers) {
+            Ok(()) => Ok(numbers),
+            // Drivers there are none: the host commands the valves.
+            Err(mckibben::Error::NotImplemented(_)) => Err(Refusal::error(
+                "more than 64 commands of one valve are within its dead time, and the state cannot be saved; set the input less \
+                 often, or save the state later",
+            )),
+            Err(other) => Err(other.into()),
+        }
     }
 
     /// Returns to a state that an instance of the same unit has saved.
@@ -77,8 +92,7 @@ impl Instance {
             ours.iter().map(|its| its.to_bits()).eq(theirs.iter().map(|its| its.to_bits()))
         };
         if same(&self.built, &saved.built) {
-            let mut before = vec![0.0; self.plant.state_size()];
-            self.plant.save(&mut before)?;
+            let before = self.plant_state()?;
             self.plant.restore(&saved.plant)?;
             if let Err(refusal) = check_pulses(&self.plant) {
                 self.plant.restore(&before)?;
@@ -98,7 +112,8 @@ impl Instance {
         self.inputs.clone_from(&saved.inputs);
         self.sent = saved.sent.iter().map(|number| Some(*number).filter(|number| !number.is_nan())).collect();
         self.entered.clone_from(&saved.entered);
-        (self.is_stale, self.offset, self.tolerance) = (saved.is_stale, saved.offset, saved.tolerance);
+        (self.is_stale, self.offset, self.stop) = (saved.is_stale, saved.offset, saved.stop);
+        self.tolerance = saved.tolerance;
         self.are_outputs_known = false;
         Ok(())
     }
@@ -133,7 +148,7 @@ impl Instance {
         }
         let numbers: Vec<f64> = body.as_chunks::<8>().0.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect();
         let [plant, parameters, commands, motions] = counts;
-        if body.len() != 8 * (plant + 2 * parameters + 2 * commands + 3 * motions + 3) {
+        if body.len() != 8 * (plant + 2 * parameters + 2 * commands + 5 * motions + 4) {
             return None;
         }
         let mut rest = numbers.as_slice();
@@ -142,6 +157,7 @@ impl Instance {
             rest = behind;
             taken.to_vec()
         };
+        let flags = |numbers: Vec<f64>| numbers.iter().map(|number| *number != 0.0).collect();
         let saved = Saved {
             token: self.model.token().to_owned(),
             kind: self.kind,
@@ -149,16 +165,24 @@ impl Instance {
             plant: list(plant),
             parameters: list(parameters),
             built: list(parameters),
-            inputs: Inputs { commands: list(commands), distances: list(motions), rates: list(motions) },
+            inputs: Inputs {
+                commands: list(commands),
+                distances: list(motions),
+                rates: list(motions),
+                are_distances_set: flags(list(motions)),
+                are_rates_set: flags(list(motions)),
+            },
             sent: list(commands),
             entered: list(motions),
             is_stale: list(1)[0] != 0.0,
             offset: list(1)[0],
+            stop: list(1)[0],
             tolerance: list(1)[0],
         };
-        let is_finite = saved.offset.is_finite() && (1e-12..=1.0).contains(&saved.tolerance);
+        let is_run = saved.offset.is_finite() && saved.stop >= saved.offset;
+        let is_finite = is_run && (1e-12..=1.0).contains(&saved.tolerance);
         let is_input = |numbers: &[f64]| numbers.iter().all(|number| number.is_finite());
-        let Inputs { commands, distances, rates } = &saved.inputs;
+        let Inputs { commands, distances, rates, .. } = &saved.inputs;
         let is_taken = commands.iter().enumerate().all(|(index, number)| self.may_take(index, *number));
         (is_finite && is_taken && is_input(distances) && is_input(rates) && is_input(&saved.entered)).then_some(saved)
     }
@@ -190,10 +214,13 @@ impl Saved {
     }
 
     fn numbers(&self) -> impl Iterator<Item = f64> + '_ {
-        let Inputs { commands, distances, rates } = &self.inputs;
-        let lists = [&self.plant, &self.parameters, &self.built, commands, distances, rates, &self.sent, &self.entered];
-        let last = [f64::from(u8::from(self.is_stale)), self.offset, self.tolerance];
-        lists.into_iter().flatten().copied().chain(last)
+        let Inputs { commands, distances, rates, are_distances_set, are_rates_set } = &self.inputs;
+        let number = |flag: bool| f64::from(u8::from(flag));
+        let flags = [are_distances_set, are_rates_set].into_iter().flatten().map(move |flag| number(*flag));
+        let first =
+            [&self.plant, &self.parameters, &self.built, commands, distances, rates].into_iter().flatten().copied();
+        let behind = [&self.sent, &self.entered].into_iter().flatten().copied();
+        first.chain(flags).chain(behind).chain([number(self.is_stale), self.offset, self.stop, self.tolerance])
     }
 
     /// Its bytes.

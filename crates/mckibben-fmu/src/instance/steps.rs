@@ -3,11 +3,8 @@
 //! Where the host moves the ends, they go in a straight line to `distance + rate · step`. A host that gives the distances at
 //! the end of the step leaves the rates at zero; one that gives both as they are at its beginning is right to first order.
 
-use super::{Instance, Kind, Phase, Refusal};
+use super::{Instance, Kind, Phase, Refusal, SAME};
 use mckibben_run::host::Motion;
-
-/// A time in s that differs by less, relative to the time, is the same.
-const SAME: f64 = 1e-9;
 
 /// By how much pulses are laid out beyond an edge, relative to a time of one second or more.
 const AHEAD: f64 = 1e-12;
@@ -28,8 +25,8 @@ impl Instance {
     /// moves, which has been passed then.
     ///
     /// # Errors
-    /// In another phase than Step; for a time at which the instance is not, and a step that is negative or not finite; a
-    /// discarded step where the plant cannot go on. The plant is then where it was.
+    /// In another phase than Step; for a time at which the instance is not, a step that is negative or not finite, and one beyond
+    /// the stop time; a discarded step where the plant cannot go on. The plant is then where it was.
     pub fn do_step(&mut self, time: f64, step: f64) -> Result<StepEnd, Refusal> {
         let Kind::CoSimulation { event_mode, early_return } = self.kind else {
             return Err(Refusal::error("the instance was made for model exchange"));
@@ -44,6 +41,7 @@ impl Instance {
         if !(step.is_finite() && step >= 0.0) {
             return Err(Refusal::error(format!("a step of {step:?} s is none; give one above zero")));
         }
+        self.check_stop(time + step, 0.0)?;
         self.send_commands()?;
         let from = self.plant.steps().time();
         let until = time + step - self.offset;

@@ -5,13 +5,8 @@ use crate::tunable::changes_parts;
 use crate::variables::{Array, Causality, Slot, Variable};
 use mckibben_run::host::{CommandInput, CommandMode, Motion};
 
-/// That there are as many values as the variables have elements.
-fn check_count(needed: usize, given: usize) -> Result<(), Refusal> {
-    if needed == given {
-        return Ok(());
-    }
-    Err(Refusal::error(format!("{given} values are given for variables of {needed} elements")))
-}
+/// Variables that a message names, of more.
+const MOST_NAMED: usize = 4;
 
 impl Instance {
     /// The variable of a reference, and how many elements it has.
@@ -29,12 +24,28 @@ impl Instance {
         references.iter().try_fold(0, |sum, reference| Ok(sum + self.variable(*reference)?.1))
     }
 
+    /// That there are as many values as the variables have elements.
+    fn check_count(&self, references: &[u32], given: usize) -> Result<(), Refusal> {
+        let needed = self.count(references)?;
+        if needed == given {
+            return Ok(());
+        }
+        let named = references.iter().take(MOST_NAMED).filter_map(|its| self.model.variables().find(*its));
+        let mut names: Vec<String> = named.map(|its| format!("`{}`", its.name)).collect();
+        if references.len() > MOST_NAMED {
+            names.push("…".to_owned());
+        }
+        let (names, have) = (names.join(", "), if references.len() == 1 { "has" } else { "have" });
+        let title = format!("{given} values are given for {names}, which {have} {needed}");
+        Err(Refusal::error(format!("{title}; give one for each element")))
+    }
+
     /// Writes the values of variables, the elements of arrays one behind the other.
     ///
     /// # Errors
     /// For a reference that no variable has, another count of values, and a start that the plant cannot have.
     pub fn get(&mut self, references: &[u32], values: &mut [f64]) -> Result<(), Refusal> {
-        check_count(self.count(references)?, values.len())?;
+        self.check_count(references, values.len())?;
         if matches!(self.phase, Phase::Instantiated | Phase::Initialization) {
             self.refresh_start()?;
         }
@@ -107,7 +118,7 @@ impl Instance {
     /// For a reference that no variable has or that is no input and no parameter, another count of values, a value that the
     /// variable does not take, and a fixed parameter once initialisation has ended. Then nothing has changed.
     pub fn set(&mut self, references: &[u32], values: &[f64]) -> Result<(), Refusal> {
-        check_count(self.count(references)?, values.len())?;
+        self.check_count(references, values.len())?;
         self.check_phase(&[Phase::Instantiated, Phase::Initialization, Phase::Event, Phase::Step, Phase::Continuous])?;
         let mut rest = values;
         for reference in references {
@@ -197,11 +208,19 @@ impl Instance {
         match slot {
             Slot::Parameter(index) => self.parameters[index] = given[0],
             Slot::Command(index) => self.inputs.commands[index] = given[0],
-            Slot::Distance(index) => self.inputs.distances[index] = given[0],
-            Slot::Rate(index) => self.inputs.rates[index] = given[0],
+            Slot::Distance(index) => {
+                (self.inputs.distances[index], self.inputs.are_distances_set[index]) = (given[0], true);
+            }
+            Slot::Rate(index) => (self.inputs.rates[index], self.inputs.are_rates_set[index]) = (given[0], true),
             Slot::Array(Array::Commands) => self.inputs.commands.copy_from_slice(given),
-            Slot::Array(Array::Distances) => self.inputs.distances.copy_from_slice(given),
-            Slot::Array(Array::Rates) => self.inputs.rates.copy_from_slice(given),
+            Slot::Array(Array::Distances) => {
+                self.inputs.distances.copy_from_slice(given);
+                self.inputs.are_distances_set.fill(true);
+            }
+            Slot::Array(Array::Rates) => {
+                self.inputs.rates.copy_from_slice(given);
+                self.inputs.are_rates_set.fill(true);
+            }
             _ => {}
         }
         // Commands take effect when the run begins or goes on.

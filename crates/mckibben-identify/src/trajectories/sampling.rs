@@ -37,7 +37,8 @@ impl Sampling {
     /// The quantities and their derivatives with respect to the parameters, `[time][quantity][number]` in one row.
     ///
     /// # Errors
-    /// As [`Sampling::values`].
+    /// As [`Sampling::values`], and [`SwitchedOff`](crate::adjustable::SwitchedOff) in words for a value at which a part is not there,
+    /// so that there is no derivative by it.
     pub fn value_and_jacobian(
         &self,
         of: &Subject,
@@ -49,6 +50,7 @@ impl Sampling {
             return Ok((self.values(of, values, watch)?, Vec::new()));
         }
         let built = of.built(values)?;
+        of.check_derivatives(values).map_err(|off| SubjectError::File(off.to_string()))?;
         let passes: Vec<usize> = of.passes().collect();
         let pass = |first: &usize| Ok(self.read(&self.run(&built.seeded(of, *first)?, watch)?).collect::<Vec<_>>());
         let duals = passes.par_iter().map(pass).collect::<Result<Vec<_>, SubjectError>>()?;

@@ -2,6 +2,7 @@
 
 use super::shooting::{self, Shot};
 use super::{Described, Observed, Recorded, Runs, Simulated, SubjectError, TimeSeries, observed_in};
+use crate::adjustable::SwitchedOff;
 use crate::least_squares::{self, Ending, Evaluation, Fit, FitError, Found, Model, Monitor, Search, Unknown};
 use crate::series;
 use thiserror::Error as ThisError;
@@ -112,6 +113,9 @@ pub enum TrajectoryError {
         /// The time of the last reading in s.
         until: f64,
     },
+    /// A number at whose start its part is switched off, in every run that has it.
+    #[error(transparent)]
+    SwitchedOff(#[from] SwitchedOff),
     /// No more readings that the unknowns change than there are unknowns.
     #[error(
         "{changed} of {readings} readings depend on the {unknowns} parameters of [fit], and cannot determine them; readings end at {until} s: \
@@ -293,6 +297,18 @@ impl Task {
         (if span.is_finite() && span > 0.0 { span } else { 1.0 }, false)
     }
 
+    /// That no number starts where its part is switched off in every run.
+    fn check_switches(&self, first: &[f64]) -> Result<(), TrajectoryError> {
+        let of_run = |run: &Recorded| run.subject.check_derivatives(&run.own(first)).err();
+        let off: Vec<SwitchedOff> = self.runs.iter().map(of_run).collect::<Option<_>>().unwrap_or_default();
+        match off.split_first() {
+            Some((one, others)) if others.iter().all(|other| other.path == one.path) => {
+                Err(TrajectoryError::SwitchedOff(one.clone()))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// That there is something to fit, and that it can be run from the start.
     fn check(&self) -> Result<(), TrajectoryError> {
         if !observed_in(&self.runs).iter().any(|observed| self.has(observed)) {
@@ -336,6 +352,7 @@ impl Task {
         if runs.residuals() == 0 {
             return Err(TrajectoryError::NoReadings);
         }
+        self.check_switches(&first)?;
         let Evaluation { residuals, slopes } = runs.evaluate(&first);
         if !residuals.iter().all(|residual| residual.is_finite()) {
             let is_stopped = self.search.monitor.is_stopped();

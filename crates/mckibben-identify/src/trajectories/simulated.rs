@@ -8,7 +8,7 @@ use mckibben::Instantiate;
 use mckibben::parameter::{self, Parameter};
 use mckibben::plant::{Plant, PlantReader, PlantRun, PlantSample, PlantStart, PlantTrajectory};
 use mckibben::simulation::{Initial, JointInitial, JointRig, Rig, State};
-use mckibben_scenario::{AdjustedPlant, Scenario};
+use mckibben_scenario::{AdjustedPlant, Scenario, Seeds};
 
 /// What is called now and then with the time in s that a run has reached; its error, such as [`Error::Interrupted`], ends the
 /// run.
@@ -16,10 +16,10 @@ pub type Watch<'a> = dyn Fn(f64) -> Result<(), Error> + Sync + 'a;
 
 /// What values of parameters describe, before derivatives are chosen.
 pub(super) enum Built {
-    /// One actuator with its load.
-    Rig(Box<(Rig, Initial)>),
+    /// One actuator with its load, and the scenario that it is of.
+    Rig(Box<(Rig, Initial, Scenario)>),
     /// Two that turn a joint.
-    Joint(Box<(JointRig, JointInitial)>),
+    Joint(Box<(JointRig, JointInitial, Scenario)>),
     /// A plant of named actuators.
     Plant(Box<AdjustedPlant>),
 }
@@ -34,11 +34,11 @@ pub(super) struct Ready<R: Instantiate = f64> {
 
 impl Built {
     /// Of a scenario; the start has been checked.
-    pub(super) fn of(scenario: &Scenario) -> Result<Self, Error> {
+    pub(super) fn of(scenario: Scenario) -> Result<Self, Error> {
         if let (Some(experiment), Some(initial)) = (scenario.joint_experiment()?, scenario.joint_initial()) {
-            return Ok(Self::Joint(Box::new((experiment.rig, initial))));
+            return Ok(Self::Joint(Box::new((experiment.rig, initial, scenario))));
         }
-        Ok(Self::Rig(Box::new((scenario.experiment()?.rig, scenario.initial()))))
+        Ok(Self::Rig(Box::new((scenario.experiment()?.rig, scenario.initial(), scenario))))
     }
 
     /// Without derivatives.
@@ -60,13 +60,15 @@ impl Built {
                 let (plant, start) = of.seeded(first)?;
                 Ok(Ready { plant, start, rig: None })
             }
-            (_, Subject::Scenario(adjustable)) => {
-                let mut seeds = adjustable.seeds(first);
-                Ok(self.over(|actuator, parameter, value| seeds.over_of(actuator, parameter, value))?)
-            }
+            (Self::Rig(of), Subject::Scenario(adjustable)) => self.by(adjustable.seeds_at(first, &of.2)),
+            (Self::Joint(of), Subject::Scenario(adjustable)) => self.by(adjustable.seeds_at(first, &of.2)),
             // Not reached: what a plant's file describes is a plant. Said rather than assumed.
             (_, Subject::Plant(_)) => Err(Error::NotImplemented(&mckibben::limit::PLANT_HERE).into()),
         }
+    }
+
+    fn by(&self, mut seeds: Seeds) -> Result<Ready<Seeded>, SubjectError> {
+        Ok(self.over(|actuator, parameter, value| seeds.over_of(actuator, parameter, value))?)
     }
 
     /// One actuator or a joint over dual numbers; `seed` receives the actuator of a joint that a parameter belongs to.

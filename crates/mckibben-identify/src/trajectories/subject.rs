@@ -1,7 +1,7 @@
 //! What a run is of, and the parameters that are looked for in it: a scenario of one actuator or joint, or the file of a plant.
 
 use super::simulated::Built;
-use crate::adjustable::{Adjustable, WIDTH, spread};
+use crate::adjustable::{Adjustable, SwitchedOff, WIDTH, spread};
 use mckibben::Error;
 use mckibben_scenario::{AdjustedPlant, Diagnostics, Document, PlantPlace, Scenario};
 use thiserror::Error as ThisError;
@@ -109,7 +109,7 @@ impl Subject {
     /// What is run with other values.
     pub(super) fn built(&self, values: &[f64]) -> Result<Built, SubjectError> {
         match self {
-            Self::Scenario(of) => Ok(Built::of(&of.at(values)?)?),
+            Self::Scenario(of) => Ok(Built::of(of.at(values)?)?),
             Self::Plant(AdjustablePlant { document, places }) => {
                 // What is outside the range of its parameter is the core's to say, but for keys whose part has a name.
                 for (place, value) in places.iter().zip(values) {
@@ -127,6 +127,15 @@ impl Subject {
                 }
                 Ok(Built::Plant(Box::new(plant)))
             }
+        }
+    }
+
+    /// That there is a derivative by every parameter at these values, as far as the file does not name its parts.
+    pub(super) fn check_derivatives(&self, values: &[f64]) -> Result<(), SwitchedOff> {
+        match self {
+            Self::Scenario(of) => of.check_derivatives(values),
+            // A number that no part of the plant has is differenced, and found silent.
+            Self::Plant(_) => Ok(()),
         }
     }
 

@@ -10,9 +10,9 @@ pub(crate) use state::{ActuatorState, Response};
 
 use crate::arguments;
 use crate::exceptions::OrException;
-use crate::scenario::Scenario;
+use crate::scenario::{Scenario, ScenarioArgument};
 use crate::signals::Watch;
-use crate::typed::{MemberWord, NewArguments};
+use crate::typed::{FREQUENCY, LENGTH, MemberWord, NewArguments, PRESSURE, Quantity, TIME, VELOCITY};
 use mckibben::plant::PlantSteps;
 use mckibben::simulation::MOST_PARTS;
 use mckibben::{Error, GaugePressure};
@@ -65,8 +65,8 @@ fn advance(
 ///     One actuator, or an antagonistic joint.
 /// name : {"agonist", "antagonist"}, optional
 ///     Which actuator of a joint. Required for a joint, not allowed otherwise.
-/// pulse_frequency : float, optional
-///     Frequency in Hz, above zero, of the pulses of a duty cycle. By default that of the scenario's PWM. Required where the
+/// pulse_frequency : float or str, optional
+///     Frequency in Hz, above zero, or text with a unit, of the pulses of a duty cycle. By default that of the scenario's PWM. Required where the
 ///     valve has poppets and the scenario has no PWM.
 ///
 /// Raises
@@ -115,7 +115,13 @@ pub(crate) struct Actuator {
 impl Actuator {
     #[new]
     #[pyo3(signature = (scenario, name = None, *, pulse_frequency = None))]
-    fn new(scenario: Py<Scenario>, name: Option<MemberWord>, pulse_frequency: Option<f64>) -> PyResult<Self> {
+    fn new(
+        scenario: ScenarioArgument<'_>,
+        name: Option<MemberWord>,
+        pulse_frequency: Option<Quantity<'_>>,
+    ) -> PyResult<Self> {
+        let scenario = scenario.0.unbind();
+        let pulse_frequency = pulse_frequency.map(|it| it.si("pulse_frequency", FREQUENCY)).transpose()?;
         let name = name.map(|name| name.0);
         let model = Model::of(scenario.get(), name.as_deref(), pulse_frequency).or_exception()?;
         let desk = Mutex::new(model.steps.clone());
@@ -137,18 +143,19 @@ impl Actuator {
     /// ----------
     /// state : ActuatorState
     ///     State at the beginning of the step.
-    /// length : float
-    ///     Distance between the ends in m at the end of the step, above zero, with the tendon if there is one.
-    /// velocity : float
+    /// length : float or str
+    ///     Distance between the ends in m at the end of the step, above zero, with the tendon if there is one. This and the
+    ///     other quantities may be text with a unit.
+    /// velocity : float or str
     ///     Velocity of the ends in m/s at the end of the step, above zero while lengthening, between -1e6 and 1e6. The
     ///     tension depends on it through friction; the motion during the step follows from `length` alone.
-    /// command : float or {"fill", "hold", "exhaust"} or None
-    ///     Command of the valve: a duty cycle from 0 to 1, or one of the words; of a pressure regulator the set point, a
+    /// command : float or str or {"fill", "hold", "exhaust"} or None
+    ///     Command of the valve: a duty cycle from 0 to 1, "40 %", or one of the words; of a pressure regulator the set point, a
     ///     gauge pressure in Pa; of a proportional spool the position from -1 to 1. With `None` the last command continues.
     ///     It must be `None` where there is no valve.
-    /// dt : float
+    /// dt : float or str
     ///     Duration of the step in s, above zero.
-    /// max_step : float, optional
+    /// max_step : float or str, optional
     ///     Longest part of the step in s. The step is divided into equal parts no longer than that, along which the length is
     ///     interpolated linearly: the air is then as accurate as with steps of `max_step`. By default the step is one part.
     ///
@@ -179,12 +186,14 @@ impl Actuator {
         &self,
         py: Python<'_>,
         state: &Bound<'_, ActuatorState>,
-        length: f64,
-        velocity: f64,
+        length: Quantity<'_>,
+        velocity: Quantity<'_>,
         command: Option<ValveInput>,
-        dt: f64,
-        max_step: Option<f64>,
+        dt: Quantity<'_>,
+        max_step: Option<Quantity<'_>>,
     ) -> PyResult<(ActuatorState, f64, Response)> {
+        let (length, velocity) = (length.si("length", LENGTH)?, velocity.si("velocity", VELOCITY)?);
+        let (dt, max_step) = (dt.si("dt", TIME)?, max_step.map(|it| it.si("max_step", TIME)).transpose()?);
         check_dt(dt).or_exception()?;
         check_velocity("velocity", velocity).or_exception()?;
         check_length(&self.model.steps, "length", length).or_exception()?;
@@ -221,7 +230,7 @@ impl Actuator {
     /// ----------
     /// state : ActuatorState
     ///     State of this actuator.
-    /// velocity : float, optional
+    /// velocity : float or str, optional
     ///     Velocity of the ends in m/s, above zero while lengthening, between -1e6 and 1e6; 0 by default.
     ///
     /// Returns
@@ -232,8 +241,9 @@ impl Actuator {
     /// ------
     /// InputError
     ///     The velocity is out of range, or the state belongs to another actuator.
-    #[pyo3(signature = (state, velocity = 0.0))]
-    fn respond(&self, state: &Bound<'_, ActuatorState>, velocity: f64) -> PyResult<Response> {
+    #[pyo3(signature = (state, velocity = Quantity::Number(0.0)))]
+    fn respond(&self, state: &Bound<'_, ActuatorState>, velocity: Quantity<'_>) -> PyResult<Response> {
+        let velocity = velocity.si("velocity", VELOCITY)?;
         check_velocity("velocity", velocity).or_exception()?;
         let mut actuator = self.desk.lock().unwrap_or_else(PoisonError::into_inner);
         self.model.restore(&mut actuator, state.get()).or_exception()?;
@@ -244,8 +254,8 @@ impl Actuator {
     ///
     /// Parameters
     /// ----------
-    /// gauge_pressure : float, optional
-    ///     Gauge pressure of the air in Pa; that of the start by default.
+    /// gauge_pressure : float or str, optional
+    ///     Gauge pressure of the air in Pa, or text with a unit; that of the start by default.
     ///
     /// Returns
     /// -------
@@ -257,7 +267,8 @@ impl Actuator {
     /// InputError
     ///     The pressure is below vacuum, or there is no such length.
     #[pyo3(signature = (gauge_pressure = None))]
-    fn rest_length(&self, gauge_pressure: Option<f64>) -> PyResult<f64> {
+    fn rest_length(&self, gauge_pressure: Option<Quantity<'_>>) -> PyResult<f64> {
+        let gauge_pressure = gauge_pressure.map(|it| it.si("gauge_pressure", PRESSURE)).transpose()?;
         let plant = self.model.steps.plant();
         let here = || self.model.steps.state()[plant.indices().actuators[0].pressure] - plant.network().atmosphere;
         let gauge_pressure = gauge_pressure.unwrap_or_else(here);

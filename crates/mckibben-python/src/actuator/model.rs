@@ -2,10 +2,9 @@
 
 use super::state::{ActuatorState, HEAD};
 use crate::arguments;
-use crate::exceptions::exception;
 use crate::mark::mark;
 use crate::scenario::Scenario;
-use crate::typed::RequestWord;
+use crate::typed::{PRESSURE, RequestWord, SHARE, is_truth, kind, si_of_text};
 use mckibben::plant::{Plant, PlantRow, PlantRun, PlantStart, PlantSteps};
 use mckibben::simulation::Method;
 use mckibben::valve::{Request, RuntimeCommand};
@@ -13,6 +12,7 @@ use mckibben::{Error, GaugePressure};
 use mckibben_run::failure::Failure;
 use mckibben_run::host::Pulses;
 use mckibben_scenario::{Experiment, InitialLength, Load};
+use pyo3::exceptions::PyTypeError;
 use pyo3::inspect::PyStaticExpr;
 use pyo3::prelude::*;
 use pyo3::types::PyString;
@@ -76,19 +76,38 @@ impl Model {
                 "give the actuator a valve, or leave it sealed",
             ));
         };
-        let commanded = match *given {
-            ValveInput::Request(request) => RuntimeCommand::Request(request),
-            ValveInput::Number(gauge) if valve.solenoid.regulator().is_some() => {
-                RuntimeCommand::SetPoint(GaugePressure(gauge))
+        let number = match given {
+            ValveInput::Request(request) => {
+                let request = RuntimeCommand::Request(*request);
+                network.check_command(0, &request).map_err(|error| Failure::from(error).of(name))?;
+                return Ok(request);
             }
-            ValveInput::Number(position) if valve.solenoid.spool().is_some() => RuntimeCommand::Position(position),
-            ValveInput::Number(duty) => {
+            ValveInput::Number(number) => *number,
+            ValveInput::Text(text) => self.number_of(name, text)?,
+        };
+        let commanded = match number {
+            gauge if valve.solenoid.regulator().is_some() => RuntimeCommand::SetPoint(GaugePressure(gauge)),
+            position if valve.solenoid.spool().is_some() => RuntimeCommand::Position(position),
+            duty => {
                 arguments::number(name, duty, "", "a duty cycle from 0 to 1", (0.0..=1.0).contains(&duty))?;
                 self.pulses.of_duty(duty)
             }
         };
         network.check_command(0, &commanded).map_err(|error| Failure::from(error).of(name))?;
         Ok(commanded)
+    }
+
+    /// The number of a command that is text, such as "40 %", or "2 bar" of a pressure regulator.
+    pub(crate) fn number_of(&self, name: &str, text: &str) -> Result<f64, Failure> {
+        let valve = self.steps.plant().network().valves.first();
+        let measured = if valve.is_some_and(|valve| valve.solenoid.regulator().is_some()) { PRESSURE } else { SHARE };
+        si_of_text(name, text, measured).map_err(|_| {
+            Failure::input(
+                format!("{name} = {text:?} is no command that this valve can have"),
+                "give a number, a duty cycle such as \"40 %\", the gauge pressure of a regulator such as \"2 bar\", or of a step \
+                 \"fill\", \"hold\" or \"exhaust\"",
+            )
+        })
     }
 
     /// Goes to where numbers say, which begin with the mark of this actuator.
@@ -186,25 +205,31 @@ pub(crate) fn respond(steps: &mut PlantSteps, velocity: f64) -> Result<mckibben:
 pub(crate) enum ValveInput {
     /// A duty cycle of poppets, the set point of a regulator (gauge pressure in Pa), or the position of a spool.
     Number(f64),
+    /// Such a number as text.
+    Text(String),
     Request(Request),
 }
 
 impl<'a, 'py> FromPyObject<'a, 'py> for ValveInput {
     type Error = PyErr;
-    const INPUT_TYPE: PyStaticExpr = type_hint_union!(name!("builtins", "float"), RequestWord::HINT);
+    const INPUT_TYPE: PyStaticExpr =
+        type_hint_union!(name!("builtins", "float"), name!("builtins", "str"), RequestWord::HINT);
 
     fn extract(given: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
         let Ok(word) = given.cast::<PyString>() else {
-            return Ok(Self::Number(given.extract()?));
+            return match given.extract() {
+                Ok(number) if !is_truth(&given) => Ok(Self::Number(number)),
+                _ => Err(PyTypeError::new_err(format!(
+                    "`command` is of type {}; give a number, or \"fill\", \"hold\" or \"exhaust\"",
+                    kind(&given)
+                ))),
+            };
         };
         match word.to_cow()?.as_ref() {
             "fill" => Ok(Self::Request(Request::Fill)),
             "hold" => Ok(Self::Request(Request::Hold)),
             "exhaust" => Ok(Self::Request(Request::Exhaust)),
-            other => Err(exception(&Failure::input(
-                format!("command = {other:?} is no command that a valve can have"),
-                "give a duty cycle from 0 to 1, or \"fill\", \"hold\" or \"exhaust\"",
-            ))),
+            other => Ok(Self::Text(other.to_owned())),
         }
     }
 }

@@ -10,13 +10,15 @@ mod columns;
 mod file;
 mod fleet;
 
+use crate::alone;
 use crate::arguments;
-use crate::exceptions::{OrException, exception};
+use crate::exceptions::OrException;
 use crate::pace::Span;
 use crate::pool;
-use crate::scenario::Scenario;
+use crate::scenario::{Scenario, ScenarioArgument};
 use crate::typed::{
-    ActionWord, Copied, Count, Flags, NewArguments, Numbers as Array, PrecisionWord, Rows, Sequence, Table, Texts,
+    ActionWord, Copied, Count, FREQUENCY, Flags, NewArguments, Numbers as Array, PrecisionWord, Quantity, Rows,
+    Sequence, TIME, Table, Texts,
 };
 use file::File;
 use fleet::Fleet;
@@ -49,8 +51,8 @@ use std::collections::BTreeMap;
 /// action_mode : {"duty", "request", "position", "set-point"}, optional
 ///     What an action is: a duty cycle from 0 to 1 (the default); a request, 1 to fill, 0 to hold, -1 to exhaust; the position
 ///     of a proportional spool from -1 to 1; the set point of a pressure regulator, a gauge pressure in Pa.
-/// pulse_frequency : float, optional
-///     Frequency in Hz, above zero, of the pulses of a duty cycle. By default that of the scenario's PWM.
+/// pulse_frequency : float or str, optional
+///     Frequency in Hz, above zero, or text with a unit, of the pulses of a duty cycle. By default that of the scenario's PWM.
 /// precision : {"double", "single"}, optional
 ///     Numbers that the instances are stepped in; double by default. Single precision takes twice as many at once, and keeps seven digits of a
 ///     state: what a step changes below the last of them is lost. It needs a package that is built with the feature `f32`.
@@ -190,12 +192,12 @@ const FEW: usize = 4;
 /// VectorPlant, and the values of each.
 type Valued<'a> = (&'a mut Fleet, Vec<&'a [f64]>);
 
+/// Name of the class, for messages.
+const CLASS: &str = "VectorPlant";
+
 /// The plants, unless another thread works on them.
 fn mine<'py>(this: &Bound<'py, VectorPlant>) -> PyResult<PyRefMut<'py, VectorPlant>> {
-    this.try_borrow_mut().map_err(|_| {
-        let remedy = "give each thread a separate VectorPlant, or wait for the other";
-        exception(&Failure::input("these VectorPlant are being stepped by another thread", remedy))
-    })
+    alone::to_change(this, CLASS)
 }
 
 /// A failure of a plant by its number.
@@ -242,13 +244,15 @@ impl VectorPlant {
     #[pyo3(signature = (scenario, count, *, parameters = Texts::NONE, action_mode = ActionWord::from("duty"), pulse_frequency = None, precision = PrecisionWord::from("double")))]
     fn new(
         py: Python<'_>,
-        scenario: Py<Scenario>,
+        scenario: ScenarioArgument<'_>,
         count: Count,
         parameters: Texts<'_>,
         action_mode: ActionWord,
-        pulse_frequency: Option<f64>,
+        pulse_frequency: Option<Quantity<'_>>,
         precision: PrecisionWord,
     ) -> PyResult<Self> {
+        let scenario = scenario.0.unbind();
+        let pulse_frequency = pulse_frequency.map(|it| it.si("pulse_frequency", FREQUENCY)).transpose()?;
         let actions = (action_mode.0.as_str(), pulse_frequency);
         let parameters = parameters.read("parameters")?;
         arguments::each_once("parameters", &parameters).or_exception()?;
@@ -305,8 +309,8 @@ impl VectorPlant {
     /// ----------
     /// actions : numpy.ndarray
     ///     Commands of the valves, float64 of shape (count, valves), as `action_mode` says.
-    /// dt : float
-    ///     Duration of the step in s, above zero.
+    /// dt : float or str
+    ///     Duration of the step in s, above zero, or text with a unit.
     /// observations : numpy.ndarray
     ///     Receives the observations in SI, float64 of shape (count, len(columns)).
     /// stopped : numpy.ndarray
@@ -326,10 +330,11 @@ impl VectorPlant {
         this: &Bound<'_, Self>,
         py: Python<'_>,
         actions: Table<'_>,
-        dt: f64,
+        dt: Quantity<'_>,
         observations: Table<'_>,
         stopped: Flags<'_>,
     ) -> PyResult<()> {
+        let dt = dt.si("dt", TIME)?;
         let mut plants = mine(this)?;
         let Self { fleet, count, width, longest, pulses, .. } = &mut *plants;
         let (valves, count, width) = (fleet.valves(), *count, *width);
@@ -381,14 +386,16 @@ impl VectorPlant {
     /// ------
     /// InputError
     ///     There is no such instance, or `observations` is of another shape or not C-contiguous.
-    fn observe(&mut self, rows: Rows<'_>, observations: Table<'_>) -> PyResult<()> {
-        let (width, rows) = (self.width, instances(&rows, self.count)?);
+    fn observe(this: &Bound<'_, Self>, rows: Rows<'_>, observations: Table<'_>) -> PyResult<()> {
+        let mut plants = mine(this)?;
+        let Self { fleet, count, width, .. } = &mut *plants;
+        let (count, width, rows) = (*count, *width, instances(&rows, *count)?);
         let mut observations = observations.write("observations")?;
-        arguments::shaped("observations", "float64", observations.shape(), &[self.count, width]).or_exception()?;
+        arguments::shaped("observations", "float64", observations.shape(), &[count, width]).or_exception()?;
         let observations = observations.as_slice_mut()?;
         for row in rows {
             if let Some(into) = observations.get_mut(row * width..(row + 1) * width) {
-                self.fleet.observe(row, into);
+                fleet.observe(row, into);
             }
         }
         Ok(())
@@ -411,58 +418,65 @@ impl VectorPlant {
     /// ------
     /// InputError
     ///     A value is missing or not valid.
-    fn differ(&self, one: Sequence, other: Sequence) -> PyResult<bool> {
+    fn differ(this: &Bound<'_, Self>, one: Sequence, other: Sequence) -> PyResult<bool> {
+        let plants = alone::to_read(this, CLASS)?;
         let values = [one.0.as_slice(), other.0.as_slice()];
-        if values.iter().any(|values| values.len() != self.parameters.len()) {
-            let remedy = format!("give a value for each of {}, in SI", self.parameters.join(", "));
+        if values.iter().any(|values| values.len() != plants.parameters.len()) {
+            let remedy = format!("give a value for each of {}, in SI", plants.parameters.join(", "));
             return Err(Failure::input("values are missing, or there are too many", remedy)).or_exception();
         }
-        self.fleet.differ(values).or_exception()
+        plants.fleet.differ(values).or_exception()
     }
 
     /// Time in s of each instance on the clock of the pulses, which all share and `start` restarts.
     ///
     /// Pulse p begins at p / `pulses`.
     #[getter]
-    fn time<'py>(&self, py: Python<'py>) -> Array<'py> {
-        let time = vec![self.fleet.time(); self.count];
-        Array(PyArray1::from_vec(py, time).into_any())
+    fn time<'py>(this: &Bound<'py, Self>, py: Python<'py>) -> PyResult<Array<'py>> {
+        let plants = alone::to_read(this, CLASS)?;
+        let time = vec![plants.fleet.time(); plants.count];
+        Ok(Array(PyArray1::from_vec(py, time).into_any()))
     }
 
     /// Least and greatest command of each valve of each instance, float64 of shape (2, count, valves), as `action_mode` says.
     ///
     /// Set points end at the gauge pressure in Pa of what feeds the valve of the instance.
     #[getter]
-    fn command_range<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
-        let shape = [2, self.count, self.fleet.valves()];
-        let range = PyArray1::from_vec(py, self.fleet.command_range()).reshape(shape)?;
+    fn command_range<'py>(this: &Bound<'py, Self>, py: Python<'py>) -> PyResult<Array<'py>> {
+        let plants = alone::to_read(this, CLASS)?;
+        let shape = [2, plants.count, plants.fleet.valves()];
+        let range = PyArray1::from_vec(py, plants.fleet.command_range()).reshape(shape)?;
         Ok(Array(range.into_any()))
     }
 
     /// Frequency of the pulses in Hz; `None` unless `action_mode` is "duty".
     #[getter]
-    fn pulses(&self) -> Option<f64> {
-        self.pulses
+    fn pulses(this: &Bound<'_, Self>) -> PyResult<Option<f64>> {
+        let plants = alone::to_read(this, CLASS)?;
+        Ok(plants.pulses)
     }
 
     /// Longest time in s from a command to its effect at a valve.
     ///
     /// It is the longest delay of a coil or dead time of a pressure regulator, and what a hose adds.
     #[getter]
-    fn valve_delay(&self) -> f64 {
-        self.valve_delay
+    fn valve_delay(this: &Bound<'_, Self>) -> PyResult<f64> {
+        let plants = alone::to_read(this, CLASS)?;
+        Ok(plants.valve_delay)
     }
 
     /// Names of the observations of an instance, as of the columns of a run.
     #[getter]
-    fn columns(&self) -> Vec<String> {
-        self.fleet.file().columns.iter().map(|column| column.name.clone()).collect()
+    fn columns(this: &Bound<'_, Self>) -> PyResult<Vec<String>> {
+        let plants = alone::to_read(this, CLASS)?;
+        Ok(plants.fleet.file().columns.iter().map(|column| column.name.clone()).collect())
     }
 
     /// Number of valves of an instance.
     #[getter]
-    fn valves(&self) -> usize {
-        self.fleet.valves()
+    fn valves(this: &Bound<'_, Self>) -> PyResult<usize> {
+        let plants = alone::to_read(this, CLASS)?;
+        Ok(plants.fleet.valves())
     }
 
     /// Return the names of the observations of a scenario's plant, without making one.
@@ -482,56 +496,67 @@ impl VectorPlant {
     /// InputError
     ///     The model finds a contradiction in the scenario.
     #[staticmethod]
-    fn columns_of(scenario: &Scenario) -> PyResult<Vec<String>> {
-        let columns = file::columns_of(scenario).or_exception()?;
+    fn columns_of(scenario: ScenarioArgument<'_>) -> PyResult<Vec<String>> {
+        let columns = file::columns_of(scenario.0.get()).or_exception()?;
         Ok(columns.into_iter().map(|column| column.name).collect())
     }
 
     /// Requests that every valve can do, of 1 (fill), 0 (hold) and -1 (exhaust).
     #[getter]
-    fn requests(&self) -> Vec<f64> {
-        self.requests.clone()
+    fn requests(this: &Bound<'_, Self>) -> PyResult<Vec<f64>> {
+        let plants = alone::to_read(this, CLASS)?;
+        Ok(plants.requests.clone())
     }
 
     /// Duration of the scenario in s.
     #[getter]
-    fn duration(&self) -> f64 {
-        self.duration
+    fn duration(this: &Bound<'_, Self>) -> PyResult<f64> {
+        let plants = alone::to_read(this, CLASS)?;
+        Ok(plants.duration)
     }
 
     /// Paths of the parameters that differ between the instances.
     #[getter]
-    fn parameters(&self) -> Vec<String> {
-        self.parameters.clone()
+    fn parameters(this: &Bound<'_, Self>) -> PyResult<Vec<String>> {
+        let plants = alone::to_read(this, CLASS)?;
+        Ok(plants.parameters.clone())
     }
 
     /// Values of `parameters` in the scenario, in SI.
     #[getter]
-    fn defaults<'py>(&self, py: Python<'py>) -> Array<'py> {
-        Array(PyArray1::from_slice(py, &self.given).into_any())
+    fn defaults<'py>(this: &Bound<'py, Self>, py: Python<'py>) -> PyResult<Array<'py>> {
+        let plants = alone::to_read(this, CLASS)?;
+        Ok(Array(PyArray1::from_slice(py, &plants.given).into_any()))
     }
 
     /// Scenario of the plant.
     #[getter]
-    fn scenario(&self, py: Python<'_>) -> Py<Scenario> {
-        self.scenario.clone_ref(py)
+    fn scenario(this: &Bound<'_, Self>, py: Python<'_>) -> PyResult<Py<Scenario>> {
+        let plants = alone::to_read(this, CLASS)?;
+        Ok(plants.scenario.clone_ref(py))
     }
 
-    fn __len__(&self) -> usize {
-        self.count
+    fn __len__(this: &Bound<'_, Self>) -> PyResult<usize> {
+        let plants = alone::to_read(this, CLASS)?;
+        Ok(plants.count)
     }
 
-    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<NewArguments<'py, (Py<Scenario>, usize)>> {
+    fn __getnewargs_ex__<'py>(
+        this: &Bound<'py, Self>,
+        py: Python<'py>,
+    ) -> PyResult<NewArguments<'py, (Py<Scenario>, usize)>> {
+        let plants = alone::to_read(this, CLASS)?;
         let named = [
-            ("parameters", (&self.parameters).into_bound_py_any(py)?),
-            ("action_mode", (&self.action_mode).into_bound_py_any(py)?),
-            ("pulse_frequency", self.pulse_frequency.into_bound_py_any(py)?),
-            ("precision", PrecisionWord::of(self.fleet.precision()).into_bound_py_any(py)?),
+            ("parameters", (&plants.parameters).into_bound_py_any(py)?),
+            ("action_mode", (&plants.action_mode).into_bound_py_any(py)?),
+            ("pulse_frequency", plants.pulse_frequency.into_bound_py_any(py)?),
+            ("precision", PrecisionWord::of(plants.fleet.precision()).into_bound_py_any(py)?),
         ];
-        Ok(((self.scenario.clone_ref(py), self.count), named.into()))
+        Ok(((plants.scenario.clone_ref(py), plants.count), named.into()))
     }
 
-    fn __repr__(&self) -> String {
-        format!("<mckibben.VectorPlant, {} of {:?}>", self.count, self.scenario.get().title())
+    fn __repr__(this: &Bound<'_, Self>) -> PyResult<String> {
+        let plants = alone::to_read(this, CLASS)?;
+        Ok(format!("<mckibben.VectorPlant, {} of {:?}>", plants.count, plants.scenario.get().title()))
     }
 }

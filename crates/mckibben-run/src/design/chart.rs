@@ -137,11 +137,11 @@ fn over_two(of: &Outcome, first: &Vary, second: &Vary) -> Figure {
     {
         let (x, y) = xy(&points);
         if !points.is_empty() {
-            panel = panel.marks(Marks::at(label, symbol, x, y));
+            panel = panel.marks(Marks::at(label, symbol, x, y).staying());
         }
     }
     let (x, y) = xy(&[of.best()]);
-    panel = panel.marks(Marks::at("best", Symbol::Diamond, x, y).colour(Colour::Category(1)));
+    panel = panel.marks(Marks::at("best", Symbol::Diamond, x, y).staying().colour(Colour::Category(1)));
     let [low, high] = first.ends;
     Figure::new(axis(first).starting_at(low).ending_at(high))
         .size_mm(130.0, 90.0)

@@ -11,27 +11,29 @@ use basin::{
 use std::cell::RefCell;
 use std::fmt;
 
-/// The points that a search from `start` evaluates, at most so many, with its first and last radius.
+/// The points that a search evaluates, at most so many, with its first and last radius. What is known, the start among it, is none of
+/// them.
 pub(super) fn search(
     problem: &Problem<'_>,
     scaling: &Scaling,
-    start: &[f64],
+    (start, known): (&Trial, Vec<Trial>),
     [first, last]: [f64; 2],
     evaluations: usize,
 ) -> Vec<Trial> {
     if evaluations == 0 {
         return Vec::new();
     }
-    let is_mirrored: Vec<bool> = start.iter().map(|x| *x > 0.5).collect();
-    let trials = RefCell::new(Vec::new());
-    let local = Local { problem, scaling, is_mirrored, evaluations, trials: &trials };
+    let is_mirrored: Vec<bool> = start.at.iter().map(|x| *x > 0.5).collect();
+    let count = known.len();
+    let trials = RefCell::new(known);
+    let local = Local { problem, scaling, is_mirrored, most: count + evaluations, trials: &trials };
     let method = Cobyla::new().with_initial_radius(first).with_final_radius(last);
-    let start = local.mirrored(start);
+    let start = local.mirrored(&start.at);
     // The steps of the method also end where they request known points only.
-    let most = u64::try_from(4 * evaluations).unwrap_or(u64::MAX);
+    let most = u64::try_from(4 * evaluations + 1).unwrap_or(u64::MAX);
     // That the evaluations are used up ends it by an error; what was evaluated is all that is wanted.
     let _ = Executor::from_start(local, method, start).max_cost_evals(most).run();
-    trials.into_inner()
+    trials.into_inner().split_off(count)
 }
 
 struct Local<'a, 'p> {
@@ -39,7 +41,9 @@ struct Local<'a, 'p> {
     scaling: &'a Scaling,
     /// The coordinates that run from the upper bound.
     is_mirrored: Vec<bool>,
-    evaluations: usize,
+    /// How many points there may be.
+    most: usize,
+    /// What was known and what was evaluated.
     trials: &'a RefCell<Vec<Trial>>,
 }
 
@@ -58,7 +62,7 @@ impl Local<'_, '_> {
         if let Some(known) = trials.iter().find(|trial| trial.at == inside) {
             return Ok(scaled(known));
         }
-        if trials.len() >= self.evaluations {
+        if trials.len() >= self.most {
             return Err(Spent);
         }
         trials.push(trial(self.problem, inside));

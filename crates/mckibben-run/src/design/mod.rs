@@ -32,6 +32,7 @@ mod written;
 use crate::failure::{Failure, Reason};
 use crate::progress::Progress;
 use crate::quantities::counted;
+use crate::sweep::schedule::STACK;
 use constraint::Constraint;
 use evaluate::{Evaluator, Named};
 use mckibben_identify::least_squares::Monitor;
@@ -46,8 +47,6 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 use vary::Vary;
 
-/// Bytes of stack of a worker, as of a sweep's.
-const STACK: usize = 16 << 20;
 /// Names that are listed in place of one that no number has.
 const NEAREST: usize = 6;
 /// Points that are tried for one whose run comes to its end: it gives the names of the numbers.

@@ -105,7 +105,10 @@ pub fn search(problem: &Problem<'_>, evaluations: usize) -> Searched {
     let budget = if starts.is_empty() { 0 } else { 3 * rest / 4 / starts.len() };
     // Half of what lies between the points of the screening.
     let radius = (0.5 * (screened as f64).powf(-1.0 / problem.coordinates as f64)).clamp(0.05, 0.25);
-    let local = |start: Vec<f64>| cobyla::search(problem, &scaling, &start, [radius, LAST_RADIUS], budget);
+    let local = |start: Trial| {
+        let known = vec![start.clone()];
+        cobyla::search(problem, &scaling, (&start, known), [radius, LAST_RADIUS], budget)
+    };
     let found: Vec<Vec<Trial>> = starts.into_par_iter().map(local).collect();
     trials.extend(found.into_iter().flatten());
 
@@ -113,8 +116,7 @@ pub fn search(problem: &Problem<'_>, evaluations: usize) -> Searched {
     let best = best(&trials, &scaling.scales);
     let mut is_converged = false;
     if trials[best].worth.is_some() {
-        let start = trials[best].at.clone();
-        let last = cobyla::search(problem, &scaling, &start, LAST_RADII, left);
+        let last = cobyla::search(problem, &scaling, (&trials[best], trials.clone()), LAST_RADII, left);
         is_converged = last.len() < left;
         trials.extend(last);
     }
@@ -189,7 +191,7 @@ fn ends(values: impl Iterator<Item = f64>) -> [f64; 2] {
 }
 
 /// The most promising points that lie apart.
-fn starts(trials: &[Trial], scaling: &Scaling, most: usize) -> Vec<Vec<f64>> {
+fn starts(trials: &[Trial], scaling: &Scaling, most: usize) -> Vec<Trial> {
     let merit = |worth: &Worth| {
         let scaled = scaling.scaled(worth);
         let broken: f64 = scaled.excess.iter().fold(0.0, |most, excess| most.max(*excess));
@@ -198,11 +200,11 @@ fn starts(trials: &[Trial], scaling: &Scaling, most: usize) -> Vec<Vec<f64>> {
     let evaluated = trials.iter().filter_map(|trial| Some((merit(trial.worth.as_ref()?), trial)));
     let mut ranked: Vec<(f64, &Trial)> = evaluated.collect();
     ranked.sort_by(|one, other| one.0.total_cmp(&other.0));
-    let mut chosen: Vec<Vec<f64>> = Vec::new();
+    let mut chosen: Vec<Trial> = Vec::new();
     for (_, trial) in ranked {
-        let apart = |start: &Vec<f64>| start.iter().zip(&trial.at).any(|(one, other)| (one - other).abs() > APART);
+        let apart = |start: &Trial| start.at.iter().zip(&trial.at).any(|(one, other)| (one - other).abs() > APART);
         if chosen.len() < most && chosen.iter().all(apart) {
-            chosen.push(trial.at.clone());
+            chosen.push(trial.clone());
         }
     }
     chosen
@@ -276,6 +278,16 @@ mod tests {
         let found = run(1, &[1.0, 1.0], 60, &|at| Some(Worth { cost: at[0], excess: vec![0.7 - at[0], at[0] - 0.4] }));
         let best = &found.trials[found.best];
         assert!(!best.is_feasible(&found.scales) && (best.at[0] - 0.55).abs() < 1e-3, "{best:?}");
+    }
+
+    /// Few evaluations are used to the last: the start of a local search is known and takes none.
+    #[test]
+    fn few_evaluations_are_all_made() {
+        for evaluations in [1, 2, 3, 4, 5, 6, 8, 12] {
+            let evaluate = |at: &[f64]| Some(Worth { cost: (5.0 * at[0]).sin(), excess: vec![0.21 - at[0]] });
+            let found = run(1, &[0.21], evaluations, &evaluate);
+            assert_eq!((found.trials.len(), found.is_converged), (evaluations, false));
+        }
     }
 
     #[test]

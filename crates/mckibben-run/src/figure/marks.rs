@@ -12,6 +12,9 @@ use mckibben_plot::{Figure, Marks};
 const MOST: usize = 12;
 /// Marks of all kinds in a run above which those of formulas are counted.
 const MOST_OF_ALL: usize = 20;
+/// Marks about one instant that can be told apart, and the part of the time axis that is one instant: about the width of two marks.
+const MOST_AT_ONCE: usize = 8;
+const AT_ONCE: f64 = 0.02;
 /// Kinds that say which formula of the air or of the force holds, and nothing that one observes on a rig.
 const FORMULAS: [EventKind; 4] = [EventKind::Flow, EventKind::Regime, EventKind::Effectiveness, EventKind::ForceMap];
 
@@ -37,7 +40,34 @@ fn kinds<'e>(runs: &[Run<'e>]) -> (Vec<EventKind>, Vec<(EventKind, usize)>) {
         let Some(place) = marked.iter().position(|its| *its == kind).filter(|_| total > MOST_OF_ALL) else { continue };
         counted.push((marked.remove(place), numbers_of_marked.remove(place).1));
     }
+    while let Some(place) = crowding(runs, &marked, &numbers_of_marked) {
+        counted.push((marked.remove(place), numbers_of_marked.remove(place).1));
+    }
     (marked, counted)
+}
+
+/// Of the kinds that stand about the instant with the most marks on curves of one side the place of that with the most marks in all,
+/// where there are too many.
+fn crowding(runs: &[Run<'_>], marked: &[EventKind], numbers: &[(usize, usize)]) -> Option<usize> {
+    let width = AT_ONCE * runs.iter().map(|run| run.source.duration).fold(0.0, f64::max);
+    let mut most: Option<(usize, usize)> = None;
+    for (run, side) in runs.iter().flat_map(|run| [Side::Motion, Side::Air].map(|side| (run, side))) {
+        let events = run.source.events.iter().filter_map(|event| {
+            let place = marked.iter().position(|kind| is_marked(run, event, *kind))?;
+            (symbols::side(event.kind) == side).then_some((event.time, place))
+        });
+        let mut events: Vec<(f64, usize)> = events.collect();
+        events.sort_by(|one, other| one.0.total_cmp(&other.0));
+        for (first, (time, _)) in events.iter().enumerate() {
+            let about = &events[first..first + events[first..].partition_point(|(its, _)| *its <= time + width)];
+            if about.len() > most.map_or(MOST_AT_ONCE, |(number, _)| number) {
+                // Of equals the last: a rebound follows from what is taut.
+                let crowding = about.iter().map(|(_, place)| *place).max_by_key(|place| (numbers[*place].1, *place));
+                most = crowding.map(|place| (about.len(), place));
+            }
+        }
+    }
+    most.map(|(_, place)| place)
 }
 
 /// Whether an event is of a kind and not shown by a strip.

@@ -11,7 +11,6 @@
 use super::choice::{Choice, Group, Line, Run};
 use super::quantity::SET_POINT;
 use super::{envelope, marks};
-use crate::units::Shown;
 use mckibben_plot::{Axis, Colour, Dash, Figure, Panel, Series, Span, Strip, Style};
 
 /// Patterns in the order of use; dots are those of set points.
@@ -148,6 +147,13 @@ impl<'s> Looks<'s> {
         }
     }
 
+    /// Whose a curve is: the part, and of several runs the run.
+    fn owner(&self, line: &Line<'_>) -> String {
+        let run = if self.runs.len() > 1 { self.runs[line.run].label } else { "" };
+        let names = [line.column.of.part.as_str(), run].into_iter().filter(|name| !name.is_empty());
+        names.collect::<Vec<_>>().join(", ")
+    }
+
     /// The entries of the legend of a panel as series without points.
     fn legend(&self, group: &Group<'_>) -> Vec<Series> {
         let empty = |label: String, colour, dash| Series::line(label, Vec::new(), Vec::new()).colour(colour).dash(dash);
@@ -217,25 +223,42 @@ fn panel(group: &Group<'_>, looks: &Looks<'_>, (begin, whole): (f64, bool)) -> (
     let has_envelope = !bands.is_empty();
     panel = bands.into_iter().fold(panel, Panel::span);
     panel = curves.into_iter().fold(panel, Panel::series);
-    (if whole { limits(panel, group, &shown) } else { panel }, has_envelope)
+    (if whole { limits(panel, group, looks) } else { panel }, has_envelope)
 }
 
-/// The panel with the limits that its curves come near: further away they would only flatten the curves.
-fn limits(mut panel: Panel, group: &Group<'_>, shown: &Shown) -> Panel {
+/// The name and the colour of a curve.
+type Owner = (String, Colour);
+
+/// The panel with the limits that its curves come near: further away they would only flatten the curves. Where there are several of a
+/// kind, each has the colour and the name of its curve.
+fn limits(mut panel: Panel, group: &Group<'_>, looks: &Looks<'_>) -> Panel {
+    let shown = group.shown();
     let (low, high, _) = group.extent();
     let near = 0.15 * (high - low).max(1e3 * group.floor);
-    let mut drawn: Vec<(f64, &str)> = Vec::new();
+    let mut drawn: Vec<(f64, &str, Vec<Owner>)> = Vec::new();
     for line in &group.lines {
         let of = &line.column.of;
+        let owner = (looks.owner(line), looks.of(group, line).0);
         let its = line.source.limits.iter().filter(|limit| limit.part == of.part && limit.quantity == of.quantity);
         for limit in its.filter(|limit| (low - near..=high + near).contains(&limit.value)) {
-            if !drawn.contains(&(limit.value, limit.words)) {
-                drawn.push((limit.value, limit.words));
+            match drawn.iter_mut().find(|(value, words, _)| (*value, *words) == (limit.value, limit.words)) {
+                Some((.., owners)) if owners.contains(&owner) => {}
+                Some((.., owners)) => owners.push(owner.clone()),
+                None => drawn.push((limit.value, limit.words, vec![owner.clone()])),
             }
         }
     }
-    for (value, words) in drawn {
-        panel = panel.horizontal(shown.number(value), words);
+    let is_alone = |words: &str| drawn.iter().filter(|(_, its, _)| *its == words).count() == 1;
+    for (value, words, owners) in &drawn {
+        let value = shown.number(*value);
+        panel = if is_alone(words) {
+            panel.horizontal(value, *words)
+        } else {
+            let names: Vec<&str> = owners.iter().map(|(name, _)| name.as_str()).collect();
+            // What several share has the colour of none.
+            let colour = if let [(_, colour)] = owners[..] { colour } else { Colour::Neutral };
+            panel.horizontal_of(value, format!("{words}, {}", names.join(" and ")), colour)
+        };
     }
     panel
 }

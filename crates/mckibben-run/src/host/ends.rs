@@ -6,7 +6,7 @@
 use super::model::{HostModel, Motion};
 use crate::failure::Failure;
 use crate::quantities::given;
-use mckibben::plant::{Plant, PlantRow};
+use mckibben::plant::Plant;
 use mckibben::{Error, parameter};
 
 /// The distances in m at which the actuators end, with the names of what ends them; none with a tendon.
@@ -25,20 +25,6 @@ impl HostModel {
         }
         let title = format!("a distance of {distance:?} m between the ends is none");
         Err(Failure::input(title, "give a finite number in m above zero").of(self.actuator(place)))
-    }
-
-    /// That a plant has lengths above zero where it is: of each actuator, and of its ends where the host moves them.
-    ///
-    /// # Errors
-    /// With the actuator.
-    pub(super) fn check_lengths(&self, row: &PlantRow) -> Result<(), Failure> {
-        let indices = row.plant().indices();
-        for (actuator, its) in indices.actuators.iter().enumerate() {
-            let distance = (self.motion() == Motion::Host).then(|| indices.mechanisms[0].position(actuator));
-            let mut places = its.length.into_iter().chain(distance);
-            places.try_for_each(|place| self.check_distance(actuator, row.state()[place]))?;
-        }
-        Ok(())
     }
 
     /// That the ends of an actuator can move at a rate in m/s.

@@ -1,6 +1,6 @@
 //! Loops of tension over length to friction and hysteresis: tables, figures and words.
 
-use super::outcome::{self, Outcome, Stems};
+use super::outcome::{self, Outcome, Stems, WARNED};
 use super::prediction::Prediction;
 use super::{Material, column, gauge_pressures, minima, units, unknowns, values};
 use crate::failure::Failure;
@@ -15,6 +15,11 @@ use mckibben_plot::{Axis, Colour, Figure, Legend, Panel, Series};
 
 /// The figures of the loops.
 pub(super) const STEMS: Stems = ["loop-1", "loop-2", "loop-3", "loop-4", "loop-5", "loop-6"];
+
+/// Noise of a length in m below which it is that of rounded numbers.
+const ROUNDING: f64 = 1e-10;
+/// One reading in so many may be left out without a warning.
+const MOST_LEFT_OUT: usize = 10;
 
 pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     let scenario = material.document.scenario()?;
@@ -37,6 +42,7 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
         _ => Failure::input(error.to_string(), "see docs/identify.md"),
     })?;
     let mut warnings = material.notes();
+    warnings.extend(task.loops.iter().filter_map(left_out));
     warnings.extend(values::warnings(&found.found.fit, &task.unknowns));
     warnings.extend(material.stopped().filter(|_| found.found.fit.ending == Ending::Minimum));
     let minima = minima::of(&found.found, &task.unknowns);
@@ -54,21 +60,25 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     }));
     let scenarios = vec![("scenario.toml".to_owned(), outcome::file(&found.scenario))];
     let numbers = values::table("Numbers with their 95 % intervals".to_owned(), &found.found.fit);
-    let sections = sections(&task, &found, [&numbers, &minima.table], &scenarios)?;
     let predictions = predictions(&task, &found)?;
+    let table = compared(&task, &predictions);
+    let sections = sections(&task, &found, [&table, &numbers, &minima.table], &scenarios)?;
     let readings = found.found.fit.residuals.len();
+    let hidden: usize = task.loops.iter().map(Loop::left_out).sum();
     let introduction = format!(
-        "{} from {} of {}, length and pressure taken as they were measured. Residual of the tension: {} root mean square.",
+        "{} from {} of {}, length and pressure taken as they were measured; {} near reversals and rests left out, where the direction \
+         of the length is not known. Residual of the tension: {} root mean square.",
         counted(task.unknowns.len() as u64, "parameter"),
         counted(readings as u64, "tension"),
         counted(task.loops.len() as u64, "loop"),
+        counted(hidden as u64, "reading"),
         quantity(found.left, "N")
     );
     Ok(Outcome {
         title: format!("Loops of {}", material.name()),
         introduction: vec![introduction],
         sections,
-        table: Table::default(),
+        table,
         values: numbers,
         predictions,
         correlations: values::matrix(&found.found.fit),
@@ -96,8 +106,54 @@ fn read(recording: &Recording, atmosphere: f64) -> Result<Loop, Failure> {
         [sample.time, sample.length, sample.gauge_pressure, sample.tension].iter().all(|number| number.is_finite())
     };
     let samples = (0..times.len()).map(sample).filter(whole).collect();
-    Loop::new(recording.name.clone(), samples)
+    let deviation = column(recording, Quantity::Length)?.deviation;
+    Loop::new(recording.name.clone(), samples, deviation)
         .map_err(|error| Failure::input(error.to_string(), "see docs/identify.md"))
+}
+
+/// That more than a tenth of the readings of a loop does not count, and why.
+fn left_out(of: &Loop) -> Option<String> {
+    let hidden = of.left_out();
+    let readings = hidden + of.counted();
+    if hidden * MOST_LEFT_OUT <= readings {
+        return None;
+    }
+    let what = format!(
+        "{WARNED}`{}`: {hidden} of {readings} readings from the first reversal on were left out, because the direction of the length is not \
+         known there:",
+        of.name
+    );
+    Some(match of.window() {
+        ..=3 => format!("{what} a reversal or a rest is too near. Read more often, or move farther between reversals."),
+        window => format!(
+            "{what} the length has noise of {}, and its velocity is taken from {window} readings. Read the length with less noise, move \
+             faster, or fit kind = \"trajectories\".",
+            quantity(of.length_noise(), "m")
+        ),
+    })
+}
+
+/// What counts of each loop, and what is left of it.
+fn compared(task: &LoopTask, predictions: &[Prediction]) -> Table {
+    let row = |(of, prediction): (&Loop, &Prediction)| {
+        let squares =
+            prediction.measured.iter().zip(&prediction.predicted).map(|(measured, of)| (of - measured).powi(2));
+        let left = (squares.sum::<f64>() / prediction.measured.len().max(1) as f64).sqrt();
+        let counts = [of.counted(), of.left_out()].map(|count| count.to_string());
+        let noise = match of.length_noise() {
+            noise if noise < ROUNDING => "–".to_owned(),
+            noise => quantity(noise, "m"),
+        };
+        let left = quantity(left, "N");
+        [format!("`{}`", of.name)].into_iter().chain(counts).chain([noise, left]).collect()
+    };
+    Table {
+        caption: "Readings from the first reversal on: those that count, and those left out because the direction of the length is not \
+                  known there; the noise of the length; and the residual of the tension, root mean square."
+            .to_owned(),
+        head: ["run", "readings", "left out", "noise", "residual"].map(String::from).to_vec(),
+        rows: task.loops.iter().zip(predictions).map(row).collect(),
+    }
 }
 
 /// The tensions of every loop.
@@ -125,7 +181,7 @@ fn predictions(task: &LoopTask, found: &LoopFit) -> Result<Vec<Prediction>, Fail
 fn sections(
     task: &LoopTask,
     found: &LoopFit,
-    tables: [&Table; 2],
+    tables: [&Table; 3],
     scenarios: &[(String, String)],
 ) -> Result<Vec<Section>, Failure> {
     let driven = found.scenario.driven().map_err(|error| Failure::stopped(error.to_string()))?;
@@ -167,4 +223,30 @@ fn sections(
             ..Section::default()
         },
     ])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Loop, Sample, left_out};
+
+    /// Strokes of 2 mm by readings that are 40 µm apart, with noise of so many micrometres: a fixed sequence that is not smooth.
+    fn strokes(noise: f64, readings: u32) -> Loop {
+        let sample = |place: u32| {
+            let phase = f64::from(place % (2 * readings)) / f64::from(readings);
+            let way = if phase < 1.0 { phase } else { 2.0 - phase };
+            let shake = (12.9898 * f64::from(place)).sin() * 43_758.545_3;
+            let length = 86e-3 + 2e-3 * way + 1e-6 * noise * 3.46 * (shake - shake.floor() - 0.5);
+            Sample { time: 0.02 * f64::from(place), length, gauge_pressure: 4e5, tension: 50.0 }
+        };
+        Loop::new("slow", (0..10 * readings).map(sample).collect(), None).expect("a loop")
+    }
+
+    #[test]
+    fn a_warning_says_why_readings_are_left_out() {
+        assert_eq!(left_out(&strokes(0.0, 50)), None);
+        let said = left_out(&strokes(60.0, 50)).expect("noise of more than a reading's way");
+        assert!(said.contains("the length has noise of 6") && said.contains("less noise, move faster"), "{said}");
+        let said = left_out(&strokes(0.0, 5)).expect("five readings of a stroke");
+        assert!(said.contains("Read more often"), "{said}");
+    }
 }

@@ -173,8 +173,10 @@ pub(super) fn pwm(averaged: &ValveAverage, poles: &[Pole], swings: Vec<String>) 
         Line::new("the seats follow", format!("from {} to {}", percent(from), percent(to)))
             .unless(averaged.follows(), "not here: the valve does not answer to the duty"),
         Line::new("air used", quantity(1e3 * averaged.flow.outward, "g/s")),
-        Line::new("ripple", ripple)
-            .unless(averaged.ripple_is_small() || !averaged.follows(), "too large for the mean flow to be trusted"),
+        Line {
+            warning: of_ripple(averaged, "too large for the mean flow to be trusted"),
+            ..Line::new("ripple", ripple)
+        },
     ];
     if !swings.is_empty() {
         lines.push(Line::new("", format!("of the outputs, peak to peak: {}", swings.join(", "))));
@@ -185,6 +187,22 @@ pub(super) fn pwm(averaged: &ValveAverage, poles: &[Pole], swings: Vec<String>) 
         lines.push(Line::new("frequency", ratio_text).unless(ratio > 3.0, slow));
     }
     lines
+}
+
+/// Distance in Pa from the pressure beyond a port below which the pressure stands there.
+const AT_REST: f64 = 1.0;
+
+/// What the ripple of the pressure, or its distance from the pressures beyond the ports, casts doubt on: `too_large` is said of the ripple.
+pub(super) fn of_ripple(averaged: &ValveAverage, too_large: &str) -> String {
+    if averaged.ripple_is_small() || !averaged.follows() {
+        return String::new();
+    }
+    if averaged.pressure_margin < AT_REST {
+        return "the pressure stands at that beyond an open port, where no air flows and the mean flow says nothing of the \
+                valve; give `gauge_pressure` or `length` for a model with the valve held shut"
+            .to_owned();
+    }
+    too_large.to_owned()
 }
 
 pub(super) fn matrices(system: &StateSpace) -> Table {

@@ -11,15 +11,15 @@ use super::export::owned;
 use super::{Request, export};
 use crate::failure::Failure;
 use crate::joint::NAMES;
-use crate::quantities::{digits, quantity};
+use crate::quantities::{digits, given, quantity};
 use crate::warnings;
-use mckibben::GaugePressure;
 use mckibben::control::Held;
 use mckibben::linearize::{
     Controllability, JointBalance, JointLinearization, Pole, StateSpace, linearize_driven_joint, linearize_joint,
 };
 use mckibben::plant::{JointPlant, PlantAir, ValveAverage};
 use mckibben::simulation::Driven;
+use mckibben::{Error, GaugePressure, parameter};
 use mckibben_scenario::{Assumed, JointExperiment};
 
 /// A joint's linear model with what is known about it.
@@ -59,7 +59,8 @@ impl JointModel {
         };
         let driven = balance.is_none();
         let linear = match balance {
-            Some(balance) => linearize_joint(rig, balance, initial.map(|(_, temperature)| temperature))?,
+            Some(balance) => linearize_joint(rig, balance, initial.map(|(_, temperature)| temperature))
+                .map_err(|error| of_request(request, error))?,
             None => {
                 let air = request.temperature.map_or(PlantAir::Start, |kelvin| PlantAir::Temperatures(vec![kelvin; 2]));
                 linearize_driven_joint(rig, &experiment.start, &air)?
@@ -176,6 +177,39 @@ impl JointModel {
         let kind = format!("antagonistic joint, {}", self.valves());
         export::script(&self.name, &kind, &owned(self.point()), &self.system, &self.poles)
     }
+}
+
+/// An error of the core, in which a requested angle and stiffness have the names of the request: the core calls them, and the lengths
+/// that follow, after the keys of a controller.
+fn of_request(request: &Request, error: Error) -> Failure {
+    let (parameter, remedy) = match &error {
+        Error::Inconsistent { parameter, remedy, .. } => (*parameter, *remedy),
+        Error::OutOfRange { parameter, .. } => (*parameter, parameter.remedy),
+        _ => return error.into(),
+    };
+    let named = [
+        (&parameter::SET_ANGLE, "angle", request.angle, "rad"),
+        (&parameter::SET_STIFFNESS, "stiffness", request.stiffness, "N*m/rad"),
+        (&parameter::SET_LENGTH, "angle", request.angle, "rad"),
+    ];
+    let Some((_, name, Some(value), unit)) = named.into_iter().find(|(of, ..)| of.key == parameter.key) else {
+        return error.into();
+    };
+    let value = format!("`{name}` = {} {unit}", digits(value));
+    let (is_length, title) = match &error {
+        Error::Inconsistent { value: length, requirement, .. } if parameter.key == parameter::SET_LENGTH.key => (
+            true,
+            format!("{value} gives an actuator a length of {}, which contradicts {requirement}", given(*length, "m")),
+        ),
+        Error::OutOfRange { value: length, .. } if parameter.key == parameter::SET_LENGTH.key => {
+            (true, format!("{value} gives an actuator a length of {}", given(*length, "m")))
+        }
+        Error::Inconsistent { requirement, .. } => (false, format!("{value} contradicts {requirement}")),
+        _ => (false, format!("{value} is outside its range ({})", parameter.range)),
+    };
+    let nearer =
+        "give an angle nearer to that at which both actuators rest; a number is in rad, and text may be \"20 deg\"";
+    Failure::input(title, if is_length { nearer } else { remedy })
 }
 
 /// Refuses options of one actuator alone.

@@ -165,13 +165,11 @@ impl PlantModel {
                 quantity(average.frequency, "Hz"),
                 percent(average.shares[0]),
             );
-            let warnings = [
-                (average.follows(), "the valve does not answer to the duty here"),
-                (average.ripple_is_small(), "the ripple is too large for the mean flow to be trusted"),
-            ];
-            let warnings = warnings.into_iter().filter(|(holds, _)| !holds).map(|(_, words)| words);
-            let line = Line::new(self.valve(average.valve), text);
-            lines.push(Line { warning: warnings.collect::<Vec<_>>().join("; "), ..line });
+            let warning = match average.follows() {
+                true => account::of_ripple(average, "the ripple is too large for the mean flow to be trusted"),
+                false => "the valve does not answer to the duty here".to_owned(),
+            };
+            lines.push(Line { warning, ..Line::new(self.valve(average.valve), text) });
         }
         let StateSpace { states, inputs, outputs, .. } = &self.system;
         let mut blocks = vec![Block::of_lines("", lines)];

@@ -148,12 +148,19 @@ fn rows(of: &PlantExperiment) -> Vec<Row> {
     rows
 }
 
-/// The air in kg that valves let in from their supplies, less what went back, and that came in where a pressure is given.
+/// The air in kg that valves let in from their supplies, less what went back, and that came in where a pressure is given. What a
+/// pressure regulator lets out goes to the atmosphere and not back.
 pub fn air_used(of: &PlantExperiment, ledger: &PlantLedger) -> f64 {
     let network = of.plant.network();
-    let is_inlet = |kind: &BranchKind| matches!(kind, BranchKind::Path { port: Port::Supply, .. });
-    let branches = network.branches.iter().zip(&ledger.branches).filter(|(branch, _)| is_inlet(&branch.kind));
-    let nodes = network.nodes.iter().zip(&ledger.nodes);
-    let given = nodes.filter(|(node, _)| matches!(node.kind, NodeKind::Given { .. })).map(|(_, its)| its.supplied.mass);
-    branches.map(|(_, its)| its.carried.mass).chain(given).sum()
+    let branches = network.branches.iter().zip(&ledger.branches).filter(|(branch, _)| {
+        let is_inlet = matches!(branch.kind, BranchKind::Path { port: Port::Supply, .. });
+        // A regulator is a node, and draws as one.
+        is_inlet && !matches!(network.nodes[branch.from].kind, NodeKind::Port { .. })
+    });
+    let nodes = network.nodes.iter().zip(&ledger.nodes).filter_map(|(node, its)| match node.kind {
+        NodeKind::Given { .. } => Some(its.supplied.mass),
+        NodeKind::Port { .. } => Some(its.supplied.mass + its.vented),
+        _ => None,
+    });
+    branches.map(|(_, its)| its.carried.mass).chain(nodes).sum()
 }

@@ -39,6 +39,12 @@ const NO_TIME: &str = "say with --time within which time nine tenths of the stro
 /// How much of a stroke may be missing by rounding of the sizes.
 const ROUNDING: f64 = 1e-6;
 
+/// Called now and then with a time in s that a run has reached; its error, such as [`mckibben::Error::Interrupted`], ends the work.
+pub type Check<'a> = dyn Fn(f64) -> Result<(), mckibben::Error> + 'a;
+
+/// The check of a caller that waits for the end.
+const UNCHECKED: &Check<'static> = &|_| Ok(());
+
 /// The force in N of a load: of a mass its weight.
 pub fn force_of(load: Measure) -> f64 {
     match load {
@@ -89,7 +95,8 @@ pub struct Candidate {
     pub needed_pressure: f64,
     /// Force in N of all at rest length and the whole pressure.
     pub force_at_rest: f64,
-    /// Mass in kg of the air that a stroke takes, all muscles together.
+    /// Mass in kg of the air that a stroke takes at [`ROOM`] temperature, all muscles together: from the greatest length without
+    /// pressure to the end of the stroke. Air that is warmer, as in the isentropic process of a scenario, is less.
     pub air: f64,
     /// How quick a valve makes it, where a time was requested.
     pub quickness: Option<Quickness>,
@@ -151,6 +158,14 @@ impl Sizes {
     /// # Errors
     /// As [`Requirement::check`]; what the core refuses of a candidate.
     pub fn of(requirement: Requirement) -> Result<Self, Failure> {
+        Self::of_checked(requirement, UNCHECKED)
+    }
+
+    /// Looks for muscles as [`Sizes::of`] does; `check` may end it.
+    ///
+    /// # Errors
+    /// As [`Sizes::of`], and those of `check`.
+    pub fn of_checked(requirement: Requirement, check: &Check<'_>) -> Result<Self, Failure> {
         requirement.check()?;
         let (mut candidates, mut left_out) = (Vec::new(), Vec::new());
         for angle in &requirement.braid_angles {
@@ -176,10 +191,10 @@ impl Sizes {
         candidates.sort_by(|one, other| one.air.total_cmp(&other.air));
         if let Some(time) = requirement.time {
             for candidate in &mut candidates {
-                let quickness = valve::quickness(&candidate.scenario, &requirement, time, None)?;
+                let quickness = valve::quickness(&candidate.scenario, &requirement, time, None, check)?;
                 if let (Some(least), Some(swing)) = (quickness.conductance(), requirement.ripple) {
                     let valve = valve::valve_of(least);
-                    candidate.pulses = ripple::pulses(&candidate.scenario, &requirement, &valve, swing)?;
+                    candidate.pulses = ripple::pulses(&candidate.scenario, &requirement, &valve, swing, check)?;
                 }
                 candidate.quickness = Some(quickness);
             }
@@ -206,9 +221,17 @@ impl Sizes {
     /// # Errors
     /// There is no such candidate, or no time was requested.
     pub fn hoses(&self, place: usize, length: f64) -> Result<Vec<Hose>, Failure> {
+        self.hoses_checked(place, length, UNCHECKED)
+    }
+
+    /// What hoses require as [`Sizes::hoses`] says it; `check` may end it.
+    ///
+    /// # Errors
+    /// As [`Sizes::hoses`], and those of `check`.
+    pub fn hoses_checked(&self, place: usize, length: f64, check: &Check<'_>) -> Result<Vec<Hose>, Failure> {
         let candidate = self.candidate(place)?;
         let time = self.time()?;
-        valve::hoses(&candidate.scenario, &self.requirement, time, length)
+        valve::hoses(&candidate.scenario, &self.requirement, time, length, check)
     }
 
     /// How quick valves that can be bought make a candidate.
@@ -216,8 +239,16 @@ impl Sizes {
     /// # Errors
     /// There is no such candidate, or no time was requested.
     pub fn valves(&self, place: usize) -> Result<Vec<ValveTime>, Failure> {
+        self.valves_checked(place, UNCHECKED)
+    }
+
+    /// How quick valves are as [`Sizes::valves`] says it; `check` may end it.
+    ///
+    /// # Errors
+    /// As [`Sizes::valves`], and those of `check`.
+    pub fn valves_checked(&self, place: usize, check: &Check<'_>) -> Result<Vec<ValveTime>, Failure> {
         let candidate = self.candidate(place)?;
-        valve::of_presets(&candidate.scenario, &self.requirement, self.time()?)
+        valve::of_presets(&candidate.scenario, &self.requirement, self.time()?, check)
     }
 
     fn candidate(&self, place: usize) -> Result<&Candidate, Failure> {
@@ -309,7 +340,7 @@ impl Sizes {
             None => String::new(),
         };
         let caption = format!(
-            "Muscles for {} over {} at {} gauge, the least air first{each}{still}:",
+            "Muscles for {} over {} at {} gauge, the least air first, air at {ROOM} K{each}{still}:",
             quantities::given(self.requirement.load, "N"),
             quantities::given(self.requirement.stroke, "m"),
             quantities::given(self.requirement.gauge_pressure, "Pa"),

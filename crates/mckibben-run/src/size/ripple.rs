@@ -4,8 +4,8 @@
 //! [`mckibben::linearize`] with the harmonics of the pulses. It falls with the frequency above the resonance of load and muscle, so
 //! the least frequency is found from above.
 
-use super::Requirement;
 use super::valve::fed;
+use super::{Check, Requirement};
 use crate::failure::Failure;
 use mckibben::linearize::{Aim, Balance, Content, Linearization, linearize_driven};
 use mckibben_scenario::Document;
@@ -62,6 +62,7 @@ pub(super) fn pulses(
     requirement: &Requirement,
     valve: &str,
     ripple: f64,
+    check: &Check<'_>,
 ) -> Result<Option<Pulses>, Failure> {
     let [least, most] = FREQUENCIES;
     let mut frequencies = std::iter::successors(Some(most), |frequency| Some(STEP * frequency))
@@ -69,6 +70,7 @@ pub(super) fn pulses(
     // The fastest pulses that the valve can make hold the load at a pressure, at which the muscle was filled.
     let mut fastest = None;
     for frequency in frequencies.by_ref() {
+        check(0.0).map_err(|error| Failure::stopped(error.to_string()))?;
         if let Some(model) = at((scenario, valve), requirement, frequency, 0.5 * requirement.gauge_pressure)? {
             fastest = Some((frequency, model.point.gauge_pressure().0));
             break;
@@ -76,6 +78,7 @@ pub(super) fn pulses(
     }
     let Some((mut high, gauge)) = fastest else { return Ok(None) };
     let of = |frequency: f64| -> Result<Option<Linearization>, Failure> {
+        check(0.0).map_err(|error| Failure::stopped(error.to_string()))?;
         let model = at((scenario, valve), requirement, frequency, gauge)?;
         Ok(model.filter(|model| model.ripple("length").is_some_and(|swing| swing <= ripple)))
     };

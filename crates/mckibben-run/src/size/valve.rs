@@ -4,12 +4,11 @@
 //! tenths of the stroke are done for the first time: the last tenth goes as slowly as the pressures meet.
 
 use super::ripple::{self, Pulses};
-use super::{Candidate, Requirement};
+use super::{Candidate, Check, Requirement};
 use crate::failure::Failure;
 use crate::quantities;
 use crate::report::number;
-use mckibben::plant::RigReader;
-use mckibben::simulation::simulate;
+use mckibben::plant::{RigPlant, RigReader};
 use mckibben_scenario::{Document, presets};
 
 /// How much of the stroke is to be done.
@@ -102,10 +101,11 @@ pub(super) fn fed(scenario: &str, requirement: &Requirement, [valve, command, ho
 }
 
 /// When in s nine tenths of the stroke are done; none up to `until`.
-fn time_of(text: &str, requirement: &Requirement, until: f64) -> Result<Option<f64>, Failure> {
+fn time_of(text: &str, requirement: &Requirement, until: f64, check: &Check<'_>) -> Result<Option<f64>, Failure> {
     let experiment = Document::parse(text, "the candidate")?.experiment()?;
     let end = experiment.rig.actuator().limits().max_length() - DONE * requirement.stroke;
-    let run = simulate(&experiment.rig, experiment.start, until, TOLERANCE)
+    let run = RigPlant::new(&experiment.rig)
+        .record(&experiment.start, (until, TOLERANCE), None, &mut |time| check(time))
         .map_err(|error| Failure::stopped(error.to_string()))?;
     let mut reader = RigReader::new(&run);
     let mut is_there = |time: f64| reader.read(time).length <= end;
@@ -125,10 +125,11 @@ pub(super) fn quickness(
     requirement: &Requirement,
     time: f64,
     hose: Option<[f64; 2]>,
+    check: &Check<'_>,
 ) -> Result<Quickness, Failure> {
     let hose = hose.map_or(String::new(), |[length, diameter]| hose_of(length, diameter));
     let of = |conductance: f64, until: f64| {
-        time_of(&fed(scenario, requirement, [&valve_of(conductance), FILL, &hose]), requirement, until)
+        time_of(&fed(scenario, requirement, [&valve_of(conductance), FILL, &hose]), requirement, until, check)
     };
     let [mut low, mut high] = CONDUCTANCES.map(f64::ln);
     let first = fed(scenario, requirement, [&valve_of(CONDUCTANCES[1]), FILL, &hose]);
@@ -146,19 +147,30 @@ pub(super) fn quickness(
 }
 
 /// What hoses of a length in m require of the valve.
-pub(super) fn hoses(scenario: &str, requirement: &Requirement, time: f64, length: f64) -> Result<Vec<Hose>, Failure> {
+pub(super) fn hoses(
+    scenario: &str,
+    requirement: &Requirement,
+    time: f64,
+    length: f64,
+    check: &Check<'_>,
+) -> Result<Vec<Hose>, Failure> {
     if !(length > 0.0 && length.is_finite()) {
         return Err(Failure::input("the hose has no length", "give --hose a length above zero, such as \"2 m\""));
     }
     let of = |diameter: &f64| {
-        let quickness = quickness(scenario, requirement, time, Some([length, *diameter]))?;
+        let quickness = quickness(scenario, requirement, time, Some([length, *diameter]), check)?;
         Ok(Hose { diameter: *diameter, quickness })
     };
     DIAMETERS.iter().map(of).collect()
 }
 
 /// How quick valves that can be bought are. Those that only follow set points or positions are left out.
-pub(super) fn of_presets(scenario: &str, requirement: &Requirement, time: f64) -> Result<Vec<ValveTime>, Failure> {
+pub(super) fn of_presets(
+    scenario: &str,
+    requirement: &Requirement,
+    time: f64,
+    check: &Check<'_>,
+) -> Result<Vec<ValveTime>, Failure> {
     let mut found = Vec::new();
     for preset in presets::VALVES {
         let valve = format!("[valve]\npreset = \"{}\"\n", preset.name);
@@ -166,10 +178,10 @@ pub(super) fn of_presets(scenario: &str, requirement: &Requirement, time: f64) -
         let is_filled = Document::parse(&text, preset.name).is_ok_and(|document| document.experiment().is_ok());
         if is_filled {
             let pulses = match requirement.ripple {
-                Some(swing) => ripple::pulses(scenario, requirement, &valve, swing)?,
+                Some(swing) => ripple::pulses(scenario, requirement, &valve, swing, check)?,
                 None => None,
             };
-            found.push(ValveTime { name: preset.name, time: time_of(&text, requirement, 10.0 * time)?, pulses });
+            found.push(ValveTime { name: preset.name, time: time_of(&text, requirement, 10.0 * time, check)?, pulses });
         }
     }
     found.sort_by(|one, other| {

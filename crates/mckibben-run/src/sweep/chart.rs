@@ -23,6 +23,8 @@ use std::path::Path;
 const PANELS: usize = 8;
 /// Columns of a matrix at most.
 const COLUMNS: usize = 8;
+/// Part of the size of values within which they are the same: less is what the tolerances of runs leave.
+const SAME: f64 = 1e-6;
 /// Points on a line at most that are shown one by one.
 const DOTS: usize = 60;
 
@@ -74,11 +76,26 @@ struct Values {
 }
 
 impl Values {
-    /// Whether two of the values differ by more than rounding.
+    /// The least and the greatest of the values that are numbers.
+    fn ends(&self) -> (f64, f64) {
+        let finite = self.at.iter().copied().filter(|value| value.is_finite());
+        finite.fold((f64::MAX, f64::MIN), |(l, g), value| (l.min(value), g.max(value)))
+    }
+
+    /// Whether two of the values differ by more than what is the same.
     fn changes(&self) -> bool {
-        let finite = || self.at.iter().copied().filter(|value| value.is_finite());
-        let (least, greatest) = finite().fold((f64::MAX, f64::MIN), |(l, g), value| (l.min(value), g.max(value)));
-        greatest - least > 1e-9 * least.abs().max(greatest.abs())
+        let (least, greatest) = self.ends();
+        greatest - least > SAME * least.abs().max(greatest.abs())
+    }
+
+    /// With an axis around values that are the same, so that it says how large they are and not how they round.
+    fn levelled(mut self) -> Self {
+        let (least, greatest) = self.ends();
+        let around = 0.05 * least.abs().max(greatest.abs());
+        if least <= greatest && around > 0.0 && !self.changes() {
+            self.axis = self.axis.starting_at(least - around).ending_at(greatest + around);
+        }
+        self
     }
 
     fn distinct(&self) -> Vec<f64> {
@@ -114,7 +131,7 @@ fn picture(sweep: &Sweep, totals: &SweepCounts, title: &str) -> Picture {
     let mut notes = Vec::new();
     // What is the same in all runs needs no picture, unless there is nothing else.
     let changing: Vec<Values> = results.iter().filter(|result| result.changes()).cloned().collect();
-    let results = if changing.is_empty() { results } else { changing };
+    let results = if changing.is_empty() { results.into_iter().map(Values::levelled).collect() } else { changing };
     let without = count_of_all - results.len();
     if without > 0 {
         notes.push(format!("{without} of {count_of_all} reductions do not change and are left out."));
@@ -354,6 +371,19 @@ mod tests {
         assert_eq!((masses.axis.scale, masses.at.len()), (Scale::Logarithmic, 3));
         assert!((masses.at[1] - 2.0).abs() < 1e-12, "the middle of 1 kg and 4 kg by the logarithm");
         assert_eq!(key(&sweep, 1, &[0, 1]).axis.scale, Scale::Linear);
+    }
+
+    /// Lengths that differ by their rounding are one length, on an axis around it; those that differ by more span theirs.
+    #[test]
+    fn what_does_not_change_is_drawn_around_its_value() {
+        let of = |step: f64| scaled("length".to_owned(), "m", vec![0.2, 0.2 + step, f64::NAN]).levelled();
+        let level = of(1e-8);
+        assert!(!level.changes());
+        let (low, high) = (level.axis.min.unwrap(), level.axis.max.unwrap());
+        assert!(high - low > 0.09 * level.at[0] && low < level.at[0] && level.at[0] < high, "{:?}", level.axis);
+        let changing = of(1e-6);
+        assert!(changing.changes() && changing.axis.min.is_none() && changing.axis.max.is_none());
+        assert_eq!(scaled("length".to_owned(), "m", vec![f64::NAN]).levelled().axis.min, None);
     }
 
     #[test]

@@ -11,13 +11,11 @@
 //! | `drift` | by how much the least or the greatest value of that interval differs from that of the interval before |
 //! | `settling_time` | the first sample from which on `|x − x(T)| ≤ 2 % · |x(T) − x(0)|` |
 //! | `overshoot` | how far x passes x(T) in the direction of `x(T) − x(0)`, as a share of that change |
-//! | `used` | the air drawn from the supply |
+//! | `used` | the air drawn from the supply, the integral of its flow over the steps |
 //! | `efficiency` of the exergy | the work on the load over the exergy that was supplied, by the ledger of the run |
 //! | `rms`, `peak` of an error | of what a controller was to reach less what its sensors showed, at its sampling instants |
 //!
-//! What happens between two samples is not seen. `used` sums the gains of air mass between samples at which the flow path
-//! to the supply is open at either end, as the fixed-step engine's steps keep the balance of the air; of an
-//! event-located run it is the integral of the flow through that flow path instead.
+//! What happens between two samples is not seen, but for the flow of `used` and what the ledger has.
 //!
 //! A reduction without a value (the overshoot of a quantity that ends where it began; a ripple over fewer than two
 //! samples) has none: it is empty, never zero. Only `settling_time` keeps the samples of its quantity.
@@ -40,9 +38,8 @@ use mckibben_scenario::sweep::{Quantity, Statistic};
 #[derive(Clone, Debug)]
 pub struct Reducer {
     series: Series<Quantity>,
-    /// Of the sample before.
-    before: Option<Air>,
-    air_used: f64,
+    /// In kg, where it was integrated.
+    air_used: Option<f64>,
     efficiency: Option<f64>,
     goals: Vec<Goal>,
 }
@@ -55,9 +52,6 @@ pub enum Seen<'a> {
     /// Of a joint.
     Joint(&'a JointSample, &'a JointRig),
 }
-
-/// Whether each actuator's flow path to the supply is open, and the mass of its air in kg.
-type Air = [(bool, f64); 2];
 
 impl Reducer {
     /// Begins a run of `duration` s whose valve has a command; of a joint, the agonist's.
@@ -74,25 +68,12 @@ impl Reducer {
         let of_samples =
             |of: &&Reduction| !matches!(of.quantity, Quantity::Air | Quantity::Exergy | Quantity::Error(_));
         let of = reductions.iter().filter(of_samples).map(|of| (of.quantity, of.statistic));
-        Self { series: Series::new(of, windows), before: None, air_used: 0.0, efficiency: None, goals: Vec::new() }
+        Self { series: Series::new(of, windows), air_used: None, efficiency: None, goals: Vec::new() }
     }
 
     /// Sees the next sample.
     pub fn see(&mut self, seen: Seen<'_>) {
-        let (time, air) = (seen.time(), seen.air());
-        self.series.see(time, |quantity| seen.value(quantity));
-        if self.series.is_behind_run() {
-            return;
-        }
-        if let Some(before) = self.before.replace(air) {
-            for ((was_open, was), (is_open, is)) in before.into_iter().zip(air) {
-                // What leaves while the supply is open goes back there; else it may have left by the exhaust.
-                if was_open || is_open {
-                    let least = if was_open && is_open { f64::NEG_INFINITY } else { 0.0 };
-                    self.air_used += (is - was).max(least);
-                }
-            }
-        }
+        self.series.see(seen.time(), |quantity| seen.value(quantity));
     }
 
     /// What comes is of the orbit, over whose last two periods the windows lie; without them there is none.
@@ -100,8 +81,8 @@ impl Reducer {
         self.series.turn_to_orbit(windows);
     }
 
-    /// Replaces the air drawn from the supply by a better value in kg.
-    pub fn set_air_used(&mut self, mass: f64) {
+    /// Gives the air in kg that was drawn from the supply.
+    pub fn set_air_used(&mut self, mass: Option<f64>) {
         self.air_used = mass;
     }
 
@@ -118,7 +99,7 @@ impl Reducer {
     /// The value of each reduction, where it has one.
     pub fn finish(&self, reductions: &[Reduction]) -> Vec<Option<f64>> {
         let value = |reduction: &Reduction| match reduction.quantity {
-            Quantity::Air => Some(self.air_used),
+            Quantity::Air => self.air_used,
             Quantity::Exergy => self.efficiency,
             Quantity::Error(of) => self.missed(of, reduction.statistic),
             quantity => self.series.reduced(quantity, reduction.statistic),
@@ -145,14 +126,6 @@ impl Seen<'_> {
         match self {
             Self::Actuator(sample, _) => sample.time,
             Self::Joint(sample, _) => sample.time,
-        }
-    }
-
-    fn air(self) -> Air {
-        let air = |of: &Sample| (of.ports.supply, of.air_mass + of.hose_air_mass);
-        match self {
-            Self::Actuator(sample, _) => [air(sample), (false, 0.0)],
-            Self::Joint(sample, _) => sample.actuators.each_ref().map(air),
         }
     }
 
@@ -205,12 +178,11 @@ mod tests {
     use mckibben::valve::Ports;
     use std::f64::consts::PI;
 
-    /// The reductions of a length over `duration` s in samples of 1 ms, with the air's mass and the open ports.
+    /// The reductions of a length over `duration` s in samples of 1 ms.
     fn reduced(
         names: &[(Quantity, Statistic)],
         (duration, window): (f64, f64),
         length: impl Fn(f64) -> f64,
-        air: impl Fn(f64) -> (f64, Ports),
     ) -> Vec<Option<f64>> {
         let reductions: Vec<Reduction> = names
             .iter()
@@ -219,18 +191,17 @@ mod tests {
         let mut reducer = Reducer::with_windows(&reductions, Windows::last(window, duration));
         for index in 0..=(duration * 1e3).round() as u32 {
             let time = f64::from(index) * 1e-3;
-            let (air_mass, ports) = air(time);
             let sample = Sample {
                 time,
                 length: length(time),
                 velocity: 0.0,
                 pressure: AbsolutePressure(1e5),
-                air_mass,
+                air_mass: 1e-5,
                 temperature: 293.15,
                 volume: 1e-6,
                 tension: 10.0,
                 mass_flow: 0.0,
-                ports,
+                ports: Ports { supply: false, exhaust: true },
                 hose_pressure: AbsolutePressure(1e5),
                 hose_air_mass: 0.0,
                 supply_pressure: None,
@@ -242,10 +213,6 @@ mod tests {
         reducer.finish(&reductions)
     }
 
-    fn sealed(_: f64) -> (f64, Ports) {
-        (1e-5, Ports::CLOSED)
-    }
-
     fn near(found: Option<f64>, expected: f64, within: f64) {
         assert!(found.is_some_and(|found| (found - expected).abs() <= within), "{found:?} for {expected}");
     }
@@ -254,7 +221,7 @@ mod tests {
     fn a_rise_to_a_level_settles_when_its_exponential_says() {
         use Statistic::{Final, Max, Mean, Min, Overshoot, Peak, SettlingTime};
         let statistics = [Final, Mean, Min, Max, Peak, SettlingTime, Overshoot].map(|s| (Quantity::Length, s));
-        let values = reduced(&statistics, (1.0, 0.1), |t| 0.1 - 0.04 * (1.0 - (-t / 0.05).exp()), sealed);
+        let values = reduced(&statistics, (1.0, 0.1), |t| 0.1 - 0.04 * (1.0 - (-t / 0.05).exp()));
         near(values[0], 0.06, 1e-9);
         near(values[1], 0.06 + 0.04 * 0.05, 1e-6);
         near(values[2], 0.06, 1e-9);
@@ -274,40 +241,23 @@ mod tests {
             let decay = (-damping * frequency * t).exp();
             0.08 + 0.01 * (1.0 - decay * (phase.cos() + damping / damped * phase.sin()))
         };
-        let values = reduced(&[(Quantity::Length, Statistic::Overshoot)], (2.0, 0.1), step, sealed);
+        let values = reduced(&[(Quantity::Length, Statistic::Overshoot)], (2.0, 0.1), step);
         near(values[0], (-PI * damping / damped).exp(), 2e-4);
         let ripple = [(Quantity::Length, Statistic::Ripple)];
         let wave = |t: f64| if t < 0.5 { 0.2 } else { 0.08 + 0.003 * (2.0 * PI * 25.0 * t).sin() };
-        near(reduced(&ripple, (1.0, 0.04), wave, sealed)[0], 0.006, 1e-9);
-        let drift =
-            |wave: &dyn Fn(f64) -> f64| reduced(&[(Quantity::Length, Statistic::Drift)], (1.0, 0.04), wave, sealed)[0];
+        near(reduced(&ripple, (1.0, 0.04), wave)[0], 0.006, 1e-9);
+        let drift = |wave: &dyn Fn(f64) -> f64| reduced(&[(Quantity::Length, Statistic::Drift)], (1.0, 0.04), wave)[0];
         near(drift(&wave), 0.0, 1e-9);
         // A mean that moves by 2 m/s moves the ends of a period of 40 ms by 80 mm.
         near(drift(&|t| wave(t) + 2.0 * t), 0.08, 3e-3);
         // A period longer than the run, or than two samples can show, has no ripple.
-        assert_eq!(reduced(&ripple, (1.0, 1.5), wave, sealed), [None]);
-        assert_eq!(reduced(&ripple, (1.0, 0.5e-3), wave, sealed), [None]);
+        assert_eq!(reduced(&ripple, (1.0, 1.5), wave), [None]);
+        assert_eq!(reduced(&ripple, (1.0, 0.5e-3), wave), [None]);
     }
 
     #[test]
     fn what_ends_where_it_began_has_no_overshoot() {
         let statistics = [Statistic::Overshoot, Statistic::SettlingTime].map(|s| (Quantity::Length, s));
-        assert_eq!(reduced(&statistics, (0.1, 0.01), |_| 0.09, sealed), [None, Some(0.0)]);
-    }
-
-    #[test]
-    fn air_counts_while_the_supply_is_open() {
-        // Ten periods of 40 ms: 20 ms of filling by 1 µg each ms, then 20 ms of emptying.
-        let pulse = |t: f64| {
-            let place = (t * 1e3).round() as u32 % 40;
-            let filling = place < 20;
-            let gain = if filling { place } else { 40 - place };
-            (1e-5 + 1e-9 * f64::from(gain), Ports { supply: filling, exhaust: !filling })
-        };
-        let used = [(Quantity::Air, Statistic::Used)];
-        near(reduced(&used, (0.4, 0.04), |_| 0.09, pulse)[0], 200e-9, 1e-15);
-        // Air that comes in from the atmosphere is not drawn from the supply.
-        let drawn = |t: f64| (1e-5 + 1e-6 * t, Ports { supply: false, exhaust: true });
-        assert_eq!(reduced(&used, (0.4, 0.04), |_| 0.09, drawn), [Some(0.0)]);
+        assert_eq!(reduced(&statistics, (0.1, 0.01), |_| 0.09), [None, Some(0.0)]);
     }
 }

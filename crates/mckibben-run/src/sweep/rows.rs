@@ -406,7 +406,7 @@ where
     let drivers = of.driver(&view)?.into_iter().collect();
     let (plant, start) = (view.plant().clone(), view.start(of.start()));
     let keeper = kept.map(|plant| PlantLedgerKeeper::new(plant, how));
-    let recorder = ViewRecorder { keeper, ..ViewRecorder::new(of, view, record, how) };
+    let recorder = ViewRecorder { keeper, ..ViewRecorder::new(of, view, record) };
     Row::new(plan, (&plant, &start), how, drivers, Box::new(recorder))
 }
 
@@ -476,14 +476,14 @@ struct ViewRecorder<'r, S: Swept> {
     fault: Option<String>,
     /// The set points of a controller, where they are recorded.
     goals: Option<Vec<Goal>>,
-    /// Air in kg that came from supplies, where steps are exact enough to sum it.
+    /// Air in kg that came from supplies, where it is recorded.
     drawn: Option<f64>,
     /// The ledger, where the exergy of the air is recorded.
     keeper: Option<PlantLedgerKeeper<'r>>,
 }
 
 impl<'r, S: Swept> ViewRecorder<'r, S> {
-    fn new(of: S, view: S::View, record: &'r Record, how: TimeStepping) -> Self {
+    fn new(of: S, view: S::View, record: &'r Record) -> Self {
         let reductions = match record {
             Record::Reductions(reductions) => Some(reductions.as_slice()),
             // Those of plants have separate recorders.
@@ -491,8 +491,7 @@ impl<'r, S: Swept> ViewRecorder<'r, S> {
         };
         let records = |wanted: fn(Quantity) -> bool| reductions.into_iter().flatten().any(|of| wanted(of.quantity));
         let goals = if records(|quantity| matches!(quantity, Quantity::Error(_))) { of.goals() } else { None };
-        let is_located = matches!(how, TimeStepping::Located { .. });
-        let drawn = (is_located && records(|quantity| quantity == Quantity::Air)).then_some(0.0);
+        let drawn = records(|quantity| quantity == Quantity::Air).then_some(0.0);
         let reducer = |list| Reducer::new(list, S::command(view.rig()), of.plan().duration);
         let reductions = reductions.map(|list| (list, reducer(list)));
         let fields = S::columns(view.rig());
@@ -558,9 +557,7 @@ impl<S: Swept> Recorder for ViewRecorder<'_, S> {
         let Some((reductions, mut reducer)) = self.reductions else {
             return Outcome::Sampled(self.rows);
         };
-        if let Some(drawn) = self.drawn {
-            reducer.set_air_used(drawn);
-        }
+        reducer.set_air_used(self.drawn);
         reducer.set_goals(self.goals.unwrap_or_default());
         // As in a summary: without a valve nothing is drawn.
         let drawing = run.filter(|run| !run.plant().network().valves.is_empty());

@@ -10,8 +10,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc;
 
-/// Bytes of stack of a worker: without optimisation the numbers of a block are copied on it several times over.
-const STACK: usize = 16 << 20;
+/// Bytes of stack of a thread that runs plants: without optimisation the numbers of a block are copied on it several times over.
+pub const STACK: usize = 16 << 20;
 
 /// Units under way for each thread, so that none waits for work while a long one holds up the order.
 const AHEAD: usize = 4;

@@ -103,11 +103,6 @@ impl<Q: Copy + PartialEq> Series<Q> {
         self.orbit = Some(Tracked { tracks, times: None, windows, span: None });
     }
 
-    /// Whether the end of the run has been passed.
-    pub(super) fn is_behind_run(&self) -> bool {
-        self.orbit.is_some()
-    }
-
     /// The value of a statistic, where it has one.
     pub(super) fn reduced(&self, quantity: Q, statistic: Statistic) -> Option<f64> {
         let of = self.orbit.as_ref().filter(|_| statistic.is_of_orbit()).unwrap_or(&self.run);

@@ -51,7 +51,7 @@ fn of_actuator(of: &Parts<'_>, start: &PlantStart, index: usize, name: &str) -> 
         found.push(Warning::new("starts-slack", name, text));
     }
     if length > limits.max_length() * (1.0 + STRETCH) {
-        found.push(reached::overstretched(name, "starts at", length, limits.max_length(), mechanism));
+        found.push(reached::starts_overstretched(name, length, limits.max_length(), mechanism));
     }
     found
 }

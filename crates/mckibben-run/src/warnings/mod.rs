@@ -54,6 +54,9 @@ pub const STRETCH: f64 = 0.05;
 /// Force below zero, as a share of the largest force of the run, that is more than rounding of a law's coefficients.
 pub const NEGATIVE: f64 = 0.05;
 
+/// That an actuator is longer than its taut length by more than [`STRETCH`].
+const OVERSTRETCHED: &str = "overstretched";
+
 /// Part of the turnover of work and energy up to which a run may leave them open: chosen.
 pub const OPEN: f64 = 0.02;
 
@@ -83,7 +86,8 @@ impl fmt::Display for Warning {
     }
 }
 
-/// The warnings of a run: those known before it and those that follow from what it reached, each actuator once for a code.
+/// The warnings of a run: those known before it and those that follow from what it reached, each actuator once for a code. What a run
+/// reached says more than what was known, but that an actuator started too long is why it was.
 pub fn of_run(before: Vec<Warning>, figures: &Figures) -> Vec<Warning> {
     joined(before, figures.warnings())
 }
@@ -92,6 +96,7 @@ fn joined(before: Vec<Warning>, after: Vec<Warning>) -> Vec<Warning> {
     let mut all = before;
     for new in after {
         match all.iter_mut().find(|known| (known.code, &known.part) == (new.code, &new.part)) {
+            Some(_) if new.code == OVERSTRETCHED => {}
             Some(known) => *known = new,
             None => all.push(new),
         }
@@ -338,6 +343,19 @@ mod tests {
         let [before, all] = codes(&[("load.mass", "200 kg")]);
         assert_eq!(before, ["overstretched"]);
         assert!(["overstretched", "tension"].iter().all(|code| all.contains(code)), "{all:?}");
+    }
+
+    /// The muscle is 4.3 in long at most where nothing loads it. A length that the scenario gives is named, before and after the run.
+    #[test]
+    fn a_start_beyond_the_taut_length_names_what_says_so() {
+        let mut document = Document::parse(MUSCLE, "muscle.toml").unwrap();
+        document.set_plain_from("--set", "initial.length", "108 mm").unwrap();
+        let ready = Ready::of(&document).unwrap();
+        let (before, figures) = (ready.warnings(), ready.stream(&document, None, End::Duration).unwrap().0);
+        for found in [before.clone(), of_run(before, &figures)] {
+            let text = &found.iter().find(|of| of.code == OVERSTRETCHED).expect("too long").text;
+            assert!(text.contains("starts at 108.0 mm") && text.contains("lower initial.length"), "{text}");
+        }
     }
 
     #[test]

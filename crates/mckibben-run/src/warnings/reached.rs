@@ -2,7 +2,7 @@
 //!
 //! The observers of runs see every sample; [`Reached`] keeps of each actuator the extremes that the warnings need.
 
-use super::{NEGATIVE, PRESSURE, Parts, STRENGTH, STRETCH, Warning};
+use super::{NEGATIVE, OVERSTRETCHED, PRESSURE, Parts, STRENGTH, STRETCH, Warning};
 use crate::observation::Range;
 use crate::quantities::{given, percent, quantity};
 use mckibben::force::{Effectiveness, Law, StaticForce as _};
@@ -117,7 +117,9 @@ fn of_actuator(actuator: &Actuator, mechanism: &Mechanism, name: &str, reached: 
         found.push(Warning::new("tension", name, text));
     }
     if reached.length.greatest > longest * (1.0 + STRETCH) {
-        found.push(overstretched(name, "reaches", reached.length.greatest, longest, mechanism));
+        let length = quantity(reached.length.greatest, "m");
+        let cause = format!("the load exceeds what the braid holds; {}", remedy_of_load(mechanism));
+        found.push(overstretched(name, &format!("reaches {length}"), reached.length.greatest, longest, &cause));
     }
     if matches!(mechanism, Mechanism::Mass(_)) && reached.distance.least < 0.0 {
         let text = format!(
@@ -147,16 +149,29 @@ pub(super) fn beyond_pressure(name: &str, what: &str, key: &str) -> Warning {
     Warning::new("pressure", name, text)
 }
 
-/// That an actuator is longer than it can be.
-pub(super) fn overstretched(name: &str, verb: &str, length: f64, longest: f64, mechanism: &Mechanism) -> Warning {
+/// That an actuator starts longer than it can be: by what its start says, or where that is found from the load, by the load.
+pub(super) fn starts_overstretched(name: &str, length: f64, longest: f64, mechanism: &Mechanism) -> Warning {
+    let by_load = match mechanism {
+        Mechanism::Mass(_) => {
+            format!(
+                "; where the scenario does not give it, the load exceeds what the braid holds: {}",
+                remedy_of_load(mechanism)
+            )
+        }
+        _ => String::new(),
+    };
+    let cause = format!("lower {}{by_load}", key_of_length(mechanism));
+    overstretched(name, &format!("starts at {}", quantity(length, "m")), length, longest, &cause)
+}
+
+/// That an actuator is longer than it can be: `reaches` says how long, `cause` why and what to change.
+fn overstretched(name: &str, reaches: &str, length: f64, longest: f64, cause: &str) -> Warning {
     let text = format!(
-        "the length {verb} {}, {} above actuator.max_length = {}: the load exceeds what the braid holds; {}",
-        quantity(length, "m"),
+        "the length {reaches}, {} above actuator.max_length = {}: {cause}",
         percent((length - longest) / longest),
         quantity(longest, "m"),
-        remedy_of_load(mechanism),
     );
-    Warning::new("overstretched", name, text)
+    Warning::new(OVERSTRETCHED, name, text)
 }
 
 /// What to change where a load pulls too hard.

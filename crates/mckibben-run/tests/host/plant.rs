@@ -178,6 +178,13 @@ fn what_is_restored_goes_on_bit_for_bit() {
         once.advance(f64::from(k) * 1e-3, &[0.09 - 1e-5 * f64::from(k % 40)]).expect("a step");
     }
     assert_eq!(once.steps().state(), there, "set once and left alone");
+    // Behind the time stand the states.
+    let distance = 1 + of.steps().plant().indices().mechanisms[0].position(0);
+    for none in [0.0, -0.09, f64::NAN, 0.5] {
+        let edited = [&numbers[..distance], &[none], &numbers[distance + 1..]].concat();
+        assert!(of.restore(&edited).expect_err("no distance").to_string().contains("no state of this plant"), "{none}");
+    }
+    assert_eq!(of.steps().state(), there, "where it was");
     of.reset();
     assert_eq!(of.steps().time(), 0.0);
 }

@@ -49,7 +49,7 @@ pub(crate) fn core_supply_line(supply: &Supply, air: &air::Air) -> Result<Option
             let switch = [compressor.cut_in, compressor.cut_out].map(GaugePressure);
             line::Compressor::new([compressor.displacement, compressor.clearance], switch, air)
         });
-        let start = GaugePressure(reservoir.gauge_pressure.unwrap_or(supply.gauge_pressure));
+        let start = GaugePressure(supply.reservoir_start());
         let numbers = [reservoir.volume, reservoir.polytropic_index, supply.temperature];
         line::Reservoir::new(numbers, start, compressor.transpose()?, air)
     });

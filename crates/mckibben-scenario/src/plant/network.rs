@@ -53,7 +53,7 @@ impl<'s> Builder<'s> {
         let numbers = [supply.gauge_pressure, temperature];
         let nodes = self.network.supply(numbers, reservoir, regulator, feeder, outside);
         if let (Some(feeder), Some(tank)) = (feeder, nodes.reservoir) {
-            let start = supply.reservoir.and_then(|of| of.gauge_pressure).unwrap_or(supply.gauge_pressure);
+            let start = supply.reservoir_start();
             let hose = hose.map(|hose| core_hose(&hose, temperature, air)).transpose()?;
             let into = match hose {
                 Some(hose) => self.network.hose(hose, tank, start),

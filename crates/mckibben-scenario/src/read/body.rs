@@ -10,6 +10,7 @@ use super::{alternative, columns, friction};
 use crate::choice::{BladderForm, ForceLaw, LoadKind, ProcessKind};
 use crate::diagnostic::{Class, Diagnostic, Place};
 use crate::document::Document;
+use crate::follow::least_length;
 use crate::keys;
 use crate::muscle::{self, AT_REST, BRAID, Fault, Muscle, REMEDY, Stated};
 use crate::presets::{self, Preset};
@@ -59,10 +60,14 @@ pub(super) fn actuator(r: &mut Reader<'_>) -> Actuator {
 fn braid(r: &mut Reader<'_>, preset: Option<&Preset>) -> [f64; 4] {
     let stated = stated(r, preset);
     if !stated.is_at_rest() && !AT_REST.iter().any(|row| r.has(row.key)) {
-        // Only the model's own numbers are given, or some of them.
-        let [thread_length, turns, max_length] =
-            [&p::THREAD_LENGTH, &p::TURNS, &p::MAX_LENGTH].map(|row| r.value_or(row, stated.get(row)));
-        let min_length = stated.get(&p::MIN_LENGTH).unwrap_or(thread_length / 3_f64.sqrt());
+        // Only the model's own numbers are given, or some of them: then the default preset is no more meant without a word.
+        let named = presets::ACTUATORS.first().filter(|_| preset.is_none()).map(|preset| {
+            let name = preset.name;
+            format!("or give `actuator.preset = \"{name}\"`, the muscle of a file that describes none, under your own numbers")
+        });
+        let [thread_length, turns, max_length] = [&p::THREAD_LENGTH, &p::TURNS, &p::MAX_LENGTH]
+            .map(|row| r.value_or(row, stated.get(row), named.as_deref()));
+        let min_length = stated.get(&p::MIN_LENGTH).unwrap_or_else(|| least_length(thread_length));
         return [thread_length, turns, max_length, min_length];
     }
     // A key that is mistaken itself says nothing about the others.

@@ -308,7 +308,7 @@ fn within_supply(r: &mut Reader<'_>, gauges: Option<&[f64]>, supply: Option<f64>
         r.note(
             Diagnostic::at(Class::Inconsistent, place, title, "beyond the supply")
                 .related(r.value_place(p::SUPPLY_GAUGE_PRESSURE.key), "the supply")
-                .help("lower the set point or raise the supply"),
+                .help("lower the set point, or raise `supply.gauge_pressure`"),
         );
     }
 }

@@ -1,6 +1,7 @@
 //! The air: its process, where it comes from, and what it flows through; pressures that are given.
 
 use crate::choice::{HoseKind, PressurePlace};
+use crate::follow::true_pressure;
 
 /// The gas.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -129,6 +130,13 @@ pub struct PressureSensor {
     pub shift: f64,
 }
 
+impl Supply {
+    /// Gauge pressure in Pa that its reservoir starts at: the supply's where nothing else is said.
+    pub(crate) fn reservoir_start(&self) -> f64 {
+        self.reservoir.and_then(|of| of.gauge_pressure).unwrap_or(self.gauge_pressure)
+    }
+}
+
 impl Default for PressureSensor {
     /// Shows the pressure as it is.
     fn default() -> Self {
@@ -140,6 +148,6 @@ impl PressureSeries {
     /// The gauge pressures in Pa at its rows.
     pub fn values(&self) -> impl Iterator<Item = f64> + '_ {
         let PressureSensor { offset, scale, .. } = self.sensor;
-        self.gauge_pressure.iter().map(move |shown| (shown - offset) / scale)
+        self.gauge_pressure.iter().map(move |shown| true_pressure(*shown, [offset, scale]))
     }
 }

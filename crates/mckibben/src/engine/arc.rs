@@ -106,6 +106,19 @@ impl<R: Real> Arc<R> {
     }
 }
 
+/// The rate of a state over `θ` by the control points of so many states.
+pub(crate) fn slope(points: &[f64], states: usize, index: usize, theta: f64) -> f64 {
+    // A Bernstein polynomial of one degree less, by de Casteljau.
+    let point = |i: usize| points[i * states + index];
+    let mut steps: [f64; POINTS - 1] = core::array::from_fn(|i| point(i + 1) - point(i));
+    for last in (0..POINTS - 2).rev() {
+        for i in 0..=last {
+            steps[i] += theta * (steps[i + 1] - steps[i]);
+        }
+    }
+    (POINTS - 1) as f64 * steps[0]
+}
+
 /// The states at `θ` by their control points.
 pub(crate) fn at<R: Real, T: Over<R>>(points: &[R], theta: T, state: &mut [T]) {
     let states = state.len();

@@ -76,12 +76,15 @@ impl<R: Real> SeriesTendon<R> {
             (actuator.static_force(length, pressure) + actuator.limits().force(length, R::zero())).larger(R::zero())
                 - tight
         };
-        let (mut least, mut most) = (actuator.limits().min_length().value(), actuator.law().law.end_length().value());
+        let end = actuator.law().law.end_length().value();
+        // Where the tendon hangs loose the force is not below its tension: a law may fall to zero again before its end.
+        let loose = distance.value() - self.rest_length.value();
+        let (mut least, mut most) = (actuator.limits().min_length().value(), loose.min(end));
         if excess(R::constant(least)).value() >= 0.0 {
             return actuator.limits().min_length();
         }
         let at_end = excess(R::constant(most)).value();
-        if at_end.is_nan() || at_end <= 0.0 {
+        if at_end.is_nan() || at_end < 0.0 || (at_end == 0.0 && most == end) {
             return actuator.law().law.end_length();
         }
         while most - least > 4.0 * f64::EPSILON * most {

@@ -8,6 +8,7 @@ use super::steps::TimeStepping;
 use super::trajectory::PieceView;
 use super::{Plant, tendon};
 use crate::engine::arc;
+use crate::force::Statics as _;
 use crate::mechanism::Mechanism;
 use crate::mechanism::chain::Contacts;
 use crate::network::{BranchKind, NodeKind};
@@ -53,6 +54,8 @@ pub(super) struct Bookkeeper<'a> {
     ledger: PlantLedger,
     nodes: Vec<Passing>,
     state: Vec<f64>,
+    /// How fast the length of each actuator goes along the dense output, in m/s, where it is a state.
+    moves: Vec<Option<f64>>,
     has_begun: bool,
     tolerance: f64,
     steps: f64,
@@ -81,6 +84,7 @@ impl<'a> Bookkeeper<'a> {
             ledger,
             nodes: vec![Passing::default(); network.nodes.len()],
             state: vec![0.0; plant.indices().states],
+            moves: vec![None; plant.actuators().len()],
             has_begun: false,
             tolerance: stepping.tolerance(),
             steps: 0.0,
@@ -104,7 +108,13 @@ impl<'a> Bookkeeper<'a> {
             self.steps += 1.0;
             for (node, weight) in GAUSS {
                 let time = start + length * node;
-                arc::at(points, (time - start) / step, &mut state);
+                let theta = (time - start) / step;
+                arc::at(points, theta, &mut state);
+                let lengths = self.plant.indices().actuators.iter().map(|here| here.length);
+                let states = state.len();
+                for (moves, length) in self.moves.iter_mut().zip(lengths) {
+                    *moves = length.map(|place| arc::slope(points, states, place, theta) / step);
+                }
                 self.observer.system.project(time, &mut state, mode, &mut self.observer.at);
                 let own = self.observer.mode_with_pieces(time, &state, mode);
                 self.instant(length * weight, time, &state, own.as_ref().unwrap_or(mode));
@@ -169,6 +179,7 @@ impl<'a> Bookkeeper<'a> {
     /// Adds what happens in an instant of `weight` s.
     fn instant(&mut self, weight: f64, time: f64, state: &[f64], mode: &PlantMode) {
         self.observer.evaluate_flows(time, state, mode);
+        self.follow_lengths(mode);
         self.sizes = [0.0; 3];
         for i in 0..self.ledger.actuators.len() {
             self.actuator(i, weight, state, mode);
@@ -191,9 +202,26 @@ impl<'a> Bookkeeper<'a> {
         }
     }
 
+    /// Lets volumes grow with the lengths as they go. The velocity of an end on a tendon follows from a balance of stiff forces, and errs
+    /// by much more than the length where steps are long: forces are by that velocity, powers by the way.
+    fn follow_lengths(&mut self, mode: &PlantMode) {
+        let Self { plant, observer, moves, .. } = self;
+        for (i, moves) in moves.iter().enumerate() {
+            let Some(moves) = moves.filter(|_| mode.actuators[i].mode.length_regime != LengthRegime::Slack) else {
+                continue;
+            };
+            let actuator = &plant.actuators()[i].actuator;
+            let (unit, chamber) = (&mut observer.at.units[i], &mut observer.at.chambers[i]);
+            let rate = actuator.law().law.volume_and_slope(unit.length)[1] * moves;
+            unit.pressure_rate -=
+                actuator.air().index() * chamber.pressure * (rate - chamber.volume_rate) / chamber.volume;
+            chamber.volume_rate = rate;
+        }
+    }
+
     /// The work of an actuator.
     fn actuator(&mut self, i: usize, weight: f64, state: &[f64], mode: &PlantMode) {
-        let Self { plant, observer, ledger, sizes, .. } = self;
+        let Self { plant, observer, ledger, sizes, moves, .. } = self;
         let (of, of_actuator) = (&mut ledger.actuators[i], &mode.actuators[i]);
         let (unit, chamber) = (&observer.at.units[i], &observer.at.chambers[i]);
         let actuator = &plant.actuators()[i].actuator;
@@ -209,10 +237,11 @@ impl<'a> Bookkeeper<'a> {
         let (limits, friction) = (actuator.limits(), actuator.friction());
         let (length, velocity, pressure) = (unit.length, unit.velocity, chamber.pressure);
         let gauge = actuator.gauge(pressure);
+        let moves = moves[i].unwrap_or(velocity);
         let gas_power = gauge.0 * chamber.volume_rate;
         let static_force: f64 = actuator.static_force(length, pressure);
         of.gas_work += weight * gas_power;
-        of.effectiveness_loss += weight * (gas_power + static_force * velocity);
+        of.effectiveness_loss += weight * (gas_power + static_force * moves);
         let direction = of_actuator.mode.sliding.direction();
         let deflections = observer.system.deflections(i, state);
         let widths = match (deflections.bristles, observer.system.wires[i].member.lugre()) {
@@ -230,14 +259,14 @@ impl<'a> Bookkeeper<'a> {
         let taut = of_actuator.mode.length_regime == LengthRegime::Taut;
         let limit: f64 = if taut { limits.taut_force(length, velocity) } else { 0.0 };
         let stretch = (length - limits.max_length()).larger(0.0);
-        of.viscous += weight * viscous * velocity;
-        of.coulomb += weight * coulomb * velocity;
-        of.slip += weight * slipping * velocity;
-        of.branch_storage += weight * branch_force * velocity;
-        of.hysteresis_storage += weight * (hysteresis - slipping) * velocity;
-        of.braid += weight * (limit - limits.stiffness() * stretch) * velocity;
+        of.viscous += weight * viscous * moves;
+        of.coulomb += weight * coulomb * moves;
+        of.slip += weight * slipping * moves;
+        of.branch_storage += weight * branch_force * moves;
+        of.hysteresis_storage += weight * (hysteresis - slipping) * moves;
+        of.braid += weight * (limit - limits.stiffness() * stretch) * moves;
         let sum = static_force + viscous + coulomb + hysteresis + branch_force + limit;
-        of.slack += weight * (unit.tension - sum) * velocity;
+        of.slack += weight * (unit.tension - sum) * moves;
     }
 
     /// The losses of a mechanism, and the work on a motion that is given.
@@ -358,6 +387,7 @@ impl<'a> Bookkeeper<'a> {
                     of.supplied.mass += released.mass;
                     of.supplied.enthalpy += released.enthalpy;
                     of.released -= released.exergy;
+                    of.vented -= released.mass;
                 }
                 _ => {}
             }

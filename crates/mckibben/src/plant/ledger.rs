@@ -186,6 +186,8 @@ pub struct NodeLedger {
     pub throttled: f64,
     /// Exergy of what a regulator let go to the atmosphere.
     pub released: f64,
+    /// Mass in kg of that.
+    pub vented: f64,
     /// Exergy lost with heat; gained where negative.
     pub heat_loss: f64,
 }
@@ -311,10 +313,10 @@ pub struct LedgerTotal {
 }
 
 impl LedgerTotal {
-    /// Work on the mechanisms over the exergy that was supplied, drawn and compressed; none where none was. Of a cycle it is the
-    /// efficiency; of a run that ends in another state than it began, what is stored belongs to it too.
+    /// Work on the mechanisms over the exergy that was supplied, drawn and compressed, less what others alike drew; none where none
+    /// was. Of a cycle it is the efficiency; of a run that ends in another state than it began, what is stored belongs to it too.
     pub fn efficiency(&self) -> Option<f64> {
-        let supplied = self.drawn + self.compressed;
+        let supplied = self.drawn + self.compressed - self.others;
         (supplied > 0.0).then(|| self.work / supplied)
     }
 }

@@ -42,7 +42,7 @@ pub struct Ramp<S = f64> {
 pub struct Stroke<S = f64> {
     /// When the poppet starts, in s.
     pub start: S,
-    /// When it arrives, in s; its start of one that rests.
+    /// When it arrives, in s; before all time of one that rests, as its start.
     pub end: S,
     /// Its opening then.
     pub from: S,
@@ -95,7 +95,7 @@ impl<S: Scalar> Stroke<S> {
     /// A poppet at rest, open or shut.
     pub fn resting(open: bool) -> Self {
         let at = if open { S::one() } else { S::zero() };
-        Self { start: S::zero(), end: S::zero(), from: at, to: at }
+        Self { start: -S::one(), end: -S::one(), from: at, to: at }
     }
 
     /// The opening λ at a time in s, not before the stroke's start.
@@ -103,7 +103,8 @@ impl<S: Scalar> Stroke<S> {
     pub fn opening<T: Over<S>>(&self, time: T) -> T {
         let (start, end) = (T::of(self.start), T::of(self.end));
         let share = (time - start) / (end - start);
-        T::select(time.lt(end), T::of(self.from) + T::of(self.to - self.from) * share, T::of(self.to))
+        // On the line up to and with its end: a derivative there is that of the stroke, which lasts until its end has been passed.
+        T::select(end.lt(time), T::of(self.to), T::of(self.from) + T::of(self.to - self.from) * share)
     }
 
     /// Slope of the opening in 1/s while the poppet is under way.

@@ -378,13 +378,26 @@ impl<S: Real> PoppetClock<S> {
         self.pass(self.next(solenoid, command), time, solenoid, command);
     }
 
+    /// When in s the poppet of a side moves next or arrives, if it does.
+    fn moves(&self, side: usize) -> f64 {
+        let instants = [self.due[side], self.strokes[side].end()].into_iter().flatten();
+        instants.map(S::value).fold(f64::INFINITY, f64::min)
+    }
+
     /// Moves what is due up to and with `time`, given what comes next; what comes next then.
+    ///
+    /// With derivatives two poppets that move at `time` are two instants, one behind the other, since each may move with a
+    /// number in its own way: the second is left.
     fn pass(&mut self, mut upcoming: Option<S>, time: S, solenoid: &Solenoid<S>, command: &Command<S>) -> Option<S> {
         while let Some(next) = upcoming
             && is_due(next, time)
         {
             let mut poppet_moved = false;
-            for side in 0..2 {
+            let order = if self.moves(1) < self.moves(0) { [1, 0] } else { [0, 1] };
+            for side in order {
+                if S::HAS_DERIVATIVES && poppet_moved {
+                    continue;
+                }
                 if self.strokes[side].end().is_some_and(|end| is_due(end, next)) {
                     self.strokes[side] = Stroke::resting(self.poppet[side]);
                     self.strokes_counted += 1;
@@ -405,6 +418,9 @@ impl<S: Real> PoppetClock<S> {
                 self.drive(when + solenoid.latency(), solenoid, solenoid.coils(request));
             }
             upcoming = self.next(solenoid, command);
+            if S::HAS_DERIVATIVES && poppet_moved && is_due(time, next) {
+                break;
+            }
         }
         upcoming
     }

@@ -129,7 +129,8 @@ impl<S: Scalar> Spool<S> {
 /// The opening of an edge beyond its overlap. No closure: it would be compiled separately, without the instructions of a batch.
 #[inline(always)]
 fn edge<T: Scalar>(way: T, overlap: T) -> T {
-    ((way - overlap) / (T::one() - overlap)).larger(T::zero()).smaller(T::one())
+    // Where both are equal the second counts, which has a derivative.
+    T::one().smaller(((way - overlap) / (T::one() - overlap)).larger(T::zero()))
 }
 
 /// c and s after the phase `p = ωt`.

@@ -49,10 +49,12 @@ a quantity are then those of the orbit, and empty where a run has none; settling
 controllers stay those of the run. The orbit is that of the event-located engine, whatever the run took up to its end; \
 without run.engine the run takes that engine too.
 
+Without run.engine and --engine a plant takes the event-located engine, as in `mckibben simulate`, and one actuator or a joint \
+the fixed-step engine, save with --settle and under a controller without run.step.
+
 The fixed-step engine takes run.step; without it, one step for all runs: the least that eight of them, evenly spread, need \
 for run.accuracy. One of them that no step is short enough for, as when it bounces without end, is named in the summary; \
-the event-located engine has no such choice to make. If run.accuracy varies, each run has the step it needs. Runs with \
-a controller take the event-located engine unless run.step is given.
+the event-located engine has no such choice to make. If run.accuracy varies, each run has the step it needs.
 
 A sweep that was stopped goes on where it was when the same command is given again: finished parts are kept, once each was \
 held to the checksum in it. Shards are counted from 1; shard I of N does the parts I, I + N, I + 2 N, ... and can share the \
@@ -83,8 +85,8 @@ pub struct SweepArguments {
     /// What to write of each run, in place of sweep.record.
     #[arg(long, value_name = "WHAT", value_parser = ["reductions", "samples", "trajectories"])]
     pub record: Option<String>,
-    /// The engine, in place of run.engine; without either, fixed-step, or event-located with --settle and under a controller without
-    /// run.step.
+    /// The engine, in place of run.engine; without either, of a plant event-located, else fixed-step, but event-located with
+    /// --settle and under a controller without run.step.
     #[arg(long, value_name = "ENGINE", value_parser = ["event-located", "fixed-step"])]
     pub engine: Option<String>,
     /// Run on behind the end to the periodic orbit, or the equilibrium, and take final, mean, min, max, ripple, drift and peak

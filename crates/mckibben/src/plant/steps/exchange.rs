@@ -11,8 +11,10 @@
 //!
 //! The mode and its rules are those of the event-located engine: see [`crate::engine::Hybrid`]. A host differs in one thing:
 //! it comes to an event from either side of the root, by its own tolerance. So a guard has fired where it is below zero, or
-//! where its rate brings it there within [`NEAR`]. Once a mode has begun in the same instant its guards may start at zero or
-//! a rounding below; then only those that descend have fired (rule 4 of the contract of events).
+//! where its rate brings it there within [`NEAR`]. At zero without a rate it has fired unless it rises by its second derivative.
+//! Once a mode has begun in the same instant its guards may start at zero or a rounding below; then only those that descend have
+//! fired (rule 4 of the contract of events). A guard at zero is written as the least positive number: the mode lasts there, and
+//! the host sees the guard leave it.
 //!
 //! Source: FMI 3.0.2, section 3, for what a host requires. Checked by `tests/plant_exchange.rs`.
 
@@ -136,14 +138,15 @@ impl PlantExchange {
         Ok(())
     }
 
-    /// Writes the guards of the mode that holds. Values beyond its guards are one; where there are more guards than values the
-    /// last value is the least of the rest.
+    /// Writes the guards of the mode that holds; none is zero. Values beyond its guards are one; where there are more guards than
+    /// values the last value is the least of the rest.
     pub fn guards(&mut self, steps: &PlantSteps, values: &mut [f64]) {
         values.fill(1.0);
         let Some(last) = values.len().checked_sub(1) else { return };
         self.system.guards(steps.mode(), &mut self.guards);
         for place in 0..self.guards.len() {
             let value = self.value(steps, self.guards[place]);
+            let value = if value == 0.0 { f64::MIN_POSITIVE } else { value };
             if place <= last {
                 values[place] = value;
             } else {
@@ -193,13 +196,30 @@ impl PlantExchange {
             let guard = self.guards[place];
             let (value, rate) = (self.value(steps, guard), self.value_along(steps, guard, 1.0));
             let descends = rate < 0.0 && value + rate * NEAR < 0.0;
-            let is_below = value < 0.0 || (value == 0.0 && rate == 0.0);
+            let is_below =
+                value < 0.0 || (value == 0.0 && rate == 0.0 && !is_new && !self.rises_from_rest(steps, guard));
             let instant = if descends { -value / rate } else { 0.0 };
             if (descends || (is_below && !is_new)) && first.is_none_or(|(_, earlier)| instant < earlier) {
                 first = Some((guard.0, instant));
             }
         }
         first.map(|(guard, _)| guard)
+    }
+
+    /// Whether a guard without a rate rises by the second derivatives of the states.
+    fn rises_from_rest(&mut self, steps: &PlantSteps, guard: (PlantGuard, GuardForm)) -> bool {
+        let along = core::mem::take(&mut self.seeded);
+        let time = Along { value: steps.time(), slope: [1.0] };
+        let mut second = core::mem::take(&mut self.seeded_rates);
+        // They are seeded with the rates.
+        self.system.rates(time, &along, steps.mode(), &mut self.along, &mut second);
+        self.seeded = along;
+        let first = self.seeded.clone();
+        self.seed(steps, |place| second[place].slope[0]);
+        self.seeded_rates = second;
+        let rate = self.value_along(steps, guard, 0.0);
+        self.seeded = first;
+        rate > 0.0
     }
 
     /// Crosses the guards that have fired and passes what is due, until nothing changes. A time that lies less than a

@@ -290,6 +290,9 @@ impl<R: Scalar> System<R> {
     }
 }
 
+/// Absolute pressure in Pa, or mass in kg, from which on the air of a state has left the physics: ten thousand atmospheres. Chosen.
+pub const MOST_AIR: f64 = 1e9;
+
 impl<R: Real> System<R> {
     /// The places of pressures and masses of air.
     pub fn places_of_air(&self) -> impl Iterator<Item = usize> + '_ {
@@ -305,7 +308,7 @@ impl<R: Real> System<R> {
 
     /// That a step has produced a physical state: numbers everywhere, air in every chamber and node, braids that are not straight.
     pub(in super::super) fn check_step(&self, time: R, state: &[R]) -> Result<(), Error> {
-        let lacks_air = |place: &usize| state[*place].value() <= 0.0;
+        let lacks_air = |place: &usize| !(0.0 < state[*place].value() && state[*place].value() < MOST_AIR);
         let lost = state.iter().position(|number| !number.value().is_finite());
         if let Some(place) = lost.or_else(|| self.places_of_air().find(lacks_air)) {
             return Err(self.step_too_long(time, state, place));

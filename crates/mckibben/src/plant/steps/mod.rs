@@ -35,8 +35,7 @@ pub use exchange::{EventUpdate, PlantExchange};
 pub use host::MOST_PARTS;
 pub(crate) use host::TOO_MANY_PARTS;
 pub use host::{NO_ACTUATOR, check_longest_part, check_move, host_mechanisms, part_end, parts_of};
-pub use method::Method;
-pub use method::Stages;
+pub use method::{MOST_AIR, Method, Stages};
 pub use row::PlantRow;
 
 use super::evaluation::System;
