@@ -436,10 +436,10 @@ def design(
 def _ends(key: str, ends: str | tuple[float | str, float | str]) -> tuple[float | str, float | str]:
     """Return the ends of a range."""
     if isinstance(ends, str):
-        low, dots, high = ends.partition("..")
+        least, dots, most = ends.partition("..")
         if not dots:
             raise InputError(f'`vary`: the range of {key} is {ends!r}; write it as in "3..7 bar"')
-        return low.strip(), high.strip()
+        return least.strip(), most.strip()
     try:
         low, high = ends
     except (TypeError, ValueError):

@@ -34,8 +34,8 @@ class Actuator:
         One actuator, or an antagonistic joint.
     name : {"agonist", "antagonist"}, optional
         Which actuator of a joint. Required for a joint, not allowed otherwise.
-    pulse_frequency : float, optional
-        Frequency in Hz, above zero, of the pulses of a duty cycle. By default that of the scenario's PWM. Required where the
+    pulse_frequency : float or str, optional
+        Frequency in Hz, above zero, or text with a unit, of the pulses of a duty cycle. By default that of the scenario's PWM. Required where the
         valve has poppets and the scenario has no PWM.
 
     Raises
@@ -72,7 +72,7 @@ class Actuator:
         (0.1, True)
     """
     def __getnewargs_ex__(self, /) -> tuple[tuple[Scenario, str | None], dict[str, Any]]: ...
-    def __new__(cls, /, scenario: Scenario, name: Literal["agonist", "antagonist"] | None = None, *, pulse_frequency: SupportsFloat | SupportsIndex | None = None) -> Actuator: ...
+    def __new__(cls, /, scenario: Scenario, name: Literal["agonist", "antagonist"] | None = None, *, pulse_frequency: float | str | None = None) -> Actuator: ...
     def __repr__(self, /) -> str: ...
     @property
     def initial_length(self, /) -> float:
@@ -84,7 +84,7 @@ class Actuator:
         """
         Tension in N at the start, at rest.
         """
-    def respond(self, /, state: ActuatorState, velocity: SupportsFloat | SupportsIndex = 0.0) -> Response:
+    def respond(self, /, state: ActuatorState, velocity: float | str = ...) -> Response:
         """
         Return the tension and its derivatives in a state, at any velocity of the ends, without a step.
 
@@ -92,7 +92,7 @@ class Actuator:
         ----------
         state : ActuatorState
             State of this actuator.
-        velocity : float, optional
+        velocity : float or str, optional
             Velocity of the ends in m/s, above zero while lengthening, between -1e6 and 1e6; 0 by default.
 
         Returns
@@ -104,14 +104,14 @@ class Actuator:
         InputError
             The velocity is out of range, or the state belongs to another actuator.
         """
-    def rest_length(self, /, gauge_pressure: SupportsFloat | SupportsIndex | None = None) -> float:
+    def rest_length(self, /, gauge_pressure: float | str | None = None) -> float:
         """
         Return the longest distance between the ends at which the actuator does not pull, at rest and without friction.
 
         Parameters
         ----------
-        gauge_pressure : float, optional
-            Gauge pressure of the air in Pa; that of the start by default.
+        gauge_pressure : float or str, optional
+            Gauge pressure of the air in Pa, or text with a unit; that of the start by default.
 
         Returns
         -------
@@ -136,7 +136,7 @@ class Actuator:
         -------
         ActuatorState
         """
-    def step(self, /, state: ActuatorState, length: SupportsFloat | SupportsIndex, velocity: SupportsFloat | SupportsIndex, command: float | Literal["fill", "hold", "exhaust"] | None, dt: SupportsFloat | SupportsIndex, *, max_step: SupportsFloat | SupportsIndex | None = None) -> tuple[ActuatorState, float, Response]:
+    def step(self, /, state: ActuatorState, length: float | str, velocity: float | str, command: float | str | Literal["fill", "hold", "exhaust"] | None, dt: float | str, *, max_step: float | str | None = None) -> tuple[ActuatorState, float, Response]:
         """
         Advance a state by one time step, in which the ends move to a new distance at constant velocity.
 
@@ -144,18 +144,19 @@ class Actuator:
         ----------
         state : ActuatorState
             State at the beginning of the step.
-        length : float
-            Distance between the ends in m at the end of the step, above zero, with the tendon if there is one.
-        velocity : float
+        length : float or str
+            Distance between the ends in m at the end of the step, above zero, with the tendon if there is one. This and the
+            other quantities may be text with a unit.
+        velocity : float or str
             Velocity of the ends in m/s at the end of the step, above zero while lengthening, between -1e6 and 1e6. The
             tension depends on it through friction; the motion during the step follows from `length` alone.
-        command : float or {"fill", "hold", "exhaust"} or None
-            Command of the valve: a duty cycle from 0 to 1, or one of the words; of a pressure regulator the set point, a
+        command : float or str or {"fill", "hold", "exhaust"} or None
+            Command of the valve: a duty cycle from 0 to 1, "40 %", or one of the words; of a pressure regulator the set point, a
             gauge pressure in Pa; of a proportional spool the position from -1 to 1. With `None` the last command continues.
             It must be `None` where there is no valve.
-        dt : float
+        dt : float or str
             Duration of the step in s, above zero.
-        max_step : float, optional
+        max_step : float or str, optional
             Longest part of the step in s. The step is divided into equal parts no longer than that, along which the length is
             interpolated linearly: the air is then as accurate as with steps of `max_step`. By default the step is one part.
 
@@ -266,8 +267,8 @@ class Actuators:
         Paths of the parameters that differ between the actuators, such as "actuator.turns". Not together with `name`.
     values : numpy.ndarray, optional
         Values of `parameters` in SI, float64 of shape (count, len(parameters)), of any memory layout. Required with `parameters`.
-    pulse_frequency : float, optional
-        Frequency in Hz, above zero, of the pulses of a duty cycle. By default that of the scenario's PWM. Required where the
+    pulse_frequency : float or str, optional
+        Frequency in Hz, above zero, or text with a unit, of the pulses of a duty cycle. By default that of the scenario's PWM. Required where the
         valve has poppets and the scenario has no PWM.
     precision : {"double", "single"}, optional
         Numbers that the actuators are stepped in; double by default. Single precision takes twice as many at once, and keeps seven digits of a
@@ -308,7 +309,7 @@ class Actuators:
         """
         Return the number of actuators.
         """
-    def __new__(cls, /, scenario: Scenario, count: int, name: Literal["agonist", "antagonist"] | None = None, *, parameters: Sequence[str] = ..., values: NDArray[float64] | None = None, pulse_frequency: SupportsFloat | SupportsIndex | None = None, precision: Literal["double", "single"] = ...) -> Actuators: ...
+    def __new__(cls, /, scenario: Scenario, count: int, name: Literal["agonist", "antagonist"] | None = None, *, parameters: Sequence[str] = ..., values: NDArray[float64] | None = None, pulse_frequency: float | str | None = None, precision: Literal["double", "single"] = ...) -> Actuators: ...
     def __repr__(self, /) -> str: ...
     def __setstate__(self, /, numbers: NDArray[float64]) -> None: ...
     @property
@@ -342,7 +343,7 @@ class Actuators:
         InputError
             An array or a number is not valid; nothing has changed.
         """
-    def step(self, /, length: NDArray[float64], velocity: NDArray[float64], command: NDArray[float64] | None, dt: SupportsFloat | SupportsIndex, tension: NDArray[float64], *, per_length: NDArray[float64] | None = None, per_velocity: NDArray[float64] | None = None, absolute_pressure: NDArray[float64] | None = None, max_step: SupportsFloat | SupportsIndex | None = None) -> None:
+    def step(self, /, length: NDArray[float64], velocity: NDArray[float64], command: NDArray[float64] | None, dt: float | str, tension: NDArray[float64], *, per_length: NDArray[float64] | None = None, per_velocity: NDArray[float64] | None = None, absolute_pressure: NDArray[float64] | None = None, max_step: float | str | None = None) -> None:
         """
         Advance all actuators by one time step, in which the ends of each move to a new distance at constant velocity.
 
@@ -355,8 +356,8 @@ class Actuators:
         command : numpy.ndarray or None
             Commands of the valves: duty cycles from 0 to 1; of pressure regulators the set points, gauge pressures in Pa; of
             proportional spools the positions from -1 to 1. With `None` the last commands continue.
-        dt : float
-            Duration of the step in s, above zero.
+        dt : float or str
+            Duration of the step in s, above zero, or text with a unit.
         tension : numpy.ndarray
             Receives the tensions in N.
         per_length : numpy.ndarray, optional
@@ -365,8 +366,8 @@ class Actuators:
             Receives the derivatives of the tension with respect to the velocity, in N*s/m.
         absolute_pressure : numpy.ndarray, optional
             Receives the absolute pressures in Pa.
-        max_step : float, optional
-            Longest part of the step in s, as of `Actuator.step`. By default the step is one part.
+        max_step : float or str, optional
+            Longest part of the step in s, or text with a unit, as of `Actuator.step`. By default the step is one part.
 
         Raises
         ------
@@ -546,10 +547,10 @@ class DifferentiableStep:
     ----------
     actuator : Actuator
         Actuator whose step it is.
-    dt : float
-        Duration of the step in s, above zero.
-    max_step : float, optional
-        Longest part of the step in s, as of `Actuator.step`. By default the step is one part.
+    dt : float or str
+        Duration of the step in s, above zero, or text with a unit.
+    max_step : float or str, optional
+        Longest part of the step in s, or text with a unit, as of `Actuator.step`. By default the step is one part.
 
     Raises
     ------
@@ -598,7 +599,7 @@ class DifferentiableStep:
             Outputs in SI, of shape (len(outputs),).
         """
     def __getnewargs_ex__(self, /) -> tuple[tuple[Actuator, float], dict[str, Any]]: ...
-    def __new__(cls, /, actuator: Actuator, dt: SupportsFloat | SupportsIndex, *, max_step: SupportsFloat | SupportsIndex | None = None) -> DifferentiableStep: ...
+    def __new__(cls, /, actuator: Actuator, dt: float | str, *, max_step: float | str | None = None) -> DifferentiableStep: ...
     def __repr__(self, /) -> str: ...
     @property
     def actuator(self, /) -> Actuator:
@@ -653,7 +654,7 @@ class DifferentiableStep:
         """
         Names of the outputs, in their order.
         """
-    def pack(self, /, state: ActuatorState, length: SupportsFloat | SupportsIndex, velocity: SupportsFloat | SupportsIndex, command: SupportsFloat | SupportsIndex = 0.0) -> NDArray[float64]:
+    def pack(self, /, state: ActuatorState, length: float | str, velocity: float | str, command: float | str = ...) -> NDArray[float64]:
         """
         Return the inputs of a step from a state.
 
@@ -661,11 +662,11 @@ class DifferentiableStep:
         ----------
         state : ActuatorState
             State of the actuator at the beginning of the step.
-        length : float
-            Distance between the ends in m at the end of the step, above zero.
-        velocity : float
+        length : float or str
+            Distance between the ends in m at the end of the step, above zero, or text with a unit.
+        velocity : float or str
             Velocity of the ends in m/s at the end of the step, above zero while lengthening.
-        command : float, optional
+        command : float or str, optional
             Command of the valve: a duty cycle, a gauge pressure in Pa or a position; 0 by default. Ignored where there is no
             valve.
 
@@ -788,10 +789,10 @@ class HostedPlant:
     command_mode : {"duty", "request", "position", "set-point"}, optional
         What a command is: a duty cycle from 0 to 1; 1 to fill, 0 to hold, -1 to exhaust; the position of a proportional spool
         from -1 to 1; the set point of a pressure regulator, a gauge pressure in Pa. By default what each valve takes.
-    pulse_frequency : float, optional
-        Frequency in Hz of the pulses of a duty cycle, above zero; by default that of the scenario's PWM.
-    max_step : float, optional
-        Longest part of a step in s, above zero: the air takes several in a long step. By default a step is one part.
+    pulse_frequency : float or str, optional
+        Frequency in Hz of the pulses of a duty cycle, above zero, or text with a unit; by default that of the scenario's PWM.
+    max_step : float or str, optional
+        Longest part of a step in s, above zero, or text with a unit: the air takes several in a long step. By default a step is one part.
     precision : {"double", "single"}, optional
         Numbers that the plants are stepped in; double by default. Single precision takes twice as many at once, and keeps seven digits of a
         state: what a step changes below the last of them is lost. It needs a package that is built with the feature `f32`.
@@ -834,7 +835,7 @@ class HostedPlant:
         """
         Return the states of the plants and their clock.
         """
-    def __new__(cls, /, scenario: Scenario, count: int = ..., *, command_mode: str | None = None, pulse_frequency: SupportsFloat | SupportsIndex | None = None, max_step: SupportsFloat | SupportsIndex | None = None, precision: Literal["double", "single"] = ...) -> HostedPlant: ...
+    def __new__(cls, /, scenario: Scenario, count: int = ..., *, command_mode: str | None = None, pulse_frequency: float | str | None = None, max_step: float | str | None = None, precision: Literal["double", "single"] = ...) -> HostedPlant: ...
     def __repr__(self, /) -> str: ...
     def __setstate__(self, /, state: tuple[NDArray[float64], tuple[SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex, SupportsIndex]]) -> None: ...
     def _check_commands(self, /, commands: NDArray[float64]) -> None:
@@ -975,7 +976,7 @@ class HostedPlant:
         """
         Scenario of the plants.
         """
-    def step(self, /, distances: NDArray[float64], commands: NDArray[float64], dt: SupportsFloat | SupportsIndex) -> None:
+    def step(self, /, distances: NDArray[float64], commands: NDArray[float64], dt: float | str) -> None:
         """
         Advance all plants by one time step, in which the ends go in straight lines to new distances.
 
@@ -985,8 +986,8 @@ class HostedPlant:
             Distances between the ends in m at the end of the step, above zero, of the shape (count, actuators).
         commands : ndarray
             Commands of the valves during the step, of the shape (count, commands).
-        dt : float
-            Duration of the step in s, above zero.
+        dt : float or str
+            Duration of the step in s, above zero, or text with a unit.
 
         Raises
         ------
@@ -1140,6 +1141,7 @@ class LinearModel:
         Returns
         -------
         control.StateSpace
+            In its names an underscore stands for each point, which python-control refuses: `biceps_duty` for `biceps.duty`.
         """
     def to_json(self, /) -> str:
         """
@@ -1399,6 +1401,10 @@ class Scenario:
         SimulationError
             The simulation cannot go on.
 
+        Notes
+        -----
+        The interpreter is released, so other threads continue. Ctrl-C ends it.
+
         Examples
         --------
             >>> import mckibben
@@ -1610,7 +1616,7 @@ class Sweep:
         Raises
         ------
         InputError
-            The folder holds something else, or `jobs` is too large.
+            The folder holds something else, or `jobs` is out of range.
         OutputError
             A file cannot be written.
 
@@ -2022,8 +2028,8 @@ class VectorPlant:
     action_mode : {"duty", "request", "position", "set-point"}, optional
         What an action is: a duty cycle from 0 to 1 (the default); a request, 1 to fill, 0 to hold, -1 to exhaust; the position
         of a proportional spool from -1 to 1; the set point of a pressure regulator, a gauge pressure in Pa.
-    pulse_frequency : float, optional
-        Frequency in Hz, above zero, of the pulses of a duty cycle. By default that of the scenario's PWM.
+    pulse_frequency : float or str, optional
+        Frequency in Hz, above zero, or text with a unit, of the pulses of a duty cycle. By default that of the scenario's PWM.
     precision : {"double", "single"}, optional
         Numbers that the instances are stepped in; double by default. Single precision takes twice as many at once, and keeps seven digits of a
         state: what a step changes below the last of them is lost. It needs a package that is built with the feature `f32`.
@@ -2060,7 +2066,7 @@ class VectorPlant:
     """
     def __getnewargs_ex__(self, /) -> tuple[tuple[Scenario, int], dict[str, Any]]: ...
     def __len__(self, /) -> int: ...
-    def __new__(cls, /, scenario: Scenario, count: int, *, parameters: Sequence[str] = ..., action_mode: Literal["duty", "request", "position", "set-point"] = ..., pulse_frequency: SupportsFloat | SupportsIndex | None = None, precision: Literal["double", "single"] = ...) -> VectorPlant: ...
+    def __new__(cls, /, scenario: Scenario, count: int, *, parameters: Sequence[str] = ..., action_mode: Literal["duty", "request", "position", "set-point"] = ..., pulse_frequency: float | str | None = None, precision: Literal["double", "single"] = ...) -> VectorPlant: ...
     def __repr__(self, /) -> str: ...
     @property
     def columns(self, /) -> list[str]:
@@ -2190,7 +2196,7 @@ class VectorPlant:
         InputError
             A value is not valid; nothing has changed.
         """
-    def step(self, /, actions: NDArray[float64], dt: SupportsFloat | SupportsIndex, observations: NDArray[float64], stopped: NDArray[bool_]) -> None:
+    def step(self, /, actions: NDArray[float64], dt: float | str, observations: NDArray[float64], stopped: NDArray[bool_]) -> None:
         """
         Command the valves, advance all instances, and write their observations.
 
@@ -2198,8 +2204,8 @@ class VectorPlant:
         ----------
         actions : numpy.ndarray
             Commands of the valves, float64 of shape (count, valves), as `action_mode` says.
-        dt : float
-            Duration of the step in s, above zero.
+        dt : float or str
+            Duration of the step in s, above zero, or text with a unit.
         observations : numpy.ndarray
             Receives the observations in SI, float64 of shape (count, len(columns)).
         stopped : numpy.ndarray
@@ -2241,7 +2247,7 @@ class _Sizes:
     """
     What `mckibben.Sizes` is made of.
     """
-    def __new__(cls, /, load: float | str, stroke: float | str, gauge_pressure: float | str, braid_angles: Sequence[float | str], effectiveness: SupportsFloat | SupportsIndex, most_length: float | str | None, most_diameter: float | str | None, time: float | str | None, ripple: float | str | None) -> _Sizes: ...
+    def __new__(cls, /, load: float | str, stroke: float | str, gauge_pressure: float | str, braid_angles: Sequence[float | str], effectiveness: float | str, most_length: float | str | None, most_diameter: float | str | None, time: float | str | None, ripple: float | str | None) -> _Sizes: ...
     def candidates(self, /) -> list[tuple[str, int, list[float], float | None, tuple[float, float] | None]]:
         """
         The candidates, those that take the least air first.
@@ -2273,7 +2279,7 @@ class _Statics:
         """
         Static force in N, zero where the braid would push.
         """
-    def gauge_pressure_for(self, /, length: ArrayLike, force: ArrayLike, most: SupportsFloat | SupportsIndex) -> NDArray[float64]:
+    def gauge_pressure_for(self, /, length: ArrayLike, force: ArrayLike, most: float | str) -> NDArray[float64]:
         """
         The least gauge pressure in Pa, up to `most`, that bears a force at a length.
         """
@@ -2357,7 +2363,7 @@ def _register_mujoco() -> None:
     Register the plugin of MuJoCo with the MuJoCo that is loaded.
     """
 
-def linearize(scenario: Scenario, *, gauge_pressure: float | str | None = None, length: float | str | None = None, load: float | str | None = None, duty: SupportsFloat | SupportsIndex | None = None, pwm: bool = False, temperature: float | str | None = None, angle: float | str | None = None, stiffness: float | str | None = None, amplitude: float | str | None = None, all_states: bool = False) -> LinearModel:
+def linearize(scenario: Scenario, *, gauge_pressure: float | str | None = None, length: float | str | None = None, load: float | str | None = None, duty: float | str | None = None, pwm: bool = False, temperature: float | str | None = None, angle: float | str | None = None, stiffness: float | str | None = None, amplitude: float | str | None = None, all_states: bool = False) -> LinearModel:
     """
     Linearize a scenario about an operating point, with exact derivatives.
 
@@ -2374,8 +2380,8 @@ def linearize(scenario: Scenario, *, gauge_pressure: float | str | None = None, 
         Length of the actuator at the point in m.
     load : float or str, optional
         Load at the point: a force in N, or as text also a mass that hangs, such as "10 lb".
-    duty : float, optional
-        Commanded duty cycle at the point, 0 to 1; the pressure follows from the mean flow of the valve under PWM.
+    duty : float or str, optional
+        Commanded duty cycle at the point, 0 to 1, or as text "40 %"; the pressure follows from the mean flow of the valve under PWM.
     pwm : bool, optional
         Take the mean flow of the valve under PWM, at the duty cycle that holds the pressure; of a pressure regulator the set
         point, of a proportional spool the position. False by default. Not together with `duty`.

@@ -107,7 +107,7 @@ fn set_points_are_dotted_in_the_colour_of_what_they_are_of() {
 
 /// Three muscles of two lengths: each line has the colour and the name of its curve, and what two share the names of both.
 #[test]
-fn limits_of_several_muscles_can_be_told_apart() {
+fn limits_of_several_muscles_are_distinct() {
     let figure = one(usual(&example("plant/bottle")));
     let panel = figure.panels.iter().find(|panel| panel.y.label == "length").expect("a panel");
     let lines = panel.references.iter().filter_map(|reference| match reference {

@@ -199,7 +199,7 @@ fn what_is_no_loop_is_refused() {
 const FRICTION: [&str; 2] = ["actuator.friction.coulomb_width", "actuator.friction.viscous"];
 
 /// The muscle with dry friction, and without or with damping: Coulomb width in m and coefficient in N·s/m.
-fn rubbing([coulomb_width, viscous]: [f64; 2]) -> Scenario {
+fn with_friction([coulomb_width, viscous]: [f64; 2]) -> Scenario {
     let mut scenario = muscle(RATIO);
     scenario.actuator.friction.hysteresis = None;
     (scenario.actuator.friction.coulomb_width, scenario.actuator.friction.viscous) = (coulomb_width, viscous);
@@ -230,7 +230,7 @@ fn read(
     noise: [f64; 2],
     random: &mut Noise,
 ) -> Vec<Sample> {
-    let (gauge, actuator) = (413_685.4, rubbing([0.0; 2]).driven().expect("an actuator").actuator);
+    let (gauge, actuator) = (413_685.4, with_friction([0.0; 2]).driven().expect("an actuator").actuator);
     let pressure = gauge + actuator.air().atmosphere().0;
     let phase = random.uniform();
     let sample = |place: i32| {
@@ -247,7 +247,7 @@ fn read(
 
 /// The first so many parameters of friction from one loop, beginning elsewhere.
 fn rubbed<const N: usize>(of: Loop, deviation: Option<f64>) -> LoopFit {
-    let mut start = rubbing([1e-4, if N == 1 { 0.0 } else { 3.0 }]);
+    let mut start = with_friction([1e-4, if N == 1 { 0.0 } else { 3.0 }]);
     let places = FRICTION[..N].iter().map(|path| Place::find(path, &mut start).expect("a number")).collect();
     let first = [1e-4, 3.0];
     let bounds = [1e-3, 100.0];
@@ -358,10 +358,10 @@ fn readings_at_turns_and_rests_do_not_count() {
         for seed in 0..20 {
             let samples = read(drawn, [300.0, 0.01], [2e-4, 0.0], [noise, 0.0], &mut Noise::new(seed));
             let of = Loop::new("run", samples, None).expect("a loop");
-            let [rubbing, smooth] = [[2e-4, 0.0], [0.0; 2]]
-                .map(|friction| tensions(&of, &rubbing(friction).driven().expect("an actuator").actuator));
+            let [with_friction, smooth] = [[2e-4, 0.0], [0.0; 2]]
+                .map(|friction| tensions(&of, &with_friction(friction).driven().expect("an actuator").actuator));
             assert!(smooth.len() > 100, "{} count", smooth.len());
-            for ((sample, with), (_, without)) in rubbing.into_iter().zip(smooth) {
+            for ((sample, with), (_, without)) in with_friction.into_iter().zip(smooth) {
                 let way = drawn(sample.time)[1];
                 assert!((with - without) * way > 0.0, "{} s: {} N by {way} m/s", sample.time, with - without);
             }

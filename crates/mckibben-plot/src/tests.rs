@@ -410,7 +410,7 @@ fn a_legend_has_no_entry_twice() {
 
 /// Two lines of one name in the colours of two curves are two entries of the legend, each drawn in its colour.
 #[test]
-fn lines_in_the_colours_of_their_curves_can_be_told_apart() {
+fn lines_in_the_colours_of_their_curves_are_distinct() {
     let panel = Panel::new(Axis::new("length", "mm"))
         .series(Series::line("a", vec![0.0, 1.0], vec![0.0, 4.0]))
         .horizontal(1.0, "max length")

@@ -281,7 +281,7 @@ impl DifferentiableStep {
     /// ------
     /// InputError
     ///     The state belongs to another actuator.
-    #[pyo3(signature = (state, length, velocity, command = Quantity::Number(0.0)))]
+    #[pyo3(signature = (state, length, velocity, command = Quantity::Number(0.0)), text_signature = "($self, state, length, velocity, command=0.0)")]
     fn pack<'py>(
         &self,
         py: Python<'py>,

@@ -455,7 +455,7 @@ impl Quantity<'_> {
         read.or_exception()
     }
 
-    /// The argument of a name in SI. Whoever takes it refuses what is out of its range.
+    /// The argument of a name in SI. Its caller refuses what is out of its range.
     pub(crate) fn si(self, name: &str, measured: Measured) -> PyResult<f64> {
         match self.given(name)? {
             Value::Number(number) => Ok(number),

@@ -4,7 +4,7 @@
 use crate::summary::Page;
 use mckibben::plant::{ActuatorLedger, Balance, MechanismLedger, PlantLedger};
 
-/// Where the work of the gas went. The names are those of the actuators: of two, each one's work is told.
+/// Where the work of the gas went. The names are those of the actuators: of two, each has its work printed.
 pub(crate) fn energy(page: &Page, ledger: &PlantLedger, names: &[&str]) {
     page.heading("Energy");
     let total = ledger.total();

@@ -241,7 +241,7 @@ impl Actuator {
     /// ------
     /// InputError
     ///     The velocity is out of range, or the state belongs to another actuator.
-    #[pyo3(signature = (state, velocity = Quantity::Number(0.0)))]
+    #[pyo3(signature = (state, velocity = Quantity::Number(0.0)), text_signature = "($self, state, velocity=0.0)")]
     fn respond(&self, state: &Bound<'_, ActuatorState>, velocity: Quantity<'_>) -> PyResult<Response> {
         let velocity = velocity.si("velocity", VELOCITY)?;
         check_velocity("velocity", velocity).or_exception()?;

@@ -12,7 +12,7 @@ use mckibben_plot::{Figure, Marks};
 const MOST: usize = 12;
 /// Marks of all kinds in a run above which those of formulas are counted.
 const MOST_OF_ALL: usize = 20;
-/// Marks about one instant that can be told apart, and the part of the time axis that is one instant: about the width of two marks.
+/// Marks about one instant that are distinct, and the part of the time axis that is one instant: about the width of two marks.
 const MOST_AT_ONCE: usize = 8;
 const AT_ONCE: f64 = 0.02;
 /// Kinds that say which formula of the air or of the force holds, and nothing that one observes on a rig.

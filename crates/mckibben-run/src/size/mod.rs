@@ -95,7 +95,7 @@ pub struct Candidate {
     pub needed_pressure: f64,
     /// Force in N of all at rest length and the whole pressure.
     pub force_at_rest: f64,
-    /// Mass in kg of the air that a stroke takes at [`ROOM`] temperature, all muscles together: from the greatest length without
+    /// Mass in kg of the air that a stroke takes at a temperature of 293.15 K, all muscles together: from the greatest length without
     /// pressure to the end of the stroke. Air that is warmer, as in the isentropic process of a scenario, is less.
     pub air: f64,
     /// How quick a valve makes it, where a time was requested.

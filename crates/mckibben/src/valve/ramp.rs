@@ -104,7 +104,8 @@ impl<S: Scalar> Stroke<S> {
         let (start, end) = (T::of(self.start), T::of(self.end));
         let share = (time - start) / (end - start);
         // On the line up to and with its end: a derivative there is that of the stroke, which lasts until its end has been passed.
-        T::select(end.lt(time), T::of(self.to), T::of(self.from) + T::of(self.to - self.from) * share)
+        let is_over = end.lt(time) | !start.lt(end);
+        T::select(is_over, T::of(self.to), T::of(self.from) + T::of(self.to - self.from) * share)
     }
 
     /// Slope of the opening in 1/s while the poppet is under way.
