@@ -182,10 +182,12 @@ fn the_engines_agree_within_the_error_of_the_fixed_step() {
         assert!(coarse < allowed && fine < coarse / 8.0, "{name}: {coarse:e} at 0.1 ms, {fine:e} at 0.025 ms");
         assert!(left < coarse / 20.0, "{name}: {left:e} extrapolated, {coarse:e} at 0.1 ms");
     }
-    // An extreme between two samples is not seen, and the gains of air between samples are net of what leaves.
-    for (name, allowed) in [("absolute_pressure_max_pa", 1e-4), ("air_used_kg", 2e-3)] {
+    // An extreme between two samples is not seen. A flow near equal pressures errs by the root of their difference.
+    for (name, allowed) in [("absolute_pressure_max_pa", 1e-4), ("air_used_kg", 1e-2)] {
         assert!(error(&coarse, name) < allowed, "{name}: {:e}", error(&coarse, name));
     }
+    let [coarse, fine] = [&coarse, &fine].map(|lines| error(lines, "air_used_kg"));
+    assert!(fine < coarse / 3.0, "{coarse:e} at 0.1 ms, {fine:e} at 0.025 ms");
 }
 
 #[test]

@@ -392,10 +392,11 @@ impl<S: Real> PoppetClock<S> {
         while let Some(next) = upcoming
             && is_due(next, time)
         {
-            let mut poppet_moved = false;
+            let (mut poppet_moved, mut is_left) = (false, false);
             let order = if self.moves(1) < self.moves(0) { [1, 0] } else { [0, 1] };
             for side in order {
-                if S::HAS_DERIVATIVES && poppet_moved {
+                if S::HAS_DERIVATIVES && poppet_moved && self.moves(side) <= next.value() * (1.0 + SIMULTANEOUS) {
+                    is_left = true;
                     continue;
                 }
                 if self.strokes[side].end().is_some_and(|end| is_due(end, next)) {
@@ -418,7 +419,7 @@ impl<S: Real> PoppetClock<S> {
                 self.drive(when + solenoid.latency(), solenoid, solenoid.coils(request));
             }
             upcoming = self.next(solenoid, command);
-            if S::HAS_DERIVATIVES && poppet_moved && is_due(time, next) {
+            if is_left && is_due(time, next) {
                 break;
             }
         }
