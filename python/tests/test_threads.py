@@ -263,7 +263,7 @@ def test_a_long_call_ends_at_an_interrupt(what, scenario, interrupted):
     " braid_angles=[f'{angle / 100} deg' for angle in range(1500, 3500)])",
 ])
 def test_what_takes_long_ends_by_ctrl_c(work, examples):
-    """In a process of its own, whose main thread is the one that is interrupted."""
+    """In a separate process, since the signal interrupts the main thread."""
     program = f"""
 import mckibben, os, signal, threading, time
 FILE = {str(examples / "linearize-pwm.toml")!r}

@@ -59,7 +59,7 @@ impl _Sizes {
             time: maybe("time", time, ["time", "s", "0.3 s"])?,
             ripple: maybe("ripple", ripple, length)?,
         };
-        interruptible(py, |check| Sizes::of_checked(requirement, check))?.or_exception_of_arguments().map(Self)
+        interruptible(py, |check| Sizes::of(requirement, check))?.or_exception_of_arguments().map(Self)
     }
 
     /// The candidates, those that take the least air first.
@@ -86,7 +86,7 @@ impl _Sizes {
 
     /// Named valves, each with the time in s in which it does nine tenths of the stroke.
     fn valves(&self, py: Python<'_>, place: usize) -> PyResult<Vec<(&'static str, Option<f64>)>> {
-        let found = interruptible(py, |check| self.0.valves_checked(place, check))?.or_exception_of_arguments()?;
+        let found = interruptible(py, |check| self.0.valves(place, check))?.or_exception_of_arguments()?;
         Ok(found.into_iter().map(|valve| (valve.name, valve.time)).collect())
     }
 
@@ -94,8 +94,7 @@ impl _Sizes {
     fn hoses(&self, py: Python<'_>, place: usize, length: Quantity<'_>) -> PyResult<Vec<(f64, Option<f64>)>> {
         let read = |text: &str| quantities::read(text, "length", "m", "2 m");
         let length = length.read("length", read, |number| number)?;
-        let found =
-            interruptible(py, |check| self.0.hoses_checked(place, length, check))?.or_exception_of_arguments()?;
+        let found = interruptible(py, |check| self.0.hoses(place, length, check))?.or_exception_of_arguments()?;
         Ok(found.into_iter().map(|hose| (hose.diameter, hose.quickness.conductance())).collect())
     }
 }

@@ -43,7 +43,7 @@ const ROUNDING: f64 = 1e-6;
 pub type Check<'a> = dyn Fn(f64) -> Result<(), mckibben::Error> + 'a;
 
 /// The check of a caller that waits for the end.
-const UNCHECKED: &Check<'static> = &|_| Ok(());
+pub const UNCHECKED: &Check<'static> = &|_| Ok(());
 
 /// The force in N of a load: of a mass its weight.
 pub fn force_of(load: Measure) -> f64 {
@@ -153,19 +153,11 @@ impl Requirement {
 }
 
 impl Sizes {
-    /// Looks for muscles.
+    /// Looks for muscles; `check` may end it.
     ///
     /// # Errors
-    /// As [`Requirement::check`]; what the core refuses of a candidate.
-    pub fn of(requirement: Requirement) -> Result<Self, Failure> {
-        Self::of_checked(requirement, UNCHECKED)
-    }
-
-    /// Looks for muscles as [`Sizes::of`] does; `check` may end it.
-    ///
-    /// # Errors
-    /// As [`Sizes::of`], and those of `check`.
-    pub fn of_checked(requirement: Requirement, check: &Check<'_>) -> Result<Self, Failure> {
+    /// As [`Requirement::check`]; what the core refuses of a candidate; those of `check`.
+    pub fn of(requirement: Requirement, check: &Check<'_>) -> Result<Self, Failure> {
         requirement.check()?;
         let (mut candidates, mut left_out) = (Vec::new(), Vec::new());
         for angle in &requirement.braid_angles {
@@ -216,37 +208,21 @@ impl Sizes {
         Ok(valve::written(candidate, &self.requirement))
     }
 
-    /// What hoses of a length (m) require of the valve of a candidate: the widest first.
+    /// What hoses of a length (m) require of the valve of a candidate: the widest first. `check` may end it.
     ///
     /// # Errors
-    /// There is no such candidate, or no time was requested.
-    pub fn hoses(&self, place: usize, length: f64) -> Result<Vec<Hose>, Failure> {
-        self.hoses_checked(place, length, UNCHECKED)
-    }
-
-    /// What hoses require as [`Sizes::hoses`] says it; `check` may end it.
-    ///
-    /// # Errors
-    /// As [`Sizes::hoses`], and those of `check`.
-    pub fn hoses_checked(&self, place: usize, length: f64, check: &Check<'_>) -> Result<Vec<Hose>, Failure> {
+    /// There is no such candidate, or no time was requested; those of `check`.
+    pub fn hoses(&self, place: usize, length: f64, check: &Check<'_>) -> Result<Vec<Hose>, Failure> {
         let candidate = self.candidate(place)?;
         let time = self.time()?;
         valve::hoses(&candidate.scenario, &self.requirement, time, length, check)
     }
 
-    /// How quick valves that can be bought make a candidate.
+    /// How quick valves that can be bought make a candidate; `check` may end it.
     ///
     /// # Errors
-    /// There is no such candidate, or no time was requested.
-    pub fn valves(&self, place: usize) -> Result<Vec<ValveTime>, Failure> {
-        self.valves_checked(place, UNCHECKED)
-    }
-
-    /// How quick valves are as [`Sizes::valves`] says it; `check` may end it.
-    ///
-    /// # Errors
-    /// As [`Sizes::valves`], and those of `check`.
-    pub fn valves_checked(&self, place: usize, check: &Check<'_>) -> Result<Vec<ValveTime>, Failure> {
+    /// There is no such candidate, or no time was requested; those of `check`.
+    pub fn valves(&self, place: usize, check: &Check<'_>) -> Result<Vec<ValveTime>, Failure> {
         let candidate = self.candidate(place)?;
         valve::of_presets(&candidate.scenario, &self.requirement, self.time()?, check)
     }

@@ -368,8 +368,7 @@ impl<S: Real> PoppetClock<S> {
     /// The next instant in s at which a coil or a poppet moves, or a poppet arrives.
     pub fn next(&self, solenoid: &Solenoid<S>, command: &Command<S>) -> Option<S> {
         let change = command.change(self.next_change).map(|(time, _)| time + solenoid.latency());
-        let [first, second] = self.strokes.map(|stroke| stroke.end());
-        let others = [self.due[0], self.due[1], first, second].into_iter().flatten();
+        let others = [0, 1].into_iter().filter_map(|side| self.moves(side));
         others.fold(change, |soonest, time| soonest.filter(|soonest| soonest.value() <= time.value()).or(Some(time)))
     }
 
@@ -379,9 +378,9 @@ impl<S: Real> PoppetClock<S> {
     }
 
     /// When in s the poppet of a side moves next or arrives, if it does.
-    fn moves(&self, side: usize) -> f64 {
+    fn moves(&self, side: usize) -> Option<S> {
         let instants = [self.due[side], self.strokes[side].end()].into_iter().flatten();
-        instants.map(S::value).fold(f64::INFINITY, f64::min)
+        instants.min_by(|a, b| a.value().total_cmp(&b.value()))
     }
 
     /// Moves what is due up to and with `time`, given what comes next; what comes next then.
@@ -393,9 +392,10 @@ impl<S: Real> PoppetClock<S> {
             && is_due(next, time)
         {
             let (mut poppet_moved, mut is_left) = (false, false);
-            let order = if self.moves(1) < self.moves(0) { [1, 0] } else { [0, 1] };
+            let when = |side| self.moves(side).map_or(f64::INFINITY, S::value);
+            let order = if when(1) < when(0) { [1, 0] } else { [0, 1] };
             for side in order {
-                if S::HAS_DERIVATIVES && poppet_moved && self.moves(side) <= next.value() * (1.0 + SIMULTANEOUS) {
+                if S::HAS_DERIVATIVES && poppet_moved && self.moves(side).is_some_and(|time| is_due(time, next)) {
                     is_left = true;
                     continue;
                 }

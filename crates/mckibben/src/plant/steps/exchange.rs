@@ -183,14 +183,19 @@ impl PlantExchange {
         }
     }
 
+    /// Seeds the states with the rates that were computed.
+    fn seed_with_rates(&mut self, steps: &PlantSteps) {
+        let rates = core::mem::take(&mut self.rates);
+        self.seed(steps, |place| rates[place]);
+        self.rates = rates;
+    }
+
     /// Of the guards that have fired the one that comes to zero first; of a mode that has begun in this instant, those that
     /// descend.
     fn fired(&mut self, steps: &PlantSteps, is_new: bool) -> Option<PlantGuard> {
         self.system.guards(steps.mode(), &mut self.guards);
         self.system.rates(steps.time(), steps.state(), steps.mode(), &mut self.at, &mut self.rates);
-        let rates = core::mem::take(&mut self.rates);
-        self.seed(steps, |place| rates[place]);
-        self.rates = rates;
+        self.seed_with_rates(steps);
         let mut first: Option<(PlantGuard, f64)> = None;
         for place in 0..self.guards.len() {
             let guard = self.guards[place];
@@ -206,19 +211,15 @@ impl PlantExchange {
         first.map(|(guard, _)| guard)
     }
 
-    /// Whether a guard without a rate rises by the second derivatives of the states.
+    /// Whether a guard without a rate rises by the second derivatives of the states, which are seeded with their rates.
     fn rises_from_rest(&mut self, steps: &PlantSteps, guard: (PlantGuard, GuardForm)) -> bool {
-        let along = core::mem::take(&mut self.seeded);
         let time = Along { value: steps.time(), slope: [1.0] };
-        let mut second = core::mem::take(&mut self.seeded_rates);
-        // They are seeded with the rates.
-        self.system.rates(time, &along, steps.mode(), &mut self.along, &mut second);
-        self.seeded = along;
-        let first = self.seeded.clone();
+        self.system.rates(time, &self.seeded, steps.mode(), &mut self.along, &mut self.seeded_rates);
+        let second = core::mem::take(&mut self.seeded_rates);
         self.seed(steps, |place| second[place].slope[0]);
         self.seeded_rates = second;
         let rate = self.value_along(steps, guard, 0.0);
-        self.seeded = first;
+        self.seed_with_rates(steps);
         rate > 0.0
     }
 

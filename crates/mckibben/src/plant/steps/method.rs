@@ -290,7 +290,7 @@ impl<R: Scalar> System<R> {
     }
 }
 
-/// Absolute pressure in Pa, or mass in kg, from which on the air of a state has left the physics: ten thousand atmospheres. Chosen.
+/// Absolute pressure in Pa, or mass in kg, that the air of no state reaches: ten thousand atmospheres. Chosen.
 pub const MOST_AIR: f64 = 1e9;
 
 impl<R: Real> System<R> {
