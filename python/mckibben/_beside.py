@@ -86,8 +86,13 @@ def plot(
     return figure
 
 
-def _over_batches(function: collections.abc.Callable[..., typing.Any]) -> collections.abc.Callable[..., typing.Any]:
-    """Return a function of arrays of sets of values, from that of one set; threads of this process evaluate it in parallel."""
+def _over_batches(
+    function: collections.abc.Callable[..., typing.Any], shapes: collections.abc.Sequence[tuple[int, ...]], width: int
+) -> collections.abc.Callable[..., typing.Any]:
+    """Return a function of arrays of sets of values, from that of one set; threads of this process evaluate it in parallel.
+
+    `shapes` are those of its results for one set of `width` values: a batch may be empty.
+    """
     import numpy
 
     def over(values: typing.Any) -> typing.Any:
@@ -95,6 +100,11 @@ def _over_batches(function: collections.abc.Callable[..., typing.Any]) -> collec
         if values.ndim == 1:
             return function(values)
         batch = values.shape[:-1]
+        if values.shape[-1] != width:
+            raise InputError(f"sets of {values.shape[-1]} values were given for {width} arguments; give {width} in the last dimension")
+        if 0 in batch:
+            empty = tuple(numpy.zeros((*batch, *shape)) for shape in shapes)
+            return empty if len(empty) > 1 else empty[0]
         with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
             found = list(pool.map(function, values.reshape(-1, values.shape[-1])))
 
@@ -120,7 +130,8 @@ def for_jax(
         raise InputError('JAX counts in 32 bits here: call jax.config.update("jax_enable_x64", True) first')
     value = jax.ShapeDtypeStruct(shape, numpy.float64)
     slopes = jax.ShapeDtypeStruct((*shape, width), numpy.float64)
-    values_of, both_of = _over_batches(run), _over_batches(run.value_and_jacobian)
+    shapes = [shape, (*shape, width)]
+    values_of, both_of = _over_batches(run, shapes[:1], width), _over_batches(run.value_and_jacobian, shapes, width)
 
     def simulated(values: typing.Any) -> typing.Any:
         return jax.pure_callback(values_of, value, values, vmap_method="expand_dims")
@@ -135,15 +146,16 @@ def for_jax(
 
 
 def for_torch(
-    run: Differentiable | DifferentiableStep, shape: tuple[int, ...]
+    run: Differentiable | DifferentiableStep, shape: tuple[int, ...], width: int
 ) -> collections.abc.Callable[..., typing.Any]:
     """Return a run or a step as a function of a tensor of PyTorch with the derivatives of the simulator.
 
-    `shape` is that of its result. Those of a `vmap`, or of leading dimensions of the tensor, use all cores.
+    `shape` is that of its result, and `width` the number of its arguments. Those of a `vmap`, or of leading dimensions of the
+    tensor, use all cores.
     """
     import torch
 
-    both_of = _over_batches(run.value_and_jacobian)
+    both_of = _over_batches(run.value_and_jacobian, [shape, (*shape, width)], width)
 
     # Types of PyTorch change from one version to the next, and it need not be there.
     Function: typing.Any = torch.autograd.Function

@@ -355,7 +355,7 @@ def design(
         "command.time[1]".
     minimize, maximize : str, optional
         Name of the number that is made least or greatest, one of the two: a reduction such as "air.used", or a number of
-        `Trajectory.summary`.
+        `Trajectory.summary`. Extremes are those of a run between its samples too, unlike those of a sweep.
     subject_to : sequence of str, optional
         Bounds on numbers, such as "length.final<=80 mm" or "tension.max>=100 N".
     settle : bool, optional

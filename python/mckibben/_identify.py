@@ -239,10 +239,15 @@ def _numbers(name: object, values: typing.Any, run: str) -> NDArray[numpy.float6
         of = numpy.asarray(values).dtype
         if isinstance(values, numpy.ma.MaskedArray) and of.kind in "biuf":
             values = numpy.ma.filled(values.astype(float), numpy.nan)
-        # NumPy would take times as numbers of a unit that the study does not know.
-        array = None if of.kind in "mM" else numpy.asarray(values, dtype=float)
+        # NumPy would take times as numbers of a unit that the study does not know, and of complex numbers the real part alone.
+        array = None if of.kind in "mMc" else numpy.asarray(values, dtype=float)
     except (TypeError, ValueError) as error:
         raise InputError(f"the column `{name}` of the run `{run}` is no array of numbers ({error})") from None
+    if of.kind == "c":
+        raise InputError(
+            f"the column `{name}` of the run `{run}` has complex numbers, and a study takes real ones; "
+            "give their real part or magnitude, such as column.real"
+        )
     if array is None:
         seconds = "(column - column[0])" if of.kind == "M" else "column"
         raise InputError(

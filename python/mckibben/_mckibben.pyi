@@ -831,13 +831,13 @@ class HostedPlant:
         (True, ['actuator.request'])
     """
     def __getnewargs_ex__(self, /) -> tuple[tuple[Scenario, int], dict[str, Any]]: ...
-    def __getstate__(self, /) -> tuple[NDArray[float64], tuple[float, float, int]]:
+    def __getstate__(self, /) -> NDArray[float64]:
         """
-        Return the states of the plants and their clock.
+        Return the states of the plants.
         """
     def __new__(cls, /, scenario: Scenario, count: int = ..., *, command_mode: str | None = None, pulse_frequency: float | str | None = None, max_step: float | str | None = None, precision: Literal["double", "single"] = ...) -> HostedPlant: ...
     def __repr__(self, /) -> str: ...
-    def __setstate__(self, /, state: tuple[NDArray[float64], tuple[SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex, SupportsIndex]]) -> None: ...
+    def __setstate__(self, /, state: NDArray[float64]) -> None: ...
     def _check_commands(self, /, commands: NDArray[float64]) -> None:
         """
         Refuse commands that a valve does not take, before a step.
@@ -946,7 +946,7 @@ class HostedPlant:
         """
     def restore(self, /, states: NDArray[float64]) -> None:
         """
-        Bring all plants back to states that plants of an equal scenario have saved.
+        Bring all plants back to states that plants of an equal scenario have saved. They continue bit-identically.
 
         The scenarios may differ in `command`, `controller`, `initial`, `load`, `mechanism` and `run`.
 
@@ -968,8 +968,8 @@ class HostedPlant:
         Returns
         -------
         ndarray
-            What `restore` takes. The first number of each row is a mark of the scenario and the commands; the order of the others
-            may change from one version to the next.
+            What `restore` takes. The first number of each row is a mark of the scenario and the commands; the order of the others,
+            among them the clock, may change from one version to the next.
         """
     @property
     def scenario(self, /) -> Scenario:
@@ -1599,7 +1599,7 @@ class Sweep:
         """
         Number of runs.
         """
-    def run(self, /, folder: str | PathLike[str], jobs: SupportsIndex | None = None, progress: Any | None = None) -> None:
+    def run(self, /, folder: str | PathLike[str], jobs: SupportsIndex | None = None, progress: Callable[..., Any] | None = None) -> None:
         """
         Compute the missing parts into the folder on several threads.
 
@@ -1622,7 +1622,8 @@ class Sweep:
 
         Notes
         -----
-        Ctrl-C, and an exception of `progress`, end the sweep when the parts in progress are finished. These stay in the folder.
+        Ctrl-C ends the runs in progress; the parts that are finished by then stay in the folder. An exception of `progress` ends the
+        sweep between parts. A run on its way to an orbit (`sweep.over`), and the trial of steps before the runs, are not ended.
         """
     @property
     def scenario(self, /) -> Scenario:
@@ -1737,7 +1738,7 @@ class Trajectory:
         """
         Angular velocities of a joint in rad/s.
         """
-    def at(self, /, time: float) -> dict[str, float | str]:
+    def at(self, /, time: float) -> dict[str, Any]:
         """
         Return every column at one time, from the interpolating polynomials of the steps.
 
@@ -1850,7 +1851,7 @@ class Trajectory:
         Return figures of the run by the names of the reductions of a sweep.
 
         They are extremes, ripple, air consumption, energy and exergy, the chosen step and its error, counts of events, and
-        assumed values.
+        assumed values. Extremes are those of the run between its samples too; those of a sweep are of the samples alone.
 
         Returns
         -------
@@ -2037,7 +2038,8 @@ class VectorPlant:
     Raises
     ------
     InputError
-        The plant has no valve, a valve does not take such actions, or there is no such parameter.
+        The plant has no valve, a valve does not take such actions, or there is no such parameter, or one that changes nothing of the
+        plant.
     MemoryError
         This machine does not have the memory for so many instances.
 
@@ -2328,17 +2330,17 @@ def _curves(scenario: Scenario, gauge_pressures: ArrayLike | str | None = None) 
         to the longest. `stiffness_n_m` is equation (7), `sealed_stiffness_n_m` equation (5).
     """
 
-def _design(scenario: Scenario, vary: Sequence[tuple[str, float | str, float | str]], minimize: bool, objective: str, subject_to: Sequence[str], settle: bool, evaluations: int, progress: Any | None) -> dict[str, Any]:
+def _design(scenario: Scenario, vary: Sequence[tuple[str, float | str, float | str]], minimize: bool, objective: str, subject_to: Sequence[str], settle: bool, evaluations: int, progress: Callable[..., Any] | None) -> dict[str, Any]:
     """
     Search values of keys.
     """
 
-def _identify(sections: Mapping[str, Any], tables: Sequence[tuple[str, Sequence[tuple[str, ArrayLike]]]], scenario: Scenario, output: str | PathLike[str] | None, progress: Any | None) -> dict[str, Any]:
+def _identify(sections: Mapping[str, Any], tables: Sequence[tuple[str, Sequence[tuple[str, ArrayLike]]]], scenario: Scenario, output: str | PathLike[str] | None, progress: Callable[..., Any] | None) -> dict[str, Any]:
     """
     Estimate parameters from a study in memory: its sections as in a file, and its tables by their names.
     """
 
-def _identify_file(study: str | PathLike[str], output: str | PathLike[str] | None, progress: Any | None) -> dict[str, Any]:
+def _identify_file(study: str | PathLike[str], output: str | PathLike[str] | None, progress: Callable[..., Any] | None) -> dict[str, Any]:
     """
     Estimate parameters from a study file.
     """
@@ -2361,6 +2363,11 @@ def _quantity(text: str) -> float | None:
 def _register_mujoco() -> None:
     """
     Register the plugin of MuJoCo with the MuJoCo that is loaded.
+    """
+
+def _si(name: str, text: str) -> float:
+    """
+    The value in SI of text in an argument, whose name says what it measures: a length, a force or a pressure.
     """
 
 def linearize(scenario: Scenario, *, gauge_pressure: float | str | None = None, length: float | str | None = None, load: float | str | None = None, duty: float | str | None = None, pwm: bool = False, temperature: float | str | None = None, angle: float | str | None = None, stiffness: float | str | None = None, amplitude: float | str | None = None, all_states: bool = False) -> LinearModel:
@@ -2430,7 +2437,7 @@ def linearize(scenario: Scenario, *, gauge_pressure: float | str | None = None, 
         (['length', 'velocity', 'pressure'], ['mass_flow', 'force'])
     """
 
-def simulate(scenario: Scenario, *, progress: Any | None = None) -> Trajectory:
+def simulate(scenario: Scenario, *, progress: Callable[..., Any] | None = None) -> Trajectory:
     """
     Simulate a scenario and return its trajectory.
 

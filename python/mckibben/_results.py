@@ -18,7 +18,8 @@ if typing.TYPE_CHECKING:
 class Summary(collections.abc.Mapping[str, float]):
     """Figures of a run: numbers by their names, such as `summary["length.final"]` or `summary["air.used"]`.
 
-    A name is that of a reduction of a sweep where there is one. Of several actuators with names it begins with that of the
+    A name is that of a reduction of a sweep where there is one. Extremes, such as `tension.max`, are those of the run between
+    its samples too; those of a sweep are of the samples at `run.sample_interval` alone, and may miss a peak. Of several actuators with names it begins with that of the
     part, as in `flexor.tension.max`. Energies and exergies are in J. `print` writes a table.
 
     Attributes

@@ -24,6 +24,7 @@ class Statics:
     """The actuator of a scenario at rest, without friction: force, stiffness, volume, and what pressure or length a force needs.
 
     Arguments are numbers or arrays in SI that are broadcast against each other as by NumPy; pressures are gauge pressures in Pa.
+    A single quantity may be text with its unit, such as "85 mm", "2 bar" or "20 N".
     A result is NaN where the actuator does not reach: beyond its shortest and longest length, or beyond the supply's pressure. It
     is also NaN where an argument is, or is masked, so that what an inverse has returned can be passed on; infinite arguments are
     refused.

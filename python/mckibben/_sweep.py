@@ -13,7 +13,7 @@ import tempfile
 import typing
 import warnings
 
-from mckibben._arguments import check_scenario, is_number
+from mckibben._arguments import check_progress, check_scenario, is_number
 from mckibben._axes import axes_for, label
 from mckibben._listed import listed
 from mckibben._mckibben import Scenario, Sweep
@@ -232,7 +232,8 @@ def sweep(
         Values by the paths of keys, in place of the section `[sweep.vary]`:
         `{"load.mass": ["4 lb", "8 lb"], "command.duty": [0.3, 0.5]}`. A number is in SI.
     reductions : sequence of str, optional
-        Names of reductions, in place of the key `sweep.reductions`, such as `["length.final", "air.used"]`.
+        Names of reductions, in place of the key `sweep.reductions`, such as `["length.final", "air.used"]`. They are taken over the
+        samples at `run.sample_interval`: an extreme may miss a peak between two samples, which `Trajectory.summary` has.
     executor : concurrent.futures.Executor or "ray", optional
         Executor of processes or threads, or of Dask by `Client.get_executor()`. "ray" is the cluster to which Ray is connected,
         or one that it starts. By default the runs take place on threads of this process.
@@ -240,7 +241,7 @@ def sweep(
         Number of threads, from 1 to 4096; one for each core by default. Not together with `executor`.
     progress : callable, optional
         Called as `progress(done, parts)` with the number of finished parts and of all: after each part with an executor, else
-        after every few parts. An exception that it raises ends the sweep between parts.
+        after every few parts. An exception that it raises ends the sweep between parts; Ctrl-C ends the runs in progress.
 
     Returns
     -------
@@ -278,6 +279,7 @@ def sweep(
     ([2.0, 3.0], 'm')
     """
     check_scenario(scenario)
+    check_progress(progress)
     if jobs is not None and not (is_number(jobs) and isinstance(jobs, numbers.Integral) and jobs >= 1):
         raise InputError(f"`jobs` = {jobs!r} is no number of threads; give a whole number from 1 to 4096, or leave it out")
     if not (executor is None or isinstance(executor, str) or callable(getattr(executor, "submit", None))):

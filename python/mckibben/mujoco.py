@@ -249,7 +249,7 @@ class Driver:
         mujoco = _mujoco()
         if not isinstance(model, mujoco.MjModel):
             raise InputError(f"model is of type {type(model).__name__}: give a mujoco.MjModel")
-        if not isinstance(worlds, int | numpy.integer) or worlds < 1:
+        if not isinstance(worlds, int | numpy.integer) or isinstance(worlds, bool) or worlds < 1:
             raise InputError(f"worlds = {worlds!r} is out of range: give a whole number from 1 on")
         self.model = model
         self.plant = HostedPlant(
@@ -269,9 +269,12 @@ class Driver:
         if missing:
             raise InputError(f"the model has no motor {missing}: it has {sorted(found)}; add <motor> of these names")
         motors = [found[name].id for name in names]
-        check_actuation(mujoco, model)
-        for motor in motors:
-            check_motor(mujoco, model, motor)
+        self._motors: list[int] = motors
+        self._checked: tuple[int, ...] = ()
+        # In SI; text with a unit has been read by the plant.
+        self._longest = self.plant.__getnewargs_ex__()[1].get("max_step") or math.inf
+        self._lost: dict[int, str] = {}
+        self._check_model(mujoco)
         # Since 3.11 an actuator may have several controls and forces; before, both have its number.
         self._controls = addresses(model, "actuator_ctrladr", motors)
         self._outputs = addresses(model, "actuator_outadr", motors)
@@ -298,7 +301,9 @@ class Driver:
     def restart(self, data: Any, rows: Any = None) -> None:
         """Begin the muscles of some worlds again, where their data have the ends, while the others continue.
 
-        The data belong to the caller: reset them before, by `mujoco.mj_resetData`, and set their positions and velocities.
+        The data belong to the caller: reset them before, by `mujoco.mj_resetData`, and set their positions and velocities. The
+        clock of the plant continues, as in `HostedPlant.restart`: the pulses of a duty cycle keep their phase, and tables of
+        supplies and of their valves go on. Without `rows` all worlds begin at t = 0, and so does the clock.
 
         Parameters
         ----------
@@ -332,6 +337,8 @@ class Driver:
         except InputError as error:
             remedy = "a distance is MuJoCo's length plus length_offset, which is negative where a tendon has cables or fittings"
             raise InputError(f"{error}\n{remedy}") from error
+        for row in begun:
+            self._lost.pop(row, None)
 
     def step(self, data: Any, commands: Any) -> NDArray[numpy.float64]:
         """Advance MuJoCo and the muscles by one time step of the model.
@@ -352,14 +359,23 @@ class Driver:
         Raises
         ------
         InputError
-            A valve does not take such a command, a muscle cannot have such a length, or there are not as many data as worlds;
-            nothing has moved.
+            A valve does not take such a command, a muscle cannot have such a length, there are not as many data as worlds, the
+            time step is out of range, or the model now disables its motors or integrates by RK4; nothing has moved.
         SimulationError
-            A muscle has come to a non-physical state, or to a length that it cannot have: begin its world again by `restart`.
+            A muscle has come to a non-physical state, or to a length that it cannot have. The other worlds have taken the step;
+            until that world begins again by `restart`, later steps raise before anything moves.
+
+        Notes
+        -----
+        Lengths and velocities are those that the data have. After writing `qpos` or `qvel` between two steps call
+        `mujoco.mj_forward(model, data)`, or the tensions of the next step are those of the ends before.
         """
         mujoco, worlds = _mujoco(), self._worlds(data)
         commands = self._commands(commands)
         # Before MuJoCo has moved.
+        self._check_model(mujoco)
+        self._check_time_step()
+        self._check_lost()
         self.plant._check_commands(commands)
         tensions: NDArray[numpy.float64] = self.plant.compute(*self._ends(enumerate(worlds)))
         for world, tension in zip(worlds, tensions, strict=True):
@@ -368,12 +384,57 @@ class Driver:
             # Where the ends are now: MuJoCo itself would compute it at its next step.
             mujoco.mj_fwdPosition(self.model, world)
             mujoco.mj_fwdVelocity(self.model, world)
-        try:
-            distances, _ = self._ends(enumerate(worlds))
-        except InputError as error:
-            raise SimulationError(str(error)) from error
+        distances = numpy.array([world.actuator_length[self._outputs] + self._offset for world in worlds])
+        for row in numpy.flatnonzero(~((distances > 0.0) & numpy.isfinite(distances)).all(axis=1)).tolist():
+            self._lost[row] = self._no_distance(row, distances[row])
+            # The others take the step; the muscles of this world wait for its restart.
+            distances[row] = self.plant.distances[row]
         self.plant.step(distances, commands, self.model.opt.timestep)
+        self._check_lost()
         return tensions
+
+    def _check_model(self, mujoco: types.ModuleType) -> None:
+        """Refuse what would change the effect of the tensions; after the first time where an option of the model has changed."""
+        options = self.model.opt
+        seen = (int(options.disableflags), int(options.disableactuator), int(options.integrator))
+        if seen == self._checked:
+            return
+        if seen[2] == int(mujoco.mjtIntegrator.mjINT_RK4):
+            raise InputError(
+                "the model has integrator=\"RK4\", which takes the forces at four times in a step, while the muscles have the air "
+                'of one of them: write integrator="Euler", "implicit" or "implicitfast"'
+            )
+        check_actuation(mujoco, self.model)
+        for motor in self._motors:
+            check_motor(mujoco, self.model, motor)
+        self._checked = seen
+
+    def _check_time_step(self) -> None:
+        """Refuse a time step of the model that the plant cannot take."""
+        step = float(self.model.opt.timestep)
+        if not math.isfinite(step) or step <= 0.0:
+            raise InputError(f"model.opt.timestep = {step!r} s is out of range: give a finite number in s above zero")
+        if step / self._longest > _MOST_PARTS:
+            raise InputError(
+                f"max_step = {self._longest!r} s divides a time step of {step!r} s into more than 1e7 parts: give a longer max_step"
+            )
+
+    def _check_lost(self) -> None:
+        """Refuse to go on while the ends of a world have no distance."""
+        if self._lost:
+            row = min(self._lost)
+            which = f"world {row}" if self.plant.count > 1 else "the world"
+            raise SimulationError(f"{self._lost[row]}: begin {which} again by `restart`")
+
+    def _no_distance(self, row: int, distances: NDArray[numpy.float64]) -> str:
+        """What is wrong with the first distance of a world that is none."""
+        at = int(numpy.flatnonzero(~((distances > 0.0) & numpy.isfinite(distances)))[0])
+        name, distance, offset = self.plant.actuators[at], distances[at], self._offset[at]
+        where = f"world {row}, {name}" if self.plant.count > 1 else name
+        return (
+            f"{where}: MuJoCo's length of {distance - offset:g} m and length_offset = {offset:g} m give a distance of "
+            f"{distance:g} m between the ends, which must be above zero"
+        )
 
     def _worlds(self, data: Any) -> list[Any]:
         """Data of all worlds."""
@@ -409,20 +470,16 @@ class Driver:
         """Distances and velocities of the ends in worlds, which are given with their numbers."""
         distances, velocities = [], []
         for row, world in worlds:
-            lengths = world.actuator_length[self._outputs]
-            for name, length, offset in zip(self.plant.actuators, lengths, self._offset, strict=True):
-                # What is not a number is refused by the plant.
-                if length + offset <= 0.0:
-                    where = f"world {row}, {name}" if self.plant.count > 1 else name
-                    raise InputError(
-                        f"{where}: MuJoCo's length of {length:g} m and length_offset = {offset:g} m give a distance of "
-                        f"{length + offset:g} m between the ends, which must be above zero: give another length_offset"
-                    )
-            distances.append(lengths + self._offset)
+            distances.append(world.actuator_length[self._outputs] + self._offset)
+            # What is not a number is refused by the plant.
+            if (distances[-1] <= 0.0).any():
+                raise InputError(f"{self._no_distance(row, distances[-1])}: give another length_offset")
             velocities.append(world.actuator_velocity[self._outputs])
         return numpy.array(distances), numpy.array(velocities)
 
 
+_MOST_PARTS = 1e7
+"""Most parts of a step, as of `HostedPlant.step`."""
 _MUSCLES = '{"muscle": ["anchor", "hook"]}'
 _UNITS = {"pulse_frequency": "Hz", "max_step": "s", "length_offset": "m"}
 """Units of the attributes of the plugin that are quantities."""
@@ -460,6 +517,8 @@ def _offsets(given: Any, names: Sequence[str]) -> NDArray[numpy.float64]:
     remedy = f"give a number in m, or one for each of {', '.join(names)}"
     try:
         offsets = numpy.asarray(given, dtype=float)
+        if any(isinstance(offset, bool | numpy.bool_) for offset in numpy.asarray(given, dtype=object).ravel()):
+            raise TypeError("a truth value")
     except (TypeError, ValueError) as error:
         raise InputError(f"length_offset = {given!r} is no number: {remedy}") from error
     if offsets.shape not in [(), (len(names),)]:

@@ -647,11 +647,16 @@ def test_what_is_no_number_is_refused_by_its_argument(scenario):
                 muscle.step(state, **right | {name: wrong})
         with pytest.raises(mckibben.InputError, match=f"{name}"):
             muscle.step(state, **right | {name: "5 parsec"})
-    for wrong in (None, "x", True, [True, False]):
+    for wrong in (None, ["80 mm"], True, [True, False]):
         with pytest.raises(TypeError, match="`length` is"):
             statics.force(wrong, 2e5)
         with pytest.raises(TypeError, match="`gauge_pressure` is"):
             statics.force(0.08, wrong)
+    for wrong in ("x", "5 parsec", "2"):
+        with pytest.raises(mckibben.InputError, match="`length`: "):
+            statics.force(wrong, 2e5)
+        with pytest.raises(mckibben.InputError, match="`force`: "):
+            statics.length_for(2e5, wrong)
     for wrong in (True, [1]):
         with pytest.raises(TypeError, match="`gauge_pressure` is of type"):
             mckibben.linearize(scenario, gauge_pressure=wrong)
@@ -663,6 +668,8 @@ def test_quantities_may_be_text_with_a_unit(scenario):
     _, tension, _ = muscle.step(state, 0.085, 0.01, 0.4, 1e-3, max_step=5e-4)
     assert muscle.step(state, "85 mm", "1 cm/s", "40 %", "1 ms", max_step="0.5 ms")[1] == tension
     assert muscle.rest_length("2 bar") == muscle.rest_length(2e5)
+    assert statics.force("80 mm", "2 bar") == statics.force(0.08, 2e5) and statics.volume("80 mm") == statics.volume(0.08)
+    assert statics.length_for("2 bar", "20 N") == statics.length_for(2e5, 20.0)
     assert statics.gauge_pressure_for(0.08, 20.0, max_gauge_pressure="4 bar") == statics.gauge_pressure_for(
         0.08, 20.0, max_gauge_pressure=4e5
     )
@@ -713,3 +720,59 @@ def test_very_many_times_are_read_in_parts(swing):
     for place in (0, 49_999, 50_000, 100_000, 120_000):
         assert {name: values[place] for name, values in many.items()} == run.at(times[place])
     assert len(run.at_times([])["length_m"]) == 0
+
+
+def test_progress_is_a_function(swing, tmp_path):
+    """It is refused before the work, also where that would be done before `progress` is called."""
+    for call in [
+        lambda: mckibben.simulate(swing, progress=3),  # type: ignore[arg-type]
+        lambda: mckibben.sweep(swing, tmp_path / "runs", vary={"load.mass": [2.0]}, reductions=["length.final"], progress=3),
+        lambda: mckibben.design(swing, {"load.mass": (2.0, 3.0)}, minimize="length.final", progress=3),  # type: ignore[arg-type]
+    ]:
+        with pytest.raises(TypeError, match="progress.*give a function|progress.*a function is wanted, such as print, and no int"):
+            call()
+    assert not (tmp_path / "runs").exists()
+
+
+def test_a_truth_value_is_no_count(scenario):
+    for call in [
+        lambda: mckibben.Actuators(scenario, True),
+        lambda: mckibben.HostedPlant(scenario, True),
+        lambda: mckibben.VectorPlant(scenario, True),
+    ]:
+        with pytest.raises(mckibben.InputError, match="count = True"):
+            call()
+
+
+def test_what_cannot_act_in_a_start_or_load_is_refused(scenario, examples):
+    """An isometric load does not move, so that its start has no velocity."""
+    held = mckibben.Scenario.from_file(examples / "line/waves.toml").with_values({"run.engine": "fixed-step", "run.step": "0.5 ms"})
+    with pytest.raises(mckibben.InputError, match="`initial.velocity` changes nothing of this plant"):
+        mckibben.VectorPlant(held, 1, parameters=["initial.gauge_pressure", "initial.velocity"], action_mode="request")
+    moves = mckibben.VectorPlant(scenario, 1, parameters=["initial.velocity"])
+    assert moves.defaults == [0.0]
+
+
+def test_several_actuators_are_sent_to_what_takes_them(examples):
+    arm = mckibben.Scenario.from_file(examples / "plant/arm.toml")
+    for call in [
+        lambda: mckibben.Actuator(arm),
+        lambda: mckibben.Actuators(arm, 2),
+        lambda: mckibben.Differentiable(arm, ["load.mass"], ["length"], [0.0]),
+    ]:
+        with pytest.raises(mckibben.InputError, match="`HostedPlant`, `VectorPlant`"):
+            call()
+
+
+def test_a_value_and_a_valve_are_named_by_their_part(examples):
+    """Of actuators with names: a value by its path, and a command by the actuator of its valve."""
+    leg = mckibben.Scenario.from_file(examples / "plant/leg.toml").with_values({"run.step": "1 ms"})
+    plants = mckibben.VectorPlant(leg, 2, parameters=["mechanism.joints.knee.mass"], action_mode="set-point")
+    with pytest.raises(mckibben.InputError, match="plant 1: mechanism.joints.knee.mass = -1 kg is outside"):
+        plants.restart(numpy.array([1]), numpy.array([[-1.0]]))
+    shown, stopped = numpy.zeros((2, len(plants.columns))), numpy.zeros(2, dtype=bool)
+    actions = numpy.zeros((2, plants.valves))
+    actions[1, 2] = -1e9
+    name = list(leg.actuators)[2]
+    with pytest.raises(mckibben.InputError, match=f"plant 1: the valve of {name}: command"):
+        plants.step(actions, 1e-2, shown, stopped)

@@ -217,6 +217,8 @@ def test_texts_in_place_of_lists_and_no_evaluations_are_refused(rig):
         mckibben.design(rig, vary, minimize="air.used", subject_to="tension.final>=10 N")  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="`braid_angles`: a list is wanted and no str"):
         mckibben.size(**WANTED, braid_angles="25 deg")  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match=r"`braid_angles`: a list is wanted and no float; give \[0.4\]"):
+        mckibben.size(**WANTED, braid_angles=0.4)  # type: ignore[arg-type]
     for evaluations in (0, -1):
         with pytest.raises(mckibben.InputError, match=f"evaluations`? = {evaluations}.*from 1 on"):
             mckibben.design(rig, vary, minimize="air.used", evaluations=evaluations)

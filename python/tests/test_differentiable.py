@@ -208,3 +208,16 @@ def test_a_list_and_its_entry_are_one_number_twice(examples):
     ]:
         with pytest.raises(mckibben.InputError, match=words):
             mckibben.Differentiable(scenario, paths, ["length"], [0.1])
+
+
+def test_an_empty_batch_has_the_shape_of_its_results(swing):
+    """Without JAX or PyTorch: what both call for the sets of values in a batch."""
+    from mckibben._beside import _over_batches
+
+    run = mckibben.Differentiable(swing, ["load.mass"], ["length", "tension"], [0.02, 0.05, 0.1])
+    both_of = _over_batches(run.value_and_jacobian, [(3, 2), (3, 2, 1)], 1)
+    for batch in ((0,), (2, 0), (2,)):
+        values, slopes = both_of(numpy.full((*batch, 1), 2.0))
+        assert values.shape == (*batch, 3, 2) and slopes.shape == (*batch, 3, 2, 1)
+    with pytest.raises(mckibben.InputError, match="sets of 2 values"):
+        both_of(numpy.zeros((0, 2)))

@@ -159,3 +159,63 @@ def test_tunable_parameters_change_during_a_run(unit):
         run = simulate(path, kind, stop_time=2.0, input=signals, output=["actuator.gauge_pressure"])
         pressure = numpy.interp([0.19, 2.0], run["time"], run["actuator.gauge_pressure"])
         assert numpy.abs(pressure - [6e5, 3e5]).max() < 1e3
+
+
+def test_a_command_at_the_instant_of_a_movement_comes_after_it(unit, tmp_path):
+    """A poppet that arrives 4 ms after its coil has arrived before a command at 4 ms, by either interface: the muscle fills."""
+    delays = 'kind = "fill-hold-exhaust"\nflow_area = "0.5 mm^2"\nopening_delay = "4 ms"\nclosing_delay = "4 ms"'
+    (tmp_path / "delayed.toml").write_text(MUSCLE.replace('preset = "matrix-eight-channel"', delays))
+    options = ["--motion", "scenario", "--command-mode", "request", "--set", "run.step=0.1 ms"]
+    path = unit("delayed.fmu", *options, file=tmp_path / "delayed.toml")
+    signals = numpy.array(
+        [(0.0, 1.0), (4e-3, 1.0), (4e-3, 0.0), (0.02, 0.0)],
+        dtype=[("time", float), ("actuator.request", float)],
+    )
+    kinds = ["ModelExchange", "CoSimulation"]
+    runs = [simulate(path, kind, stop_time=0.02, input=signals, output=["actuator.air_mass"]) for kind in kinds]
+    (begin, integrated), (_, stepped) = [run["actuator.air_mass"][[0, -1]] for run in runs]
+    assert stepped > 1.05 * begin
+    assert abs(integrated - stepped) < 1e-2 * (stepped - begin)
+
+
+def test_dry_friction_acts_once_a_rate_has_left_zero(unit, tmp_path):
+    """The host moves the ends along a cosine, which begins at rest: the tension is that of the prescribed motion in a run."""
+    motion = """\
+[actuator]
+preset = "colbrunn-2001"
+friction = { viscous = "0 N*s/m", coulomb_force = "5 N" }
+[supply]
+gauge_pressure = "60 psi"
+[valve]
+kind = "fill-hold-exhaust"
+flow_area = "0.5 mm^2"
+[command]
+kind = "hold"
+[load]
+kind = "prescribed-motion"
+length = "85 mm"
+amplitude = "2 mm"
+frequency = "2 Hz"
+phase = "90 deg"
+[initial]
+gauge_pressure = "30 psi"
+[run]
+duration = "0.35 s"
+"""
+    (tmp_path / "cosine.toml").write_text(motion)
+    path = unit("cosine.fmu", "--kind", "me", file=tmp_path / "cosine.toml")
+    angular, times = 4.0 * math.pi, numpy.linspace(0.0, 0.35, 351)
+    signals = numpy.array(
+        [(t, 0.085 + 2e-3 * math.cos(angular * t), -2e-3 * angular * math.sin(angular * t)) for t in times],
+        dtype=[("time", float), ("actuator.distance", float), ("actuator.rate", float)],
+    )
+    options = {"stop_time": 0.35, "relative_tolerance": 1e-7}
+    run = simulate(path, "ModelExchange", input=signals, output=["actuator.tension"], **options)
+    expected = mckibben.simulate(mckibben.Scenario(motion, "cosine.toml"))
+    # Between the ends of the motion, where friction turns.
+    for time in (0.05, 0.1, 0.15, 0.2, 0.3):
+        found, tension = (
+            numpy.interp(time, of[name], of[what])
+            for of, name, what in ((run, "time", "actuator.tension"), (expected, "time_s", "tension_n"))
+        )
+        assert abs(found - tension) < 0.1, f"{found} N for {tension} N at {time} s"

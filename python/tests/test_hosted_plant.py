@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
+import math
+
 import numpy
 import pytest
 
@@ -44,6 +47,50 @@ def test_states_go_on_where_they_were_saved():
     for of in (first, second):
         of.step(distances, commands, 1e-3)
     numpy.testing.assert_array_equal(second.observe(), first.observe())
+
+
+def test_restored_plants_continue_bit_identically(examples):
+    """The clock is as many spans as there were from its origin: one that began at the time of the state rounds the fifth step from there
+    to another time, and with it the edges of pulses."""
+    scenario = mckibben.Scenario.from_file(examples / "isometric-charge.toml")
+
+    def made() -> mckibben.HostedPlant:
+        return mckibben.HostedPlant(scenario, 2, command_mode="duty", pulse_frequency=37.0)
+
+    first, other, rate = made(), made(), numpy.array([[0.3], [0.7]])
+    distances = numpy.full((2, 1), mckibben.Actuator(scenario, pulse_frequency=37.0).initial_length)
+
+    def history(of: mckibben.HostedPlant) -> list[tuple[float, bytes, bytes]]:
+        seen = []
+        for _ in range(200):
+            of.step(distances, rate, 1e-3)
+            seen.append((of.time, of.observe().tobytes(), of.compute(distances, 0.0 * distances).tobytes()))
+        return seen
+
+    for of in (first, other):
+        of.begin(distances, numpy.zeros((2, 1)))
+    for _ in range(100):
+        first.step(distances, rate, 1e-3)
+    states = first.save()
+    expected = history(first)
+    assert expected[4][0] == 105 * 1e-3 != 0.1 + 5 * 1e-3
+    first.restore(states)
+    other.restore(states)
+    assert history(first) == expected and history(other) == expected
+    numpy.testing.assert_array_equal(first.save(), other.save())
+
+
+def test_a_clock_that_is_not_at_the_time_of_the_states_is_refused():
+    mine = plant()
+    for _ in range(3):
+        mine.step(numpy.array([[0.09]]), numpy.ones((1, 1)), 1e-3)
+    states = mine.save()
+    # Behind the mark: where the clock began, the duration of a step, and how many there were.
+    assert states[0, 1:4].tolist() == [0.0, 1e-3, 3.0]
+    for at, wrong in itertools.product((2, 3), (-1.0, 2.5, math.nan, math.inf, 1e300)):
+        with pytest.raises(mckibben.InputError, match="clock"):
+            mine.restore(numpy.where(numpy.arange(states.shape[1]) == at, wrong, states))
+    numpy.testing.assert_array_equal(mine.save(), states)
 
 
 def test_arrays_have_a_row_for_each_plant():
@@ -238,7 +285,7 @@ def test_ends_are_named_by_their_elements():
     assert numpy.isfinite(two.compute(numpy.full((2, 1), 0.09), numpy.full((2, 1), 1e6))).all()
 
 
-@pytest.mark.parametrize("count", [0, -1])
+@pytest.mark.parametrize("count", [0, -1, True])
 def test_there_is_one_plant_or_more(count):
     with pytest.raises(mckibben.InputError, match=f"count = {count} .*\n.*from 1 on"):
         plant(count)

@@ -242,7 +242,7 @@ def test_actions_beyond_the_bounds_count_as_the_bound(name: str) -> None:
     [
         ({}, [[0.5], [np.nan]], r"actions: nan at \[1, 0\] is no finite number"),
         ({}, [[0.5], [np.inf]], r"actions: inf at \[1, 0\] is no finite number"),
-        ({}, [["0.5"], ["fill"]], "is no finite number"),
+        ({}, [["0.5"], ["fill"]], "of dtype <U4; give floats from 0 to 1"),
         ({}, [0.5, 0.5], r"shape \(2,\); give \(2, 1\)"),
         ({}, [[0.5]], r"shape \(1, 1\); give \(2, 1\)"),
         ({"action_mode": "request"}, [0, 2], r"actions: 2 at \[1\] is no request; give whole numbers from 0 to 1"),
@@ -259,3 +259,36 @@ def test_actions_that_are_none_are_refused_before_anything_moves(options: Any, a
         many.step(np.array(actions))
     assert (many.unwrapped.observations == before).all()
     assert (many.unwrapped._episodes.elapsed == 0).all()
+
+
+@pytest.mark.parametrize(
+    ("action", "words"),
+    [
+        (np.ones(1, dtype=bool), "of dtype bool; give floats from 0 to 1"),
+        (np.array([0.1], dtype=object), "of dtype object; give floats"),
+        (np.array(["0.1"]), "of dtype <U3; give floats"),
+        (np.array([0.1 + 1j]), "of dtype complex128; give floats"),
+        (np.ma.masked_array([0.3], [True]), "mask hides entries"),
+    ],
+)
+def test_what_is_no_number_is_no_action(action: np.ndarray, words: str) -> None:
+    one, many = gymnasium.make("mckibben/HangingMass-v0").unwrapped, gymnasium.make_vec("mckibben/HangingMass-v0", num_envs=1)
+    for form, given in ((one, action), (many, action[np.newaxis])):
+        form.reset(seed=1)
+        with pytest.raises(mckibben.InputError, match=words):
+            form.step(given)
+        # A mask that hides nothing does no harm.
+        form.step(np.ma.masked_array(np.full(given.shape, 0.3), np.zeros(given.shape, dtype=bool)))
+    requests = gymnasium.make_vec("mckibben/HangingMass-v0", num_envs=2, action_mode="request")
+    requests.reset(seed=1)
+    with pytest.raises(mckibben.InputError, match="of dtype bool; give whole numbers from 0 to"):
+        requests.step(np.array([True, False]))
+
+
+def test_a_truth_value_is_no_seed_and_no_number_of_plants() -> None:
+    one, many = gymnasium.make("mckibben/HangingMass-v0"), gymnasium.make_vec("mckibben/HangingMass-v0", num_envs=2)
+    for form, seed in ((one, True), (many, True), (many, [1, False])):
+        with pytest.raises(mckibben.InputError, match="seed = "):
+            form.unwrapped.reset(seed=seed)
+    with pytest.raises(mckibben.InputError, match="num_envs = True"):
+        mckibben.learning.VectorEnvironment("HangingMass", True)

@@ -301,6 +301,7 @@ def test_the_elbow_bends_when_the_biceps_is_filled():
         ({"command_mode": "position"}, "command_mode"),
         ({"length_offset": "3 kg"}, "unit of m"),
         ({"sensors": ["warmth"]}, "name it after one of"),
+        ({"length_offset": "actuator = -1 mm, actuator = -9 mm"}, "names `actuator` twice"),
         ({"keys": KEYS | {"coupling.rest_length": "90 mm"}}, "in <tendon>"),
         ({"scenario": "nowhere.toml", "keys": {}}, "nowhere.toml"),
         ({"scenario": "examples/plant/arm.toml", "keys": {}}, "name it deltoid"),
@@ -364,6 +365,96 @@ def test_an_activation_that_mujoco_changes_is_refused(dyntype, capfd):
         mujoco.MjData(mujoco.MjModel.from_xml_string(text))
     said = str(caught.value) + "".join(capfd.readouterr()) + log()
     assert "leave dyntype out" in said, said
+
+
+RK4 = int(mujoco.mjtIntegrator.mjINT_RK4)
+
+
+def refused(text, capfd):
+    """What a model is refused for."""
+    with pytest.raises((ValueError, mujoco.FatalError)) as caught:
+        mujoco.MjData(mujoco.MjModel.from_xml_string(text))
+    return str(caught.value) + "".join(capfd.readouterr()) + log()
+
+
+def test_an_integrator_of_several_forces_in_a_step_is_refused(capfd):
+    text = WORLD.format(step=1e-3, gravity=GRAVITY, muscle=muscle())
+    said = refused(text.replace("<option", '<option integrator="RK4"'), capfd)
+    assert "RK4" in said and "implicitfast" in said, said
+    model, data = hanging(command_mode="request")
+    run(model, data, 0.01, 1.0)
+    model.opt.integrator = RK4
+    run(model, data, 0.003, 1.0)
+    printed = log()
+    assert data.actuator_force[0] == 0.0 and printed.count("RK4") == 1, printed
+    model = with_motor()
+    driver = mckibben.mujoco.Driver(model, scenario(), command_mode="request")
+    data = driver.start()
+    driver.step(data, 1.0)
+    model.opt.integrator = RK4
+    for use in (
+        lambda: driver.step(data, 1.0),
+        lambda: mckibben.mujoco.Driver(model, scenario(), command_mode="request"),
+    ):
+        with pytest.raises(mckibben.InputError, match="RK4.*implicitfast"):
+            use()
+    assert data.time == driver.plant.time == 1e-3, "nothing has moved"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('actdim="1"', 'actdim="1" gear="2"', 'gear="2"'),
+        ('actdim="1"', 'actdim="1" delay="0.02" nsample="20"', "valve.dead_time"),
+        ("<spatial", '<spatial actuatorfrcrange="-10 10"', "tendon with an actuatorfrcrange"),
+        ('tendon="muscle"', 'joint="slide"', "joint with an actuatorfrcrange"),
+        ('tendon="muscle"', 'tendon="fixed"', "joint with an actuatorfrcrange"),
+    ],
+)
+def test_what_would_stand_between_a_muscle_and_mujoco_is_refused(old, new, words, capfd):
+    if "delay" in new and not hasattr(mujoco.MjModel, "actuator_delay"):
+        pytest.skip("this version has no delays")
+    if "spatial" in new and not hasattr(mujoco.MjModel, "tendon_actfrclimited"):
+        pytest.skip("this version has no ranges of forces of tendons")
+    text = WORLD.format(step=1e-3, gravity=GRAVITY, muscle=muscle(sensors=[]))
+    if "joint" in words:
+        text = text.replace('<joint type="slide"', '<joint name="slide" type="slide" actuatorfrcrange="-5 5"')
+        fixed = '<fixed name="fixed"><joint joint="slide" coef="-1"/></fixed></tendon>'
+        text = text.replace("</tendon>", fixed)
+    assert text.count(old) == 1, text
+    said = refused(text.replace(old, new), capfd)
+    assert words in said and "leave" in said, said
+
+
+def test_a_muscle_that_mujoco_disables_exerts_no_force():
+    """By its group at run time or by the flag, while its air goes on; MuJoCo's own actuators do so too."""
+    model, data = hanging(command_mode="request")
+    run(model, data, 0.02, 1.0)
+    mujoco.mj_forward(model, data)
+    pressure, pull = sensor(data, "muscle.gauge_pressure"), sensor(data, "muscle.tension")
+    assert pull > 1.0
+    for field, value in (("disableactuator", 1), ("disableflags", int(mujoco.mjtDisableBit.mjDSBL_ACTUATION))):
+        setattr(model.opt, field, value)
+        mujoco.mj_forward(model, data)
+        assert not data.qfrc_actuator.any() and sensor(data, "muscle.tension") == 0.0, field
+        setattr(model.opt, field, 0)
+    mujoco.mj_forward(model, data)
+    assert sensor(data, "muscle.tension") == pull
+    model.opt.disableactuator = 1
+    run(model, data, 0.005, 1.0)
+    assert data.act[0] > pressure
+
+
+def test_a_released_five_way_valve_does_what_it_holds():
+    """The default control: the outputs of the one kind are supplied at rest, those of the other exhausted."""
+    gauge = 3e5
+    for kind, sign in (("five-way-pressurised", 1.0), ("five-way-exhausted", -1.0), ("five-way-closed", 0.0)):
+        keys = {"supply.gauge_pressure": "6 bar", "valve.kind": kind, "valve.flow_area": "0.3 mm^2",
+                "initial.gauge_pressure": "3 bar"}
+        model, data = hanging(keys=keys)
+        model.dof_damping[:] = 1e6
+        run(model, data, 0.02, 0.0)
+        assert numpy.sign(numpy.round((data.act[0] - gauge) / 1e3)) == sign, (kind, data.act)
 
 
 def test_the_default_control_stops_no_muscle():
@@ -629,6 +720,9 @@ def test_arguments_of_a_driver_are_named():
         ({"length_offset": "-5 mm"}, "length_offset = '-5 mm' is no number"),
         ({"length_offset": numpy.nan}, "length_offset = nan is not finite"),
         ({"worlds": 0}, "worlds = 0 .*from 1 on"),
+        ({"worlds": True}, "worlds = True .*from 1 on"),
+        ({"length_offset": True}, "length_offset = True is no number"),
+        ({"length_offset": [False]}, r"length_offset = \[False\] is no number"),
     ):
         with pytest.raises(mckibben.InputError, match=words):
             made(**options)
@@ -665,6 +759,69 @@ def test_a_step_that_ends_at_no_distance_stops_the_simulation():
     mujoco.mj_resetData(driver.model, data)
     driver.restart(data)
     assert driver.step(data, 1.0)[0, 0] > 1.0
+
+
+def test_worlds_whose_ends_meet_hold_up_no_other():
+    """MuJoCo has moved all worlds by then: the plants of the others take the step too."""
+    model = with_motor('<motor name="muscle" joint="slide"/>')
+
+    def made():
+        driver = mckibben.mujoco.Driver(model, scenario(), worlds=3, command_mode="request", length_offset=0.09)
+        return driver, driver.start()
+
+    (driver, worlds), (plain, others) = made(), made()
+    for step in range(20):
+        plain.step(others, 1.0)
+        if step != 10:
+            driver.step(worlds, 1.0)
+            continue
+        worlds[1].qvel[0] = -1000.0
+        for _ in range(2):
+            with pytest.raises(mckibben.SimulationError, match="world 1, actuator.*distance of -0.9.*restart"):
+                driver.step(worlds, 1.0)
+        assert worlds[0].time == pytest.approx(driver.plant.time), "the second call has moved nothing"
+        mujoco.mj_resetData(model, worlds[1])
+        driver.restart(worlds, [1])
+    numpy.testing.assert_array_equal(driver.plant.observe()[[0, 2]], plain.plant.observe()[[0, 2]])
+    assert [float(of.qpos[0]) for of in worlds[::2]] == [float(of.qpos[0]) for of in others[::2]]
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "words"),
+    [
+        ("timestep", -1e-3, "timestep = -0.001 s"),
+        ("timestep", numpy.nan, "timestep = nan s"),
+        ("timestep", 1e3, "max_step = 1e-05 s divides a time step of 1000.0 s"),
+        ("disableactuator", 1, "group 0, which the model disables"),
+        ("disableflags", int(mujoco.mjtDisableBit.mjDSBL_ACTUATION), 'flag actuation="disable"'),
+    ],
+)
+def test_options_that_no_step_can_have_are_refused_before_it(field, value, words):
+    driver = mckibben.mujoco.Driver(with_motor(), scenario(), command_mode="request", max_step="10 us")
+    data = driver.start()
+    driver.step(data, 1.0)
+    before = getattr(driver.model.opt, field)
+    setattr(driver.model.opt, field, value)
+    with pytest.raises(mckibben.InputError, match=words):
+        driver.step(data, 1.0)
+    assert data.time == driver.plant.time == 1e-3, "nothing has moved"
+    setattr(driver.model.opt, field, before)
+    driver.step(data, 1.0)
+
+
+def test_the_pressure_of_a_keyframe_is_that_of_the_hose():
+    """As the hose of a scenario begins: at the pressure of the actuator that it leads to."""
+    keys = KEYS | {"hose.length": "1 m", "hose.diameter": "2.5 mm", "valve.kind": "fill-hold-exhaust",
+                   "valve.flow_area": "0.3 mm^2"}
+    keys.pop("valve.preset")
+    text = WORLD.format(step=1e-3, gravity=GRAVITY, muscle=muscle(keys, sensors=["gauge_pressure", "hose_gauge_pressure"]))
+    text = text.replace("</mujoco>", '<keyframe><key act="400000"/></keyframe></mujoco>')
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    mujoco.mj_forward(model, data)
+    assert sensor(data, "muscle.gauge_pressure") == pytest.approx(4e5, rel=1e-9)
+    assert sensor(data, "muscle.hose_gauge_pressure") == pytest.approx(4e5, rel=1e-9)
 
 
 def test_numbers_of_attributes_are_in_si():
@@ -726,7 +883,7 @@ def test_a_length_offset_that_cannot_be_is_named(offset):
     assert "length_offset" in said and "initial.length" not in said, said
 
 
-@pytest.mark.parametrize(("act", "gauge"), [("1e-9", 1e-9), ("150000", 150000.0), ("0", None)])
+@pytest.mark.parametrize(("act", "gauge"), [("1e-3", 1e-3), ("150000", 150000.0), ("0", None)])
 def test_a_keyframe_sets_the_pressure_except_by_zero(act, gauge):
     """Zero is what a reset writes, so it stands for the pressure of the scenario."""
     text = (MODELS / "hanging-mass.xml").read_text()
@@ -737,5 +894,5 @@ def test_a_keyframe_sets_the_pressure_except_by_zero(act, gauge):
     mujoco.mj_forward(model, data)
     mujoco.mj_forward(plain, begun)
     pressures = [of.sensor("muscle.gauge_pressure").data[0] for of in (data, begun)]
-    assert pressures[0] == pytest.approx(pressures[1] if gauge is None else gauge, abs=1e-3)
+    assert pressures[0] == pytest.approx(pressures[1] if gauge is None else gauge, abs=1e-4)
     assert pressures[1] > 1e3

@@ -81,3 +81,15 @@ def test_chosen_columns_are_drawn_into_given_axes(swing):
     with pytest.raises(KeyError, match="no column `mass`"):
         run.plot(columns=["mass"])
     plt.close("all")
+
+
+def test_the_maximum_of_a_summary_is_that_between_the_samples_too(examples):
+    """The peak of a fine run; a sweep over coarse samples has the largest of them, and misses it."""
+    scenario = mckibben.Scenario.from_file(examples / "paper/fig-12.toml").with_values({"run.duration": "0.5 s"})
+    peak = mckibben.simulate(scenario.with_values({"run.sample_interval": "0.1 ms"})).tension.max()
+    coarse = scenario.with_values({"run.sample_interval": "30 ms"})
+    run = mckibben.simulate(coarse)
+    assert run.summary()["tension.max"] == pytest.approx(peak, rel=1e-3)
+    swept = mckibben.sweep(coarse, vary={"load.mass": [scenario.load.mass]}, reductions=["tension.max"])
+    assert swept["tension_max_n"][0] == pytest.approx(run.tension.max(), rel=1e-3)
+    assert swept["tension_max_n"][0] < 0.7 * peak

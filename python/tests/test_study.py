@@ -92,6 +92,8 @@ def test_a_column_of_dates_is_refused_with_its_type(rig, lengths):
         for table in (dict, pandas.DataFrame):
             with pytest.raises(mckibben.InputError, match="the column `t` of the run `swing` is of type " + words):
                 mckibben.identify(study(rig, table({"t": times, "L": lengths})))
+    with pytest.raises(mckibben.InputError, match="the column `L` of the run `swing` has complex numbers"):
+        mckibben.identify(study(rig, {"t": TIMES, "L": lengths + 3j}))
 
 
 @pytest.mark.parametrize("one", [dict, pandas.DataFrame, mckibben.Run])

@@ -261,6 +261,10 @@ def test_a_long_call_ends_at_an_interrupt(what, scenario, interrupted):
     "mckibben.Scenario.from_file(FILE).with_values({'run.duration': '2000 s'}).settle()",
     "mckibben.size(load='5 kg', stroke='30 mm', gauge_pressure='4 bar', time=0.3, ripple='0.2 mm',"
     " braid_angles=[f'{angle / 100} deg' for angle in range(1500, 3500)])",
+    "mckibben.sweep(mckibben.Scenario.from_file(FILE).with_values({'run.duration': '20000 s', 'run.engine': 'fixed-step',"
+    " 'run.step': '0.1 ms', 'run.sample_interval': '1 s'}), vary={'load.mass': [2.0, 2.5]}, reductions=['length.final'])",
+    "mckibben.sweep(mckibben.Scenario.from_file(FILE).with_values({'run.duration': '20000 s', 'run.engine': 'event-located',"
+    " 'run.sample_interval': '1 s'}), vary={'load.mass': [2.0, 2.5]}, reductions=['length.final'])",
 ])
 def test_what_takes_long_ends_by_ctrl_c(work, examples):
     """In a separate process, since the signal interrupts the main thread."""

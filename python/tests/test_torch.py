@@ -126,3 +126,15 @@ def test_a_fit_by_an_optimiser_of_torch_finds_what_made_the_data(pulsed):
     optimiser = torch.optim.LBFGS([logarithm], lr=0.1, max_iter=30, tolerance_grad=1e-12, line_search_fn="strong_wolfe")
     optimiser.step(mismatch)
     assert 1.1 * math.exp(logarithm.item()) == pytest.approx(1.0, rel=1e-5)
+
+
+def test_an_empty_batch_has_empty_values_and_derivatives(pulsed):
+    function = pulsed.for_torch()
+    empty = torch.zeros((0, len(BY)), dtype=torch.float64, requires_grad=True)
+    values = function(empty)
+    assert values.shape == (0, 2, 3)
+    values.sum().backward()
+    assert empty.grad.shape == empty.shape
+    assert function(torch.zeros((3, 0, len(BY)), dtype=torch.float64)).shape == (3, 0, 2, 3)
+    with pytest.raises(mckibben.InputError, match="4 arguments"):
+        function(torch.zeros((0, 1), dtype=torch.float64))

@@ -189,6 +189,9 @@ impl<W: Wide> Watch<W> {
             if let Some(place) = wire.length_place() {
                 self.states[place].below(lane, W::below(wire.member.thread_length()));
             }
+            if let Some(place) = wire.places.length {
+                self.states[place].above(lane, W::SMALLEST);
+            }
         }
         for its in &mut self.actuators {
             for range in [&mut its.length, &mut its.rate, &mut its.force, &mut its.taut_force] {

@@ -200,6 +200,48 @@ fn fast_pulses_are_an_envelope_that_contains_every_sample() {
     assert!(right.panels.iter().all(|panel| panel.spans.is_empty()));
 }
 
+/// A muscle that is stretched at 5 m/s for 2 ms and let back: friction adds to its tension up to the instant at which the motion turns,
+/// and takes from it behind. Curves have both values at that instant, so that the peak is that of the run.
+#[test]
+fn a_curve_reaches_the_value_just_before_a_jump() {
+    let text = r#"
+        [actuator]
+        preset = "colbrunn-2001"
+        [load]
+        kind = "prescribed-motion"
+        time = ["0 s", "1 s", "1.002 s", "1.004 s", "10 s"]
+        table_length = ["85 mm", "85 mm", "95 mm", "85 mm", "85 mm"]
+        [initial]
+        gauge_pressure = "2 bar"
+        [run]
+        duration = "10 s"
+    "#;
+    let run = run(text);
+    // A nanosecond before it turns, on the way there, and as long after.
+    let columns = run.columns_at(&[1.002 - 1e-9, 1.002 + 1e-9]).expect("columns");
+    let tension = columns.iter().find(|column| column.name == "tension_n").expect("a tension");
+    let mckibben_run::record::Values::Numbers(tension) = &tension.values else { panic!("words") };
+    assert!(tension[0] > tension[1] + 10.0, "{tension:?}");
+    let figure = one(usual(&run));
+    let panel = figure.panels.iter().find(|panel| panel.y.label == "tension").expect("a panel");
+    let curve = panel.series.iter().find(|series| !series.x.is_empty()).expect("a curve");
+    let greatest = curve.y.iter().copied().fold(0.0, f64::max);
+    assert!((greatest - tension[0]).abs() < 1e-5 * tension[0], "{greatest} {tension:?}");
+    assert!(curve.x.is_sorted() && curve.x.windows(2).all(|pair| pair[0] < pair[1]));
+    // So does the summary, and what is written of the figure.
+    let summary = run.figures().expect("figures").summary();
+    let value = |name: &str| summary.numbers.iter().find(|number| number.name == name).expect(name).value;
+    assert!((value("tension.max") - tension[0]).abs() < 1e-5 * tension[0], "{}", value("tension.max"));
+    let folder = Folder::new("jump");
+    folder.file("jump.toml", text);
+    let output = folder.mckibben().args(["simulate", "jump.toml", "-q", "--plot", "jump.html"]).output().expect("runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let page = std::fs::read_to_string(folder.path("jump.html")).expect("a page");
+    let numbers = page.split(['[', ',', ']']).filter_map(|word| word.parse::<f64>().ok());
+    let near = numbers.filter(|number| (number - tension[0]).abs() < 1e-4 * tension[0]).count();
+    assert!(near > 0, "the page has no {}", tension[0]);
+}
+
 #[test]
 fn columns_are_drawn_by_name_one_panel_for_each_quantity() {
     let line = example("line/hanging-mass");

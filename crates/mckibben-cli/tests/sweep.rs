@@ -1051,6 +1051,7 @@ fn mistakes_are_reported_before_anything_is_simulated() {
     let folder = Folder::new("sweep-mistakes");
     folder.file("muscle.toml", &format!("{BASE}{GRID}"));
     folder.file("plain.toml", BASE);
+    folder.file("taken", "");
     let before = folder.names();
     for (arguments, word) in [
         (&["plain.toml"][..], "has no section [sweep]"),
@@ -1063,6 +1064,8 @@ fn mistakes_are_reported_before_anything_is_simulated() {
         (&["muscle.toml", "-o", "out.csv", "--shard", "1/4"], "only a folder has"),
         (&["muscle.toml", "-o", "out", "--shard", "1/4", "-p", "a.svg"], "the whole sweep"),
         (&["muscle.toml", "-o", "out", "--jobs", "0"], "--jobs"),
+        (&["muscle.toml", "-o", "out", "--jobs", "1000000"], "leave --jobs out for one thread for each core"),
+        (&["muscle.toml", "-o", "taken"], "`taken` is there and is no folder"),
         (&["muscle.toml", "-o", "out", "--engine", "magic"], "fixed-step"),
         (&["muscle.toml", "-o", "out", "--record", "trajectories", "-p", "a.svg"], "draws reductions"),
         (&["muscle.toml", "-o", "out", "--set", "load.gravity=5 lb"], "--set:1"),

@@ -48,6 +48,27 @@ fn summary_and_file_have_the_units_that_are_chosen() {
     assert!((kelvin - (fahrenheit + 459.67) / 1.8).abs() < 1e-9, "{fahrenheit}");
 }
 
+/// Columns of a plant, its volumes among them, and those of a sweep of it: 1 in = 25.4 mm.
+#[test]
+fn volumes_of_plants_and_of_their_sweeps_are_converted() {
+    let folder = Folder::new("units-plant");
+    let sweep = "[actuators.a]\n[sweep]\nreductions = [\"a.volume.final\"]\n[sweep.vary]\n\"load.mass\" = [\"5 lb\"]\n";
+    folder.file("plant.toml", &format!("{PULSES}[actuators.a]\n"));
+    folder.file("sweep.toml", &format!("{PULSES}{sweep}"));
+    for units in [&[][..], &["--units", "imperial"]] {
+        let name = if units.is_empty() { "si" } else { "own" };
+        text(&folder, &[&["simulate", "plant.toml", "-o", &format!("{name}.csv")][..], units].concat());
+        text(&folder, &[&["sweep", "sweep.toml", "-o", &format!("{name}-sweep.csv")][..], units].concat());
+    }
+    for (si, own) in [("a.volume_m3", "a.volume_in3"), ("a_volume_final_m3", "a_volume_final_in3")] {
+        let kind = if si.contains("final") { "-sweep" } else { "" };
+        let (si, own) =
+            (column(&folder, &format!("si{kind}.csv"), si), column(&folder, &format!("own{kind}.csv"), own));
+        assert!(!si.is_empty() && si.len() == own.len());
+        assert!(si.iter().zip(&own).all(|(si, own)| (si - own * 0.0254_f64.powi(3)).abs() <= 1e-12 * si), "{own:?}");
+    }
+}
+
 #[test]
 fn an_angle_comes_in_degrees_unless_radians_are_requested() {
     let folder = Folder::new("angle");
@@ -77,7 +98,11 @@ fn a_file_to_start_from_has_the_units_that_are_chosen() {
 fn what_is_no_choice_is_refused_before_anything_runs() {
     let folder = Folder::new("refused");
     folder.file("muscle.toml", PULSES);
-    for (units, part) in [("furlong", "metric, si or imperial"), ("pressure=mm", "is no unit of pressure")] {
+    for (units, part) in [
+        ("furlong", "metric, si or imperial"),
+        ("pressure=mm", "is no unit of pressure"),
+        ("pressure=psi,pressure=bar", "`pressure` stands twice"),
+    ] {
         let output = output(&folder, &["simulate", "muscle.toml", "--units", units]);
         assert_eq!(output.status.code(), Some(2));
         let error = String::from_utf8_lossy(&output.stderr).into_owned();

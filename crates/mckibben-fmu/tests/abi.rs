@@ -4,6 +4,7 @@ mod common;
 
 use common::*;
 use mckibben_fmu::options::{Interfaces, UnitOptions, Version};
+use mckibben_fmu::variables::Causality;
 use mckibben_run::host::{HostPlant, Motion};
 use mckibben_scenario::Document;
 use std::ffi::CStr;
@@ -570,6 +571,202 @@ fn a_command_at_an_early_return_counts_from_the_next_period() {
     };
     let (long, short) = (pressure(0.2), pressure(3.7e-3));
     assert!((long - short).abs() < 200.0, "{long} Pa by long steps, {short} Pa by short ones");
+}
+
+/// A step that ends where a poppet arrives reports the event as one that returns early there does: 4 ms after the command.
+#[test]
+fn an_event_at_the_end_of_a_step_is_reported() {
+    let options = UnitOptions { command_mode: Some("request".to_owned()), ..scenario() };
+    let (unit, messages) = (Unit::new(DELAYED, &options), Messages::default());
+    for (size, count, is_early) in [(1e-3, 4, false), (4e-3, 1, false), (3e-3, 2, true)] {
+        let handle = unit.co_simulation(&messages, true);
+        assert_eq!(set(handle, unit.reference("actuator.request"), 1.0), OK);
+        initialise(handle);
+        update(handle);
+        // SAFETY: an instance.
+        assert_eq!(unsafe { fmi3EnterStepMode(handle) }, OK);
+        let mut time = 0.0;
+        for k in 1..=count {
+            let (status, reached, early, event) = step_to_event(handle, time, size);
+            assert_eq!(status, OK, "{}", messages.take());
+            assert_eq!((early, event), (is_early && k == count, k == count), "step {k} of {size} s");
+            time = reached;
+        }
+        assert!((time - 4e-3).abs() < 1e-12, "{time} s");
+        // SAFETY: an instance.
+        unsafe {
+            assert_eq!(fmi3EnterEventMode(handle), OK);
+            update(handle);
+            assert_eq!(fmi3EnterStepMode(handle), OK);
+        }
+        let (_, _, early, event) = step_to_event(handle, time, size);
+        assert!(!early && !event, "it is reported once");
+        // SAFETY: an instance.
+        unsafe { fmi3FreeInstance(handle) };
+    }
+}
+
+/// The event indicators of an instance.
+fn indicators(handle: Handle, unit: &Unit) -> Vec<f64> {
+    let mut values = vec![f64::NAN; unit.model.variables().indicators];
+    // SAFETY: room for them.
+    assert_eq!(unsafe { fmi3GetEventIndicators(handle, values.as_mut_ptr(), values.len()) }, OK);
+    values
+}
+
+/// A poppet that arrives at an instant has arrived for what the host sets at that instant: the valve fills, and shuts after its
+/// closing delay alone. So it does with a dead time, and where the opening delay changes then.
+#[test]
+fn what_is_set_at_an_instant_comes_after_what_is_due_there() {
+    let options = UnitOptions { command_mode: Some("request".to_owned()), ..scenario() };
+    let late = DELAYED.replace("opening_delay", "dead_time = \"2 ms\"\nopening_delay");
+    for (text, arrival) in [(DELAYED, 4e-3), (late.as_str(), 6e-3)] {
+        let (unit, messages) = (Unit::new(text, &options), Messages::default());
+        let [request, delay, flow] =
+            ["actuator.request", "valve.opening_delay", "actuator.mass_flow"].map(|name| unit.reference(name));
+        for (reference, value) in [(request, 0.0), (delay, 6e-3)] {
+            let handle = unit.model_exchange(&messages);
+            assert_eq!(set(handle, request, 1.0), OK);
+            initialise(handle);
+            let mut next = update(handle);
+            // SAFETY: an instance.
+            let go = |next: f64| unsafe {
+                assert_eq!(fmi3EnterContinuousTimeMode(handle), OK);
+                assert_eq!(fmi3SetTime(handle, next), OK, "{}", messages.take());
+                assert_eq!(fmi3EnterEventMode(handle), OK);
+            };
+            while next < arrival - 1e-9 {
+                go(next);
+                next = update(handle);
+            }
+            assert!((next - arrival).abs() < 1e-12, "it arrives at {next} s");
+            go(next);
+            assert_eq!(get(handle, flow), 0.0, "not before the update");
+            assert_eq!(set(handle, reference, value), OK, "{}", messages.take());
+            next = update(handle);
+            assert!(get(handle, flow) > 0.0, "it fills");
+            while reference == request && next < f64::INFINITY {
+                assert!(next <= arrival + 6e-3 + 1e-12, "{next} s");
+                assert!(get(handle, flow) > 0.0, "it fills until it shuts");
+                go(next);
+                next = update(handle);
+            }
+            assert_eq!(get(handle, flow) > 0.0, reference == delay);
+            // SAFETY: an instance.
+            unsafe { fmi3FreeInstance(handle) };
+        }
+    }
+}
+
+/// Where the host moves the ends, a rate that leaves zero after the start has an event, at which the tension jumps by the dry
+/// friction of the scenario, 5 N. No indicator is zero.
+#[test]
+fn a_rate_that_leaves_zero_has_an_event() {
+    let (unit, messages) = (Unit::new(DRY, &UnitOptions::default()), Messages::default());
+    let (rate, tension) = (unit.reference("actuator.rate"), unit.reference("actuator.tension"));
+    for velocity in [1e-3, -1e-3] {
+        let handle = unit.model_exchange(&messages);
+        initialise(handle);
+        update(handle);
+        // SAFETY: an instance.
+        assert_eq!(unsafe { fmi3EnterContinuousTimeMode(handle) }, OK);
+        assert!(indicators(handle, &unit).iter().all(|value| *value > 0.0));
+        let rest = get(handle, tension);
+        assert_eq!(set(handle, rate, velocity), OK);
+        assert!((get(handle, tension) - rest).abs() < 1e-9, "the mode holds until the event");
+        assert_eq!(indicators(handle, &unit).iter().filter(|value| **value < 0.0).count(), 1);
+        // SAFETY: an instance.
+        unsafe {
+            assert_eq!(fmi3EnterEventMode(handle), OK);
+            update(handle);
+            assert_eq!(fmi3EnterContinuousTimeMode(handle), OK);
+        }
+        let jump = get(handle, tension) - rest;
+        assert!((jump - 5.0 * velocity.signum()).abs() < 1e-9, "{jump} N");
+        assert!(indicators(handle, &unit).iter().all(|value| *value > 0.0));
+        // SAFETY: an instance.
+        unsafe { fmi3FreeInstance(handle) };
+    }
+}
+
+/// Distances and rates that are set in event mode act at once, as they do in continuous time: in outputs and in derivatives.
+#[test]
+fn ends_that_move_in_event_mode_act_at_once() {
+    let (unit, messages) = (Unit::new(MUSCLE, &UnitOptions::default()), Messages::default());
+    let inputs = ["actuator.distance", "actuator.rate"].map(|name| unit.reference(name));
+    let found = ["actuator.length", "actuator.velocity", "actuator.tension", "der(state.actuator.absolute_pressure)"];
+    let read = |handle| found.map(|name| get(handle, unit.reference(name)));
+    let go = |handle, values: [f64; 2]| {
+        inputs.iter().zip(values).for_each(|(its, value)| assert_eq!(set(handle, *its, value), OK));
+    };
+    let handle = unit.model_exchange(&messages);
+    initialise(handle);
+    go(handle, [0.09, 0.02]);
+    update(handle);
+    // SAFETY: an instance.
+    assert_eq!(unsafe { fmi3EnterContinuousTimeMode(handle) }, OK);
+    go(handle, [0.0895, 0.03]);
+    let expected = read(handle);
+    assert!((expected[0] - 0.0895).abs() < 1e-12 && (expected[1] - 0.03).abs() < 1e-12, "{expected:?}");
+    go(handle, [0.09, 0.02]);
+    // SAFETY: an instance.
+    assert_eq!(unsafe { fmi3EnterEventMode(handle) }, OK);
+    assert_ne!(read(handle), expected);
+    go(handle, [0.0895, 0.03]);
+    assert_eq!(read(handle), expected);
+    // SAFETY: an instance.
+    unsafe { fmi3FreeInstance(handle) };
+}
+
+/// In continuous time no command jumps and no time lies before the last event; a command that stays is taken.
+#[test]
+fn continuous_time_has_no_jumps_and_does_not_go_back_beyond_an_event() {
+    let (unit, messages) = (Unit::new(MUSCLE, &scenario()), Messages::default());
+    let (duty, array) = (unit.reference("actuator.duty"), unit.reference("commands"));
+    let handle = unit.model_exchange(&messages);
+    assert_eq!(set(handle, duty, 0.4), OK);
+    initialise(handle);
+    update(handle);
+    // SAFETY: an instance.
+    unsafe {
+        assert_eq!(fmi3EnterContinuousTimeMode(handle), OK);
+        for reference in [duty, array] {
+            assert_eq!(set(handle, reference, 0.4), OK, "{}", messages.take());
+            assert_eq!(set(handle, reference, 0.5), ERROR);
+            let message = messages.take();
+            assert!(message.contains("is a discrete input: enter event mode"), "{message}");
+        }
+        assert_eq!(get(handle, duty), 0.4);
+        assert_eq!(fmi3SetTime(handle, -1e-3), ERROR);
+        assert!(messages.take().contains("before the last event"));
+        assert_eq!(fmi3SetTime(handle, 1e-3), OK);
+        assert_eq!(fmi3SetTime(handle, 0.5e-3), OK, "an integrator interpolates back: {}", messages.take());
+        assert_eq!(fmi3SetTime(handle, 1e-3), OK);
+        assert_eq!(fmi3EnterEventMode(handle), OK);
+        assert_eq!(set(handle, duty, 0.5), OK, "{}", messages.take());
+        update(handle);
+        assert_eq!(fmi3EnterContinuousTimeMode(handle), OK);
+        assert_eq!(fmi3SetTime(handle, 0.5e-3), ERROR);
+        fmi3FreeInstance(handle);
+    }
+}
+
+/// A parameter that is refused is named as the variable that was set, where its key stands in many sections.
+#[test]
+fn a_refused_parameter_is_named_as_the_variable() {
+    let (unit, messages) = (Unit::of_document(example("plant/arm.toml"), &UnitOptions::default()), Messages::default());
+    let handle = unit.co_simulation(&messages, false);
+    let mut refused = 0;
+    for its in &unit.model.variables().all {
+        if matches!(its.causality, Causality::Parameter { .. }) && set(handle, its.reference, f64::NAN) == ERROR {
+            let message = messages.take();
+            assert!(message.contains(&format!(": `{}` = NaN", its.name)), "{}: {message}", its.name);
+            refused += usize::from(its.name.contains('.'));
+        }
+    }
+    assert!(refused > 10, "{refused}");
+    // SAFETY: an instance.
+    unsafe { fmi3FreeInstance(handle) };
 }
 
 /// Wrong use is an error with a message, and changes nothing.

@@ -143,6 +143,105 @@ fn the_interval_holds_the_truth_in_95_of_100_trials() {
     assert!(hits.iter().all(|hits| (458..=492).contains(hits)), "{hits:?}");
 }
 
+/// A curve whose derivatives are as exact as those of a simulated run.
+struct Simulated<F>(Curve<F>);
+
+impl<F: Fn(f64, &[f64]) -> (f64, Vec<f64>)> Model for Simulated<F> {
+    fn residuals(&self) -> usize {
+        self.0.residuals()
+    }
+    fn evaluate(&self, values: &[f64]) -> Evaluation {
+        self.0.evaluate(values)
+    }
+    fn precision(&self) -> f64 {
+        1e-6
+    }
+}
+
+/// A value that is nearly zero is as identifiable as any other. Hits are binomial, as above.
+#[test]
+fn an_offset_of_zero_has_an_interval_and_does_not_shorten_those_of_others() {
+    let mut random = Random(11);
+    let truth = [0.0, 1.0];
+    let mut hits = [0; 2];
+    for _ in 0..500 {
+        let point = |place: i32| {
+            let x = 0.08 + 5e-4 * f64::from(place);
+            [x, x + 1e-8 * random.normal()]
+        };
+        let curve = Simulated(Curve { points: (0..40).map(point).collect(), curve: line });
+        let both = [Unknown::new("offset", "1", 0.0).between(-0.02, 0.02), Unknown::new("scale", "1", 0.9)];
+        let rough = fit(&curve, &both, &Search::default()).expect("a fit");
+        // As a second fit begins: at the values of the first.
+        let from: Vec<Unknown> =
+            both.iter().zip(rough.values()).map(|(of, start)| Unknown { start, ..of.clone() }).collect();
+        let fit = fit(&curve, &from, &Search::default()).expect("a fit");
+        assert!(fit.unidentifiable.is_empty() && fit.condition < 1e3, "{:?}", fit.unidentifiable);
+        for (hits, (estimate, truth)) in hits.iter_mut().zip(fit.estimates.iter().zip(truth)) {
+            let [low, high] = estimate.confidence_interval.expect("it is identifiable");
+            *hits += u32::from(low <= truth && truth <= high);
+        }
+    }
+    assert!(hits.iter().all(|hits| (458..=492).contains(hits)), "{hits:?}");
+}
+
+/// Of a slope through a known offset the variance is 1/Σx².
+#[test]
+fn a_narrow_prior_leaves_the_others_identifiable() {
+    let points = (0..9).map(|place| [f64::from(place), 3.0 * f64::from(place)]).collect();
+    let offset = Unknown { prior: Some([0.0, 1e-9]), ..Unknown::new("offset", "1", 0.0) };
+    let both = [offset, Unknown::new("slope", "1", 1.0)];
+    let search = Search { known_scales: true, ..Search::default() };
+    let fit = fit(&Simulated(Curve { points, curve: line }), &both, &search).expect("a fit");
+    let deviation = fit.estimates[1].standard_error.expect("it is identifiable");
+    assert!((deviation * 204.0_f64.sqrt() - 1.0).abs() < 1e-6, "{deviation}");
+    assert!(fit.unidentifiable.is_empty());
+}
+
+#[test]
+fn an_unknown_without_effect_is_named_alone() {
+    let points = (0..9).map(|place| [f64::from(place), 2.0 + 0.01 * f64::from(place % 3)]).collect();
+    let curve = |_: f64, b: &[f64]| (b[0], vec![1.0, 0.0]);
+    let fit = fit(&Curve { points, curve }, &unknowns(&["level", "delay"]), &Search::default()).expect("a fit");
+    let shares: Vec<_> = fit.unidentifiable.iter().flat_map(|direction| &direction.shares).collect();
+    assert_eq!(shares, [&("delay".to_owned(), 1.0)]);
+    assert!(fit.estimates[0].confidence_interval.is_some() && fit.estimates[1].confidence_interval.is_none());
+    assert!(fit.condition.is_infinite());
+}
+
+/// A tenth of the readings is 30 standard deviations off; or a thirtieth of those of one quantity, whose weight they lower. Hits are
+/// binomial, as above.
+#[test]
+fn intervals_of_a_robust_fit_hold_the_truth_among_outliers() {
+    let truth = [0.3, -2.0];
+    // Below zero a point is of the level alone, above of the slope alone.
+    let split = |x: f64, b: &[f64]| match x < 0.0 {
+        true => (0.2 * b[0], vec![0.2, 0.0]),
+        false => (b[1] * x, vec![0.0, x]),
+    };
+    for (curve, from, every) in [(line as Plain, 0.0, 10), (split as Plain, -10.0, 30)] {
+        let mut random = Random(7);
+        let mut hits = [0; 2];
+        for _ in 0..500 {
+            let mut point = |place: i32| {
+                let x = from + 0.1 * f64::from(place);
+                let is_off = place % every == every / 2 && (x < 0.0 || from == 0.0);
+                let off = if is_off { 30.0_f64.copysign(random.uniform() - 0.5) } else { 0.0 };
+                let deviation = if x < 0.0 { 0.2 } else { 1.0 };
+                [x, curve(x, &truth).0 + deviation * (random.normal() + off)]
+            };
+            let points = (0..if from == 0.0 { 60 } else { 200 }).map(&mut point).collect();
+            let search = Search { loss: Loss::Huber(2.5), ..Search::default() };
+            let fit = fit(&Curve { points, curve }, &unknowns(&["level", "slope"]), &search).expect("a fit");
+            for (hits, (estimate, truth)) in hits.iter_mut().zip(fit.estimates.iter().zip(truth)) {
+                let [low, high] = estimate.confidence_interval.expect("it is identifiable");
+                *hits += u32::from(low <= truth && truth <= high);
+            }
+        }
+        assert!(hits.iter().all(|hits| (458..=492).contains(hits)), "{hits:?}");
+    }
+}
+
 #[test]
 fn unknowns_that_are_not_identifiable_are_named_and_have_no_interval() {
     let points = (0..9).map(|place| [f64::from(place), 2.0 * f64::from(place) + 0.01 * f64::from(place % 3)]).collect();

@@ -1,7 +1,7 @@
 //! Sensors with an offset, a drift, a scale, a shift, a lag, and samples that are held: what is put in comes back out, with the
 //! parameters of the scenario.
 
-use crate::noise::Noise;
+use crate::noise::{Noise, holds};
 use mckibben::simulation::simulate;
 use mckibben_identify::adjustable::Adjustable;
 use mckibben_identify::least_squares::{Search, Unknown};
@@ -234,4 +234,30 @@ fn in_segments_a_sensor_is_known() {
     };
     let problem = task.identify().expect_err("no fit").to_string();
     assert!(problem.contains("segments") && problem.contains("[columns]"), "{problem}");
+}
+
+/// Small noise leaves an offset and a drift of zero nearly zero: they are as identifiable as others.
+#[test]
+fn an_offset_of_zero_is_identifiable() {
+    let sensors = [(CLEAN, CLEAN.sensor(&["offset", "drift", "scale"], 0)), (CLEAN, Sensor::default())];
+    let (mut hits, mut errors) = (0, Vec::new());
+    for draw in 0..8 {
+        let runs = vec![recorded(100.0 + f64::from(draw), &[], sensors, [5e-9, 300.0])];
+        let unknowns = vec![
+            unknown("offset", 0.0, [-0.02, 0.02]),
+            unknown("drift", 0.0, [-0.02, 0.02]),
+            unknown("scale", 1.0, [0.5, 2.0]),
+        ];
+        let found = identified(runs, unknowns).found.fit;
+        assert!(found.unidentifiable.is_empty(), "{:?}", found.unidentifiable);
+        for (estimate, truth) in found.estimates.iter().zip([0.0, 0.0, 1.0]) {
+            hits += u32::from(holds(estimate, truth));
+        }
+        errors.extend(found.estimates[2].standard_error);
+    }
+    // The three of a draw miss together: four draws or more do so once in two thousand.
+    assert!(hits > 12, "{hits}");
+    let (least, most) =
+        (errors.iter().copied().fold(f64::INFINITY, f64::min), errors.iter().copied().fold(0.0, f64::max));
+    assert!(errors.len() == 8 && most < 2.0 * least, "{errors:?}");
 }

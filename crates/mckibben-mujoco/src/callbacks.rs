@@ -181,6 +181,9 @@ unsafe extern "C" fn init(model: *const c_void, data: *mut c_void, number: c_int
 
 /// An instance with the actuators and sensors of the model that refer to it.
 fn wired(library: &Library, model: &Model, number: usize, config: config::Config) -> Result<Instance, Failure> {
+    if model.is_rk4() {
+        return Err(of_rk4());
+    }
     let is_its = |instance: i32| usize::try_from(instance) == Ok(number);
     let [actuator, sensor, _] = library.layout.objects;
     // SAFETY: the model is one, as the maker of the view promised.
@@ -202,12 +205,41 @@ fn wired(library: &Library, model: &Model, number: usize, config: config::Config
                 "give actdim=\"1\" for its gauge pressure in act, or leave it out, and no dyntype",
             ));
         }
+        check_transmission(model, (id, output), &name)?;
         let act = act.filter(|_| count == 1);
-        actuators.push((name, Wire { output, control, act, range: model.control_range(control) }));
+        let (range, group) = (model.control_range(control), model.group(id));
+        actuators.push((name, Wire { output, control, act, range, group }));
     }
     let sensors = (0..model.sensors()).filter(|id| is_its(model.sensor_instance(*id)));
     let sensors: Vec<(String, usize)> = sensors.map(|id| (name_of(sensor, id), model.sensor_address(id))).collect();
     Instance::new(config, &actuators, &sensors)
+}
+
+/// Why the integrator RK4 is refused.
+fn of_rk4() -> Failure {
+    Failure::input(
+        "the integrator RK4 takes the forces at four times in a step, and the muscles have the air of one of them",
+        "write integrator=\"Euler\", \"implicit\" or \"implicitfast\" in <option>",
+    )
+}
+
+/// Refuses what would be between the length, the tension or the control of a muscle, by its actuator and force output, and
+/// those of MuJoCo.
+fn check_transmission(model: &Model, (actuator, output): (usize, usize), name: &str) -> Result<(), Failure> {
+    let (gear, delay) = (model.gear(actuator, output), model.delay(actuator));
+    let (what, remedy) = if gear != 1.0 {
+        let remedy = "leave gear out; for a pulley take a <fixed> tendon whose coefficient is its radius";
+        (format!("has gear=\"{gear}\", which scales both length and tension"), remedy)
+    } else if delay > 0.0 {
+        let remedy = "leave delay out, and give valve.dead_time, by which the valve takes its control later";
+        (format!("has delay=\"{delay}\", which the plugin would leave out"), remedy)
+    } else if let Some(target) = model.limited_target(actuator) {
+        let remedy = "leave actuatorfrcrange out";
+        (format!("pulls on a {target} with an actuatorfrcrange, which is no property of the muscle"), remedy)
+    } else {
+        return Ok(());
+    };
+    Err(Failure::input(format!("the actuator `{name}` {what}"), remedy))
 }
 
 unsafe extern "C" fn destroy(data: *mut c_void, number: c_int) {
@@ -255,6 +287,7 @@ unsafe fn with_instance(
         for (k, wire) in instance.wires.iter().enumerate() {
             instance.ends.lengths[k] = data.number(DataField::Length, wire.output);
             instance.ends.velocities[k] = data.number(DataField::Rate, wire.output);
+            instance.ends.disabled[k] = model.disables(wire.group);
             if let Some(act) = wire.act {
                 instance.ends.acts[k] = data.number(DataField::Act, act);
             }
@@ -286,7 +319,10 @@ unsafe extern "C" fn advance(model: *const c_void, data: *mut c_void, number: c_
             instance.ends.next_velocities[k] = data.velocity_now(wire.output);
             instance.ends.controls[k] = data.number(DataField::Control, wire.control);
         }
-        let done = instance.advance(state, model.timestep());
+        let done = match model.is_rk4() {
+            true => instance.stop(state, of_rk4()),
+            false => instance.advance(state, model.timestep()),
+        };
         for (k, wire) in instance.wires.iter().enumerate() {
             if let (Some(act), Ok(())) = (wire.act, &done) {
                 data.set_number(DataField::Act, act, instance::pressure(state, k));

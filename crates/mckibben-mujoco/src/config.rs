@@ -174,7 +174,7 @@ fn offsets(text: Option<&str>, names: &[String]) -> Result<Vec<f64>, Failure> {
     if !text.contains('=') {
         return Ok(vec![number("length_offset", text, "m")?; names.len()]);
     }
-    let mut offsets = vec![0.0; names.len()];
+    let mut offsets = vec![None; names.len()];
     for entry in text.split(',') {
         let (name, value) = entry.split_once('=').unwrap_or((entry, ""));
         let Some(at) = names.iter().position(|known| known == name.trim()) else {
@@ -183,9 +183,14 @@ fn offsets(text: Option<&str>, names: &[String]) -> Result<Vec<f64>, Failure> {
                 format!("name {}", names.join(", ")),
             ));
         };
-        offsets[at] = number("length_offset", value.trim(), "m")?;
+        if offsets[at].replace(number("length_offset", value.trim(), "m")?).is_some() {
+            return Err(Failure::input(
+                format!("length_offset = \"{text}\" names `{}` twice", name.trim()),
+                "give one offset for each actuator",
+            ));
+        }
     }
-    Ok(offsets)
+    Ok(offsets.into_iter().map(Option::unwrap_or_default).collect())
 }
 
 #[cfg(test)]
@@ -227,6 +232,7 @@ mod tests {
             (vec![("actuator.turns", "-2")], "actuator.turns"),
             (vec![("length_offset", "elbow = 1 mm")], "name actuator"),
             (vec![("length_offset", "3")], "unit of m"),
+            (vec![("length_offset", "actuator = -1 mm, actuator = -9 mm")], "names `actuator` twice"),
             (vec![("max_step", "1 m")], "unit of s"),
             (vec![("command_mode", "force")], "duty"),
             (vec![("scenario", "a.toml"), ("scenario_text", "[load]")], "not both"),

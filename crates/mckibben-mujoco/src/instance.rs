@@ -19,9 +19,11 @@ use crate::config::Config;
 use mckibben::{GaugePressure, Response};
 use mckibben_run::failure::Failure;
 use mckibben_run::host::{CommandMode, HostPlant};
-use mckibben_scenario::PlantQuantity;
+use mckibben_scenario::{PlantQuantity, nearest_few};
 use std::borrow::Borrow;
 
+/// How many outputs a refusal names.
+const NAMED: usize = 6;
 const FRESH: f64 = 0.0;
 const UNDER_WAY: f64 = 1.0;
 const STOPPED: f64 = 2.0;
@@ -37,6 +39,8 @@ pub(crate) struct Wire {
     pub(crate) act: Option<usize>,
     /// Limits that the model sets on its control.
     pub(crate) range: Option<[f64; 2]>,
+    /// Its group, which the model may disable.
+    pub(crate) group: i32,
 }
 
 /// What MuJoCo has of each actuator of the plant, in the plant's order.
@@ -48,6 +52,8 @@ pub(crate) struct Ends {
     /// Velocity at the end of the step, in m/s.
     pub(crate) next_velocities: Vec<f64>,
     pub(crate) controls: Vec<f64>,
+    /// Whether MuJoCo lets it exert no force at present.
+    pub(crate) disabled: Vec<bool>,
     /// Gauge pressures in `act`, where they are there.
     pub(crate) acts: Vec<f64>,
 }
@@ -181,9 +187,15 @@ impl Instance {
             };
             let at = index_of(name, &columns).or_else(of_muscle);
             let at = at.ok_or_else(|| {
+                // MuJoCo cuts a long message, so what may be meant comes first.
+                let last = name.rsplit('/').next().unwrap_or(name);
+                let nearest = nearest_few(last, columns.iter().map(String::as_str), NAMED);
+                let rest = columns.len().saturating_sub(NAMED);
+                let more =
+                    if rest > 0 { format!(", or another of its {} outputs", columns.len()) } else { String::new() };
                 Failure::input(
                     format!("the sensor `{name}` of the model is no output of the plant"),
-                    format!("name it after one of {}", columns.join(", ")),
+                    format!("name it after one of {}{more}", nearest.join(", ")),
                 )
             })?;
             let quantity = host.outputs()[at].quantity();
@@ -200,6 +212,7 @@ impl Instance {
             velocities: zeros.clone(),
             next_velocities: zeros.clone(),
             controls: zeros.clone(),
+            disabled: vec![false; count],
             acts: zeros.clone(),
         };
         Ok(Self {
@@ -239,10 +252,21 @@ impl Instance {
         done
     }
 
-    /// The tensions in N that were computed, for each actuator; none where the instance has stopped.
+    /// The tensions in N that act on MuJoCo's bodies, as computed, for each actuator; none where the instance has stopped,
+    /// and none of an actuator that MuJoCo has disabled.
     pub(crate) fn tensions(&self, state: &[f64]) -> impl Iterator<Item = f64> + '_ {
         let is_stopped = state[0] == STOPPED;
-        self.responses.iter().map(move |response| if is_stopped { 0.0 } else { response.tension })
+        let each = self.responses.iter().zip(&self.ends.disabled);
+        each.map(move |(response, disabled)| if is_stopped || *disabled { 0.0 } else { response.tension })
+    }
+
+    /// Stops for a reason, which is returned unless it has stopped already.
+    pub(crate) fn stop(&mut self, state: &mut [f64], why: Failure) -> Result<(), Failure> {
+        if state[0] == STOPPED {
+            return Ok(());
+        }
+        state[0] = STOPPED;
+        Err(why)
     }
 
     /// Goes on by a step of `h` in s, and writes the state that it comes to.
@@ -297,7 +321,7 @@ impl Instance {
     }
 
     /// Writes the sensors. Of an instance that has stopped the tensions are zero, as its forces are; the other sensors keep their
-    /// last values.
+    /// last values. So is the tension of an actuator that MuJoCo has disabled.
     ///
     /// # Errors
     /// Why they cannot be had.
@@ -315,6 +339,7 @@ impl Instance {
         for (address, quantity, output) in &self.sensors {
             // What depends on where the ends are is that of MuJoCo's own lengths, as the force is.
             let value = match *quantity {
+                PlantQuantity::Tension(at) if self.ends.disabled[at] => 0.0,
                 PlantQuantity::Tension(at) => self.responses[at].tension,
                 PlantQuantity::MassFlow(at) => self.responses[at].mass_flow,
                 PlantQuantity::LoadDistance(at) => self.distances[at],
@@ -409,7 +434,13 @@ impl Instance {
         let zeros = core::mem::take(&mut self.zeros);
         let taken = self.take_acts(&zeros);
         self.zeros = zeros;
-        taken?;
+        if taken? {
+            // Once more with those pressures, so that hoses begin at them too, and tendons in balance.
+            let gauges: Vec<Option<f64>> =
+                self.here_acts.iter().map(|gauge| Some(*gauge).filter(|gauge| *gauge != 0.0)).collect();
+            let begun = self.host.begin_with_pressures(&self.distances, &self.ends.velocities, &gauges);
+            begun.map_err(|failure| failure.of("act"))?;
+        }
         self.here[..count].copy_from_slice(&self.distances);
         self.here[count..2 * count].copy_from_slice(&self.ends.velocities);
         self.brought = Brought::Begun;
@@ -424,17 +455,20 @@ impl Instance {
         })
     }
 
-    /// Sets the pressures of `act` that are not those given last: they were set from outside, as by a keyframe.
-    fn take_acts(&mut self, last: &[f64]) -> Result<(), Failure> {
+    /// Sets the pressures of `act` that are not those given last: they were set from outside, as by a keyframe. Returns whether
+    /// there are any.
+    fn take_acts(&mut self, last: &[f64]) -> Result<bool, Failure> {
+        let mut is_any = false;
         for at in 0..self.wires.len() {
             self.here_acts[at] = last[at];
             if self.wires[at].act.is_some() && self.ends.acts[at] != last[at] {
                 let set = self.host.steps_mut().set_pressure(at, GaugePressure(self.ends.acts[at]));
                 set.map_err(|error| Failure::from(error).of("act"))?;
                 self.here_acts[at] = self.ends.acts[at];
+                is_any = true;
             }
         }
-        Ok(())
+        Ok(is_any)
     }
 }
 
@@ -454,7 +488,7 @@ mod tests {
         ("supply.reservoir_volume", "50 mL"),
         ("valve.preset", "matrix-eight-channel"),
     ];
-    const WIRE: Wire = Wire { output: 0, control: 0, act: None, range: None };
+    const WIRE: Wire = Wire { output: 0, control: 0, act: None, range: None, group: 0 };
 
     /// An instance of one muscle with sensors, whose addresses are their places.
     fn instance(keys: &[(&str, &str)], muscle: &str, sensors: &[&str]) -> Result<Instance, Failure> {
@@ -497,8 +531,11 @@ mod tests {
             ["tank.gauge_pressure", "hose.absolute_pressure", "manifold.temperature", "supply.tension", "warmth", ""]
         {
             let refused = reads("muscle", sensor).expect_err("no output of that name").to_string();
-            assert!(refused.contains(&format!("`{sensor}`")) && refused.contains("supply.gauge_pressure"), "{refused}");
+            assert!(refused.contains(&format!("`{sensor}`")) && refused.contains("outputs"), "{refused}");
         }
+        // MuJoCo cuts long messages.
+        let refused = reads("muscle", "supply.guage_pressure").expect_err("misspelt").to_string();
+        assert!(refused.contains("name it after one of supply.gauge_pressure"), "{refused}");
     }
 
     #[test]

@@ -1,7 +1,16 @@
 //! Fields of `mjModel` and `mjData`, read and written where [`Layout`] says that they are.
 
-use crate::layout::{DataField as D, Layout, ModelField as M};
+use crate::layout::{DataField as D, LaterField, Layout, ModelField as M};
 use std::ffi::c_void;
+
+/// The integrator RK4; this and what follows are equal in every version, as `tools/layout.py` checks.
+const RK4: i32 = 1;
+/// Kinds of transmissions.
+const ON_JOINT: [i32; 2] = [0, 1];
+const ON_SLIDER_CRANK: i32 = 2;
+const ON_TENDON: i32 = 3;
+/// A joint among what a tendon goes through.
+const WRAP_JOINT: i32 = 1;
 
 /// An `mjModel`.
 #[derive(Clone, Copy)]
@@ -62,9 +71,10 @@ impl Model {
         unsafe { self.at.add(offset).cast::<*const T>().read().add(index).read() }
     }
 
-    /// An entry of an array of numbers that has one for each actuator, sensor or instance, as its name says.
+    /// An entry of an array of numbers that has one for each actuator, sensor, instance or part of a tendon, as its name
+    /// says.
     fn index(&self, field: M, index: usize) -> i32 {
-        // SAFETY: callers name an actuator, sensor or instance of this model.
+        // SAFETY: callers name an actuator, a sensor, an instance or a part of a tendon of this model.
         unsafe { self.entry(self.layout.model(field), index) }
     }
 
@@ -103,6 +113,65 @@ impl Model {
     /// Whether MuJoCo computes the activation of an actuator: by any `dyntype` but none, which is 0 in every version.
     pub(crate) fn has_dynamics(&self, actuator: usize) -> bool {
         self.index(M::Dynamics, actuator) != 0
+    }
+
+    /// A number among the options of the model.
+    fn option(&self, field: M) -> i32 {
+        // SAFETY: as in `count`; the options are part of the model.
+        unsafe { self.at.add(self.layout.model(field)).cast::<i32>().read() }
+    }
+
+    /// Whether MuJoCo's integrator is RK4, which takes the forces at four times in a step.
+    pub(crate) fn is_rk4(&self) -> bool {
+        self.option(M::Integrator) == RK4
+    }
+
+    /// The group of an actuator.
+    pub(crate) fn group(&self, actuator: usize) -> i32 {
+        self.index(M::Group, actuator)
+    }
+
+    /// Whether the options let actuators of a group exert no force at present.
+    pub(crate) fn disables(&self, group: i32) -> bool {
+        let is_in_disabled = (0..=30).contains(&group) && (self.option(M::DisabledGroups) >> group) & 1 != 0;
+        is_in_disabled || self.option(M::DisableFlags) & self.layout.no_actuation != 0
+    }
+
+    /// What scales the length and the force of an actuator on a joint or a tendon; one of other actuators.
+    pub(crate) fn gear(&self, actuator: usize, output: usize) -> f64 {
+        let kind = self.index(M::Transmission, actuator);
+        let has_one = ON_JOINT.contains(&kind) || kind == ON_TENDON || kind == ON_SLIDER_CRANK;
+        // SAFETY: there are six numbers for each force output.
+        if has_one { unsafe { self.entry(self.layout.model(M::Gear), 6 * output) } } else { 1.0 }
+    }
+
+    /// By how much in s the control of an actuator acts late; zero in versions without delays.
+    pub(crate) fn delay(&self, actuator: usize) -> f64 {
+        // SAFETY: there is a number for each actuator.
+        self.layout.later(LaterField::Delay).map_or(0.0, |offset| unsafe { self.entry(offset, actuator) })
+    }
+
+    /// What has a range of forces of actuators: the tendon of an actuator, its joint, or a joint of its fixed tendon.
+    pub(crate) fn limited_target(&self, actuator: usize) -> Option<&'static str> {
+        // SAFETY: callers name a joint or a tendon of this model; a flag is one byte in every version.
+        let is_limited = |offset: usize, at: usize| unsafe { self.entry::<u8>(offset, at) != 0 };
+        let joint = |at: i32| {
+            let is_one = usize::try_from(at).is_ok_and(|at| is_limited(self.layout.model(M::JointForceLimited), at));
+            is_one.then_some("joint")
+        };
+        let (kind, target) = (self.index(M::Transmission, actuator), self.index(M::Target, 2 * actuator));
+        if ON_JOINT.contains(&kind) {
+            return joint(target);
+        }
+        let tendon = usize::try_from(target).ok().filter(|_| kind == ON_TENDON)?;
+        if self.layout.later(LaterField::TendonForceLimited).is_some_and(|offset| is_limited(offset, tendon)) {
+            return Some("tendon");
+        }
+        let [first, count] = [M::TendonAddress, M::TendonCount].map(|of| self.index(of, tendon));
+        let parts = (first..first + count).filter_map(|at| usize::try_from(at).ok());
+        parts
+            .filter(|at| self.index(M::WrapKind, *at) == WRAP_JOINT)
+            .find_map(|at| joint(self.index(M::WrapObject, at)))
     }
 
     /// The range that the model sets on a control.

@@ -13,8 +13,17 @@ import zipfile
 
 MODEL = [
     "nsensor", "opt.timestep", "actuator_plugin", "actuator_actadr", "actuator_actnum", "actuator_ctrllimited",
-    "actuator_ctrlrange", "sensor_plugin", "sensor_adr", "plugin_stateadr", "actuator_dyntype",
+    "actuator_ctrlrange", "sensor_plugin", "sensor_adr", "plugin_stateadr", "actuator_dyntype", "opt.integrator",
+    "opt.disableflags", "opt.disableactuator", "actuator_group", "actuator_gear", "actuator_trntype", "actuator_trnid",
+    "jnt_actfrclimited", "tendon_adr", "tendon_num", "wrap_type", "wrap_objid",
 ]
+# What older versions do not have.
+MODEL_LATER = ["tendon_actfrclimited", "actuator_delay"]
+# Numbers that `src/view.rs` takes as equal in every version.
+FIXED = {
+    "mjINT_RK4": 1, "mjTRN_JOINT": 0, "mjTRN_JOINTINPARENT": 1, "mjTRN_SLIDERCRANK": 2, "mjTRN_TENDON": 3, "mjWRAP_JOINT": 1,
+    "mjDYN_NONE": 0,
+}
 # Since 3.11 an actuator may have several controls and forces, and the model says where they begin.
 MODEL_NEW = ["nactuator", "actuator_ctrladr", "actuator_outadr"]
 DATA = [
@@ -59,7 +68,8 @@ def row(version: str) -> str:
         lines = [offset(of="mjModel", field=field) for field in MODEL]
         lines += [offset(of="mjData", field=field) for field in DATA]
         lines += [f'printf("%zu\\n", {it});' for it in ("sizeof(((mjModel*)0)->nsensor)", "sizeof(mjtNum)", "sizeof(mjpPlugin)")]
-        lines += [f'printf("%d\\n", {it});' for it in ("mjOBJ_ACTUATOR", "mjOBJ_SENSOR", "mjOBJ_PLUGIN", "mjSTAGE_ACC", "mjVERSION_HEADER")]
+        lines += [f'printf("%d\\n", {it});' for it in ("mjOBJ_ACTUATOR", "mjOBJ_SENSOR", "mjOBJ_PLUGIN", "mjSTAGE_ACC", "mjDSBL_ACTUATION", "mjVERSION_HEADER")]
+        lines += [f'printf("%d\\n", {it});' for it in FIXED]
         known = probe(include, folder, "\n  ".join(lines))
         if known is None:
             raise SystemExit(f"the headers of {version} lack a field that the plugin needs")
@@ -67,13 +77,16 @@ def row(version: str) -> str:
         new = probe(include, folder, "\n  ".join(offset(of="mjModel", field=field) for field in MODEL_NEW))
         count = probe(include, folder, offset(of="mjModel", field="nu"))
         news = [int(number) for number in new] if new else None
+        later = [probe(include, folder, offset(of="mjModel", field=field)) for field in MODEL_LATER]
+        later = ", ".join(f"Some({it[0]})" if it else "None" for it in later)
         model, data = numbers[:len(MODEL)], numbers[len(MODEL):len(MODEL) + len(DATA)]
-        size, real, plugin, actuator, sensor, instance, stage, header = numbers[len(MODEL) + len(DATA):]
+        size, real, plugin, actuator, sensor, instance, stage, flag, header, *fixed = numbers[len(MODEL) + len(DATA):]
         assert real == 8 and plugin == 152, (version, real, plugin)
+        assert fixed == [*FIXED.values()], (version, fixed)
         actuators = news[0] if news else int(count[0])
         addresses = f"Some({news[1:]})" if news else "None"
-        return (f"    row({header}, {size}, {actuators}, {addresses}, {model}, {data}, [{actuator}, {sensor}, {instance}], "
-                f"{stage}), // {version}")
+        return (f"    row({header}, {size}, {actuators}, {addresses}, {model}, [{later}], {data}, [{actuator}, {sensor}, {instance}], "
+                f"{stage}, {flag}), // {version}")
 
 
 if __name__ == "__main__":

@@ -3,7 +3,7 @@
 use crate::exceptions::OrException;
 use crate::scenario::ScenarioArgument;
 use crate::signals::{followed_to_its_end, interruptible};
-use crate::typed::{Count, Items, Quantity, SHARE, Sections, Texts, Value};
+use crate::typed::{Count, Items, Progress, Quantity, SHARE, Sections, Texts, Value};
 use mckibben_run::design::constraint::Constraint;
 use mckibben_run::design::outcome::{End, Outcome};
 use mckibben_run::design::vary::Vary;
@@ -128,7 +128,7 @@ pub(crate) fn _design<'py>(
     subject_to: Texts<'_>,
     settle: bool,
     evaluations: Count,
-    progress: Option<Bound<'py, PyAny>>,
+    progress: Option<Progress<'py>>,
 ) -> PyResult<Sections<'py>> {
     let constraint = |text: String| {
         text.parse::<Constraint>()
@@ -148,7 +148,8 @@ pub(crate) fn _design<'py>(
         settle,
         evaluations: evaluations.0,
     };
-    let (monitor, most, progress) = (Monitor::default(), request.evaluations, progress.map(Bound::unbind));
+    let (monitor, most, progress) =
+        (Monitor::default(), request.evaluations, progress.map(|progress| progress.0.unbind()));
     let report = |py: Python<'_>| match &progress {
         Some(progress) => progress.call1(py, (monitor.evaluations(), most)).map(drop),
         None => Ok(()),

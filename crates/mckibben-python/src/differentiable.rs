@@ -284,8 +284,9 @@ impl Differentiable {
     /// -----
     /// The function raises `InputError` for a tensor of another type, and where a second derivative is taken.
     fn for_torch<'py>(this: &Bound<'py, Self>) -> PyResult<Function<'py>> {
-        let shape = (this.get().sampling.times.len(), this.get().quantities.len());
-        python::call(this.py(), ("_beside", "for_torch"), (this, shape)).map(Function)
+        let of = this.get();
+        let (shape, width) = ((of.sampling.times.len(), of.quantities.len()), of.parameters.len());
+        python::call(this.py(), ("_beside", "for_torch"), (this, shape, width)).map(Function)
     }
 
     fn __repr__(&self) -> String {

@@ -401,7 +401,8 @@ impl DifferentiableStep {
     /// -----
     /// The function raises `InputError` for a tensor of another type, and where a second derivative is taken.
     fn for_torch<'py>(this: &Bound<'py, Self>) -> PyResult<Function<'py>> {
-        python::call(this.py(), ("_beside", "for_torch"), (this, (this.get().states.len() + 1,))).map(Function)
+        let (shape, width) = ((this.get().states.len() + 1,), this.get().width());
+        python::call(this.py(), ("_beside", "for_torch"), (this, shape, width)).map(Function)
     }
 
     fn __repr__(&self) -> String {

@@ -5,7 +5,7 @@ use crate::alone;
 use crate::arguments;
 use crate::exceptions::{OrException, exception};
 use crate::mark::mark;
-use crate::pace::{Pace, PaceParts, Span};
+use crate::pace::{PACE_PARTS, Pace, Span};
 use crate::pool;
 use crate::scenario::{Scenario, ScenarioArgument};
 use crate::typed::{Copied, Count, FREQUENCY, Matrix, NewArguments, PrecisionWord, Quantity, Rows, TIME, Table};
@@ -89,15 +89,18 @@ pub(crate) struct HostedPlant {
     max_step: Option<f64>,
     precision: PrecisionWord,
     batch: HostBatch,
-    /// A plant on which a start is tried.
+    /// A plant on which starts and saved states are tried.
     trial: HostPlant,
     /// What saved states begin with: of which plants they are.
     mark: f64,
     pace: Pace,
 }
 
-/// States of the plants as `save` returns them, and their clock.
-type State<'py> = (Matrix<'py>, PaceParts);
+/// Numbers of a saved state before those of the plant: the mark, and the clock.
+const HEAD: usize = 1 + PACE_PARTS;
+
+/// Share of a time by which two clocks at one instant may differ.
+const ROUNDING: f64 = 1e-9;
 
 /// Name of the class, for messages.
 const CLASS: &str = "HostedPlant";
@@ -137,19 +140,29 @@ impl HostedPlant {
         Ok(distances)
     }
 
-    /// Numbers of a saved state: the mark, and those of the plant.
+    /// Numbers of a saved state: the mark, the clock, and those of the plant.
     fn state_size(&self) -> usize {
-        1 + self.batch.state_size()
+        HEAD + self.batch.state_size()
     }
 
-    /// The states of all plants as numbers, each behind the mark.
+    /// The states of all plants as numbers, each behind the mark and the clock.
     fn saved<'py>(&mut self, py: Python<'py>) -> PyResult<Matrix<'py>> {
         let (width, count) = (self.state_size(), self.batch.count());
-        let mut numbers = vec![0.0; count * (width - 1)];
+        let mut numbers = vec![0.0; count * (width - HEAD)];
         self.batch.save(&mut numbers).or_exception()?;
-        let rows = numbers.chunks(width - 1);
-        let all = rows.flat_map(|row| std::iter::once(self.mark).chain(row.iter().copied())).collect();
+        let [origin, duration, spans] = self.pace.parts();
+        let head = [self.mark, origin, duration, spans];
+        let all = numbers.chunks(width - HEAD).flat_map(|row| head.into_iter().chain(row.iter().copied())).collect();
         matrix(py, all, count, width)
+    }
+
+    /// The clock of a saved state, which is at the time of the plant there.
+    fn clock_of(&mut self, state: &[f64]) -> Option<Pace> {
+        let (head, numbers) = state.split_at_checked(HEAD)?;
+        let pace = Pace::of_parts(head[1..].try_into().ok()?)?;
+        // A state that the plant refuses is reported by the batch.
+        let time = self.trial.restore(numbers).map_or(pace.now(), |()| self.trial.steps().time());
+        ((time - pace.now()).abs() <= ROUNDING * time.abs()).then_some(pace)
     }
 
     /// Brings all plants back to states that were saved.
@@ -171,9 +184,13 @@ impl HostedPlant {
             let title = format!("`states` has {} numbers for each plant, whose state is {width}", shape[1]);
             return Err(Failure::input(title, "give an array that this version of `save` has returned")).or_exception();
         }
-        let numbers: Vec<f64> = entries.chunks(width).flat_map(|its| &its[1..]).copied().collect();
+        let Some(pace) = self.clock_of(&entries[..width]) else {
+            let remedy = "give an array that `save` has returned";
+            return Err(Failure::input("states[0] has a clock that is not at its time", remedy)).or_exception();
+        };
+        let numbers: Vec<f64> = entries.chunks(width).flat_map(|its| &its[HEAD..]).copied().collect();
         self.share(py, |batch| batch.restore(&numbers))?;
-        self.pace = Pace::at(self.batch.time());
+        self.pace = pace;
         Ok(())
     }
 
@@ -505,13 +522,13 @@ impl HostedPlant {
     /// Returns
     /// -------
     /// ndarray
-    ///     What `restore` takes. The first number of each row is a mark of the scenario and the commands; the order of the others
-    ///     may change from one version to the next.
+    ///     What `restore` takes. The first number of each row is a mark of the scenario and the commands; the order of the others,
+    ///     among them the clock, may change from one version to the next.
     fn save<'py>(this: &Bound<'py, Self>, py: Python<'py>) -> PyResult<Matrix<'py>> {
         alone::to_change(this, CLASS)?.saved(py)
     }
 
-    /// Bring all plants back to states that plants of an equal scenario have saved.
+    /// Bring all plants back to states that plants of an equal scenario have saved. They continue bit-identically.
     ///
     /// The scenarios may differ in `command`, `controller`, `initial`, `load`, `mechanism` and `run`.
     ///
@@ -550,18 +567,13 @@ impl HostedPlant {
         Ok(((plants.scenario.clone_ref(py), plants.batch.count()), named.into()))
     }
 
-    /// Return the states of the plants and their clock.
-    fn __getstate__<'py>(this: &Bound<'py, Self>, py: Python<'py>) -> PyResult<State<'py>> {
-        let plants = &mut *alone::to_change(this, CLASS)?;
-        Ok((plants.saved(py)?, plants.pace.parts()))
+    /// Return the states of the plants.
+    fn __getstate__<'py>(this: &Bound<'py, Self>, py: Python<'py>) -> PyResult<Matrix<'py>> {
+        alone::to_change(this, CLASS)?.saved(py)
     }
 
-    fn __setstate__(this: &Bound<'_, Self>, py: Python<'_>, state: (Table<'_>, PaceParts)) -> PyResult<()> {
-        let plants = &mut *alone::to_change(this, CLASS)?;
-        let (states, pace) = state;
-        plants.bring_back(py, &states)?;
-        plants.pace = Pace::of_parts(pace);
-        Ok(())
+    fn __setstate__(this: &Bound<'_, Self>, py: Python<'_>, state: Table<'_>) -> PyResult<()> {
+        alone::to_change(this, CLASS)?.bring_back(py, &state)
     }
 
     fn __repr__(this: &Bound<'_, Self>) -> PyResult<String> {

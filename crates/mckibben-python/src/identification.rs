@@ -3,7 +3,7 @@
 use crate::exceptions::OrException;
 use crate::scenario::Scenario;
 use crate::signals::followed_to_its_end;
-use crate::typed::{Items, Name, Object, Sections, Sequence, Values};
+use crate::typed::{Items, Name, Object, Progress, Sections, Sequence, Values};
 use crate::values;
 use mckibben_identify::least_squares::{Estimate, Monitor};
 use mckibben_identify::study::Table;
@@ -25,7 +25,7 @@ pub(crate) fn _identify_file<'py>(
     py: Python<'py>,
     study: PathBuf,
     output: Option<PathBuf>,
-    progress: Option<Bound<'py, PyAny>>,
+    progress: Option<Progress<'py>>,
 ) -> PyResult<Sections<'py>> {
     found(py, || Request::load(&study), output, progress)
 }
@@ -39,7 +39,7 @@ pub(crate) fn _identify<'py>(
     tables: Items<(String, Items<(Name, Sequence)>)>,
     scenario: &Bound<'py, Scenario>,
     output: Option<PathBuf>,
-    progress: Option<Bound<'py, PyAny>>,
+    progress: Option<Progress<'py>>,
 ) -> PyResult<Sections<'py>> {
     let text = values::pairs_of(&sections.0)?.into_iter().collect::<toml::Table>().to_string();
     let table = |(name, columns): (String, Items<(Name, Sequence)>)| {
@@ -56,9 +56,10 @@ fn found<'py>(
     py: Python<'py>,
     request: impl FnOnce() -> Result<Request, Failure> + Send,
     output: Option<PathBuf>,
-    progress: Option<Bound<'py, PyAny>>,
+    progress: Option<Progress<'py>>,
 ) -> PyResult<Sections<'py>> {
-    let (monitor, folder, progress) = (Monitor::default(), output.as_deref(), progress.map(Bound::unbind));
+    let (monitor, folder, progress) =
+        (Monitor::default(), output.as_deref(), progress.map(|progress| progress.0.unbind()));
     let report = |py: Python<'_>| match &progress {
         Some(progress) => progress.call1(py, (monitor.evaluations(), py.None())).map(drop),
         None => Ok(()),

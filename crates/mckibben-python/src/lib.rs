@@ -89,7 +89,7 @@ mod _mckibben {
     #[pymodule_export]
     use crate::scenario::{_quantity, Scenario};
     #[pymodule_export]
-    use crate::statics::_Statics;
+    use crate::statics::{_Statics, _si};
     #[pymodule_export]
     use crate::sweep::Sweep;
     #[pymodule_export]

@@ -8,8 +8,8 @@ pub(crate) struct Span {
     pub(crate) steps: u64,
 }
 
-/// Origin and duration of a span of a clock in s, and how many spans have passed.
-pub(crate) type PaceParts = (f64, f64, u64);
+/// Numbers of a clock: its origin and the duration of a span in s, and how many spans have passed.
+pub(crate) const PACE_PARTS: usize = 3;
 
 /// A clock that is not summed: after as many equal spans it is at as many times a span.
 #[derive(Clone, Copy, Debug, Default)]
@@ -20,19 +20,17 @@ pub(crate) struct Pace {
 }
 
 impl Pace {
-    /// The clock at a time in s.
-    pub(crate) fn at(origin: f64) -> Self {
-        Self { origin, ..Self::default() }
+    /// The clock of a saved state; none where its numbers are those of no clock.
+    pub(crate) fn of_parts([origin, duration, count]: [f64; PACE_PARTS]) -> Option<Self> {
+        // Up to 2⁵³ a float holds each whole number.
+        let is_clock = origin.is_finite() && duration.is_finite() && origin >= 0.0 && duration >= 0.0;
+        let is_count = (0.0..=9_007_199_254_740_992.0).contains(&count) && count.fract() == 0.0;
+        (is_clock && is_count).then_some(Self { origin, duration, count: count as u64 })
     }
 
-    /// The clock of a pickle.
-    pub(crate) fn of_parts((origin, duration, count): PaceParts) -> Self {
-        Self { origin, duration, count }
-    }
-
-    /// What a pickle holds of the clock.
-    pub(crate) fn parts(&self) -> PaceParts {
-        (self.origin, self.duration, self.count)
+    /// What a saved state holds of the clock: a clock that began at its time would round later times in another way.
+    pub(crate) fn parts(&self) -> [f64; PACE_PARTS] {
+        [self.origin, self.duration, self.count as f64]
     }
 
     /// The clock after another span.

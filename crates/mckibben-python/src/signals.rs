@@ -6,6 +6,7 @@
 
 use crate::exceptions::{OrException, exception};
 use crate::pool;
+use crate::typed::Progress;
 use mckibben::Error;
 use mckibben_run::failure::Failure;
 use pyo3::prelude::*;
@@ -33,8 +34,8 @@ impl Watch {
     }
 
     /// Calls `progress(time, end)` now and then. What it raises ends the work.
-    pub(crate) fn reporting(self, progress: Option<Bound<'_, PyAny>>, end: f64) -> Self {
-        Self { progress: progress.map(|progress| (progress.unbind(), end)), ..self }
+    pub(crate) fn reporting(self, progress: Option<Progress<'_>>, end: f64) -> Self {
+        Self { progress: progress.map(|progress| (progress.0.unbind(), end)), ..self }
     }
 
     /// Goes on unless a signal has raised something; `time` in s is what has been reached.

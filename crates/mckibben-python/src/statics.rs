@@ -3,7 +3,7 @@
 use crate::arguments;
 use crate::exceptions::OrException;
 use crate::scenario::ScenarioArgument;
-use crate::typed::{Numbers, PRESSURE, Quantity, Sequence};
+use crate::typed::{FORCE, LENGTH, Numbers, PRESSURE, Quantity, Sequence, si_of_text};
 use mckibben::{Actuator, GaugePressure};
 use mckibben_run::failure::Failure;
 use numpy::PyArray1;
@@ -67,6 +67,17 @@ fn not_infinite(name: &str, numbers: &[f64]) -> Result<(), Failure> {
             format!("give finite numbers in `{name}`, or NaN where there is none"),
         )),
     }
+}
+
+/// The value in SI of text in an argument, whose name says what it measures: a length, a force or a pressure.
+#[pyfunction]
+pub(crate) fn _si(name: &str, text: &str) -> PyResult<f64> {
+    let measured = match name {
+        "length" => LENGTH,
+        "force" => FORCE,
+        _ => PRESSURE,
+    };
+    si_of_text(name, text, measured).or_exception()
 }
 
 #[pymethods]

@@ -2,7 +2,8 @@
 
 use crate::exceptions::OrException;
 use crate::scenario::{Scenario, ScenarioArgument};
-use crate::typed::{Items, Names};
+use crate::signals::interruptible;
+use crate::typed::{Items, Names, Progress};
 use mckibben_run::failure::Failure;
 use mckibben_run::output;
 use mckibben_run::sweep::counts::SweepCounts;
@@ -61,11 +62,7 @@ pub(crate) struct Sweep {
     choice: Option<Choice>,
 }
 
-/// Runs for each thread, a part at least, between two checks of Ctrl-C: so many that threads which wait for the last of them do
-/// not count.
-const UNHEEDING: u64 = 256;
-
-/// As many between which `progress` is called, or a hundredth of the sweep.
+/// Runs for each thread, a part at least, between which `progress` is called; or a hundredth of the sweep.
 const OBSERVED: u64 = 16;
 
 /// Threads at most.
@@ -295,14 +292,15 @@ impl Sweep {
     ///
     /// Notes
     /// -----
-    /// Ctrl-C, and an exception of `progress`, end the sweep when the parts in progress are finished. These stay in the folder.
+    /// Ctrl-C ends the runs in progress; the parts that are finished by then stay in the folder. An exception of `progress` ends the
+    /// sweep between parts. A run on its way to an orbit (`sweep.over`), and the trial of steps before the runs, are not ended.
     #[pyo3(signature = (folder, jobs = None, progress = None))]
     fn run(
         &self,
         py: Python<'_>,
         folder: PathBuf,
         jobs: Option<usize>,
-        progress: Option<Bound<'_, PyAny>>,
+        progress: Option<Progress<'_>>,
     ) -> PyResult<()> {
         let jobs = jobs.unwrap_or_else(cores);
         if jobs == 0 {
@@ -320,18 +318,18 @@ impl Sweep {
         let mut done = self.parts() - missing.len() as u64;
         let of_rows = |rows: u64| (rows * jobs as u64).div_ceil(self.prepared.plan().part_rows.max(1));
         let together = match progress {
-            None => of_rows(UNHEEDING),
+            None => missing.len() as u64,
             Some(_) => of_rows(OBSERVED).max(missing.len() as u64 / 100),
         };
-        for parts in missing.chunks(usize::try_from(together).unwrap_or(usize::MAX)) {
+        for parts in missing.chunks(usize::try_from(together).unwrap_or(usize::MAX).max(1)) {
             py.check_signals()?;
-            py.detach(|| {
+            interruptible(py, |check| {
                 let place = Place::Folder(self.prepared.folder(&folder)?);
-                self.prepared.simulate(self.choice.as_ref(), parts.to_vec(), jobs, place, &mut totals)
-            })
+                self.prepared.simulate_checked(check, self.choice.as_ref(), parts.to_vec(), jobs, place, &mut totals)
+            })?
             .or_exception()?;
             done += parts.len() as u64;
-            progress.as_ref().map_or(Ok(()), |progress| progress.call1((done, self.parts())).map(|_| ()))?;
+            progress.as_ref().map_or(Ok(()), |progress| progress.0.call1((done, self.parts())).map(|_| ()))?;
         }
         py.check_signals()
     }

@@ -8,7 +8,7 @@ use crate::scenario::{Scenario, ScenarioArgument};
 use crate::signals::Watch;
 use crate::typed::{
     self, Axes, AxisWord, Columns, Facts, Figure, Items, Line, Listed, Name, Names, Numbers, Pandas, Parts, Polars,
-    Row, Single, Summary, Texts, Words,
+    Progress, Row, Single, Summary, Texts, Words,
 };
 use mckibben_plot::Theme;
 use mckibben_run::axis::TrajectoryAxis;
@@ -69,7 +69,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 pub(crate) fn simulate(
     py: Python<'_>,
     scenario: ScenarioArgument<'_>,
-    progress: Option<Bound<'_, PyAny>>,
+    progress: Option<Progress<'_>>,
 ) -> PyResult<Trajectory> {
     let scenario = scenario.0;
     let finished = run(py, scenario.get(), progress)?;
@@ -88,7 +88,7 @@ pub(crate) fn simulate(
     Ok(Trajectory { scenario: scenario.unbind(), columns, events, kept })
 }
 
-fn run(py: Python<'_>, scenario: &Scenario, progress: Option<Bound<'_, PyAny>>) -> PyResult<Finished> {
+fn run(py: Python<'_>, scenario: &Scenario, progress: Option<Progress<'_>>) -> PyResult<Finished> {
     let ready = py.detach(|| Ready::of(&scenario.document)).or_exception()?;
     let mut watch = Watch::new().reporting(progress, ready.plan().duration);
     let finished = py.detach(|| ready.run(&scenario.document, End::Duration, &mut |time| watch.at(time)));
@@ -529,7 +529,7 @@ impl Trajectory {
     /// Return figures of the run by the names of the reductions of a sweep.
     ///
     /// They are extremes, ripple, air consumption, energy and exergy, the chosen step and its error, counts of events, and
-    /// assumed values.
+    /// assumed values. Extremes are those of the run between its samples too; those of a sweep are of the samples alone.
     ///
     /// Returns
     /// -------

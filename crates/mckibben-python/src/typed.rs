@@ -59,8 +59,8 @@ typed! {
     Numbered = of!(DICT, STR, of!(ARRAY, name!("numpy", "float64")));
     /// Arrays by their names.
     Columns = of!(DICT, STR, of!(ARRAY, ANY));
-    /// Values by their names.
-    Row = of!(DICT, STR, type_hint_union!(FLOAT, STR));
+    /// Values by their names: numbers, and words in a few columns. A union would make users convert each number before they reckon.
+    Row = of!(DICT, STR, ANY);
     /// Numbers by their names.
     Point = of!(DICT, STR, FLOAT);
     /// What holds, by its names: a word, a number, or whether.
@@ -406,6 +406,7 @@ pub(crate) const VELOCITY: Measured = ["velocity", "m/s", "10 mm/s"];
 pub(crate) const TIME: Measured = ["time", "s", "1 ms"];
 pub(crate) const PRESSURE: Measured = ["pressure", "Pa", "2 bar"];
 pub(crate) const FREQUENCY: Measured = ["frequency", "Hz", "25 Hz"];
+pub(crate) const FORCE: Measured = ["force", "N", "20 N"];
 pub(crate) const SHARE: Measured = ["share", "%", "40 %"];
 
 impl<'a, 'py> FromPyObject<'a, 'py> for Quantity<'py> {
@@ -490,7 +491,7 @@ impl<'a, 'py, const LEAST: usize> FromPyObject<'a, 'py> for Count<LEAST> {
 
     fn extract(count: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
         match count.extract() {
-            Ok(count) if count >= LEAST => Ok(Self(count)),
+            Ok(number) if number >= LEAST && !count.is_instance_of::<PyBool>() => Ok(Self(number)),
             Err(error) if !count.is_instance_of::<PyInt>() => Err(error),
             _ => Err(exception(&Failure::input(
                 format!("count = {} is out of range", shortened(&count.to_string())),
@@ -594,6 +595,21 @@ impl<'a, 'py> FromPyObject<'a, 'py> for GaugePressures {
         match given.extract() {
             Ok(text) => Ok(Self::Text(text)),
             Err(_) => given.extract().map(Self::Numbers),
+        }
+    }
+}
+
+/// A function of Python that is called with how far work has come.
+pub(crate) struct Progress<'py>(pub(crate) Bound<'py, PyAny>);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Progress<'py> {
+    type Error = PyErr;
+    const INPUT_TYPE: PyStaticExpr = of!(name!("collections.abc", "Callable"), name!("builtins", "..."), ANY);
+
+    fn extract(given: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        match given.is_callable() {
+            true => Ok(Self(given.to_owned())),
+            false => Err(PyTypeError::new_err(format!("a function is wanted, such as print, and no {}", kind(&given)))),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The figures of a run: extremes, the last periods under PWM, the air through each port.
 //!
-//! A run is evaluated in five points of every step, at every event and at every sample, as it is made: nothing of it is kept.
+//! A run is evaluated in five points of every step, at both ends of the step, at every sample, and where a quantity turns at an
+//! extreme, as it is made: nothing of it is kept.
 
 use crate::warnings::Reached;
 use mckibben::Actuator;
@@ -56,21 +57,71 @@ pub struct Extremes {
 }
 
 impl Extremes {
-    const NONE: Self = Self {
-        length: Range::NONE,
-        velocity: Range::NONE,
-        tension: Range::NONE,
-        pressure: Range::NONE,
-        temperature: Range::NONE,
-    };
-
-    fn see(&mut self, sample: &Sample) {
-        self.length.see(sample.length);
-        self.velocity.see(sample.velocity);
-        self.tension.see(sample.tension);
-        self.pressure.see(sample.pressure.0);
-        self.temperature.see(sample.temperature);
+    /// The quantities of a sample, in the order of the fields.
+    fn values(of: &Sample) -> [f64; 5] {
+        [of.length, of.velocity, of.tension, of.pressure.0, of.temperature]
     }
+}
+
+/// Extremes of quantities over the steps of a run. A quantity may be extreme just before an event, where it jumps, and between two of
+/// the points at which a step is read: there the parabola through three of them says where.
+#[derive(Clone, Debug)]
+pub(crate) struct Peaks<V> {
+    ranges: Vec<Range>,
+    /// Times in s and values within the step that is being seen.
+    points: Vec<(f64, V)>,
+}
+
+impl<V: AsRef<[f64]>> Peaks<V> {
+    /// Of so many quantities.
+    pub(crate) fn new(count: usize) -> Self {
+        Self { ranges: vec![Range::NONE; count], points: Vec::new() }
+    }
+
+    /// Takes the values at a time in s within a step.
+    pub(crate) fn see(&mut self, time: f64, values: V) {
+        self.widen(&values);
+        self.points.push((time, values));
+    }
+
+    /// Takes values whose time does not matter.
+    pub(crate) fn widen(&mut self, values: &V) {
+        self.ranges.iter_mut().zip(values.as_ref()).for_each(|(range, value)| range.see(*value));
+    }
+
+    /// Ends a step: the times in s in it at which quantities turn about what is an extreme so far, to be taken by [`Self::widen`].
+    pub(crate) fn turns(&mut self) -> Vec<f64> {
+        let Self { ranges, points } = self;
+        points.sort_by(|one, other| one.0.total_cmp(&other.0));
+        points.dedup_by(|one, other| one.0 == other.0);
+        let mut times = Vec::new();
+        for three in points.windows(3) {
+            let [before, at, after] = three else { continue };
+            let values = before.1.as_ref().iter().zip(at.1.as_ref()).zip(after.1.as_ref());
+            for (range, ((before_it, it), after_it)) in ranges.iter().zip(values) {
+                let (left, right) = (it - before_it, it - after_it);
+                if left * right > 0.0 && (*it == range.least || *it == range.greatest) {
+                    let (back, forth) = (at.0 - before.0, after.0 - at.0);
+                    let from_middle = (forth * forth * left - back * back * right) / (forth * left + back * right);
+                    times.push(at.0 + 0.5 * from_middle);
+                }
+            }
+        }
+        points.clear();
+        times
+    }
+
+    /// The extremes, in the order of the values.
+    pub(crate) fn ranges(&self) -> &[Range] {
+        &self.ranges
+    }
+}
+
+/// The times in s of the samples of a run, with as many between them as make at least `least` in all: a long step, as of a mass in
+/// free flight, may hold an extreme between two of its points, and no figure may contradict the file.
+pub(crate) fn dense_times(plan: &Run, least: f64) -> Times {
+    let times = SampleTimes::new(plan.duration, plan.sample_interval).steps(plan.duration / least);
+    Box::new(std::iter::once(0.0).chain(times.map(|(time, _)| time)))
 }
 
 /// Air in kg through the ports of the valve.
@@ -197,19 +248,17 @@ const POINTS: u64 = 400;
 const LEAST_SAMPLES: f64 = 5000.0;
 
 /// Times at which a run is read.
-type Times = Box<dyn Iterator<Item = f64> + Send>;
+pub(crate) type Times = Box<dyn Iterator<Item = f64> + Send>;
 
 /// Observes a run on its way.
 pub struct Observer {
     first: Option<Sample>,
-    extremes: Extremes,
+    peaks: Peaks<[f64; 5]>,
     air: AirUse,
     window: Option<Window>,
     events: BTreeMap<EventKind, u64>,
     actuator: Actuator,
     reached: Reached,
-    /// Time in s of the last event, until the step that holds it.
-    event: Option<f64>,
     samples: Reading<Times>,
     points: Reading<Times>,
 }
@@ -297,44 +346,45 @@ impl Observes<RigPlant> for Observer {
 
     fn new(rig: &Rig, plan: &Run) -> Self {
         let (window, end) = (Window::of(rig, plan), plan.duration);
-        // A long step, as of a mass in free flight, may hold an extreme between two of its points; and no figure may
-        // contradict the file.
-        let interval = plan.sample_interval.min(end / LEAST_SAMPLES);
         let points: Times = match &window {
             Some(window) => Box::new(window.points()),
             None => Box::new(std::iter::empty()),
         };
         Self {
             first: None,
-            extremes: Extremes::NONE,
+            peaks: Peaks::new(5),
             air: AirUse::default(),
             window,
             events: BTreeMap::new(),
             actuator: rig.actuator().clone(),
             reached: Reached::NONE,
-            event: None,
-            samples: Reading::new(Box::new(SampleTimes::new(end, interval).times()), end),
+            samples: Reading::new(dense_times(plan, LEAST_SAMPLES), end),
             points: Reading::new(points, end),
         }
     }
 
     fn step(&mut self, step: &ViewStep<'_, RigPlant>) {
-        let Self { first, extremes, air, window, events, actuator, reached, event, samples, points } = self;
-        step.quadrature(|weight, sample, flows| {
-            extremes.see(sample);
+        let Self { first, peaks, air, window, events, actuator, reached, samples, points } = self;
+        let mut see = |time, sample: &Sample| {
+            peaks.see(time, Extremes::values(sample));
             reached.see(actuator, sample);
+        };
+        step.quadrature(|weight, sample, flows| {
+            see(sample.time, sample);
             air.see(weight, flows);
         });
-        let read = |sample: &Sample| {
+        let Ok(()) = samples.step(step, |sample| {
             first.get_or_insert(*sample);
-            extremes.see(sample);
-            reached.see(actuator, sample);
+            see(sample.time, sample);
             Ok::<_, std::convert::Infallible>(())
-        };
-        let Ok(()) = samples.step(step, read);
-        if let Some(time) = event.take_if(|time| step.holds(*time)) {
-            let sample = step.read(time);
-            extremes.see(&sample);
+        });
+        // What is passed within an instant has no place in the run.
+        if step.holds(step.start()) {
+            [step.start(), step.end()].into_iter().for_each(|time| see(time, &step.at(time)));
+        }
+        for time in peaks.turns() {
+            let sample = step.at(time);
+            peaks.widen(&Extremes::values(&sample));
             reached.see(actuator, &sample);
         }
         let Ok(()) = points.step(step, |sample| {
@@ -346,15 +396,17 @@ impl Observes<RigPlant> for Observer {
         });
         if let Some(happened) = step.event() {
             *events.entry(happened.kind).or_insert(0) += 1;
-            *event = Some(happened.time);
         }
     }
 
     fn finish(mut self, last: Sample, ended: Ended) -> Observation {
-        self.extremes.see(&last);
+        self.peaks.widen(&Extremes::values(&last));
         self.reached.see(&self.actuator, &last);
         let ripple = self.window.as_ref().and_then(Window::ripple);
-        let Self { first, extremes, air, events, reached, .. } = self;
+        let Self { first, peaks, air, events, reached, .. } = self;
+        let of = |index: usize| peaks.ranges()[index];
+        let [length, velocity, tension, pressure, temperature] = [0, 1, 2, 3, 4].map(of);
+        let extremes = Extremes { length, velocity, tension, pressure, temperature };
         Observation { first: first.unwrap_or(last), last, extremes, air, ripple, events, reached: [reached], ended }
     }
 }
@@ -368,5 +420,20 @@ mod tests {
         let mut range = Range::NONE;
         [1.0, f64::NAN, 2.0].into_iter().for_each(|value| range.see(value));
         assert!(range.least.is_nan() && range.greatest.is_nan());
+    }
+
+    /// A parabola is read where it turns, whatever the distances of its points; what only rises has no turn, nor has what turns below
+    /// an extreme that was seen before.
+    #[test]
+    fn peaks_are_read_where_a_parabola_turns() {
+        let of = |time: f64| [3.0 - (time - 0.37).powi(2), time];
+        let mut peaks = Peaks::new(2);
+        [0.0, 0.5, 0.2, 1.0].into_iter().for_each(|time| peaks.see(time, of(time)));
+        let turns = peaks.turns();
+        assert!(turns.len() == 1 && (turns[0] - 0.37).abs() < 1e-12, "{turns:?}");
+        turns.iter().for_each(|time| peaks.widen(&of(*time)));
+        assert!((peaks.ranges()[0].greatest - 3.0).abs() < 1e-12 && peaks.ranges()[1].greatest == 1.0);
+        [0.0, 0.2, 0.6].into_iter().for_each(|time| peaks.see(time, of(time)));
+        assert!(peaks.turns().is_empty());
     }
 }

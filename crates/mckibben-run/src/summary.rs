@@ -107,7 +107,7 @@ impl Summary {
             ("effectiveness", total.effectiveness_loss),
         ];
         energy.into_iter().for_each(|(name, value)| self.put(format!("energy.{name}"), "J", value));
-        self.residual("energy", &ledger.work());
+        self.residual("energy", "J", &ledger.work());
         if !draws {
             return;
         }
@@ -123,14 +123,15 @@ impl Summary {
             ("heat", total.heat_loss),
         ];
         exergy.into_iter().for_each(|(name, value)| self.put(format!("exergy.{name}"), "J", value));
-        self.residual("exergy", &ledger.exergy());
+        self.residual("exergy", "J", &ledger.exergy());
+        self.residual("air", "kg", &ledger.air());
         if let Some(efficiency) = total.efficiency() {
             self.put("exergy.efficiency", "", efficiency);
         }
     }
 
-    fn residual(&mut self, of: &str, balance: &Balance) {
-        self.put(format!("{of}.residual"), "J", balance.residual);
+    fn residual(&mut self, of: &str, unit: &'static str, balance: &Balance) {
+        self.put(format!("{of}.residual"), unit, balance.residual);
     }
 
     /// How far goals were missed.
@@ -254,8 +255,10 @@ fn of_plant(of: &PlantFigures) -> Summary {
 
 #[cfg(test)]
 mod tests {
+    use crate::record::Values;
     use crate::run::Ready;
     use crate::settle::End;
+    use crate::units::ending;
     use mckibben_scenario::Document;
     use std::collections::BTreeSet;
     use std::path::Path;
@@ -292,6 +295,55 @@ mod tests {
             let ends = "left_inside exhaust leaked others throttled mixing heat residual";
             let supplied = sum("exergy", "drawn compressed");
             assert!((supplied - value("energy.gas_work") - sum("exergy", ends)).abs() < 1e-9 * supplied, "{file}");
+            assert!(value("air.residual").abs() < 1e-6 * value("air.used").abs().max(1e-9), "{file}");
+        }
+    }
+
+    /// A load that swings under pulses: friction jumps where the velocity turns, and its tension has its peak just before.
+    const SWING: &str = "[supply]\ngauge_pressure = \"6.313 bar\"\n[actuator]\npreset = \"colbrunn-2001\"\n\
+                         friction.viscoelastic = { relaxation_time = [\"20 ms\"], stiffness_ratio = [0.2] }\n\
+                         [valve]\nkind = \"three-way\"\nflow_area = \"1.8 mm^2\"\nopening_delay = \"2.371 ms\"\n\
+                         [command]\nkind = \"pwm\"\nfrequency = \"38.57 Hz\"\nduty = 0.5094\n\
+                         [load]\nkind = \"hanging-mass\"\nmass = \"4.525 kg\"\n[actuators.a]\n\
+                         [initial]\ngauge_pressure = \"0.7014 bar\"\n[run]\nduration = \"0.15 s\"\n";
+
+    /// No sample lies outside the extremes, nor does what stands just before an event. The interval of the samples divides none of
+    /// those at which the observers would read without it.
+    #[test]
+    fn extremes_contain_every_sample_and_both_sides_of_every_event() {
+        let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
+        let load = |file: &str| Document::load(examples.join(file)).unwrap();
+        let cases = [
+            ("a plant", Document::parse(SWING, "swing.toml").unwrap()),
+            ("one", load("paper/fig-12.toml")),
+            ("a joint", load("antagonistic-joint.toml")),
+            ("a chain", load("plant/arm.toml")),
+        ];
+        for (case, mut document) in cases {
+            document.set_text("run.duration", "\"0.15 s\"").unwrap();
+            document.set_text("run.sample_interval", "\"0.1 ms\"").unwrap();
+            let finished = Ready::of(&document).unwrap().run(&document, End::Duration, &mut |_| Ok(())).unwrap().0;
+            let numbers = finished.figures().unwrap().summary().numbers;
+            let value = |name: &str| numbers.iter().find(|number| number.name == name).unwrap().value;
+            let before: Vec<f64> = finished.log().times.iter().map(|time| time * (1.0 - 1e-12)).collect();
+            let mut compared = 0;
+            for (columns, part) in [(finished.columns(), 0.0), (finished.columns_at(&before), 1e-9)] {
+                for column in columns.unwrap() {
+                    let Values::Numbers(values) = column.values else { continue };
+                    let is_it = |name: &str, unit| format!("{name}{}", ending(unit)) == column.name;
+                    let of = |number: &&super::Number| {
+                        number.name.strip_suffix(".max").is_some_and(|name| is_it(name, number.unit))
+                    };
+                    let Some(number) = numbers.iter().find(of) else { continue };
+                    let name = number.name.trim_end_matches(".max");
+                    let [least, greatest] = ["min", "max"].map(|end| value(&format!("{name}.{end}")));
+                    let near = part * least.abs().max(greatest.abs());
+                    let outside = values.iter().find(|value| **value < least - near || **value > greatest + near);
+                    assert_eq!(outside, None, "{case}: {name} from {least} to {greatest}");
+                    compared += 1;
+                }
+            }
+            assert!(compared >= 6, "{case}: {compared}");
         }
     }
 

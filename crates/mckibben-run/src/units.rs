@@ -236,6 +236,12 @@ impl Units {
         Self(ROWS.into_iter().filter_map(unit).collect())
     }
 
+    /// The unit of the quantity with an SI unit, whose powers stand with or without their sign: columns of plants are in `m3`.
+    fn of_si(&self, si: &str) -> Option<&Unit> {
+        let is_it = |known: &str| known == si || known.replace('^', "") == si;
+        self.0.iter().find(|((_, known, _), _)| is_it(known)).map(|(_, unit)| unit)
+    }
+
     /// Whether none of length, pressure, mass and force has an imperial unit.
     fn is_metric(&self) -> bool {
         let main = |name: &str| matches!(name, "length" | "pressure" | "mass" | "force");
@@ -244,7 +250,7 @@ impl Units {
 
     /// The unit for values in an SI unit of which the largest size is given; another unit than those of the table is itself.
     pub fn shown(&self, si: &str, largest: f64) -> Shown {
-        let found = self.0.iter().find(|((_, unit, _), _)| *unit == si).map(|(_, unit)| unit.clone());
+        let found = self.of_si(si).cloned();
         // A prefix before a power would be raised with it.
         let first = si.split(['*', '/']).next().unwrap_or_default();
         let prefixes = !first.is_empty() && first.chars().all(char::is_alphabetic);
@@ -294,8 +300,7 @@ impl Units {
 
     /// A column in these units, without prefixes, and what makes its numbers. Its name ends with the unit.
     fn column(&self, column: Column) -> (Column, Shown) {
-        let found = self.0.iter().find(|((_, si, _), _)| *si == column.unit);
-        let Some((_, unit)) = found.filter(|_| column.kind == Kind::Number) else {
+        let Some(unit) = self.of_si(&column.unit).filter(|_| column.kind == Kind::Number) else {
             return (column, Shown { text: String::new(), factor: 1.0, zero: 0.0 });
         };
         let shown = Shown { text: unit.symbol.clone(), factor: 1.0 / unit.size, zero: unit.zero };
@@ -305,7 +310,7 @@ impl Units {
 
     /// The unit of values in an SI unit, with the factor and the offset that give a number in it.
     fn scale(&self, si: &str) -> Option<(String, f64, f64)> {
-        let (_, unit) = self.0.iter().find(|((_, known, _), _)| *known == si)?;
+        let unit = self.of_si(si)?;
         // No unit has minus zero as its offset.
         Some((unit.symbol.clone(), 1.0 / unit.size, 0.0 - unit.zero))
     }
@@ -336,6 +341,7 @@ impl FromStr for Units {
     /// `imperial`, `si,angle=deg` or `pressure=psi,length=in`: a system, metric where none is named, and units for quantities.
     fn from_str(text: &str) -> Result<Self, String> {
         let mut units: Option<Self> = None;
+        let mut chosen: Vec<&str> = Vec::new();
         for item in text.split(',').map(str::trim) {
             let Some((name, symbol)) = item.split_once('=') else {
                 let system = match item {
@@ -360,6 +366,10 @@ impl FromStr for Units {
             let Some(((_, si, _), unit)) = all.0.iter_mut().find(|((known, ..), _)| *known == name) else {
                 return Err(format!("`{name}` is no quantity; give one of {}", Self::names()));
             };
+            if chosen.contains(&name) {
+                return Err(format!("`{name}` stands twice; give one unit for each quantity"));
+            }
+            chosen.push(name);
             let fits = |of: &str| quantity::parse(&format!("1 {of}")).map(|read| read.dimension);
             let (found, expected) = (fits(symbol), fits(si).map_err(|error| error.to_string())?);
             match found {
@@ -473,6 +483,12 @@ mod tests {
         assert_eq!(named("angular_velocity_rad_s", "rad/s"), "angular_velocity_deg_s");
         assert_eq!(named("torque_n_m", "N*m"), "torque_lbf_in");
         assert_eq!(named("contraction", ""), "contraction");
+        // A column of a plant writes the unit without the sign of the power; a litre is a thousandth of it, and 1 in = 25.4 mm.
+        let volume = |system: &str| system.parse::<Units>().unwrap().column(Column::number("flexor.volume_m3", "m3"));
+        let (column, shown) = volume("imperial");
+        assert_eq!((column.name.as_str(), column.unit.as_str()), ("flexor.volume_in3", "in^3"));
+        assert!((shown.number(0.0254_f64.powi(3)) - 1.0).abs() < 1e-12, "{shown:?}");
+        assert_eq!(volume("metric").0.name, "flexor.volume_l");
         let units =
             ["length_m", "stiffness_n_m", "sonic_conductance_m3_s_pa", "damping_n_s_m", "contraction"].map(unit_of);
         assert_eq!(units, ["m", "N/m", "m^3/(s*Pa)", "N*s/m", ""]);
@@ -504,6 +520,8 @@ mod tests {
             ("presure=psi", "is no quantity"),
             ("pressure=psi,imperial", "must stand first"),
             ("pressure=pzi", "pzi"),
+            ("pressure=psi,pressure=bar", "`pressure` stands twice"),
+            ("imperial,metric", "only one system"),
         ] {
             let refused = text.parse::<Units>().unwrap_err();
             assert!(refused.contains(part), "{text}: {refused}");

@@ -56,6 +56,9 @@ impl std::error::Error for QuantityError {}
 /// Units nested deeper than this are refused, so that hostile text cannot exhaust the stack.
 const DEEPEST: usize = 16;
 
+/// What to write in place of a power beyond any physical quantity.
+const SMALL_POWER: &str = "write a power as in `ft^2` or `s^-1`; those of physical quantities are small";
+
 /// Reads a quantity such as `"60 psi"` to SI.
 ///
 /// # Errors
@@ -120,12 +123,18 @@ pub fn format(value: f64, unit: &str) -> String {
 
 /// Passes on a number that `f64` can hold.
 fn finite(text: &str, value: f64, may_be_zero: bool) -> Result<f64, QuantityError> {
-    let message = match (value.is_finite(), value == 0.0 && !may_be_zero) {
+    let (message, help) = match (value.is_finite(), value == 0.0 && !may_be_zero) {
         (true, false) => return Ok(value),
-        (true, true) => "the value is too small for a 64-bit number",
-        (false, _) => "the value is too large for a 64-bit number",
+        (true, true) => (
+            "the value is too small for a 64-bit number",
+            "write zero, or correct the exponent: it is below 5e-324 in SI",
+        ),
+        (false, _) => (
+            "the value is too large for a 64-bit number",
+            "correct the exponent or the unit: it is above 1.8e308 in SI",
+        ),
     };
-    Err(QuantityError { span: 0..text.len(), message: message.to_owned(), help: None })
+    Err(QuantityError { span: 0..text.len(), message: message.to_owned(), help: Some(help.to_owned()) })
 }
 
 /// The refusal of `degC` and `degF` inside compounds.
@@ -393,7 +402,7 @@ impl<'t> Parser<'t> {
     fn combine(&self, left: Product, right: Product, power: i32, span: Range<usize>) -> Result<Product, QuantityError> {
         match left.dimension.times(right.dimension, power) {
             Some(dimension) => Ok(Product { dimension, scale: left.scale.times(right.scale, power), zero: None }),
-            None => self.error(span, "the power of this unit is beyond any physical quantity", ""),
+            None => self.error(span, "the power of this unit is beyond any physical quantity", SMALL_POWER),
         }
     }
 
@@ -416,7 +425,8 @@ impl<'t> Parser<'t> {
         let start = self.at;
         if self.take("(") {
             if depth == DEEPEST {
-                return self.error(start..self.at, "parentheses are nested too deep", "");
+                let help = "write the unit with fewer parentheses, such as `N*s/m`";
+                return self.error(start..self.at, "parentheses are nested too deep", help);
             }
             let inside = self.expression(depth + 1)?;
             self.spaces();
@@ -451,7 +461,9 @@ impl<'t> Parser<'t> {
             let digits = self.take_while(|c| c.is_ascii_digit());
             return match digits.parse::<i32>() {
                 Ok(size) if size <= 30 => Ok(Some(if negative { -size } else { size })),
-                Ok(_) => self.error(start..self.at, "the power of this unit is beyond any physical quantity", ""),
+                Ok(_) => {
+                    self.error(start..self.at, "the power of this unit is beyond any physical quantity", SMALL_POWER)
+                }
                 Err(_) => self.error(start..self.at, "a power is a whole number", "write it as in `ft^2` or `s^-1`"),
             };
         }
@@ -467,7 +479,7 @@ impl<'t> Parser<'t> {
             }
             _ if digits.is_empty() => Ok(None),
             Some(size) => Ok(Some(if negative { -size } else { size })),
-            None => self.error(start..self.at, "the power of this unit is beyond any physical quantity", ""),
+            None => self.error(start..self.at, "the power of this unit is beyond any physical quantity", SMALL_POWER),
         }
     }
 }

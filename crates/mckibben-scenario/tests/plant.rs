@@ -438,6 +438,138 @@ fn a_plant_is_no_scenario_of_one_actuator() {
 /// A controller of a joint, without the actuators that it drives.
 const PAIR: &str = "[mechanism.joints.elbow.controller]\nkind = \"bang-bang\"\nangle = \"10 deg\"\nrate = \"100 Hz\"\ndead_band = \"1 deg\"\n";
 
+/// Tension of the agonist turns the joint towards greater angles, that of the antagonist back: an actuator that cannot is refused.
+#[test]
+fn agonist_and_antagonist_turn_the_joint_their_ways() {
+    let arms = |first: &str, second: &str, roles: [&str; 2]| {
+        format!(
+            "{ALL}{CHAIN}[actuators.flexor]\ncoupling.arms = {first}\n[actuators.extensor]\ncoupling.arms = {second}\n\
+             [actuators.lifter]\ncoupling.arms.shoulder = \"1 cm\"\n{PAIR}agonist = \"{}\"\nantagonist = \"{}\"\n",
+            roles[0], roles[1]
+        )
+    };
+    let (ahead, back) = ("{ elbow = \"1 cm\" }", "{ shoulder = \"1 cm\", elbow = \"-1 cm\" }");
+    let table = "{ elbow = { angle = [\"-1 rad\", \"2 rad\"], arm = [\"-1 cm\", \"-2 cm\"] } }";
+    plant(&arms(ahead, back, ["flexor", "extensor"]));
+    plant(&arms(ahead, table, ["flexor", "extensor"]));
+    let key = "mechanism.joints.elbow.controller";
+    for (text, count, words) in [
+        (
+            arms(ahead, back, ["extensor", "flexor"]),
+            2,
+            [format!("`{key}.agonist` = \"extensor\""), "swap agonist and antagonist".to_owned()],
+        ),
+        (
+            arms(table, back, ["flexor", "extensor"]),
+            1,
+            [
+                format!("`{key}.agonist` = \"flexor\""),
+                "name an actuator whose arm about `elbow` is positive".to_owned(),
+            ],
+        ),
+        (
+            arms(ahead, ahead, ["flexor", "extensor"]),
+            1,
+            [format!("`{key}.antagonist` = \"extensor\""), "must turn `elbow` towards smaller angles".to_owned()],
+        ),
+        (
+            arms(ahead, back, ["lifter", "extensor"]),
+            1,
+            [
+                "`lifter` does not span the joint `elbow`".to_owned(),
+                "give `lifter` a positive arm `actuators.lifter.coupling.arms.elbow`".to_owned(),
+            ],
+        ),
+    ] {
+        let found = document(&text).plant_experiment().expect_err(&text);
+        assert_eq!(found.count(), count, "{found}");
+        for word in words {
+            assert!(found.to_string().contains(&word), "{word}\n{found}");
+        }
+    }
+}
+
+/// Between two points the way that an actuator turns a joint follows from its length: it pulls towards where it is shorter.
+#[test]
+fn roles_between_points_follow_the_length() {
+    let of = |name: &str, across: &str| {
+        format!(
+            "[actuators.{name}.coupling]\norigin = {{ segment = \"upper-arm\", along = \"23 cm\", across = \"{across}\" }}\n\
+             insertion = {{ segment = \"forearm\", along = \"3 cm\", across = \"{across}\" }}\n"
+        )
+    };
+    let both = format!("{ALL}{CHAIN}{}{}", of("one", "3 cm"), of("other", "-3 cm"))
+        .replace("[coupling]\nrest_length = \"88 mm\"\n", "");
+    let built = plant(&both);
+    let length = |angle: f64| {
+        let mounted = &built.plant.actuators()[0];
+        mounted.coupling.span(&built.plant.mechanisms()[0], &[0.0, angle])
+    };
+    let one_flexes = length(0.4) < length(0.3);
+    let (agonist, antagonist) = if one_flexes { ("one", "other") } else { ("other", "one") };
+    let controlled = |agonist: &str, antagonist: &str| {
+        format!("{both}{PAIR}agonist = \"{agonist}\"\nantagonist = \"{antagonist}\"\n")
+    };
+    plant(&controlled(agonist, antagonist));
+    assert!(mistakes(&controlled(antagonist, agonist)).contains("swap agonist and antagonist"));
+}
+
+#[test]
+fn a_chain_has_at_most_eight_joints() {
+    let chain = |count: usize| {
+        let joints = (0..count).map(|index| {
+            format!("[mechanism.joints.q{index}]\nlength = \"3 cm\"\nmass = \"50 g\"\ndistance = \"15 mm\"\n")
+        });
+        let joints: String = joints.collect();
+        format!(
+            "{ALL}[mechanism]\nkind = \"chain\"\n{joints}[actuators.a.coupling]\nrest_length = \"88 mm\"\n\
+             arms.q0 = \"1 cm\"\n"
+        )
+    };
+    plant(&chain(8));
+    let found = mistakes(&chain(20));
+    assert!(found.contains("has 20 joints; a chain has at most eight joints"), "{found}");
+    assert!(found.contains("[mechanism.joints.q8]") && !found.contains("for each segment"), "{found}");
+}
+
+/// What two values contradict is shown of each actuator and each supply, and once where several share it.
+#[test]
+fn contradictions_of_all_parts_are_shown_at_once() {
+    let tank = "[supplies.tank]\ngauge_pressure = \"7 bar\"\nreservoir_volume = \"2 L\"\ncut_in_gauge_pressure = \"8 bar\"\n\
+                compressor_displacement = \"40 L/min\"\ncut_out_gauge_pressure = \"7 bar\"\n";
+    let all = "[load]\nkind = \"hanging-mass\"\nmass = \"2 kg\"\n[initial]\ngauge_pressure = \"2 bar\"\n\
+               [run]\nduration = \"50 ms\"\n";
+    let muscle = "preset = \"colbrunn-2001\"\n";
+    let text = format!(
+        "{tank}{all}[actuators.a]\n{muscle}taper = {{ end_radius = \"4 mm\", length_ratio = 1.0 }}\n\
+         [actuators.b]\n{muscle}max_length = \"200 mm\"\n[actuators.c]\n{muscle}initial.length = \"150 mm\"\n\
+         [actuators.sound]\n{muscle}"
+    );
+    let found = document(&text).plant_experiment().expect_err("four mistakes");
+    assert_eq!(found.count(), 4, "{found}");
+    let shown = found.to_string();
+    for part in ["the supply `tank`", "the actuator `a`", "the actuator `b`", "the actuator `c`"] {
+        assert!(shown.contains(&format!("this is of {part}")), "{part}\n{shown}");
+    }
+    let shared =
+        format!("{all}[actuator]\n{muscle}max_length = \"200 mm\"\n[actuators.a]\n[actuators.b]\n[actuators.c]\n");
+    let found = document(&shared).plant_experiment().expect_err("one mistake");
+    assert_eq!(found.count(), 1, "{found}");
+    assert!(found.to_string().contains("this is of the actuator `a`, and of 2 more"), "{found}");
+}
+
+/// A start that one of several actuators cannot have names that one.
+#[test]
+fn a_start_that_is_refused_names_its_actuator() {
+    let text = format!(
+        "{ALL}{CHAIN}[actuators.sound]\ncoupling.arms.elbow = \"1 cm\"\n[actuators.long]\ncoupling.arms.elbow = \"-1 cm\"\n\
+         coupling.rest_length = \"120 mm\"\n"
+    );
+    // Its 120 mm and what the arm adds are beyond the thread's 110 mm.
+    let error = mistakes(&text);
+    assert!(error.contains("initial.length") && error.contains("this is of the actuator `long`"), "{error}");
+}
+
 /// Files in which the keys of plants apply.
 fn files() -> [(&'static str, String); 7] {
     let arms = format!("{ALL}{CHAIN}[actuators.flexor]\ncoupling.arms.elbow = \"1 cm\"\n");
@@ -684,10 +816,11 @@ fn every_key_of_a_plant_has_an_effect() {
         document(&format!(
             "{}{}{PAIR}agonist = \"{agonist}\"\nantagonist = \"{antagonist}\"\n",
             file("arms"),
-            "[actuators.twin]\ncoupling.arms.elbow = \"-1 cm\"\n[actuators.third]\ncoupling.arms.elbow = \"-1 cm\"\n",
+            "[actuators.twin]\ncoupling.arms.elbow = \"-1 cm\"\n[actuators.third]\ncoupling.arms.elbow = \"-1 cm\"\n\
+             [actuators.fourth]\ncoupling.arms.elbow = \"1 cm\"\n",
         ))
     };
-    differs("mechanism.joints.*.controller.agonist", controlled("flexor", "third"), controlled("twin", "third"));
+    differs("mechanism.joints.*.controller.agonist", controlled("flexor", "third"), controlled("fourth", "third"));
     differs("mechanism.joints.*.controller.antagonist", controlled("flexor", "third"), controlled("flexor", "twin"));
     // The name of a segment is what attachments go by.
     let renamed = file("points").replace("insertion.segment = \"upper-arm\"", "insertion.segment = \"other\"");

@@ -119,11 +119,11 @@ fn mistakes_are_placed_and_explained() {
         ("5 (N", 4..4, "`)` is missing", ""),
         ("5 N)", 3..4, "cannot stand here", ""),
         ("5 ft^", 4..5, "whole number", "ft^2"),
-        ("5 ft^99", 4..7, "beyond any", ""),
+        ("5 ft^99", 4..7, "beyond any", "ft^2"),
         ("5 $", 2..3, "cannot stand here", ""),
         ("5 NL/min", 2..4, "reference temperature", "ANR"),
-        ("1e400 m", 0..7, "too large", ""),
-        ("1e-400 m", 0..8, "too small", ""),
+        ("1e400 m", 0..7, "too large", "exponent"),
+        ("1e-400 m", 0..8, "too small", "zero"),
         ("5 m psi psi kg)", 14..15, "cannot stand here", ""),
     ];
     for (text, span, message, help) in cases {

@@ -216,10 +216,14 @@ impl<S: Scalar, const K: usize> Scalar for Dual<S, K> {
 }
 
 impl<S: Real, const K: usize> Real for Dual<S, K> {
-    const HAS_DERIVATIVES: bool = true;
+    const SLOPES: usize = K;
     #[inline(always)]
     fn value(self) -> f64 {
         self.value.value()
+    }
+    #[inline(always)]
+    fn slope(self, direction: usize) -> f64 {
+        self.slope[direction].value()
     }
 }
 

@@ -93,18 +93,36 @@ impl Actuator<f64> {
         }
         let atmosphere = self.air().atmosphere();
         let surplus = |gauge: f64| self.static_force(length, GaugePressure(gauge).absolute(atmosphere).0) - pull;
-        if surplus(0.0) >= 0.0 {
+        if pull == 0.0 || surplus(0.0) >= 0.0 {
             return Some(GaugePressure(0.0));
         }
-        // Effectiveness may fall with the pressure, so that the force need not rise all the way.
-        let mut below = 0.0;
+        // Effectiveness may fall with the pressure and threads may stretch, so that the force need not rise all the way, and may
+        // just reach the pull. It turns at a low pressure rather than at a high one: there the brackets are narrow.
+        let at = |part: u32| most.0 * (f64::from(part.min(BRACKETS)) / f64::from(BRACKETS)).powi(2);
         for part in 1..=BRACKETS {
-            let above = most.0 * f64::from(part) / f64::from(BRACKETS);
-            if surplus(above) >= 0.0 {
-                return Some(GaugePressure(root::bracketed(below, above, 1e-16, surplus)));
+            let [before, here, after] = [at(part - 1), at(part), at(part + 1)];
+            if surplus(here) >= 0.0 {
+                return Some(GaugePressure(root::bracketed(before, here, 1e-16, surplus)));
             }
-            below = above;
+            if surplus(here) >= surplus(before).max(surplus(after)) {
+                let highest = top(before, after, surplus);
+                if surplus(highest) >= 0.0 {
+                    return Some(GaugePressure(root::bracketed(before, highest, 1e-16, surplus)));
+                }
+            }
         }
         None
     }
+}
+
+/// Where a function that rises and then falls is highest between two numbers, as far as its values differ.
+fn top(mut least: f64, mut most: f64, function: impl Fn(f64) -> f64) -> f64 {
+    /// Each leaves two thirds of the range.
+    const PARTS: u32 = 90;
+    for _ in 0..PARTS {
+        let third = (most - least) / 3.0;
+        let [lower, upper] = [least + third, most - third];
+        if function(lower) < function(upper) { least = lower } else { most = upper }
+    }
+    0.5 * (least + most)
 }

@@ -63,7 +63,7 @@ limits! {
     PLANT_HERE: "a file in which actuators have names", "where one actuator or joint is due",
         "run it with `mckibben simulate`, `sweep`, `linearize` or an `identify` of trajectories, or write a file of one actuator or joint";
     PLANT_HOST: "a scenario in which actuators have names", "in `Actuator`, `Actuators` and derivatives",
-        "use `simulate`, `sweep`, `linearize`, `Plants` or an environment, or write a scenario of one actuator or joint";
+        "use `simulate`, `sweep`, `linearize`, `HostedPlant`, `VectorPlant` or an environment, or write a scenario of one actuator or joint";
     PLANT_MODEL: "a controller by the model", "for a joint within a longer chain, with tendons, or with other than one moment arm each",
         "choose \"bang-bang\" or \"pid\", or control the pressures of the actuators";
     REGULATOR_SUPPLY: "a valve of kind \"pressure-regulator\"", "behind a reservoir or a regulator",

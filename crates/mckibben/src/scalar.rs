@@ -157,10 +157,18 @@ pub trait Scalar:
 /// A scalar with one value to branch on: not lanes.
 pub trait Real: Scalar<Mask = bool> + PartialEq {
     /// Whether it carries derivatives besides its value.
-    const HAS_DERIVATIVES: bool = false;
+    const HAS_DERIVATIVES: bool = Self::SLOPES > 0;
+    /// Directions of its derivatives.
+    const SLOPES: usize = 0;
 
     /// The value without any derivative.
     fn value(self) -> f64;
+
+    /// Its derivative in a direction.
+    #[inline(always)]
+    fn slope(self, _direction: usize) -> f64 {
+        0.0
+    }
 }
 
 /// A scalar that extends `S`: arguments of this type may meet parameters of type `S`.

@@ -2,6 +2,7 @@
 
 use crate::common::Paper;
 use mckibben::GaugePressure;
+use mckibben::force::Effectiveness;
 
 #[test]
 fn the_pressure_of_a_pull_is_that_of_the_ideal_braid() {
@@ -36,4 +37,25 @@ fn what_is_out_of_reach_has_no_pressure() {
         assert_eq!(actuator.pressure_under(0.5 * (shortest + longest), pull, most), None, "{pull}");
     }
     assert_eq!(actuator.pressure_under(longest, 0.0, most), Some(GaugePressure(0.0)));
+}
+
+/// The effectiveness 1 - P/P0 makes the force of the ideal braid a parabola over the pressure: highest at half of P0, where it just
+/// reaches a pull a billionth below.
+#[test]
+fn a_pull_that_the_force_just_reaches_has_its_least_pressure() {
+    let zero = 5e5;
+    let falling = Effectiveness::polynomial(&[1.0, -1.0 / zero]).expect("a law");
+    let paper = Paper::sealed();
+    let [ideal, actuator] = [paper.clone(), paper.with(|rig| rig.effectiveness = falling)].map(|paper| paper.actuator());
+    let length = 0.5 * (ideal.limits().min_length() + ideal.limits().max_length());
+    let per_pressure = ideal.static_force(length, GaugePressure(1e5).absolute(ideal.air().atmosphere()).0) / 1e5;
+    for most in [3e5, 4.9e5, 7e6] {
+        for below in [1e-9, 1e-4, 0.1, 0.9] {
+            let pull = 0.25 * zero * per_pressure * (1.0 - below);
+            let found = actuator.pressure_under(length, pull, GaugePressure(most)).expect("a pressure").0;
+            let closed = 0.5 * zero * (1.0 - f64::sqrt(below));
+            assert!((found / closed - 1.0).abs() < 1e-6, "{most} {below}: {found} is not {closed}");
+        }
+        assert_eq!(actuator.pressure_under(length, 0.2501 * zero * per_pressure, GaugePressure(most)), None);
+    }
 }

@@ -305,8 +305,9 @@ fn check_energy(run: &JointTrajectory, duration: f64, tolerance: f64) -> Result<
 /// Every number is one, and possible, and the energy closes; a run ends or says that a braid was pulled straight.
 #[test]
 fn random_joints_reach_their_end() {
-    let finished = std::cell::Cell::new(0);
+    let (tried, finished) = (std::cell::Cell::new(0), std::cell::Cell::new(0));
     let result = runner(CASES).run(&pairs(), |(pair, duration, tolerance)| {
+        tried.set(tried.get() + 1);
         let run = match pair.try_run(duration, tolerance) {
             Ok(run) => run,
             Err(Error::Stopped { reason: "the load pulled a braid straight", .. }) => return Ok(()),
@@ -328,7 +329,7 @@ fn random_joints_reach_their_end() {
         check_energy(&run, duration, tolerance)
     });
     result.unwrap_or_else(|error| panic!("{error}"));
-    assert!(finished.get() > CASES / 2, "{} of {CASES} joints ran", finished.get());
+    assert!(2 * finished.get() > tried.get(), "{} of {} joints ran", finished.get(), tried.get());
 }
 
 #[test]

@@ -342,11 +342,12 @@ fn random_joints_near_the_event_located_engine() {
             })
         };
         let (coarse, fine) = (worst(2e-4), worst(2.5e-5));
+        // A short pulse moves a pressure by little, of which its edges are more.
         // At 25 µs a free swing of 60 1/s errs by c (ωh)² ωT = 1e-4 of itself (`stable_error`). Against a stop, of
         // √(K/J) = 316 1/s, that is 1.4e-2, but for less than a twentieth of the time; and a velocity errs by its ω over that
         // of the whole swing, five times as much. Steps eight times as long err by 64 times as much, of order 2; where edges and
         // stops are many to a coarse step they have not come to that, but to more than order 1.5.
-        for (n, allowed) in [7e-4, 3.5e-3, 7e-4, 7e-4, 7e-4, 7e-4].into_iter().enumerate() {
+        for (n, allowed) in [7e-4, 3.5e-3, 2e-3, 7e-4, 2e-3, 7e-4].into_iter().enumerate() {
             prop_assert!(fine[n] < allowed && coarse[n] > 8_f64.powf(1.5) * fine[n], "{n}: {coarse:?} {fine:?}");
         }
         Ok(())

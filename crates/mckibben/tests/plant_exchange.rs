@@ -2,6 +2,7 @@
 
 use crate::common::Paper;
 use crate::common::random_plants::{numbered, plant};
+use mckibben::friction::Coulomb;
 use mckibben::plant::{Plant, PlantExchange, PlantRun, PlantSample, PlantSampler, PlantSteps};
 use mckibben::simulation::Method;
 
@@ -217,6 +218,43 @@ fn a_host_goes_through_the_events_of_random_plants() {
         events += host.events;
     }
     assert!(events > 20, "{events} events");
+}
+
+/// A given rate that leaves zero smoothly ends the rest by a guard: the force then jumps by dry friction, in the direction of the
+/// rate, at the start as after a rest within the run. At zero and at a rounding beside it no guard falls.
+#[test]
+fn a_rate_that_leaves_zero_smoothly_ends_the_rest() {
+    const FORCE: f64 = 5.0;
+    let dry = Coulomb::new(0.0).and_then(|law| law.with_force(FORCE, 0.0)).expect("dry friction");
+    let paper = Paper::sealed().gauge(3e5).from(0.085, 0.0).with(|rig| (rig.viscous, rig.coulomb) = (0.0, Some(dry)));
+    let rig = paper.rig();
+    let start = Plant::start_of_rig(&rig, &paper.start());
+    let (plant, start) = Plant::of_rig(&rig).to_external(&start).expect("a host's");
+    let place = plant.indices().mechanisms[0].rate(0);
+    // The least guard and the tension at a rate, in the mode that holds.
+    let at = |host: &mut Host, rate: f64| {
+        let (time, mut state) = (host.steps.time(), host.steps.state().to_vec());
+        state[place] = rate;
+        (host.least(time, &state), host.steps.sample().actuators[0].tension)
+    };
+    for sign in [1.0, -1.0] {
+        let mut host = Host::new(&plant, &start);
+        let (least, rest) = at(&mut host, 0.0);
+        assert!(least > 0.0, "{least} at rest");
+        for direction in [sign, -sign] {
+            assert!(at(&mut host, 1e-14 * direction).0 > 0.0);
+            let (least, before) = at(&mut host, 1e-3 * direction);
+            assert!(least < 0.0 && (before - rest).abs() < 1e-9, "{least}, {before} N for {rest} N");
+            host.exchange.update(&mut host.steps).expect("goes on");
+            let (least, sliding) = at(&mut host, 1e-3 * direction);
+            assert!(least > 0.0, "{least} while it slides");
+            let jump = sliding - rest - direction * FORCE;
+            assert!(jump.abs() < 1e-9, "{sliding} N for {rest} N at rest");
+            // An event at which the rate is zero.
+            at(&mut host, 0.0);
+            host.exchange.enter_motion(&mut host.steps);
+        }
+    }
 }
 
 /// Pulses that are too short for a poppet are no events, and nothing is looked for without end among them.

@@ -1,23 +1,26 @@
-//! Plants near an operating point: the models of rigs, tendons and joints, entry by entry; closed forms of tanks, chains and
-//! hoses; simulated small signals; what has no point.
+//! Plants near an operating point: the models of rigs, tendons and joints, entry by entry; manifolds and the edges of spools;
+//! what has no point.
 
 use crate::common::joint::Pair;
 use crate::common::tendon::{STIFFNESS, on_tendon};
-use crate::common::{INCH, PSI, Paper, ROOM, assert_close, assert_within};
+use crate::common::{ATMOSPHERE, INCH, PSI, Paper, ROOM, assert_close, assert_within};
 use mckibben::GaugePressure;
 use mckibben::air::Process;
 use mckibben::friction::{BoucWen, Hysteresis, LuGre, MaxwellSlip};
+use mckibben::line::Reservoir;
 use mckibben::linearize::{
     Aim, Balance, Content, JointBalance, StateSpace, linearize, linearize_driven, linearize_driven_joint,
     linearize_joint,
 };
 use mckibben::load::{Load, MomentArm, Tendon};
+use mckibben::mechanism::{Coupling, Mechanism};
+use mckibben::network::{BranchKind, Network, NodeKind};
 use mckibben::plant::{
-    Plant, PlantAir, PlantBalance, PlantInput, PlantLinearization, PlantOutput, PlantState, PlantStateSpace,
-    linearize_plant,
+    InitialAir, Mounted, Plant, PlantAir, PlantBalance, PlantInput, PlantLinearization, PlantOutput, PlantStart,
+    PlantState, PlantStateSpace, linearize_plant, simulate_plant,
 };
-use mckibben::simulation::Rig;
-use mckibben::valve::{Command, FlowStandard, Port, Request, ValveKind};
+use mckibben::simulation::{Actuation, Rig};
+use mckibben::valve::{Command, FlowLaw, FlowStandard, Port, Request, Solenoid, Spool, ValveKind, flow_parameter};
 
 const PROCESSES: [Process; 4] = [
     Process::Isentropic,
@@ -374,4 +377,210 @@ fn points_that_cannot_be_are_refused_with_a_remedy() {
         &PlantAir::Start,
     );
     assert_close(model.expect("a model").point.gauge_pressure(0).0, 40.0 * PSI, 1e-12);
+}
+
+/// Gauge pressure in Pa of what feeds; areas in m² of the paths of a valve and of an inlet.
+const FEED: f64 = 6e5;
+const AREA: f64 = 5e-6;
+const INLET: f64 = 1e-6;
+/// R and γ of the air, and the ratio above which the law is a straight line.
+const GAS: f64 = 286.99;
+const GAMMA: f64 = 1.4;
+const LAMINAR: f64 = 0.999;
+
+/// What feeds a muscle at a constant length, whose valve vents to the atmosphere.
+#[derive(Clone, Copy)]
+enum Feeder {
+    /// A source.
+    Source,
+    /// A manifold of 40 cm³ with its gauge pressure at the start, behind a bottle or a source, by an orifice or a check valve.
+    Manifold { gauge: f64, bottle: bool, one_way: bool },
+}
+
+/// The plant, the node of what feeds, and that of the manifold.
+fn fed(paper: &Paper, feeder: Feeder, (solenoid, command): (Solenoid, Command)) -> (Plant, usize, usize) {
+    let air = paper.air();
+    let [wide, inlet] = [AREA, INLET]
+        .map(|flow_area| FlowLaw::new(FlowStandard::Orifice { flow_area }, 1.0, LAMINAR, &air).expect("a law"));
+    let path = |law, valve, port| BranchKind::Path { law, valve, port, ambient: false, copies: 1.0 };
+    let reservoir = |volume, gauge| {
+        let reservoir = Reservoir::new([volume, 1.0, ROOM], GaugePressure(gauge), None, &air);
+        NodeKind::Reservoir(reservoir.expect("a reservoir"))
+    };
+    let mut network = Network::new(&air);
+    let outside = network.node(NodeKind::Atmosphere, 0.0, ROOM);
+    let valve = network.valve(Actuation { solenoid, command });
+    let source = match feeder {
+        Feeder::Manifold { bottle: true, .. } => network.node(reservoir(5e-4, FEED), 0.0, ROOM),
+        _ => network.node(NodeKind::Source, FEED, ROOM),
+    };
+    let mut from = source;
+    if let Feeder::Manifold { gauge, one_way, .. } = feeder {
+        from = network.node(reservoir(4e-5, gauge), 0.0, ROOM);
+        let always = Solenoid::new(ValveKind::TwoWay, 0.0, 0.0).expect("a solenoid");
+        let kind = match one_way {
+            true => BranchKind::Check { law: inlet },
+            false => {
+                let open = Actuation { solenoid: always, command: Command::Constant(Request::Fill) };
+                path(inlet, network.valve(open), Port::Supply)
+            }
+        };
+        network.branch(source, from, kind);
+    }
+    let chamber = network.chamber(0, ROOM);
+    network.branch(from, chamber, path(wide, valve, Port::Supply));
+    network.branch(outside, chamber, path(wide, valve, Port::Exhaust));
+    let (actuator, coupling) = (paper.actuator().without_valve(), Coupling::Direct { coordinate: 0 });
+    let mounted = Mounted { actuator, mechanism: 0, coupling, tendon: None, pressure: None };
+    (Plant::new(vec![mounted], network, vec![Mechanism::Fixed]).expect("a plant"), source, from)
+}
+
+fn start_at(gauge: f64) -> PlantStart {
+    PlantStart {
+        positions: vec![vec![0.09]],
+        rates: vec![vec![0.0]],
+        air: vec![InitialAir { gauge_pressure: GaugePressure(gauge), temperature: ROOM }],
+        lengths: vec![None],
+        ..PlantStart::default()
+    }
+}
+
+fn spool(overlap: f64, position: f64) -> (Solenoid, Command) {
+    let spool = Spool::new(100.0, 0.7, overlap, overlap).expect("a spool");
+    (Solenoid::proportional(spool), Command::positions(vec![0.0], vec![position]).expect("a position"))
+}
+
+fn isothermal() -> Paper {
+    Paper::sealed().process(Process::Isothermal).isometric(0.09)
+}
+
+/// On the two sides of an edge the gain is that of one path or the other, `RT/V ṁ` by (23); the model has the mean of both.
+#[test]
+fn a_spool_at_an_edge_has_the_mean_of_both_gains() {
+    let (paper, gauge) = (isothermal(), 5e5);
+    let per_flow = GAS * ROOM / paper.actuator().volume(0.09);
+    let flow = |up: f64, down: f64| AREA * flow_parameter(GAMMA, GAS, down / up) * up / ROOM.sqrt();
+    let (supply, pressure) = (FEED + ATMOSPHERE, gauge + ATMOSPHERE);
+    let [filling, exhausting] = [flow(supply, pressure), flow(pressure, ATMOSPHERE)].map(|flow| per_flow * flow);
+    assert!(filling < 0.9 * exhausting, "the sides differ");
+    for (overlap, position, gains) in [
+        (0.0, 0.0, [exhausting, filling]),
+        (0.05, 0.05, [0.0, filling / 0.95]),
+        (0.05, -0.05, [exhausting / 0.95, 0.0]),
+        (0.05, 0.0, [0.0; 2]),
+        (0.05, 0.049, [0.0; 2]),
+    ] {
+        let (plant, ..) = fed(&paper, Feeder::Source, spool(overlap, position));
+        let model = linearize_plant(&plant, &start_at(gauge), &PlantBalance::Driven, &PlantAir::Start);
+        let model = model.expect("a model");
+        let system = &model.system;
+        let place = |of: PlantState| system.states.iter().position(|it| *it == of).expect("a state");
+        let entry =
+            system.a[place(PlantState::Pressure { actuator: 0 })][place(PlantState::SpoolPosition { valve: 0 })];
+        let found = model.spool_gains(0).expect("a spool");
+        for (found, expected) in found.into_iter().zip(gains) {
+            assert_within(found, expected, 1e-9 * filling);
+        }
+        assert_within(entry, 0.5 * (gains[0] + gains[1]), 1e-9 * filling);
+        assert_eq!(model.is_in_dead_zone(0), gains == [0.0; 2], "{overlap} {position}");
+    }
+    // Where both edges are open there is no corner: both paths change together, and at balance they pass as much.
+    let (plant, ..) = fed(&paper, Feeder::Source, spool(-0.1, 0.0));
+    let model = linearize_plant(&plant, &start_at(gauge), &PlantBalance::Driven, &PlantAir::Start).expect("a model");
+    let [below, above] = model.spool_gains(0).expect("a spool");
+    let vented = flow(model.point.gauge_pressure(0).0 + ATMOSPHERE, ATMOSPHERE);
+    assert_close(below, per_flow * 2.0 * vented / 1.1, 1e-8);
+    assert_close(above, below, 1e-12);
+}
+
+/// With the valves held shut an inlet stays open: the manifold is at the pressure of what feeds it, and goes back there as
+/// `dṁ/dP = −A_p C_q C_m(r)/((1 − r) √T)` on the straight line says, r where that begins.
+#[test]
+fn an_inlet_without_a_valve_stays_open() {
+    let paper = isothermal();
+    // A two-way valve that is commanded to fill has a path to the atmosphere too: it is held shut.
+    let muscle = || (Solenoid::new(ValveKind::TwoWay, 0.0, 0.0).expect("a solenoid"), Command::Constant(Request::Fill));
+    let shut = PlantBalance::Shut(vec![GaugePressure(1e5)]);
+    let rate = GAS * ROOM / 4e-5 * INLET * flow_parameter(GAMMA, GAS, LAMINAR) / ((1.0 - LAMINAR) * ROOM.sqrt());
+    for (bottle, one_way) in [(false, false), (true, false), (false, true), (true, true)] {
+        for gauge in [4e5, FEED, 7e5] {
+            let (plant, source, manifold) = fed(&paper, Feeder::Manifold { gauge, bottle, one_way }, muscle());
+            let model = linearize_plant(&plant, &start_at(1e5), &shut, &PlantAir::Start).expect("a model");
+            let (system, nodes) = (&model.system, &model.point.plant.indices().nodes);
+            let there = model.point.state[nodes[manifold].expect("a state")] - ATMOSPHERE;
+            // What a check valve keeps from flowing back stays.
+            let keeps = one_way && gauge > FEED;
+            assert_close(there, if keeps { gauge } else { FEED }, 1e-8);
+            let of = |node: usize| system.states.iter().position(|it| *it == PlantState::NodePressure { node });
+            let row = of(manifold).expect("a state");
+            let rate = if keeps { 0.0 } else { rate };
+            assert_within(system.a[row][row], -rate, 1e-9 * rate);
+            if bottle {
+                assert_within(system.a[row][of(source).expect("a state")], rate, 1e-9 * rate);
+                let kept = model.point.state[nodes[source].expect("a state")] - ATMOSPHERE;
+                assert_close(kept, FEED, 1e-12);
+            }
+            for (input, value) in &model.point.inputs {
+                match input {
+                    PlantInput::NodeFlow { .. } | PlantInput::MassFlow { .. } => assert_within(*value, 0.0, 1e-9),
+                    PlantInput::Opening { valve: 0, .. } => assert_eq!(*value, 0.0),
+                    PlantInput::Opening { .. } => assert_eq!(*value, 1.0),
+                    _ => {}
+                }
+            }
+        }
+    }
+}
+
+/// A manifold between its inlet and a spool that is open to both sides: a long run rests at the point, and small differences
+/// of runs about it follow the model. A bottle in place of the source keeps its pressure by what is drawn.
+#[test]
+fn the_balance_of_commands_contains_the_manifold() {
+    let paper = isothermal();
+    let manifold_at = |gauge: f64| Feeder::Manifold { gauge, bottle: false, one_way: false };
+    let build = |gauge: f64| fed(&paper, manifold_at(gauge), spool(-0.5, 0.0));
+    let (plant, _, manifold) = build(FEED);
+    let model = linearize_plant(&plant, &start_at(1e5), &PlantBalance::Driven, &PlantAir::Start).expect("a model");
+    let places = plant.indices();
+    let [chamber, node] = [places.actuators[0].pressure, places.nodes[manifold].expect("a state")];
+    let there = [chamber, node].map(|slot| model.point.state[slot]);
+    let run = simulate_plant(&plant, &start_at(1e5), 10.0, 1e-11).expect("a run");
+    let rest = [chamber, node].map(|slot| run.at(10.0).0[slot]);
+    assert!(rest[1] < 0.95 * (FEED + ATMOSPHERE), "{rest:?}");
+    for (there, rest) in there.into_iter().zip(rest) {
+        assert_close(there, rest, 1e-7);
+    }
+    assert_within(model.point.input(PlantInput::NodeFlow { node: manifold }).expect("an input"), 0.0, 1e-12);
+    let (system, time) = (model.minimal(), 2e-3);
+    let of = |wanted: PlantState| system.states.iter().position(|it| *it == wanted).expect("a state");
+    let rows = [of(PlantState::Pressure { actuator: 0 }), of(PlantState::NodePressure { node: manifold })];
+    for moved in 0..2 {
+        let end = |sign: f64| {
+            let mut gauges = there.map(|pressure| pressure - ATMOSPHERE);
+            gauges[moved] += sign * 50.0;
+            let (plant, ..) = build(gauges[1]);
+            let run = simulate_plant(&plant, &start_at(gauges[0]), time, 1e-12).expect("a run");
+            [chamber, node].map(|slot| run.at(time).0[slot])
+        };
+        let [plus, minus] = [end(1.0), end(-1.0)];
+        // exp(A t) by its series.
+        let mut term = [0.0; 2];
+        term[moved] = 50.0;
+        let mut expected = term;
+        for k in 1..20 {
+            let next = |row: usize| (0..2).map(|n| system.a[rows[row]][rows[n]] * term[n]).sum::<f64>() * time;
+            term = [next(0), next(1)].map(|sum| sum / f64::from(k));
+            expected = [expected[0] + term[0], expected[1] + term[1]];
+        }
+        for n in 0..2 {
+            assert_within(0.5 * (plus[n] - minus[n]), expected[n], 1e-4 * 50.0);
+        }
+    }
+    let bottled = Feeder::Manifold { gauge: FEED, bottle: true, one_way: false };
+    let (plant, bottle, _) = fed(&paper, bottled, spool(-0.5, 0.0));
+    let kept = linearize_plant(&plant, &start_at(1e5), &PlantBalance::Driven, &PlantAir::Start).expect("a model");
+    assert_close(kept.point.gauge_pressure(0).0 + ATMOSPHERE, there[0], 1e-9);
+    // All of it is vented at last, at the speed of sound.
+    let vented = AREA / 3.0 * flow_parameter(GAMMA, GAS, ATMOSPHERE / there[0]) * there[0] / ROOM.sqrt();
+    assert_close(kept.point.input(PlantInput::NodeFlow { node: bottle }).expect("an input"), vented, 1e-8);
 }

@@ -1,7 +1,7 @@
 //! Derivatives of runs of plants with respect to every parameter and every number of the start, against differences of runs:
 //! through pulses, sticking, hoses, a tendon, stops and what else happens on the way.
 
-use crate::common::{GRAVITY, Paper, ROOM, toward};
+use crate::common::{GRAVITY, PSI, Paper, ROOM, toward};
 use mckibben::force::Effectiveness;
 use mckibben::friction::{Hysteresis, MaxwellSlip};
 use mckibben::line::{self, Compressor, Hose, HoseKind, Leakage, Reservoir};
@@ -335,4 +335,26 @@ fn a_hose_is_given_out_as_its_first_node() {
     assert!(hoses.iter().all(|part| matches!(part, Some(Part::Node(_)))), "{hoses:?}");
     let same = plant.map(|_, _, value: f64| value);
     assert_eq!(plant, same);
+}
+
+/// A mass in its balance by its first velocity: the values rest while the derivatives swing, as a mass on the stiffness (5) of sealed
+/// air with viscous friction does.
+#[test]
+fn a_mass_at_rest_by_its_first_velocity() {
+    let viscous = 2.0;
+    let paper = Paper::sealed().friction(viscous, 0.0).gauge(60.0 * PSI);
+    let (rig, at) = (paper.rig(), paper.start());
+    let mass = rig.load().inertia().expect("a mass").mass;
+    let decay = 0.5 * viscous / mass;
+    let swing = (rig.actuator().sealed_stiffness(at.length, at.pressure) / mass - decay * decay).sqrt();
+    let (plant, start) = (Plant::of_rig(&rig), Plant::start_of_rig(&rig, &at));
+    let first = StartNumber::Rate(0, 0);
+    let seeded = start.map(|its, value| toward(value, f64::from(u8::from(its == first))));
+    let wide = plant.map(|_, _, value: f64| D::constant(value));
+    let run = simulate_plant(&wide, &seeded, D::constant(2.0), 1e-8).expect("a run");
+    for time in [0.02, 0.1, 0.5, 2.0] {
+        let found = run.at(D::constant(time)).0[plant.indices().mechanisms[0].position(0)].slope[0];
+        let closed = (-decay * time).exp() * (swing * time).sin() / swing;
+        assert!((found - closed).abs() < 1e-6 / swing, "{time} s: {found} is not {closed}");
+    }
 }

@@ -230,17 +230,19 @@ class Episodes:
     def _commands(self, actions: Any) -> Numbers:
         """Return actions as commands of the plants. A number beyond the bounds counts as the bound."""
         shape = (self.count,) if self._requests is not None and self.plants.valves == 1 else (self.count, self.plants.valves)
-        given = np.asarray(actions)
+        given = unmasked(actions)
         if given.shape != shape:
             raise InputError(f"actions have the shape {given.shape[1:] if self.count == 1 else given.shape}; "
                              f"give {shape[1:] if self.count == 1 else shape}, as the action space has it")
         if self._requests is not None:
             choices = len(self._requests)
-            known = (given >= 0) & (given < choices) if given.dtype.kind in "biu" else np.zeros(shape, dtype=bool)
+            _check_kind(given, f"whole numbers from 0 to {choices - 1}")
+            known = (given >= 0) & (given < choices) if given.dtype.kind in "iu" else np.zeros(shape, dtype=bool)
             if not known.all():
                 raise InputError(f"actions: {first(given, ~known)} is no request; give whole numbers from 0 to {choices - 1}")
             return np.ascontiguousarray(self._requests[given.astype(np.int64)].reshape(self.count, -1))
-        finite = np.isfinite(given) if given.dtype.kind in "biuf" else np.zeros(shape, dtype=bool)
+        _check_kind(given, f"floats from {self._lowest():g} to 1")
+        finite = np.isfinite(given)
         if not finite.all():
             raise InputError(f"actions: {first(given, ~finite)} is no finite number; give {self._lowest():g} to 1")
         # The plants read them in place, whatever the layout of what was given.
@@ -260,6 +262,19 @@ class Episodes:
         """Return the columns of the plants in SI without noise and delay, with `is_success` and `diverged`, an array for each."""
         columns = {name: self.observations[:, place].copy() for place, name in enumerate(self.plants.columns)}
         return {**columns, "is_success": self.succeeded.copy(), "diverged": self.stopped.copy()}
+
+
+def unmasked(actions: Any) -> NDArray[Any]:
+    """Return actions as an array; entries that a mask hides are refused."""
+    if np.ma.is_masked(actions):
+        raise InputError("actions are a masked array whose mask hides entries; give actions.filled(…), with numbers in their place")
+    return np.asarray(actions)
+
+
+def _check_kind(given: NDArray[Any], due: str) -> None:
+    """Refuse an array of anything but integers and floats: truth values, texts and objects are no numbers."""
+    if given.dtype.kind not in "iuf":
+        raise InputError(f"actions are of dtype {given.dtype}; give {due}")
 
 
 def first(given: NDArray[Any], wrong: NDArray[np.bool_]) -> str:

@@ -2,8 +2,9 @@
 
 from collections.abc import Mapping
 from copy import copy
+from numbers import Integral
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeGuard
 
 import gymnasium
 import numpy as np
@@ -75,6 +76,11 @@ class Frames:
             self._renderer.frame(observed, episodes.targets(place), time)
             for place, (observed, time) in enumerate(zip(episodes.observations, times, strict=True))
         )
+
+
+def is_whole(given: Any) -> TypeGuard[int]:
+    """Return whether this is a whole number and no truth value."""
+    return isinstance(given, Integral) and not isinstance(given, bool)
 
 
 def reset_options(options: Mapping[str, Any] | None, *known: str) -> dict[str, Any]:

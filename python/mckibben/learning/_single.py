@@ -9,9 +9,10 @@ from gymnasium.error import ResetNeeded
 from gymnasium.utils import EzPickle
 from numpy.typing import NDArray
 
+from mckibben.errors import InputError
 from mckibben.learning._draws import Source
-from mckibben.learning._episodes import Episodes, Observations
-from mckibben.learning._made import Frames, made_of, reset_options, with_steps
+from mckibben.learning._episodes import Episodes, Observations, unmasked
+from mckibben.learning._made import Frames, is_whole, made_of, reset_options, with_steps
 from mckibben.learning._tasks import Task
 
 
@@ -79,9 +80,11 @@ class Environment(gymnasium.Env[Observations, Any], EzPickle):
         Raises
         ------
         InputError
-            For another option, and for a target beyond the range that targets are drawn from.
+            For another option, for a seed that is no number, and for a target beyond the range that targets are drawn from.
         """
         targets = reset_options(options, "targets")
+        if not (seed is None or is_whole(seed)):
+            raise InputError(f"seed = {seed!r}: give a whole number of zero or more, or None")
         super().reset(seed=seed)
         return self._episodes.start(Source([self.np_random]), **targets)[0], self._info()
 
@@ -95,7 +98,7 @@ class Environment(gymnasium.Env[Observations, Any], EzPickle):
         if episodes.over[0]:
             has = "the episode has ended" if episodes.elapsed[0] else "no episode has begun"
             raise ResetNeeded(f"{has}: call reset() before step()")
-        actions: NDArray[Any] = np.asarray(action)[np.newaxis]
+        actions: NDArray[Any] = unmasked(action)[np.newaxis]
         observed, rewards, terminated, truncated = episodes.step(Source([self.np_random]), actions)
         return observed[0], float(rewards[0]), bool(terminated[0]), bool(truncated[0]), self._info()
 

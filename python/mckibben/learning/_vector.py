@@ -1,7 +1,6 @@
 """Many plants as one environment of Gymnasium."""
 
 from collections.abc import Sequence
-from numbers import Integral
 from typing import Any
 
 import numpy as np
@@ -16,7 +15,7 @@ from numpy.typing import NDArray
 from mckibben.errors import InputError
 from mckibben.learning._draws import Places, Source
 from mckibben.learning._episodes import Episodes, Observations
-from mckibben.learning._made import Frames, made_of, reset_options, with_steps
+from mckibben.learning._made import Frames, is_whole, made_of, reset_options, with_steps
 from mckibben.learning._tasks import Task
 
 
@@ -52,7 +51,7 @@ class VectorEnvironment(VectorEnv[Observations, Any, Any], EzPickle):
         **options: Any,
     ) -> None:
         EzPickle.__init__(self, task, num_envs, autoreset_mode=autoreset_mode, render_mode=render_mode, **options)
-        if num_envs < 1:
+        if not is_whole(num_envs) or num_envs < 1:
             raise InputError(f"num_envs = {num_envs} is no number of plants; give 1 or more")
         self._episodes = Episodes(*made_of(task, num_envs, options, ("render_mode", "autoreset_mode")))
         self.num_envs, self.render_mode = num_envs, render_mode
@@ -151,9 +150,9 @@ class VectorEnvironment(VectorEnv[Observations, Any, Any], EzPickle):
         """Seed the generators of these plants."""
         if seed is None:
             return
-        seeds: Any = range(int(seed), int(seed) + self.num_envs) if isinstance(seed, Integral) else seed
+        seeds: Any = range(int(seed), int(seed) + self.num_envs) if is_whole(seed) else seed
         listed = isinstance(seeds, (Sequence, np.ndarray)) and len(seeds) == self.num_envs
-        if not listed or not all(of_one is None or isinstance(of_one, Integral) for of_one in seeds):
+        if not listed or not all(of_one is None or is_whole(of_one) for of_one in seeds):
             raise InputError(f"seed = {seed!r}: give a whole number, or a list of {self.num_envs}, one or None for each plant")
         self._own = self._own or self.np_random.spawn(self.num_envs)
         for place in places:

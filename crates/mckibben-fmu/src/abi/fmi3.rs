@@ -397,7 +397,7 @@ unsafe extern "C" fn fmi3DoStep(
         }
         match instance.do_step(time, step) {
             Ok(end) => {
-                set_outputs(end.is_early, end.is_early, end.time);
+                set_outputs(end.is_event, end.is_early, end.time);
                 Ok(())
             }
             Err(refusal) => {

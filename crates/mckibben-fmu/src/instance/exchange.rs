@@ -2,7 +2,7 @@
 //!
 //! Where the host moves the ends, distances and rates are inputs, and states of the plant that are none of the unit.
 
-use super::{Instance, Kind, Phase, Refusal};
+use super::{Instance, Kind, Phase, Refusal, SAME};
 use crate::variables::Slot;
 use mckibben::plant::{EventUpdate, PlantExchange};
 use mckibben_run::host::Motion;
@@ -46,8 +46,8 @@ impl Instance {
     /// Takes on a time in s of the host.
     ///
     /// # Errors
-    /// In another phase than Continuous or Event; for a time that is not finite, and one beyond the stop time by more than a tenth of
-    /// the run.
+    /// In another phase than Continuous or Event; for a time that is not finite, one before the last event, and one beyond the stop
+    /// time by more than a tenth of the run.
     pub fn set_time(&mut self, time: f64) -> Result<(), Refusal> {
         self.check_exchange()?;
         self.check_phase(&[Phase::Continuous, Phase::Event])?;
@@ -55,8 +55,16 @@ impl Instance {
             return Err(Refusal::error(format!("the time {time:?} s is none")));
         }
         self.check_stop(time, AHEAD)?;
-        let own = time - self.offset;
+        let (own, offset) = (time - self.offset, self.offset);
         let (exchange, plant) = self.exchange()?;
+        let last = exchange.updated();
+        // An update takes a time that lies a rounding before an instant for that instant.
+        if own < last - 2.0 * SAME * (1.0 + last.abs()) {
+            let event = offset + last;
+            return Err(Refusal::error(format!(
+                "the time {time:?} s is before the last event, at {event:?} s; to go back beyond an event, restore a saved state"
+            )));
+        }
         exchange.place(plant.steps_mut(), own, |_| {});
         self.are_outputs_known = false;
         Ok(())
@@ -179,14 +187,21 @@ impl Instance {
         computed
     }
 
-    /// Takes commands, crosses what has fired and passes what is due. In co-simulation only commands and the start of a run are
-    /// left to do. The next instant is in the host's time.
+    /// Crosses what has fired and passes what is due, then takes parameters and commands with what they cause at once: a movement
+    /// that ends at this instant is complete before another command. In co-simulation only commands and the start of a run are left
+    /// to do. The next instant is in the host's time.
     ///
     /// # Errors
     /// In another phase than Event; beyond the stop time; discarded where the plant cannot go on.
     pub fn update(&mut self) -> Result<EventUpdate, Refusal> {
         self.check_phase(&[Phase::Event])?;
         self.check_stop(self.time(), 0.0)?;
+        if self.kind == Kind::ModelExchange {
+            if self.plant.motion() == Motion::Host {
+                self.place_motion()?;
+            }
+            self.pass_due()?;
+        }
         self.retune()?;
         self.send_commands()?;
         self.are_outputs_known = false;
@@ -194,24 +209,28 @@ impl Instance {
             self.plant.steps_mut().pass_due()?;
             return Ok(EventUpdate { events: 0, has_moved: false, next: f64::INFINITY });
         }
-        let offset = self.offset;
+        let (offset, passed) = (self.offset, self.passed);
         let is_jump = self.plant.motion() == Motion::Host && self.entered != self.inputs.rates;
-        if self.plant.motion() == Motion::Host {
-            self.place_motion();
-        }
         let (exchange, plant) = self.exchange()?;
         let mut update = exchange.update(plant.steps_mut())?;
         if is_jump {
             exchange.enter_motion(plant.steps_mut());
-            let more = exchange.update(plant.steps_mut())?;
-            update = EventUpdate {
-                events: update.events + more.events,
-                has_moved: update.has_moved || more.has_moved,
-                next: more.next,
-            };
+            update = update.and(exchange.update(plant.steps_mut())?);
         }
+        update = passed.map_or(update, |passed| passed.and(update));
+        self.passed = None;
         self.entered.clone_from(&self.inputs.rates);
         Ok(EventUpdate { next: offset + update.next, ..update })
+    }
+
+    /// Crosses what has fired and passes what is due by the commands and parameters that there have been up to now.
+    pub(super) fn pass_due(&mut self) -> Result<(), Refusal> {
+        let before = self.passed;
+        let (exchange, plant) = self.exchange()?;
+        let passed = exchange.pass_due(plant.steps_mut())?;
+        self.passed = Some(before.map_or(passed, |before| before.and(passed)));
+        self.are_outputs_known = false;
+        Ok(())
     }
 
     /// Goes on with integration after an event.
@@ -234,16 +253,17 @@ impl Instance {
         self.check_phase(&[Phase::Continuous])
     }
 
-    /// Takes on the distances and rates that the host has set.
-    pub(super) fn place_motion(&mut self) {
-        let Some(exchange) = &self.exchange else { return };
+    /// Takes on the distances and rates that the host has set, in the mode that holds.
+    pub(super) fn place_motion(&mut self) -> Result<(), Refusal> {
+        self.exchange()?;
         let (time, here) = (self.plant.steps().time(), self.plant.steps().plant().indices().mechanisms[0]);
-        let inputs = &self.inputs;
+        let (inputs, Some(exchange)) = (&self.inputs, &self.exchange) else { return Ok(()) };
         exchange.place(self.plant.steps_mut(), time, |own| {
             for (k, (distance, rate)) in inputs.distances.iter().zip(&inputs.rates).enumerate() {
                 (own[here.position(k)], own[here.rate(k)]) = (*distance, *rate);
             }
         });
         self.are_outputs_known = false;
+        Ok(())
     }
 }

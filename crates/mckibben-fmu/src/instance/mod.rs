@@ -22,7 +22,7 @@ pub use steps::StepEnd;
 
 use crate::model::{Model, TOLERANCE};
 use mckibben::parameter;
-use mckibben::plant::PlantExchange;
+use mckibben::plant::{EventUpdate, PlantExchange};
 use mckibben_run::failure::{Failure, Reason};
 use mckibben_run::host::{HostPlant, Motion};
 
@@ -59,6 +59,14 @@ impl Refusal {
     /// Values from which the plant does not go on.
     pub fn discard(message: impl Into<String>) -> Self {
         Self { status: Status::Discard, message: message.into() }
+    }
+
+    /// Names the variable that a message is about, in place of the key that its parameter has in every section.
+    fn of_variable(self, key: &str, name: &str) -> Self {
+        match self.message.strip_prefix(key) {
+            Some(rest) => Self { message: format!("`{name}`{rest}"), ..self },
+            None => self,
+        }
     }
 }
 
@@ -148,6 +156,8 @@ pub struct Instance {
     /// The relative tolerance of the host.
     tolerance: f64,
     exchange: Option<PlantExchange>,
+    /// What a parameter has had passed before it was changed at an event, which the next update reports.
+    passed: Option<EventUpdate>,
     outputs: Vec<f64>,
     are_outputs_known: bool,
     /// Targets of a step, rates and a direction: memory that is used again.
@@ -175,6 +185,7 @@ impl Instance {
             stop: f64::INFINITY,
             tolerance: TOLERANCE,
             exchange: None,
+            passed: None,
             outputs: vec![0.0; plant.outputs().len()],
             are_outputs_known: false,
             scratch: [Vec::new(), vec![0.0; states], vec![0.0; states]],
@@ -317,20 +328,23 @@ impl Instance {
         Ok(())
     }
 
-    /// Gives the plant that runs the parameters that the host has set, in the state in which it is.
+    /// Gives the plant that runs the parameters that the host has set, in the state in which it is: in model exchange, once all
+    /// that is due at this instant has been passed by those that it had.
     fn retune(&mut self) -> Result<(), Refusal> {
         if self.parameters == self.built {
             return self.check_commands(&self.plant);
         }
-        let state = self.plant_state()?;
         let mut plant = self.model.build(&self.parameters)?;
-        if plant.state_size() != state.len() {
+        if plant.state_size() != self.plant.state_size() {
             return Err(Refusal::error(
                 "these values change which parts there are: set them before initialisation has ended",
             ));
         }
-        plant.restore(&state)?;
         self.check_commands(&plant)?;
+        if self.kind == Kind::ModelExchange {
+            self.pass_due()?;
+        }
+        plant.restore(&self.plant_state()?)?;
         if self.exchange.is_some() {
             self.exchange = Some(PlantExchange::new(plant.steps(), self.tolerance)?);
         }
@@ -380,6 +394,7 @@ impl Instance {
         self.entered.clone_from(&self.inputs.rates);
         self.sent.fill(None);
         (self.offset, self.stop, self.tolerance, self.exchange) = (0.0, f64::INFINITY, TOLERANCE, None);
+        self.passed = None;
         (self.is_stale, self.are_outputs_known) = (false, false);
         self.phase = Phase::Instantiated;
         Ok(())

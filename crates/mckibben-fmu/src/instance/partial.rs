@@ -83,7 +83,7 @@ impl Instance {
                         direction[place] += number;
                     }
                 }
-                // Commands take effect by events, and change nothing at the instant.
+                // Commands take effect by events: in the mode that holds nothing depends on them.
                 (Slot::Command(_) | Slot::Array(Array::Commands), _) => {}
                 _ => return Err(Refusal::error(format!("`{}` is no known", its.name))),
             }

@@ -5,6 +5,7 @@
 //! ```
 
 use super::{Inputs, Instance, Kind, Phase, Refusal};
+use mckibben::plant::EventUpdate;
 use mckibben_run::host::HostPlant;
 
 /// How bytes of a state begin.
@@ -106,6 +107,9 @@ impl Instance {
             self.plant = plant;
         }
         self.exchange = None;
+        // What has been passed before an update is not saved: the host then reads states and their usual sizes again.
+        let moved = EventUpdate { events: 1, has_moved: true, next: f64::INFINITY };
+        self.passed = Some(moved).filter(|_| saved.phase == Phase::Event);
         self.phase = saved.phase;
         self.parameters.clone_from(&saved.parameters);
         self.built.clone_from(&saved.built);

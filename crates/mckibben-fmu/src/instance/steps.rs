@@ -18,11 +18,13 @@ pub struct StepEnd {
     pub time: f64,
     /// Whether the step ended before its end, at a valve that switches.
     pub is_early: bool,
+    /// Whether a valve has switched at the time that was reached, for a host that handles events.
+    pub is_event: bool,
 }
 
 impl Instance {
     /// Goes on from `time` by `step`, both in s. With event mode and early return it ends at the first instant at which a valve
-    /// moves, which has been passed then.
+    /// moves, which has been passed then. That instant may be the end of the step.
     ///
     /// # Errors
     /// In another phase than Step; for a time at which the instance is not, a step that is negative or not finite, and one beyond
@@ -46,13 +48,17 @@ impl Instance {
         let from = self.plant.steps().time();
         let until = time + step - self.offset;
         if until <= from {
-            return Ok(StepEnd { time: here, is_early: false });
+            return Ok(StepEnd { time: here, is_early: false, is_event: false });
         }
-        let mut end = until;
+        let (mut end, mut is_early, mut is_event) = (until, false, false);
         if event_mode && early_return {
-            let instant = self.next_instant(until)?;
-            if instant > from + SAME * step && instant < until - SAME * step {
-                end = instant;
+            let rounding = SAME * step;
+            let instant = self.next_instant(until + rounding)?;
+            is_event = instant > from + rounding && instant <= until + rounding;
+            is_early = is_event && instant < until - rounding;
+            if is_event {
+                // An instant that lies a rounding behind the end is passed with it.
+                end = if is_early { instant } else { instant.max(until) };
             }
         }
         let mut targets = core::mem::take(&mut self.scratch[0]);
@@ -61,14 +67,14 @@ impl Instance {
             let part = (end - from) / (until - from);
             for (index, (distance, rate)) in self.inputs.distances.iter().zip(&self.inputs.rates).enumerate() {
                 let (target, begin) = (distance + rate * step, self.plant.distance(index));
-                targets.push(if end == until { target } else { begin + (target - begin) * part });
+                targets.push(if is_early { begin + (target - begin) * part } else { target });
             }
         }
         let done = self.plant.advance(end, &targets);
         self.scratch[0] = targets;
         self.are_outputs_known = false;
         done?;
-        Ok(StepEnd { time: if end == until { time + step } else { self.offset + end }, is_early: end != until })
+        Ok(StepEnd { time: if is_early { self.offset + end } else { time + step }, is_early, is_event })
     }
 
     /// The next instant in s up to `until` at which something moves; infinite where there is none. Pulses are laid out as far as that

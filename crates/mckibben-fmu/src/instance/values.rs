@@ -113,10 +113,12 @@ impl Instance {
 
     /// Sets the values of variables, the elements of arrays one behind the other. Of two values of one input the later counts.
     /// Tunable parameters that change while the unit runs take effect at once, all together; in continuous time, at the next event.
+    /// So do distances and rates of model exchange, in the mode that holds.
     ///
     /// # Errors
     /// For a reference that no variable has or that is no input and no parameter, another count of values, a value that the
-    /// variable does not take, and a fixed parameter once initialisation has ended. Then nothing has changed.
+    /// variable does not take, a fixed parameter once initialisation has ended, and another command in continuous time. Then nothing
+    /// has changed.
     pub fn set(&mut self, references: &[u32], values: &[f64]) -> Result<(), Refusal> {
         self.check_count(references, values.len())?;
         self.check_phase(&[Phase::Instantiated, Phase::Initialization, Phase::Event, Phase::Step, Phase::Continuous])?;
@@ -142,8 +144,9 @@ impl Instance {
             (self.parameters, self.inputs) = before;
             return Err(refusal);
         }
-        if self.phase == Phase::Continuous && self.plant.motion() == Motion::Host {
-            self.place_motion();
+        let is_run = matches!(self.phase, Phase::Event | Phase::Continuous);
+        if is_run && self.kind == Kind::ModelExchange && self.plant.motion() == Motion::Host {
+            self.place_motion()?;
         }
         Ok(())
     }
@@ -159,7 +162,8 @@ impl Instance {
                     return Err(Refusal::error(format!("`{name}` is fixed: set it before initialisation has ended")));
                 }
                 let number = &self.model.variables().parameters[index];
-                number.parameter.check(given[0])?;
+                let checked = number.parameter.check(given[0]).map_err(Refusal::from);
+                checked.map_err(|refusal| refusal.of_variable(number.parameter.key, name))?;
                 if !is_before && changes_parts(number, self.built[index], given[0]) {
                     return Err(Refusal::error(format!(
                         "`{name}` is set from {:?} to {:?}: a run cannot gain or lose it; set it to a small number, or before \
@@ -168,9 +172,13 @@ impl Instance {
                     )));
                 }
             }
-            Slot::Command(index) => self.check_command(index, given[0])?,
+            Slot::Command(index) => {
+                self.check_command(index, given[0])?;
+                self.check_discrete(name, &self.inputs.commands[index..=index], given)?;
+            }
             Slot::Array(Array::Commands) => {
                 given.iter().enumerate().try_for_each(|(index, number)| self.check_command(index, *number))?;
+                self.check_discrete(name, &self.inputs.commands, given)?;
             }
             Slot::Distance(_) | Slot::Array(Array::Distances) => {
                 if let Some(wrong) = given.iter().find(|number| !(number.is_finite() && **number > 0.0)) {
@@ -185,6 +193,17 @@ impl Instance {
             _ => return Err(Refusal::error(format!("`{name}` is computed; set inputs and parameters"))),
         }
         Ok(())
+    }
+
+    /// That an input which jumps is not set to another value in continuous time. A host that writes all inputs at every step may
+    /// write the value that there is.
+    fn check_discrete(&self, name: &str, present: &[f64], given: &[f64]) -> Result<(), Refusal> {
+        if self.phase != Phase::Continuous || present == given {
+            return Ok(());
+        }
+        Err(Refusal::error(format!(
+            "`{name}` is a discrete input: enter event mode before you set it to another value"
+        )))
     }
 
     fn check_command(&self, index: usize, number: f64) -> Result<(), Refusal> {

@@ -51,6 +51,48 @@ length = "90 mm"
 duration = "1 s"
 "#;
 
+/// A muscle that lifts a mass, on a valve whose poppets arrive 4 ms after their coils have switched.
+pub const DELAYED: &str = r#"
+[supply]
+gauge_pressure = "5 bar"
+[valve]
+kind = "fill-hold-exhaust"
+flow_area = "0.5 mm^2"
+opening_delay = "4 ms"
+closing_delay = "4 ms"
+[command]
+kind = "fill"
+[load]
+kind = "hanging-mass"
+mass = "3 kg"
+[initial]
+gauge_pressure = "1.5 bar"
+[run]
+duration = "20 ms"
+step = "0.1 ms"
+"#;
+
+/// A muscle with dry friction of 5 N and no other, whose ends the host moves.
+pub const DRY: &str = r#"
+[actuator]
+preset = "colbrunn-2001"
+friction = { viscous = "0 N*s/m", coulomb_width = "0 m", coulomb_force = "5 N" }
+[supply]
+gauge_pressure = "60 psi"
+[valve]
+kind = "fill-hold-exhaust"
+flow_area = "0.5 mm^2"
+[command]
+kind = "hold"
+[load]
+kind = "isometric"
+[initial]
+length = "85 mm"
+gauge_pressure = "30 psi"
+[run]
+duration = "1 s"
+"#;
+
 pub type Handle = *mut c_void;
 pub const OK: c_int = 0;
 pub const DISCARD: c_int = 2;
@@ -290,11 +332,17 @@ pub fn set(handle: Handle, reference: u32, value: f64) -> c_int {
 
 /// Steps; the status, the time that was reached, and whether that is early.
 pub fn step(handle: Handle, time: f64, step: f64) -> (c_int, f64, bool) {
+    let (status, reached, early, event) = step_to_event(handle, time, step);
+    assert!(event || !early);
+    (status, reached, early)
+}
+
+/// Steps; as [`step`], and whether an event is to be handled.
+pub fn step_to_event(handle: Handle, time: f64, step: f64) -> (c_int, f64, bool, bool) {
     let (mut event, mut end, mut early, mut reached) = (false, false, false, f64::NAN);
     // SAFETY: room for each.
     let status = unsafe { fmi3DoStep(handle, time, step, true, &mut event, &mut end, &mut early, &mut reached) };
-    assert_eq!(event, early);
-    (status, reached, early)
+    (status, reached, early, event)
 }
 
 /// Updates an instance at an event; the next instant.

@@ -159,6 +159,16 @@ impl Loss {
         }
     }
 
+    /// How the weighted residual goes with the residual: the derivative ψ' of ψ = w r.
+    fn bend(self, residual: f64) -> f64 {
+        let over = |scale: f64| (residual / scale).powi(2);
+        match self {
+            Self::Squares => 1.0,
+            Self::Huber(scale) => f64::from(u8::from(over(scale) <= 1.0)),
+            Self::Cauchy(scale) => (1.0 - over(scale)) / (1.0 + over(scale)).powi(2),
+        }
+    }
+
     /// Half the sum ρ over residuals; infinite where one is not finite.
     pub(crate) fn cost(self, residuals: &[f64]) -> f64 {
         let of = |residual: &f64| match self {

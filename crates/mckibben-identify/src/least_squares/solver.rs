@@ -175,7 +175,9 @@ fn ended(model: &dyn Model, unknowns: &[Unknown], search: &Search, steps: Steps)
             if problem.offset(&values, &there).is_some_and(|offset| offset < OFFSET) {
                 return Ok(End { values, there, ending: Ending::Minimum });
             }
-            break if ending == Ending::Numbers { ending } else { Ending::Kink };
+            // A method may fail at a kink by its numbers too. Where there are derivatives they were not what ended it.
+            let has_slopes = there.slopes.iter().all(|slope| slope.is_finite());
+            break if ending == Ending::Numbers && !has_slopes { ending } else { Ending::Kink };
         }
         from = after.at;
         round += 1;

@@ -8,17 +8,28 @@
 //! ```
 //!
 //! It is exact for a model that is linear in its unknowns and normal errors, and good where the model is nearly
-//! linear over the interval. The singular values of J, its columns times the size of each unknown, decide which
-//! combinations of unknowns the data hardly change: below the model's precision, as a part of the largest, is
-//! nothing. An unknown with a share in such a combination has no interval; one that rests on a bound has none either
-//! and takes no part.
+//! linear over the interval. Under a loss that spares outliers the residuals are not of one scatter, and
+//!
+//! ```text
+//! C = m/(m − n) A⁻¹ (Σ ψ² jᵀj) A⁻¹,   A = Σ ψ' jᵀj        j: a row of J, ψ = w r
+//! ```
+//!
+//! the sandwich of Huber (1967, Proc. Fifth Berkeley Symp. 1, 221–233) and White (1980, Econometrica 48, 817–838).
+//!
+//! Each column of √W J is divided by its own norm, which is the effect of the unknown on the weighted residuals: so neither
+//! the unit of an unknown nor a value near zero counts. The singular values decide which combinations of unknowns hardly
+//! change the data: below the model's precision, as a part of the largest, is nothing. An unknown that changes the
+//! residuals by their rounding over its whole range has no effect. An unknown with a share in such a combination, or
+//! without effect, has no interval; one that rests on a bound has none either and takes no part.
 
-use super::{Ending, Evaluation, Model, Search, Unknown};
+use super::{Ending, Evaluation, Loss, Model, Search, Unknown};
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// Share of an unknown in a direction from which on it is named.
 const NAMED: f64 = 0.1;
+/// Part of the largest effect on the residuals at which the effect of an unknown over its whole range is rounding.
+const ROUNDING: f64 = 1e-12;
 /// Steps after which a decomposition is given up, far more than one takes.
 const MOST_SWEEPS: usize = 100_000;
 
@@ -46,7 +57,8 @@ pub struct Estimate {
 pub struct Direction {
     /// Its singular value over the largest.
     pub strength: f64,
-    /// The unknowns in it with their shares, each relative to the unknown's size; those above a tenth.
+    /// The unknowns in it with their shares, each relative to the unknown's size; those above a tenth, there or of the effect on
+    /// the residuals.
     pub shares: Vec<(String, f64)>,
 }
 
@@ -65,7 +77,7 @@ pub struct Fit {
     pub scatter: f64,
     /// Correlations of the unknowns, row by row; NaN never: zero where there is none.
     pub correlations: Vec<Vec<f64>>,
-    /// Largest over least singular value of the derivatives, each by the size of its unknown; infinite when one is zero.
+    /// Largest over least singular value of the derivatives, each column over its norm; infinite when one is zero.
     pub condition: f64,
     /// The combinations that are not identifiable.
     pub unidentifiable: Vec<Direction>,
@@ -96,11 +108,7 @@ impl Fit {
         let on_bound: Vec<bool> =
             unknowns.iter().zip(&values).map(|(unknown, value)| unknown.rests(*value).contains(&true)).collect();
         let free: Vec<usize> = (0..columns).filter(|unknown| !on_bound[*unknown]).collect();
-        let sizes: Vec<f64> = unknowns.iter().zip(&values).map(|(unknown, value)| magnitude(*value, unknown)).collect();
         let weights: Vec<f64> = evaluation.residuals.iter().map(|residual| search.loss.weight(*residual)).collect();
-        let slopes = DMatrix::from_fn(rows, free.len(), |row, place| {
-            weights[row].sqrt() * evaluation.slopes[row * columns + free[place]] * sizes[free[place]]
-        });
         // A residual that is zero and stays so is no measurement: a censored one says nothing.
         let silent = |row: usize| {
             let row_slopes = &evaluation.slopes[row * columns..][..columns];
@@ -111,15 +119,33 @@ impl Fit {
         let squares: f64 =
             evaluation.residuals.iter().zip(&weights).map(|(residual, weight)| weight * residual * residual).sum();
         let scatter = (squares / degrees_of_freedom.max(1) as f64).sqrt();
-        let sensitivity = Sensitivity::new(slopes, model.precision());
-        let spread = if search.known_scales { 1.0 } else { scatter };
+        let slopes = DMatrix::from_fn(rows, free.len(), |row, place| evaluation.slopes[row * columns + free[place]]);
+        let mut sensitivity =
+            Sensitivity::new(&slopes, &weights, model, free.iter().map(|of| (&unknowns[*of], values[*of])));
+        match search.loss {
+            Loss::Squares if search.known_scales => sensitivity.estimate(1.0),
+            Loss::Squares => sensitivity.estimate(scatter * scatter),
+            loss => {
+                let inflated = speaking as f64 / degrees_of_freedom.max(1) as f64;
+                let of_row = |(row, residual): (usize, &f64)| {
+                    let bend = loss.bend(*residual);
+                    // A prior is as certain as it says, however near to it the value lies, and so is a reading that is not spared.
+                    match row >= model.residuals() || (search.known_scales && bend == 1.0) {
+                        true => [1.0; 2],
+                        false => [bend, inflated * (loss.weight(*residual) * residual).powi(2)],
+                    }
+                };
+                let of_rows: Vec<[f64; 2]> = evaluation.residuals.iter().enumerate().map(of_row).collect();
+                sensitivity.estimate_sandwich(&slopes, &of_rows);
+            }
+        }
         let quantile =
             StudentsT::new(0.0, 1.0, degrees_of_freedom.max(1) as f64).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975));
         let estimate = |unknown: usize| {
             let value = values[unknown];
-            let of_size =
-                free.iter().position(|place| *place == unknown).and_then(|place| sensitivity.standard_error(place));
-            let standard_error = of_size.map(|error| error * spread * sizes[unknown]).filter(|error| error.is_finite());
+            let place = free.iter().position(|place| *place == unknown);
+            let standard_error =
+                place.and_then(|place| sensitivity.standard_error(place)).filter(|error| error.is_finite());
             Estimate {
                 name: unknowns[unknown].name.clone(),
                 unit: unknowns[unknown].unit,
@@ -185,34 +211,81 @@ impl Fit {
     }
 }
 
-/// The size of an unknown at a value: its own, or the one of the search where it is zero.
+/// The size of an unknown at a value, which a share is relative to: the value, or the one of the search where it is zero. A value
+/// that may have either sign is no size where its bounds say one.
 fn magnitude(value: f64, unknown: &Unknown) -> f64 {
-    if value == 0.0 { unknown.size() } else { value.abs() }
+    let [least, largest] = unknown.bounds;
+    match value {
+        _ if least < 0.0 && largest > 0.0 && largest - least < f64::INFINITY => largest.max(-least),
+        0.0 => unknown.size(),
+        value => value.abs(),
+    }
 }
 
-/// The singular values of the derivatives, largest first, with the direction of each.
+/// The largest size that an unknown may have: that of the search where no bound and no value is any.
+fn reach(value: f64, unknown: &Unknown) -> f64 {
+    let bounds = unknown.bounds.iter().filter(|bound| bound.is_finite());
+    let reach = bounds.chain([&value, &unknown.start]).fold(0.0, |reach: f64, number| reach.max(number.abs()));
+    if reach > 0.0 { reach } else { unknown.size() }
+}
+
+/// The singular values of the weighted derivatives by the free unknowns, each column over its norm, with the direction of each.
 struct Sensitivity {
+    /// The place of each free unknown among those that have an effect.
+    acting: Vec<Option<usize>>,
+    /// Norm and size of each of these.
+    norms: Vec<f64>,
+    sizes: Vec<f64>,
     values: DVector<f64>,
     directions: DMatrix<f64>,
     /// The part of the largest below which a singular value is nothing.
     least: f64,
+    /// Covariance of the acting unknowns, each times its norm, by the directions that are identifiable.
+    covariance: DMatrix<f64>,
 }
 
 impl Sensitivity {
-    fn new(slopes: DMatrix<f64>, least: f64) -> Self {
-        let columns = slopes.ncols();
-        // Where every unknown rests on a bound there is nothing to decompose.
-        let decomposed = match slopes.is_empty() || !slopes.iter().all(|slope| slope.is_finite()) {
-            true => None,
-            false => slopes.try_svd(false, true, f64::EPSILON, MOST_SWEEPS),
+    fn new<'a>(
+        slopes: &DMatrix<f64>,
+        weights: &[f64],
+        model: &dyn Model,
+        unknowns: impl Iterator<Item = (&'a Unknown, f64)> + Clone,
+    ) -> Self {
+        let norm = |column: usize, rows: usize| {
+            (0..rows).map(|row| weights[row] * slopes[(row, column)].powi(2)).sum::<f64>().sqrt()
         };
-        match decomposed {
-            Some(svd) => Self {
-                directions: svd.v_t.unwrap_or_else(|| DMatrix::identity(columns, columns)),
-                values: svd.singular_values,
-                least,
-            },
-            None => Self { values: DVector::zeros(columns), directions: DMatrix::identity(columns, columns), least },
+        let of_all = |column: usize| norm(column, slopes.nrows());
+        // Effects on the readings alone: a narrow prior says nothing of the others.
+        let effects = unknowns.clone().enumerate();
+        let effects = effects.map(|(column, (_, value))| norm(column, model.residuals()) * value.abs());
+        let rounding = ROUNDING * effects.fold(0.0, f64::max);
+        let acts = |(column, (unknown, value)): (usize, (&Unknown, f64))| {
+            let effect = of_all(column) * reach(value, unknown);
+            slopes.iter().all(|slope| slope.is_finite()) && effect > 0.0 && effect > rounding
+        };
+        let columns: Vec<usize> =
+            unknowns.clone().enumerate().filter(|of| acts(*of)).map(|(column, _)| column).collect();
+        let count = columns.len();
+        let acting = (0..slopes.ncols()).map(|column| columns.iter().position(|of| *of == column)).collect();
+        let norms: Vec<f64> = columns.iter().map(|column| of_all(*column)).collect();
+        let sizes: Vec<f64> = unknowns.map(|(unknown, value)| magnitude(value, unknown)).collect();
+        let scaled = DMatrix::from_fn(slopes.nrows(), count, |row, place| {
+            weights[row].sqrt() * slopes[(row, columns[place])] / norms[place]
+        });
+        // Where nothing acts there is nothing to decompose.
+        let decomposed = if scaled.is_empty() { None } else { scaled.try_svd(false, true, f64::EPSILON, MOST_SWEEPS) };
+        let (values, directions) = match decomposed {
+            Some(svd) => (svd.singular_values, svd.v_t.unwrap_or_else(|| DMatrix::identity(count, count))),
+            None => (DVector::zeros(count), DMatrix::identity(count, count)),
+        };
+        Self {
+            sizes: columns.iter().map(|column| sizes[*column]).collect(),
+            least: model.precision(),
+            covariance: DMatrix::zeros(count, count),
+            acting,
+            norms,
+            values,
+            directions,
         }
     }
 
@@ -224,37 +297,91 @@ impl Sensitivity {
         self.values[direction] > self.least * self.largest()
     }
 
-    /// Covariance of two unknowns, in their sizes, by the directions that are identifiable.
-    fn covariance(&self, i: usize, j: usize) -> f64 {
-        let part = |k: usize| (self.directions[(k, i)] / self.values[k]) * (self.directions[(k, j)] / self.values[k]);
-        (0..self.values.len()).filter(|k| self.is_identifiable(*k)).map(part).sum()
+    /// The identifiable directions as columns, each over its singular value.
+    fn basis(&self) -> DMatrix<f64> {
+        let identifiable: Vec<usize> = (0..self.values.len()).filter(|k| self.is_identifiable(*k)).collect();
+        DMatrix::from_fn(self.norms.len(), identifiable.len(), |place, column| {
+            let k = identifiable[column];
+            self.directions[(k, place)] / self.values[k]
+        })
     }
 
-    fn standard_error(&self, place: usize) -> Option<f64> {
-        let unidentifiable =
-            |k: usize| !self.is_identifiable(k) && self.directions[(k, place)].abs() > self.least.sqrt();
-        (!(0..self.values.len()).any(unidentifiable)).then(|| self.covariance(place, place).sqrt())
+    /// Takes the covariance of residuals that scatter alike, with this variance.
+    fn estimate(&mut self, variance: f64) {
+        let basis = self.basis();
+        self.covariance = &basis * basis.transpose() * variance;
+    }
+
+    /// Takes the covariance of residuals each of which scatters in its own way: ψ' and ψ² of each.
+    fn estimate_sandwich(&mut self, slopes: &DMatrix<f64>, of_rows: &[[f64; 2]]) {
+        let columns: Vec<usize> = (0..self.acting.len()).filter(|column| self.acting[*column].is_some()).collect();
+        let mut own = slopes.select_columns(&columns);
+        for (mut column, norm) in own.column_iter_mut().zip(&self.norms) {
+            column /= *norm;
+        }
+        let basis = self.basis();
+        let own = own * &basis;
+        let weighted = |which: usize| {
+            let scaled =
+                DMatrix::from_fn(own.nrows(), own.ncols(), |row, column| of_rows[row][which] * own[(row, column)]);
+            own.tr_mul(&scaled)
+        };
+        // Without outliers it is one; where too many are spared to determine it, too.
+        let bread = weighted(0).cholesky().map(|bend| bend.inverse());
+        let bread = bread.unwrap_or_else(|| DMatrix::identity(basis.ncols(), basis.ncols()));
+        self.covariance = &basis * &bread * weighted(1) * bread * basis.transpose();
+    }
+
+    /// The share of an acting unknown in a direction: of the effect on the residuals, and relative to the unknown's size.
+    fn shares(&self, k: usize, place: usize) -> [f64; 2] {
+        let of = |place: usize| self.directions[(k, place)] / (self.norms[place] * self.sizes[place]);
+        let length = (0..self.norms.len()).map(|place| of(place).powi(2)).sum::<f64>().sqrt();
+        [self.directions[(k, place)], of(place) / length]
+    }
+
+    /// Whether an acting unknown has no interval because of a direction: beyond the error of the direction.
+    fn is_in(&self, k: usize, place: usize) -> bool {
+        let [of_effect, of_size] = self.shares(k, place).map(f64::abs);
+        !self.is_identifiable(k) && (of_effect > self.least.sqrt() || (of_effect > self.least && of_size > NAMED))
+    }
+
+    fn standard_error(&self, unknown: usize) -> Option<f64> {
+        let place = self.acting[unknown]?;
+        let is_free = !(0..self.values.len()).any(|k| self.is_in(k, place));
+        is_free.then(|| self.covariance[(place, place)].sqrt() / self.norms[place])
     }
 
     fn correlation(&self, i: usize, j: usize) -> f64 {
-        match (self.standard_error(i), self.standard_error(j)) {
-            (Some(of), Some(with)) if of > 0.0 && with > 0.0 => self.covariance(i, j) / (of * with),
+        match (self.standard_error(i).zip(self.acting[i]), self.standard_error(j).zip(self.acting[j])) {
+            (Some((of, i)), Some((with, j))) if of > 0.0 && with > 0.0 => {
+                self.covariance[(i, j)] / (of * self.norms[i]) / (with * self.norms[j])
+            }
             _ => f64::from(u8::from(i == j)),
         }
     }
 
     fn condition(&self) -> f64 {
         let least = self.values.iter().copied().fold(f64::INFINITY, f64::min);
-        if self.values.is_empty() { 1.0 } else { self.largest() / least }
+        match self.acting.iter().all(Option::is_some) {
+            true if self.values.is_empty() => 1.0,
+            true => self.largest() / least,
+            false => f64::INFINITY,
+        }
     }
 
     fn unidentifiable(&self, names: &[&str]) -> Vec<Direction> {
+        let silent = names.iter().zip(&self.acting).filter(|(_, place)| place.is_none());
+        let silent = silent.map(|(name, _)| Direction { strength: 0.0, shares: vec![((*name).to_owned(), 1.0)] });
         let direction = |k: usize| {
-            let share = |(place, name): (usize, &&str)| ((*name).to_owned(), self.directions[(k, place)]);
-            let shares = names.iter().enumerate().map(share).filter(|(_, share)| share.abs() > NAMED).collect();
+            let share = |(name, place): (&&str, &Option<usize>)| {
+                let [of_effect, of_size] = self.shares(k, (*place)?);
+                let is_named = of_effect.abs() > NAMED || (of_effect.abs() > self.least && of_size.abs() > NAMED);
+                is_named.then(|| ((*name).to_owned(), of_size))
+            };
             let largest = self.largest();
-            Direction { strength: if largest > 0.0 { self.values[k] / largest } else { 0.0 }, shares }
+            let strength = if largest > 0.0 { self.values[k] / largest } else { 0.0 };
+            Direction { strength, shares: names.iter().zip(&self.acting).filter_map(share).collect() }
         };
-        (0..self.values.len()).filter(|k| !self.is_identifiable(*k)).map(direction).collect()
+        silent.chain((0..self.values.len()).filter(|k| !self.is_identifiable(*k)).map(direction)).collect()
     }
 }

@@ -35,6 +35,8 @@ impl Model {
     /// The scenario's actuator with its valve and all that feeds it, whatever the load; of a joint the one of this name. Pulses
     /// come at a frequency in Hz, else at that of the scenario's PWM.
     pub(crate) fn of(scenario: &Scenario, name: Option<&str>, pulse_frequency: Option<f64>) -> Result<Self, Failure> {
+        // Of several actuators: what serves them is in the message.
+        scenario.of_one()?;
         let document = &scenario.document;
         let of_core = |error| Failure::of_core(&error, document);
         if name.is_none() && scenario.understood().is_some_and(mckibben_scenario::Scenario::has_joint) {

@@ -2,7 +2,7 @@
 
 use super::columns::{self, Column};
 use crate::scenario::Scenario;
-use mckibben::parameter;
+use mckibben::parameter::{self, Parameter};
 use mckibben::plant::{Plant, PlantStart, plant_step_for_accuracy};
 use mckibben::simulation::Method;
 use mckibben::valve::{Command, Solenoid};
@@ -27,6 +27,8 @@ pub(super) struct File {
     begin: Begin,
     /// The valves that actions go to, by their indices in the network: those of the actuators, in their order.
     pub(super) valves: Vec<usize>,
+    /// The names of the actuators behind each of them.
+    pub(super) owners: Vec<String>,
     pub(super) columns: Vec<Column>,
     pub(super) run: Run,
     /// The longest step in s.
@@ -60,7 +62,7 @@ impl File {
         let Scenario { document, .. } = scenario.get();
         let refused = |error: PlaceError| Failure::input(error.to_string(), "name another in `parameters`");
         let failed = |error: mckibben::Error| Failure::of_core(&error, document);
-        let (numbers, given, begin, run, valves, columns);
+        let (numbers, given, begin, run, valves, owners, columns);
         match scenario.get().understood() {
             Some(understood) => {
                 let mut base = open(understood);
@@ -68,9 +70,11 @@ impl File {
                 let places = paths().map(|path| document.find(path, paths(), &mut base).map_err(refused));
                 let places = places.collect::<Result<Vec<_>, _>>()?;
                 given = places.iter().map(|place| place.value(&mut base).unwrap_or(f64::NAN)).collect();
-                begin = short(&base).map_err(failed)?;
-                (run, columns) = (base.run, columns::of_short(&begin.plant));
-                valves = (0..begin.plant.network().valves.len()).collect();
+                let experiment = experiment_of_one(&base).map_err(failed)?;
+                (run, columns) = (base.run, columns::of_short(&experiment.plant));
+                valves = (0..experiment.plant.network().valves.len()).collect::<Vec<_>>();
+                owners = owners_of(&experiment, &valves);
+                begin = Begin { plant: experiment.plant, start: experiment.start };
                 let said = document.says_of_each(parameter::MIN_LENGTH.key);
                 numbers = Numbers::Short(Box::new(Adjustable::new(base, places, said)));
             }
@@ -81,6 +85,7 @@ impl File {
                 given = places.iter().map(PlantPlace::value).collect();
                 (run, columns) = (experiment.run, columns::of_named(&experiment));
                 valves = valves_of(&experiment);
+                owners = owners_of(&experiment, &valves);
                 begin = Begin { plant: experiment.plant, start: experiment.start };
                 numbers = Numbers::Named(places);
             }
@@ -92,7 +97,7 @@ impl File {
         let step = run.step.map_or_else(chosen, Ok).map_err(failed)?;
         let commands = valves.iter().map(|valve| begin.plant.network().valves[*valve].command.clone()).collect();
         let begin = Begin { plant: begin.plant.without_commands(&valves), ..begin };
-        Ok(Self { scenario, numbers, given, begin, valves, columns, run, step, commands })
+        Ok(Self { scenario, numbers, given, begin, valves, owners, columns, run, step, commands })
     }
 
     /// The formula of a step.
@@ -131,16 +136,35 @@ impl File {
             Numbers::Short(adjustable) => adjustable
                 .at(values)
                 .and_then(|scenario| short(&scenario))
-                .map_err(|error| refused(error.to_string()))?,
+                .map_err(|error| refused(self.in_paths(&error, values)))?,
             Numbers::Named(places) => {
                 let document = &self.scenario.get().document;
                 let adjusted = document.with_plant_values(places, values);
-                let adjusted = adjusted.map_err(|error| refused(error.to_string()))?;
+                let adjusted = adjusted.map_err(|error| refused(self.in_paths(&error, values)))?;
                 let experiment = named(&adjusted).map_err(|failure| refused(failure.to_string()))?;
                 Begin { plant: experiment.plant, start: experiment.start }
             }
         };
         Ok(Begin { plant: begin.plant.without_commands(&self.valves), ..begin })
+    }
+
+    /// An error of the core in words. A value out of range is named by its path: its row of the table of parameters knows the key, but no
+    /// name of a part and no entry of a list.
+    fn in_paths(&self, error: &mckibben::Error, values: &[f64]) -> String {
+        let words = error.to_string();
+        let mckibben::Error::OutOfRange { parameter, .. } = error else { return words };
+        let is_meant = |of: &Parameter, value: &f64| of.key == parameter.key && !of.range.contains(*value);
+        let path = match &self.numbers {
+            Numbers::Short(adjustable) => {
+                let mut places = adjustable.places().iter().zip(values);
+                places.find(|(place, value)| is_meant(place.parameter(), value)).map(|(place, _)| place.path())
+            }
+            Numbers::Named(places) => {
+                let mut places = places.iter().zip(values);
+                places.find(|(place, value)| is_meant(place.parameter(), value)).map(|(place, _)| place.path())
+            }
+        };
+        path.map_or_else(|| words.clone(), |path| words.replacen(parameter.key, &path, 1))
     }
 
     /// An error of the core, with its place in the file unless its values came from elsewhere.
@@ -161,6 +185,16 @@ fn valves_of(experiment: &PlantExperiment) -> Vec<usize> {
         }
     }
     valves
+}
+
+/// The names of the actuators behind each of these valves.
+fn owners_of(experiment: &PlantExperiment, valves: &[usize]) -> Vec<String> {
+    let names = &experiment.names;
+    let of = |valve: &usize| {
+        let own = names.actuators.iter().zip(&names.valves).filter(|(_, its)| **its == Some(*valve));
+        own.map(|(name, _)| name.as_str()).collect::<Vec<_>>().join(", ")
+    };
+    valves.iter().map(of).collect()
 }
 
 /// The plant of a file of one actuator or of a joint.

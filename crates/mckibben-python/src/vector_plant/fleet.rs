@@ -131,10 +131,14 @@ impl Fleet {
         };
         for (row, actions) in actions.chunks(valves).enumerate() {
             let network = self.batch.plant(row).unwrap_or(&self.file.begin().plant).network();
-            for (number, valve) in actions.iter().zip(&self.file.valves) {
+            for ((number, valve), owner) in actions.iter().zip(&self.file.valves).zip(&self.file.owners) {
                 let commanded = self.action_mode.command(*number);
                 let checked = commanded.and_then(|commanded| network.check_command(*valve, &commanded));
-                checked.map_err(|error| (row, error.into()))?;
+                let of_valve = |failure: Failure| match valves {
+                    1 => failure,
+                    _ => failure.of(&format!("the valve of {owner}")),
+                };
+                checked.map_err(|error| (row, of_valve(error.into())))?;
             }
         }
         Ok(())

@@ -60,7 +60,8 @@ use std::collections::BTreeMap;
 /// Raises
 /// ------
 /// InputError
-///     The plant has no valve, a valve does not take such actions, or there is no such parameter.
+///     The plant has no valve, a valve does not take such actions, or there is no such parameter, or one that changes nothing of the
+///     plant.
 /// MemoryError
 ///     This machine does not have the memory for so many instances.
 ///
@@ -109,6 +110,8 @@ pub(crate) struct VectorPlant {
 
 /// A step of a control period that is this much longer than the longest is as long.
 const ROUNDING: f64 = 1e-9;
+/// By this share a parameter is moved to see whether it changes the plant.
+const NUDGE: f64 = 1e-3;
 /// Steps and edges of pulses of all plants together between two checks for Ctrl-C.
 const PARTS_PER_CHECK: f64 = 1e6;
 
@@ -142,7 +145,7 @@ impl VectorPlant {
         let fleet = Fleet::new(file, action_mode, precision.read()?)?;
         fleet.check(&vec![action_mode.least(&requests); fleet.valves()]).map_err(|(_, failure)| failure)?;
         let (scenario, parameters, action_mode) = (scenario.clone_ref(py), parameters.to_vec(), mode.to_owned());
-        Ok(Self {
+        let plants = Self {
             scenario,
             parameters,
             action_mode,
@@ -156,7 +159,33 @@ impl VectorPlant {
             count,
             width,
             fleet,
-        })
+        };
+        plants.check_effects()?;
+        Ok(plants)
+    }
+
+    /// Refuses a parameter that changes nothing of the plant, such as the velocity of a start that cannot move. All others are moved
+    /// too: a number may act only where another is not zero.
+    fn check_effects(&self) -> Result<(), Failure> {
+        for (place, path) in self.parameters.iter().enumerate() {
+            let acts = |share: f64| {
+                let size = |value: f64| if value == 0.0 { 1.0 } else { value.abs() };
+                let one: Vec<f64> = self.given.iter().map(|value| value + share * size(*value)).collect();
+                let mut other = one.clone();
+                other[place] = self.given[place];
+                self.fleet.differ([&one, &other]).ok()
+            };
+            // Values that the plant cannot have say nothing.
+            let found = match acts(NUDGE) {
+                Some(true) => Some(true),
+                other => acts(-NUDGE).or(other),
+            };
+            if found == Some(false) {
+                let title = format!("`parameters`: `{path}` changes nothing of this plant");
+                return Err(Failure::input(title, "leave it out"));
+            }
+        }
+        Ok(())
     }
 
     fn begin(&mut self, py: Python<'_>, values: Option<Table<'_>>) -> PyResult<()> {

@@ -14,8 +14,11 @@ use std::sync::Arc;
 
 /// The fewest points over the duration that show a smooth curve, and the most that a curve needs.
 const POINTS: (f64, f64) = (2000.0, 100_000.0);
-/// Events up to this number have a point each.
+/// Events up to this number have two points each: the values just before them, which may be the peak, and those after.
 const CORNERS: usize = 20_000;
+/// The part of itself by which a time lies just before an instant: more than the rounding by which two instants are one, and no
+/// distance in a figure.
+const BEFORE: f64 = 64.0 * f64::EPSILON;
 /// Points in the period of a pulsed valve.
 const PER_PULSE: f64 = 48.0;
 
@@ -118,8 +121,9 @@ impl Source {
         let pulses = watches.iter().map(|watch| watch.changes.len()).max().unwrap_or(0) as f64 / 2.0;
         let least = POINTS.0.max(pulses * PER_PULSE);
         let interval = plan.sample_interval.min(duration / least).max(duration / POINTS.1);
-        // Curves have their peaks where a valve moves, a stop is reached, the braid is taut.
-        let corners = events.iter().map(|event| event.time).filter(|_| events.len() < CORNERS);
+        // Curves have their peaks where a valve moves, a stop is reached, the braid is taut, or a motion turns back.
+        let corners = events.iter().filter(|_| events.len() < CORNERS);
+        let corners = corners.flat_map(|event| [event.time * (1.0 - BEFORE), event.time]);
         let times = SampleTimes::new(duration, interval).times().chain(corners);
         let mut time: Vec<f64> = times.map(|time| time.clamp(0.0, duration)).collect();
         time.sort_by(f64::total_cmp);

@@ -9,7 +9,7 @@
 //! Checked by `tests/host/batch.rs`.
 
 use super::model::{HostModel, Motion};
-use super::plant::HostPlant;
+use super::plant::{HostPlant, of_saving};
 use crate::failure::Failure;
 use mckibben::plant::{PlantRow, PlantSampler};
 use mckibben::{Error, Response};
@@ -148,7 +148,7 @@ impl HostBatch {
         let Self { models, batch, .. } = self;
         for input in 0..inputs {
             let valve = models[0].commands()[input].valve;
-            let command = |row: usize| models[row].commands()[input].mode.command(numbers[inputs * row + input]).ok();
+            let command = |row: usize| models[row].commands()[input].command(numbers[inputs * row + input]).ok();
             batch.set_each(valve, command).map_err(|(row, error)| of_row(error.into(), row, models.len()))?;
         }
         Ok(())
@@ -280,7 +280,7 @@ impl HostBatch {
         let each = self.model().distance_count();
         let begin = |(row, model): (usize, &Arc<HostModel>)| {
             let its = each * row..each * (row + 1);
-            let begun = model.begin_at(&distances[its.clone()], &rates[its], 0.0);
+            let begun = model.begin_at(&distances[its.clone()], &rates[its], &[], 0.0);
             begun.map_err(|failure| self.of_row(failure, row))
         };
         let begun: Result<Vec<PlantRow>, Failure> = match self.batch.keeps_to_thread() {
@@ -306,7 +306,7 @@ impl HostBatch {
         for (name, numbers) in [("distances", distances), ("rates", rates)] {
             check_count(name, numbers.len(), model.distance_count())?;
         }
-        let begun = model.begin_at(distances, rates, self.time()).map_err(|failure| self.of_row(failure, row))?;
+        let begun = model.begin_at(distances, rates, &[], self.time()).map_err(|failure| self.of_row(failure, row))?;
         self.batch.restart(row, begun)?;
         let its = distances.len() * row..distances.len() * (row + 1);
         for (ends, new) in self.ends.iter_mut().zip([distances, rates]) {
@@ -328,7 +328,7 @@ impl HostBatch {
         let (size, count) = (self.state_size, self.count());
         self.check_count("numbers of states", numbers.len(), size)?;
         for (row, numbers) in numbers.chunks_mut(size).enumerate() {
-            self.batch.save(row, numbers).map_err(|error| of_row(error.into(), row, count))?;
+            self.batch.save(row, numbers).map_err(|error| of_row(of_saving(error), row, count))?;
         }
         Ok(())
     }

@@ -3,7 +3,7 @@
 //! | mode | the number | of a valve with |
 //! |---|---|---|
 //! | duty | duty cycle, 0 to 1, of pulses that the valve makes itself, with its delays | poppets |
-//! | request | 1 to fill, 0 to hold, −1 to exhaust | poppets |
+//! | request | 1 to fill, 0 to hold, −1 to exhaust; what `hold` is in a scenario, it is here | poppets |
 //! | position | position of the spool, −1 (exhaust open) to 1 (supply open) | a proportional spool |
 //! | set-point | gauge pressure in Pa, from zero to that of what feeds the valve | a pressure regulator |
 //!
@@ -157,8 +157,9 @@ impl CommandMode {
         matches!((self, other), (Self::SetPoint { .. }, Self::SetPoint { .. })) || self == other
     }
 
-    /// The numbers that a valve takes, in words: `0 to 1`, `1 (fill) or -1 (exhaust)`.
-    pub(super) fn words(&self, valve: &Solenoid) -> String {
+    /// The numbers that a valve takes, in words: `0 to 1`, `1 (fill) or -1 (exhaust)`; `requests` are those that it can
+    /// do.
+    pub(super) fn words(&self, requests: &[f64]) -> String {
         let (low, high, unit) = self.range();
         match self {
             Self::Request => {
@@ -167,7 +168,7 @@ impl CommandMode {
                     0.0 => "0 (hold)",
                     _ => "-1 (exhaust)",
                 };
-                let words: Vec<&str> = Self::requests_of(std::iter::once(valve)).iter().rev().map(word).collect();
+                let words: Vec<&str> = requests.iter().rev().map(word).collect();
                 words.join(" or ")
             }
             Self::SetPoint { .. } if high.is_infinite() => format!("{low:?} {unit} or more"),

@@ -4,14 +4,16 @@
 
 use super::command::{CommandMode, Pulses};
 use super::ends;
-use super::experiment::experiment_of;
+use super::experiment::{experiment_of, hold_of};
 use crate::failure::Failure;
-use mckibben::Error;
 use mckibben::parameter::ACCURACY;
 use mckibben::plant::{Plant, PlantRow, PlantRun, PlantSample, PlantStart, PlantSteps, TimeStepping};
 use mckibben::simulation::{MOST_PARTS, Method};
-use mckibben::valve::{RuntimeCommand, Solenoid};
+use mckibben::valve::{Request, RuntimeCommand, Solenoid};
+use mckibben::{Error, GaugePressure};
 use mckibben_scenario::{Document, PlantColumn, PlantExperiment, PlantQuantity};
+use std::cell::LazyCell;
+use toml_edit::DocumentMut;
 
 /// The relative tolerance by which a start is discerned from rounding.
 const TOLERANCE: f64 = 1e-9;
@@ -55,13 +57,30 @@ pub struct CommandInput {
     pub mode: CommandMode,
     /// Its index in the network.
     pub(super) valve: usize,
+    /// What the valve does on a request to hold: see [`experiment::hold_of`](super::experiment::hold_of).
+    hold: Request,
 }
 
 impl CommandInput {
     /// Whether two inputs are commanded alike, in ranges that may differ.
     fn is_alike(&self, other: &Self) -> bool {
-        let Self { name, actuators, mode, valve } = self;
-        *name == other.name && *actuators == other.actuators && *valve == other.valve && mode.is_alike(&other.mode)
+        let Self { name, actuators, mode, valve, hold } = self;
+        *name == other.name
+            && *actuators == other.actuators
+            && *valve == other.valve
+            && *hold == other.hold
+            && mode.is_alike(&other.mode)
+    }
+
+    /// The command of a number.
+    ///
+    /// # Errors
+    /// As [`CommandMode::command`].
+    pub(super) fn command(&self, number: f64) -> Result<RuntimeCommand, Error> {
+        Ok(match self.mode.command(number)? {
+            RuntimeCommand::Request(Request::Hold) => RuntimeCommand::Request(self.hold),
+            other => other,
+        })
     }
 }
 
@@ -96,7 +115,7 @@ impl HostModel {
         };
         // A frequency that is none must not turn duty cycles into requests.
         Pulses::of(None, options.pulse_frequency)?;
-        let commands = inputs(&experiment, options)?;
+        let commands = inputs(document, &experiment, options)?;
         let valves: Vec<usize> = commands.iter().map(|input| input.valve).collect();
         // The scenario's own commands say what a step has to follow; those of the host are not known yet.
         let step = match options.motion {
@@ -183,8 +202,12 @@ impl HostModel {
     /// commanded otherwise.
     pub fn requests(&self, input: usize) -> Vec<f64> {
         let of_requests = self.commands.get(input).filter(|its| its.mode == CommandMode::Request);
-        let solenoid = of_requests.map(|its| self.solenoid(its));
-        solenoid.map_or_else(Vec::new, |solenoid| CommandMode::requests_of(std::iter::once(solenoid)))
+        let Some(its) = of_requests else { return Vec::new() };
+        let can = |number: &f64| match its.command(*number) {
+            Ok(RuntimeCommand::Request(request)) => self.solenoid(its).check_request(request).is_ok(),
+            _ => false,
+        };
+        [-1.0, 0.0, 1.0].into_iter().filter(can).collect()
     }
 
     /// Checks that a valve can be commanded a number, and returns the command.
@@ -193,9 +216,9 @@ impl HostModel {
     /// When there is no such valve, and for a number that it does not take, with those that it takes.
     pub fn check_command(&self, input: usize, number: f64) -> Result<RuntimeCommand, Failure> {
         let its = self.input(input)?;
-        let (mode, solenoid) = (&its.mode, self.solenoid(its));
+        let mode = &its.mode;
         let network = self.experiment.plant.network();
-        let command = mode.command(number).and_then(|command| {
+        let command = its.command(number).and_then(|command| {
             network.check_command(its.valve, &command)?;
             Ok(command)
         });
@@ -207,7 +230,7 @@ impl HostModel {
             }
             let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
             let title = format!("`{}` = {number:?}{unit} is not among what the valve takes", its.name);
-            Failure::input(title, format!("give {}", mode.words(solenoid)))
+            Failure::input(title, format!("give {}", mode.words(&self.requests(input))))
         })
     }
 
@@ -319,11 +342,17 @@ impl HostModel {
     }
 
     /// A plant that begins at t = 0, or at a time in s, with the ends of all actuators at `distances` in m and moving at `rates` in m/s, and
-    /// all else as the scenario starts.
+    /// all else as the scenario starts but the gauge pressures in Pa of the actuators for which one is given.
     ///
     /// # Errors
-    /// For distances that the actuators cannot have, and where the scenario moves the ends.
-    pub(super) fn begin_at(&self, distances: &[f64], rates: &[f64], time: f64) -> Result<PlantRow, Failure> {
+    /// For distances that the actuators cannot have, a pressure that is none, and where the scenario moves the ends.
+    pub(super) fn begin_at(
+        &self,
+        distances: &[f64],
+        rates: &[f64],
+        gauges: &[Option<f64>],
+        time: f64,
+    ) -> Result<PlantRow, Failure> {
         if self.motion == Motion::Scenario {
             return Err(Failure::input(
                 "the scenario moves the ends: they begin where it says",
@@ -332,13 +361,16 @@ impl HostModel {
         }
         self.check_ends(distances, rates)?;
         self.check_reach(distances)?;
-        let start = PlantStart {
+        let mut start = PlantStart {
             positions: vec![distances.to_vec()],
             rates: vec![rates.to_vec()],
             // On a tendon, that at which actuator and tendon balance.
             lengths: vec![None; self.experiment.start.lengths.len()],
             ..self.experiment.start.clone()
         };
+        for (air, gauge) in start.air.iter_mut().zip(gauges) {
+            air.gauge_pressure = gauge.map_or(air.gauge_pressure, GaugePressure);
+        }
         let begun = PlantRun::new(&self.experiment.plant, &start, self.stepping)?;
         let begun = if time == 0.0 { begun } else { begun.begin_again(&start, time)? };
         Ok(begun.row(self.method()))
@@ -363,9 +395,18 @@ impl HostModel {
 }
 
 /// The valves of the actuators, each once, with their modes.
-fn inputs(experiment: &PlantExperiment, options: &HostOptions<'_>) -> Result<Vec<CommandInput>, Failure> {
+fn inputs(
+    document: &Document,
+    experiment: &PlantExperiment,
+    options: &HostOptions<'_>,
+) -> Result<Vec<CommandInput>, Failure> {
     let network = experiment.plant.network();
     let mut inputs: Vec<CommandInput> = Vec::new();
+    let text = LazyCell::new(|| document.to_toml().parse::<DocumentMut>().ok());
+    let word = |path: &str| {
+        let item = path.split('.').try_fold(text.as_ref()?.as_item(), |item, key| item.get(key))?;
+        item.as_str().map(str::to_owned)
+    };
     // A valve without its own pulse frequency has that of the first valve with one.
     let pulsed = experiment.names.valves.iter().flatten().map(|valve| &network.valves[*valve].command);
     let pulsed = pulsed.clone().find(|command| matches!(command, mckibben::valve::Command::Pwm { .. }));
@@ -390,7 +431,8 @@ fn inputs(experiment: &PlantExperiment, options: &HostOptions<'_>) -> Result<Vec
             None => CommandMode::of(&its.solenoid, pulses),
         };
         let mode = network.feed_of(valve).map_or(mode, |gauge| mode.fed_at(gauge));
-        inputs.push(CommandInput { name: mode.title(name), actuators: vec![actuator], mode, valve });
+        let hold = hold_of(document, name, word);
+        inputs.push(CommandInput { name: mode.title(name), actuators: vec![actuator], mode, valve, hold });
     }
     Ok(inputs)
 }

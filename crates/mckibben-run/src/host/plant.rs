@@ -2,8 +2,8 @@
 
 use super::model::{CommandInput, HostModel, HostOptions, Motion};
 use crate::failure::Failure;
-use mckibben::Response;
 use mckibben::plant::{PlantSampler, PlantSteps};
+use mckibben::{Error, Response, limit};
 use mckibben_scenario::Document;
 use std::ops::Deref;
 use std::sync::Arc;
@@ -128,7 +128,22 @@ impl HostPlant {
     /// # Errors
     /// For distances that the actuators cannot have, and where the scenario moves the ends.
     pub fn begin_at(&mut self, distances: &[f64], rates: &[f64]) -> Result<(), Failure> {
-        self.steps = self.model.steps_of(self.model.begin_at(distances, rates, 0.0)?)?;
+        self.steps = self.model.steps_of(self.model.begin_at(distances, rates, &[], 0.0)?)?;
+        Ok(())
+    }
+
+    /// Begins again as [`HostPlant::begin_at`], with the gauge pressure in Pa of each actuator in place of that of the scenario
+    /// where one is given. Hoses begin at the pressure of the actuator that they lead to. Allocates.
+    ///
+    /// # Errors
+    /// As there, and for a pressure that is none.
+    pub fn begin_with_pressures(
+        &mut self,
+        distances: &[f64],
+        rates: &[f64],
+        gauges: &[Option<f64>],
+    ) -> Result<(), Failure> {
+        self.steps = self.model.steps_of(self.model.begin_at(distances, rates, gauges, 0.0)?)?;
         Ok(())
     }
 
@@ -177,7 +192,7 @@ impl HostPlant {
     /// # Errors
     /// As there.
     pub fn save(&mut self, numbers: &mut [f64]) -> Result<(), Failure> {
-        Ok(self.steps.save_to(numbers)?)
+        self.steps.save_to(numbers).map_err(of_saving)
     }
 
     /// Returns to a state that a plant of the same scenario has saved.
@@ -187,4 +202,15 @@ impl HostPlant {
     pub fn restore(&mut self, numbers: &[f64]) -> Result<(), Failure> {
         Ok(self.steps.restore_from(numbers)?)
     }
+}
+
+/// Why a state cannot be numbers, in the words of a host, which has no other way to keep it.
+pub(super) fn of_saving(error: Error) -> Failure {
+    if error != Error::NotImplemented(&limit::SAVE_COMMANDS) {
+        return error.into();
+    }
+    Failure::input(
+        "more than 64 commands of one valve are on their way, and a state has places for 64",
+        "shorten valve.dead_time, or let more time pass between commands that differ, as by longer steps",
+    )
 }

@@ -1,7 +1,7 @@
 //! Sensors of a study: what its columns say is known of them, and which of their numbers are looked for.
 
 use super::Material;
-use super::unknowns::read;
+use super::unknowns::{check_order, read};
 use crate::failure::Failure;
 use mckibben_identify::least_squares::Unknown;
 use mckibben_identify::study::{Column, ColumnEntry, FitEntry, Input, Quantity, SensorEntry};
@@ -82,6 +82,7 @@ pub(super) fn unknown(material: &Material, entry: &FitEntry, of: OfSensor) -> Re
             *bound = own;
         }
     }
+    check_order(entry, unit, unknown.bounds)?;
     unknown.start = unknown.start.clamp(unknown.bounds[0], unknown.bounds[1]);
     Ok(unknown)
 }

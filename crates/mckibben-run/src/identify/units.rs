@@ -10,11 +10,13 @@
 //! | tensions with length and pressure | not in proportion to the ideal braid's, and another unit puts that right | refused |
 //! | tensions of a force map | a twentieth of the ideal braid's or twenty times them | refused |
 //! | tensions of a force map | vanish at a gauge pressure that is about the atmosphere's | reported |
+//! | a pressure of a valve or a tank on a bench | a reading above five times the highest supply; before a valve all below a fifth of the atmosphere | refused |
+//! | a temperature of air before a valve | a reading above 400 K | refused |
 //!
 //! A pressure that swings about zero is that of a muscle without air, and no doubt. One warning for each column; none where
 //! the study says `units_are_right`, and nothing is refused there.
 //!
-//! Checked by the program's `tests/identify/units.rs`.
+//! Checked by the program's `tests/identify/units.rs`, and by the tests below.
 
 use super::Material;
 use super::outcome::WARNED;
@@ -35,6 +37,10 @@ const SWINGS: f64 = 0.1;
 const LASTING: f64 = 100.0;
 /// How near, as a part of it, a difference is to the pressure of the atmosphere.
 const ABOUT: f64 = 0.1;
+/// An absolute pressure in Pa below which the fit of a valve says that it is hardly more than a vacuum.
+const VACUUM: f64 = 1e3;
+/// The highest temperature in K of air before a valve.
+const HOTTEST: f64 = 400.0;
 /// Readings that are compared with the braid at most.
 const MOST_POINTS: usize = 500;
 
@@ -65,14 +71,15 @@ pub(super) fn doubts(material: &Material) -> Vec<String> {
 /// # Errors
 /// [`Failure::input`], which names the column and what to do.
 pub(super) fn check(material: &Material) -> Result<(), Failure> {
-    if is_silent(material) {
+    if material.study.units_are_right {
         return Ok(());
     }
     let documents: Vec<Document> =
         material.recordings.iter().map(|recording| material.document_of(recording)).collect::<Result<_, _>>()?;
-    let lengths = material.study.columns.iter().filter(|entry| is_length(entry));
+    let kind = material.study.kind;
+    let refused = material.study.columns.iter().filter(|entry| is_of_bench(kind) || is_length(entry));
     if let Some(Doubt { title, help }) =
-        lengths.filter_map(|entry| doubt(entry, &readings(material, entry), &documents, material.study.kind)).next()
+        refused.filter_map(|entry| doubt(entry, &readings(material, entry), &documents, kind)).next()
     {
         return Err(Failure::input(title, help));
     }
@@ -96,10 +103,14 @@ pub(super) fn check(material: &Material) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Whether units are not compared: they are said to be right, or what feeds a valve on a test stand need not be the scenario's supply.
+/// Whether nothing is reported: the units are said to be right, or they are refused where they are in doubt.
 fn is_silent(material: &Material) -> bool {
-    let study = &material.study;
-    study.units_are_right || matches!(study.kind, Kind::FlowCurve | Kind::SteadyFlow | Kind::Tank)
+    material.study.units_are_right || is_of_bench(material.study.kind)
+}
+
+/// Whether a study is of a valve on a bench, which another supply may feed than the scenario's.
+fn is_of_bench(kind: Kind) -> bool {
+    matches!(kind, Kind::FlowCurve | Kind::SteadyFlow | Kind::Tank)
 }
 
 /// The scenario of each run.
@@ -290,18 +301,21 @@ fn doubt(entry: &ColumnEntry, readings: &[f64], documents: &[Document], kind: Ki
     let (least, greatest) = (*readings.first()?, *readings.last()?);
     let typical = readings[readings.len() / 2];
     let has = match entry.quantity {
+        of if is_of_bench(kind) => of_bench(of, [least, greatest], documents),
         Quantity::Time if kind == Kind::Trajectories => {
             let durations = || documents.iter().filter_map(duration);
             let [shortest, longest] = [durations().reduce(f64::min)?, durations().reduce(f64::max)?];
             let span = greatest - least;
             let is_far = span > LASTING * longest || (span > 0.0 && span * LASTING < shortest);
-            is_far.then(|| format!("the run lasts {}", quantity(longest, "s")))
+            is_far.then(|| format!("in the scenario the run lasts {}", quantity(longest, "s")))
         }
         Quantity::Length | Quantity::AntagonistLength => {
             let [shortest, longest] = lengths(entry, documents)?;
             let is_far = typical > FAR * longest || typical < shortest / FAR;
             let whose = entry.part.as_ref().map_or_else(|| "the muscle".to_owned(), |part| format!("`{part}`"));
-            is_far.then(|| format!("{whose} is {} to {} long", quantity(shortest, "m"), quantity(longest, "m")))
+            is_far.then(|| {
+                format!("in the scenario {whose} is {} to {} long", quantity(shortest, "m"), quantity(longest, "m"))
+            })
         }
         of => {
             let is_absolute = is_absolute(of)?;
@@ -311,8 +325,7 @@ fn doubt(entry: &ColumnEntry, readings: &[f64], documents: &[Document], kind: Ki
             let swings = -least > SWINGS * greatest;
             let is_small = greatest > 0.0 && greatest < SMALL * highest && !swings;
             let is_far = highest > 0.0 && (greatest > FAR * highest || is_small);
-            let kind = if is_absolute { "absolute" } else { "gauge" };
-            is_far.then(|| format!("the highest supply has {} {kind}", quantity(highest, "Pa")))
+            is_far.then(|| supplied(highest, is_absolute))
         }
     };
     let in_unit = |value: f64| plain(&digits((value - entry.zero) / entry.scale)).to_owned();
@@ -322,7 +335,7 @@ fn doubt(entry: &ColumnEntry, readings: &[f64], documents: &[Document], kind: Ki
     };
     has.map(|has| Doubt {
         title: format!(
-            "are the units right? The column `{}` with the {} reads {} to {} {}, but in the scenario {has}",
+            "are the units right? The column `{}` with the {} reads {} to {} {}, but {has}",
             entry.name,
             entry.words(),
             in_unit(least),
@@ -331,6 +344,31 @@ fn doubt(entry: &ColumnEntry, readings: &[f64], documents: &[Document], kind: Ki
         ),
         help: format!("correct `unit` in {section} or the scenario, or set `units_are_right = true` in [study]"),
     })
+}
+
+/// What the scenario of a valve on a bench has in place of readings between two values, if these are far from it.
+fn of_bench(of: Quantity, [least, greatest]: [f64; 2], documents: &[Document]) -> Option<String> {
+    let is_absolute = match of {
+        Quantity::Temperature => {
+            return (greatest > HOTTEST).then(|| format!("air before a valve has at most {HOTTEST} K"));
+        }
+        Quantity::UpstreamAbsolutePressure | Quantity::AbsolutePressure => true,
+        Quantity::UpstreamGaugePressure | Quantity::GaugePressure => false,
+        _ => return None,
+    };
+    let atmosphere = documents.iter().map(Document::atmosphere).reduce(f64::max)?;
+    if of == Quantity::UpstreamAbsolutePressure && least > VACUUM && greatest < atmosphere / FAR {
+        return Some(format!("in the scenario the atmosphere has {}", quantity(atmosphere, "Pa")));
+    }
+    let supply = documents.iter().filter_map(Document::highest_supply).reduce(f64::max)?;
+    let highest = if is_absolute { supply + atmosphere } else { supply };
+    (highest > 0.0 && greatest > FAR * highest).then(|| supplied(highest, is_absolute))
+}
+
+/// The pressure in Pa of the highest supply, in words.
+fn supplied(highest: f64, is_absolute: bool) -> String {
+    let kind = if is_absolute { "absolute" } else { "gauge" };
+    format!("in the scenario the highest supply has {} {kind}", quantity(highest, "Pa"))
 }
 
 /// Whether a pressure is absolute; `None` of what is no pressure in the air of muscles.
@@ -359,4 +397,73 @@ fn lengths(entry: &ColumnEntry, documents: &[Document]) -> Option<[f64; 2]> {
     let muscles = documents.iter().flat_map(Document::muscles).filter(|(name, _)| is_own(name));
     let ranges = muscles.map(|(_, muscle)| [muscle.min_length, muscle.max_length]);
     ranges.reduce(|[least, most], [shortest, longest]| [least.min(shortest), most.max(longest)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Request, identified};
+    use mckibben_identify::study::Table;
+    use mckibben_scenario::Document;
+
+    /// What a study of flows through a valve of 0.6 L/(s·bar) says, with pressures in bar and temperatures in °C as its columns have
+    /// them; the pressures of the data are times a number, the temperatures plus another.
+    fn said(kind: &str, more: &str, [scale, warmer]: [f64; 2]) -> String {
+        let rig = "[supply]\ngauge_pressure = \"6 bar\"\n[valve]\nkind = \"three-way\"\nsonic_conductance = \"0.6 L/(s*bar)\"\n\
+                   critical_ratio = 0.32\n[command]\nkind = \"fill\"\n[load]\nkind = \"isometric\"\n[initial]\n\
+                   gauge_pressure = \"0 bar\"\nlength = \"90 mm\"\n[run]\nduration = \"1 s\"\n";
+        let study = format!(
+            "[study]\nkind = \"{kind}\"\nscenario = \"rig.toml\"\n{more}[columns.upstream_absolute_pressure]\nname = \"P1\"\n\
+             unit = \"bar\"\n[columns.downstream_absolute_pressure]\nname = \"P2\"\nunit = \"bar\"\n[columns.temperature]\n\
+             name = \"T\"\nunit = \"degC\"\n[columns.mass_flow]\nname = \"m\"\nunit = \"g/s\"\n[[run]]\nfile = \"flow\"\n"
+        );
+        let ratios: Vec<f64> = (0..14).map(|place| 0.16 + 0.055 * f64::from(place)).collect();
+        // The quarter ellipse of ISO 6358 from 7 bar at 20 °C, in g/s, with a ripple of a thousandth.
+        let flow = |(place, ratio): (usize, &f64)| {
+            let above = ((ratio - 0.32) / 0.68).max(0.0);
+            4.977 * (1.0 - above * above).sqrt() * (1.0 + 1e-3 * [1.0, -1.0, -1.0, 1.0][place % 4])
+        };
+        let columns = vec![
+            ("P1".to_owned(), vec![7.0 * scale; 14]),
+            ("P2".to_owned(), ratios.iter().map(|ratio| 7.0 * scale * ratio).collect()),
+            ("T".to_owned(), vec![20.0 + warmer; 14]),
+            ("m".to_owned(), ratios.iter().enumerate().map(flow).collect()),
+        ];
+        let table = Table::new("flow", columns).expect("a table");
+        let document = Document::parse(rig, "rig.toml").expect("a scenario");
+        let request = Request::in_memory(&study, vec![table], document).expect("a study");
+        match identified(request, None) {
+            Ok(found) if found.estimates.is_empty() => "nothing".to_owned(),
+            Ok(_) => "found".to_owned(),
+            Err(failure) => failure.sentence(),
+        }
+    }
+
+    #[test]
+    fn flows_in_another_unit_of_pressure_or_temperature_are_refused() {
+        for kind in ["flow-curve", "steady-flow"] {
+            assert_eq!(said(kind, "", [1.0, 0.0]), "found");
+            for (factors, column, words) in [
+                // kPa and psi as bar.
+                (
+                    [100.0, 0.0],
+                    "[columns.upstream_absolute_pressure]",
+                    "`P1` with the upstream absolute pressure reads 700",
+                ),
+                (
+                    [14.503_77, 0.0],
+                    "[columns.upstream_absolute_pressure]",
+                    "but in the scenario the highest supply has",
+                ),
+                // bar as kPa.
+                ([0.01, 0.0], "[columns.upstream_absolute_pressure]", "but in the scenario the atmosphere has"),
+                // K as °C.
+                ([1.0, 273.15], "[columns.temperature]", "degC, but air before a valve has at most 400 K"),
+            ] {
+                let said = said(kind, "", factors);
+                assert!(said.contains("are the units right?") && said.contains(words), "{kind}: {said}");
+                assert!(said.contains(column) && said.contains("units_are_right = true"), "{kind}: {said}");
+            }
+            assert_eq!(said(kind, "units_are_right = true\n", [100.0, 0.0]), "found");
+        }
+    }
 }

@@ -3,6 +3,7 @@
 use super::Material;
 use super::sensors::{self, OfSensor};
 use crate::failure::Failure;
+use crate::quantities;
 use mckibben::parameter::Parameter;
 use mckibben_identify::least_squares::Unknown;
 use mckibben_identify::study::{FitEntry, Study};
@@ -165,11 +166,23 @@ pub(super) fn read(
             Ok(Some(read.value))
         }
     };
-    let (least, largest) = (read(&entry.from)?.unwrap_or(range[0]), read(&entry.to)?.unwrap_or(range[1]));
-    if least.partial_cmp(&largest).is_none_or(|order| order.is_gt()) {
-        let title = format!("`{}` in [fit] lies from {least} {unit} to {largest} {unit}", entry.path);
-        return Err(Failure::input(title, "give `from` below `to`, both within the range of the key"));
+    // An infinite bound is none.
+    let given = [("from", read(&entry.from)?), ("to", read(&entry.to)?)];
+    let given = given.map(|(key, bound)| (key, bound.filter(|bound| !bound.is_infinite())));
+    for (key, bound) in given {
+        if let Some(bound) = bound.filter(|bound| !(range[0]..=range[1]).contains(bound)) {
+            let title = format!("`{key}` of `{}` in [fit] is {}", entry.path, quantities::given(bound, unit));
+            let [low, high] = range.map(|end| quantities::given(end, unit));
+            let values = match range.map(f64::is_finite) {
+                [true, false] => format!("from {low} on"),
+                [false, true] => format!("up to {high}"),
+                _ => format!("from {low} to {high}"),
+            };
+            return Err(Failure::input(title, format!("the key has values {values}: give a bound among them")));
+        }
     }
+    let (least, largest) = (given[0].1.unwrap_or(range[0]), given[1].1.unwrap_or(range[1]));
+    check_order(entry, unit, [least, largest])?;
     let start = read(&entry.start)?.unwrap_or_else(|| first.clamp(least, largest));
     let prior = match &entry.prior {
         Some([mean, deviation]) => read(&Some(mean.clone()))?.zip(read(&Some(deviation.clone()))?),
@@ -183,6 +196,16 @@ pub(super) fn read(
     }
     let unknown = Unknown::new(entry.path.clone(), unit, start).between(least, largest);
     Ok(Unknown { prior: prior.map(|(mean, deviation)| [mean, deviation]), ..unknown })
+}
+
+/// That the bounds of an unknown are in order and apart.
+pub(super) fn check_order(entry: &FitEntry, unit: &str, [least, largest]: [f64; 2]) -> Result<(), Failure> {
+    if least < largest {
+        return Ok(());
+    }
+    let [least, largest] = [least, largest].map(|bound| quantities::given(bound, unit));
+    let title = format!("`{}` in [fit] lies from {least} to {largest}", entry.path);
+    Err(Failure::input(title, "give `from` below `to`; a value that is known stands in the scenario, and not in [fit]"))
 }
 
 /// So many starts, spread evenly in the ranges of [`spread`]: a separate sequence for each unknown.
@@ -218,5 +241,37 @@ fn spread(study: &Study, unknown: &Unknown, part: f64) -> f64 {
             }
         }
         None => unknown.start * (0.3_f64).powf(1.0 - 2.0 * part),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The unknown of a damping from 0 N·s/m on, or why there is none.
+    fn of(bounds: &str) -> Result<Unknown, String> {
+        let text = format!(
+            "[study]\nkind = \"trajectories\"\nscenario = \"rig.toml\"\n[columns.time]\nname = \"t\"\n[columns.length]\nname = \"L\"\n\
+             [[run]]\nfile = \"run\"\n[fit.\"actuator.friction.viscous\"]\n{bounds}"
+        );
+        let study = Study::in_memory(&text, "the study", Vec::new()).expect("a study");
+        let found = read(&study, &study.fit_entries[0], ("N*s/m", [0.0, f64::INFINITY]), 4.0);
+        found.map_err(|failure| failure.sentence())
+    }
+
+    #[test]
+    fn bounds_are_apart_and_within_the_range_of_the_key() {
+        assert_eq!(of("from = 1.0\nto = 50.0\n").expect("bounds").bounds, [1.0, 50.0]);
+        assert_eq!(of("from = 0.0\n").expect("bounds").bounds, [0.0, f64::INFINITY]);
+        for (bounds, words) in [
+            ("from = 5.0\nto = 5.0\n", "in [fit] lies from 5"),
+            ("from = 6.0\nto = 5.0\n", "give `from` below `to`"),
+            ("from = -5.0\nto = 50.0\n", "`from` of `actuator.friction.viscous` in [fit] is"),
+            ("to = -1.0\n", "the key has values from 0"),
+            ("from = nan\n", "`from` of `actuator.friction.viscous` in [fit]"),
+        ] {
+            let said = of(bounds).expect_err("no bounds");
+            assert!(said.contains(words), "{bounds}: {said}");
+        }
     }
 }

@@ -251,7 +251,10 @@ pub(super) fn warnings(fit: &Fit, unknowns: &[Unknown]) -> Vec<String> {
     for (place, estimate) in fit.estimates.iter().enumerate().filter(|(_, estimate)| estimate.on_bound) {
         warnings.push(resting(estimate, unknowns.get(place)));
     }
-    let wide = |estimate: &&Estimate| estimate.confidence_interval.is_some_and(|[low, high]| low < 0.0 && high > 0.0);
+    // Of what may have either sign, such as an offset, zero is a value like any other.
+    let signed = |estimate: &Estimate| unknowns.iter().any(|of| of.name == estimate.name && of.bounds[0] < 0.0);
+    let contains_zero = |[low, high]: [f64; 2]| low < 0.0 && high > 0.0;
+    let wide = |estimate: &&Estimate| estimate.confidence_interval.is_some_and(contains_zero) && !signed(estimate);
     // An entry of a list, such as a coefficient, may well be zero.
     let entry = |estimate: &&Estimate| estimate.name.contains('[') && !estimate.name.contains(" [");
     for estimate in fit.estimates.iter().filter(wide).filter(|estimate| !entry(estimate)) {
@@ -275,7 +278,8 @@ pub(super) fn warnings(fit: &Fit, unknowns: &[Unknown]) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::{
-        Direction, Estimate, Unknown, give_or_take, not_identifiable, part_of, resting, rounded, row, with_interval,
+        Direction, Ending, Estimate, Fit, Unknown, give_or_take, not_identifiable, part_of, resting, rounded, row,
+        warnings, with_interval,
     };
 
     /// What is said of an estimate on one of the bounds of its unknown.
@@ -309,6 +313,37 @@ mod tests {
             let said = said(name, bounds, value);
             assert!(said.contains(words), "`{words}` is not in {said}");
         }
+    }
+
+    #[test]
+    fn an_offset_may_be_zero_and_a_damping_is_hardly_identifiable_there() {
+        let estimate = |name: &str| Estimate {
+            name: name.to_owned(),
+            unit: "",
+            value: 0.1,
+            standard_error: Some(1.0),
+            confidence_interval: Some([-1.9, 2.1]),
+            on_bound: false,
+            bound: None,
+        };
+        let names = ["columns.length.offset", "actuator.friction.viscous"];
+        let unknowns = [
+            Unknown::new(names[0], "", 0.0).between(-20.0, 20.0),
+            Unknown::new(names[1], "", 1.0).between(0.0, f64::INFINITY),
+        ];
+        let fit = Fit {
+            estimates: names.map(estimate).to_vec(),
+            residuals: vec![1.0; 9],
+            cost: 4.5,
+            degrees_of_freedom: 7,
+            scatter: 1.0,
+            correlations: vec![vec![1.0, 0.0], vec![0.0, 1.0]],
+            condition: 1.0,
+            unidentifiable: Vec::new(),
+            ending: Ending::Minimum,
+        };
+        let said = warnings(&fit, &unknowns);
+        assert!(said.len() == 1 && said[0].contains("`actuator.friction.viscous` contains zero"), "{said:?}");
     }
 
     #[test]

@@ -1,12 +1,13 @@
 //! The figures of a joint's run: extremes, the air of both actuators, energy and exergy.
 //!
-//! A run is evaluated in five points of every step and at every sample, as it is made: nothing of it is kept.
+//! A run is evaluated in five points of every step, at both ends of the step, at every sample, and where a quantity turns at an
+//! extreme, as it is made: nothing of it is kept.
 
-use crate::observation::{AirUse, Ended, Observes, Range};
+use crate::observation::{AirUse, Ended, Observes, Peaks, Range, Times, dense_times};
 use crate::warnings::Reached;
 use mckibben::Actuator;
 use mckibben::plant::{JointPlant, ViewStep};
-use mckibben::simulation::{EventKind, JointRig, JointSample, Reading, SampleTimes};
+use mckibben::simulation::{EventKind, JointRig, JointSample, Readable as _, Reading};
 use mckibben_scenario::Run;
 use std::collections::BTreeMap;
 
@@ -34,55 +35,64 @@ pub struct Observation {
 
 /// Observes a joint's run on its way.
 pub struct Observer {
-    joint: [Range; 3],
-    actuators: [[Range; 3]; 2],
+    peaks: Peaks<[f64; 9]>,
     air: [AirUse; 2],
     events: BTreeMap<EventKind, u64>,
     driven: [Actuator; 2],
     reached: [Reached; 2],
-    samples: Reading<Box<dyn Iterator<Item = f64>>>,
+    samples: Reading<Times>,
 }
 
 impl Observes<JointPlant> for Observer {
     type Observation = Observation;
 
     fn new(rig: &JointRig, plan: &Run) -> Self {
-        let interval = plan.sample_interval.min(plan.duration / LEAST_SAMPLES);
-        let times: Box<dyn Iterator<Item = f64>> = Box::new(SampleTimes::new(plan.duration, interval).times());
         Self {
-            joint: [Range::NONE; 3],
-            actuators: [[Range::NONE; 3]; 2],
+            peaks: Peaks::new(9),
             air: [AirUse::default(); 2],
             events: BTreeMap::new(),
             driven: [0, 1].map(|index| rig.driven()[index].actuator.clone()),
             reached: [Reached::NONE; 2],
-            samples: Reading::new(times, plan.duration),
+            samples: Reading::new(dense_times(plan, LEAST_SAMPLES), plan.duration),
         }
     }
 
     fn step(&mut self, step: &ViewStep<'_, JointPlant>) {
-        let Self { joint, actuators, air, events, driven, reached, samples } = self;
-        step.quadrature(|weight, sample, flows| {
-            see(joint, actuators, sample);
+        let Self { peaks, air, events, driven, reached, samples } = self;
+        let mut see = |time, sample: &JointSample| {
+            peaks.see(time, values(sample));
             reach(reached, driven, sample);
+        };
+        step.quadrature(|weight, sample, flows| {
+            see(sample.time, sample);
             for (air, flows) in air.iter_mut().zip(flows) {
                 air.see(weight, flows);
             }
         });
         let Ok(()) = samples.step(step, |sample| {
-            see(joint, actuators, sample);
-            reach(reached, driven, sample);
+            see(sample.time, sample);
             Ok::<_, std::convert::Infallible>(())
         });
+        // What is passed within an instant has no place in the run.
+        if step.holds(step.start()) {
+            [step.start(), step.end()].into_iter().for_each(|time| see(time, &step.at(time)));
+        }
+        for time in peaks.turns() {
+            let sample = step.at(time);
+            peaks.widen(&values(&sample));
+            reach(reached, driven, &sample);
+        }
         if let Some(event) = step.event() {
             *events.entry(event.kind.kind).or_insert(0) += 1;
         }
     }
 
     fn finish(mut self, last: JointSample, ended: Ended) -> Observation {
-        see(&mut self.joint, &mut self.actuators, &last);
+        self.peaks.widen(&values(&last));
         reach(&mut self.reached, &self.driven, &last);
-        let Self { joint, actuators, air, events, reached, .. } = self;
+        let Self { peaks, air, events, reached, .. } = self;
+        let three = |first: usize| [0, 1, 2].map(|index| peaks.ranges()[first + index]);
+        let (joint, actuators) = (three(0), [three(3), three(6)]);
         Observation { last, joint, actuators, events, reached, air, ended }
     }
 }
@@ -93,13 +103,18 @@ fn reach(reached: &mut [Reached; 2], driven: &[Actuator; 2], sample: &JointSampl
     }
 }
 
-fn see(joint: &mut [Range; 3], actuators: &mut [[Range; 3]; 2], sample: &JointSample) {
-    for (range, value) in joint.iter_mut().zip([sample.angle, sample.angular_velocity, sample.torque]) {
-        range.see(value);
-    }
-    for (ranges, of) in actuators.iter_mut().zip(&sample.actuators) {
-        for (range, value) in ranges.iter_mut().zip([of.length, of.tension, of.pressure.0]) {
-            range.see(value);
-        }
-    }
+/// The quantities of a sample: those of the joint, then those of each actuator, in the order of [`Observation`].
+fn values(of: &JointSample) -> [f64; 9] {
+    let [agonist, antagonist] = &of.actuators;
+    [
+        of.angle,
+        of.angular_velocity,
+        of.torque,
+        agonist.length,
+        agonist.tension,
+        agonist.pressure.0,
+        antagonist.length,
+        antagonist.tension,
+        antagonist.pressure.0,
+    ]
 }

@@ -9,7 +9,7 @@ use mckibben::air::Process;
 use mckibben::friction::Hysteresis;
 use mckibben::linearize::{Controllability, Pole, Signal, StateSpace};
 use mckibben::load::Load;
-use mckibben::plant::{RigPlant, ValveAverage};
+use mckibben::plant::{PlantInput, PlantLinearization, RigPlant, ValveAverage};
 use mckibben::simulation::State;
 use mckibben::valve::Ports;
 use mckibben::{Actuator, ActuatorState};
@@ -139,6 +139,7 @@ fn point(model: &Model) -> Vec<Line> {
     let mut lines: Vec<Line> = lines.into_iter().map(|(name, value)| Line::new(name, value)).collect();
     let view = RigPlant::new(&point.rig);
     lines[0].warning = doubts(warnings::feed_of(view.plant(), 0, point.gauge_pressure().0), actuator);
+    lines.extend(of_spools(&model.linear.plant, |_| "spool".to_owned()));
     lines
 }
 
@@ -152,6 +153,38 @@ pub(super) fn doubts(feed: Option<String>, actuator: &Actuator) -> String {
     });
     feed.into_iter().chain(hysteresis).collect::<Vec<_>>().join("; ")
 }
+
+/// The spools whose one gain in a linear model says little, each by the name of its valve: at an edge, or in a dead zone.
+pub(super) fn of_spools(linear: &PlantLinearization, name: impl Fn(usize) -> String) -> Vec<Line> {
+    let line = |(input, position): &(PlantInput, f64)| {
+        let PlantInput::SpoolCommand { valve } = *input else { return None };
+        let [below, above] = linear.spool_gains(valve)?;
+        let at = digits(*position);
+        let (value, warning) = if linear.is_in_dead_zone(valve) {
+            (
+                format!("spool at {at}"),
+                "the spool rests in its dead zone, where its gain is zero: commands that leave it there move nothing",
+            )
+        } else if (above - below).abs() > EQUAL_GAINS * above.abs().max(below.abs()) {
+            (
+                format!(
+                    "spool at {at}, with gains of {} per stroke towards the exhaust and {} towards the supply",
+                    quantity(below, "Pa/s"),
+                    quantity(above, "Pa/s"),
+                ),
+                "the spool rests at an edge: the model has the mean of both gains, which holds for small signals to both \
+                 sides; a signal to one side meets the gain of that side",
+            )
+        } else {
+            return None;
+        };
+        Some(Line { warning: warning.to_owned(), ..Line::new(name(valve), value) })
+    };
+    linear.point.inputs.iter().filter_map(line).collect()
+}
+
+/// Part of the larger of two gains up to which both are equal.
+const EQUAL_GAINS: f64 = 1e-9;
 
 /// How far length and tension swing under the pulses, as far as the model has them.
 fn swings(model: &Model) -> Vec<String> {

@@ -92,10 +92,10 @@ impl JointModel {
         }
     }
 
-    /// Whose valve an average is of.
-    fn whose(&self, average: &ValveAverage) -> &'static str {
+    /// Whose a valve is.
+    fn whose(&self, valve: usize) -> &'static str {
         let has_valve = self.linear.rig.driven()[0].actuation.is_some();
-        NAMES[if has_valve { average.valve.min(1) } else { 1 }]
+        NAMES[if has_valve { valve.min(1) } else { 1 }]
     }
 
     /// The caption of a figure.
@@ -134,7 +134,7 @@ impl JointModel {
             ("coulomb_bound_n_m", self.linear.coulomb_bound()),
         ];
         for average in self.linear.averages() {
-            let name = if self.whose(average) == NAMES[0] { "agonist_duty" } else { "antagonist_duty" };
+            let name = if self.whose(average.valve) == NAMES[0] { "agonist_duty" } else { "antagonist_duty" };
             point.push((name, average.duty));
         }
         point
@@ -151,6 +151,8 @@ impl JointModel {
             warning: account::doubts(exceeded, &self.linear.rig.driven()[i].actuator),
             ..Line::new(NAMES[i], format!("{} gauge", quantity(gauge[i].0, "Pa")))
         }));
+        let whose = |valve: usize| format!("{}'s spool", self.whose(valve));
+        lines.extend(account::of_spools(&self.linear.plant, whose));
         let stiffness = format!("{} N*m/rad, with the valves shut {}", digits(open), digits(shut));
         lines.push(Line::new("stiffness", stiffness));
         let bound = self.linear.coulomb_bound();
@@ -159,7 +161,7 @@ impl JointModel {
         }
         let mut blocks = vec![Block::of_lines("", lines)];
         for average in self.linear.averages() {
-            let heading = format!("Mean flow of the {}'s valve", self.whose(average));
+            let heading = format!("Mean flow of the {}'s valve", self.whose(average.valve));
             blocks.push(Block::of_lines(&heading, account::pwm(average, &self.poles, Vec::new())));
         }
         blocks.push(Block::of_table("Model", account::matrices(&self.system)));

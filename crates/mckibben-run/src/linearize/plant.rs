@@ -12,7 +12,7 @@ use crate::failure::Failure;
 use crate::quantities::{percent, quantity};
 use mckibben::Error;
 use mckibben::linearize::{Controllability, Pole, Signal, StateSpace};
-use mckibben::network::BranchKind;
+use mckibben::network::{BranchKind, NodeKind};
 use mckibben::plant::{
     PlantAir, PlantBalance, PlantInput, PlantLinearization, PlantOutput, PlantState, PlantStateSpace, linearize_plant,
 };
@@ -21,6 +21,9 @@ use mckibben_scenario::{Assumed, PlantExperiment};
 
 /// Columns of the matrices that are printed at most.
 const MOST_COLUMNS: usize = 10;
+
+/// A mass flow in kg/s that is rounding.
+const NO_FLOW: f64 = 1e-9;
 
 /// A gauge pressure in Pa that is rounding of the atmosphere's.
 const NO_PRESSURE: f64 = 1.0;
@@ -127,6 +130,11 @@ impl PlantModel {
             value("temperature_k", point.temperature(i));
             value("coulomb_bound_n", self.linear.coulomb_bound(i));
         }
+        for (name, node) in &of.names.nodes {
+            let slot = places.nodes[*node];
+            let gauge = slot.map(|slot| point.state[slot] - point.plant.network().atmosphere);
+            values.extend(gauge.map(|gauge| (format!("{name}.gauge_pressure_pa"), gauge)));
+        }
         let inputs = names_of(of);
         for (input, number) in &point.inputs {
             let Signal { name, unit, .. } = inputs.input(input, &point.plant);
@@ -154,10 +162,14 @@ impl PlantModel {
             let [gauge, length, tension] =
                 [(point.gauge_pressure(i).0, "Pa"), (point.lengths[i], "m"), (point.tensions[i], "N")]
                     .map(|(value, unit)| quantity(value, unit));
-            let warning = account::doubts(None, &point.plant.actuators()[i].actuator);
-            lines
-                .push(Line { warning, ..Line::new(name, format!("{gauge} gauge, {length}{taut}, {tension}{sticks}")) });
+            let flow = point.input(PlantInput::MassFlow { actuator: i }).unwrap_or_default();
+            let (kept, doubt) = kept(flow, 0.0);
+            let doubt = (!doubt.is_empty()).then(|| doubt.to_owned());
+            let warning = account::doubts(doubt, &point.plant.actuators()[i].actuator);
+            let value = format!("{gauge} gauge{kept}, {length}{taut}, {tension}{sticks}");
+            lines.push(Line { warning, ..Line::new(name, value) });
         }
+        lines.extend(self.supplies());
         for average in &self.linear.averages {
             let text = format!(
                 "{} at {}, open to the supply for {} of the period",
@@ -171,6 +183,7 @@ impl PlantModel {
             };
             lines.push(Line { warning, ..Line::new(self.valve(average.valve), text) });
         }
+        lines.extend(account::of_spools(&self.linear, |valve| self.valve(valve)));
         let StateSpace { states, inputs, outputs, .. } = &self.system;
         let mut blocks = vec![Block::of_lines("", lines)];
         if states.len() + inputs.len() <= MOST_COLUMNS {
@@ -188,10 +201,39 @@ impl PlantModel {
         Account { title: format!("{}, {}", self.name, self.valves()), blocks, notes: Vec::new() }
     }
 
+    /// The pressures of reservoirs and outlets at the point.
+    fn supplies(&self) -> Vec<Line> {
+        let (of, point) = (&self.experiment, &self.linear.point);
+        let line = |(name, node): &(String, usize)| {
+            let pressure = point.state[point.plant.indices().nodes[*node]?];
+            let network = point.plant.network();
+            let delivery = match &network.nodes[*node].kind {
+                NodeKind::Reservoir(reservoir) => reservoir.delivery(pressure),
+                _ => 0.0,
+            };
+            let flow = point.input(PlantInput::NodeFlow { node: *node }).unwrap_or_default();
+            let (text, warning) = kept(flow, delivery);
+            let gauge = quantity(pressure - network.atmosphere, "Pa");
+            Some(Line { warning: warning.to_owned(), ..Line::new(name, format!("{gauge} gauge{text}")) })
+        };
+        of.names.nodes.iter().filter_map(line).collect()
+    }
+
     /// The model as a script for MATLAB and Octave.
     pub(super) fn matlab(&self) -> String {
         export::script(&self.name, &format!("plant, {}", self.valves()), &self.point(), &self.system, &self.poles)
     }
+}
+
+/// A mass flow in kg/s from outside that keeps a pressure, in words, and a warning unless a compressor delivers as much.
+fn kept(flow: f64, delivery: f64) -> (String, &'static str) {
+    let warning = match delivery {
+        _ if flow.abs() <= NO_FLOW => return (String::new(), ""),
+        _ if (0.0..=delivery).contains(&flow) => "",
+        0.0 => "no part of the file brings this mass flow: without it the pressure does not last",
+        _ => "its compressor does not deliver this mass flow: without it the pressure does not last",
+    };
+    (format!(", kept by a mass flow of {} from outside", quantity(1e3 * flow, "g/s")), warning)
 }
 
 /// Refuses options of one actuator or of one joint alone.

@@ -1,14 +1,14 @@
 //! The figures of a run of a plant: extremes, events, and the ledger of energy, exergy and air.
 //!
-//! A run is observed step by step as it is made, at the sample interval and at least at 2000 instants: nothing of
-//! it is kept.
+//! A run is observed step by step as it is made, at both ends of each step, at the sample interval, at least at 2000 instants, and
+//! where a quantity turns at an extreme: nothing of it is kept.
 
 use super::Made;
-use crate::observation::{Ended, Range};
+use crate::observation::{Ended, Peaks, Range, Times, dense_times};
 use crate::warnings::Reached;
 use mckibben::network::{BranchKind, NodeKind};
 use mckibben::plant::{PlantLedger, PlantLedgerKeeper, PlantSample, PlantStep};
-use mckibben::simulation::{EventKind, Reading, SampleTimes};
+use mckibben::simulation::{EventKind, Readable as _, Reading};
 use mckibben::valve::Port;
 use mckibben_scenario::{PlantExperiment, PlantQuantity};
 use std::collections::BTreeMap;
@@ -52,35 +52,50 @@ pub(crate) struct Observer<'e> {
     experiment: &'e PlantExperiment,
     events: BTreeMap<EventKind, u64>,
     rows: Vec<Row>,
+    /// Of the rows that are no headings.
+    peaks: Peaks<Vec<f64>>,
     reached: Vec<Reached>,
     keeper: PlantLedgerKeeper<'e>,
-    samples: Reading<Box<dyn Iterator<Item = f64>>>,
+    samples: Reading<Times>,
 }
 
 impl<'e> Observer<'e> {
     pub(crate) fn new(experiment: &'e PlantExperiment) -> Self {
         let run = &experiment.run;
-        let interval = run.sample_interval.min(run.duration / LEAST_SAMPLES);
-        let times = SampleTimes::new(run.duration, interval).times();
+        let rows = rows(experiment);
         Self {
             experiment,
             events: BTreeMap::new(),
-            rows: rows(experiment),
+            peaks: Peaks::new(rows.iter().filter(|row| row.quantity.is_some()).count()),
+            rows,
             reached: vec![Reached::NONE; experiment.plant.actuators().len()],
             keeper: PlantLedgerKeeper::new(&experiment.plant, run.stepping()),
-            samples: Reading::new(Box::new(times), run.duration),
+            samples: Reading::new(dense_times(run, LEAST_SAMPLES), run.duration),
         }
     }
 
     /// Takes a step.
     pub(crate) fn step(&mut self, step: &PlantStep<'_>) {
-        let Self { experiment, events, rows, reached, keeper, samples } = self;
+        let Self { experiment, events, rows, peaks, reached, keeper, samples } = self;
         keeper.step(step);
-        let Ok(()) = samples.step(step, |sample: &PlantSample| {
-            see(rows, experiment, sample);
+        let mut see = |time, sample: &PlantSample| {
+            peaks.see(time, values(rows, experiment, sample));
             reach(reached, experiment, sample);
+        };
+        let Ok(()) = samples.step(step, |sample: &PlantSample| {
+            see(sample.time, sample);
             Ok::<_, std::convert::Infallible>(())
         });
+        // What is passed within an instant has no place in the run.
+        let (start, end) = (step.start(), step.end());
+        if step.holds(start) {
+            [start, 0.5 * (start + end), end].into_iter().for_each(|time| see(time, &step.read(time)));
+        }
+        for time in peaks.turns() {
+            let sample = step.read(time);
+            peaks.widen(&values(rows, experiment, &sample));
+            reach(reached, experiment, &sample);
+        }
         if let Some(event) = step.event() {
             *events.entry(event.kind.kind).or_insert(0) += 1;
         }
@@ -90,7 +105,10 @@ impl<'e> Observer<'e> {
     pub(crate) fn finish(mut self, made: &Made) -> Observation {
         let run = &made.run;
         let last = run.sample();
-        see(&mut self.rows, self.experiment, &last);
+        let values = values(&self.rows, self.experiment, &last);
+        self.peaks.widen(&values);
+        let seen = self.rows.iter_mut().filter(|row| row.quantity.is_some()).zip(values).zip(self.peaks.ranges());
+        seen.for_each(|((row, value), range)| (row.last, row.range) = (value, *range));
         reach(&mut self.reached, self.experiment, &last);
         let counts = run.statistics();
         let draws = !run.plant().network().valves.is_empty();
@@ -99,13 +117,9 @@ impl<'e> Observer<'e> {
     }
 }
 
-fn see(rows: &mut [Row], of: &PlantExperiment, sample: &PlantSample) {
-    for row in rows {
-        if let Some(quantity) = row.quantity {
-            row.last = quantity.of(&of.plant, sample) - row.less;
-            row.range.see(row.last);
-        }
-    }
+/// The quantities of the rows that are no headings.
+fn values(rows: &[Row], of: &PlantExperiment, sample: &PlantSample) -> Vec<f64> {
+    rows.iter().filter_map(|row| Some(row.quantity?.of(&of.plant, sample) - row.less)).collect()
 }
 
 fn reach(reached: &mut [Reached], of: &PlantExperiment, sample: &PlantSample) {

@@ -6,7 +6,7 @@
 //!
 //! | file | its idea |
 //! |---|---|
-//! | `free` | the braid of a braid angle that takes the least air |
+//! | `free` | the smallest braid of a braid angle |
 //! | `valve` | how much a valve must let through for a time, by simulation |
 //! | `ripple` | how fast it must be pulsed so that the muscle keeps still, by the linear model |
 //!

@@ -7,10 +7,11 @@ use super::counts::SweepCounts;
 use super::destination::{self, Destination, Place};
 use super::folder::{Folder, Manifest};
 use super::plan::{Plan, Unit};
+use super::rows::{self, Check, UNCHECKED};
+use super::schedule;
 use super::step::Choice;
 use super::table::{self, LAYOUT};
 use super::warned::WarnedRuns;
-use super::{rows, schedule};
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::record;
@@ -84,14 +85,31 @@ impl Prepared {
         place: Place,
         totals: &mut SweepCounts,
     ) -> Result<(), Failure> {
+        self.simulate_checked(UNCHECKED, choice, parts, jobs, place, totals)
+    }
+
+    /// Does as [`Prepared::simulate`], until `check` ends the runs under way. Parts that are written by then stay.
+    ///
+    /// # Errors
+    /// [`Failure::output`] when parts cannot be written, and what `check` returns.
+    pub fn simulate_checked(
+        &self,
+        check: &Check<'_>,
+        choice: Option<&Choice>,
+        parts: Vec<u64>,
+        jobs: usize,
+        place: Place,
+        totals: &mut SweepCounts,
+    ) -> Result<(), Failure> {
         let mut destination = Destination::new(&self.sweep, self.plan, self.notes_with(choice), place);
         let rows_of = |part: &u64| self.plan.rows_of(*part).end - self.plan.rows_of(*part).start;
         let total = parts.iter().map(rows_of).sum();
         let progress = Progress::counted("runs", total);
         let mut done = 0;
         let units = self.plan.units(parts, self.unit(total, jobs));
-        let work = |unit: &Unit| rows::simulate_rows(&self.sweep, choice, unit.rows.clone());
+        let work = |unit: &Unit| rows::simulate_rows(&self.sweep, choice, unit.rows.clone(), check);
         let written = schedule::in_order(jobs, units, work, |unit, simulated| {
+            let simulated = simulated.map_err(Failure::from)?;
             destination.write(&unit, &simulated)?;
             let mut warned = WarnedRuns::default();
             for (row, outcome, warnings) in simulated.rows(unit.rows.clone()) {
@@ -118,8 +136,9 @@ impl Prepared {
         let mut writer = Writer::parquet(self.columns.clone(), LAYOUT, Path::new("memory"), Vec::new())?;
         let (mut failed, mut warned) = (0, WarnedRuns::default());
         let units = self.plan.units(vec![part], self.unit(rows.end - rows.start, 1));
-        let work = |unit: &Unit| rows::simulate_rows(&self.sweep, choice, unit.rows.clone());
+        let work = |unit: &Unit| rows::simulate_rows(&self.sweep, choice, unit.rows.clone(), UNCHECKED);
         schedule::in_order(1, units, work, |unit, simulated| {
+            let simulated = simulated.map_err(Failure::from)?;
             for (row, outcome, warnings) in simulated.rows(unit.rows) {
                 failed += table::write(&self.sweep, row, (outcome, warnings), &mut writer)?;
                 warned.see(row, warnings);
@@ -169,4 +188,29 @@ fn notes(document: &Document, set: &[String], sweep: &Sweep) -> Vec<(String, Str
     ];
     let of_sweep = of_sweep.map(|(key, value)| (key.to_owned(), value));
     record::notes(document, set).into_iter().chain(of_sweep).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mckibben::Error;
+
+    /// Runs of very many steps, of which each engine takes a few until the check ends them.
+    #[test]
+    fn a_check_ends_the_runs_under_way() {
+        for engine in ["engine = \"fixed-step\"\nstep = \"1 ms\"", "engine = \"event-located\""] {
+            let text = format!(
+                "[load]\nkind = \"hanging-mass\"\n[initial]\ngauge_pressure = \"60 psi\"\nlength = \"85 mm\"\n[run]\n\
+                 duration = \"1000 s\"\nsample_interval = \"1 s\"\n{engine}\n[sweep]\nreductions = [\"length.final\"]\n\
+                 vary.load.mass = [\"4 lb\", \"8 lb\"]\n"
+            );
+            let document = Document::parse(&text, "long.toml").expect("a document");
+            let prepared = Prepared::of(&document, &[]).expect("a valid sweep").expect("a sweep");
+            let check = |time: f64| if time > 0.5 { Err(Error::Interrupted { time }) } else { Ok(()) };
+            let mut totals = SweepCounts::new(prepared.sweep(), false);
+            let ended = prepared.simulate_checked(&check, None, vec![0], 2, Place::Nowhere, &mut totals);
+            let failure = ended.expect_err("the check ends the runs");
+            assert!(failure.to_string().contains("interrupted at t = "), "{engine}: {failure}");
+        }
+    }
 }

@@ -40,6 +40,12 @@ pub fn side_by_side() -> usize {
     Width::widest().rows()
 }
 
+/// Called now and then, by any thread, with the time in s that a run has reached. Its error, [`Error::Interrupted`], ends all runs.
+pub type Check<'a> = dyn Fn(f64) -> Result<(), Error> + Sync + 'a;
+
+/// The check of a caller that waits for the end.
+pub const UNCHECKED: &Check<'static> = &|_| Ok(());
+
 /// What a run came to.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Outcome {
@@ -116,10 +122,11 @@ impl<'r> Row<'r> {
     }
 
     /// Simulates the row individually, and on to the orbit where statistics are taken over that.
-    fn simulate(mut self, record: &Record, over: StatisticsOver) -> Result<Ended, Error> {
+    fn simulate(mut self, record: &Record, over: StatisticsOver, check: &Check<'_>) -> Result<Ended, Error> {
         let Self { plan, run, watch } = &mut self;
         let mut reading = Reading::new(times(record, plan), plan.duration);
         run.stream_to(plan.duration, &mut |step| {
+            check(step.end())?;
             watch.recorder.step(step);
             reading.step(step, |sample: &PlantSample| {
                 watch.see(sample);
@@ -176,7 +183,15 @@ impl Simulated {
 }
 
 /// Simulates the rows, with a common step for those that give none.
-pub fn simulate_rows(sweep: &Sweep, choice: Option<&Choice>, rows: Range<u64>) -> Simulated {
+///
+/// # Errors
+/// [`Error::Interrupted`] where `check` ends a run. An error of a row is its outcome.
+pub fn simulate_rows(
+    sweep: &Sweep,
+    choice: Option<&Choice>,
+    rows: Range<u64>,
+    check: &Check<'_>,
+) -> Result<Simulated, Error> {
     let record = sweep.record();
     let built: Vec<(u64, Result<Built, String>)> = rows.map(|row| (row, build(sweep, row))).collect();
     let mut groups: Vec<Group<'_>> = Vec::new();
@@ -193,17 +208,20 @@ pub fn simulate_rows(sweep: &Sweep, choice: Option<&Choice>, rows: Range<u64>) -
                 // What the batch will compute is put in its place afterwards.
                 Ended::failed(String::new())
             }
-            Ok(ready) => ready.simulate(record, sweep.over()).unwrap_or_else(Ended::failed),
+            Ok(ready) => match ready.simulate(record, sweep.over(), check) {
+                Err(error @ Error::Interrupted { .. }) => return Err(error),
+                came => came.unwrap_or_else(Ended::failed),
+            },
         });
     }
-    groups.into_iter().for_each(|group| group.simulate(record, &mut ended));
+    groups.into_iter().try_for_each(|group| group.simulate(record, &mut ended, check))?;
     let mut simulated = Simulated::default();
     for ((_, built), ended) in built.iter().zip(ended) {
         let warnings = built.as_ref().map(|built| built.ready.warnings_with(&ended.reached)).unwrap_or_default();
         simulated.warnings.push(warnings);
         simulated.outcomes.push(ended.outcome);
     }
-    simulated
+    Ok(simulated)
 }
 
 /// What a row came to, and what of its actuators the warnings need.
@@ -243,9 +261,11 @@ impl<'a> Group<'a> {
     }
 
     /// Takes all of them through time.
-    fn simulate(self, record: &Record, ended: &mut [Ended]) {
-        let Self { key: GroupKey { how: TimeStepping::Fixed { method, step }, .. }, rows, .. } = self else { return };
-        let Some(plan) = rows.first().map(|(_, row)| row.plan) else { return };
+    fn simulate(self, record: &Record, ended: &mut [Ended], check: &Check<'_>) -> Result<(), Error> {
+        let Self { key: GroupKey { how: TimeStepping::Fixed { method, step }, .. }, rows, .. } = self else {
+            return Ok(());
+        };
+        let Some(plan) = rows.first().map(|(_, row)| row.plan) else { return Ok(()) };
         let mut steps: Vec<_> = rows.iter().map(|(_, row)| row.run.steps(method)).collect();
         let mut samplers: Vec<_> = steps.iter().map(|its| PlantSampler::new(its)).collect();
         // What is due at the start is passed before the first sample.
@@ -256,12 +276,13 @@ impl<'a> Group<'a> {
             Ok(batch) => batch,
             Err(error) => {
                 places.iter().for_each(|index| ended[*index] = Ended::failed(&error));
-                return;
+                return Ok(());
             }
         };
         let how = TimeStepping::Fixed { method, step };
         for time in times(record, &plan) {
             while time - batch.time() > ROUNDING * step {
+                check(batch.time())?;
                 let end = how.step_end(batch.time(), plan.duration);
                 // A time at which no step ends divides one.
                 let until = if end - time > ROUNDING * step { time } else { end };
@@ -284,6 +305,7 @@ impl<'a> Group<'a> {
         for (index, watch) in places.into_iter().zip(watches) {
             ended[index] = watch.map_or_else(Ended::failed, |watch| watch.finish(None));
         }
+        Ok(())
     }
 }
 

@@ -1,7 +1,8 @@
 //! What is known before a run: from the commands of the valves, the pressures that are given, and the start.
 
-use super::{PRESSURE, Parts, STRETCH, Warning, behind, fed, reached, valve};
+use super::{BEYOND_STOP, PRESSURE, Parts, STRETCH, Warning, behind, fed, reached, valve};
 use crate::quantities::{given, quantity};
+use mckibben::mechanism::Mechanism;
 use mckibben::network::{BranchKind, Network, NodeKind};
 use mckibben::parameter;
 use mckibben::plant::{Plant, PlantStart};
@@ -11,7 +12,7 @@ use mckibben_scenario::GreatestRequest;
 /// The key of the pressure that feeds a valve, and of that up to which a compressor fills a tank.
 const SUPPLY: &str = parameter::SUPPLY_GAUGE_PRESSURE.key;
 const CUT_OUT: &str = parameter::CUT_OUT.key;
-/// A share of a length that is rounding of its unit.
+/// A share of a length, and an angle in rad, that is rounding of its unit.
 const ROUNDING: f64 = 1e-9;
 
 /// The warnings of a plant at its start.
@@ -21,6 +22,7 @@ pub(super) fn warnings(of: &Parts<'_>, start: &PlantStart) -> Vec<Warning> {
     for (index, name) in of.actuators.iter().enumerate() {
         found.extend(of_actuator(of, start, index, name));
     }
+    found.extend(of_stops(of, start));
     found
 }
 
@@ -52,6 +54,33 @@ fn of_actuator(of: &Parts<'_>, start: &PlantStart, index: usize, name: &str) -> 
     }
     if length > limits.max_length() * (1.0 + STRETCH) {
         found.push(reached::starts_overstretched(name, length, limits.max_length(), mechanism));
+    }
+    found
+}
+
+/// The joints that start beyond a stop, whose spring then pushes them back from the first instant.
+fn of_stops(of: &Parts<'_>, start: &PlantStart) -> Vec<Warning> {
+    let mut found = Vec::new();
+    for (index, (mechanism, angles)) in of.plant.mechanisms().iter().zip(&start.positions).enumerate() {
+        let Mechanism::Chain(chain) = mechanism else { continue };
+        for (place, (joint, angle)) in chain.joints().iter().zip(angles).enumerate() {
+            let name = of.joints.get(index).and_then(|names| names.get(place)).map_or("", String::as_str);
+            let [min, max, at] = match name {
+                "" => ["load.min_angle", "load.max_angle", "initial.angle"].map(str::to_owned),
+                name => ["min_angle", "max_angle", "angle"].map(|key| format!("joints.{name}.{key}")),
+            };
+            let [low, high] = joint.stops.ends;
+            let below = low.filter(|low| *angle < low - ROUNDING).map(|low| (low, min, ["raise", "lower"]));
+            let above = high.filter(|high| *angle > high + ROUNDING).map(|high| (high, max, ["lower", "raise"]));
+            found.extend(below.or(above).map(|(stop, key, [change, or])| {
+                let text = format!(
+                    "the joint starts at {}, beyond its stop at {key} = {}, which pushes it back; {change} {at} or {or} {key}",
+                    given(*angle, "rad"),
+                    given(stop, "rad"),
+                );
+                Warning::new(BEYOND_STOP, name, text)
+            }));
+        }
     }
     found
 }

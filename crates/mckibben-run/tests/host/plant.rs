@@ -336,6 +336,74 @@ fn a_set_point_ends_at_the_supply() {
     assert!(refused.contains("`actuator.set_point` = 500000.0 Pa"), "{refused}");
 }
 
+/// A request to hold is that of a scenario: five-way valves that supply or exhaust their outputs at rest fill or exhaust,
+/// also in a joint and where actuators have names, each with its own valve.
+#[test]
+fn a_request_to_hold_is_that_of_the_scenario() {
+    let requests = HostOptions { command_mode: Some("request"), ..HostOptions::default() };
+    let held = MUSCLE.replace("kind = \"pwm\"\nfrequency = \"25 Hz\"\nduty = 0.5", "kind = \"fill\"");
+    let of_kind = |kind: &str| {
+        held.replace("preset = \"matrix-eight-channel\"", &format!("kind = \"{kind}\"\nflow_area = \"0.3 mm^2\""))
+    };
+    let after = |text: &str, output: &str, number: f64| {
+        let mut of = host(text, &requests);
+        let inputs = of.commands().len();
+        (0..inputs).for_each(|input| of.command(input, number).expect("a request"));
+        let (distances, before) = (vec![0.09; of.actuators().len()], self::output(&mut of, output));
+        of.advance(0.02, &distances).expect("a step");
+        (self::output(&mut of, output) - before, of.requests(0))
+    };
+    for (kind, requested) in [("five-way-pressurised", 1.0), ("five-way-exhausted", -1.0)] {
+        let text = of_kind(kind);
+        let (held, all) = after(&text, "actuator.gauge_pressure", 0.0);
+        assert_eq!(all, [-1.0, 0.0, 1.0]);
+        assert_eq!(held, after(&text, "actuator.gauge_pressure", requested).0, "{kind}");
+        assert!(held * requested > 1e3, "{kind}: {held} Pa");
+    }
+    let (still, _) = after(&of_kind("five-way-closed"), "actuator.gauge_pressure", 0.0);
+    assert!(still.abs() < 1.0, "{still} Pa");
+    // A valve of an actuator in the place of the common one.
+    let own = "[actuators.one]\n[actuators.two.valve]\npreset = \"matrix-eight-channel\"\n";
+    let named = format!("{}\n{own}", of_kind("five-way-exhausted"));
+    let two = host(&named, &requests);
+    assert_eq!((two.requests(0), two.requests(1)), (vec![-1.0, 0.0, 1.0], vec![-1.0, 1.0]));
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/valves/five-way-joint.toml");
+    let joint = std::fs::read_to_string(path).expect("an example").replace("five-way-closed", "five-way-pressurised");
+    let joint = host(&joint, &requests);
+    assert_eq!(joint.requests(1), [-1.0, 0.0, 1.0], "the antagonist has the valve of the file");
+}
+
+/// Hoses begin at the pressure of the actuator that they lead to, also where the host gives it.
+#[test]
+fn a_hose_begins_at_the_pressure_of_the_host() {
+    let text = MUSCLE.replace("[load]", "[hose]\nlength = \"1 m\"\ndiameter = \"2.5 mm\"\n[load]");
+    let mut of = host(&text, &HostOptions { command_mode: Some("request"), ..HostOptions::default() });
+    of.begin_with_pressures(&[0.085], &[0.0], &[Some(3e5)]).expect("a start");
+    assert!((output(&mut of, "actuator.gauge_pressure") - 3e5).abs() < 1e-6);
+    assert!((output(&mut of, "actuator.hose_gauge_pressure") - 3e5).abs() < 1e-6);
+    of.begin_with_pressures(&[0.085], &[0.0], &[None]).expect("a start");
+    assert!((output(&mut of, "actuator.hose_gauge_pressure") - 40.0 * PSI).abs() < 1e-6);
+    assert!(of.begin_with_pressures(&[0.085], &[0.0], &[Some(-2e5)]).is_err());
+}
+
+/// A state has places for 64 commands of a valve; one more is refused with what a host can do.
+#[test]
+fn more_commands_on_their_way_than_a_state_holds_have_a_remedy() {
+    let text = REGULATED.replace("rate_limit", "dead_time = \"0.1 s\"\nrate_limit");
+    let mut of = host(&text, &HostOptions::default());
+    let mut numbers = vec![0.0; of.state_size()];
+    for step in 1..=80_u32 {
+        of.command(0, 1e5 + f64::from(step)).expect("a set point");
+        of.advance(f64::from(step) * 1e-3, &[0.09]).expect("a step");
+        if step == 60 {
+            of.save(&mut numbers).expect("a state");
+        }
+    }
+    let refused = of.save(&mut numbers).expect_err("80 commands").to_string();
+    assert!(refused.contains("more than 64 commands") && refused.contains("shorten valve.dead_time"), "{refused}");
+    assert!(!refused.contains("PlantSteps"), "{refused}");
+}
+
 /// A request that a valve does not have is refused with those that it has.
 #[test]
 fn requests_are_those_of_the_valve() {

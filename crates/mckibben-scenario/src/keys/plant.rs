@@ -176,7 +176,7 @@ pub static PLANT_SECTIONS: &[Section] = &[
     section("supplies.*", "One supply: the keys of [supply], and what feeds it.", false),
     section("supplies.*.inlet", "The flow path through which a reservoir or manifold is fed.", false),
     section(MECHANISM, "What the actuators move together.", false),
-    section("mechanism.joints", "The joints of a chain, by their names, from the fixed axis on.", false),
+    section("mechanism.joints", "The joints of a chain, by their names, from the fixed axis on; at most eight.", false),
     section("mechanism.joints.*", "A joint, and the segment that it moves.", false),
     section(
         "mechanism.joints.*.controller",

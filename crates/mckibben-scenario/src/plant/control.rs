@@ -165,6 +165,51 @@ pub(super) fn of_joint(
     Ok(PlantControl::Joint(Box::new(control)))
 }
 
+/// What keeps an actuator from its role at a joint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Unfit {
+    /// It does not span the joint.
+    SpansAnother,
+    /// It turns the joint the other way.
+    TurnsBack,
+}
+
+/// What keeps an actuator from turning a joint towards greater angles (`sign` 1) or smaller ones (−1). An arm keeps its sign;
+/// between two points it counts at the start and at the stops, since a dead centre between them may be meant.
+pub(super) fn unfit(frame: &Frame, (mechanism, joint): (usize, usize), mounted: &Mounted, sign: f64) -> Option<Unfit> {
+    /// Half the angle in rad of a difference.
+    const STEP: f64 = 1e-5;
+    /// An arm in m below which a difference does not show its sign.
+    const LEAST_ARM: f64 = 1e-6;
+    let Mechanism::Chain(chain) = &frame.mechanism else { return None };
+    if mounted.mechanism != mechanism {
+        return Some(Unfit::SpansAnother);
+    }
+    match &mounted.coupling {
+        Coupling::Direct { .. } => Some(Unfit::SpansAnother),
+        Coupling::Arms { arms, .. } => match arms.iter().find(|arm| arm.joint == joint) {
+            None => Some(Unfit::SpansAnother),
+            Some(arm) => (arm.sign != sign).then_some(Unfit::TurnsBack),
+        },
+        Coupling::Points(ends) => {
+            let turns = |end: usize| ends[end].segment.is_some_and(|segment| joint <= segment);
+            if turns(0) == turns(1) {
+                return Some(Unfit::SpansAnother);
+            }
+            let span = |angle: f64| {
+                let mut position = frame.positions.clone();
+                position[joint] = angle;
+                mounted.coupling.span(&frame.mechanism, &position)
+            };
+            // Virtual work: the arm is how much shorter the actuator becomes for each radian.
+            let turns_back = |angle: &f64| sign * (span(angle - STEP) - span(angle + STEP)) / (2.0 * STEP) < -LEAST_ARM;
+            let stops = chain.joints()[joint].stops.ends;
+            let mut angles = [Some(frame.positions[joint]), stops[0], stops[1]].into_iter().flatten();
+            angles.all(|angle| turns_back(&angle)).then_some(Unfit::TurnsBack)
+        }
+    }
+}
+
 /// A controller of a joint whose actuators have no valves.
 fn no_pair() -> Error {
     Error::Misuse {

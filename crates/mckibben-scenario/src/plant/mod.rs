@@ -175,8 +175,8 @@ impl Document {
     /// Reads the plant that the document describes and builds it, or `None` when it describes no plant.
     ///
     /// # Errors
-    /// Every mistake in the file; then, if there is none, the first contradiction that the model finds, with its place
-    /// in the file.
+    /// Every mistake in the file; then, if there is none, the first contradiction that the model finds of each actuator and each
+    /// supply; then of each controller; then of the start. Each has its place in the file.
     pub fn plant_experiment(&self) -> Result<Option<PlantExperiment>, Diagnostics> {
         if !self.is_plant() {
             return Ok(None);

@@ -21,14 +21,21 @@ pub(super) struct Builder<'s> {
 }
 
 impl<'s> Builder<'s> {
-    /// The network of the supplies.
-    pub(super) fn new(of: &'s PlantScenario, air: &Air, names: &mut PlantNames) -> Result<Self, Error> {
+    /// The network of the supplies, and the supplies that contradict themselves: in place of each is a source, so that what it
+    /// feeds can be checked all the same.
+    pub(super) fn new(of: &'s PlantScenario, air: &Air, names: &mut PlantNames) -> (Self, Vec<(usize, Error)>) {
         let mut builder =
             Self { network: Network::new(air), stores: &of.stores, nodes: Vec::new(), outside: Vec::new() };
-        for store in &of.stores {
-            builder.store(store, air, names)?;
+        let mut refused = Vec::new();
+        for (index, store) in of.stores.iter().enumerate() {
+            if let Err(error) = builder.store(store, air, names) {
+                refused.push((index, error));
+                let Supply { gauge_pressure, temperature, .. } = store.supply;
+                let outside = builder.outside(temperature);
+                builder.nodes.push(builder.network.supply([gauge_pressure, temperature], None, None, None, outside));
+            }
         }
-        Ok(builder)
+        (builder, refused)
     }
 
     /// The atmosphere at a temperature in K.

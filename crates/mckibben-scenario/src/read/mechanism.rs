@@ -10,6 +10,7 @@ use crate::model::core_motion;
 use crate::plant::{Frame, JointController, Mount};
 use crate::quantity;
 use crate::reader::{Reader, out_of_range};
+use mckibben::mechanism::chain::MAX_JOINTS;
 use mckibben::mechanism::{Belt, Chain, ChainSegment, JointStops, Mass, Mechanism, Pull, Revolute, Spring};
 use mckibben::parameter::Parameter;
 
@@ -163,6 +164,14 @@ fn chain(document: &Document, r: &mut Reader<'_>, frame: &mut Frame, place: &Pla
         r.note(
             Diagnostic::at(Class::Missing, place.clone(), title, "joints are expected")
                 .help("add a section such as `[mechanism.joints.elbow]` with `mass` and `distance`"),
+        );
+        return Ok(());
+    }
+    if let Some((_, first)) = named.get(MAX_JOINTS) {
+        let title = format!("the chain `{}` has {} joints; a chain has at most eight joints", frame.name, named.len());
+        r.note(
+            Diagnostic::at(Class::BadList, (*first).clone(), title, "the ninth joint")
+                .help("join segments that hardly bend, or divide the chain into several `[mechanisms.NAME]`"),
         );
         return Ok(());
     }

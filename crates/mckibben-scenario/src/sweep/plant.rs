@@ -2,8 +2,8 @@
 //!
 //! A run of a plant costs more than a reading, so that every row is read as a file would be, with all that the reading
 //! refuses. Reductions name a column and a statistic: `elbow.angle.max`, `flexor.gauge_pressure.final`; of the error of a
-//! controller `flexor.length_error.rms`; `air.used` is what all sources gave, `exergy.efficiency` the work on all
-//! mechanisms over the exergy that was supplied.
+//! controller `flexor.length_error.rms`; `air.used` is what valves let in from whatever feeds them, less what went back,
+//! `exergy.efficiency` the work on all mechanisms over the exergy that was supplied.
 
 use super::Record;
 use super::axis::{AxisValue, column_of};
@@ -46,7 +46,7 @@ pub enum PlantReduced {
     Quantity(PlantQuantity),
     /// How far the controller of this index misses a quantity.
     Error(usize, control::Quantity),
-    /// The air in kg that all sources gave.
+    /// The air in kg that was used: what valves let in from whatever feeds them, less what went back.
     Air,
     /// Work on the mechanisms over the exergy that was supplied.
     Efficiency,

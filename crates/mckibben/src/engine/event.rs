@@ -55,6 +55,8 @@ pub(crate) struct NoValue;
 /// Room for the search: a state, and evaluations over values and derivatives.
 pub(crate) struct Room<'w, R: Real, S: Hybrid<R>> {
     pub(crate) state: &'w mut Vec<R>,
+    /// The states at the places where each guard is looked at first, computed once for all guards of a step.
+    pub(crate) nodes: &'w mut Vec<R>,
     pub(crate) work: &'w mut S::Work<R>,
     pub(crate) seeded: &'w mut Vec<Dual<R, 1>>,
     pub(crate) along: &'w mut S::Work<Dual<R, 1>>,
@@ -71,7 +73,8 @@ pub(crate) fn first<R: Real, S: Hybrid<R>>(
     arc: &Arc<R>,
     room: Room<'_, R, S>,
 ) -> Result<Option<Crossing<S::Guard, R>>, NoValue> {
-    let Room { state, work, seeded, along } = room;
+    let Room { state, nodes, work, seeded, along } = room;
+    nodes.clear();
     let mut first: Option<(S::Guard, f64)> = None;
     for &(guard, form) in guards {
         let theta = match form {
@@ -84,11 +87,24 @@ pub(crate) fn first<R: Real, S: Hybrid<R>>(
                     continue;
                 }
                 let mut value_at = |theta: f64| {
-                    let theta = R::constant(theta);
-                    arc.at(theta, state);
-                    system.guard(guard, arc.start + theta * arc.step, state, mode, work).value()
+                    let place = R::constant(theta);
+                    let there = match node_at(theta) {
+                        Some(node) => {
+                            if nodes.is_empty() {
+                                enter_nodes(arc, state.len(), nodes);
+                            }
+                            &nodes[node * state.len()..(node + 1) * state.len()]
+                        }
+                        None => {
+                            arc.at(place, state);
+                            &state[..]
+                        }
+                    };
+                    system.guard(guard, arc.start + place * arc.step, there, mode, work).value()
                 };
                 let descent = descent_between(0.0, 1.0, MAX_HALVINGS, &mut value_at)?;
+                // What begins to descend after the first crossing is not the first.
+                let descent = descent.filter(|(low, _)| first.is_none_or(|(_, earlier)| *low < earlier));
                 descent.map(|(low, high)| root::bracketed(low, high, 1e-15, value_at).clamp(0.0, 1.0))
             }
         };
@@ -98,9 +114,10 @@ pub(crate) fn first<R: Real, S: Hybrid<R>>(
         }
     }
     let Some((guard, theta)) = first else { return Ok(None) };
-    // The place of the crossing with its derivatives, by the implicit function theorem; its value stays as it was found.
+    // The place of the crossing with its derivatives, by the implicit function theorem; its value stays as it was found. Near rest
+    // they are large, and where the rates are continuous what follows from them is rounding alone.
     let place = R::constant(theta);
-    if !R::HAS_DERIVATIVES {
+    if !R::HAS_DERIVATIVES || system.is_smooth(guard) {
         return Ok(Some(Crossing { guard, theta: place }));
     }
     let theta = Dual::<R, 1>::variable(place, 0);
@@ -113,6 +130,24 @@ pub(crate) fn first<R: Real, S: Hybrid<R>>(
     }
     let shift = there.value / slope;
     Ok(Some(Crossing { guard, theta: place - (shift - R::constant(shift.value())) }))
+}
+
+/// The place of the i-th of eight values of a guard over a step.
+fn node(i: usize) -> f64 {
+    i as f64 / (POINTS - 1) as f64
+}
+
+/// Which of the eight values a place is of, if it is.
+fn node_at(theta: f64) -> Option<usize> {
+    (0..POINTS).find(|i| node(*i) == theta)
+}
+
+/// Computes the states where guards are looked at first.
+fn enter_nodes<R: Real>(arc: &Arc<R>, states: usize, nodes: &mut Vec<R>) {
+    nodes.resize(POINTS * states, R::zero());
+    for (i, state) in nodes.chunks_exact_mut(states).enumerate() {
+        arc.at(R::constant(node(i)), state);
+    }
 }
 
 /// Where a polynomial first goes below zero.
@@ -162,7 +197,7 @@ fn descent_between(
     let at = |part: f64| low + (high - low) * part;
     let mut values = [0.0; POINTS];
     for (i, value) in values.iter_mut().enumerate() {
-        *value = value_at(at(i as f64 / (POINTS - 1) as f64));
+        *value = value_at(at(node(i)));
     }
     if !values.iter().all(|value| value.is_finite()) {
         return Err(NoValue);

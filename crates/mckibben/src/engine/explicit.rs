@@ -5,6 +5,7 @@
 //! Source: Hairer, Nørsett & Wanner, *Solving Ordinary Differential Equations I* (1993), section II.10; the coefficients
 //! are the published ones, rounded to `f64`.
 
+use super::allowed::Allowed;
 use super::arc::{Arc, POINTS};
 use crate::scalar::{Real, Scalar};
 use alloc::vec;
@@ -335,10 +336,10 @@ impl<R: Real> Attempt<R> {
         start: &[R],
         slope: &[R],
         length: R,
-        allowed: &[f64],
+        allowed: &Allowed,
         mut rates: impl FnMut(R, &[R], &mut [R]),
     ) {
-        let states = allowed.len();
+        let states = allowed.states.len();
         keep(&mut self.blocks, 0, slope);
         let step = Step { time, start, length, states };
         self.stage(step, 1, &STAGE_1, &mut rates);
@@ -353,22 +354,28 @@ impl<R: Real> Attempt<R> {
         self.stage(step, 10, &STAGE_10, &mut rates);
         self.stage(step, 11, &STAGE_11, &mut rates);
         combine(&self.blocks, start, length, &STAGE_12, &mut self.end);
+        let of_values = self.error_of(length, &allowed.states, R::value);
+        let of_slopes = |direction| self.error_of(length, &allowed.states, |number| number.slope(direction));
+        self.error = allowed.largest(of_values, &self.end[..states], of_slopes);
+    }
+
+    /// The error of a part of the states over what is allowed.
+    fn error_of(&self, length: R, allowed: &[f64], part: impl Fn(R) -> f64) -> f64 {
         let (mut fifth, mut third) = (0.0, 0.0);
         for (block, allowed) in self.blocks.iter().zip(allowed.chunks(LANES)) {
             let five = weighted(block, LATE, &ORDER_5);
             let three = weighted(block, LATE, &ORDER_3);
             for ((five, three), allowed) in five.iter().zip(&three).zip(allowed) {
-                let (five, three) = (five.value() / allowed, three.value() / allowed);
+                let (five, three) = (part(*five) / allowed, part(*three) / allowed);
                 fifth += five * five;
                 third += three * three;
             }
         }
         let denominator = fifth + 0.01 * third;
-        self.error = if denominator == 0.0 {
-            0.0
-        } else {
-            length.value().abs() * fifth / Scalar::sqrt(denominator * states as f64)
-        };
+        if denominator == 0.0 {
+            return 0.0;
+        }
+        length.value().abs() * fifth / Scalar::sqrt(denominator * allowed.len() as f64)
     }
 
     /// Computes the rates at the end of the step.

@@ -11,6 +11,7 @@
 //! Source: G. Steinebach, "Construction of Rosenbrock–Wanner method Rodas5P", BIT 63, 27 (2023); published coefficients.
 
 use super::Hybrid;
+use super::allowed::Allowed;
 use super::arc::{Arc, POINTS};
 use crate::dual::Dual;
 use crate::scalar::{Real, Scalar};
@@ -154,7 +155,7 @@ impl<R: Real> Attempt<R> {
         start: &[R],
         slope: &[R],
         step: R,
-        allowed: &[f64],
+        allowed: &Allowed,
         mut rates: impl FnMut(R, &[R], &mut [R]),
     ) {
         let count = self.states;
@@ -190,13 +191,19 @@ impl<R: Real> Attempt<R> {
             self.solve(stage);
         }
         let last = (STAGES - 1) * count;
-        let mut sum = 0.0;
         for n in 0..count {
             self.end[n] = self.state[n] + self.stages[last + n];
-            let ratio = self.stages[last + n].value() / allowed[n];
-            sum += ratio * ratio;
         }
-        self.error = Scalar::sqrt(sum / count as f64);
+        let of_values = self.error_of(&allowed.states, R::value);
+        let of_slopes = |direction| self.error_of(&allowed.states, |number| number.slope(direction));
+        self.error = allowed.largest(of_values, &self.end, of_slopes);
+    }
+
+    /// The error of a part of the states over what is allowed.
+    fn error_of(&self, allowed: &[f64], part: impl Fn(R) -> f64) -> f64 {
+        let errors = &self.stages[(STAGES - 1) * self.states..];
+        let ratios = errors.iter().zip(allowed).map(|(error, allowed)| part(*error) / allowed);
+        Scalar::sqrt(ratios.map(|ratio| ratio * ratio).sum::<f64>() / self.states as f64)
     }
 
     /// The dense output, of order 4, as control points.

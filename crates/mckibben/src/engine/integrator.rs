@@ -7,11 +7,13 @@
 //! `relative_tolerance · scale`, where the system says what the scale of a state is in its mode.
 //!
 //! Everything is generic over a [`Real`] scalar: with dual numbers the trajectory carries its exact derivatives with
-//! respect to any parameter, through every event. Step sizes and decisions depend on values alone.
+//! respect to any parameter, through every event. Decisions depend on values alone; steps are short enough for the
+//! derivatives too.
 
 use super::arc::{Arc, POINTS};
 use super::event::{self, Crossing, MAX_EVENTS_IN_AN_INSTANT, Room};
 use super::{GuardForm, Halt, Hybrid, explicit, implicit};
+use super::allowed::Allowed;
 use crate::dual::Dual;
 use crate::error::Error;
 use crate::scalar::{Real, Scalar};
@@ -123,7 +125,6 @@ const LEAST_ADVANCE: f64 = 1e-4;
 /// Steps a system through time; each call of [`Integrator::advance`] makes the next piece.
 pub struct Integrator<'a, R: Real, S: Hybrid<R>> {
     system: &'a S,
-    relative_tolerance: f64,
     until: R,
     time: R,
     /// States, padded as the stages are.
@@ -154,11 +155,12 @@ pub struct Integrator<'a, R: Real, S: Hybrid<R>> {
     statistics: Statistics,
     explicit: explicit::Attempt<R>,
     implicit: implicit::Attempt<R>,
-    allowed: Vec<f64>,
+    allowed: Allowed,
     scales: Vec<f64>,
     work: S::Work<R>,
     along: S::Work<Dual<R, 1>>,
     room: Vec<R>,
+    nodes: Vec<R>,
     seeded: Vec<Dual<R, 1>>,
     seeded_rates: Vec<Dual<R, 1>>,
     /// The piece that was made last.
@@ -177,7 +179,6 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
         let zero = Dual::<R, 1>::constant(0.0);
         let mut integrator = Self {
             system,
-            relative_tolerance,
             until,
             time,
             slope: vec![R::zero(); padded.len()],
@@ -201,11 +202,12 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
             statistics: Statistics::default(),
             explicit,
             implicit: implicit::Attempt::new(states),
-            allowed: vec![0.0; states],
+            allowed: Allowed::new::<R>(states, relative_tolerance, system.influences()),
             scales: vec![0.0; states],
             work: system.work(),
             along: system.work(),
             room: vec![R::zero(); states],
+            nodes: Vec::new(),
             seeded: vec![zero; states],
             seeded_rates: vec![zero; states],
             arc: Arc::new(states),
@@ -324,6 +326,7 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
             if kept {
                 let room = Room {
                     state: &mut self.room,
+                    nodes: &mut self.nodes,
                     work: &mut self.work,
                     seeded: &mut self.seeded,
                     along: &mut self.along,
@@ -382,9 +385,7 @@ impl<'a, R: Real, S: Hybrid<R>> Integrator<'a, R, S> {
     /// Computes the scales of the states, and the errors that the tolerance allows in a step.
     fn enter_scales(&mut self) {
         self.system.scales(&self.state[..self.states], &self.mode, &mut self.scales);
-        for (allowed, scale) in self.allowed.iter_mut().zip(&self.scales) {
-            *allowed = self.relative_tolerance * scale;
-        }
+        self.allowed.enter(&self.scales, &self.state[..self.states]);
     }
 
     /// A first step in a new mode: a part of the time in which the rates would change a state by its own size.

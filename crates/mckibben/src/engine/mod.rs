@@ -8,6 +8,7 @@
 //!
 //! States lie in slices: how many there are is a number and no type.
 
+mod allowed;
 pub(crate) mod arc;
 pub(crate) mod bernstein;
 pub mod event;
@@ -86,6 +87,11 @@ pub trait Hybrid<R: Real> {
     /// Scales of the states, above zero.
     fn scales(&self, state: &[R], mode: &Self::Mode, scales: &mut [f64]);
 
+    /// The largest part by which a number of the system changes with each direction of its derivatives.
+    fn influences(&self) -> &[f64] {
+        &[]
+    }
+
     /// The next instant in s, up to and with `until`, at which `mode` ends without an event of a guard.
     fn next_instant(&self, mode: &Self::Mode, until: R) -> Option<R>;
 
@@ -113,6 +119,12 @@ pub trait Hybrid<R: Real> {
         mode: &Self::Mode,
         work: &mut Self::Work<T>,
     ) -> T;
+
+    /// Whether the rates are continuous where a guard is crossed, as at the border of two pieces of a curve. When it is crossed
+    /// then changes no derivative.
+    fn is_smooth(&self, _guard: Self::Guard) -> bool {
+        false
+    }
 
     /// Crosses a guard that has come down through zero.
     ///

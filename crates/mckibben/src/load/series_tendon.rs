@@ -71,15 +71,26 @@ impl<R: Real> SeriesTendon<R> {
     /// The length in m at which the static force of an actuator at an absolute pressure (Pa) is the tension of this tendon,
     /// both over a distance (m) together; the shortest or the end length where there is none between.
     pub fn balance(&self, actuator: &Actuator<R>, distance: R, pressure: R) -> R {
-        let excess = |length: R| {
-            let tight = self.tension(distance - length);
-            (actuator.static_force(length, pressure) + actuator.limits().force(length, R::zero())).larger(R::zero())
-                - tight
+        self.balance_with(actuator, distance, pressure, &|_| R::zero())
+    }
+
+    /// [`SeriesTendon::balance`] with a force in N that friction adds to the static one at a length in m.
+    pub(crate) fn balance_with(
+        &self,
+        actuator: &Actuator<R>,
+        distance: R,
+        pressure: R,
+        friction: &dyn Fn(R) -> R,
+    ) -> R {
+        let pushing = |length: R| {
+            let law = actuator.static_force(length, pressure) + actuator.limits().force(length, R::zero());
+            law + friction(length)
         };
+        let excess = |length: R| pushing(length).larger(R::zero()) - self.tension(distance - length);
         let end = actuator.law().law.end_length().value();
         // Where the tendon hangs loose the force is not below its tension: a law may fall to zero again before its end.
         let loose = distance.value() - self.rest_length.value();
-        let (mut least, mut most) = (actuator.limits().min_length().value(), loose.min(end));
+        let (least, most) = (actuator.limits().min_length().value(), loose.min(end));
         if excess(R::constant(least)).value() >= 0.0 {
             return actuator.limits().min_length();
         }
@@ -87,17 +98,27 @@ impl<R: Real> SeriesTendon<R> {
         if at_end.is_nan() || at_end < 0.0 || (at_end == 0.0 && most == end) {
             return actuator.law().law.end_length();
         }
-        while most - least > 4.0 * f64::EPSILON * most {
-            let middle = 0.5 * (least + most);
-            if !(middle > least && middle < most) {
-                break;
-            }
-            if excess(R::constant(middle)).value() > 0.0 { most = middle } else { least = middle }
+        // A braid that pushes there goes on to where it neither pushes nor pulls.
+        let is_pushed = pushing(R::constant(most)).value() < 0.0 && pushing(R::constant(end)).value() > 0.0;
+        if is_pushed && most < end {
+            return root_between([most, end], &pushing);
         }
-        // The derivatives of the root, by a Newton step at its value.
-        let (step, root) = (1e-6 * most, R::constant(most));
-        let slope = (excess(root + R::constant(step)) - excess(root - R::constant(step))).value() / (2.0 * step);
-        let left = excess(root);
-        root - (left - R::constant(left.value())) / R::constant(slope)
+        root_between([least, most], &excess)
     }
+}
+
+/// Where a force that rises over the length is zero between two lengths in m, with its derivatives.
+fn root_between<R: Real>([mut least, mut most]: [f64; 2], force: &dyn Fn(R) -> R) -> R {
+    while most - least > 4.0 * f64::EPSILON * most {
+        let middle = 0.5 * (least + most);
+        if !(middle > least && middle < most) {
+            break;
+        }
+        if force(R::constant(middle)).value() > 0.0 { most = middle } else { least = middle }
+    }
+    // The derivatives of the root, by a Newton step at its value.
+    let (step, root) = (1e-6 * most, R::constant(most));
+    let slope = (force(root + R::constant(step)) - force(root - R::constant(step))).value() / (2.0 * step);
+    let left = force(root);
+    root - (left - R::constant(left.value())) / R::constant(slope)
 }

@@ -118,7 +118,10 @@ impl<R: Real> System<R> {
             }
             let pull = tendon::tension(tendon, mode.actuators[i].loose, unit.distance, unit.length).value();
             let (least, most) = self.holdable(i, state, mode, unit.length);
-            let missed = (pull - most.value()).max(least.value() - pull);
+            let missed = match mode.actuators[i].mode.sliding {
+                Sliding::Stuck => (pull - most.value()).max(least.value() - pull),
+                _ => self.missed(i, state, mode, at),
+            };
             if missed > UNBALANCED * tendon.stiffness().value() * unit.length.value() {
                 return Err(Error::Inconsistent {
                     parameter: &parameter::INITIAL_LENGTH,
@@ -273,6 +276,50 @@ impl<R: Real> System<R> {
             return Ok(());
         }
         Err(self.jumps(i, time, state, mode, at))
+    }
+
+    /// That every sliding end without viscous friction is on its balance after an event. One that has rebounded from the end
+    /// of its braid with its tendon loose, or has left its stop where the braid would push, is not: it goes there at once.
+    ///
+    /// # Errors
+    /// [`Error::Stopped`] otherwise.
+    pub(super) fn check_balanced(
+        &self,
+        time: R,
+        state: &[R],
+        mode: &PlantMode<R>,
+        at: &mut Evaluation<R>,
+    ) -> Result<(), Error> {
+        for (i, mounted) in self.plant.actuators.iter().enumerate() {
+            let Some(tendon) = &mounted.tendon else { continue };
+            if mode.is_damped(self, i) || mode.actuators[i].mode.sliding == Sliding::Stuck {
+                continue;
+            }
+            self.enter_distances(time, state, mode, at);
+            let missed = self.missed(i, state, mode, at);
+            let unit = at.units[i];
+            let allowed = UNBALANCED * tendon.stiffness().value() * unit.length.value();
+            if missed > allowed + JUMP * self.wires[i].member.force_band {
+                return Err(Error::Stopped {
+                    time: time.value(),
+                    reason: "the end of an actuator on a tendon jumps: nothing holds it any more, and without a mass and \
+                             without viscous friction nothing slows it",
+                    quantity: "force that is not balanced",
+                    value: missed,
+                    unit: "N",
+                    remedy: "give actuator.friction.viscous, however small",
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// By how much in N the tensions of a sliding end differ, whose distance has been entered.
+    fn missed(&self, i: usize, state: &[R], mode: &PlantMode<R>, at: &Evaluation<R>) -> f64 {
+        let Some(tendon) = &self.plant.actuators[i].tendon else { return 0.0 };
+        let (unit, pressure) = (&at.units[i], state[self.plant.places.actuators[i].pressure]);
+        let ends = [unit.distance, unit.length, pressure];
+        self.excess(i, tendon, mode, ends, self.deflections(i, state)).value().abs()
     }
 
     /// The error of an end without viscous friction that jumps: its air, near the pressure of the atmosphere or below, holds its

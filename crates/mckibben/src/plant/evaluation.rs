@@ -156,6 +156,8 @@ pub struct System<R: Scalar> {
     /// Usual arms of the actuators, and usual torques on each mechanism.
     pub(crate) arms: Vec<f64>,
     pub(crate) usual_torque: Vec<f64>,
+    /// The largest part by which a number of the plant changes with each direction of its derivatives.
+    pub(crate) influences: Vec<f64>,
 }
 
 /// How much of a plant is computed.
@@ -254,6 +256,7 @@ impl<R: Scalar> System<R> {
             band: 0.0,
             arms: Vec::new(),
             usual_torque: Vec::new(),
+            influences: Vec::new(),
             plant,
         }
     }
@@ -360,6 +363,23 @@ impl<R: Scalar> System<R> {
         }
         let into = (&mut at.units[i], &mut at.gradient[..]);
         self.enter_ends(&self.wires[i], time, (state, &at.directions), mode, into);
+    }
+
+    /// Computes distances, lengths and their rates of the actuators on a mechanism.
+    #[inline(always)]
+    pub(super) fn enter_ends_on<T: Over<R>>(
+        &self,
+        m: usize,
+        time: T,
+        state: &[T],
+        mode: &impl Formulas<R>,
+        at: &mut Evaluation<T>,
+    ) {
+        self.enter_directions(m, state, &mut at.directions);
+        for &i in &self.assemblies[m].members {
+            let into = (&mut at.units[i], &mut at.gradient[..]);
+            self.enter_ends(&self.wires[i], time, (state, &at.directions), mode, into);
+        }
     }
 
     /// Enters the directions of the segments of a mechanism that is a chain.

@@ -1,8 +1,9 @@
 //! Where friction with a memory starts: relaxed, on one of its branches, or holding a force.
 
 use super::{Plant, PlantStart};
+use crate::actuator::Actuator;
 use crate::error::{Error, Requirement};
-use crate::friction::{Hysteresis, Memory, ThreadContact};
+use crate::friction::{Hysteresis, MAX_BRANCHES, Memory, SlidingState, ThreadContact};
 use crate::parameter::{Parameter, Range};
 use crate::scalar::Real;
 use alloc::vec::Vec;
@@ -54,33 +55,69 @@ impl<R: Real> Plant<R> {
                 remedy: "give as many entries as there are actuators, or none",
             });
         }
-        let of = |i: usize| -> Result<Option<Memory<R>>, Error> {
+        let of = |i: usize| {
             let initial = start.friction.get(i).copied().unwrap_or_default();
-            if matches!(initial, InitialFriction::Relaxed) {
-                return Ok(None);
-            }
-            let actuator = &self.actuators[i].actuator;
-            let Some(law) = actuator.friction().hysteresis() else {
-                return Err(Error::Misuse {
-                    what: "a start of friction is given, but dry friction without hysteresis remembers nothing: at rest the \
-                           balance decides what it holds, in motion the velocity",
-                    remedy: "leave it relaxed, or give actuator.friction.hysteresis",
-                });
-            };
-            let length = actuator.limits().actuator_length(lengths[i]);
-            match initial {
-                InitialFriction::Held(force) => {
-                    let pressure = state[self.places.actuators[i].pressure];
-                    let stiffness =
-                        actuator.normal_load(length, pressure, ThreadContact::ByPressure).secant_stiffness();
-                    holding(law, length, stiffness, force).map(Some)
-                }
-                InitialFriction::Unloading => Ok(Some(law.slid(length, -1.0))),
-                _ => Ok(Some(law.slid(length, 1.0))),
-            }
+            memory_of(&self.actuators[i].actuator, initial, lengths[i], state[self.places.actuators[i].pressure])
         };
         (0..count).map(of).collect()
     }
+}
+
+/// What the hysteresis of an actuator remembers that starts at a length (m) and an absolute pressure (Pa).
+fn memory_of<R: Real>(
+    actuator: &Actuator<R>,
+    initial: InitialFriction<R>,
+    length: R,
+    pressure: R,
+) -> Result<Option<Memory<R>>, Error> {
+    if matches!(initial, InitialFriction::Relaxed) {
+        return Ok(None);
+    }
+    let Some(law) = actuator.friction().hysteresis() else {
+        return Err(Error::Misuse {
+            what: "a start of friction is given, but dry friction without hysteresis remembers nothing: at rest the \
+                   balance decides what it holds, in motion the velocity",
+            remedy: "leave it relaxed, or give actuator.friction.hysteresis",
+        });
+    };
+    let length = actuator.limits().actuator_length(length);
+    match initial {
+        InitialFriction::Held(force) => {
+            let stiffness = actuator.normal_load(length, pressure, ThreadContact::ByPressure).secant_stiffness();
+            holding(law, length, stiffness, force).map(Some)
+        }
+        InitialFriction::Unloading => Ok(Some(law.slid(length, -1.0))),
+        _ => Ok(Some(law.slid(length, 1.0))),
+    }
+}
+
+/// Force in N that hysteresis and viscoelastic branches add to the tension of an actuator that starts at a length (m) and an
+/// absolute pressure (Pa).
+pub(super) fn force_at_start<R: Real>(
+    actuator: &Actuator<R>,
+    initial: InitialFriction<R>,
+    length: R,
+    pressure: R,
+) -> R {
+    let length = actuator.limits().actuator_length(length);
+    let (width, given) = match (actuator.friction().hysteresis(), initial) {
+        (Some(law), InitialFriction::Loading) => {
+            (Some(law.width(&law.slid(length, 1.0), length, R::zero())), R::zero())
+        }
+        (Some(law), InitialFriction::Unloading) => {
+            (Some(law.width(&law.slid(length, -1.0), length, R::zero())), R::zero())
+        }
+        (_, InitialFriction::Held(force)) => (None, force),
+        _ => (None, R::zero()),
+    };
+    let branches = actuator.friction().viscoelastic();
+    let sums = branches.map(|law| {
+        let relaxed: [R; MAX_BRANCHES] = core::array::from_fn(|branch| length - law.initial_stretch(branch));
+        law.sums(&relaxed[..law.count()])
+    });
+    let at_rest = SlidingState { direction: R::zero(), width, force: None, touch: ThreadContact::ByPressure };
+    let pressing = actuator.normal_load(length, pressure, ThreadContact::ByPressure);
+    given + at_rest.with_branches(branches, length, sums).held_force(pressing).unwrap_or_else(R::zero)
 }
 
 /// The memory of a law that holds a force in N at a secant stiffness in N/m.

@@ -358,8 +358,12 @@ impl<R: Real> System<R> {
     ) -> T {
         let (unit, of_actuator) = (&at.units[i], &mode.actuators[i]);
         if guard == Guard::Rest {
-            let direction = T::constant(of_actuator.mode.sliding.direction());
-            return T::constant(self.rest_band(i)) + direction * unit.rate;
+            let (band, sliding) = (T::constant(self.rest_band(i)), of_actuator.mode.sliding);
+            // What slides does so until its rate has turned, what is held at rest until it moves either way.
+            return match sliding {
+                Sliding::Held => band - unit.rate.magnitude(),
+                _ => band + T::constant(sliding.direction()) * unit.rate,
+            };
         }
         let ends = [unit.length, unit.velocity, state[self.plant.places.actuators[i].pressure]];
         self.wires[i].member.guard(guard, ends, &of_actuator.mode, (&of_actuator.trace, self.deflections(i, state)))

@@ -8,6 +8,7 @@ use crate::engine::GuardForm;
 use crate::engine::{Halt, Hybrid};
 use crate::error::Error;
 use crate::scalar::{Differentiable, Over, Real, Scalar};
+use crate::simulation::Guard;
 use alloc::vec::Vec;
 
 impl<R: Real> Hybrid<R> for System<R> {
@@ -45,6 +46,10 @@ impl<R: Real> Hybrid<R> for System<R> {
         System::scales(self, state, mode, scales);
     }
 
+    fn influences(&self) -> &[f64] {
+        &self.influences
+    }
+
     fn next_instant(&self, mode: &PlantMode<R>, until: R) -> Option<R> {
         System::next_instant(self, mode, until)
     }
@@ -74,6 +79,17 @@ impl<R: Real> Hybrid<R> for System<R> {
         System::guard(self, guard, time, state, mode, work)
     }
 
+    fn is_smooth(&self, guard: PlantGuard) -> bool {
+        match guard {
+            PlantGuard::Of(_, Guard::PieceDown | Guard::PieceUp) | PlantGuard::Arm { .. } => true,
+            PlantGuard::Of(i, Guard::MapShorter | Guard::MapLonger | Guard::MapDown | Guard::MapUp) => {
+                // The slope of a map jumps there, from which the velocity of an end without a mass may follow.
+                self.plant.actuators[i].tendon.is_none()
+            }
+            _ => false,
+        }
+    }
+
     fn cross(
         &self,
         guard: PlantGuard,
@@ -82,7 +98,9 @@ impl<R: Real> Hybrid<R> for System<R> {
         mode: &mut PlantMode<R>,
         work: &mut Evaluation<R>,
     ) -> Result<PlantEventKind, Error> {
-        System::cross(self, guard, time, state, mode, work)
+        let kind = System::cross(self, guard, time, state, mode, work)?;
+        self.check_balanced(time, state, mode, work)?;
+        Ok(kind)
     }
 
     fn project(&self, time: R, state: &mut [R], mode: &PlantMode<R>, work: &mut Evaluation<R>) {

@@ -5,9 +5,10 @@
 //! that changes fastest names. A looser tolerance mends none of them.
 
 use super::crossing::PlantEventKind;
-use super::evaluation::System;
+use super::evaluation::{Evaluation, System};
 use crate::engine::Halt;
 use crate::error::Error;
+use crate::force::Statics;
 use crate::scalar::Real;
 use crate::simulation::EventKind;
 
@@ -41,10 +42,28 @@ impl<R: Real> System<R> {
                 stopped(case, "time", time.value(), "s")
             }
             Halt::Step(place) => {
+                if let Some(length) = self.almost_straight(time, state) {
+                    return Self::straight(time, length);
+                }
                 let (case, quantity, unit) = self.of_state(place);
                 stopped(case, quantity, state.get(place).map_or(f64::NAN, |value| value.value()), unit)
             }
         }
+    }
+
+    /// The length in m of an actuator that has all but the length of its thread: what little volume it has left may press so
+    /// hard that no step gets there.
+    fn almost_straight(&self, time: R, state: &[R]) -> Option<R> {
+        /// Part of the length of the thread.
+        const NEAR: f64 = 1e-9;
+        let mode = self.first_mode(state);
+        let mut at = Evaluation::new(&self.plant);
+        self.enter_distances(time, state, &mode, &mut at);
+        let lengths = at.units.iter().map(|unit| unit.length);
+        lengths.zip(&self.plant.actuators).find_map(|(length, mounted)| {
+            let end = mounted.actuator.law().law.end_length().value();
+            ((end - length.value()).abs() < NEAR * end).then_some(length)
+        })
     }
 
     /// The error of a fixed step that was so long that a state left the physics.

@@ -5,11 +5,11 @@
 //!
 //! Checked by `tests/plant_saved.rs`.
 
+use super::Plant;
 use super::evaluation::{Evaluation, System};
 use super::mode::{ActuatorMode, MechanismMode, PlantMode};
 use super::run::PlantSnapshot;
 use super::sliding::Facet;
-use super::{Plant, StateIndices};
 use crate::error::Error;
 use crate::instantiate::Instantiate;
 use crate::limit;
@@ -86,22 +86,21 @@ impl<R: Instantiate> System<R> {
         self.each_number(snapshot, &mut row);
         let (time, state, mode) = snapshot.parts();
         let is_whole = row.is_whole() && time.value() >= 0.0;
-        if !is_whole || self.check_step(*time, state).is_err() || self.lacks_length(state) {
+        if !is_whole || self.check_step(*time, state).is_err() || self.lacks_distance(state) {
             return Err(NO_STATE);
         }
         self.enter_pieces(*time, state, mode, at);
         Ok(())
     }
 
-    /// Whether an actuator on a tendon, or one whose ends a host moves, has a length that is not above zero.
-    fn lacks_length(&self, state: &[R]) -> bool {
-        let StateIndices { actuators, mechanisms, .. } = &self.plant.places;
-        let of_ends = self.plant.mechanisms.iter().zip(mechanisms).flat_map(|(mechanism, its)| {
+    /// Whether an actuator whose ends a host moves has a distance that is not above zero.
+    fn lacks_distance(&self, state: &[R]) -> bool {
+        let mechanisms = &self.plant.places.mechanisms;
+        let mut of_ends = self.plant.mechanisms.iter().zip(mechanisms).flat_map(|(mechanism, its)| {
             let distances = if let Mechanism::External { distances } = mechanism { *distances } else { 0 };
             (0..distances).map(|coordinate| its.position(coordinate))
         });
-        let mut places = actuators.iter().filter_map(|its| its.length).chain(of_ends);
-        places.any(|place| state[place].value() <= 0.0)
+        of_ends.any(|place| state[place].value() <= 0.0)
     }
 
     /// All that differs from one state of the plant to another.

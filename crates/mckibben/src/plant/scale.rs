@@ -19,6 +19,22 @@ use alloc::sync::Arc;
 use alloc::vec;
 use alloc::vec::Vec;
 
+/// The largest part by which a number of a plant changes with each direction of its derivatives; numbers that are zero have none.
+fn influences<R: Real>(plant: &Plant<R>) -> Vec<f64> {
+    let mut influences = vec![0.0_f64; R::SLOPES];
+    if R::HAS_DERIVATIVES {
+        let _ = plant.map(|_, _, number: R| {
+            if number.value() != 0.0 {
+                for (direction, most) in influences.iter_mut().enumerate() {
+                    *most = most.max((number.slope(direction) / number.value()).abs());
+                }
+            }
+            number
+        });
+    }
+    influences
+}
+
 /// The part of the usual velocity below which its error counts absolutely.
 const SLOW: f64 = 0.1;
 /// Rate of settling for which two pressures that would meet in a second count.
@@ -43,7 +59,9 @@ impl<R: Real> System<R> {
         let piping = Piping::new(plant);
         let assemblies = (0..plant.mechanisms.len()).map(|m| Assembly::new(plant, m)).collect();
         let plant = plant.clone();
-        let mut system = Self { plant, wires, assemblies, piping, band, usual_torque: Vec::new(), arms: Vec::new() };
+        let influences = influences(&plant);
+        let (usual_torque, arms) = (Vec::new(), Vec::new());
+        let mut system = Self { plant, wires, assemblies, piping, band, usual_torque, arms, influences };
         system.enter_usual();
         system
     }

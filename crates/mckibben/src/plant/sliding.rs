@@ -358,7 +358,8 @@ impl<R: Real> System<R> {
         let places = &self.plant.places;
         let of_mechanism = &mode.mechanisms[m];
         let Facet { span, along, block } = &of_mechanism.facets[facet];
-        self.enter_distances(time, state, mode, at);
+        // Of what else is there nothing counts: many mechanisms at rest would cost the square of their number.
+        self.enter_ends_on(m, time, state, mode, at);
         let count = places.mechanisms[m].coordinates;
         let normal = self.normal(span, along, count, at);
         // What is to be held.

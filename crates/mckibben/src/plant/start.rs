@@ -1,7 +1,7 @@
 //! The start of a plant: its states and its first mode.
 
 use super::evaluation::{Evaluation, System};
-use super::friction_start::InitialFriction;
+use super::friction_start::{InitialFriction, force_at_start};
 use super::mode::PlantMode;
 use super::{Mounted, Plant};
 use crate::actuator::Actuator;
@@ -15,6 +15,7 @@ use crate::parameter;
 use crate::pressure::GaugePressure;
 use crate::scalar::{Real, Scalar};
 use crate::simulation::LengthRegime;
+use crate::valve::below_vacuum;
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -152,6 +153,10 @@ impl<R: Instantiate> Plant<R> {
                 None => gauge_pressure,
             };
             let absolute = gauge.absolute(air.atmosphere());
+            if absolute.0.le(R::zero()) {
+                let gauge = GaugePressure(gauge.0.value());
+                return Err(below_vacuum(&parameter::INITIAL_GAUGE_PRESSURE, gauge, air));
+            }
             let here = self.places.mechanisms[*mechanism];
             let (position, _) = here.of(&state);
             let chain = match &self.mechanisms[*mechanism] {
@@ -162,7 +167,11 @@ impl<R: Instantiate> Plant<R> {
             let distance = coupling.distance_at(chain, position, &mut gradient);
             let length = match (tendon, start.lengths[i]) {
                 (Some(_), Some(length)) => length,
-                (Some(tendon), None) => tendon.balance(actuator, distance, absolute.0),
+                (Some(tendon), None) => {
+                    let initial = start.friction.get(i).copied().unwrap_or_default();
+                    let friction = |length| force_at_start(actuator, initial, length, absolute.0);
+                    tendon.balance_with(actuator, distance, absolute.0, &friction)
+                }
                 (None, _) => distance,
             };
             check_length(actuator, length, tendon.is_some())?;

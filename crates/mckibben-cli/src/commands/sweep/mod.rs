@@ -96,7 +96,7 @@ pub struct SweepArguments {
     /// Do one of N shares of the parts, counted from 1: 1/8, 2/8, ... 8/8.
     #[arg(long, value_name = "I/N", default_value = "1/1")]
     pub shard: Shard,
-    /// Threads; without it, one for each core.
+    /// Threads, at most 256, or four for each core where that is more; without it, one for each core.
     #[arg(short, long, value_name = "N")]
     pub jobs: Option<NonZeroUsize>,
     /// Print no summary.
@@ -111,6 +111,7 @@ pub struct SweepArguments {
 pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
     let figure = files::figure(arguments.plot.as_deref())?;
     let target = Target::of(arguments)?;
+    let jobs = threads(arguments.jobs)?;
     let (document, set) = document(arguments)?;
     let prepared = Prepared::of(&document, &set)?.ok_or_else(|| {
         let title = format!("`{}` has no section [sweep]", document.source().name());
@@ -140,8 +141,8 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
     };
     let kept = totals.runs();
     let written = parts.len() as u64;
-    let cores = || std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
-    let jobs = arguments.jobs.unwrap_or_else(cores).get();
+    // More threads than rows would have nothing to do.
+    let jobs = usize::try_from(plan.rows).map_or(jobs, |rows| jobs.min(rows.max(1)));
     let choice = if parts.is_empty() { None } else { Choice::of(sweep, jobs)? };
     prepared.simulate(choice.as_ref(), parts, jobs, place, &mut totals)?;
     let elapsed = started.elapsed();
@@ -169,6 +170,22 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
     }
 }
 
+/// How many threads a sweep may have.
+///
+/// # Errors
+/// [`Failure::input`] for more than the machine can use: each has its own stack and rows that wait.
+fn threads(wanted: Option<NonZeroUsize>) -> Result<usize, Failure> {
+    /// The most for each core, and on any machine.
+    const MOST: [usize; 2] = [4, 256];
+    let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
+    let (jobs, most) = (wanted.map_or(cores, NonZeroUsize::get), MOST[1].max(MOST[0] * cores));
+    if jobs > most {
+        let title = format!("--jobs = {jobs} is more threads than the {cores} cores here can use: at most {most}");
+        return Err(Failure::input(title, "give fewer, or leave --jobs out for one thread for each core"));
+    }
+    Ok(jobs)
+}
+
 /// Where the runs are to be written.
 #[derive(Clone, Copy, Debug)]
 enum Target<'a> {
@@ -181,7 +198,15 @@ impl<'a> Target<'a> {
     fn of(arguments: &'a SweepArguments) -> Result<Self, Failure> {
         let target = match arguments.output.as_deref() {
             None => Self::Nothing,
-            Some(path) if path.is_dir() || record::ending(path).is_none() => Self::Folder(path),
+            Some(path) if path.is_dir() => Self::Folder(path),
+            Some(path) if record::ending(path).is_none() => {
+                if path.exists() {
+                    let title = format!("`{}` is there and is no folder", path.display());
+                    let help = "give --output a folder, or a name with .csv, .parquet or .mat at its end for one file";
+                    return Err(Failure::input(title, help));
+                }
+                Self::Folder(path)
+            }
             Some(path) => match record::Format::of(path) {
                 Ok(format) => Self::File(path, format),
                 Err(_) => {

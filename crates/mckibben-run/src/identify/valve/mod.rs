@@ -18,6 +18,7 @@ use super::outcome::{Stems, WARNED};
 use super::values::with_interval;
 use super::{Material, column};
 use crate::failure::Failure;
+use crate::quantities::digits;
 use mckibben::Actuator;
 use mckibben::parameter::{self, Parameter};
 use mckibben::valve::FlowLaw;
@@ -140,6 +141,38 @@ fn with_flow_path(
     Ok(scenario)
 }
 
+/// The scenario with the efficiency by which the flow of a path was measured: the size of the other path makes up for it, so that it
+/// lets through what it did. An exhaust that was measured has its own section then.
+fn with_efficiency(
+    scenario: &Scenario,
+    direction: Direction,
+    efficiency: f64,
+    warnings: &mut Vec<String>,
+) -> Result<Scenario, Failure> {
+    let mut scenario = scenario.clone();
+    let Some(valve) = scenario.valve.as_mut() else { return Ok(scenario) };
+    let kept = valve.efficiency / efficiency;
+    let of_both = direction == Direction::Supply && valve.exhaust.is_none();
+    match direction {
+        Direction::Supply => valve.exhaust = valve.exhaust.map(|exhaust| exhaust.scaled(kept)),
+        Direction::Exhaust => {
+            valve.exhaust = Some(flow_path_of(valve, direction));
+            valve.flow_path = valve.flow_path.scaled(kept);
+        }
+    }
+    warnings.push(match of_both {
+        true => "the efficiency is taken for both ways, as the scenario has no `[valve.exhaust]`.".to_owned(),
+        false => format!(
+            "`valve.efficiency` multiplies the flow of both flow paths, and was {}: the size of the path that was not measured is {} \
+             times what it was, so that it lets through what it did.",
+            digits(valve.efficiency),
+            digits(kept)
+        ),
+    });
+    put(&mut scenario, &[(&parameter::EFFICIENCY, efficiency)])?;
+    Ok(scenario)
+}
+
 /// The scenario with C and b of a flow path, and these under their paths. A b below zero is that of a flow path with a
 /// b near zero.
 fn with_conductance(
@@ -176,4 +209,43 @@ fn at_its_end(run: &str, words: &str, (count, largest): (usize, f64), why: &str)
             "say `saturates = \"{largest} Pa\"` in its column to leave these readings out, or a larger value to keep them"
         ),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// C times the efficiency of either path, before and after the exhaust, or the supply, was measured to have seven tenths of it.
+    #[test]
+    fn a_measured_efficiency_leaves_the_other_flow_path_as_it_was() {
+        let rig = |more: &str| {
+            let text = format!(
+                "[supply]\ngauge_pressure = \"6 bar\"\n[valve]\nkind = \"three-way\"\nsonic_conductance = \"0.6 L/(s*bar)\"\n\
+                 critical_ratio = 0.32\nefficiency = 0.9\n{more}[command]\nkind = \"fill\"\n[load]\nkind = \"isometric\"\n[initial]\n\
+                 gauge_pressure = \"0 bar\"\nlength = \"90 mm\"\n[run]\nduration = \"1 s\"\n"
+            );
+            Scenario::from_str(&text, "rig.toml").expect("a scenario")
+        };
+        let flows = |scenario: &Scenario| {
+            let valve = scenario.valve.as_ref().expect("a valve");
+            let conductance = |flow_path: FlowPath| match flow_path {
+                FlowPath::Iso6358 { sonic_conductance, .. } => 1e9 * valve.efficiency * sonic_conductance,
+                _ => panic!("C"),
+            };
+            [valve.flow_path, valve.exhaust.unwrap_or(valve.flow_path)].map(conductance)
+        };
+        let own = "[valve.exhaust]\nsonic_conductance = \"0.4 L/(s*bar)\"\ncritical_ratio = 0.3\n";
+        for (more, direction, expected) in [
+            ("", Direction::Exhaust, [5.4, 4.2]),
+            (own, Direction::Exhaust, [5.4, 2.8]),
+            (own, Direction::Supply, [4.2, 3.6]),
+            ("", Direction::Supply, [4.2, 4.2]),
+        ] {
+            let found = with_efficiency(&rig(more), direction, 0.7, &mut Vec::new()).expect("a scenario");
+            for (flow, expected) in flows(&found).into_iter().zip(expected) {
+                assert!((flow - expected).abs() < 1e-12, "{more}{direction:?}: {flow}, not {expected}");
+            }
+            assert_eq!(found.valve.expect("a valve").exhaust.is_some(), expected[0] != expected[1]);
+        }
+    }
 }

@@ -3,7 +3,7 @@
 use super::super::outcome::{self, Outcome, WARNED, file};
 use super::super::{Material, Prediction, column, values};
 use super::{absolute_pressures, actuator_of, flow_path_of, law_of, named, put, rows, valve_of, with_interval};
-use super::{says_its_end, with_conductance, with_flow_path};
+use super::{says_its_end, with_conductance, with_efficiency, with_flow_path};
 use crate::failure::Failure;
 use crate::quantities::{counted, quantity};
 use crate::report::{Data, Plate, Section, Table};
@@ -112,12 +112,7 @@ pub(in super::super) fn steady_flow(material: &Material) -> Result<Outcome, Fail
         None => {
             let law = law_of(flow_path_of(&valve, entry.flow_path), 1.0, &valve, &actuator)?;
             let found = efficiency(&points.points, &law, entry.scatter).map_err(failed)?;
-            let mut scenario = scenario;
-            put(&mut scenario, &[(&parameter::EFFICIENCY, found.factor.value)])?;
-            if valve.exhaust.is_some() {
-                let text = "`valve.efficiency` multiplies the flow of both flow paths, of which one was measured.";
-                warnings.push(format!("{WARNED}{text}"));
-            }
+            let scenario = with_efficiency(&scenario, entry.flow_path, found.factor.value, &mut warnings)?;
             let numbers = vec![named(&found.factor, &parameter::EFFICIENCY)];
             (found, scenario, numbers, "efficiency η")
         }

@@ -14,7 +14,9 @@ use mckibben::{AbsolutePressure, parameter};
 use mckibben_identify::least_squares::Estimate;
 use mckibben_identify::study::clean::{STUCK, longest_at_the_end};
 use mckibben_identify::study::{ColumnEntry, Direction, Quantity, Recording, TankEntry, TankTarget};
-use mckibben_identify::valve::{FlowCurve, Scatter, SteadyPoint, Tank, TankFit, TankRecord, TankUnknown, Transfer};
+use mckibben_identify::valve::{
+    FlowCurve, Scatter, SteadyPoint, Tank, TankFit, TankRecord, TankUnknown, Transfer, ValveError,
+};
 use mckibben_plot::{Axis, Colour, Figure, Legend, Panel, Series};
 use mckibben_scenario::{ExhaustTemperature, Process, Scenario};
 
@@ -241,6 +243,18 @@ fn possible(
     }
 }
 
+/// Why nothing fits the pressure of a tank, with what bends it as a wrong b does.
+fn misfit(names: &str, error: &ValveError) -> Failure {
+    let failure = failed(names, error);
+    match error {
+        ValveError::CriticalRatio { .. } => failure.advised(
+            "if the units are right, check `air.process` of the scenario: air that warms or cools in the tank is not \"isothermal\", and in \
+             metal wool it is; then `tank.begins`, `tank.ends` and `tank.volume`",
+        ),
+        _ => failure,
+    }
+}
+
 /// C and b from the slopes of windows, in isothermal tanks: one flow curve through the points of all runs.
 fn by_windows(runs: &[Experiment<'_>], windows: usize, warnings: &mut Vec<String>) -> Result<Found, Failure> {
     let (mut points, mut rows) = (Vec::new(), Vec::new());
@@ -257,7 +271,7 @@ fn by_windows(runs: &[Experiment<'_>], windows: usize, warnings: &mut Vec<String
         points.extend(own);
     }
     let (names, air) = (names(runs), runs[0].tank.air);
-    let found = FlowCurve::fit(&points, &air, Scatter::Constant).map_err(|error| failed(&names, &error))?;
+    let found = FlowCurve::fit(&points, &air, Scatter::Constant).map_err(|error| misfit(&names, &error))?;
     let both = [&found.sonic_conductance, &found.critical_ratio];
     let (scenarios, numbers) = with_both(runs, both, warnings)?;
     let words = format!(
@@ -281,7 +295,7 @@ fn by_trajectory(runs: &[Experiment<'_>], warnings: &mut Vec<String>) -> Result<
     let names = names(runs);
     let records: Vec<(Tank, &TankRecord)> = runs.iter().map(|of| (of.tank, &of.record)).collect();
     let found =
-        Tank::fit_together(&records, tank_unknown(&runs[0])?, runs[0].entry.heat).map_err(|e| failed(&names, &e))?;
+        Tank::fit_together(&records, tank_unknown(&runs[0])?, runs[0].entry.heat).map_err(|e| misfit(&names, &e))?;
     for (of, [scatter, noise]) in runs.iter().zip(&found.of_records).filter(|(_, [left, noise])| *left > MISFIT * noise)
     {
         warnings.push(format!(
@@ -445,4 +459,17 @@ fn pressure_plate(of: &Experiment<'_>, off: Option<Vec<f64>>, stem: &'static str
     panels.insert(0, top);
     let figure = Figure { width_mm: 130.0, x: Axis::new("time", "s"), panels, ..Figure::default() };
     Plate { stem, caption: format!("{caption}."), figure, data }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_critical_ratio_that_no_valve_has_may_be_that_of_another_process() {
+        let said = misfit("bottle", &ValveError::CriticalRatio { value: -0.4999 }).sentence();
+        assert!(said.contains("`bottle`") && said.contains("check `air.process` of the scenario"), "{said}");
+        let other = misfit("bottle", &ValveError::TooFewPoints { points: 1, least: 5 }).sentence();
+        assert!(!other.contains("air.process"), "{other}");
+    }
 }

@@ -107,20 +107,23 @@ impl Chain {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a number outside its range; [`Error::Inconsistent`] for a lower stop above the upper one or
-    /// a chain whose mass matrix is singular in some posture; [`Error::Table`] unless there is one joint for each segment.
+    /// a chain whose mass matrix is singular in some posture; [`Error::Table`] unless there is one joint for each segment, and at
+    /// most [`MAX_JOINTS`] of them.
     pub fn new(
         segments: Vec<ChainSegment>,
         joints: Vec<Revolute>,
         [gravity, hanging_angle]: [f64; 2],
         belt: Option<Belt>,
     ) -> Result<Self, Error> {
-        if segments.is_empty() || segments.len() != joints.len() || segments.len() > MAX_JOINTS {
-            return Err(Error::Table {
-                name: "mechanism.joints",
-                problem: "there is not one joint for each segment, of one to eight",
-                entry: segments.len().min(joints.len()) + 1,
-                remedy: "give as many joints as segments, at most eight",
-            });
+        let refused = |problem, entry, remedy| Err(Error::Table { name: "mechanism.joints", problem, entry, remedy });
+        let count = joints.len();
+        if segments.is_empty() || segments.len() != count {
+            let remedy = "give as many joints as segments, at least one";
+            return refused("there is not one joint for each segment", segments.len().min(count) + 1, remedy);
+        }
+        if count > MAX_JOINTS {
+            let remedy = "join segments that hardly bend, or divide the chain into several mechanisms";
+            return refused("a chain has at most eight joints", MAX_JOINTS + 1, remedy);
         }
         parameter::GRAVITY.check(gravity)?;
         parameter::HANGING_ANGLE.check(hanging_angle)?;

@@ -108,12 +108,11 @@ impl<S: Instantiate> Plant<S> {
                 temperature: state.pressure[i].0 * volume / (state.air_mass[i] * air.gas_constant()),
             }
         });
-        let on_tendon = |i: usize| rig.fittings()[i].tendon.map(|_| lengths[i]);
         PlantStart {
             positions: vec![vec![state.angle]],
             rates: vec![vec![state.angular_velocity]],
             air: air.to_vec(),
-            lengths: vec![on_tendon(0), on_tendon(1)],
+            lengths: vec![None, None],
             friction: vec![],
         }
     }

@@ -7,7 +7,8 @@
 //!
 //! Flows depend on pressures and densities alone, so that the air is solved before the mechanisms, by implicit steps of
 //! growing length from the start (pseudo-transient continuation): they end as Newton's method and go where the air itself
-//! would. Where a pressure is given, what holds it is unknown in its place: a command, or a mass flow from outside.
+//! would. Where a pressure is given, what holds it is unknown in its place: a command, or a mass flow from outside. A
+//! reservoir that an open path supplies comes to balance as the actuators do; one that nothing supplies keeps its pressure.
 //!
 //! Source: C. T. Kelley & D. E. Keyes, "Convergence analysis of pseudo-transient continuation", SIAM J. Numer. Anal. 35
 //! (1998). Checked by `tests/plant_linear.rs` and `tests/plant_linear_closed_forms.rs`.
@@ -63,6 +64,22 @@ fn no_command(drive: &Drive) -> Error {
     }
 }
 
+/// Ends a step at the pressure before each check valve that it would fill beyond: what is behind would rest there, too full.
+fn stop_at_checks(before: &Frame, frame: &mut Frame) {
+    let Plant { network, places, .. } = &before.plant;
+    let pressure = |frame: &Frame, node: usize| match places.nodes[node] {
+        Some(slot) => frame.state[slot],
+        None => (network.nodes[node].gauge + network.atmosphere).value,
+    };
+    for branch in network.branches.iter().filter(|branch| matches!(branch.kind, BranchKind::Check { .. })) {
+        let fills = pressure(before, branch.to) <= pressure(before, branch.from);
+        let limit = pressure(frame, branch.from);
+        if let Some(slot) = places.nodes[branch.to].filter(|_| fills && pressure(frame, branch.to) > limit) {
+            frame.state[slot] = limit;
+        }
+    }
+}
+
 /// An unknown of the air, and the state whose rate it brings to zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Unknown {
@@ -93,6 +110,8 @@ pub(super) struct AirSolver<'a> {
     pub(super) given: Vec<bool>,
     /// The valve that is to hold each given pressure, if one is.
     pub(super) holders: Vec<Option<usize>>,
+    /// Whether flows balance in each node; a reservoir in which they do not keeps its pressure by a flow from outside.
+    pub(super) supplied: Vec<bool>,
 }
 
 impl AirSolver<'_> {
@@ -168,7 +187,7 @@ impl AirSolver<'_> {
         for (index, node) in network.nodes.iter().enumerate() {
             let Some(slot) = places.nodes[index] else { continue };
             match (&node.kind, frame.feed(Fed::Node(index))) {
-                (NodeKind::Reservoir(_), Some(feed)) => {
+                (NodeKind::Reservoir(_), Some(feed)) if !self.supplied[index] => {
                     add(UnknownKind::Slot(feed, false), slot, USUAL_FLOW, atmosphere);
                 }
                 _ => add(UnknownKind::Slot(slot, true), slot, atmosphere, atmosphere),
@@ -309,6 +328,7 @@ impl AirSolver<'_> {
                 for (unknown, change) in unknowns.iter().zip(&change) {
                     self.shift(unknown, part * change * unknown.size, frame, &volumes);
                 }
+                stop_at_checks(&before, frame);
                 residual(frame)
             };
             let whole = 1.0 / largest.max(1.0);

@@ -10,7 +10,7 @@ use crate::parameter;
 use crate::plant::{Plant, PlantStart};
 use crate::scalar::Scalar;
 use crate::simulation::Actuation;
-use crate::valve::{Command, PoppetClock, Request, Solenoid};
+use crate::valve::{Command, PoppetClock, Port, Request, Solenoid, ValveKind};
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -91,7 +91,8 @@ pub(super) fn fill<'a>(
     }
     let volumes = volumes(&frame);
     let start = content.iter().zip(&volumes).map(|([pressure, mass], volume)| [*pressure, *mass, *volume]).collect();
-    let solver = AirSolver { plant, air, start, given, holders };
+    let supplied = supplied(&frame);
+    let solver = AirSolver { plant, air, start, given, holders, supplied };
     solver.solve(&mut frame)?;
     let heat = |i: usize| {
         let here = plant.places.actuators[i];
@@ -136,7 +137,7 @@ fn drive(plant: &Plant, valve: usize, actuation: &Actuation, shut: bool, state: 
         let kept = port.map_or(0.0, |pressure| pressure - plant.network.atmosphere);
         return Drive::SetPoint(last.map_or(kept, |(_, gauge)| gauge), !shut);
     }
-    if shut {
+    if shut && !is_passive(plant, valve) {
         return Drive::Openings([0.0; 2]);
     }
     match command {
@@ -154,6 +155,16 @@ fn drive(plant: &Plant, valve: usize, actuation: &Actuation, shut: bool, state: 
             Drive::Openings(resting(solenoid, last))
         }
     }
+}
+
+/// Whether a valve stands for a flow path without one, such as the inlet of a manifold: it has one path, which stays open.
+fn is_passive(plant: &Plant, valve: usize) -> bool {
+    let Actuation { solenoid, command } = &plant.network.valves[valve];
+    let exhausts =
+        |kind: &BranchKind| matches!(kind, BranchKind::Path { valve: its, port: Port::Exhaust, .. } if *its == valve);
+    solenoid.kind() == ValveKind::TwoWay
+        && matches!(command, Command::Constant(Request::Fill))
+        && !plant.network.branches.iter().any(|branch| exhausts(&branch.kind))
 }
 
 /// The openings of a valve long after a request.
@@ -194,17 +205,43 @@ fn reachable(frame: &Frame, from: usize, passes: &dyn Fn(usize) -> bool) -> Vec<
     reached
 }
 
-/// Whether air comes to or goes from each actuator by way of an open path or a leak.
-fn fed(frame: &Frame) -> Vec<bool> {
-    let network = &frame.plant.network;
+/// Whether each branch is open: the path of a valve, as that is driven.
+fn open(frame: &Frame) -> Vec<bool> {
     let state: Vec<Number> = frame.state.iter().map(|value| Scalar::constant(*value)).collect();
     let number = |_, value| Scalar::constant(value);
     let openings: Vec<[Number; 2]> =
         (0..frame.drives.len()).map(|valve| frame.openings(valve, &state, &number)).collect();
-    let passes = |index: usize| match network.branches[index].kind {
+    let is_open = |kind: &BranchKind<Number>| match *kind {
         BranchKind::Path { valve, port, .. } => openings[valve][port as usize].value > 0.0,
         _ => true,
     };
+    frame.plant.network.branches.iter().map(|branch| is_open(&branch.kind)).collect()
+}
+
+/// Whether each node has an open path from what feeds it, or to the atmosphere, so that flows balance there: a bottle has none.
+fn supplied(frame: &Frame) -> Vec<bool> {
+    let (network, open) = (&frame.plant.network, open(frame));
+    let supplies = |node: usize| {
+        network.branches.iter().zip(&open).any(|(branch, open)| {
+            let is_path = matches!(branch.kind, BranchKind::Path { .. } | BranchKind::Check { .. });
+            branch.to == node && is_path && *open
+        })
+    };
+    let mut supplied: Vec<bool> = (0..network.nodes.len()).map(supplies).collect();
+    // A path into a hose supplies what the hose leads to; its cells lie one behind the other.
+    for _ in 0..network.nodes.len() {
+        for branch in &network.branches {
+            let is_hose = matches!(branch.kind, BranchKind::Loss(_) | BranchKind::Inertia(_));
+            supplied[branch.to] |= is_hose && supplied[branch.from];
+        }
+    }
+    supplied
+}
+
+/// Whether air comes to or goes from each actuator by way of an open path or a leak.
+fn fed(frame: &Frame) -> Vec<bool> {
+    let (network, open) = (&frame.plant.network, open(frame));
+    let passes = |index: usize| open[index];
     let chamber = |i: usize| frame.plant.places.chambers[i];
     let fixed = |node: &usize| !matches!(network.nodes[*node].kind, NodeKind::Chamber { .. } | NodeKind::Hose(_));
     (0..frame.plant.actuators.len())

@@ -170,16 +170,17 @@ pub(super) fn derivatives(frame: &Frame) -> PlantStateSpace {
     // How the excess force of each actuator on a tendon depends on states and inputs.
     let mut excess = vec![[vec![0.0; states.len()], vec![0.0; inputs.len()]]; actuators];
     let mut column = |seeds: &[(Quantity, f64)], place: usize, is_input: bool, system: &mut PlantStateSpace| {
-        let along = frame.evaluate(seeds);
         let (rates, shown) = if is_input { (&mut system.b, &mut system.d) } else { (&mut system.a, &mut system.c) };
-        for ((_, slot), row) in states.iter().zip(rates) {
-            row[place] = along.rates[*slot].slope[0];
-        }
-        for ((_, slope), row) in outputs(frame, &along, seeds).into_iter().zip(shown) {
-            row[place] = slope;
-        }
-        for (of_actuator, number) in excess.iter_mut().zip(&along.excess) {
-            of_actuator[usize::from(is_input)][place] = number.map_or(0.0, |number| number.slope[0]);
+        for (share, along) in frame.sides(seeds) {
+            for ((_, slot), row) in states.iter().zip(&mut *rates) {
+                row[place] += share * along.rates[*slot].slope[0];
+            }
+            for ((_, slope), row) in outputs(frame, &along, seeds).into_iter().zip(&mut *shown) {
+                row[place] += share * slope;
+            }
+            for (of_actuator, number) in excess.iter_mut().zip(&along.excess) {
+                of_actuator[usize::from(is_input)][place] += share * number.map_or(0.0, |number| number.slope[0]);
+            }
         }
     };
     for (place, (_, slot)) in states.iter().enumerate() {

@@ -15,7 +15,7 @@ use crate::plant::mode::PlantMode;
 use crate::plant::{Mounted, Plant};
 use crate::scalar::Scalar;
 use crate::simulation::{Actuation, LengthRegime, Sliding};
-use crate::valve::{Approach, Command, Openings, Port, Ports, actual_duty_cycle};
+use crate::valve::{Approach, Command, FlowZone, Openings, Port, Ports, actual_duty_cycle};
 use alloc::sync::Arc;
 use alloc::vec;
 use alloc::vec::Vec;
@@ -25,6 +25,10 @@ pub(super) type Number = Dual<f64, 1>;
 
 /// Tolerance that separates the events of a run from rounding: no event happens at a point.
 const TOLERANCE: f64 = 1e-10;
+/// Part of a pressure up to which two are equal.
+const EQUAL: f64 = 1e-9;
+/// Share of a spool's stroke within which it is at an edge: to the sides of it λ is a straight line.
+pub(super) const EDGE: f64 = 1e-9;
 /// Temperature in K of a mass flow into an actuator that has no node.
 const ROOM: f64 = 293.15;
 
@@ -74,6 +78,8 @@ pub(super) struct Frame {
     pub(super) spools: Vec<(usize, usize)>,
     /// Whether actuators on tendons are kept from moving and viscoelastic branches relaxed: while their balance is looked for.
     pub(super) holds_ends: bool,
+    /// On which side of their positions the openings of spools are differentiated: −1, 1, or 0 for neither.
+    pub(super) side: f64,
 }
 
 /// Everything at an instant, with its derivative.
@@ -138,12 +144,22 @@ impl Frame {
             }
         }
         let constant = |_, _: &'static _, value| Number::constant(value);
-        Ok(Self { plant: whole.map(constant), drives, state: states, feeds, spools, holds_ends: true })
+        Ok(Self { plant: whole.map(constant), drives, state: states, feeds, spools, holds_ends: true, side: 0.0 })
     }
 
     /// The state that is the mass flow from outside into something.
     pub(super) fn feed(&self, whose: Fed) -> Option<usize> {
         self.feeds.iter().find(|(its, _)| *its == whose).map(|(_, slot)| *slot)
+    }
+
+    /// The plant at its states on each side of the edges of its spools, and the share of each in a derivative along the seeded
+    /// quantities: one half, as for the describing function of a small symmetric signal.
+    pub(super) fn sides(&self, seeds: &[(Quantity, f64)]) -> Vec<(f64, Instant)> {
+        let is_spool = |of: &Quantity| self.spools.iter().any(|(_, slot)| *of == Quantity::Slot(*slot));
+        match seeds.iter().any(|(of, _)| is_spool(of)) {
+            true => [-1.0, 1.0].map(|side| (0.5, Self { side, ..self.clone() }.evaluate(seeds))).into(),
+            false => vec![(1.0, self.evaluate(seeds))],
+        }
     }
 
     /// Evaluates the plant at its states, with the derivative along the seeded quantities.
@@ -231,7 +247,13 @@ impl Frame {
             Drive::Spool(_) => {
                 let slot = self.spools.iter().find(|(its, _)| *its == valve).map(|(_, slot)| *slot);
                 match (solenoid.spool(), slot) {
-                    (Some(spool), Some(slot)) => spool.openings(state[slot]),
+                    (Some(spool), Some(slot)) => {
+                        let (at, here) = (state[slot], spool.openings(state[slot]));
+                        // A stop lets nothing beyond it.
+                        let beside = (at.value + self.side * EDGE).clamp(-1.0, 1.0);
+                        let beside = spool.openings(Number { value: beside, ..at });
+                        [0, 1].map(|port| Number { value: here[port].value, ..beside[port] })
+                    }
                     _ => [constants[0]; 2],
                 }
             }
@@ -332,6 +354,13 @@ fn enter_mode(
     system.piping.enter_pressures(state, &mut at.network);
     let pressures: Vec<Number> = at.network.nodes.iter().map(|node| node.pressure).collect();
     network.enter(&pressures, &mut mode.network);
+    // A check valve between equal pressures is open to what is drawn behind it; a solved pressure is equal but for rounding.
+    for (branch, of_branch) in network.branches.iter().zip(&mut mode.network.branches) {
+        let [from, to] = [branch.from, branch.to].map(|node| pressures[node].value);
+        if matches!(branch.kind, BranchKind::Check { .. }) && (to - from).abs() <= EQUAL * from {
+            of_branch.zone = Some(FlowZone::LaminarIn);
+        }
+    }
     // A compressor rests: what it delivers on average is an input.
     for of_branch in &mut mode.network.branches {
         of_branch.runs = false;

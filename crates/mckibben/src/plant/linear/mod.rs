@@ -6,12 +6,13 @@
 //! A = ∂f/∂x, B = ∂f/∂u of the rates f of the simulation        C = ∂g/∂x, D = ∂g/∂u of the outputs g
 //!
 //! pulsed valve     ṁ = s(d) ṁ(open)        s the actual duty cycle of each flow path: the mean flow over a period
-//! spool            ẍ = ω² (u − x) − 2ζω ẋ,  ṁ = λ(x) ṁ(open)
+//! spool            ẍ = ω² (u − x) − 2ζω ẋ,  ṁ = λ(x) ṁ(open);  at an edge dλ/dx is the mean of both sides
 //! regulator        ṗ = (u − p)/τ
 //! ```
 //!
 //! Flows add up, and each is proportional to its own opening, so the mean over several pulsed valves of any frequencies is
-//! that of each valve over its own period.
+//! that of each valve over its own period. At an edge of a spool λ has a corner: a small signal `X sin ωt` about it meets
+//! the describing function `(k₋ + k₊)/2` of the gains k on both sides ([`PlantLinearization::spool_gains`]).
 //!
 //! | state | where it is none |
 //! |---|---|
@@ -25,10 +26,12 @@
 //! without Coulomb friction: within ± Q k_sec an actuator sticks and no linear model moves it
 //! ([`PlantLinearization::coulomb_bound`]); [`PlantLinearization::with_equivalent_damping`] puts in its place the viscous
 //! damping with the same loss. Hysteresis is relaxed at the point. A compressor rests, and what it delivers on average is an
-//! input; so is what keeps a leaking actuator or a bottle at the pressure that is given. Dead times are left out.
+//! input; so is what keeps a leaking actuator or a bottle at the pressure that is given. A reservoir that an open path supplies
+//! is where its flows balance. Dead times are left out.
 //!
 //! Source: differentiation of (12) to (21) of Colbrunn, Nelson & Quinn (2001) and of the components; averaging: Sanders &
-//! Verhulst, Averaging Methods in Nonlinear Dynamical Systems (1985). Checked by `tests/plant_linear.rs`,
+//! Verhulst, Averaging Methods in Nonlinear Dynamical Systems (1985); edges: Gelb & Vander Velde, Multiple-Input Describing
+//! Functions (1968), for a gain that changes at zero. Checked by `tests/plant_linear.rs`,
 //! `tests/plant_linear_pulses.rs` and `tests/plant_linear_closed_forms.rs`.
 
 mod air;
@@ -51,7 +54,7 @@ use crate::error::Error;
 use crate::limit;
 use crate::linearize::StateSpace;
 use crate::mechanism::Mechanism;
-use crate::network::NodeKind;
+use crate::network::{BranchKind, NodeKind};
 use crate::parameter;
 use crate::pressure::{AbsolutePressure, GaugePressure};
 use crate::scalar::Scalar;
@@ -67,7 +70,8 @@ pub type PlantStateSpace = StateSpace<PlantState, PlantInput, PlantOutput>;
 /// What determines the pressures at the operating point; the mechanisms come to balance at them.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PlantBalance {
-    /// The gauge pressure of each actuator, with all valves held shut. Openings of flow paths are inputs.
+    /// The gauge pressure of each actuator, with all valves held shut. Openings of flow paths are inputs. A flow path without a
+    /// valve stays open: that of a two-way valve which is commanded to fill and has no path to the atmosphere.
     Shut(Vec<GaugePressure>),
     /// The commands: the duty of a PWM on average, the last position of a spool, the last set point of a regulator, the last
     /// request of a schedule. An actuator that nothing feeds keeps the pressure of the start.
@@ -226,6 +230,34 @@ impl PlantLinearization {
         system
     }
 
+    /// By how much the pressure of what a spool opens into rises in Pa/s for each stroke of the spool from its position: for a
+    /// small motion towards the exhaust and for one towards the supply. Where they differ the spool is at an edge, and the model
+    /// has their mean. `None` for a valve that is no spool.
+    pub fn spool_gains(&self, valve: usize) -> Option<[f64; 2]> {
+        let (_, slot) = self.frame.spools.iter().find(|(its, _)| *its == valve)?;
+        let Plant { network, places, .. } = &self.frame.plant;
+        let opens =
+            |kind: &BranchKind<frame::Number>| matches!(kind, BranchKind::Path { valve: its, .. } if *its == valve);
+        let into = network.branches.iter().find(|branch| opens(&branch.kind))?.to;
+        let row = match network.nodes[into].kind {
+            NodeKind::Chamber { actuator } => places.actuators[actuator].pressure,
+            _ => places.nodes[into]?,
+        };
+        let gain = |side: f64| {
+            let beside = Frame { side, ..self.frame.clone() };
+            beside.evaluate(&[(frame::Quantity::Slot(*slot), 1.0)]).rates[row].slope[0]
+        };
+        Some([-1.0, 1.0].map(gain))
+    }
+
+    /// Whether a spool rests in its dead zone, where both of its flow paths are shut and small motions open neither.
+    pub fn is_in_dead_zone(&self, valve: usize) -> bool {
+        let Some(spool) = self.point.plant.network.valves[valve].solenoid.spool() else { return false };
+        let Some((_, slot)) = self.frame.spools.iter().find(|(its, _)| *its == valve) else { return false };
+        let at = self.frame.state[*slot];
+        [-frame::EDGE, frame::EDGE].iter().all(|by| spool.openings(at + by) == [0.0; 2])
+    }
+
     /// Coulomb friction `Q k_sec` of an actuator in N: at rest it sticks while its tension lies within ± this of the
     /// balance.
     pub fn coulomb_bound(&self, actuator: usize) -> f64 {
@@ -293,7 +325,8 @@ impl PlantPoint {
         self.lengths[actuator] > self.plant.actuators[actuator].actuator.limits().max_length()
     }
 
-    /// The start of a run from the point. Air in hoses starts at rest, at the pressure of their actuators.
+    /// The start of a run from the point. Air in hoses starts at rest, at the pressure of their actuators, and reservoirs start
+    /// at the pressures that the plant states.
     pub fn start(&self) -> PlantStart {
         let mechanisms = self.plant.places.mechanisms.iter();
         let slice = |from: usize, count: usize| self.state[from..from + count].to_vec();

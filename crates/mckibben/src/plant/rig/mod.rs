@@ -109,6 +109,7 @@ impl<R: Instantiate> Plant<R> {
             None => state.length,
         };
         let is_held = matches!(rig.load(), Load::Isometric) && rig.tendon().is_some();
+        let is_given = matches!(rig.load(), Load::Prescribed(_));
         let distance = match rig.load() {
             Load::Prescribed(motion) => motion.at(R::zero(), 0)[0],
             _ => distance,
@@ -120,7 +121,7 @@ impl<R: Instantiate> Plant<R> {
                 gauge_pressure: state.pressure.gauge(air.atmosphere()),
                 temperature: state.pressure.0 * volume / (state.air_mass * air.gas_constant()),
             }],
-            lengths: vec![rig.tendon().map(|_| state.length)],
+            lengths: vec![rig.tendon().filter(|_| !is_given).map(|_| state.length)],
             friction: vec![],
         }
     }

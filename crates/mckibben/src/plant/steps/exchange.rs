@@ -5,6 +5,7 @@
 //! rates        ẏ in that mode, smoothly continued beyond its end
 //! guards       positive while the mode lasts; the host locates where one comes down through zero
 //! update       what follows there: guards that have fired, then what is due, until nothing changes; the next instant
+//! pass_due     that much of an update as comes before commands and parameters that are set at this instant
 //! scales       the usual sizes of the states, for tolerances
 //! rates_along, guards_along, sample_along    exact derivatives in a direction of the states
 //! ```
@@ -16,8 +17,16 @@
 //! fired (rule 4 of the contract of events). A guard at zero is written as the least positive number: the mode lasts there, and
 //! the host sees the guard leave it.
 //!
+//! One mode ends here alone. An actuator whose given rate is zero rests, without dry friction. In every other engine the rates of
+//! given ends are constant between events; here they leave zero smoothly. So a guard that only this list has ends the rest:
+//!
+//! ```text
+//! guard of rest:  v₀ − |v|        v₀ the velocity by which a reversal passes zero, a part of the longest length in a second
+//! ```
+//!
 //! Source: FMI 3.0.2, section 3, for what a host requires. Checked by `tests/plant_exchange.rs`.
 
+use super::super::crossing::{Part, PlantEventKind};
 use super::super::evaluation::{Evaluation, System};
 use super::super::guard::PlantGuard;
 use super::super::mode::PlantMode;
@@ -27,15 +36,18 @@ use crate::dual::Dual;
 use crate::engine::GuardForm;
 use crate::engine::Halt;
 use crate::error::Error;
+use crate::mechanism::Mechanism;
 use crate::parameter;
 use crate::scalar::Scalar as _;
-use crate::simulation::LengthRegime;
+use crate::simulation::{EventKind, Guard, LengthRegime, Sliding};
 use alloc::vec;
 use alloc::vec::Vec;
 
 /// The time in s within which the rate of a guard brings it to zero, for it to have fired; and by which pulses are laid out
 /// ahead of the time that has been reached.
 const NEAR: f64 = 1e-10;
+/// By how much a time in s may miss an instant and be taken for it, relative to a time of one second or more.
+const ROUNDING: f64 = 10.0 * NEAR;
 /// The time in s by which an update may miss an instant.
 const LATE: f64 = 1.0;
 /// Events in one instant that are taken for chatter.
@@ -54,6 +66,15 @@ pub struct EventUpdate {
     pub next: f64,
 }
 
+impl EventUpdate {
+    /// This update and a later one of the same instant as one.
+    #[must_use]
+    pub fn and(self, later: Self) -> Self {
+        let (events, has_moved) = (self.events + later.events, self.has_moved || later.has_moved);
+        Self { events, has_moved, next: later.next }
+    }
+}
+
 /// Evaluates a plant in the mode of its [`PlantSteps`], for a host that integrates.
 #[derive(Clone, Debug)]
 pub struct PlantExchange {
@@ -70,6 +91,8 @@ pub struct PlantExchange {
     next: f64,
     /// The time of the last update.
     updated: f64,
+    /// Whether an update of this instant has begun that is yet to end, and has crossed or passed something.
+    is_within: bool,
 }
 
 impl PlantExchange {
@@ -96,6 +119,7 @@ impl PlantExchange {
             beyond: None,
             next,
             updated: steps.time(),
+            is_within: false,
         })
     }
 
@@ -105,6 +129,11 @@ impl PlantExchange {
         let coordinates: usize = plant.indices().mechanisms.iter().map(|here| here.coordinates).sum();
         let network = plant.network();
         12 * plant.actuators().len() + 6 * coordinates + 2 * (network.branches.len() + network.nodes.len())
+    }
+
+    /// The time in s of the last update, from which on the mode holds; a nanosecond or less after that of the host.
+    pub fn updated(&self) -> f64 {
+        self.updated
     }
 
     /// Takes on a time in s and the states that `write` sets, in the mode that holds.
@@ -143,7 +172,7 @@ impl PlantExchange {
     pub fn guards(&mut self, steps: &PlantSteps, values: &mut [f64]) {
         values.fill(1.0);
         let Some(last) = values.len().checked_sub(1) else { return };
-        self.system.guards(steps.mode(), &mut self.guards);
+        self.list(steps.mode());
         for place in 0..self.guards.len() {
             let value = self.value(steps, self.guards[place]);
             let value = if value == 0.0 { f64::MIN_POSITIVE } else { value };
@@ -151,6 +180,21 @@ impl PlantExchange {
                 values[place] = value;
             } else {
                 values[last] = values[last].min(value);
+            }
+        }
+    }
+
+    /// Lists the guards of a mode: those of the plant, then those of actuators that rest where a host moves their ends.
+    fn list(&mut self, mode: &PlantMode) {
+        self.system.guards(mode, &mut self.guards);
+        let plant = &*self.system.plant;
+        for (i, mounted) in plant.actuators().iter().enumerate() {
+            let its = &mode.actuators[i].mode;
+            let is_moved = matches!(plant.mechanisms()[mounted.mechanism], Mechanism::External { .. });
+            let may_slide = mounted.tendon.is_none() && mounted.actuator.friction().has_direction();
+            // A slack one has no force, and slides by its rate once it is no longer slack.
+            if is_moved && may_slide && its.sliding == Sliding::Held && its.length_regime != LengthRegime::Slack {
+                self.guards.push((PlantGuard::Of(i, Guard::Rest), GuardForm::Function));
             }
         }
     }
@@ -193,7 +237,7 @@ impl PlantExchange {
     /// Of the guards that have fired the one that comes to zero first; of a mode that has begun in this instant, those that
     /// descend.
     fn fired(&mut self, steps: &PlantSteps, is_new: bool) -> Option<PlantGuard> {
-        self.system.guards(steps.mode(), &mut self.guards);
+        self.list(steps.mode());
         self.system.rates(steps.time(), steps.state(), steps.mode(), &mut self.at, &mut self.rates);
         self.seed_with_rates(steps);
         let mut first: Option<(PlantGuard, f64)> = None;
@@ -230,8 +274,22 @@ impl PlantExchange {
     /// [`Error::Stopped`] when the plant cannot go on, or when events follow each other without end; [`Error::Misuse`] for a
     /// time more than a second before the last update, or after the next instant.
     pub fn update(&mut self, steps: &mut PlantSteps) -> Result<EventUpdate, Error> {
+        self.pass(steps, true)
+    }
+
+    /// Crosses the guards that have fired and passes what is due, before commands and parameters that are set at this instant:
+    /// a poppet that arrives now has arrived. An update follows. A pulse that begins now is left to it, since a command at
+    /// that instant comes first.
+    ///
+    /// # Errors
+    /// As [`PlantExchange::update`].
+    pub fn pass_due(&mut self, steps: &mut PlantSteps) -> Result<EventUpdate, Error> {
+        self.pass(steps, false)
+    }
+
+    fn pass(&mut self, steps: &mut PlantSteps, is_last: bool) -> Result<EventUpdate, Error> {
         let (time, state, _) = steps.row.reached.parts();
-        if (*time - self.next).abs() < 10.0 * NEAR * (1.0 + time.abs()) {
+        if (*time - self.next).abs() < ROUNDING * (1.0 + time.abs()) {
             *time = self.next;
         }
         let time = *time;
@@ -243,14 +301,23 @@ impl PlantExchange {
             });
         }
         self.before.copy_from_slice(state);
-        let (mut events, mut is_new) = (0, false);
+        let (mut events, mut is_new) = (0, self.is_within && time == self.updated);
         loop {
             let kind = if let Some(guard) = self.fired(steps, is_new) {
                 let (_, state, mode) = steps.row.reached.parts();
                 self.system.project(time, state, mode, &mut self.at);
-                self.system.cross(guard, time, state, mode, &mut self.at)?
+                match guard {
+                    PlantGuard::Of(i, Guard::Rest) if mode.actuators[i].mode.sliding == Sliding::Held => {
+                        let m = self.system.plant.actuators()[i].mechanism;
+                        self.system.enter_given_motion(m, time, state, mode, &mut self.at);
+                        PlantEventKind { part: Part::Actuator(i), kind: EventKind::BreakAway }
+                    }
+                    _ => self.system.cross(guard, time, state, mode, &mut self.at)?,
+                }
             } else {
-                steps.row.reached.pulse(&self.system.plant, time + NEAR * (1.0 + time.abs()))?;
+                if is_last {
+                    steps.row.reached.pulse(&self.system.plant, time + NEAR * (1.0 + time.abs()))?;
+                }
                 let (_, state, mode) = steps.row.reached.parts();
                 if self.system.next_instant(mode, time).is_none() {
                     break;
@@ -264,7 +331,7 @@ impl PlantExchange {
             }
         }
         steps.row.forget_guards();
-        (self.next, self.updated) = (next_of(&self.system, steps), time);
+        (self.next, self.updated, self.is_within) = (next_of(&self.system, steps), time, is_new && !is_last);
         Ok(EventUpdate { events, has_moved: self.before != steps.state(), next: self.next })
     }
 
@@ -272,7 +339,7 @@ impl PlantExchange {
     pub fn enter_motion(&mut self, steps: &mut PlantSteps) {
         let (time, state, mode) = steps.row.reached.parts();
         for m in 0..self.system.plant.mechanisms().len() {
-            if matches!(self.system.plant.mechanisms()[m], crate::mechanism::Mechanism::External { .. }) {
+            if matches!(self.system.plant.mechanisms()[m], Mechanism::External { .. }) {
                 self.system.enter_given_motion(m, *time, state, mode, &mut self.at);
             }
         }
@@ -313,7 +380,7 @@ impl PlantExchange {
     pub fn guards_along(&mut self, steps: &PlantSteps, seed: &[f64], values: &mut [f64]) -> Result<(), Error> {
         check_count("seed", seed.len(), self.rates.len())?;
         self.seed(steps, |place| seed[place]);
-        self.system.guards(steps.mode(), &mut self.guards);
+        self.list(steps.mode());
         values.fill(0.0);
         for place in 0..self.guards.len().min(values.len()) {
             values[place] = self.value_along(steps, self.guards[place], 0.0);

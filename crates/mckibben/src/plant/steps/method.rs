@@ -306,11 +306,15 @@ impl<R: Real> System<R> {
         self.places_of_air().all(|place| arc.all_points(place, |point| point > 0.0))
     }
 
-    /// That a step has produced a physical state: numbers everywhere, air in every chamber and node, braids that are not straight.
+    /// That a step has produced a physical state: numbers everywhere, air in every chamber and node, a length for every end on a
+    /// tendon, braids that are not straight.
     pub(in super::super) fn check_step(&self, time: R, state: &[R]) -> Result<(), Error> {
         let lacks_air = |place: &usize| !(0.0 < state[*place].value() && state[*place].value() < MOST_AIR);
+        let lacks_length = |place: &usize| state[*place].value() <= 0.0;
         let lost = state.iter().position(|number| !number.value().is_finite());
-        if let Some(place) = lost.or_else(|| self.places_of_air().find(lacks_air)) {
+        let without = lost.or_else(|| self.places_of_air().find(lacks_air));
+        let mut ends = self.plant.places.actuators.iter().filter_map(|its| its.length);
+        if let Some(place) = without.or_else(|| ends.find(lacks_length)) {
             return Err(self.step_too_long(time, state, place));
         }
         let straight = self.wires.iter().find_map(|wire| {
