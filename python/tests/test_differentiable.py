@@ -71,9 +71,10 @@ def test_derivatives_are_those_of_differences(pulsed):
     """No event lies at these times. The error of central differences is the square of the step and the run's own error over it."""
     start = pulsed.defaults
     values, slopes = pulsed.value_and_jacobian(start)
-    numpy.testing.assert_array_equal(values, pulsed(start))
-    assert slopes.shape == (3, 3, len(BY)), "more numbers than one pass takes"
     scale = abs(values).max(axis=0)
+    # Steps are short enough for the derivatives too, so that values differ by what the tolerance leaves.
+    numpy.testing.assert_allclose(values / scale, pulsed(start) / scale, atol=1e-8)
+    assert slopes.shape == (3, 3, len(BY)), "more numbers than one pass takes"
     for number, value in enumerate(start):
         step = 1e-5 * value
         there = [pulsed(start + sign * step * (numpy.arange(len(BY)) == number)) for sign in (1, -1)]
@@ -95,7 +96,7 @@ def test_jax_differentiates_forwards_and_backwards(pulsed):
         return (function(values)[:, 0] ** 2).sum()
 
     expected = 2 * numpy.einsum("t,tp->p", pulsed(pulsed.defaults)[:, 0], slopes[:, 0])
-    numpy.testing.assert_allclose(jax.grad(reduced)(pulsed.defaults), expected, rtol=1e-13)
+    numpy.testing.assert_allclose(jax.grad(reduced)(pulsed.defaults), expected, rtol=1e-8)
 
 
 def test_runs_of_a_vmap_equal_single_runs_and_have_their_derivatives(pulsed):
@@ -106,7 +107,7 @@ def test_runs_of_a_vmap_equal_single_runs_and_have_their_derivatives(pulsed):
     slopes = jax.vmap(jax.vmap(jax.jacrev(function)))(several)
     for row, column in numpy.ndindex(2, 3):
         value, alone = pulsed.value_and_jacobian(several[row, column])
-        numpy.testing.assert_array_equal(found[row, column], value)
+        numpy.testing.assert_allclose(found[row, column], value, rtol=1e-8, atol=1e-8 * abs(value).max())
         numpy.testing.assert_allclose(slopes[row, column], alone, rtol=1e-13)
     with pytest.raises(Exception, match="load.mass"):
         jax.vmap(function)(numpy.array([pulsed.defaults, -pulsed.defaults]))

@@ -98,7 +98,10 @@ impl Actuator<f64> {
         }
         // Effectiveness may fall with the pressure and threads may stretch, so that the force need not rise all the way, and may
         // just reach the pull. It turns at a low pressure rather than at a high one: there the brackets are narrow.
-        let at = |part: u32| most.0 * (f64::from(part.min(BRACKETS)) / f64::from(BRACKETS)).powi(2);
+        let at = |part: u32| {
+            let share = f64::from(part.min(BRACKETS)) / f64::from(BRACKETS);
+            most.0 * share * share
+        };
         for part in 1..=BRACKETS {
             let [before, here, after] = [at(part - 1), at(part), at(part + 1)];
             if surplus(here) >= 0.0 {

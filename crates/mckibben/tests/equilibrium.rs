@@ -46,7 +46,8 @@ fn a_pull_that_the_force_just_reaches_has_its_least_pressure() {
     let zero = 5e5;
     let falling = Effectiveness::polynomial(&[1.0, -1.0 / zero]).expect("a law");
     let paper = Paper::sealed();
-    let [ideal, actuator] = [paper.clone(), paper.with(|rig| rig.effectiveness = falling)].map(|paper| paper.actuator());
+    let [ideal, actuator] =
+        [paper.clone(), paper.with(|rig| rig.effectiveness = falling)].map(|paper| paper.actuator());
     let length = 0.5 * (ideal.limits().min_length() + ideal.limits().max_length());
     let per_pressure = ideal.static_force(length, GaugePressure(1e5).absolute(ideal.air().atmosphere()).0) / 1e5;
     for most in [3e5, 4.9e5, 7e6] {

@@ -214,7 +214,7 @@ fn random_plants_go_on_from_numbers_to_the_same_bits() {
             one.save_to(&mut numbers).expect("a state");
             let until = 1e-3 * f64::from(step);
             if other.restore_from(&numbers).is_err() {
-                // Ends that a host moves, and nobody moves here, have met: no host may say so.
+                // Ends that a host would move, which here go on as they began, have met.
                 let mut mechanisms = plant.mechanisms().iter().zip(&plant.indices().mechanisms);
                 let met = mechanisms.any(|(mechanism, its)| {
                     matches!(mechanism, Mechanism::External { .. })

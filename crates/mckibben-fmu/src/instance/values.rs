@@ -117,7 +117,7 @@ impl Instance {
     ///
     /// # Errors
     /// For a reference that no variable has or that is no input and no parameter, another count of values, a value that the
-    /// variable does not take, a fixed parameter once initialisation has ended, and another command in continuous time. Then nothing
+    /// variable does not take, a fixed parameter once initialisation has ended. Then nothing
     /// has changed.
     pub fn set(&mut self, references: &[u32], values: &[f64]) -> Result<(), Refusal> {
         self.check_count(references, values.len())?;
@@ -174,11 +174,9 @@ impl Instance {
             }
             Slot::Command(index) => {
                 self.check_command(index, given[0])?;
-                self.check_discrete(name, &self.inputs.commands[index..=index], given)?;
             }
             Slot::Array(Array::Commands) => {
                 given.iter().enumerate().try_for_each(|(index, number)| self.check_command(index, *number))?;
-                self.check_discrete(name, &self.inputs.commands, given)?;
             }
             Slot::Distance(_) | Slot::Array(Array::Distances) => {
                 if let Some(wrong) = given.iter().find(|number| !(number.is_finite() && **number > 0.0)) {
@@ -193,17 +191,6 @@ impl Instance {
             _ => return Err(Refusal::error(format!("`{name}` is computed; set inputs and parameters"))),
         }
         Ok(())
-    }
-
-    /// That an input which jumps is not set to another value in continuous time. A host that writes all inputs at every step may
-    /// write the value that there is.
-    fn check_discrete(&self, name: &str, present: &[f64], given: &[f64]) -> Result<(), Refusal> {
-        if self.phase != Phase::Continuous || present == given {
-            return Ok(());
-        }
-        Err(Refusal::error(format!(
-            "`{name}` is a discrete input: enter event mode before you set it to another value"
-        )))
     }
 
     fn check_command(&self, index: usize, number: f64) -> Result<(), Refusal> {

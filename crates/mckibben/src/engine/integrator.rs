@@ -10,10 +10,10 @@
 //! respect to any parameter, through every event. Decisions depend on values alone; steps are short enough for the
 //! derivatives too.
 
+use super::allowed::Allowed;
 use super::arc::{Arc, POINTS};
 use super::event::{self, Crossing, MAX_EVENTS_IN_AN_INSTANT, Room};
 use super::{GuardForm, Halt, Hybrid, explicit, implicit};
-use super::allowed::Allowed;
 use crate::dual::Dual;
 use crate::error::Error;
 use crate::scalar::{Real, Scalar};
