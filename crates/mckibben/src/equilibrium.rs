@@ -102,17 +102,20 @@ impl Actuator<f64> {
             let share = f64::from(part.min(BRACKETS)) / f64::from(BRACKETS);
             most.0 * share * share
         };
+        let [mut behind, mut found] = [0, 1].map(|part| surplus(at(part)));
         for part in 1..=BRACKETS {
             let [before, here, after] = [at(part - 1), at(part), at(part + 1)];
-            if surplus(here) >= 0.0 {
+            if found >= 0.0 {
                 return Some(GaugePressure(root::bracketed(before, here, 1e-16, surplus)));
             }
-            if surplus(here) >= surplus(before).max(surplus(after)) {
+            let ahead = surplus(after);
+            if found >= behind.max(ahead) {
                 let highest = top(before, after, surplus);
                 if surplus(highest) >= 0.0 {
                     return Some(GaugePressure(root::bracketed(before, highest, 1e-16, surplus)));
                 }
             }
+            (behind, found) = (found, ahead);
         }
         None
     }

@@ -1,9 +1,9 @@
 //! The errors that a step may have: of each state a part of its scale, and of the derivatives of the states that part of their size.
 //!
 //! A direction of derivatives has one size: the root mean square over the states of derivative over scale, the largest that
-//! there has been, and at least the part by which a number of the system changes with it: what is far less is rounding. Derivatives
-//! grow and oscillate where the values rest, as those of a mass in its balance by its first
-//! velocity, so that the errors of values alone would let steps grow until the derivatives are noise.
+//! there has been, and at least the part by which a number of the system changes with it: what is far less is rounding.
+//! Derivatives grow and oscillate where the values rest, as those of a mass in its balance by its first velocity, so that the
+//! errors of values alone would let steps grow until the derivatives are noise.
 
 use crate::scalar::{Real, Scalar};
 use alloc::vec;

@@ -168,7 +168,7 @@ fn is_far_from_zero<R: Real, S: Hybrid<R>>(
     // where it is twice as far.
     let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
     for (count, i) in (1..).zip([0, 7, 2, 5, 1, 3, 4, 6]) {
-        let time = arc.start + arc.step * R::constant(i as f64 / (POINTS - 1) as f64);
+        let time = arc.start + arc.step * R::constant(node(i));
         let value = system.guard(guard, time, arc.point(i), mode, work).value();
         least = least.min(value);
         most = most.max(value);

@@ -9,6 +9,7 @@ use super::guard::PlantGuard;
 use super::mode::PlantMode;
 use super::tendon;
 use crate::error::{Error, Requirement};
+use crate::load::SeriesTendon;
 use crate::parameter;
 use crate::scalar::Real;
 use crate::simulation::member::Member;
@@ -120,7 +121,7 @@ impl<R: Real> System<R> {
             let (least, most) = self.holdable(i, state, mode, unit.length);
             let missed = match mode.actuators[i].mode.sliding {
                 Sliding::Stuck => (pull - most.value()).max(least.value() - pull),
-                _ => self.missed(i, state, mode, at),
+                _ => self.missed(i, tendon, state, mode, at),
             };
             if missed > UNBALANCED * tendon.stiffness().value() * unit.length.value() {
                 return Err(Error::Inconsistent {
@@ -254,12 +255,14 @@ impl<R: Real> System<R> {
         mode: &PlantMode<R>,
         at: &mut Evaluation<R>,
     ) -> Result<(), Error> {
-        for (i, mounted) in self.plant.actuators.iter().enumerate() {
-            if mounted.tendon.is_some() && mode.actuators[i].mode.sliding != Sliding::Stuck {
-                self.check_held(i, time, state, mode, at)?;
-            }
-        }
-        Ok(())
+        self.sliding_ends(mode).try_for_each(|(i, _)| self.check_held(i, time, state, mode, at))
+    }
+
+    /// The actuators on tendons whose ends slide, with their tendons.
+    fn sliding_ends(&self, mode: &PlantMode<R>) -> impl Iterator<Item = (usize, &SeriesTendon<R>)> {
+        let ends = self.plant.actuators.iter().zip(&mode.actuators).enumerate();
+        ends.filter(|(_, (_, its))| its.mode.sliding != Sliding::Stuck)
+            .filter_map(|(i, (mounted, _))| Some((i, mounted.tendon.as_ref()?)))
     }
 
     /// That the stiffness of a sliding end without viscous friction keeps it on its balance. What it misses of that, as a fixed
@@ -290,15 +293,13 @@ impl<R: Real> System<R> {
         mode: &PlantMode<R>,
         at: &mut Evaluation<R>,
     ) -> Result<(), Error> {
-        for (i, mounted) in self.plant.actuators.iter().enumerate() {
-            let Some(tendon) = &mounted.tendon else { continue };
-            if mode.is_damped(self, i) || mode.actuators[i].mode.sliding == Sliding::Stuck {
+        for (i, tendon) in self.sliding_ends(mode) {
+            if mode.is_damped(self, i) {
                 continue;
             }
-            self.enter_distances(time, state, mode, at);
-            let missed = self.missed(i, state, mode, at);
-            let unit = at.units[i];
-            let allowed = UNBALANCED * tendon.stiffness().value() * unit.length.value();
+            self.enter_ends_of(i, time, state, mode, at);
+            let missed = self.missed(i, tendon, state, mode, at);
+            let allowed = UNBALANCED * tendon.stiffness().value() * at.units[i].length.value();
             if missed > allowed + JUMP * self.wires[i].member.force_band {
                 return Err(Error::Stopped {
                     time: time.value(),
@@ -315,8 +316,7 @@ impl<R: Real> System<R> {
     }
 
     /// By how much in N the tensions of a sliding end differ, whose distance has been entered.
-    fn missed(&self, i: usize, state: &[R], mode: &PlantMode<R>, at: &Evaluation<R>) -> f64 {
-        let Some(tendon) = &self.plant.actuators[i].tendon else { return 0.0 };
+    fn missed(&self, i: usize, tendon: &SeriesTendon<R>, state: &[R], mode: &PlantMode<R>, at: &Evaluation<R>) -> f64 {
         let (unit, pressure) = (&at.units[i], state[self.plant.places.actuators[i].pressure]);
         let ends = [unit.distance, unit.length, pressure];
         self.excess(i, tendon, mode, ends, self.deflections(i, state)).value().abs()

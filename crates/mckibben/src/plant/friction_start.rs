@@ -22,6 +22,17 @@ pub enum InitialFriction<S = f64> {
     Held(S),
 }
 
+impl<S> InitialFriction<S> {
+    /// The direction in which the actuator has come a long way, where it has: 1 for longer, −1 for shorter.
+    fn direction(&self) -> Option<f64> {
+        match self {
+            Self::Loading => Some(1.0),
+            Self::Unloading => Some(-1.0),
+            Self::Relaxed | Self::Held(_) => None,
+        }
+    }
+}
+
 /// The force of [`InitialFriction::Held`].
 pub static INITIAL_FRICTION_FORCE: Parameter = Parameter {
     key: "initial.friction_force",
@@ -81,14 +92,11 @@ fn memory_of<R: Real>(
         });
     };
     let length = actuator.limits().actuator_length(length);
-    match initial {
-        InitialFriction::Held(force) => {
-            let stiffness = actuator.normal_load(length, pressure, ThreadContact::ByPressure).secant_stiffness();
-            holding(law, length, stiffness, force).map(Some)
-        }
-        InitialFriction::Unloading => Ok(Some(law.slid(length, -1.0))),
-        _ => Ok(Some(law.slid(length, 1.0))),
+    if let InitialFriction::Held(force) = initial {
+        let stiffness = actuator.normal_load(length, pressure, ThreadContact::ByPressure).secant_stiffness();
+        return holding(law, length, stiffness, force).map(Some);
     }
+    Ok(initial.direction().map(|direction| law.slid(length, direction)))
 }
 
 /// Force in N that hysteresis and viscoelastic branches add to the tension of an actuator that starts at a length (m) and an
@@ -100,16 +108,9 @@ pub(super) fn force_at_start<R: Real>(
     pressure: R,
 ) -> R {
     let length = actuator.limits().actuator_length(length);
-    let (width, given) = match (actuator.friction().hysteresis(), initial) {
-        (Some(law), InitialFriction::Loading) => {
-            (Some(law.width(&law.slid(length, 1.0), length, R::zero())), R::zero())
-        }
-        (Some(law), InitialFriction::Unloading) => {
-            (Some(law.width(&law.slid(length, -1.0), length, R::zero())), R::zero())
-        }
-        (_, InitialFriction::Held(force)) => (None, force),
-        _ => (None, R::zero()),
-    };
+    let slid = actuator.friction().hysteresis().zip(initial.direction());
+    let width = slid.map(|(law, direction)| law.width(&law.slid(length, direction), length, R::zero()));
+    let given = if let InitialFriction::Held(force) = initial { force } else { R::zero() };
     let branches = actuator.friction().viscoelastic();
     let sums = branches.map(|law| {
         let relaxed: [R; MAX_BRANCHES] = core::array::from_fn(|branch| length - law.initial_stretch(branch));

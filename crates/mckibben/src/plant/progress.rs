@@ -8,7 +8,6 @@ use super::crossing::PlantEventKind;
 use super::evaluation::{Evaluation, System};
 use crate::engine::Halt;
 use crate::error::Error;
-use crate::force::Statics;
 use crate::scalar::Real;
 use crate::simulation::EventKind;
 
@@ -60,8 +59,8 @@ impl<R: Real> System<R> {
         let mut at = Evaluation::new(&self.plant);
         self.enter_distances(time, state, &mode, &mut at);
         let lengths = at.units.iter().map(|unit| unit.length);
-        lengths.zip(&self.plant.actuators).find_map(|(length, mounted)| {
-            let end = mounted.actuator.law().law.end_length().value();
+        lengths.zip(&self.wires).find_map(|(length, wire)| {
+            let end = wire.member.thread_length().value();
             ((end - length.value()).abs() < NEAR * end).then_some(length)
         })
     }
