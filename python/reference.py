@@ -28,7 +28,8 @@ UPDATE = "run `python python/reference.py` with the package as it is now, and co
 HEAD = """# Reference of the Python package
 
 Made from the docstrings of the package by `python/reference.py`. Numbers are in SI; a quantity of a scenario may be text
-with its unit. [The package](python.md) introduces it, and [learning to control](python-learning.md) its environments.
+with its unit. [The package](python.md) introduces it, and [learning to control](python-learning.md) its environments. In a
+call `...` stands for a default that the table of the parameters states.
 """
 #: The chapters, each with the names in it. A name with a point is not exported, but is the type of a result.
 CHAPTERS: dict[str, str] = {
@@ -125,7 +126,7 @@ def call(name: str, of: typing.Any) -> str:
     def default(value: typing.Any) -> str:
         if isinstance(value, enum.Enum):
             return f"{type(value).__name__}.{value.name}"
-        return "()" if value is ... else "{}" if repr(value) == "<factory>" else repr(value)
+        return "..." if value is ... else "{}" if repr(value) == "<factory>" else repr(value)
 
     words, starred = [], False
     for one in parameters_of(of):

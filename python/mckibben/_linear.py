@@ -37,16 +37,23 @@ def identifiers(names: collections.abc.Sequence[str]) -> list[str]:
 
 
 def to_control(model: LinearModel) -> typing.Any:
-    """Return the model as `control.ss`, with the names of its signals; each point in them is an underscore."""
+    """Return the model as `control.ss` without delays, with the names of its signals; each point in them is an underscore."""
     import control
 
     names = {"states": model.states, "inputs": model.inputs, "outputs": model.outputs}
     return control.ss(model.A, model.B, model.C, model.D, **{part: identifiers(of) for part, of in names.items()})
 
 
+def delay(model: LinearModel) -> dict[str, float]:
+    """Return the delay in s of each input by its name, which the matrices leave out."""
+    return {of["name"]: of["delay_s"] for of in model.details["inputs"]}
+
+
 def response(model: LinearModel, omega: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.complex128]:
     """Return the complex response at angular frequencies in rad/s, of shape (len(omega), outputs, inputs)."""
     rates = numpy.atleast_1d(numpy.asarray(omega, dtype=float))
+    for rate in rates[~numpy.isfinite(rates)].tolist():
+        raise InputError(f"`omega` has {rate}, which is no finite angular frequency in rad/s; give finite ones")
     identity = numpy.eye(len(model.A))
 
     def at(rate: float) -> typing.Any:

@@ -241,9 +241,9 @@ class ActuatorState:
         Time in s since the start.
         """
     @property
-    def valve(self, /) -> Literal["closed", "supply", "exhaust", "both"]:
+    def valve(self, /) -> Literal["closed", "supply", "exhaust", "supply+exhaust"]:
         """
-        Open ports of the valve: "supply", "exhaust", "both" or "closed".
+        Open ports of the valve: "supply", "exhaust", "supply+exhaust" or "closed".
         """
 
 @final
@@ -253,7 +253,7 @@ class Actuators:
 
     The caller owns the arrays: `step` reads and writes them in place. They are one-dimensional and C-contiguous, of float64,
     with one element for each actuator. They are stepped side by side in the vector registers of the processor, and by all cores where
-    they are many. Each is bit-identical to a scalar `Actuator`.
+    they are many. Each is bit-identical to a scalar `Actuator`. An array of other numbers or dimensions raises `TypeError`.
 
     Parameters
     ----------
@@ -264,7 +264,8 @@ class Actuators:
     name : {"agonist", "antagonist"}, optional
         Which actuator of a joint. Required for a joint, not allowed otherwise.
     parameters : sequence of str, optional
-        Paths of the parameters that differ between the actuators, such as "actuator.turns". Not together with `name`.
+        Paths of the parameters that differ between the actuators, such as "actuator.turns"; none by default. Not together with
+        `name`.
     values : numpy.ndarray, optional
         Values of `parameters` in SI, float64 of shape (count, len(parameters)), of any memory layout. Required with `parameters`.
     pulse_frequency : float or str, optional
@@ -566,7 +567,10 @@ class DifferentiableStep:
     end of a step, the derivatives are those of one side.
 
     A command is a duty cycle from 0 to 1, of a pressure regulator a gauge pressure in Pa, of a proportional spool a position from
-    -1 to 1. A duty cycle takes effect when the next pulse begins.
+    -1 to 1. A duty cycle takes effect when the next pulse begins. A set point and a position are new ones in each step, also where
+    they equal those before, so that each has its own derivatives. `Actuator.step` goes on with an equal one: its results differ by
+    rounding, and with a dead time that is no multiple of `dt` as those of a step that is divided there. At most 64 commands may be
+    on their way: with a dead time of more steps give a longer `dt`.
 
     Examples
     --------
@@ -863,6 +867,8 @@ class HostedPlant:
         InputError
             An array has another shape or is not C-contiguous, an actuator cannot have such a distance, or a velocity is out of
             range.
+        TypeError
+            An array is not one of float64 with two dimensions.
         """
     @property
     def columns(self, /) -> list[str]:
@@ -895,6 +901,8 @@ class HostedPlant:
         InputError
             An array has another shape or is not C-contiguous, an actuator cannot have such a distance, or a velocity is out of
             range.
+        TypeError
+            An array is not one of float64 with two dimensions.
         SimulationError
             A plant has stopped.
         """
@@ -943,6 +951,9 @@ class HostedPlant:
         InputError
             There is no such plant, an index is given twice, an array has another shape or is not C-contiguous, an actuator cannot
             have such a distance, or a velocity is out of range; nothing has changed.
+        TypeError
+            An array of distances or velocities is not one of float64 with two dimensions, or `rows` not one of int64 with one;
+            nothing has changed.
         """
     def restore(self, /, states: NDArray[float64]) -> None:
         """
@@ -960,6 +971,8 @@ class HostedPlant:
         InputError
             The numbers are no states of these plants, or are states of plants of another scenario, command mode or pulse
             frequency; nothing has changed.
+        TypeError
+            The states are no array of float64 with two dimensions; nothing has changed.
         """
     def save(self, /) -> NDArray[float64]:
         """
@@ -994,6 +1007,8 @@ class HostedPlant:
         InputError
             An array has another shape or is not C-contiguous, a valve does not take such a command, or there are more than
             10 000 000 parts and edges of pulses; no plant has moved.
+        TypeError
+            An array is not one of float64 with two dimensions; no plant has moved.
         SimulationError
             The step leads a plant to a non-physical state. The others have taken the step. That plant has stopped: until `begin` or
             `restore`, its later steps raise as well.
@@ -1053,7 +1068,7 @@ class LinearModel:
     def __repr__(self, /) -> str: ...
     def bode(self, /, input: str | None = None, outputs: Sequence[str] | None = None, ax: Sequence[Axes] | None = None) -> Figure:
         """
-        Draw magnitude and phase of outputs over one input with Matplotlib.
+        Draw magnitude and phase of outputs over one input with Matplotlib, without the delays of the inputs.
 
         Parameters
         ----------
@@ -1081,6 +1096,14 @@ class LinearModel:
         -------
         Modes
             A list of `Mode`; `print` writes it as a table. A pair of conjugate poles is one mode.
+        """
+    @property
+    def delay(self, /) -> dict[str, float]:
+        """
+        Delay in s from each input to the beginning of its effect, by the input's name.
+
+        It is the dead time of a valve and the delay of a lumped hose. The matrices and `response` leave it out: it multiplies the
+        response to that input by `exp(-1j * omega * delay)`.
         """
     @property
     def details(self, /) -> dict[str, Any]:
@@ -1112,12 +1135,12 @@ class LinearModel:
         """
     def response(self, /, omega: ArrayLike) -> NDArray[complex128]:
         """
-        Return the complex frequency response of each output to each input.
+        Return the complex frequency response of each output to each input, without the delays of the inputs.
 
         Parameters
         ----------
         omega : array_like
-            Angular frequencies in rad/s.
+            Angular frequencies in rad/s, finite.
 
         Returns
         -------
@@ -1127,7 +1150,7 @@ class LinearModel:
         Raises
         ------
         InputError
-            A pole lies at a frequency, as that of an integrator at zero: the response there is without bound.
+            A frequency is not finite, or a pole lies at it, as that of an integrator at zero: the response there is without bound.
         """
     @property
     def states(self, /) -> list[str]:
@@ -1141,7 +1164,8 @@ class LinearModel:
         Returns
         -------
         control.StateSpace
-            In its names an underscore stands for each point, which python-control refuses: `biceps_duty` for `biceps.duty`.
+            In its names an underscore stands for each point, which python-control refuses: `biceps_duty` for `biceps.duty`. Delays
+            are left out.
         """
     def to_json(self, /) -> str:
         """
@@ -1257,7 +1281,7 @@ class Scenario:
     name : str, optional
         Name that messages show in place of that of a file; "scenario.toml" by default.
     values : sequence of (str, str), optional
-        Paths of keys with values as TOML, which replace those of the text.
+        Paths of keys with values as TOML, which replace those of the text; none by default.
     in_si : bool, optional
         Whether numbers without a unit are quantities in SI. By default they are refused.
 
@@ -1590,7 +1614,7 @@ class Sweep:
         Raises
         ------
         InputError
-            The folder holds something else.
+            The folder holds something else, or the bytes are not that part, whole; what stands in its place stays.
         OutputError
             The file cannot be written.
         """
@@ -1764,7 +1788,7 @@ class Trajectory:
         Parameters
         ----------
         times : array_like
-            Times in s, from 0 to the end of the run, one or more.
+            Times in s, from 0 to the end of the run, in any number.
 
         Returns
         -------
@@ -1858,6 +1882,11 @@ class Trajectory:
         Summary
             A mapping of names such as "length.final" to numbers in SI, with `units`, `events` and `assumed`.
 
+        Raises
+        ------
+        SimulationError
+            One of the numbers is not finite.
+
         Examples
         --------
             >>> import mckibben
@@ -1897,6 +1926,8 @@ class Trajectory:
         ------
         OutputError
             The file cannot be written; then none is left behind.
+        SimulationError
+            A number of `summary()` is not finite.
         """
     def to_dict(self, /) -> dict[str, NDArray[Any]]:
         """
@@ -1908,7 +1939,7 @@ class Trajectory:
         """
     def to_mat(self, /, path: str | PathLike[str]) -> None:
         """
-        Write the columns as a MAT-file for MATLAB, Octave and SciPy: byte for byte the file of `mckibben simulate --output`.
+        Write the columns as a MAT-file for MATLAB, Octave and SciPy, as `mckibben simulate --output` does.
 
         Each column is a variable; points in names become underscores.
 
@@ -1921,6 +1952,8 @@ class Trajectory:
         ------
         OutputError
             The file cannot be written; then none is left behind.
+        SimulationError
+            A number of `summary()` is not finite.
         """
     def to_pandas(self, /) -> DataFrame:
         """
@@ -1933,7 +1966,7 @@ class Trajectory:
         """
     def to_parquet(self, /, path: str | PathLike[str]) -> None:
         """
-        Write the columns as Parquet: byte for byte the file of `mckibben simulate --output`.
+        Write the columns as Parquet: the columns and the numbers of the file of `mckibben simulate --output`.
 
         Parameters
         ----------
@@ -1944,6 +1977,8 @@ class Trajectory:
         ------
         OutputError
             The file cannot be written; then none is left behind.
+        SimulationError
+            A number of `summary()` is not finite.
         """
     def to_polars(self, /) -> DataFrame2:
         """
@@ -1961,8 +1996,8 @@ class Trajectory:
         Parameters
         ----------
         over : {"time", "length"}, optional
-            Horizontal axis: time, or the length, over which the tension is drawn. The figure of several actuators is always
-            over time.
+            Horizontal axis: time by default, or the length, over which the tension is drawn. The figure of several actuators is
+            always over time.
 
         Returns
         -------
@@ -1986,7 +2021,7 @@ class Trajectory:
     @property
     def valve(self, /) -> NDArray[str_]:
         """
-        Open ports of the valve: "supply", "exhaust", "both" or "closed".
+        Open ports of the valve: "supply", "exhaust", "supply+exhaust" or "closed".
         """
     @property
     def velocity(self, /) -> NDArray[float64]:
@@ -2004,7 +2039,7 @@ class Trajectory:
         Warnings of what the scenario cannot mean, such as a valve that never opens or a length that no braid has.
 
         Each is one sentence that names the quantity, its value, the limit and the key to change. Of several actuators it begins
-        with the name of the part.
+        with the name of the part. Where a number of `summary()` is not finite, `SimulationError` names it.
         """
 
 @final
@@ -2014,7 +2049,8 @@ class VectorPlant:
 
     Each instance may be reset, with its own values of parameters, while the others continue. The environments of
     `mckibben.learning` are made of it. The caller owns the arrays that `step` and `observe` use: they are C-contiguous, and are
-    read and written in place. `values` and `rows` may have any memory layout.
+    read and written in place. `values` and `rows` may have any memory layout. An array of other numbers or dimensions raises
+    `TypeError`.
 
     Parameters
     ----------
@@ -2025,7 +2061,7 @@ class VectorPlant:
         Number of instances.
     parameters : sequence of str, optional
         Paths of the parameters that differ between the instances: "load.mass", "initial.gauge_pressure"; where actuators have
-        names also "actuators.biceps.friction.viscous" and "mechanism.joints.elbow.damping".
+        names also "actuators.biceps.friction.viscous" and "mechanism.joints.elbow.damping"; none by default.
     action_mode : {"duty", "request", "position", "set-point"}, optional
         What an action is: a duty cycle from 0 to 1 (the default); a request, 1 to fill, 0 to hold, -1 to exhaust; the position
         of a proportional spool from -1 to 1; the set point of a pressure regulator, a gauge pressure in Pa.
@@ -2466,6 +2502,9 @@ def simulate(scenario: Scenario, *, progress: Callable[..., Any] | None = None) 
     Notes
     -----
     The interpreter is released during the run, so other threads continue. Ctrl-C ends the run.
+
+    The columns are finite numbers. Those of `summary()` take longer than the run, so they are computed and checked when they are
+    first used, as by `warnings` and before a file is written. The whole run is kept, with about 3 kB for each event.
 
     Examples
     --------

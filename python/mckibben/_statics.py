@@ -275,7 +275,7 @@ def curves(scenario: Scenario, gauge_pressures: ArrayLike | str | None = None) -
     scenario : Scenario
         One actuator.
     gauge_pressures : array_like or str, optional
-        Numbers in Pa, one or more, or text such as "35, 45, 55 psi". By default round ones up to the greatest of the
+        Numbers in Pa, or text such as "35, 45, 55 psi". By default round ones up to the greatest of the
         scenario: that of its supply, its given pressure or its start.
 
     Returns

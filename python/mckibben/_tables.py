@@ -77,8 +77,8 @@ def parameters() -> dict[str, Parameter]:
     -------
     dict of str to Parameter
         Those of an antagonist have `antagonist.` before them. In the keys of a file of many actuators `*` stands for a name:
-        `actuators.flexor.valve.efficiency` has the range of `valve.efficiency`, and `supplies.tank.inlet.drop` that of
-        `supplies.*.inlet.drop`.
+        `actuators.flexor.valve.efficiency` has the range of `valve.efficiency`, and `supplies.tank.inlet.kv` that of
+        `supplies.*.inlet.kv`.
 
     Examples
     --------

@@ -53,6 +53,22 @@ def test_a_motion_that_is_given_is_the_run_of_that_motion(scenario):
         assert moved_and_given(scenario, step) < 1e-12
 
 
+def test_two_open_ports_have_the_word_of_the_column():
+    """The poppet to the supply closes 4 ms after the one to the atmosphere has opened."""
+    scenario = mckibben.Scenario.from_dict({
+        "supply": {"gauge_pressure": "4 bar"},
+        "valve": {"kind": "fill-hold-exhaust", "flow_area": "1 mm^2", "opening_delay": "1 ms", "closing_delay": "5 ms"},
+        "command": {"kind": "table", "time": ["0 s", "20 ms"], "state": ["fill", "exhaust"]},
+        "load": {"kind": "isometric"},
+        "initial": {"length": "85 mm"},
+        "run": {"duration": "23 ms"},
+    })
+    actuator = mckibben.Actuator(scenario, pulse_frequency=25.0)
+    filled, *_ = actuator.step(actuator.start(), 0.085, 0.0, "fill", 0.02)
+    state, *_ = actuator.step(filled, 0.085, 0.0, "exhaust", 0.003)
+    assert state.valve == mckibben.simulate(scenario).valve[-1] == "supply+exhaust"
+
+
 def test_derivatives_are_those_of_the_tension(any_scenario):
     actuator = mckibben.Actuator(any_scenario, pulse_frequency=25.0)
     state = actuator.start()
@@ -250,3 +266,28 @@ def test_a_rest_length_without_a_pressure_is_that_of_the_start(examples):
     scenario = mckibben.Scenario.from_file(examples / "laws/bladder.toml")
     filled = mckibben.Actuator(scenario.with_values({"initial.gauge_pressure": 2e5}), pulse_frequency=25.0)
     assert filled.rest_length() == filled.rest_length(2e5) != filled.rest_length(1e5)
+
+
+@pytest.mark.parametrize(("step", "pulse_frequency", "pulses"), [(1 / 30, 30.0, 600), (1e-3, 25.0, 140)])
+def test_a_duty_set_where_a_pulse_begins_is_that_of_the_pulse(scenario, step, pulse_frequency, pulses):
+    """Each pulse of duty one raises the pressure and each of duty zero lowers it, also after many steps.
+
+    Summed steps of 1/30 s come after the begin of a pulse of 30 Hz from step 529 on, those of 1 ms after one of 25 Hz from step 5040.
+    """
+    actuator = mckibben.Actuator(scenario, pulse_frequency=pulse_frequency)
+    many = mckibben.Actuators(scenario, 1, pulse_frequency=pulse_frequency)
+    count, length = round(1 / (pulse_frequency * step)), actuator.initial_length
+    state, velocity, tension, pressure = actuator.start(), numpy.zeros(1), numpy.zeros(1), numpy.zeros(1)
+    many.respond(velocity, tension, absolute_pressure=pressure)
+    for pulse in range(pulses):
+        duty = 1.0 - pulse % 2
+        before, before_many = state.absolute_pressure, pressure[0]
+        for _ in range(count):
+            state, _, _ = actuator.step(state, length, 0.0, duty, step)
+            many.step(numpy.array([length]), velocity, numpy.array([duty]), step, tension, absolute_pressure=pressure)
+        assert (state.absolute_pressure > before) == (duty == 1.0), pulse
+        assert (pressure[0] > before_many) == (duty == 1.0), pulse
+    assert state.time == pytest.approx(pulses / pulse_frequency, rel=1e-15)
+    # A state that has been kept goes on at the times of the one that went on.
+    kept, _, _ = actuator.step(pickle.loads(pickle.dumps(state)), length, 0.0, 1.0, step)
+    assert kept == actuator.step(state, length, 0.0, 1.0, step)[0]

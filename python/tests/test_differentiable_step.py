@@ -181,3 +181,43 @@ def test_what_cannot_be_is_refused(pulsed, sealed):
     again = pickle.loads(pickle.dumps(step))
     assert again.inputs == step.inputs and again.dt == STEP
     numpy.testing.assert_array_equal(again(inputs), step(inputs))
+
+
+SPOOL = {
+    "valve": {"kind": "proportional-spool", "flow_area": "0.3 mm^2", "spool": {"natural_frequency": "50 Hz", "damping_ratio": 0.7}},
+    "command": {"kind": "positions", "time": ["0 s"], "position": [0.02]},
+}
+REGULATOR = {
+    "valve": {"kind": "pressure-regulator", "flow_area": "0.3 mm^2", "time_constant": "20 ms", "rate_limit": "500 bar/s"},
+    "command": {"kind": "set-points", "time": ["0 s"], "gauge_pressure": ["2 bar"]},
+}
+
+
+@pytest.mark.parametrize("dead_time", [0.0, 1e-3, 5e-3])
+@pytest.mark.parametrize(("of_valve", "command"), [(SPOOL, 0.5), (REGULATOR, 2.5e5)])
+def test_a_command_that_stays_equal_is_one_in_each_step(of_valve, command, dead_time):
+    """With respect to all commands together and to each alone: against central differences of motions by `Actuator.step`."""
+    scenario = mckibben.Scenario.from_dict(SEALED | {"supply": {"gauge_pressure": "5 bar"}} | of_valve)
+    muscle = mckibben.Actuator(scenario.with_values({"valve.dead_time": dead_time, "initial.gauge_pressure": "2 bar"}))
+    step, length, steps = mckibben.DifferentiableStep(muscle, STEP), muscle.initial_length, 12
+    pressure, count = step.outputs.index("state.absolute_pressure"), len(step.outputs) - 1
+    state, by_each = muscle.start(), numpy.zeros((count, steps))
+    for at in range(steps):
+        outputs, jacobian = step.value_and_jacobian(step.pack(state, length, 0.0, command))
+        by_each = jacobian[:-1, :count] @ by_each
+        by_each[:, at] += jacobian[:-1, -1]
+        state, _ = step.unpack(outputs)
+
+    def end(commands) -> float:
+        state = muscle.start()
+        for its in commands:
+            state, _, _ = muscle.step(state, length, 0.0, its, STEP)
+        return state.absolute_pressure
+
+    # A dead time of whole steps: a command that is given again divides no step, so both take equal steps.
+    assert state.absolute_pressure == pytest.approx(end(numpy.full(steps, command)), rel=1e-12)
+    nudge = 1e-6 * command
+    for name, along in [("all", numpy.ones(steps)), ("the second", numpy.eye(steps)[1]), ("a late one", numpy.eye(steps)[5])]:
+        difference = (end(command + nudge * along) - end(command - nudge * along)) / (2 * nudge)
+        assert difference > 0.0
+        assert by_each[pressure] @ along == pytest.approx(difference, rel=1e-5), name

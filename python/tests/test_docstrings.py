@@ -100,6 +100,12 @@ def test_the_reference_is_what_the_package_has():
     assert reference.outdated() == ""
 
 
+def test_a_default_that_a_signature_leaves_out_is_no_empty_tuple():
+    def command(count=..., values=(), over="time"): ...
+
+    assert reference.call("command", command).splitlines()[1] == "command(count=..., values=(), over='time')"
+
+
 def test_an_outdated_line_is_reported_with_the_remedy(monkeypatch, tmp_path):
     page = tmp_path / "api.md"
     page.write_text(reference.page().replace("### Scenario\n", "### Scenarios\n", 1), encoding="utf-8")

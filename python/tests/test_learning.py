@@ -174,6 +174,9 @@ def test_requests_are_those_that_the_valve_can() -> None:
     assert three.single_action_space.n == 2
     held = three.unwrapped._episodes.task.scenario.with_values({"valve.kind": "fill-hold-exhaust"})
     assert made(1, action_mode="request", scenario=held).single_action_space.n == 3
+    # A five-way valve that fills or exhausts its outputs at rest does so on a request to hold.
+    outputs = three.unwrapped._episodes.task.scenario.with_values({"valve.kind": "five-way-exhausted"})
+    assert made(1, action_mode="request", scenario=outputs).single_action_space.n == 3
     joint = gymnasium.make("mckibben/Joint-v0", action_mode="request")
     assert list(joint.action_space.nvec) == [2, 2]
 

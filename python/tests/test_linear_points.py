@@ -107,3 +107,34 @@ def test_a_bottle_that_nothing_fills_is_warned_of():
     text = MANIFOLD.replace('gauge_pressure = "6 bar"\n', 'gauge_pressure = "6 bar"\nreservoir_volume = "500 cm^3"\n', 1)
     with pytest.warns(UserWarning, match="bottle: .* kept by a mass flow .* the pressure does not last"):
         mckibben.linearize(mckibben.Scenario(text))
+
+
+@pytest.mark.parametrize("hose", [{}, {"hose": {"length": "4 m", "diameter": "6 mm"}}])
+def test_the_delay_is_when_a_step_of_the_command_begins_to_act(hose):
+    """A step of 0.2 bar at 0.1 s, through a regulator with a dead time of 50 ms and a hose."""
+    scenario = mckibben.Scenario.from_dict({
+        "actuator": {"preset": "colbrunn-2001"},
+        "supply": {"gauge_pressure": "5 bar"},
+        "valve": {"kind": "pressure-regulator", "flow_area": "0.3 mm^2", "time_constant": "20 ms", "rate_limit": "50 bar/s",
+                  "dead_time": "50 ms"},
+        "command": {"kind": "set-points", "time": ["0 s", "0.1 s"], "gauge_pressure": ["3 bar", "3.2 bar"]},
+        "load": {"kind": "isometric"},
+        "initial": {"gauge_pressure": "3 bar", "length": "85 mm"},
+        "run": {"duration": "0.2 s", "sample_interval": "1 ms"},
+        **hose,
+    })  # fmt: skip
+    model = mckibben.linearize(scenario)
+    delay = model.delay["set_point"]
+    assert delay > 0.06 if hose else delay == 0.05
+    assert all(late == 0.0 for name, late in model.delay.items() if name != "set_point")
+    run = mckibben.simulate(scenario)
+    change = run["hose_absolute_pressure_pa" if hose else "absolute_pressure_pa"] - run["absolute_pressure_pa"][0]
+    assert abs(change[run.t < 0.1 + delay]).max() < 1e-6
+    assert change[run.t > 0.1 + delay + 0.002].min() > 1.0
+
+
+@pytest.mark.parametrize("omega", [numpy.nan, numpy.inf, -numpy.inf])
+def test_a_response_at_no_frequency_is_refused(omega):
+    model = mckibben.linearize(mckibben.Scenario(MANIFOLD))
+    with pytest.raises(mckibben.InputError, match="`omega` has .*no finite angular frequency"):
+        model.response([1.0, omega])

@@ -93,3 +93,28 @@ def test_the_maximum_of_a_summary_is_that_between_the_samples_too(examples):
     swept = mckibben.sweep(coarse, vary={"load.mass": [scenario.load.mass]}, reductions=["tension.max"])
     assert swept["tension_max_n"][0] == pytest.approx(run.tension.max(), rel=1e-3)
     assert swept["tension_max_n"][0] < 0.7 * peak
+
+
+def test_a_run_whose_figures_are_not_finite_is_refused_as_by_the_program(tmp_path, program):
+    """A law that ends at a contraction of 3e-5 has no energy beyond it, while its tension there is zero."""
+    scenario = mckibben.Scenario.from_dict({
+        "actuator": {
+            "length": "0.1 m", "diameter": "0.02 m", "braid_angle": "25 deg",
+            "force": {
+                "law": "bolen", "max_force": "500 N", "max_pressure": "6 bar", "max_contraction": 3e-5, "shape": [0.3, 3.0, 1.0]
+            },
+        },
+        "load": {"kind": "hanging-mass", "mass": "5 kg"},
+        "initial": {"length": "0.0999 m"},
+        "run": {"duration": "0.1 s"},
+    })
+    (tmp_path / "beyond.toml").write_text(scenario.to_toml())
+    said = "energy.stored = NaN is not a finite number"
+    assert said in program(tmp_path, "simulate", "beyond.toml", "--output", "run.csv", code=3).stderr
+    run = mckibben.simulate(scenario)
+    assert numpy.isfinite(run.tension).all()
+    writers = [lambda to=to: to(tmp_path / "run") for to in (run.to_csv, run.to_parquet, run.to_mat)]
+    for use in (run.summary, lambda: run.warnings, *writers):
+        with pytest.raises(mckibben.SimulationError, match=said):
+            use()
+    assert [path.name for path in tmp_path.iterdir()] == ["beyond.toml"]

@@ -243,6 +243,7 @@ def test_a_swing_that_comes_to_rest_has_a_step_response(rig):
         ({"fit": {"load.mass": 2.0}}, r"give its bounds as \(low, high\)"),
         ({"fit": {"load.masss": (1.0, 2.0)}}, "load.masss"),
         ({"fit": {"load.mass": (3.0, 1.0)}}, "`from` below `to`"),
+        ({"fit": {"load.mass": {"start": 9.0, "from": 1.0, "to": 5.0}}}, "`start` of `load.mass`.* is 9 .*above its largest value"),
         ({"segments": -1.0}, "segments"),
     ],
 )

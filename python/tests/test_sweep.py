@@ -248,6 +248,20 @@ def test_impossible_arguments_are_refused(swing, swept, tmp_path):
         mckibben.Sweep(swept).part(8)
 
 
+def test_only_the_whole_part_is_put_in_its_place(swept, tmp_path):
+    """A part cut short, another part and anything else are refused, and the good part that is there stays."""
+    todo = mckibben.Sweep(swept)
+    good = todo.part(0)
+    todo.put(tmp_path, 0, good)
+    for bad in (b"", b"PAR1", good[:-10], good[:40] + b"x" + good[41:], todo.part(1)):
+        with pytest.raises(mckibben.InputError, match="not part 0 of this sweep"):
+            todo.put(tmp_path, 0, bad)
+    with pytest.raises(mckibben.InputError, match="no part 8"):
+        todo.put(tmp_path, 8, good)
+    assert (tmp_path / "part-00000.parquet").read_bytes() == good
+    assert 0 not in todo.missing(tmp_path)[0]
+
+
 def test_a_sweep_can_be_pickled_with_its_step(swept):
     stepped = mckibben.Sweep(swept)
     again = pickle.loads(pickle.dumps(stepped))

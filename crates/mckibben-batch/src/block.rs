@@ -11,7 +11,7 @@
 use crate::deal::{Blank, Deal, List};
 use crate::group::FEW;
 use crate::held::{self, Held};
-use crate::kept::{keep_contents, keep_given, keep_rates};
+use crate::kept::{keep_contents, keep_given, keep_rates, stay};
 use crate::motion::HostEnds;
 use crate::row::{BlockRows, Change, Row};
 use crate::span::Span;
@@ -342,6 +342,9 @@ impl<W: Wide> Block<W> {
                 }
                 if self.is_isothermal {
                     keep_contents(system, time, &self.contents, held, at, end);
+                }
+                if is_divided {
+                    stay(length, state, end);
                 }
                 together = believed & watch.holds(system, (time, end), held, at);
             }

@@ -269,8 +269,14 @@ impl<W: Wide> FlowFormulas<W> for HeldFlows<W> {
     }
 
     #[inline(always)]
-    fn is_under_way(&self, _: W) -> bool {
-        self.is_partial
+    fn is_under_way(&self, _: W) -> W::Mask {
+        let mut under_way = W::Mask::splat(false);
+        if self.is_partial {
+            for valve in &self.valves {
+                under_way = under_way | W::zero().lt(valve.partial_flag);
+            }
+        }
+        under_way
     }
 
     #[inline(always)]

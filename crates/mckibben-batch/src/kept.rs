@@ -4,6 +4,7 @@ use crate::held::Held;
 use crate::wide::Wide;
 use mckibben::internals::{Evaluation, Formulas, System};
 use mckibben::mechanism::Mechanism;
+use mckibben::scalar::Mask;
 
 /// Sets given motions and pressures to what they are at a time in s.
 #[inline(always)]
@@ -59,5 +60,18 @@ pub(crate) fn keep_contents<W: Wide>(
             let kept = *content * end[place + 1] / volume;
             end[place] = W::select(is_isothermal, kept, end[place]);
         }
+    }
+}
+
+/// Keeps lanes where they are whose step has no length, since something is due where they begin: to find what is known exactly again
+/// would change its last digits, and a scalar instance does not.
+#[inline(always)]
+pub(crate) fn stay<W: Wide>(length: W, state: &[W], end: &mut [W]) {
+    let stays = length.le(W::zero());
+    if !stays.any() {
+        return;
+    }
+    for (end, state) in end.iter_mut().zip(state) {
+        *end = W::select(stays, *state, *end);
     }
 }

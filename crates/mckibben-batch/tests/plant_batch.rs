@@ -6,11 +6,13 @@ use crate::common::plants::{leg_on_its_belt, on_a_bottle, requested, unlike_musc
 use crate::common::random::runner;
 use crate::common::random_plants::{drawn, numbered, plant};
 use crate::common::tendon::on_tendon;
-use crate::common::{PSI, Paper};
+use crate::common::{PSI, Paper, ROOM, spread};
 use crate::single::{self, Singles};
 use mckibben::control::{Output, Pid, Quantity, Regulator, Sampling, Sensors, SetPoint, Tracker};
 use mckibben::force::Effectiveness;
 use mckibben::friction::{Hysteresis, LuGre, Viscoelastic};
+use mckibben::line::Line;
+use mckibben::network::{Network, NodeKind};
 use mckibben::plant::{Plant, PlantRun, PlantStart, PlantSteps, RigPlant};
 use mckibben::simulation::{Actuation, Method, Rig};
 use mckibben::valve::{self, Command, FlowStandard, Request, RuntimeCommand, Solenoid, ValveKind};
@@ -22,13 +24,17 @@ pub(crate) fn bits(state: &[f64]) -> Vec<u64> {
     state.iter().map(|number| number.to_bits()).collect()
 }
 
-/// A row's own numbers: each has another mass and another valve.
+/// A row's own numbers: each has another mass, another volume, and another valve, whose poppets are under way for another time.
 pub(crate) fn varied(plant: &Plant, row: usize) -> Plant {
     let share = 1.0 - 0.01 * row as f64;
-    plant.map(|_, row, value| {
-        let varies = [parameter::MASS.key, parameter::EFFICIENCY.key].contains(&row.key);
-        if varies { value * share } else { value }
-    })
+    let varied = [
+        parameter::MASS.key,
+        parameter::EFFICIENCY.key,
+        parameter::EXTERNAL_VOLUME.key,
+        parameter::OPENING_TIME.key,
+        parameter::CLOSING_TIME.key,
+    ];
+    plant.map(|_, row, value| if varied.contains(&row.key) { value * share } else { value })
 }
 
 /// Rows of a plant with different parameters, at their start.
@@ -36,12 +42,32 @@ pub(crate) fn rows(plant: &Plant, start: &PlantStart, method: Method, count: usi
     (0..count).map(|row| Ok(PlantRun::new(&varied(plant, row), start, 1e-9)?.steps(method))).collect()
 }
 
-/// Steps a batch of every width and a scalar instance of each row, which have to agree; returns the scalar instances.
-pub(crate) fn agree(rows: &[PlantSteps], step: f64, steps: u32) {
-    step_by_step(rows, step, steps, Some(Singles::new(rows)));
+/// What the first valve of a plant can be set to, at every second step.
+pub(crate) fn commands_of(row: &PlantSteps) -> impl Fn(usize, usize) -> Option<RuntimeCommand> + Sync + use<> {
+    let any = |share: f64| {
+        let request = if share < 0.5 { Request::Fill } else { Request::Exhaust };
+        let set = RuntimeCommand::SetPoint(GaugePressure(5e5 * share));
+        [request.into(), RuntimeCommand::Position(2.0 * share - 1.0), set]
+    };
+    let takes = |kind: usize| row.clone().set(0, any(1.0)[kind]).is_ok();
+    let kind = (!row.plant().network().valves.is_empty()).then(|| (0..3).find(|kind| takes(*kind))).flatten();
+    move |row, count| {
+        let is_set = (row + count).is_multiple_of(2);
+        kind.filter(|_| is_set).map(|kind| any(spread(row + 37 * count, 6))[kind])
+    }
 }
 
-fn step_by_step(rows: &[PlantSteps], step: f64, steps: u32, mut singles: Option<Singles>) {
+/// Steps a batch of every width and a scalar instance of each row, which have to agree; returns the scalar instances.
+pub(crate) fn agree(rows: &[PlantSteps], step: f64, steps: u32) {
+    step_by_step(rows, step, steps, (Some(Singles::new(rows)), |_, _| None));
+}
+
+fn step_by_step(
+    rows: &[PlantSteps],
+    step: f64,
+    steps: u32,
+    (mut singles, command): (Option<Singles>, impl Fn(usize, usize) -> Option<RuntimeCommand> + Sync),
+) {
     let mut scalar = rows.to_vec();
     let mut faults: Vec<Option<Error>> = vec![None; rows.len()];
     let mut batches: Vec<PlantBatch> = Vec::new();
@@ -50,12 +76,18 @@ fn step_by_step(rows: &[PlantSteps], step: f64, steps: u32, mut singles: Option<
     }
     for count in 1..=steps {
         let until = step * f64::from(count);
-        for (row, fault) in scalar.iter_mut().zip(&mut faults) {
+        for (index, (row, fault)) in scalar.iter_mut().zip(&mut faults).enumerate() {
             if fault.is_none() {
+                if let Some(command) = command(index, count as usize) {
+                    row.set(0, command).expect("a command");
+                }
                 *fault = row.advance_to(until).err();
             }
         }
         for batch in &mut batches {
+            if !batch.plant(0).is_some_and(|plant| plant.network().valves.is_empty()) {
+                batch.set_each(0, |row| command(row, count as usize)).expect("commands");
+            }
             batch.advance_to(until).expect("a time");
             let width = batch.width();
             for (index, (row, fault)) in scalar.iter().zip(&faults).enumerate() {
@@ -362,13 +394,28 @@ fn what_does_not_fit_is_refused() {
     assert_eq!(batch.time(), 0.0);
 }
 
+/// Rates of a chain are not brought again to where its muscles stick, where a valve is set and no time passes.
+#[test]
+fn chains_whose_valves_are_set_before_a_step_equal_scalar_instances() {
+    let paper = Paper::pwm(25.0, 0.5).friction(3.5, 1e-4);
+    let (leg, start) = leg_on_its_belt(&Paper::sealed().friction(3.5, 1e-4));
+    let mut network = Network::new(&paper.air());
+    let [outside, source] =
+        [(NodeKind::Atmosphere, 0.0), (NodeKind::Source, 4e5)].map(|(kind, gauge)| network.node(kind, gauge, ROOM));
+    let rig = paper.rig();
+    network.draw(0, &paper.actuator(), (rig.actuation(), None), &Line::NONE, [source, outside], 1.0);
+    let plant = Plant::new(leg.actuators().to_vec(), network, leg.mechanisms().to_vec()).expect("a plant");
+    let rows = rows(&plant, &start, Method::Stable, 19).expect("rows");
+    step_by_step(&rows, 1e-3, 400, (None, commands_of(&rows[0])));
+}
+
 /// Isothermal air on a table of moment arms has its pressure by the piece of the table at the end of a step, in both.
 #[test]
 fn air_on_a_table_of_moment_arms_equals_scalar_instances() {
     for number in [229, 382] {
         let (plant, start, _) = plant(&numbered(number));
         let rows = rows(&plant.expect("a plant"), &start, Method::Stable, 9).expect("starts");
-        step_by_step(&rows, 1e-3, 40, None);
+        step_by_step(&rows, 1e-3, 40, (None, |_, _| None));
     }
 }
 
@@ -385,7 +432,8 @@ fn random_plants_in_a_batch_equal_scalar_instances() {
         let Ok(plant) = plant else { return Ok(()) };
         for (method, step) in [(Method::Stable, 1e-3), (Method::Rk4, 2e-5)] {
             if let Ok(rows) = rows(&plant, &start, method, 18) {
-                step_by_step(&rows, step, 60, None);
+                step_by_step(&rows, step, 60, (None, |_, _| None));
+                step_by_step(&rows, step, 60, (None, commands_of(&rows[0])));
                 single::go_on_or_stop(rows, step, 60);
                 count.set(count.get() + 1);
             }

@@ -5,7 +5,7 @@ use crate::common::{PSI, Paper, ROOM, spread};
 use crate::plant_batch::{agree, bits, rows};
 use mckibben::line::{Hose, HoseKind, Line};
 use mckibben::load::{Load, Motion, SeriesTendon};
-use mckibben::plant::{Plant, PlantSteps};
+use mckibben::plant::{Plant, PlantRun, PlantSteps};
 use mckibben::simulation::{Actuation, Method, PressureSeries, Rig};
 use mckibben::valve::{Command, Ramp, RuntimeCommand, Solenoid, Spool};
 use mckibben_batch::PlantBatch;
@@ -39,6 +39,26 @@ fn prescribed_motions_equal_scalar_instances() {
             let paper = paper.with(|rig| rig.load = Load::Prescribed(motion.clone()));
             go(&paper.rig(), &paper, |_, _| {});
         }
+    }
+}
+
+/// A row whose poppets have arrived has the matrix of where its motion is at the beginning of a step, whatever is under way in others.
+#[test]
+fn prescribed_motions_beside_others_whose_poppets_are_under_way_equal_scalar_instances() {
+    for motion in motions() {
+        let paper = Paper::pwm(25.0, 0.5).gauge(30.0 * PSI).with(|rig| rig.load = Load::Prescribed(motion.clone()));
+        let rig = paper.rig();
+        let Some(Actuation { solenoid, command }) = rig.actuation().cloned() else { unreachable!("it has a valve") };
+        let made = (0..21).map(|row| {
+            let ramp = Ramp::new(1e-3 * f64::from(row), 5e-4 * f64::from(row)).expect("a ramp");
+            let ramped = Actuation { solenoid: solenoid.clone().with_ramp(ramp), command: command.clone() };
+            let actuator = paper.actuator().with_valve(paper.valve());
+            let rig = Rig::new(actuator, Some(ramped), paper.load.clone()).expect("a rig");
+            let start = rig.start(&paper.initial()).expect("a start");
+            let (plant, start) = (Plant::of_rig(&rig), Plant::start_of_rig(&rig, &start));
+            PlantRun::new(&plant, &start, 1e-9).expect("a run").steps(Method::Stable)
+        });
+        agree(&made.collect::<Vec<_>>(), 5e-3, 100);
     }
 }
 

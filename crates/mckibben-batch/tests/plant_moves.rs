@@ -4,7 +4,8 @@ use crate::common::plants::on_a_bottle;
 use crate::common::random::runner;
 use crate::common::random_plants::{drawn, plant};
 use crate::common::{INCH, PSI, Paper, between, spread};
-use crate::plant_batch::{bits, rows};
+use crate::plant_batch::{bits, commands_of, rows};
+use mckibben::air::Process;
 use mckibben::friction::Viscoelastic;
 use mckibben::load::SeriesTendon;
 use mckibben::plant::{Plant, PlantRun, PlantStart, PlantSteps};
@@ -133,6 +134,11 @@ fn duty(row: usize, count: usize) -> Option<RuntimeCommand> {
     (count == 0 || (count + row).is_multiple_of(7)).then(|| pulses(spread(row + 5 * count, 6)))
 }
 
+/// Requests at every move.
+fn request(row: usize, count: usize) -> Option<RuntimeCommand> {
+    Some(if spread(row + 37 * count, 6) < 0.5 { Request::Fill } else { Request::Exhaust }.into())
+}
+
 /// With and without dry friction, within the lengths, beyond the longest, and below the shortest.
 #[test]
 fn muscles_that_a_host_moves_equal_scalar_instances() {
@@ -159,6 +165,26 @@ fn muscles_with_memory_that_a_host_moves_equal_scalar_instances() {
     }
 }
 
+/// What a step knows exactly is not found again where a valve is set and no time passes: the length of an end on a tendon without
+/// viscous friction, and the pressure of isothermal air.
+#[test]
+fn muscles_whose_valves_are_set_before_a_move_equal_scalar_instances() {
+    let paper = Paper::pwm(25.0, 0.5).gauge(30.0 * PSI).friction(3.5, 1e-4).from(3.4 * INCH, 0.0);
+    let tendon = SeriesTendon::new(2e4, 0.05).expect("a tendon");
+    let isothermal = paper.clone().process(Process::Isothermal);
+    let mut plants = vec![hosted(&isothermal, None), hosted(&isothermal, Some(tendon))];
+    for coulomb in [0.0, 1e-4] {
+        plants.push(hosted(&paper.clone().friction(0.0, coulomb), Some(tendon)));
+        plants.push(hosted(&isothermal.clone().friction(0.0, coulomb), Some(tendon)));
+    }
+    for (plant, start) in plants {
+        assert!(PlantBatch::covers(&plant), "it goes in lanes");
+        for (longest, command) in [(f64::INFINITY, duty as fn(usize, usize) -> _), (3e-4, request)] {
+            agree(&rows(&plant, &start, Method::Stable, 19).expect("rows"), (4e-5, longest), 100, command);
+        }
+    }
+}
+
 /// Two muscles on a bottle, and a further mass which no host moves.
 #[test]
 fn bottles_whose_ends_a_host_moves_equal_scalar_instances() {
@@ -167,7 +193,7 @@ fn bottles_whose_ends_a_host_moves_equal_scalar_instances() {
     agree(&rows(&plant, &start, Method::Stable, 19).expect("rows"), (3e-5, f64::INFINITY), 150, command);
 }
 
-/// Whatever plants are made of, their actuators moved by a host.
+/// Whatever plants are made of, their actuators moved by a host, which sets a valve.
 #[test]
 fn random_plants_that_a_host_moves_equal_scalar_instances() {
     let count = std::cell::Cell::new(0);
@@ -175,7 +201,7 @@ fn random_plants_that_a_host_moves_equal_scalar_instances() {
         let (plant, start, _) = plant(&drawn);
         let Ok((plant, start)) = plant.and_then(|plant| plant.to_external(&start)) else { return Ok(()) };
         if let Ok(rows) = rows(&plant, &start, Method::Stable, 18) {
-            agree(&rows, (5e-5, f64::INFINITY), 40, |_, _| None);
+            agree(&rows, (5e-5, f64::INFINITY), 40, commands_of(&rows[0]));
             count.set(count.get() + 1);
         }
         Ok(())

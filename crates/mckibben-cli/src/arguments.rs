@@ -56,7 +56,8 @@ pub struct Arguments {
 fn units_help() -> String {
     format!(
         "Units of what is printed and written: metric, si or imperial, and units for single quantities, as in `imperial` or \
-         `pressure=psi,angle=rad`. Summaries, figures, reports and the columns of files follow. Without it, summaries and \
+         `pressure=psi,angle=rad`, which change these quantities alone. Summaries, figures, reports and the columns of files \
+         follow. Without it, summaries and \
          figures are metric and files in SI; parts of a sweep in a folder are always in SI. Quantities: {}",
         Units::names()
     )

@@ -7,12 +7,17 @@
 //! | SIGTERM | 143 |
 //!
 //! A signal that the process was started with as ignored, as by
-//! `nohup`, stays ignored. A second signal ends the process at once. Work that has a result at any time, such as a search, ends
+//! `nohup`, stays ignored. A second signal ends the process at once, but not within a second of the first: `timeout` and shells
+//! signal a process and its group, which reach it twice. Work that has a result at any time, such as a search, ends
 //! with what it has at the first signal (`ending`): its files are written, and the exit code is that of the signal. Checked by
 //! `tests/output.rs` and `tests/identify_ends.rs`.
 
 use std::sync::atomic::{AtomicI32, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
+use std::time::{Duration, Instant};
+
+/// Signals that come within this time of one are one with it.
+const TOGETHER: Duration = Duration::from_secs(1);
 
 /// What ends the work under way with what it has.
 type End = Box<dyn FnOnce() + Send>;
@@ -58,7 +63,12 @@ pub fn listen() {
     let Ok(mut signals) = signal_hook::iterator::Signals::new(caught.iter().map(|(signal, _)| signal)) else { return };
     std::thread::spawn(move || {
         let mut ending = false;
+        let mut last: Option<Instant> = None;
         for signal in signals.forever() {
+            if last.is_some_and(|last| last.elapsed() < TOGETHER) {
+                continue;
+            }
+            last = Some(Instant::now());
             if ending {
                 std::process::exit(128 + signal);
             }

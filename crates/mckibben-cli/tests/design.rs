@@ -165,6 +165,26 @@ fn an_infeasible_constraint_is_reported_with_the_nearest_point() {
     assert_eq!(folder.names(), ["muscle.toml", "search.svg"]);
 }
 
+/// A ripple is a difference: 80 °C would be 353 K of it. Kelvins are taken.
+#[test]
+fn a_bound_on_a_difference_has_a_unit_without_an_offset() {
+    let folder = Folder::new("design-difference");
+    folder.file("muscle.toml", ISOMETRIC);
+    let options = ["muscle.toml", "--settle", "--vary", "supply.gauge_pressure=1..8 bar", "--evaluations", "2"];
+    let of = |bound: &str| {
+        let more = ["--minimize", "gauge_pressure.final", "--subject-to", bound];
+        design(&folder, &[&options[..], &more].concat())
+    };
+    for (unit, linear) in [("degC", "`K`"), ("degF", "`degR`")] {
+        let refused = of(&format!("settled.temperature.ripple<=80 {unit}"));
+        let words = error(&refused);
+        assert!(refused.status.code() == Some(2) && words.contains("a difference is due"), "{words}");
+        assert!(words.contains(linear), "{words}");
+    }
+    assert!(of("settled.temperature.ripple<=80 K").status.success());
+    assert!(of("settled.temperature.max<=300 degC").status.success());
+}
+
 #[test]
 fn what_cannot_be_searched_is_refused_in_words() {
     let folder = Folder::new("design-refused");

@@ -127,6 +127,104 @@ fn the_table_reports_the_point_the_poles_and_their_validity() {
     assert!(folder.names().is_empty());
 }
 
+/// The poles that are written, as real and imaginary parts, by their size.
+fn poles(model: &Value) -> Vec<[f64; 2]> {
+    let part = |pole: &Value, name: &str| pole[name].as_f64().expect("a number");
+    let poles = model["poles"].as_array().expect("poles").iter();
+    let mut poles: Vec<[f64; 2]> = poles.map(|pole| [part(pole, "real_1_s"), part(pole, "imaginary_rad_s")]).collect();
+    poles.sort_by(|a, b| a[0].hypot(a[1]).total_cmp(&b[0].hypot(b[1])));
+    poles
+}
+
+/// Loads that share nothing have the damping that each has in a file with no other.
+#[test]
+fn an_amplitude_damps_each_load_in_its_own_mode() {
+    let folder = Folder::new("linearize-loads");
+    let [heavy, light] = [("heavy", "10 kg"), ("light", "0.5 kg")]
+        .map(|(name, mass)| format!("[actuators.{name}]\nload = {{ kind = \"hanging-mass\", mass = \"{mass}\" }}\n"));
+    let of = |actuators: &str| -> Value {
+        let file = format!(
+            "[actuator]\npreset = \"colbrunn-2001\"\n[initial]\ngauge_pressure = \"3 bar\"\n\
+             [run]\nduration = \"1 s\"\n{actuators}"
+        );
+        let file = folder.file("loads.toml", &file);
+        run(&folder, &file.display().to_string(), &["--amplitude", "1 mm", "--output", "loads.json"]);
+        read(&folder, "loads.json")
+    };
+    let together = of(&format!("{heavy}{light}"));
+    let alone = [of(&heavy), of(&light)];
+    let mut expected: Vec<[f64; 2]> = alone.iter().flat_map(poles).collect();
+    expected.sort_by(|a, b| a[0].hypot(a[1]).total_cmp(&b[0].hypot(b[1])));
+    for (found, expected) in poles(&together).iter().zip(&expected) {
+        let apart = (found[0] - expected[0]).hypot(found[1].abs() - expected[1].abs());
+        assert!(apart <= 1e-6 * expected[0].hypot(expected[1]), "{found:?} {expected:?}");
+    }
+    let named = &together["coulomb_friction_as_damping"];
+    assert_eq!([&named[0]["of"], &named[1]["of"]], ["heavy", "light"]);
+    // One with so much friction that it creeps has no oscillation.
+    let creeps = light.replace("[actuators.light]\n", "[actuators.light]\nfriction = { viscous = \"400 N*s/m\" }\n");
+    let model = of(&format!("{heavy}{creeps}"));
+    assert_eq!(model["coulomb_friction_as_damping"].as_array().map(Vec::len), Some(1));
+}
+
+/// The load swings as on a lumped hose; the waves in the cells of a hose are thirty times as fast and less damped.
+#[test]
+fn an_amplitude_is_of_the_load_and_no_wave_in_a_hose() {
+    let folder = Folder::new("linearize-wave");
+    let of = |hose: &str, viscous: &str| {
+        let text = format!(
+            "[actuator]\npreset = \"colbrunn-2001\"\nfriction = {{ viscous = \"{viscous}\" }}\n\
+             [supply]\ngauge_pressure = \"5 bar\"\n[valve]\nkind = \"fill-hold-exhaust\"\nflow_area = \"0.3 mm^2\"\n\
+             [command]\nkind = \"table\"\ntime = [\"5 s\"]\nstate = [\"hold\"]\n\
+             [hose]\nlength = \"2 m\"\ndiameter = \"6 mm\"\n{hose}[load]\nkind = \"hanging-mass\"\nmass = \"2 kg\"\n\
+             [initial]\ngauge_pressure = \"3 bar\"\n[run]\nduration = \"0.1 s\"\n"
+        );
+        folder.file("hose.toml", &text).display().to_string()
+    };
+    let cells = "kind = \"distributed\"\ncells = 4\n";
+    let frequency = |hose: &str| -> f64 {
+        run(&folder, &of(hose, "3.5 N*s/m"), &["--amplitude", "1 mm", "--output", "hose.json"]);
+        let model = read(&folder, "hose.json");
+        model["coulomb_friction_as_damping"]["angular_frequency_rad_s"].as_f64().expect("a number")
+    };
+    let (lumped, distributed) = (frequency(""), frequency(cells));
+    assert!((distributed / lumped - 1.0).abs() < 1e-2, "{distributed} {lumped}");
+    let file = of(cells, "600 N*s/m");
+    let output =
+        folder.mckibben().args(["linearize", &file, "--amplitude", "1 mm"]).output().expect("the program runs");
+    let printed = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.code() == Some(2) && printed.contains("no load swings"), "{printed}");
+}
+
+/// Dead time and wave of a lumped hose are reported, and left out of the figure.
+#[test]
+fn delays_of_inputs_are_reported() {
+    let folder = Folder::new("linearize-delay");
+    let text = "[actuator]\npreset = \"colbrunn-2001\"\n[supply]\ngauge_pressure = \"5 bar\"\n\
+                [valve]\nkind = \"pressure-regulator\"\nflow_area = \"0.3 mm^2\"\ntime_constant = \"20 ms\"\n\
+                dead_time = \"50 ms\"\nrate_limit = \"50 bar/s\"\n\
+                [command]\nkind = \"set-points\"\ntime = [\"0 s\"]\ngauge_pressure = [\"3 bar\"]\n\
+                [load]\nkind = \"hanging-mass\"\nmass = \"2 kg\"\n[initial]\ngauge_pressure = \"3 bar\"\n\
+                [run]\nduration = \"1 s\"\n";
+    for (name, actuators) in [("one.toml", ""), ("named.toml", "[actuators.m]\n")] {
+        let file = folder.file(name, &format!("{text}{actuators}")).display().to_string();
+        let printed = run(&folder, &file, &["--output", "d.json"]);
+        assert!(printed.contains("set_point by 50") && printed.contains("Inputs act late"), "{printed}");
+        let model = read(&folder, "d.json");
+        for input in model["inputs"].as_array().expect("inputs") {
+            let is_command = input["name"].as_str().is_some_and(|name| name.ends_with("set_point"));
+            assert_eq!(input["delay_s"], if is_command { 0.05 } else { 0.0 }, "{input}");
+        }
+        let document = Document::parse(&format!("{text}{actuators}"), name).expect("TOML");
+        let figure = LinearModel::of(name, &document, &Request::default()).and_then(|model| model.figure(None));
+        let caption = figure.expect("a figure").caption;
+        assert!(caption.contains("without the delays of inputs"), "{caption}");
+        run(&folder, &file, &["--output", "d.m"]);
+        let script = std::fs::read_to_string(folder.path("d.m")).expect("a script");
+        assert!(script.contains("\ndelay = [5e-2 0e0"), "{script}");
+    }
+}
+
 #[test]
 fn two_of_three_are_given_and_the_duty_may_follow() {
     let folder = Folder::new("linearize-point");
@@ -312,6 +410,9 @@ fn what_has_no_meaning_is_refused_before_anything_is_written() {
     refused(&folder, "examples/paper/fig-03.toml", &[], "prescribed motion");
     let joint = "examples/antagonistic-joint.toml";
     refused(&folder, joint, &["--gauge-pressure", "60 psi"], "a joint has two actuators");
+    refused(&folder, joint, &["--amplitude", "1 mm"], "`amplitude` is not supported for a joint");
+    let stiff = ["--angle", "5 deg", "--stiffness", "2 N*m/rad", "--amplitude", "1 mm"];
+    refused(&folder, joint, &stiff, "leave `amplitude` out");
     refused(
         &folder,
         joint,

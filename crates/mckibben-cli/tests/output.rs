@@ -83,6 +83,14 @@ fn a_signal_removes_what_is_under_way_and_keeps_what_is_finished() {
         assert!(error(&output).contains(&format!("stopped by {name}: nothing was left behind")), "{}", error(&output));
         assert_eq!(folder.names(), ["sweep.toml"]);
 
+        // Twice, as `timeout` does it to the process and to its group: the file under way is removed all the same.
+        let mut child = begin(&folder, "exec \"$0\" sweep sweep.toml -o run.csv");
+        wait_until(&mut child, || folder.names().iter().any(|name| name.starts_with(".run.csv.")));
+        let twice = format!("kill {signal} {0}; kill {signal} {0} 2>/dev/null; true", child.id());
+        assert!(Command::new("sh").args(["-c", &twice]).status().expect("sh").success());
+        assert_eq!(child.wait_with_output().expect("ended").status.code(), Some(code));
+        assert_eq!(folder.names(), ["sweep.toml"]);
+
         // Parts, some of which are finished.
         let out = folder.path("out");
         let finished = || names(&out).iter().filter(|name| name.starts_with("part-")).count();

@@ -171,3 +171,25 @@ fn columns_of_the_summary_do_not_touch() {
     let line = printed.lines().find(|line| line.trim_start().starts_with("gauge pressure")).expect("a pressure");
     assert!(line.trim_start().starts_with("gauge pressure "), "{line}");
 }
+
+/// Matrices on the terminal in other units are a similar system: the rate of the length for the velocity is 1, and stiffnesses go by
+/// 1 lbf/in = 175.126 835 N/m.
+#[test]
+fn matrices_have_the_units_that_are_chosen() {
+    let folder = Folder::new("units-linear");
+    let file = of_repository("examples/linearize-pwm.toml");
+    let entries = |units: &str| -> Vec<(String, Vec<f64>)> {
+        let printed = text(&folder, &["linearize", file.to_str().expect("a path"), "--units", units]);
+        let lines = printed.lines().filter(|line| line.starts_with("dL/dt") || line.starts_with("F "));
+        let row = |line: &str| {
+            let numbers = line.split_whitespace().filter_map(|word| word.replace('−', "-").parse().ok());
+            (line.split_whitespace().next().expect("a name").to_owned(), numbers.collect())
+        };
+        lines.map(row).collect()
+    };
+    let (si, imperial) = (entries("si"), entries("imperial"));
+    assert!(si.len() >= 2 && si.len() == imperial.len(), "{si:?} {imperial:?}");
+    assert!(si[0].1.contains(&1.0) && imperial[0].1.contains(&1.0), "{imperial:?}");
+    let (si, imperial) = (si[1].1[0], imperial[1].1[0]);
+    assert!((si / 175.126_835 - imperial).abs() < 2e-4 * imperial.abs(), "{si} N/m, {imperial} lbf/in");
+}

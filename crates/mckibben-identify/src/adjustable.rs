@@ -10,7 +10,7 @@
 use mckibben::Error;
 use mckibben::parameter::{self as p, Parameter};
 pub use mckibben::{DIRECTIONS as WIDTH, Seeded};
-use mckibben_scenario::{Place, Scenario, Seeds, quantity};
+use mckibben_scenario::{Hysteresis, Load, Place, Scenario, Seeds, quantity};
 use std::fmt;
 
 /// A scenario and the numbers of it that are looked for.
@@ -109,12 +109,14 @@ impl Adjustable {
     /// The scenario with other values.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] when one is outside its parameter's range.
+    /// [`Error::OutOfRange`] when one is outside its parameter's range; [`Error::Table`] when entries that a file must have in rising
+    /// order are not.
     pub fn at(&self, values: &[f64]) -> Result<Scenario, Error> {
         let mut scenario = self.base.clone();
         for (place, value) in self.places.iter().zip(values) {
             place.set(&mut scenario, *value)?;
         }
+        check_order(&scenario)?;
         scenario.let_least_lengths_follow(self.least_follows);
         Ok(scenario)
     }
@@ -164,6 +166,30 @@ impl Adjustable {
     pub fn spread(&self, first: usize, slope: &[f64; WIDTH], factor: f64, row: &mut [f64]) {
         spread(first, slope, factor, row);
     }
+}
+
+/// That the lists which a file must have in rising order have it. The parts that they describe could be built in any order, and a search
+/// could exchange two entries: the scenario that it would write is refused.
+fn check_order(scenario: &Scenario) -> Result<(), Error> {
+    let second = match &scenario.load {
+        Load::AntagonisticJoint(joint) => Some(&joint.antagonist.actuator),
+        _ => None,
+    };
+    for friction in std::iter::once(&scenario.actuator).chain(second).map(|actuator| &actuator.friction) {
+        let times = friction.viscoelastic.as_ref().map(|branches| branches.relaxation_time.as_slice());
+        let reaches = match &friction.hysteresis {
+            Some(Hysteresis::MaxwellSlip { reach, .. }) => Some(reach.as_slice()),
+            _ => None,
+        };
+        for (row, list) in [(&p::BRANCH_RELAXATION_TIME, times), (&p::HYSTERESIS_REACH, reaches)] {
+            let Some(before) = list.unwrap_or_default().windows(2).position(|pair| pair[0] >= pair[1]) else {
+                continue;
+            };
+            let (problem, remedy) = ("it is not above the one before", "give entries that increase");
+            return Err(Error::Table { name: row.key, problem, entry: before + 2, remedy });
+        }
+    }
+    Ok(())
 }
 
 /// Puts the derivatives with respect to the unknowns from `first` on into the row of a residual, each times a factor.

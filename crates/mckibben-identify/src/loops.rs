@@ -275,6 +275,10 @@ pub struct LoopFit {
     pub scenario: Scenario,
     /// Root mean square of the residual tension, in N.
     pub left: f64,
+    /// The size of a residual tension in N to which outliers do not count that the search spares: else as `left`.
+    pub typical: f64,
+    /// The scale of a residual in N.
+    pub scale: f64,
 }
 
 impl LoopTask {
@@ -292,11 +296,20 @@ impl LoopTask {
             None => self.largest(),
         };
         let weighed = Weighed { task: self, scale: if scale > 0.0 { scale } else { 1.0 } };
-        let found = least_squares::fit_from(&weighed, &self.unknowns, &self.starts, &search)?;
+        let mut found = least_squares::fit_from(&weighed, &self.unknowns, &self.starts, &search)?;
+        found.fit = found.fit.on_bounds(&weighed);
         let scenario = self.adjustable.at(&found.fit.values())?;
         let squares: f64 = found.fit.residuals.iter().map(|residual| (residual * weighed.scale).powi(2)).sum();
         let left = (squares / found.fit.residuals.len().max(1) as f64).sqrt();
-        Ok(LoopFit { found, scenario, left })
+        let typical = found.fit.typical_residual(search.loss) * weighed.scale;
+        Ok(LoopFit { found, scenario, left, typical, scale: weighed.scale })
+    }
+
+    /// The standard deviation in N that the residuals should have by what is stated of tension and length, where they are more than
+    /// chance makes of it.
+    pub fn understated(&self, found: &LoopFit) -> Option<f64> {
+        let exceeds = least_squares::exceeds_scales(found.typical / found.scale, found.found.fit.degrees_of_freedom);
+        (self.deviation.is_some() && exceeds).then_some(found.scale)
     }
 
     /// The noise of a tension in N, with what the noise of the length makes of the static force, where the model leaves more than three
@@ -314,7 +327,7 @@ impl LoopTask {
         let actuator = found.scenario.driven().ok()?.actuator;
         let noise = of_tension.hypot(self.noise_of_length(&actuator));
         // Of readings without noise rounding is left.
-        (found.left > series::BEYOND_NOISE * noise && found.left > ROUNDING * self.largest()).then_some(noise)
+        (found.typical > series::BEYOND_NOISE * noise && found.typical > ROUNDING * self.largest()).then_some(noise)
     }
 
     /// Root mean square in N of what the noise of the lengths makes of the static force.

@@ -287,3 +287,23 @@ fn wrong_derivatives_do_not_keep_a_search_from_its_minimum() {
         assert!((value - expected).abs() < 5e-3, "{found:?}");
     }
 }
+
+/// A kink across one direction, and a sum of squares that is level along the other: the kink says nothing of the latter.
+#[test]
+fn what_is_not_identifiable_is_named_at_a_kink_too() {
+    let model = Plane::new(
+        |[x, y]| {
+            let side = if x + y >= 4.0 { 1.0 } else { -1.0 };
+            (vec![(x + y - 4.0).abs() + 1.0, 0.2, 0.1, 0.1], [vec![[side, side]], vec![[0.0, 0.0]; 3]].concat())
+        },
+        &|_| (),
+    );
+    let found = fit(&model, &from([0.5, 3.0]), &any_end()).expect("the best values");
+    assert_eq!(found.ending, Ending::Kink, "{found:?}");
+    assert!((found.values().iter().sum::<f64>() - 4.0).abs() < 1e-2, "{found:?}");
+    let named: Vec<&str> = found.unidentifiable[0].shares.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(named, ["x", "y"], "{:?}", found.unidentifiable);
+    // At a kink that both take part in nothing is named.
+    let found = fit(&Plane::new(ridge, &|_| ()), &from([0.5, 3.0]), &any_end()).expect("the best values");
+    assert!(found.unidentifiable.is_empty(), "{:?}", found.unidentifiable);
+}

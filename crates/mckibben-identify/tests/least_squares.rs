@@ -3,7 +3,9 @@
 #[path = "../src/median.rs"]
 mod median;
 
-use mckibben_identify::least_squares::{Ending, Evaluation, FitError, Loss, Model, Search, Unknown, fit};
+use mckibben_identify::least_squares::{
+    Ending, Evaluation, FitError, Loss, Model, Search, Unknown, exceeds_scales, fit,
+};
 
 /// A curve through points: `y − f(x)` and the slopes of f.
 struct Curve<F> {
@@ -379,4 +381,15 @@ fn rosenbrock() -> Curve<Plain> {
         _ => (0.1 * (of[0] - of[1]), vec![0.1, -0.1]),
     };
     Curve { points: vec![[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]], curve }
+}
+
+/// Quantiles of χ² at a thousandth, from a table: 29.588 of 10 degrees of freedom, 10.828 of one. Scales that are a third too small are no
+/// matter.
+#[test]
+fn residuals_exceed_their_scales_beyond_chance() {
+    for (count, quantile) in [(1, 10.828_f64), (10, 29.588)] {
+        let size = (quantile / f64::from(count)).sqrt();
+        assert!(exceeds_scales(1.02 * size, count as usize) && !exceeds_scales(0.98 * size, count as usize), "{count}");
+    }
+    assert!(exceeds_scales(1.51, 1000) && !exceeds_scales(1.49, 1000));
 }

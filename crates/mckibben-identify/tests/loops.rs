@@ -379,3 +379,59 @@ fn a_length_whose_noise_hides_its_direction_is_refused() {
     let said = error.to_string();
     assert!(said.contains("the length of the run `run`") && said.contains("kind = \"trajectories\""), "{said}");
 }
+
+/// A file must have its reaches in rising order. A search from a start in another order found values of a scenario that was refused, and
+/// the fit was lost.
+#[test]
+fn entries_that_must_rise_do_so_from_every_start() {
+    let paths = [0, 1].map(|entry| format!("actuator.friction.hysteresis.reach[{entry}]"));
+    let mut start = muscle(RATIO);
+    let places: Vec<Place> = paths.iter().map(|path| Place::find(path, &mut start).expect("a number")).collect();
+    let adjustable = Adjustable::new(start.clone(), places.clone(), [false; 2]);
+    assert!(adjustable.at(&[0.2e-3, 0.3e-3]).is_ok());
+    let problem = adjustable.at(&[0.5e-3, 0.3e-3]).expect_err("exchanged").to_string();
+    assert!(problem.contains("hysteresis.reach") && problem.contains("entries that increase"), "{problem}");
+    let unknown = |(path, first): (&String, f64)| Unknown::new(path, "m", first).between(1e-6, 1e-2);
+    let unknowns = paths.iter().zip([0.15e-3, 0.2e-3]).map(unknown).collect();
+    let mut task = task(start, places, unknowns, vec![pulled(&muscle(RATIO), 4e5, 0.0)]);
+    task.starts = vec![vec![0.3e-3, 0.1e-3]];
+    let found = task.identify().unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!([found.found.tried, found.found.failed], [2, 1]);
+    let Some(Hysteresis::MaxwellSlip { reach, .. }) = &found.scenario.actuator.friction.hysteresis else {
+        panic!("no Maxwell-slip law")
+    };
+    assert!(reach.is_sorted_by(|one, other| one < other), "{reach:?}");
+    assert!(Scenario::from_str(&found.scenario.to_toml(), "found.toml").is_ok());
+}
+
+#[test]
+fn a_value_on_its_bound_is_the_bound() {
+    let path = "actuator.friction.viscous";
+    let mut start = muscle(RATIO);
+    let place = Place::find(path, &mut start).expect("a number");
+    // The truth is 20 N·s/m.
+    for bounds in [[25.0, 100.0], [0.0, 15.0]] {
+        let unknown = Unknown::new(path, "N*s/m", 0.5 * (bounds[0] + bounds[1])).between(bounds[0], bounds[1]);
+        let task = task(start.clone(), vec![place], vec![unknown], vec![pulled(&muscle(RATIO), 4e5, 0.0)]);
+        let found = task.identify().unwrap_or_else(|error| panic!("{error}"));
+        let estimate = &found.found.fit.estimates[0];
+        assert!(estimate.on_bound && bounds.contains(&estimate.value), "{estimate:?}");
+        assert_eq!(found.scenario.actuator.friction.viscous, estimate.value);
+    }
+}
+
+/// Noise of 0.2 N, of which a hundredth is stated.
+#[test]
+fn a_deviation_that_is_too_small_is_seen() {
+    let path = "actuator.friction.viscous";
+    let mut start = muscle(RATIO);
+    let place = Place::find(path, &mut start).expect("a number");
+    let unknown = Unknown::new(path, "N*s/m", 10.0).between(0.0, 100.0);
+    for (deviation, is_small) in [(0.002, true), (0.2, false), (2.0, false)] {
+        let loops = vec![pulled(&muscle(RATIO), 4e5, 0.2)];
+        let mut task = task(start.clone(), vec![place], vec![unknown.clone()], loops);
+        task.deviation = Some(deviation);
+        let found = task.identify().unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(task.understated(&found).is_some(), is_small, "{deviation} N: {} N", found.typical);
+    }
+}

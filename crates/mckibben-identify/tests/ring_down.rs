@@ -358,3 +358,21 @@ fn a_known_pressure_and_velocity_are_kept() {
     close(found.coulomb_width.value, WIDTH, 1e-4, "Q");
     close(found.viscous.value, VISCOUS, 1e-4, "c");
 }
+
+/// Of a rig with another mass the least squares have no Coulomb friction: exactly none, and a scatter far above the noise.
+#[test]
+fn a_wrong_mass_leaves_more_than_noise_and_a_width_of_zero() {
+    let rig = muscle(VISCOUS, WIDTH);
+    let time = times(0.9, 2e-3);
+    let record = Record::new(time.clone(), Noise::new(7).added_to(&ring_down(&rig, &time), 2e-5)).expect("a record");
+    let load = Load::hanging_mass(2.2 * 2.72, 9.80665).expect("a load");
+    let wrong = Rig::new(rig.actuator().clone(), None, load).expect("a rig");
+    let found = Waveform::fit(&record, &wrong, &released(), Free::ALL, None).expect("a fit");
+    assert!(found.scatter > 3.0 * record.noise(), "{} for {}", found.scatter, record.noise());
+    if found.coulomb_width.on_bound {
+        assert_eq!(found.coulomb_width.value, 0.0);
+    }
+    let start = found.start(&released());
+    assert_eq!(start.length, InitialLength::At(found.fit.values()[2]));
+    assert_eq!([start.velocity, start.gauge_pressure.0], [found.fit.values()[3], found.fit.values()[4]]);
+}

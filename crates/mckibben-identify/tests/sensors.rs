@@ -4,7 +4,7 @@
 use crate::noise::{Noise, holds};
 use mckibben::simulation::simulate;
 use mckibben_identify::adjustable::Adjustable;
-use mckibben_identify::least_squares::{Search, Unknown};
+use mckibben_identify::least_squares::{Loss, Search, Unknown};
 use mckibben_identify::trajectories::{
     AMOUNTS, Amount, Horizon, Identified, Observed, Recorded, Sensor, Task, TimeSeries,
 };
@@ -260,4 +260,77 @@ fn an_offset_of_zero_is_identifiable() {
     let (least, most) =
         (errors.iter().copied().fold(f64::INFINITY, f64::min), errors.iter().copied().fold(0.0, f64::max));
     assert!(errors.len() == 8 && most < 2.0 * least, "{errors:?}");
+}
+
+/// The lengths of a run alone, with this noise in m.
+fn lengths(deviation: f64) -> Recorded {
+    let mut run =
+        recorded(100.0, &[VISCOUS], [(CLEAN, Sensor::default()), (CLEAN, Sensor::default())], [deviation, 0.0]);
+    run.time_series.truncate(1);
+    run
+}
+
+fn of_length(run: Recorded, search: Search) -> (Task, Identified) {
+    let unknowns = vec![unknown(VISCOUS, 4.0, [0.5, 50.0])];
+    let task = Task { runs: vec![run], unknowns, starts: Vec::new(), horizon: Horizon::Whole, search, tolerance: 1e-9 };
+    let found = task.identify().unwrap_or_else(|error| panic!("{error}"));
+    (task, found)
+}
+
+/// A table that is sampled ten times as fast as its sensor has each sample ten times, and the intervals were a third of what they are.
+#[test]
+fn a_sample_that_is_held_counts_once() {
+    let run = lengths(3e-5);
+    let series = &run.time_series[0];
+    // Times are 2 ms, 4 ms … 600 ms; the sensor samples at 20 ms, 40 ms … and holds.
+    let every = |from: usize, step: usize| (from..300).step_by(step);
+    let own = TimeSeries {
+        times: every(9, 10).map(|place| series.times[place]).collect(),
+        values: every(9, 10).map(|place| series.values[place]).collect(),
+        ..series.clone()
+    };
+    let held = TimeSeries {
+        times: every(9, 1).map(|place| series.times[place]).collect(),
+        values: every(9, 1).map(|place| series.values[9 + 10 * ((place - 9) / 10)]).collect(),
+        sensor: Sensor { hold: Some(0.02), ..Sensor::default() },
+        ..series.clone()
+    };
+    let estimate = |time_series: TimeSeries| {
+        let (_, found) = of_length(Recorded { time_series: vec![time_series], ..run.clone() }, Search::default());
+        (found.found.fit.estimates[0].value, found.found.fit.estimates[0].standard_error.expect("a standard error"))
+    };
+    let once = held.clone().without_repetitions();
+    assert_eq!(once.values.len(), 30);
+    let ((own, own_error), (once, once_error), (_, repeated)) = (estimate(own), estimate(once), estimate(held));
+    assert!((once / own - 1.0).abs() < 1e-6 && (once_error / own_error - 1.0).abs() < 1e-4, "{once} {own}");
+    assert!(repeated < 0.4 * once_error, "{repeated} of {once_error}");
+    // A sensor that follows has every reading.
+    assert_eq!(series.clone().without_repetitions(), *series);
+}
+
+#[test]
+fn a_deviation_that_is_stated_too_small_is_seen() {
+    for (deviation, is_small) in [(Some(3e-7), true), (Some(3e-5), false), (Some(3e-4), false), (None, false)] {
+        let mut run = lengths(3e-5);
+        run.time_series[0].deviation = deviation;
+        let (task, found) = of_length(run, Search::default());
+        assert_eq!(task.understated(&found).len(), usize::from(is_small), "{deviation:?}");
+        assert!(task.unexplained(&found).is_empty());
+    }
+}
+
+/// A tenth of the readings is 30 deviations off. A search that spares them leaves them, and nothing else.
+#[test]
+fn outliers_that_are_spared_are_no_lack_of_the_model() {
+    let mut run = lengths(3e-5);
+    let values = &mut run.time_series[0].values;
+    values
+        .iter_mut()
+        .step_by(10)
+        .enumerate()
+        .for_each(|(place, value)| *value += if place % 2 == 0 { 9e-4 } else { -9e-4 });
+    let (task, found) = of_length(run.clone(), Search { loss: Loss::Huber(2.5), ..Search::default() });
+    assert!(task.unexplained(&found).is_empty(), "{:?}", task.unexplained(&found));
+    let (task, found) = of_length(run, Search::default());
+    assert_eq!(task.unexplained(&found).len(), 1);
 }

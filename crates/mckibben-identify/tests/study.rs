@@ -392,6 +392,23 @@ fn sections_of_a_valve_are_read_to_si() {
     assert_eq!((flow.flow_path, flow.area), (Direction::Exhaust, Some(3e-6)));
     let pulses = study("pulse-train", "[pulses]\nbegins = \"0.2 s\"\nthreshold = 2.5").expect("a study").pulses;
     assert_eq!((pulses.begins, pulses.threshold), (0.2, Some(2.5)));
+    let fit = "[fit.\"valve.critical_ratio\"]\nfrom = 0.2\nto = 0.3";
+    let horizon = "[search]\nhorizon = [\"0.1 s\"]";
+    for (kind, section, key) in [
+        ("tank", format!("{tank}\n{fit}"), "[fit.\"valve.critical_ratio\"]"),
+        ("ring-down", fit.to_owned(), "[fit.\"valve.critical_ratio\"]"),
+        ("flow-curve", "[search]\nrobust = 2.5".to_owned(), "`robust` in [search]"),
+        ("pulse-train", "[search]\nmore_starts = 8".to_owned(), "`more_starts` in [search]"),
+        ("steady-flow", "[search]\nmost_steps = 8".to_owned(), "`most_steps` in [search]"),
+        ("ring-down", "[search]\nsegments = \"0.1 s\"".to_owned(), "`segments` in [search]"),
+        ("hysteresis", horizon.to_owned(), "`horizon` in [search]"),
+        ("force-map", horizon.to_owned(), "`horizon` in [search]"),
+    ] {
+        let error = study(kind, &section).expect_err("it is not read").to_string();
+        let said = format!("a study of the kind \"{kind}\" does not read {key}");
+        assert!(error.contains(&said) && error.contains("leave them out"), "{error}");
+    }
+    study("trajectories", &format!("{fit}\n{horizon}")).expect("it is read");
     for (kind, section) in [("force-map", "pulses"), ("flow-curve", "pulses"), ("trajectories", "flow")] {
         let error = study(kind, &format!("[{section}]")).expect_err("another kind").to_string();
         assert!(error.contains(&format!("`[{section}]` belongs to a study of the kind")), "{error}");
@@ -494,4 +511,21 @@ fn over_time_a_lone_spike_and_a_jump_in_time_are_refused() {
     // A pause is none.
     let pause = table(60, |row| if row < 30 { even(row) } else { format!("{},90,20", 100.0 + 0.01 * row as f64) });
     assert!(folder.recording(&pause, "", "").is_ok());
+}
+
+/// A spreadsheet's Windows-1252, with an umlaut in the head of a column that the study does not use, and UTF-16.
+#[test]
+fn text_in_another_encoding_is_refused_with_what_to_do() {
+    let folder = Folder::new("encoding");
+    folder.recording(&table(20, even), "", "").unwrap_or_else(|error| panic!("{error}"));
+    let text = table(20, even).replacen("t,L,F", "t,L,F,L\u{e4}nge", 1);
+    let latin: Vec<u8> = text.chars().map(|letter| letter as u8).collect();
+    let wide: Vec<u8> = std::iter::once(0xfeff).chain(text.encode_utf16()).flat_map(u16::to_le_bytes).collect();
+    for bytes in [latin, wide] {
+        std::fs::write(folder.0.join("data.csv"), bytes).expect("a file");
+        let text = "[study]\nkind = \"trajectories\"\nscenario = \"m.toml\"\n[columns.time]\nname = \"t\"\nunit = \"s\"\n\
+                    [columns.length]\nname = \"L\"\nunit = \"mm\"\n[[run]]\nfile = \"data.csv\"\n";
+        let problem = folder.study(text).and_then(|study| study.recordings()).expect_err("no UTF-8").to_string();
+        assert!(problem.contains("its text is not UTF-8; save it as UTF-8"), "{problem}");
+    }
 }

@@ -145,7 +145,7 @@ fn curves_that_identify_nothing_are_refused_with_a_remedy() {
         change(&mut points[2]);
         refused(&points)
     };
-    assert!(one(|point| point.temperature = 21.0).contains("give it in kelvin"));
+    assert!(one(|point| point.temperature = 21.0).contains("give it in kelvin, or with its own unit"));
     assert!(one(|point| point.upstream.0 = 7.0).contains("Pa"));
     assert!(one(|point| point.downstream = point.upstream).contains("swap the two"));
     assert!(one(|point| point.mass_flow = f64::NAN).contains("mass flow of point 3"));
@@ -335,6 +335,26 @@ fn heat_transfer_is_estimated_together_with_the_valve() {
     assert!(without.to_string().contains("energy balance"), "{without}");
 }
 
+/// Without the readings about its opening a tank has its valve still: the model begins at the opening, not at the first reading.
+#[test]
+fn a_tank_whose_first_readings_are_lacking_is_simulated_from_the_opening_of_its_valve() {
+    let guess = TankUnknown::Valve { sonic_conductance: 1e-8, critical_ratio: 0.5 };
+    let tank = tank(Process::Isentropic, Transfer::Discharge);
+    let times = times(1.2, 241);
+    let exact = tank.pressures(AbsolutePressure(7e5), VALVE, 1.0, &times).expect("pressures");
+    let noisy = Noise::new(5).added_to(&exact, 100.0);
+    let record = || TankRecord::new(times[8..].to_vec(), noisy[8..].to_vec()).expect("a record");
+    let found = tank.fit(&record().opened_at(0.0).expect("before it"), guess, false).expect("a fit");
+    let conductance = found.sonic_conductance.expect("it was unknown");
+    let error = conductance.standard_error.expect("it is identifiable");
+    assert!((conductance.value - CONDUCTANCE).abs() < 3.0 * error, "{conductance:?}");
+    close(conductance.value, CONDUCTANCE, 5e-3, "C");
+    // Air that has cooled by then is taken for warm otherwise.
+    let later = tank.fit(&record(), guess, false).expect("a fit").sonic_conductance.expect("it was unknown");
+    assert!((later.value / CONDUCTANCE - 1.0).abs() > 5e-3, "{later:?}");
+    assert!(record().opened_at(0.5).expect_err("after it").to_string().contains("before it opens"));
+}
+
 #[test]
 fn records_of_a_tank_that_cannot_be_are_refused() {
     let times = times(1.0, 20);
@@ -353,9 +373,13 @@ const DELAYS: [f64; 2] = [4e-3, 1e-3];
 
 /// Pressure in a rigid volume of 50 mL behind a three-way valve under PWM.
 fn pulsed(frequency: f64, duty: f64, time: &[f64]) -> Vec<f64> {
+    pulsed_by(VALVE, [frequency, duty], time)
+}
+
+fn pulsed_by(valve: FlowStandard, [frequency, duty]: [f64; 2], time: &[f64]) -> Vec<f64> {
     let air = air(Process::Isentropic);
     let supply = Supply::new(GaugePressure(6e5), ROOM, &air).expect("a supply");
-    let law = FlowLaw::new(VALVE, 1.0, 0.999, &air).expect("a law");
+    let law = FlowLaw::new(valve, 1.0, 0.999, &air).expect("a law");
     let valve = Valve::new(law, supply, ExhaustTemperature::Actuator, &air);
     let braid = Braid::new(0.1, 100.0).expect("a braid");
     let limits = LengthLimits::new(&braid, None, 0.09, 1e5, 0.0).expect("limits");
@@ -422,7 +446,28 @@ fn intervals_of_delays_hold_the_truth_in_95_of_100_trials() {
         [holds(&found.opening, DELAYS[0]), holds(&found.closing, DELAYS[1])]
     });
     println!("delays: opening, closing {hits:?}");
-    assert!(hits.iter().all(|hits| HITS.contains(hits)), "{hits:?}");
+    // The error of the model that they allow for is hardly there.
+    assert!(hits.iter().all(|hits| hits >= HITS.start()), "{hits:?}");
+}
+
+/// A fast valve, whose flow ceases to be choked within milliseconds of an edge, and a pulse that reaches the supply's pressure: two
+/// cubics from the pause to the next edge are tens of microseconds off there, many of their standard errors.
+#[test]
+fn a_pressure_that_bends_near_an_edge_does_not_bias_the_delays() {
+    let fast = FlowStandard::Iso6358 { sonic_conductance: 1.2e-8, critical_ratio: 0.3 };
+    for (interval, frequency, duty) in [(5e-4, 10.0, 0.25), (1e-3, 10.0, 0.25), (5e-4, 20.0, 0.5), (1e-3, 20.0, 0.5)] {
+        let time: Vec<f64> = (0..(1.6 / interval) as u32).map(|place| f64::from(place) * interval + 1.1e-4).collect();
+        let exact = pulsed_by(fast, [frequency, duty], &time);
+        let noisy = Noise::new(4).added_to(&exact, 30.0);
+        let train = PulseTrain::pwm(frequency, duty, (1.6 * frequency) as usize).expect("a train");
+        let found = Delays::find(&time, &noisy, &train).expect("delays");
+        for (delay, truth) in [(&found.opening, DELAYS[0]), (&found.closing, DELAYS[1])] {
+            let error = delay.standard_error.expect("it is identifiable");
+            println!("{interval} s, {frequency} Hz: {} for {truth}, ± {error}, {:?}", delay.value, found.windows);
+            let off = (delay.value - truth).abs();
+            assert!(off < 4.0 * error && off < 0.02 * interval, "{delay:?}, not {truth}");
+        }
+    }
 }
 
 #[test]

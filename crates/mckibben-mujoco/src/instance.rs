@@ -13,7 +13,8 @@
 //!
 //! A step is in MuJoCo's order: forces at t, MuJoCo's own step, then all ends go to where they are at t + h. MuJoCo knows that
 //! length only at the next step, so it is taken as `L(t) + h J(t) v(t + h)`, right to second order in h; the next step begins
-//! from there, so nothing adds up, and the force is always that at MuJoCo's own length.
+//! from there, so nothing adds up, and the force is always that at MuJoCo's own length. Nor do times add up roundings: from a
+//! multiple of h the plant goes to the next, so that a duty cycle set where a pulse begins is that of this pulse.
 
 use crate::config::Config;
 use mckibben::{GaugePressure, Response};
@@ -306,7 +307,7 @@ impl Instance {
             self.host.command(input, control)?;
         }
         self.place_ends(h)?;
-        let until = self.host.steps().time() + h;
+        let until = mckibben_run::host::end_of_step(self.host.steps().time(), h);
         self.host.advance(until, &self.distances)?;
         let count = self.wires.len();
         state[0] = UNDER_WAY;
@@ -567,6 +568,33 @@ mod tests {
         let (beyond, of_supply) = (after(30e5), after(6e5));
         assert_eq!(beyond.to_bits(), of_supply.to_bits());
         assert!((5e5..6.01e5).contains(&beyond), "{beyond} Pa");
+    }
+
+    /// Each pulse of duty one raises the pressure, and each of duty zero lowers it. Sums of 1 ms come after the begin of a
+    /// pulse of 25 Hz from 126 pulses on.
+    #[test]
+    fn a_duty_set_where_a_pulse_begins_is_that_of_the_pulse() {
+        let keys = [
+            ("initial.gauge_pressure", "40 psi"),
+            ("supply.gauge_pressure", "100 psi"),
+            ("valve.preset", "matrix-eight-channel"),
+            ("pulse_frequency", "25 Hz"),
+        ];
+        let mut instance = instance(&keys, "muscle", &[]).expect("a muscle");
+        let mut state = vec![0.0; instance.size()];
+        instance.ends.lengths[0] = 0.09;
+        instance.compute(&mut state).expect("forces");
+        let mut before = pressure(&state, 0);
+        // MuJoCo may change the step.
+        let steps = [(1e-3, 40); 160].into_iter().chain([(2e-3, 20); 160]);
+        for (pulse, (h, count)) in steps.enumerate() {
+            let duty = f64::from(u8::from(pulse % 2 == 0));
+            instance.ends.controls[0] = duty;
+            (0..count).for_each(|_| instance.advance(&mut state, h).expect("a step"));
+            let after = pressure(&state, 0);
+            assert_eq!(after > before, duty == 1.0, "pulse {pulse}: {before} Pa to {after} Pa");
+            before = after;
+        }
     }
 
     #[test]

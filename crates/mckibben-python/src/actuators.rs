@@ -17,6 +17,7 @@ use mckibben::plant::{PlantRow, PlantSteps};
 use mckibben_batch::{PlantBatch, Precision};
 use mckibben_identify::adjustable::Adjustable;
 use mckibben_run::failure::Failure;
+use mckibben_run::host::end_of_step;
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadwriteArray1, PyUntypedArrayMethods};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
@@ -33,7 +34,7 @@ const EACH: usize = 20 << 10;
 ///
 /// The caller owns the arrays: `step` reads and writes them in place. They are one-dimensional and C-contiguous, of float64,
 /// with one element for each actuator. They are stepped side by side in the vector registers of the processor, and by all cores where
-/// they are many. Each is bit-identical to a scalar `Actuator`.
+/// they are many. Each is bit-identical to a scalar `Actuator`. An array of other numbers or dimensions raises `TypeError`.
 ///
 /// Parameters
 /// ----------
@@ -44,7 +45,8 @@ const EACH: usize = 20 << 10;
 /// name : {"agonist", "antagonist"}, optional
 ///     Which actuator of a joint. Required for a joint, not allowed otherwise.
 /// parameters : sequence of str, optional
-///     Paths of the parameters that differ between the actuators, such as "actuator.turns". Not together with `name`.
+///     Paths of the parameters that differ between the actuators, such as "actuator.turns"; none by default. Not together with
+///     `name`.
 /// values : numpy.ndarray, optional
 ///     Values of `parameters` in SI, float64 of shape (count, len(parameters)), of any memory layout. Required with `parameters`.
 /// pulse_frequency : float or str, optional
@@ -402,7 +404,8 @@ impl Actuators {
         let mut many = self.many()?;
         let many = &mut *many;
         many.batch.limit_step(longest).or_exception()?;
-        let (from, until) = (many.batch.time(), many.batch.time() + dt);
+        let from = many.batch.time();
+        let until = end_of_step(from, dt);
         let pulses = command.map_or(0.0, |_| 2.0 * dt * model.pulses.frequency);
         let parts = (many.batch.parts_until(until)).max((dt / longest).ceil().max(1.0) + pulses);
         check_parts(parts, dt).or_exception()?;

@@ -8,6 +8,10 @@
 //!
 //! The derivatives are those of the step itself, over dual numbers: instants of poppets and pulses, and events of friction, move
 //! with what determines them. Since `x` is all that a step continues from, Jacobians of successive steps multiply.
+//!
+//! For that a set point or a position is a new one in each step, also where it equals the one that holds. A valve that is
+//! set again to what it has would go on with the number in `x`. Equality has no derivative: with respect to `x` the step would
+//! follow the old number, with respect to `u` the new one, and both would count.
 
 use crate::actuator::{
     Actuator, ActuatorState, Model, PARTS_PER_CHECK, check_dt, check_length, check_velocity, longest_part, respond,
@@ -17,8 +21,9 @@ use crate::python;
 use crate::typed::{Function, LENGTH, NewArguments, Numbers, Quantity, Sequence, TIME, VELOCITY, Value};
 use mckibben::plant::{PlantRun, PlantSteps};
 use mckibben::valve::RuntimeCommand;
-use mckibben::{DIRECTIONS, Error, GaugePressure, Over, Seeded};
+use mckibben::{DIRECTIONS, Error, GaugePressure, Instantiate, Over, Seeded};
 use mckibben_run::failure::Failure;
+use mckibben_run::host::end_of_step;
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
@@ -53,7 +58,10 @@ use pyo3::prelude::*;
 /// end of a step, the derivatives are those of one side.
 ///
 /// A command is a duty cycle from 0 to 1, of a pressure regulator a gauge pressure in Pa, of a proportional spool a position from
-/// -1 to 1. A duty cycle takes effect when the next pulse begins.
+/// -1 to 1. A duty cycle takes effect when the next pulse begins. A set point and a position are new ones in each step, also where
+/// they equal those before, so that each has its own derivatives. `Actuator.step` goes on with an equal one: its results differ by
+/// rounding, and with a dead time that is no multiple of `dt` as those of a step that is divided there. At most 64 commands may be
+/// on their way: with a dead time of more steps give a longer `dt`.
 ///
 /// Examples
 /// --------
@@ -117,6 +125,20 @@ fn seeded_command(command: RuntimeCommand, number: Seeded) -> RuntimeCommand<See
     }
 }
 
+/// Sets the valve, as a new command also where it is the one that holds: of two commands at one instant the later counts,
+/// and the earlier is another one here.
+fn set_as_new<R: Instantiate>(steps: &mut PlantSteps<R>, command: RuntimeCommand<R>) -> Result<(), Error> {
+    // Between zero and the number, so that the valve takes it.
+    let other = |number: R| R::constant(if number.value() == 0.0 { f64::MIN_POSITIVE } else { 0.5 * number.value() });
+    match command {
+        RuntimeCommand::SetPoint(gauge) => steps.set(0, RuntimeCommand::SetPoint(GaugePressure(other(gauge.0))))?,
+        RuntimeCommand::Position(position) => steps.set(0, RuntimeCommand::Position(other(position)))?,
+        // A request has no number, and a duty cycle replaces the one before in any case.
+        RuntimeCommand::Request(_) | RuntimeCommand::Pulses { .. } => {}
+    }
+    steps.set(0, command)
+}
+
 impl DifferentiableStep {
     fn model(&self) -> &Model {
         &self.actuator.get().model
@@ -162,9 +184,9 @@ impl DifferentiableStep {
         let (numbers, motion) = values.split_at(self.states.len());
         let mut steps = self.model().steps.clone();
         steps.restore_from(numbers)?;
-        command.map_or(Ok(()), |command| steps.set(0, command))?;
+        command.map_or(Ok(()), |command| set_as_new(&mut steps, command))?;
         steps.limit_step(self.longest)?;
-        let until = steps.time() + self.dt;
+        let until = end_of_step(steps.time(), self.dt);
         Self::check_parts(steps.parts_until(until))?;
         steps.move_to(until, &[motion[0]])?;
         let mut outputs = vec![0.0; self.states.len() + 1];
@@ -190,10 +212,11 @@ impl DifferentiableStep {
             let (numbers, motion) = inputs.split_at(states);
             steps.restore_from(numbers)?;
             if let Some((command, number)) = command.zip(motion.get(2)) {
-                steps.set(0, seeded_command(command, *number))?;
+                set_as_new(&mut steps, seeded_command(command, *number))?;
             }
             steps.limit_step(self.longest)?;
-            let until = steps.time() + Seeded::of(self.dt);
+            let from = steps.time();
+            let until = Seeded { value: end_of_step(from.value, self.dt), ..from };
             steps.move_to(until, &[motion[0]])?;
             let (state, tension) = outputs.split_at_mut(states);
             steps.save_to(state)?;

@@ -328,6 +328,8 @@ impl HostedPlant {
     /// InputError
     ///     An array has another shape or is not C-contiguous, an actuator cannot have such a distance, or a velocity is out of
     ///     range.
+    /// TypeError
+    ///     An array is not one of float64 with two dimensions.
     fn begin(this: &Bound<'_, Self>, py: Python<'_>, distances: Table<'_>, velocities: Table<'_>) -> PyResult<()> {
         let plants = &mut *alone::to_change(this, CLASS)?;
         let (distances, velocities) = (distances.read("distances")?, velocities.read("velocities")?);
@@ -356,6 +358,9 @@ impl HostedPlant {
     /// InputError
     ///     There is no such plant, an index is given twice, an array has another shape or is not C-contiguous, an actuator cannot
     ///     have such a distance, or a velocity is out of range; nothing has changed.
+    /// TypeError
+    ///     An array of distances or velocities is not one of float64 with two dimensions, or `rows` not one of int64 with one;
+    ///     nothing has changed.
     fn restart(
         this: &Bound<'_, Self>,
         py: Python<'_>,
@@ -401,6 +406,8 @@ impl HostedPlant {
     /// InputError
     ///     An array has another shape or is not C-contiguous, an actuator cannot have such a distance, or a velocity is out of
     ///     range.
+    /// TypeError
+    ///     An array is not one of float64 with two dimensions.
     /// SimulationError
     ///     A plant has stopped.
     fn compute<'py>(
@@ -437,6 +444,8 @@ impl HostedPlant {
     /// InputError
     ///     An array has another shape or is not C-contiguous, a valve does not take such a command, or there are more than
     ///     10 000 000 parts and edges of pulses; no plant has moved.
+    /// TypeError
+    ///     An array is not one of float64 with two dimensions; no plant has moved.
     /// SimulationError
     ///     The step leads a plant to a non-physical state. The others have taken the step. That plant has stopped: until `begin` or
     ///     `restore`, its later steps raise as well.
@@ -542,6 +551,8 @@ impl HostedPlant {
     /// InputError
     ///     The numbers are no states of these plants, or are states of plants of another scenario, command mode or pulse
     ///     frequency; nothing has changed.
+    /// TypeError
+    ///     The states are no array of float64 with two dimensions; nothing has changed.
     fn restore(this: &Bound<'_, Self>, py: Python<'_>, states: Table<'_>) -> PyResult<()> {
         alone::to_change(this, CLASS)?.bring_back(py, &states)
     }

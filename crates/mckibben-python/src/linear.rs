@@ -249,6 +249,15 @@ impl LinearModel {
         self.signals.iter().flatten().map(|(name, unit)| (name.as_str(), unit.as_str())).collect()
     }
 
+    /// Delay in s from each input to the beginning of its effect, by the input's name.
+    ///
+    /// It is the dead time of a valve and the delay of a lumped hose. The matrices and `response` leave it out: it multiplies the
+    /// response to that input by `exp(-1j * omega * delay)`.
+    #[getter]
+    fn delay<'py>(model: &Bound<'py, Self>) -> PyResult<Point<'py>> {
+        python::call(model.py(), ("_linear", "delay"), (model,)).map(Point)
+    }
+
     /// Poles in 1/s.
     #[getter]
     fn poles<'py>(&self, py: Python<'py>) -> PyResult<Complex<'py>> {
@@ -295,17 +304,18 @@ impl LinearModel {
     /// Returns
     /// -------
     /// control.StateSpace
-    ///     In its names an underscore stands for each point, which python-control refuses: `biceps_duty` for `biceps.duty`.
+    ///     In its names an underscore stands for each point, which python-control refuses: `biceps_duty` for `biceps.duty`. Delays
+    ///     are left out.
     fn to_control<'py>(model: &Bound<'py, Self>) -> PyResult<Object<'py>> {
         python::call(model.py(), ("_linear", "to_control"), (model,)).map(Object)
     }
 
-    /// Return the complex frequency response of each output to each input.
+    /// Return the complex frequency response of each output to each input, without the delays of the inputs.
     ///
     /// Parameters
     /// ----------
     /// omega : array_like
-    ///     Angular frequencies in rad/s.
+    ///     Angular frequencies in rad/s, finite.
     ///
     /// Returns
     /// -------
@@ -315,12 +325,12 @@ impl LinearModel {
     /// Raises
     /// ------
     /// InputError
-    ///     A pole lies at a frequency, as that of an integrator at zero: the response there is without bound.
+    ///     A frequency is not finite, or a pole lies at it, as that of an integrator at zero: the response there is without bound.
     fn response<'py>(model: &Bound<'py, Self>, omega: Line<'py>) -> PyResult<Complex<'py>> {
         python::call(model.py(), ("_linear", "response"), (model, omega.read("omega")?)).map(Complex)
     }
 
-    /// Draw magnitude and phase of outputs over one input with Matplotlib.
+    /// Draw magnitude and phase of outputs over one input with Matplotlib, without the delays of the inputs.
     ///
     /// Parameters
     /// ----------

@@ -35,7 +35,7 @@ const SET: &str = "with_values";
 /// name : str, optional
 ///     Name that messages show in place of that of a file; "scenario.toml" by default.
 /// values : sequence of (str, str), optional
-///     Paths of keys with values as TOML, which replace those of the text.
+///     Paths of keys with values as TOML, which replace those of the text; none by default.
 /// in_si : bool, optional
 ///     Whether numbers without a unit are quantities in SI. By default they are refused.
 ///

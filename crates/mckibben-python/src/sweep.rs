@@ -5,7 +5,6 @@ use crate::scenario::{Scenario, ScenarioArgument};
 use crate::signals::interruptible;
 use crate::typed::{Items, Names, Progress};
 use mckibben_run::failure::Failure;
-use mckibben_run::output;
 use mckibben_run::sweep::counts::SweepCounts;
 use mckibben_run::sweep::destination::Place;
 use mckibben_run::sweep::folder::{FinishedPart, Folder};
@@ -184,16 +183,7 @@ impl Sweep {
     /// InputError
     ///     There is no such part.
     fn part<'py>(&self, py: Python<'py>, part: u64) -> PyResult<Bound<'py, PyBytes>> {
-        let parts = self.parts();
-        let bytes = py
-            .detach(|| match part < parts {
-                true => self.prepared.part(self.choice.as_ref(), part),
-                false => Err(Failure::input(
-                    format!("the sweep has no part {part}"),
-                    format!("parts are counted from 0, and there are {parts}"),
-                )),
-            })
-            .or_exception()?;
+        let bytes = py.detach(|| self.prepared.part(self.choice.as_ref(), part)).or_exception()?;
         Ok(PyBytes::new(py, &bytes))
     }
 
@@ -259,14 +249,13 @@ impl Sweep {
     /// Raises
     /// ------
     /// InputError
-    ///     The folder holds something else.
+    ///     The folder holds something else, or the bytes are not that part, whole; what stands in its place stays.
     /// OutputError
     ///     The file cannot be written.
     fn put(&self, py: Python<'_>, folder: PathBuf, part: u64, bytes: &[u8]) -> PyResult<()> {
         py.detach(|| {
-            let folder = self.prepared.folder(&folder)?;
-            let written = output::write(&folder.part(part), bytes);
-            written.map_err(|failure| failure.staying(|| folder.stays(&self.prepared.plan())))
+            let (folder, plan) = (self.prepared.folder(&folder)?, self.prepared.plan());
+            folder.put(&plan, part, bytes).map_err(|failure| failure.staying(|| folder.stays(&plan)))
         })
         .or_exception()
     }

@@ -15,7 +15,7 @@ use mckibben_run::axis::TrajectoryAxis;
 use mckibben_run::failure::Failure;
 use mckibben_run::output;
 use mckibben_run::record::{Format, Provenance, Values};
-use mckibben_run::run::{Finished, Ready};
+use mckibben_run::run::{Figures, Finished, Ready};
 use mckibben_run::settle::End;
 use mckibben_run::warnings::of_run;
 use pyo3::exceptions::{PyAttributeError, PyKeyError};
@@ -23,7 +23,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use std::borrow::Cow;
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// Simulate a scenario and return its trajectory.
 ///
@@ -52,6 +52,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// Notes
 /// -----
 /// The interpreter is released during the run, so other threads continue. Ctrl-C ends the run.
+///
+/// The columns are finite numbers. Those of `summary()` take longer than the run, so they are computed and checked when they are
+/// first used, as by `warnings` and before a file is written. The whole run is kept, with about 3 kB for each event.
 ///
 /// Examples
 /// --------
@@ -85,7 +88,7 @@ pub(crate) fn simulate(
     };
     let events = log.times.into_iter().zip(log.rows).map(event).collect();
     let kept = Mutex::new(Some(Arc::new(finished)));
-    Ok(Trajectory { scenario: scenario.unbind(), columns, events, kept })
+    Ok(Trajectory { scenario: scenario.unbind(), columns, events, kept, figures: OnceLock::new() })
 }
 
 fn run(py: Python<'_>, scenario: &Scenario, progress: Option<Progress<'_>>) -> PyResult<Finished> {
@@ -137,6 +140,8 @@ pub(crate) struct Trajectory {
     events: Vec<Event>,
     /// The run; computed again on use where it is missing, as after unpickling.
     kept: Mutex<Option<Arc<Finished>>>,
+    /// What it came to, once that is used: it takes longer than the run.
+    figures: OnceLock<Figures>,
 }
 
 /// Event of a run: a discontinuity, and the discrete state that holds after it.
@@ -243,6 +248,17 @@ impl Trajectory {
         Ok(kept().get_or_insert(finished).clone())
     }
 
+    /// What the run came to. Each number of it is finite, as the program has it before it writes a file.
+    fn figures(&self, py: Python<'_>) -> PyResult<&Figures> {
+        if let Some(figures) = self.figures.get() {
+            return Ok(figures);
+        }
+        let finished = self.finished(py)?;
+        let checked = py.detach(|| finished.figures().and_then(|of| of.summary().check().map(|()| of)));
+        let figures = checked.or_exception()?;
+        Ok(self.figures.get_or_init(|| figures))
+    }
+
     fn between<'py>(&self, py: Python<'py>, times: &[f64]) -> PyResult<Bound<'py, PyDict>> {
         let finished = self.finished(py)?;
         // Ctrl-C is handled between parts of very many times.
@@ -263,6 +279,7 @@ impl Trajectory {
     }
 
     fn write(&self, py: Python<'_>, path: PathBuf, format: Format) -> PyResult<()> {
+        self.figures(py)?;
         let (finished, scenario) = (self.finished(py)?, self.scenario.get());
         py.detach(|| {
             let set = scenario.settings();
@@ -293,7 +310,7 @@ impl Trajectory {
         };
         let columns = columns.0.into_iter().map(of_column).collect::<PyResult<_>>()?;
         let events = events.0.iter().map(|event| event.get().clone()).collect();
-        Ok(Self { scenario, columns, events, kept: Mutex::new(None) })
+        Ok(Self { scenario, columns, events, kept: Mutex::new(None), figures: OnceLock::new() })
     }
 
     /// Scenario that was run.
@@ -406,7 +423,7 @@ impl Trajectory {
         self.attribute(py, "mass_flow_kg_s").map(Numbers)
     }
 
-    /// Open ports of the valve: "supply", "exhaust", "both" or "closed".
+    /// Open ports of the valve: "supply", "exhaust", "supply+exhaust" or "closed".
     #[getter]
     fn valve<'py>(&self, py: Python<'py>) -> PyResult<Words<'py>> {
         self.attribute(py, "valve").map(Words)
@@ -439,11 +456,11 @@ impl Trajectory {
     /// Warnings of what the scenario cannot mean, such as a valve that never opens or a length that no braid has.
     ///
     /// Each is one sentence that names the quantity, its value, the limit and the key to change. Of several actuators it begins
-    /// with the name of the part.
+    /// with the name of the part. Where a number of `summary()` is not finite, `SimulationError` names it.
     #[getter]
     fn warnings(&self, py: Python<'_>) -> PyResult<Vec<String>> {
-        let (finished, document) = (self.finished(py)?, &self.scenario.get().document);
-        let found = py.detach(|| Ok::<_, Failure>(of_run(Ready::of(document)?.warnings(), &finished.figures()?)));
+        let (figures, document) = (self.figures(py)?, &self.scenario.get().document);
+        let found = py.detach(|| Ok::<_, Failure>(of_run(Ready::of(document)?.warnings(), figures)));
         let found = found.or_exception()?;
         Ok(found.iter().map(ToString::to_string).collect())
     }
@@ -478,7 +495,7 @@ impl Trajectory {
     /// Parameters
     /// ----------
     /// times : array_like
-    ///     Times in s, from 0 to the end of the run, one or more.
+    ///     Times in s, from 0 to the end of the run, in any number.
     ///
     /// Returns
     /// -------
@@ -536,6 +553,11 @@ impl Trajectory {
     /// Summary
     ///     A mapping of names such as "length.final" to numbers in SI, with `units`, `events` and `assumed`.
     ///
+    /// Raises
+    /// ------
+    /// SimulationError
+    ///     One of the numbers is not finite.
+    ///
     /// Examples
     /// --------
     ///     >>> import mckibben
@@ -552,8 +574,7 @@ impl Trajectory {
 
     /// Return numbers with their names and units, counts of events, and assumed values.
     fn _figures(&self, py: Python<'_>) -> PyResult<Figured> {
-        let (finished, assumed) = (self.finished(py)?, self.scenario.get().document.assumed());
-        let summary = py.detach(|| finished.figures().map(|figures| figures.summary())).or_exception()?;
+        let (summary, assumed) = (self.figures(py)?.summary(), self.scenario.get().document.assumed());
         let numbers = summary.numbers.into_iter().map(|number| (number.name, number.value, number.unit)).collect();
         let assumed = assumed.into_iter().map(|of| (of.parameter.key.to_owned(), of.text)).collect();
         Ok((numbers, summary.events.into_iter().collect(), assumed))
@@ -596,7 +617,7 @@ impl Trajectory {
         python::call(run.py(), ("_beside", "plot"), arguments).map(Figure)
     }
 
-    /// Write the columns as Parquet: byte for byte the file of `mckibben simulate --output`.
+    /// Write the columns as Parquet: the columns and the numbers of the file of `mckibben simulate --output`.
     ///
     /// Parameters
     /// ----------
@@ -607,6 +628,8 @@ impl Trajectory {
     /// ------
     /// OutputError
     ///     The file cannot be written; then none is left behind.
+    /// SimulationError
+    ///     A number of `summary()` is not finite.
     fn to_parquet(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         self.write(py, path, Format::Parquet)
     }
@@ -622,11 +645,13 @@ impl Trajectory {
     /// ------
     /// OutputError
     ///     The file cannot be written; then none is left behind.
+    /// SimulationError
+    ///     A number of `summary()` is not finite.
     fn to_csv(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         self.write(py, path, Format::Csv)
     }
 
-    /// Write the columns as a MAT-file for MATLAB, Octave and SciPy: byte for byte the file of `mckibben simulate --output`.
+    /// Write the columns as a MAT-file for MATLAB, Octave and SciPy, as `mckibben simulate --output` does.
     ///
     /// Each column is a variable; points in names become underscores.
     ///
@@ -639,6 +664,8 @@ impl Trajectory {
     /// ------
     /// OutputError
     ///     The file cannot be written; then none is left behind.
+    /// SimulationError
+    ///     A number of `summary()` is not finite.
     fn to_mat(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         self.write(py, path, Format::Mat)
     }
@@ -648,8 +675,8 @@ impl Trajectory {
     /// Parameters
     /// ----------
     /// over : {"time", "length"}, optional
-    ///     Horizontal axis: time, or the length, over which the tension is drawn. The figure of several actuators is always
-    ///     over time.
+    ///     Horizontal axis: time by default, or the length, over which the tension is drawn. The figure of several actuators is
+    ///     always over time.
     ///
     /// Returns
     /// -------

@@ -145,7 +145,7 @@ words! {
     /// Numbers that the lanes of a batch hold.
     PrecisionWord = "double" | "single";
     /// Open ports of a valve.
-    PortsWord = "closed" | "supply" | "exhaust" | "both";
+    PortsWord = "closed" | "supply" | "exhaust" | "supply+exhaust";
     /// Request of a valve with poppets.
     RequestWord = "fill" | "hold" | "exhaust";
 }

@@ -299,6 +299,30 @@ mod tests {
         }
     }
 
+    /// A muscle that is filled takes up the air that it holds at the end, through however many manifolds it came.
+    #[test]
+    fn air_that_comes_through_manifolds_is_used_once() {
+        let manifold = |name: &str, from: &str| {
+            format!(
+                "[supplies.{name}]\nfrom = \"{from}\"\nreservoir_volume = \"20 cm^3\"\ninlet.flow_area = \"5 mm^2\"\n"
+            )
+        };
+        let [first, second] = [manifold("one", "supply"), manifold("two", "one")];
+        let used = [("supply", String::new()), ("one", first.clone()), ("two", first + &second)].map(|(feed, manifolds)| {
+            let text = format!(
+                "[supply]\ngauge_pressure = \"4 bar\"\n{manifolds}[valve]\nkind = \"three-way\"\nflow_area = \"1 mm^2\"\n\
+                 [command]\nkind = \"fill\"\n[air]\nprocess = \"isothermal\"\n[load]\nkind = \"isometric\"\n\
+                 [initial]\nlength = \"9 cm\"\n[actuators.a]\npreset = \"colbrunn-2001\"\nsupply = \"{feed}\"\n\
+                 [run]\nduration = \"2 s\"\n"
+            );
+            let document = Document::parse(&text, "fill.toml").unwrap();
+            let finished = Ready::of(&document).unwrap().run(&document, End::Duration, &mut |_| Ok(())).unwrap().0;
+            let numbers = finished.figures().unwrap().summary().numbers;
+            numbers.iter().find(|number| number.name == "air.used").unwrap().value
+        });
+        assert!(used[0] > 3e-5 && used.iter().all(|its| (its / used[0] - 1.0).abs() < 1e-6), "{used:?}");
+    }
+
     /// A load that swings under pulses: friction jumps where the velocity turns, and its tension has its peak just before.
     const SWING: &str = "[supply]\ngauge_pressure = \"6.313 bar\"\n[actuator]\npreset = \"colbrunn-2001\"\n\
                          friction.viscoelastic = { relaxation_time = [\"20 ms\"], stiffness_ratio = [0.2] }\n\

@@ -5,12 +5,16 @@
 //! | `length` | m | mm, µm, … | mm, µm, … | in |
 //! | `pressure` | Pa | bar, below 0.01 bar Pa | kPa, … | psi |
 //! | `force` | N | N | N | lbf |
-//! | `mass` | kg | g, mg, … | g, mg, … | lb |
+//! | `mass` | kg | g, mg, … | kg, below 0.01 kg g, mg, … | lb |
 //! | `angle` | rad | degree | rad | degree |
 //! | … | | the whole list is the table in this file | | |
 //!
 //! Everything that shows a number uses this module: summaries, figures, curves, warnings, reports, and the columns of files where a
-//! choice was made. Without a choice files have SI units, so that programs read what they always read, and people see `metric`.
+//! choice was made. Without a choice files have SI units, so that programs read what they always read, and people see `metric`. A unit
+//! that was chosen without a system changes its own quantity alone: in files the others stay in SI. Files have no prefixes, so those in
+//! `si` are in base units.
+//!
+//! A difference of temperatures, such as a ripple, has no offset: in °C it is in K, and in °F in °R ([`is_difference`]).
 //!
 //! The choice is the program's, made once before anything is shown, as a language is: [`choose`]. Hosts that call this crate as a
 //! library leave it and get `metric`. Values inside the program are SI throughout.
@@ -20,6 +24,7 @@ use crate::table::{Column, Kind};
 use mckibben_plot::{Conversion, Figure};
 use mckibben_scenario::quantity;
 use mckibben_scenario::sweep::column_of;
+use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::str::FromStr;
 use std::sync::{LazyLock, OnceLock};
@@ -48,8 +53,8 @@ const ROWS: [Row; 24] = [
     ("acceleration", "m/s^2", ["~m/s^2", "~m/s^2", "in/s^2"]),
     ("pressure", "Pa", ["bar|~Pa", "~Pa", "psi"]),
     ("force", "N", ["~N", "~N", "lbf"]),
-    ("mass", "kg", ["~g", "~g", "lb"]),
-    ("mass-flow", "kg/s", ["~g/s", "~g/s", "lb/s"]),
+    ("mass", "kg", ["~g", "kg|~g", "lb"]),
+    ("mass-flow", "kg/s", ["~g/s", "kg/s|~g/s", "lb/s"]),
     ("volume-flow", "m^3/s", ["L/min", "m^3/s", "cfm"]),
     ("conductance", "m^3/(s*Pa)", ["L/(s*bar)", "~m^3/(s*Pa)", "L/(s*bar)"]),
     ("angle", "rad", ["deg", "~rad", "deg"]),
@@ -94,10 +99,19 @@ pub struct Shown {
 
 /// The unit of every quantity.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Units(Vec<(Row, Unit)>);
+pub struct Units(Vec<Entry>);
+
+/// The unit of a quantity.
+#[derive(Clone, Debug, PartialEq)]
+struct Entry {
+    row: Row,
+    unit: Unit,
+    /// Whether a user chose it, with its system or alone: then files have it too.
+    chosen: bool,
+}
 
 static CHOSEN: OnceLock<Units> = OnceLock::new();
-static USUAL: LazyLock<Units> = LazyLock::new(|| Units::of(System::Metric));
+static USUAL: LazyLock<Units> = LazyLock::new(Units::usual);
 
 /// Chooses the units of this process; what was chosen first stays.
 pub fn choose(units: Units) {
@@ -110,9 +124,14 @@ pub fn units() -> &'static Units {
 }
 
 /// The unit that was chosen for values in an SI unit, as a scenario file writes it, with the factor and the offset that give a number in
-/// it; none where no choice was made, and of an SI unit that is not in the table.
+/// it; none where no choice was made of it, and of an SI unit that is not in the table.
 pub fn chosen_scale(si: &str) -> Option<(String, f64, f64)> {
     CHOSEN.get().and_then(|units| units.scale(si))
+}
+
+/// [`chosen_scale`] of a difference of values, where no unit has an offset.
+pub(crate) fn chosen_scale_of_differences(si: &str) -> Option<(String, f64, f64)> {
+    CHOSEN.get().and_then(|units| units.of_differences().scale(si))
 }
 
 /// Whether units were chosen of which none of length, pressure, mass and force is imperial: then a file to start from is metric.
@@ -141,17 +160,28 @@ pub(crate) fn columns(columns: Vec<Column>) -> (Vec<Column>, Vec<Shown>) {
     }
 }
 
-/// A figure in the units of this process. Without a choice axes in SI become metric, and others, such as those of the paper's
-/// figures, stay.
+/// A figure in the units of this process. Where its unit was not chosen an axis in SI becomes metric, and another, such as those of
+/// the paper's figures, stays.
 pub fn drawn(figure: Figure) -> Figure {
-    let is_chosen = CHOSEN.get().is_some();
-    figure.converted(&|unit, largest| units().conversion(unit, largest, is_chosen))
+    figure.converted(&|unit, largest| units().conversion(unit, largest, true))
 }
 
 /// What makes numbers in a unit as people read it of which the largest is given those of the units that were chosen; nothing where no
-/// choice was made, or the unit is of no quantity.
+/// choice was made of it, or the unit is of no quantity.
 pub(crate) fn chosen(unit: &str, largest: f64) -> Option<Conversion> {
-    CHOSEN.get()?.conversion(unit, largest, true)
+    CHOSEN.get()?.conversion(unit, largest, false)
+}
+
+/// Whether a number with that name is a difference of two values of its quantity, so that a scale with an offset zero does not apply:
+/// a ripple, a drift, an error. Names end with their SI unit or do not, and have words between `.`, `_` or spaces.
+pub fn is_difference(name: &str) -> bool {
+    // Only the end counts: a part may have any of these words as its name.
+    let mut words = stem(name, unit_of(name)).rsplit(['.', '_', ' ']);
+    match (words.next(), words.next()) {
+        (Some("ripple" | "drift" | "error" | "deviation"), _) => true,
+        (Some("rms" | "peak"), before) => before == Some("error"),
+        _ => false,
+    }
 }
 
 /// How many decimals show as much of a number that is multiplied by a factor as so many did before.
@@ -179,6 +209,16 @@ impl Unit {
         Ok(Self { symbol: symbol.to_owned(), size, zero: none / size, prefixes, small })
     }
 
+    /// The unit of differences: of a scale with an offset zero, the one whose zero is absolute and whose degrees are as large.
+    fn of_differences(&self) -> Self {
+        let symbol = match self.zero {
+            0.0 => return self.clone(),
+            _ if (self.size - 1.0).abs() < 1e-9 => "K",
+            _ => "degR",
+        };
+        Self::of(symbol).unwrap_or_else(|_| self.clone())
+    }
+
     fn shown(&self, largest: f64) -> Shown {
         let size = largest / self.size;
         if let Some(small) = self.small.as_ref().filter(|_| size > 0.0 && size < 0.01) {
@@ -194,7 +234,7 @@ impl Unit {
 const SIGNS: [(&str, &str); 4] = [("deg", "°"), ("^2", "²"), ("^3", "³"), ("*", "·")];
 
 /// A unit as people read it.
-fn readable(symbol: &str) -> String {
+pub(crate) fn readable(symbol: &str) -> String {
     SIGNS.iter().fold(symbol.to_owned(), |text, (written, sign)| text.replace(written, sign))
 }
 
@@ -232,25 +272,43 @@ impl Units {
             System::Imperial => 2,
         };
         // Checked by a test: every symbol of the table is a unit.
-        let unit = |row: Row| Unit::of(row.2[place]).ok().map(|unit| (row, unit));
-        Self(ROWS.into_iter().filter_map(unit).collect())
+        let entry = |row: Row| Unit::of(row.2[place]).ok().map(|unit| Entry { row, unit, chosen: true });
+        Self(ROWS.into_iter().filter_map(entry).collect())
+    }
+
+    /// Metric units that nobody chose.
+    fn usual() -> Self {
+        let Self(entries) = Self::of(System::default());
+        Self(entries.into_iter().map(|entry| Entry { chosen: false, ..entry }).collect())
+    }
+
+    /// The units for differences, in which no scale has an offset.
+    #[must_use]
+    pub fn of_differences(&self) -> Self {
+        let of = |entry: &Entry| Entry { unit: entry.unit.of_differences(), ..entry.clone() };
+        Self(self.0.iter().map(of).collect())
+    }
+
+    /// The units for numbers with that name: those for differences where it is one.
+    pub fn for_name(&self, name: &str) -> Cow<'_, Self> {
+        if is_difference(name) { Cow::Owned(self.of_differences()) } else { Cow::Borrowed(self) }
     }
 
     /// The unit of the quantity with an SI unit, whose powers stand with or without their sign: columns of plants are in `m3`.
-    fn of_si(&self, si: &str) -> Option<&Unit> {
+    fn of_si(&self, si: &str) -> Option<&Entry> {
         let is_it = |known: &str| known == si || known.replace('^', "") == si;
-        self.0.iter().find(|((_, known, _), _)| is_it(known)).map(|(_, unit)| unit)
+        self.0.iter().find(|entry| is_it(entry.row.1))
     }
 
     /// Whether none of length, pressure, mass and force has an imperial unit.
     fn is_metric(&self) -> bool {
         let main = |name: &str| matches!(name, "length" | "pressure" | "mass" | "force");
-        !self.0.iter().any(|((name, _, [.., imperial]), unit)| main(name) && unit.symbol == *imperial)
+        !self.0.iter().any(|Entry { row: (name, _, [.., imperial]), unit, .. }| main(name) && unit.symbol == *imperial)
     }
 
     /// The unit for values in an SI unit of which the largest size is given; another unit than those of the table is itself.
     pub fn shown(&self, si: &str, largest: f64) -> Shown {
-        let found = self.of_si(si).cloned();
+        let found = self.of_si(si).map(|entry| entry.unit.clone());
         // A prefix before a power would be raised with it.
         let first = si.split(['*', '/']).next().unwrap_or_default();
         let prefixes = !first.is_empty() && first.chars().all(char::is_alphabetic);
@@ -281,26 +339,28 @@ impl Units {
         format!("{}{}", plain(&text[..end]), &text[end..])
     }
 
-    /// What makes the number in these units of one in a unit as people read it. Units that are not of the table stay, and others than
-    /// SI unless `all`.
-    fn conversion(&self, unit: &str, largest: f64, all: bool) -> Option<Conversion> {
+    /// What makes the number in these units of one in a unit as people read it. Units that are not of the table stay, and so do those
+    /// of quantities that nobody chose a unit for, save SI where `from_si`.
+    fn conversion(&self, unit: &str, largest: f64, from_si: bool) -> Option<Conversion> {
         let symbol = SIGNS.iter().fold(unit.to_owned(), |text, (written, sign)| text.replace(sign, written));
-        let is_si = self.0.iter().any(|((_, si, _), _)| *si == symbol);
-        if symbol.is_empty() || !(is_si || all) {
+        if symbol.is_empty() {
             return None;
         }
+        let is_due = |entry: &&Entry| entry.chosen || (from_si && entry.row.1 == symbol);
         // A scale with an offset zero is no factor, and is refused here.
         let (dimension, factor) = quantity::parse_unit(&symbol).ok()?;
-        let of = |((_, si, _), _): &&(Row, Unit)| quantity::parse_unit(si).is_ok_and(|(its, _)| its == dimension);
+        let of = |entry: &&Entry| quantity::parse_unit(entry.row.1).is_ok_and(|(its, _)| its == dimension);
         // Torque and energy have one dimension; a torque has the unit of a force in its own.
-        let found = self.0.iter().filter(of).find(|((_, si, _), _)| symbol.contains('J') == si.contains('J'))?;
-        let shown = self.shown(found.0.1, largest * factor);
+        let found = self.0.iter().filter(of).find(|entry| symbol.contains('J') == entry.row.1.contains('J'));
+        let shown = self.shown(found.filter(is_due)?.row.1, largest * factor);
         Some(Conversion { unit: shown.text, factor: shown.factor * factor, zero: shown.zero })
     }
 
     /// A column in these units, without prefixes, and what makes its numbers. Its name ends with the unit.
     fn column(&self, column: Column) -> (Column, Shown) {
-        let Some(unit) = self.of_si(&column.unit).filter(|_| column.kind == Kind::Number) else {
+        let units = self.for_name(&column.name);
+        let entry = units.of_si(&column.unit).filter(|entry| entry.chosen && column.kind == Kind::Number);
+        let Some(Entry { unit, .. }) = entry else {
             return (column, Shown { text: String::new(), factor: 1.0, zero: 0.0 });
         };
         let shown = Shown { text: unit.symbol.clone(), factor: 1.0 / unit.size, zero: unit.zero };
@@ -309,8 +369,8 @@ impl Units {
     }
 
     /// The unit of values in an SI unit, with the factor and the offset that give a number in it.
-    fn scale(&self, si: &str) -> Option<(String, f64, f64)> {
-        let unit = self.of_si(si)?;
+    pub(crate) fn scale(&self, si: &str) -> Option<(String, f64, f64)> {
+        let Entry { unit, .. } = self.of_si(si).filter(|entry| entry.chosen)?;
         // No unit has minus zero as its offset.
         Some((unit.symbol.clone(), 1.0 / unit.size, 0.0 - unit.zero))
     }
@@ -338,7 +398,8 @@ pub(crate) fn stem<'n>(name: &'n str, unit: &str) -> &'n str {
 impl FromStr for Units {
     type Err = String;
 
-    /// `imperial`, `si,angle=deg` or `pressure=psi,length=in`: a system, metric where none is named, and units for quantities.
+    /// `imperial`, `si,angle=deg` or `pressure=psi,length=in`: a system, and units for quantities. Where no system is named text is
+    /// metric, and files have SI units but for these quantities.
     fn from_str(text: &str) -> Result<Self, String> {
         let mut units: Option<Self> = None;
         let mut chosen: Vec<&str> = Vec::new();
@@ -362,8 +423,8 @@ impl FromStr for Units {
                 continue;
             };
             let (name, symbol) = (name.trim(), symbol.trim());
-            let all = units.get_or_insert_with(|| Self::of(System::Metric));
-            let Some(((_, si, _), unit)) = all.0.iter_mut().find(|((known, ..), _)| *known == name) else {
+            let all = units.get_or_insert_with(Self::usual);
+            let Some(entry) = all.0.iter_mut().find(|entry| entry.row.0 == name) else {
                 return Err(format!("`{name}` is no quantity; give one of {}", Self::names()));
             };
             if chosen.contains(&name) {
@@ -371,9 +432,10 @@ impl FromStr for Units {
             }
             chosen.push(name);
             let fits = |of: &str| quantity::parse(&format!("1 {of}")).map(|read| read.dimension);
+            let si = entry.row.1;
             let (found, expected) = (fits(symbol), fits(si).map_err(|error| error.to_string())?);
             match found {
-                Ok(dimension) if dimension == expected => *unit = Unit::of(symbol)?,
+                Ok(dimension) if dimension == expected => (entry.unit, entry.chosen) = (Unit::of(symbol)?, true),
                 Ok(_) => return Err(format!("`{symbol}` is no unit of {name}; one is {}", readable(si))),
                 Err(error) => return Err(error.to_string()),
             }
@@ -408,7 +470,7 @@ mod tests {
         for system in SYSTEMS {
             let units = Units::of(system);
             assert_eq!(units.0.len(), ROWS.len(), "{system:?}");
-            for ((name, si, _), unit) in &units.0 {
+            for Entry { row: (name, si, _), unit, .. } in &units.0 {
                 let dimension = |of: &str| quantity::parse(&format!("1 {of}")).unwrap().dimension;
                 assert_eq!(dimension(si), dimension(&unit.symbol), "{system:?}: {name}");
             }
@@ -437,6 +499,7 @@ mod tests {
         assert_eq!(text("metric", 45.58, "Pa"), "45.58 Pa");
         assert_eq!(text("imperial", 413_685.438, "Pa"), "60.00 psi");
         assert_eq!(text("si", 413_685.438, "Pa"), "413.7 kPa");
+        assert_eq!([text("si", 2.267_96, "kg"), text("si", 7.304e-6, "kg")], ["2.268 kg", "7.304 mg"]);
         assert_eq!(text("metric", 20f64.to_radians(), "rad"), "20.00°");
         assert_eq!(text("si", 0.3491, "rad"), "349.1 mrad");
         assert_eq!(text("imperial", 0.0254, "m"), "1.000 in");
@@ -451,17 +514,22 @@ mod tests {
 
     #[test]
     fn axes_are_converted_from_any_unit_to_the_chosen_one() {
-        let of = |system: &str, unit: &str, all| {
-            let conversion = system.parse::<Units>().unwrap().conversion(unit, 1.0, all)?;
+        let converted = |units: &Units, unit: &str, from_si| {
+            let conversion = units.conversion(unit, 1.0, from_si)?;
             Some((conversion.unit, (1e6 * conversion.factor).round() / 1e6))
         };
+        let of = |system: &str, unit: &str, from_si| converted(&system.parse::<Units>().unwrap(), unit, from_si);
         let some = |unit: &str, factor: f64| Some((unit.to_owned(), factor));
         assert_eq!(of("metric", "Pa", false), some("Pa", 1.0));
         assert_eq!(of("imperial", "mm", true), some("in", 0.03937));
         assert_eq!(of("imperial", "bar", true), some("psi", 14.503774));
         assert_eq!(of("si", "°", true), some("mrad", 17.453293));
-        // Without a choice the paper's units stay, and what is no unit stays always.
-        assert_eq!(of("metric", "psi", false), None);
+        // Without a choice SI becomes metric and the paper's units stay; a unit that was chosen alone changes its quantity.
+        assert_eq!(converted(&Units::usual(), "m", true), some("m", 1.0));
+        assert_eq!([converted(&Units::usual(), "psi", true), converted(&Units::usual(), "m", false)], [None, None]);
+        assert_eq!([of("length=in", "psi", true), of("length=in", "Pa", false)], [None, None]);
+        assert_eq!(of("length=in", "mm", false), some("in", 0.03937));
+        // What is no unit stays always.
         assert_eq!(of("imperial", "10⁻³ in", true), None);
         assert_eq!(of("imperial", "%", true), None);
         assert_eq!(of("imperial", "", true), None);
@@ -492,6 +560,53 @@ mod tests {
         let units =
             ["length_m", "stiffness_n_m", "sonic_conductance_m3_s_pa", "damping_n_s_m", "contraction"].map(unit_of);
         assert_eq!(units, ["m", "N/m", "m^3/(s*Pa)", "N*s/m", ""]);
+    }
+
+    /// `si` is SI in files, metres and kilograms; a unit that is chosen alone changes no other column.
+    #[test]
+    fn files_in_si_are_in_base_units_and_a_single_unit_changes_its_quantity_alone() {
+        let columns = |choice: &str| -> Vec<(String, f64)> {
+            let units: Units = choice.parse().unwrap();
+            let of = |(_, si, _): Row| {
+                let (column, shown) = units.column(Column::number("x", si));
+                (column.unit, shown.number(300.0))
+            };
+            ROWS.into_iter().map(of).collect()
+        };
+        let si: Vec<(String, f64)> = ROWS.iter().map(|(_, si, _)| ((*si).to_owned(), 300.0)).collect();
+        assert_eq!(columns("si"), si);
+        for ((name, _, [_, _, imperial]), place) in ROWS.into_iter().zip(0..) {
+            let mut expected = si.clone();
+            let imperial = imperial.trim_start_matches('~');
+            let single = columns(&format!("{name}={imperial}"));
+            expected[place] = (imperial.to_owned(), single[place].1);
+            assert_eq!(single, expected, "{name}");
+        }
+    }
+
+    /// A difference of 50 K is one of 90 °R, and none of −223 °C; the temperature in the next column keeps its offset.
+    #[test]
+    fn a_difference_of_temperatures_has_no_offset() {
+        for (choice, unit, text, number) in [
+            ("metric,temperature=degC", "K", "50.0 K", 50.0),
+            ("imperial", "degR", "90.0 °R", 90.0),
+            ("metric", "K", "50.0 K", 50.0),
+        ] {
+            let units: Units = choice.parse().unwrap();
+            for name in ["temperature_ripple_k", "x_temperature_drift_k", "x.temperature.ripple"] {
+                let (column, shown) = units.column(Column::number(name, "K"));
+                assert_eq!(column.unit, unit, "{choice}: {name}");
+                assert!((shown.number(50.0) - number).abs() < 1e-9, "{choice}: {shown:?}");
+                assert_eq!(units.for_name(name).quantity(50.0, "K"), text);
+            }
+        }
+        let units: Units = "temperature=degC".parse().unwrap();
+        for (name, own) in
+            [("temperature_mean_k", "temperature_mean_degc"), ("drift.temperature_k", "drift.temperature_degc")]
+        {
+            let (column, shown) = units.column(Column::number(name, "K"));
+            assert_eq!((column.name.as_str(), shown.number(323.15)), (own, 50.0));
+        }
     }
 
     #[test]

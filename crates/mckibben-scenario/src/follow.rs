@@ -55,23 +55,36 @@ impl Follower {
     }
 
     /// Its value in a scenario by those that it follows from, of the first actuator of a joint; `None` where the scenario has one of
-    /// its own. `number` gives each, of a list its first entry, with its value over the scalar.
+    /// its own. `number` gives each over the scalar, by its parameter, its index in a list, and its value.
     pub(crate) fn value<S: Real>(
         self,
         of: &Scenario,
-        mut number: impl FnMut(&'static Parameter, f64) -> S,
+        mut number: impl FnMut(&'static Parameter, usize, f64) -> S,
     ) -> Option<S> {
         match self {
-            Self::LeastLength => Some(least_length(number(&p::THREAD_LENGTH, of.actuator.thread_length))),
+            Self::LeastLength => Some(least_length(number(&p::THREAD_LENGTH, 0, of.actuator.thread_length))),
             Self::ReservoirStart => {
                 let supply = of.supply.filter(|of| of.reservoir.is_some_and(|of| of.gauge_pressure.is_none()))?;
-                Some(number(&p::SUPPLY_GAUGE_PRESSURE, supply.gauge_pressure))
+                Some(number(&p::SUPPLY_GAUGE_PRESSURE, 0, supply.gauge_pressure))
             }
             Self::FirstPressure => {
                 let given = of.pressure.as_ref().filter(|_| of.initial.gauge_pressure.is_none())?;
-                let PressureSensor { offset, scale, .. } = given.sensor;
-                let shown = number(&p::SERIES_GAUGE_PRESSURE, *given.gauge_pressure.first()?);
-                let sensor = [number(&p::SERIES_OFFSET, offset), number(&p::SERIES_SCALE, scale)];
+                let PressureSensor { offset, scale, shift } = given.sensor;
+                let (row, part) = given.place_at_start();
+                let mut reading = |row: usize| {
+                    let gauge = number(&p::SERIES_GAUGE_PRESSURE, row, *given.gauge_pressure.get(row)?);
+                    Some([number(&p::SERIES_TIME, row, *given.time.get(row)?), gauge])
+                };
+                let [from, last] = reading(row)?;
+                let shown = match reading(row + 1) {
+                    // With the shift, and with the times, the place between two rows moves.
+                    Some([to, next]) if part > 0.0 => {
+                        let part = (number(&p::SERIES_SHIFT, 0, shift) - from) / (to - from);
+                        last + part * (next - last)
+                    }
+                    _ => last,
+                };
+                let sensor = [number(&p::SERIES_OFFSET, 0, offset), number(&p::SERIES_SCALE, 0, scale)];
                 Some(true_pressure(shown, sensor))
             }
         }

@@ -189,7 +189,8 @@ pub static PART_ROWS: Parameter = row(
 );
 /// Steps of a range that varies.
 pub static COUNT: Parameter =
-    row("count", "n", "", COUNTS, ["Number of evenly spaced values.", "give a whole number of 1 or more"]);
+    row("count", "n", "", Range { low: 2.0, ..COUNTS }, ["Number of evenly spaced values.", COUNT_REMEDY]);
+const COUNT_REMEDY: &str = "give 2 or more, so that both ends are among the values, or one value as a list";
 /// Geometric standard deviation of a log-normal distribution.
 pub static FACTOR: Parameter = row(
     "factor",

@@ -425,9 +425,9 @@ impl Seeds {
     fn follow(&mut self, actuator: usize, of: &Scenario, least_follows: bool) {
         for follower in Follower::ALL.into_iter().filter(|of| least_follows || *of != Follower::LeastLength) {
             let by = |place: &Place| {
-                let number = |row: &'static Parameter, value: f64| {
+                let number = |row: &'static Parameter, entry: usize, value: f64| {
                     let is_it = place.parameter.key == row.key && place.of[actuator];
-                    let moves = is_it && !matches!(place.at, At::Entry(_, index) if index > 0);
+                    let moves = is_it && !matches!(place.at, At::Entry(_, index) if index != entry);
                     Dual { value, slope: [f64::from(u8::from(moves))] }
                 };
                 follower.value(of, number).map(|Dual { slope: [slope], .. }| slope)

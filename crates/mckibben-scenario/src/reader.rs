@@ -7,6 +7,7 @@
 //! Checked by `tests/diagnostics.rs`, one test for each class of mistake.
 
 mod known;
+mod unread;
 
 use crate::choice::{Choice, Word};
 use crate::diagnostic::{Class, Diagnostic, Diagnostics, Place};
@@ -17,6 +18,7 @@ use crate::nearest::nearest;
 use crate::presets::Preset;
 use crate::quantity;
 use mckibben::parameter::{self, Parameter, Range};
+pub(crate) use unread::Unread;
 
 /// What a method returns in place of a value whose mistake has been noted.
 const STAND_IN: f64 = 1.0;
@@ -160,7 +162,11 @@ impl<'d> Reader<'d> {
 
     /// As [`Reader::number`], for a key that also takes a word, which the caller has ruled out.
     pub(crate) fn number_or(&mut self, row: &'static Parameter, word: &str) -> Option<f64> {
-        let node = &self.entry(row.key)?.node;
+        self.quantity_or(&self.entry(row.key)?.node, row, word)
+    }
+
+    /// A value that may also be a word, which the caller has ruled out.
+    fn quantity_or(&mut self, node: &Node, row: &Parameter, word: &str) -> Option<f64> {
         match &node.value {
             // What starts with a letter is a word gone wrong, not a quantity.
             Value::String(text) if text.trim_start().starts_with(|c: char| c.is_alphabetic()) => {
@@ -270,7 +276,10 @@ impl<'d> Reader<'d> {
 
     /// A list of quantities, or `None` when it is absent or has a mistake.
     pub(crate) fn list(&mut self, row: &'static Parameter) -> Option<Vec<f64>> {
-        let entry = self.entry(row.key)?;
+        self.list_of(self.entry(row.key)?, row)
+    }
+
+    fn list_of(&mut self, entry: &'d Entry, row: &Parameter) -> Option<Vec<f64>> {
         let items = self.items(entry)?;
         if let Some(inner) = items.iter().find(|item| matches!(item.value, Value::List(_))) {
             let title = format!("`{}` is one list of numbers, not a list of lists", row.key);

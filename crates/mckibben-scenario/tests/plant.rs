@@ -382,6 +382,9 @@ fn what_makes_no_sense_is_refused_with_its_reason() {
         let error = mistakes(&text);
         assert!(error.contains(expected), "{expected}\n{error}\n{text}");
     }
+    // One message refuses it, and none says that another load would do.
+    let of_second = format!("{base}[antagonist]\ninitial.gauge_pressure = \"1 bar\"\n");
+    assert_eq!(document(&of_second).plant_experiment().expect_err("refused").count(), 1);
 }
 
 /// A length that an isometric load lacks is missing at the actuator that lacks it, or once at all.
@@ -422,6 +425,74 @@ fn a_mistake_of_all_is_one_mistake() {
     assert_eq!(found.count(), 1, "{found}");
     let line = text.lines().position(|line| line.contains("4 mm")).expect("a line") + 1;
     assert_eq!(found.iter().next().and_then(|one| one.line()), Some(line));
+}
+
+/// What is said of all and is replaced by each has its word, unit and range all the same; each mistake is at its line, once.
+#[test]
+fn a_mistake_of_all_that_each_actuator_replaces_is_found() {
+    let load = "[load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n";
+    let whole = format!("[actuator]\n[hose]\n[valve]\n[valve.exhaust]\n[command]\n[coupling]\n[initial]\n{load}");
+    let own = "preset = \"colbrunn-2001\"\neffectiveness.constant = 0.9\nforce.law = \"ideal-braid\"\n\
+               valve = { kind = \"three-way\", flow_area = \"1 mm^2\", exhaust.flow_area = \"1 mm^2\" }\n\
+               command.kind = \"fill\"\nhose = { length = \"1 m\", diameter = \"2 mm\" }\ninitial.friction = \"relaxed\"\n";
+    let of = |section: &str, line: &str| {
+        let said = whole.replacen(&format!("[{section}]\n"), &format!("[{section}]\n{line}\n"), 1);
+        format!("[supply]\ngauge_pressure = \"4 bar\"\n{said}[actuators.a]\n{own}[run]\nduration = \"0.1 s\"\n")
+    };
+    document(&of("valve", "kind = \"two-way\"")).plant_experiment().expect("valid values");
+    for (section, line, words) in [
+        ("actuator", "turns = -3", "`actuator.turns` = -3 is out of range"),
+        ("actuator", "friction.viscous = \"banana\"", "banana"),
+        ("actuator", "effectiveness.constant = -4", "`actuator.effectiveness.constant` = -4 is out of range"),
+        (
+            "actuator",
+            "force = { law = \"tondu-lopez\", end_factor = -4 }",
+            "`actuator.force.end_factor` = -4 is out of range",
+        ),
+        (
+            "actuator",
+            "force = { law = \"sarosi\", pressure_unit = \"m\" }",
+            "`actuator.force.pressure_unit` is one of a pressure",
+        ),
+        ("valve", "flow_area = \"5 psi\"", "`valve.flow_area` is an area"),
+        ("valve", "kind = \"banana\"", "\"banana\" is no choice for `valve.kind`"),
+        ("valve.exhaust", "kv = 3", "`valve.exhaust.kv`"),
+        ("command", "duty = 7", "`command.duty` = 7 is out of range"),
+        ("command", "state = [\"fill\", \"banana\"]", "\"banana\" is no choice for `command.state`"),
+        ("command", "time = [\"1 s\", \"2 m\"]", "`command.time` is a time"),
+        ("hose", "length = \"5 psi\"", "`hose.length` is a length"),
+        ("coupling", "insertion.along = \"banana\"", "banana"),
+        ("coupling", "arms.elbow = \"5 psi\"", "`coupling.arms.elbow`"),
+        ("coupling", "arms.elbow.angle = [\"5 psi\"]", "`coupling.arms.elbow.angle`"),
+        ("coupling", "mechanism = 3", "`coupling.mechanism` is a name"),
+        ("initial", "friction_force = \"5 m\"", "`initial.friction_force` is a force"),
+    ] {
+        let text = of(section, line);
+        let found = document(&text).plant_experiment().expect_err(&text);
+        assert!(found.count() == 1 && found.to_string().contains(words), "{section}.{line}\n{found}");
+        let at = text.lines().position(|of| of == line).expect("a line") + 1;
+        assert_eq!(found.iter().next().and_then(|one| one.line()), Some(at), "{line}");
+    }
+}
+
+/// The hose and the pressure at its end are each said of all or of the actuator.
+#[test]
+fn a_pressure_at_the_end_of_a_hose_has_the_hose_of_all_or_of_its_actuator() {
+    let hose = "hose]\nlength = \"1.5 m\"\ndiameter = \"2 mm\"\n";
+    let pressure = "pressure]\nat = \"hose\"\ntime = [\"0 s\", \"1 s\"]\ngauge_pressure = [\"1 bar\", \"2 bar\"]\n";
+    let rest = "[load]\nkind = \"isometric\"\n[initial]\nlength = \"9 cm\"\ngauge_pressure = \"1 bar\"\n\
+                [run]\nduration = \"0.1 s\"\n";
+    let names = |hose_of: &str, pressure_of: &str| {
+        let text = format!("{rest}[actuators.m]\n[{hose_of}{hose}[{pressure_of}{pressure}");
+        plant(&text).plant.network().nodes.len()
+    };
+    let nodes = names("actuators.m.", "actuators.m.");
+    assert!(nodes >= 2, "a hose and a chamber");
+    for (hose_of, pressure_of) in [("", ""), ("", "actuators.m."), ("actuators.m.", "")] {
+        assert_eq!(names(hose_of, pressure_of), nodes, "{hose_of} {pressure_of}");
+    }
+    let without = format!("{rest}[actuators.m]\n[{pressure}");
+    assert!(mistakes(&without).contains("there is no hose at whose end the pressure could be"));
 }
 
 #[test]

@@ -452,11 +452,20 @@ fn entries_of_lists_vary() {
         let found = read(vary).expect_err(vary).to_string();
         assert!(found.contains(words), "{words}\n{found}");
     }
-    // What the scenario has in other units than the file is read from the file alone.
+    // What the scenario has in other units than the file, and the lists of a controller, are read from the file again for each
+    // value, and have no ranges.
     let law = "[actuator]\neffectiveness.polynomial = [0.9, 1e-3]\neffectiveness.pressure_unit = \"psi\"\n";
-    let found = document(&format!("{law}[sweep.vary]\n\"actuator.effectiveness.polynomial[1]\" = [1e-3]\n")).sweep();
-    let found = found.expect_err("coefficients").to_string();
-    assert!(found.contains("cannot be set one by one in rows"), "{found}");
+    let coefficients = ["1e-3", "2e-3", "1.5e-3"].map(str::to_owned);
+    assert!(try_rows(&format!("{BASE}{law}"), "actuator.effectiveness.polynomial[1]", &coefficients));
+    let path = "actuator.effectiveness.polynomial[1]";
+    let range = document(&format!("{law}[sweep.vary]\n\"{path}\" = {{ from = 1e-3, to = 2e-3, count = 3 }}\n")).sweep();
+    let range = range.expect_err("a range").to_string();
+    assert!(range.contains("varies by a list of values") && range.contains("one by one"), "{range}");
+    let controller = "[controller]\nkind = \"pid\"\nrate = \"100 Hz\"\nproportional_band = \"10 mm\"\n\
+                      length = [\"90 mm\", \"80 mm\"]\ntime = [\"0 s\", \"20 ms\"]\n";
+    let controlled = format!("{}{controller}", BASE.replace(pulses, "kind = \"controllers\""));
+    assert!(try_rows(&controlled, "controller.length[1]", &["\"81 mm\"", "\"82 mm\"", "\"84 mm\""].map(str::to_owned)));
+    assert!(try_rows(&controlled, "controller.time[1]", &times));
 }
 
 /// Entries of lists of a plant, by the names of its parts; a mistake has the path that the file has.
@@ -760,7 +769,7 @@ fn mistakes_of_lists() {
 fn mistakes_of_ranges() {
     in_grid("load.mass = { from = \"1 kg\", to = \"2 kg\" }", Class::Missing, 13, &["`count`", "count = 9"]);
     in_grid("load.mass = { from = \"1 kg\", count = 3 }", Class::Missing, 13, &["`to` is missing"]);
-    in_grid("load.mass = { from = \"1 kg\", to = \"2 kg\", count = 0 }", Class::OutOfRange, 51, &["at least 1"]);
+    in_grid("load.mass = { from = \"1 kg\", to = \"2 kg\", count = 1 }", Class::OutOfRange, 51, &["at least 2", "as a list"]);
     in_grid(
         "load.mass = { from = \"1 kg\", to = \"2 kg\", cuont = 3 }",
         Class::UnknownKey,

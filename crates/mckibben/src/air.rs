@@ -256,6 +256,19 @@ impl<S: Scalar> Air<S> {
         }
     }
 
+    /// How fast in 1/s heat alone brings the mass of air at a given pressure to that at the temperature of the wall.
+    #[inline(always)]
+    pub(crate) fn given_mass_settling<T: Over<S>>(&self, chamber: &Chamber<T>) -> T {
+        match self.process {
+            Process::EnergyBalance { heat_transfer, wall_temperature } => {
+                let gamma = T::of(self.heat_capacity_ratio);
+                let power = (gamma - T::one()) * T::of(heat_transfer) * T::of(wall_temperature);
+                power / (gamma * chamber.pressure * chamber.volume)
+            }
+            _ => T::zero(),
+        }
+    }
+
     /// `dP/dt` in Pa/s, with inflow at `inflow_temperature` in K.
     #[inline(always)]
     pub fn pressure_rate<T: Over<S>>(&self, chamber: &Chamber<T>, flow: &Flow<T>, inflow_temperature: T) -> T {

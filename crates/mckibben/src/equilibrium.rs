@@ -23,6 +23,8 @@ use crate::valve::below_vacuum;
 const CLOSE: f64 = 1e-9;
 /// Parts of the range of pressures in which the one that bears a pull is looked for.
 const BRACKETS: u32 = 64;
+/// Golden sections about the highest force: to rounding.
+const SECTIONS: u32 = 80;
 
 impl<R: Real> Actuator<R> {
     /// The distance in m between the ends at which a pull in N balances the static force at a pressure; the shortest length
@@ -110,7 +112,7 @@ impl Actuator<f64> {
             }
             let ahead = surplus(after);
             if found >= behind.max(ahead) {
-                let highest = top(before, after, surplus);
+                let highest = root::lowest([before, after], SECTIONS, |gauge| -surplus(gauge));
                 if surplus(highest) >= 0.0 {
                     return Some(GaugePressure(root::bracketed(before, highest, 1e-16, surplus)));
                 }
@@ -119,16 +121,4 @@ impl Actuator<f64> {
         }
         None
     }
-}
-
-/// Where a function that rises and then falls is highest between two numbers, as far as its values differ.
-fn top(mut least: f64, mut most: f64, function: impl Fn(f64) -> f64) -> f64 {
-    /// Each leaves two thirds of the range.
-    const PARTS: u32 = 90;
-    for _ in 0..PARTS {
-        let third = (most - least) / 3.0;
-        let [lower, upper] = [least + third, most - third];
-        if function(lower) < function(upper) { least = lower } else { most = upper }
-    }
-    0.5 * (least + most)
 }

@@ -62,7 +62,7 @@ limits! {
         "write a chain of one joint with two actuators";
     PLANT_HERE: "a file in which actuators have names", "where one actuator or joint is due",
         "run it with `mckibben simulate`, `sweep`, `linearize` or an `identify` of trajectories, or write a file of one actuator or joint";
-    PLANT_HOST: "a scenario in which actuators have names", "in `Actuator`, `Actuators` and derivatives",
+    PLANT_HOST: "a scenario in which actuators have names", "in `Actuator`, `Actuators`, `Statics` and derivatives",
         "use `simulate`, `sweep`, `linearize`, `HostedPlant`, `VectorPlant` or an environment, or write a scenario of one actuator or joint";
     PLANT_MODEL: "a controller by the model", "for a joint within a longer chain, with tendons, or with other than one moment arm each",
         "choose \"bang-bang\" or \"pid\", or control the pressures of the actuators";
@@ -74,7 +74,7 @@ limits! {
         "run it by `mckibben simulate`, or choose another command.kind";
     CONTROLLER_VALVE: "a controller", "with a valve that is neither three-way nor fill-hold-exhaust",
         "set valve.kind to one of these";
-    CONTROLLER_PAIR: "a pair of pressures by torque and stiffness", "for another law of force than the ideal braid's",
+    CONTROLLER_PAIR: "`feed-forward` or `air-mass` on a joint", "for another law of force than the ideal braid's",
         "leave out actuator.force, actuator.bladder, actuator.taper and actuator.wall_thickness";
     PRESSURE_LINEAR: "a linear model by `linearize`",
         "of an actuator on a tendon whose pressure is given and that has no viscous friction",

@@ -6,6 +6,8 @@
 //! [`Search`] is for smooth functions that cost much and may carry derivatives: it interpolates the inverse by all that is
 //! known of the last few points, and bisects where that does not converge (as Brent 1973 does with three points). Each error is
 //! of the order of the product of those before, so that three to five evaluations do.
+//!
+//! [`lowest`] finds where a function turns, which needs values alone.
 
 #[cfg(feature = "alloc")]
 use crate::scalar::Real;
@@ -117,9 +119,38 @@ impl<R: Real> Search<R> {
     }
 }
 
+/// Where a function that falls and then rises is lowest between two numbers, by golden section: each of the `sections` leaves
+/// 0.618 of the range. Near the place values of a smooth function differ by rounding alone, so it is found to about 1e-8 of the
+/// range.
+pub fn lowest([mut low, mut high]: [f64; 2], sections: u32, function: impl Fn(f64) -> f64) -> f64 {
+    /// The golden ratio less one.
+    const PART: f64 = 0.618_033_988_749_894_9;
+    let [mut a, mut b] = [high - PART * (high - low), low + PART * (high - low)];
+    let [mut at_a, mut at_b] = [function(a), function(b)];
+    for _ in 0..sections {
+        if at_a < at_b {
+            (high, b, at_b) = (b, a, at_a);
+            a = high - PART * (high - low);
+            at_a = function(a);
+        } else {
+            (low, a, at_a) = (a, b, at_b);
+            b = low + PART * (high - low);
+            at_b = function(b);
+        }
+    }
+    0.5 * (low + high)
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{Search, bracketed};
+    use super::{Search, bracketed, lowest};
+
+    #[test]
+    fn the_lowest_point_of_a_parabola_and_of_a_kink() {
+        assert!((lowest([-1.0, 3.0], 60, |x| (x - 0.7) * (x - 0.7)) - 0.7).abs() < 1e-7);
+        assert!((lowest([-1.0, 3.0], 80, |x| (x - 0.7).abs()) - 0.7).abs() < 1e-15);
+        assert!((lowest([0.0, 1.0], 80, |x| x)).abs() < 1e-15);
+    }
 
     /// The root, and how often the function was evaluated.
     fn searched(function: fn(f64) -> f64) -> (f64, usize) {

@@ -7,5 +7,6 @@ mod bernstein;
 // What it takes from the core by `crate::scalar`.
 use mckibben::scalar;
 
+#[allow(unreachable_pub, reason = "what the fits use")]
 #[path = "../src/root.rs"]
 mod root;

@@ -102,6 +102,26 @@ fn the_duty_for_a_pressure_gives_that_pressure() {
     }
 }
 
+/// What is looked for is a duty, so it does not depend on the command's own, even where no pulse of that moves a poppet.
+#[test]
+fn the_duty_for_a_pressure_does_not_depend_on_the_commands_own() {
+    let gauge = GaugePressure(50.0 * PSI);
+    for kind in [ValveKind::ThreeWay, ValveKind::ThreeWayNormallyOpen, ValveKind::FillHoldExhaust] {
+        let mut duties = Vec::new();
+        for own in [0.5, 0.0, 0.02, 0.95, 0.99, 1.0] {
+            let paper = Paper::pwm(25.0, own).with(|rig| rig.kind = kind);
+            let (rig, content) = (paper.rig(), Content::Of(paper.start()));
+            let held = linearize_driven(&rig, Aim::Balance(Balance::AtPressure(gauge)), content).expect("a duty");
+            let averaged = held.averaged().expect("pulses");
+            assert!(averaged.follows(), "{kind:?} from {own}: {}", averaged.duty);
+            let back = linearize_driven(&rig, Aim::Duty(averaged.duty), content).expect("a balance");
+            assert_close(back.point.gauge_pressure().0, gauge.0, 1e-8);
+            duties.push(averaged.duty);
+        }
+        duties.iter().for_each(|duty| assert_within(*duty, duties[0], 1e-9));
+    }
+}
+
 #[test]
 fn two_seats_that_overlap_or_leave_the_air_alone_are_averaged_too() {
     let with = |rest, opening: f64| {

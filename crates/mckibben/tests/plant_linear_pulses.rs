@@ -45,6 +45,23 @@ fn a_three_way_valve_has_the_papers_duty_cycle() {
     assert_close(of(50.0), 0.35, 1e-12);
 }
 
+/// A dead time shifts pulses: the duty cycle and its derivative are those without it, however many periods it lasts.
+#[test]
+fn a_dead_time_changes_no_duty_cycle() {
+    let delays = (2e-4, 1e-4);
+    let valve = Solenoid::new(ValveKind::ThreeWay, delays.0, delays.1).expect("a solenoid");
+    for (frequency, dead_time) in [(200.0, 20e-3), (1000.0, 3.8e-3), (1000.0, 4.2e-3), (25.0, 1.0)] {
+        let late = valve.with_dead_time(dead_time).expect("a dead time");
+        for duty in [0.3, 0.4, 0.7] {
+            let of = |duty| actual_duty_cycle(&late, &pulses(frequency, duty, Request::Exhaust)).expect("pulses");
+            let literal = duty - (delays.0 - delays.1) * frequency;
+            assert_within(of(duty)[0], literal, 1e-11);
+            assert_within(of(duty)[1], 1.0 - literal, 1e-11);
+            assert_within(slope(1e-5, |by| of(duty + by)[0]), 1.0, 1e-8);
+        }
+    }
+}
+
 /// Each coil of a pair of two-way valves opens late and shuts late: paths overlap, and neither sum is one.
 #[test]
 fn two_coils_have_a_duty_cycle_each() {

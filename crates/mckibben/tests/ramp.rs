@@ -1,7 +1,7 @@
 //! A poppet that takes its time: the line, its ends, turning under way, and what a pulse passes.
 
 use crate::common::{assert_close, assert_within, slope};
-use mckibben::valve::{Ramp, Stroke};
+use mckibben::valve::{Command, PoppetClock, Ramp, Request, Solenoid, Stroke, ValveKind};
 use mckibben::{Dual, Error};
 
 const RISE: f64 = 2e-3;
@@ -46,6 +46,27 @@ fn without_times_the_seat_jumps() {
     let up = jump.send(&Stroke::resting(false), 0.5, true);
     assert_eq!((up.opening(0.5), up.slope(), up.arrival(0.5)), (1.0, 0.0, None));
     assert_eq!(jump.send(&up, 0.7, false).opening(0.7), 0.0);
+}
+
+/// A seat that opens at once while it is on its way to shut stands open from then on: its way has ended, though the path was open
+/// all the time.
+#[test]
+fn a_seat_that_jumps_back_ends_its_way() {
+    let solenoid = Solenoid::new(ValveKind::TwoWay, 0.0, 0.0).expect("a solenoid");
+    let solenoid = solenoid.with_ramp(Ramp::new(0.0, 30e-3).expect("a ramp"));
+    let requests = [Request::Fill, Request::Hold, Request::Fill, Request::Hold];
+    let command = Command::table(vec![0.01, 0.02, 0.04, 0.06], requests.to_vec()).expect("a table");
+    let mut clock = PoppetClock::released();
+    let mut motions = Vec::new();
+    while let Some(next) = clock.next_motion(&solenoid, &command, 1.0) {
+        clock.advance(next, &solenoid, &command);
+        let opening = clock.openings(&solenoid).at(next).map_or(f64::NAN, |[supply, _]| supply);
+        motions.push((next, clock.ports(&solenoid).supply, opening));
+    }
+    assert_eq!(motions.iter().map(|motion| motion.0).collect::<Vec<_>>(), [0.01, 0.02, 0.04, 0.06, 0.06 + 30e-3]);
+    assert_eq!(motions.iter().map(|motion| motion.1).collect::<Vec<_>>(), [true, true, true, true, false]);
+    // Whole while no stroke is under way.
+    assert!(motions[2].2.is_nan() && motions[3].2 == 1.0 && motions[4].2.is_nan());
 }
 
 #[test]

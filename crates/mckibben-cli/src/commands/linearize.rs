@@ -139,7 +139,7 @@ fn report_text(account: &Account) -> String {
             text.push_str(&if caption.is_empty() { "\n".to_owned() } else { format!("  {caption}\n") });
         }
         block.lines.iter().for_each(|line| text.push_str(&report_line(line)));
-        text.push_str(&block.table.to_text());
+        text.push_str(&block.table.to_text_unconverted());
     }
     for note in &account.notes {
         text.push_str(&format!("\n{}\n", terminal::wrap(note, "")));

@@ -152,12 +152,12 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
         (finished.figures()?, settled, elapsed, pending, Some(events::table(&finished.log())))
     };
 
+    // Also what the short summary leaves out must be a number.
+    figures.summary().check()?;
     let found = of_run(known, &figures);
     if arguments.strict {
         warnings::refuse(&found)?;
     }
-    // Also what the short summary leaves out must be a number.
-    figures.summary().check()?;
     let mut text = String::new();
     if as_json {
         text.push_str(&figures.summary().json(&document, &plan, settled.as_ref(), &found)?);

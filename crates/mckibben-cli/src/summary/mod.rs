@@ -448,15 +448,23 @@ impl Page {
 
     /// Values in one unit. A remainder of rounding is no value; the largest of them gives the measure.
     fn values(&self, name: &str, values: [f64; 3], unit: &str) {
+        self.values_with(name, values, unit, [false; 3]);
+    }
+
+    /// Values in one unit, some of which may be differences: their unit has no offset.
+    fn values_with(&self, name: &str, values: [f64; 3], unit: &str, is_difference: [bool; 3]) {
         let fine = 1e-9 * values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
         let fine = fine.max(rounding(unit));
         let values = values.map(|value| if value.abs() < fine { 0.0 } else { value });
-        let shown = units().common(unit, values);
-        let said = |value: f64| {
-            let number = shown.number(self.sound(value));
+        let own = [false, true].map(|is_difference| {
+            if is_difference { units().of_differences().common(unit, values) } else { units().common(unit, values) }
+        });
+        let said = |place: usize| {
+            let shown = &own[usize::from(is_difference[place])];
+            let number = shown.number(self.sound(values[place]));
             shown.with(&if unit == "K" { format!("{number:.1}") } else { quantities::digits(number) })
         };
-        self.columns(name, values.map(said));
+        self.columns(name, [0, 1, 2].map(said));
     }
 
     /// Energies in one unit, each with what it is; the first two always, the others where they are more than rounding.
@@ -516,7 +524,8 @@ impl Page {
         self.fit(rows.iter().map(|(name, _)| name.as_str()));
         self.head(["mean", "ripple", "greatest"]);
         for (name, row) in rows {
-            self.values(&name, [row.mean, row.ripple(), row.greatest], &row.unit);
+            let values = [row.mean, row.ripple(), row.greatest];
+            self.values_with(&name, values, &row.unit, [false, true, false]);
         }
     }
 

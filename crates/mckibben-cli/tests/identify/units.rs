@@ -293,3 +293,89 @@ fn a_start_outside_its_range_is_named_as_the_file_has_it() {
     let text = said(&folder, &study);
     assert!(text.contains("mechanism.joints.elbow.damping = -1 N*m*s/rad is outside its range"), "{text}");
 }
+
+/// Times of a clock made a run of half a century, which nobody waits for.
+#[test]
+fn times_of_a_clock_are_refused_at_once() {
+    let folder = Folder::new("identify-clock");
+    folder.file("muscle.toml", SCENARIO);
+    let table = simulated(&folder, "muscle.toml");
+    let late = changed(&table, |names, row| row[of(names, "time_s")] += 1.7e9);
+    folder.file("run.csv", &late);
+    let (code, text) = ended(&folder, &study(["m", "Pa"], ""));
+    assert!(code == Some(2) && text.contains("times begin at"), "{code:?}: {text}");
+    assert!(text.contains("set `offset = \"1700000000.0 s\"` in [columns.time]"), "{text}");
+}
+
+/// A sealed muscle of 40 psi gauge needs no supply.
+#[test]
+fn a_pressure_is_compared_with_that_of_a_sealed_muscle() {
+    const SEALED: &str = "[actuator]\npreset = \"colbrunn-2001\"\n[load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n\
+        [initial]\nlength = \"86 mm\"\ngauge_pressure = \"40 psi\"\n[run]\nduration = \"0.2 s\"\nsample_interval = \"1 ms\"\n";
+    let folder = Folder::new("identify-sealed-units");
+    folder.file("muscle.toml", SEALED);
+    simulated(&folder, "muscle.toml");
+    let fed = |pressure: &str| study(["m", pressure], "").replace("input = \"gauge-pressure\"\n", "");
+    let text = said(&folder, &fed("kPa"));
+    assert!(text.contains("in the scenario the sealed muscle begins at 2.758 bar gauge"), "{text}");
+    let text = said(&folder, &fed("Pa"));
+    assert!(!text.contains("are the units right"), "{text}");
+    // A pressure that drives the run is not the scenario's.
+    let text = said(&folder, &study(["m", "kPa"], ""));
+    assert!(!text.contains("sealed muscle"), "{text}");
+}
+
+#[test]
+fn gauge_pressures_that_are_called_absolute_are_doubted() {
+    let folder = Folder::new("identify-map-gauge");
+    folder.file("muscle.toml", BRAID);
+    let study = MAP.replace("gauge_pressure", "absolute_pressure");
+    folder.file("map.csv", &map(|pascal| pascal));
+    let text = said(&folder, &study);
+    assert!(text.contains("which is about a vacuum"), "{text}");
+    assert!(text.contains("name it [columns.gauge_pressure]"), "{text}");
+    folder.file("map.csv", &map(|pascal| pascal + 101_325.0));
+    let (code, text) = ended(&folder, &study);
+    assert!(code == Some(0) && !text.contains("about a vacuum"), "{code:?}: {text}");
+}
+
+/// A load cell that ends at 300 N: the braid pulls up to 627 N.
+#[test]
+fn a_force_map_of_a_saturated_load_cell_is_refused() {
+    let folder = Folder::new("identify-map-end");
+    folder.file("muscle.toml", BRAID);
+    let clipped = changed(&map(|pascal| pascal), |names, row| {
+        let tension = of(names, "F");
+        row[tension] = row[tension].min(300.0);
+    });
+    folder.file("map.csv", &clipped);
+    let (code, text) = ended(&folder, MAP);
+    assert!(code == Some(2) && text.contains("tensions are exactly 300 N, the largest"), "{code:?}: {text}");
+    assert!(text.contains("set `saturates = \"300 N\"` in [columns.tension]"), "{text}");
+    let stated = MAP.replace("unit = \"N\"\n", "unit = \"N\"\nsaturates = \"300 N\"\n");
+    let (code, text) = ended(&folder, &stated);
+    assert!(code == Some(0) && text.contains("at the end of the sensor were left out"), "{code:?}: {text}");
+}
+
+#[test]
+fn a_saturation_that_leaves_nothing_is_refused() {
+    let folder = Folder::new("identify-lower-end");
+    folder.file("muscle.toml", SCENARIO);
+    simulated(&folder, "muscle.toml");
+    let study = study(["m", "Pa"], "").replace("unit = \"m\"\n", "unit = \"m\"\nsaturates = \"50 mm\"\n");
+    let (code, text) = ended(&folder, &study);
+    assert!(code == Some(2) && text.contains("`saturates` in [columns.length] leaves none"), "{code:?}: {text}");
+    assert!(text.contains("empty these cells"), "{text}");
+}
+
+#[test]
+fn a_start_outside_its_bounds_is_refused() {
+    let folder = Folder::new("identify-start");
+    folder.file("muscle.toml", SCENARIO);
+    simulated(&folder, "muscle.toml");
+    let study = study(["m", "Pa"], "").replace("start = \"5 N*s/m\"", "start = \"100 N*s/m\"");
+    let (code, text) = ended(&folder, &study);
+    let words = "`start` of `actuator.friction.viscous` in [fit] is 100";
+    assert!(code == Some(2) && text.contains(words), "{code:?}: {text}");
+    assert!(text.contains("above its largest value of 50"), "{text}");
+}

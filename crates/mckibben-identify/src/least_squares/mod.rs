@@ -33,7 +33,8 @@ mod statistics;
 
 pub use monitor::Monitor;
 pub use starts::{Found, Minimum, fit_from};
-pub use statistics::{Direction, Estimate, Fit};
+pub(crate) use statistics::typical;
+pub use statistics::{Direction, Estimate, Fit, exceeds_scales};
 
 use crate::median;
 use thiserror::Error;

@@ -23,6 +23,11 @@ const STEPS_WITHOUT_PROGRESS: u64 = 40;
 const PROGRESS: f64 = 0.01;
 /// How often polls are followed by steps with derivatives.
 const ROUNDS: usize = 10;
+/// Steps of Gauss and Newton at an end, and how often each is halved at most.
+const LEVELLING: usize = 8;
+const HALVINGS: i32 = 6;
+/// Steps after which a decomposition is given up, far more than one takes.
+const MOST_SWEEPS: usize = 100_000;
 /// The part of the cost by which a poll must lower it to be followed.
 const WORTH: f64 = 1e-6;
 
@@ -62,14 +67,15 @@ impl Seen {
     }
 }
 
-/// The fit from one start.
+/// The fit from one start. An end that is no minimum says too what is not identifiable there: a sum of squares that is level along a
+/// line may end a search as a kink does.
 pub(super) fn fit(model: &dyn Model, unknowns: &[Unknown], search: &Search) -> Result<Fit, FitError> {
-    Ok(of(
-        model,
-        unknowns,
-        search,
-        ended(model, unknowns, search, if search.any_end { Steps::Both } else { Steps::ByDerivatives })?,
-    ))
+    let end = ended(model, unknowns, search, if search.any_end { Steps::Both } else { Steps::ByDerivatives })?;
+    let fit = of(model, unknowns, search, end);
+    Ok(match fit.ending {
+        Ending::Kink | Ending::Numbers => fit.with_unidentifiable(model, unknowns, search),
+        _ => fit,
+    })
 }
 
 /// The fit from one start, by steps with derivatives alone, wherever they end.
@@ -170,9 +176,8 @@ fn ended(model: &dyn Model, unknowns: &[Unknown], search: &Search, steps: Steps)
         }
         let after = seen.best()?;
         if after.cost >= before.cost * (1.0 - WORTH) {
-            let values = problem.values(&after.at);
-            let there = super::with_priors(model, unknowns, &values);
-            if problem.offset(&values, &there).is_some_and(|offset| offset < OFFSET) {
+            let (values, there) = problem.levelled(problem.values(&after.at));
+            if problem.left(&values, &there).is_some_and(|(offset, _)| offset < OFFSET) {
                 return Ok(End { values, there, ending: Ending::Minimum });
             }
             // A method may fail at a kink by its numbers too. Where there are derivatives they were not what ended it.
@@ -280,9 +285,10 @@ impl<'a> Scaled<'a> {
         evaluation
     }
 
-    /// The step that is left to the unknowns within their bounds, in standard errors: the relative offset of Bates & Watts
-    /// (1981, Technometrics 23, 179–183). `None` where the numbers do not give it.
-    fn offset(&self, values: &[f64], there: &Evaluation) -> Option<f64> {
+    /// The step that is left to the unknowns within their bounds: in standard errors, the relative offset of Bates & Watts (1981,
+    /// Technometrics 23, 179–183), and in their units, the step of Gauss and Newton. Directions that are not identifiable take no
+    /// part: the sum of squares is level along them. `None` where the numbers do not give it.
+    fn left(&self, values: &[f64], there: &Evaluation) -> Option<(f64, Vec<f64>)> {
         let Evaluation { residuals, slopes } = there;
         if !residuals.iter().chain(slopes).all(|number| number.is_finite()) {
             return None;
@@ -296,8 +302,9 @@ impl<'a> Scaled<'a> {
             !((on_least && along > 0.0) || (on_largest && along < 0.0))
         };
         let free: Vec<usize> = (0..values.len()).filter(is_free).collect();
+        let mut step = vec![0.0; values.len()];
         if free.is_empty() {
-            return Some(0.0);
+            return Some((0.0, step));
         }
         if residuals.len() <= free.len() {
             return None;
@@ -306,10 +313,59 @@ impl<'a> Scaled<'a> {
         for (mut row, residual) in own.row_iter_mut().zip(residuals) {
             row *= self.search.loss.weight(*residual).sqrt();
         }
-        let within = own.qr().q().tr_mul(&weighted).norm_squared();
-        let beyond = (weighted.norm_squared() - within).max(0.0) / (residuals.len() - free.len()) as f64;
-        let offset = (within / free.len() as f64 / beyond).sqrt();
-        offset.is_finite().then_some(offset)
+        // Of an unknown without effect the norm is zero, and any will do.
+        let norms: Vec<f64> = own.column_iter().map(|column| column.norm()).collect();
+        let norms: Vec<f64> = norms.into_iter().map(|norm| if norm > 0.0 { norm } else { 1.0 }).collect();
+        for (mut column, norm) in own.column_iter_mut().zip(&norms) {
+            column /= *norm;
+        }
+        let decomposed = own.qr();
+        let along = decomposed.q().tr_mul(&weighted);
+        let svd = decomposed.r().try_svd(true, true, f64::EPSILON, MOST_SWEEPS)?;
+        let (left, right) = (svd.u?, svd.v_t?);
+        let largest = svd.singular_values.iter().copied().fold(0.0, f64::max);
+        let (mut within, mut directions) = (0.0, 0_usize);
+        for (k, value) in svd.singular_values.iter().enumerate() {
+            if *value > self.model.precision() * largest {
+                let part = left.column(k).dot(&along);
+                within += part * part;
+                directions += 1;
+                for (place, unknown) in free.iter().enumerate() {
+                    step[*unknown] -= right[(k, place)] * part / (value * norms[place]);
+                }
+            }
+        }
+        if directions == 0 {
+            return Some((0.0, step));
+        }
+        let beyond = (weighted.norm_squared() - within).max(0.0) / (residuals.len() - directions) as f64;
+        let offset = (within / directions as f64 / beyond).sqrt();
+        (offset.is_finite() && step.iter().all(|part| part.is_finite())).then_some((offset, step))
+    }
+
+    /// Values with what is left of the way to a minimum taken, where it is one: by steps of Gauss and Newton in the directions that are
+    /// identifiable, each shortened until the cost falls. Beside a direction along which nothing changes a method may stop short.
+    fn levelled(&self, mut values: Vec<f64>) -> (Vec<f64>, Evaluation) {
+        let cost = |there: &Evaluation| self.search.loss.cost(&there.residuals);
+        let mut there = super::with_priors(self.model, self.unknowns, &values);
+        for _ in 0..LEVELLING {
+            let Some((offset, step)) = self.left(&values, &there) else { break };
+            if offset < OFFSET {
+                break;
+            }
+            let least = cost(&there);
+            let shortened = |halvings: i32| {
+                let part = 0.5_f64.powi(halvings);
+                let moved =
+                    values.iter().zip(&step).zip(&self.sizes).map(|((value, step), size)| (value + part * step) / size);
+                self.within(&moved.collect::<Vec<f64>>())
+            };
+            let falls = |at: &Vec<f64>| self.search.loss.cost(&self.residuals_at(at)) < least;
+            let Some(next) = (0..HALVINGS).map(shortened).find(falls) else { break };
+            values = self.values(&next);
+            there = super::with_priors(self.model, self.unknowns, &values);
+        }
+        (values, there)
     }
 
     /// Whether no free unknown would make the sum smaller: residuals and derivatives are at right angles.

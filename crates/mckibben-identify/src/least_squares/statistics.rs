@@ -23,6 +23,7 @@
 //! without effect, has no interval; one that rests on a bound has none either and takes no part.
 
 use super::{Ending, Evaluation, Loss, Model, Search, Unknown};
+use crate::median;
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -32,6 +33,17 @@ const NAMED: f64 = 0.1;
 const ROUNDING: f64 = 1e-12;
 /// Steps after which a decomposition is given up, far more than one takes.
 const MOST_SWEEPS: usize = 100_000;
+
+/// Residuals over scales that were stated above which the scales are doubted, and the normal quantile beyond which that is no chance.
+const BEYOND_SCALE: f64 = 1.5;
+const NO_CHANCE: f64 = 3.09;
+
+/// Whether so many residuals of this size, in scales that are known, are more than these scales leave to chance: the test of χ² at a
+/// thousandth, by the approximation of Wilson & Hilferty (1931, Proc. Natl. Acad. Sci. 17, 684–688).
+pub fn exceeds_scales(size: f64, count: usize) -> bool {
+    let part = 2.0 / (9.0 * count.max(1) as f64);
+    size > BEYOND_SCALE && size * size > (1.0 - part + NO_CHANCE * part.sqrt()).powi(3)
+}
 
 /// One unknown after the fit.
 #[derive(Clone, Debug, PartialEq)]
@@ -91,6 +103,12 @@ impl Fit {
         self.estimates.iter().map(|estimate| estimate.value).collect()
     }
 
+    /// The size of a residual in its scale: the root mean square; under a loss that spares outliers by the median, which these do not
+    /// change. Censored residuals do not count.
+    pub fn typical_residual(&self, loss: Loss) -> f64 {
+        typical(self.residuals.iter().copied().filter(|residual| *residual != 0.0), loss)
+    }
+
     pub(super) fn new(model: &dyn Model, unknowns: &[Unknown], search: &Search, at: (Vec<f64>, Evaluation)) -> Self {
         Self::of_eliminated(model, unknowns, search, at, 0)
     }
@@ -105,9 +123,7 @@ impl Fit {
         others: usize,
     ) -> Self {
         let (rows, columns) = (evaluation.residuals.len(), unknowns.len());
-        let on_bound: Vec<bool> =
-            unknowns.iter().zip(&values).map(|(unknown, value)| unknown.rests(*value).contains(&true)).collect();
-        let free: Vec<usize> = (0..columns).filter(|unknown| !on_bound[*unknown]).collect();
+        let free = free(unknowns, &values);
         let weights: Vec<f64> = evaluation.residuals.iter().map(|residual| search.loss.weight(*residual)).collect();
         // A residual that is zero and stays so is no measurement: a censored one says nothing.
         let silent = |row: usize| {
@@ -119,9 +135,7 @@ impl Fit {
         let squares: f64 =
             evaluation.residuals.iter().zip(&weights).map(|(residual, weight)| weight * residual * residual).sum();
         let scatter = (squares / degrees_of_freedom.max(1) as f64).sqrt();
-        let slopes = DMatrix::from_fn(rows, free.len(), |row, place| evaluation.slopes[row * columns + free[place]]);
-        let mut sensitivity =
-            Sensitivity::new(&slopes, &weights, model, free.iter().map(|of| (&unknowns[*of], values[*of])));
+        let (mut sensitivity, slopes) = Sensitivity::of(model, unknowns, &free, &weights, (&values, &evaluation));
         match search.loss {
             Loss::Squares if search.known_scales => sensitivity.estimate(1.0),
             Loss::Squares => sensitivity.estimate(scatter * scatter),
@@ -152,7 +166,7 @@ impl Fit {
                 value,
                 standard_error,
                 confidence_interval: standard_error.map(|error| [value - quantile * error, value + quantile * error]),
-                on_bound: on_bound[unknown],
+                on_bound: place.is_none(),
                 bound: unknowns[unknown].bound_of(value),
             }
         };
@@ -174,6 +188,30 @@ impl Fit {
             unidentifiable: sensitivity.unidentifiable(&names),
             ending: Ending::Minimum,
         }
+    }
+
+    /// With what is not identifiable at the values, where there are derivatives.
+    pub(super) fn with_unidentifiable(self, model: &dyn Model, unknowns: &[Unknown], search: &Search) -> Self {
+        let values = self.values();
+        let evaluation = super::with_priors(model, unknowns, &values);
+        if !evaluation.residuals.iter().chain(&evaluation.slopes).all(|number| number.is_finite()) {
+            return self;
+        }
+        let free = free(unknowns, &values);
+        let weights: Vec<f64> = evaluation.residuals.iter().map(|residual| search.loss.weight(*residual)).collect();
+        let (sensitivity, _) = Sensitivity::of(model, unknowns, &free, &weights, (&values, &evaluation));
+        let names: Vec<&str> = free.iter().map(|unknown| unknowns[*unknown].name.as_str()).collect();
+        Self { unidentifiable: sensitivity.unidentifiable(&names), ..self }
+    }
+
+    /// With values that rest on a bound taken to it, where the model has a value there: what a search leaves of the way is its
+    /// rounding. A bound that a parameter does not reach, as zero of a time constant, is left.
+    pub(crate) fn on_bounds(mut self, model: &dyn Model) -> Self {
+        let taken: Vec<f64> = self.estimates.iter().map(|estimate| estimate.bound.unwrap_or(estimate.value)).collect();
+        if taken != self.values() && model.residuals_at(&taken).iter().all(|residual| residual.is_finite()) {
+            self.estimates.iter_mut().zip(taken).for_each(|(estimate, value)| estimate.value = value);
+        }
+        self
     }
 
     /// The best values of a search that has ended elsewhere than at a minimum, with the residuals there, those of priors behind the
@@ -211,6 +249,24 @@ impl Fit {
     }
 }
 
+/// The size of residuals under a loss: see [`Fit::typical_residual`].
+pub(crate) fn typical(residuals: impl Iterator<Item = f64>, loss: Loss) -> f64 {
+    let residuals: Vec<f64> = residuals.collect();
+    match loss {
+        Loss::Squares => {
+            let squares = residuals.iter().map(|residual| residual * residual).sum::<f64>();
+            (squares / residuals.len().max(1) as f64).sqrt()
+        }
+        _ => median::deviation(residuals),
+    }
+}
+
+/// The places of the unknowns that do not rest on a bound.
+fn free(unknowns: &[Unknown], values: &[f64]) -> Vec<usize> {
+    let rests = |place: &usize| unknowns[*place].rests(values[*place]).contains(&true);
+    (0..unknowns.len()).filter(|place| !rests(place)).collect()
+}
+
 /// The size of an unknown at a value, which a share is relative to: the value, or the one of the search where it is zero. A value
 /// that may have either sign is no size where its bounds say one.
 fn magnitude(value: f64, unknown: &Unknown) -> f64 {
@@ -245,6 +301,19 @@ struct Sensitivity {
 }
 
 impl Sensitivity {
+    /// Of the free unknowns at values, with the derivatives with respect to these.
+    fn of(
+        model: &dyn Model,
+        unknowns: &[Unknown],
+        free: &[usize],
+        weights: &[f64],
+        (values, evaluation): (&[f64], &Evaluation),
+    ) -> (Self, DMatrix<f64>) {
+        let (rows, columns) = (evaluation.residuals.len(), unknowns.len());
+        let slopes = DMatrix::from_fn(rows, free.len(), |row, place| evaluation.slopes[row * columns + free[place]]);
+        (Self::new(&slopes, weights, model, free.iter().map(|of| (&unknowns[*of], values[*of]))), slopes)
+    }
+
     fn new<'a>(
         slopes: &DMatrix<f64>,
         weights: &[f64],

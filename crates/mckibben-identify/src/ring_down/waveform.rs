@@ -15,7 +15,7 @@ use crate::propagation::{Measured, Slope};
 use crate::series::Polynomial;
 use mckibben::parameter::{self, Parameter};
 use mckibben::simulation::{Initial, InitialLength, Rig, simulate};
-use mckibben::{AbsolutePressure, Over, Scalar};
+use mckibben::{AbsolutePressure, GaugePressure, Over, Scalar};
 
 /// Relative tolerance of the trajectories: far below any sensor's noise.
 const TOLERANCE: f64 = 1e-8;
@@ -118,6 +118,17 @@ fn scaled(estimate: &Estimate, factor: f64) -> Estimate {
 }
 
 impl Waveform {
+    /// The state at the first sample; what was not free in it is that of a `start`.
+    pub fn start(&self, start: &Initial) -> Initial {
+        let of = |name: &str| self.fit.estimates.iter().find(|estimate| estimate.name == name).map(|of| of.value);
+        Initial {
+            length: of("length").map_or(start.length, InitialLength::At),
+            velocity: of("velocity").unwrap_or(start.velocity),
+            gauge_pressure: of("gauge_pressure").map_or(start.gauge_pressure, GaugePressure),
+            ..*start
+        }
+    }
+
     /// Fits a sealed rig to a record that begins with its first sample after the release; `start` is the state there, or a guess
     /// of what is `free` in it (its length is always taken from the record), and `turns`, if given, is where Q and c begin.
     ///
@@ -179,7 +190,9 @@ impl Waveform {
                 unknown.start = if held { 1e-3 * unknown.start } else { value };
             }
         }
-        let fit = fit(&of(time.len()), &unknowns, &Search::default())?;
+        // What a search leaves of the way to a bound is its rounding.
+        let whole = of(time.len());
+        let fit = fit(&whole, &unknowns, &Search::default())?.on_bounds(&whole);
         Self::new(fit, rig, &begin, noise, mass, free)
     }
 

@@ -197,7 +197,8 @@ impl Candidate {
         let scale = deviation.unwrap_or(map.largest);
         let model = StaticModel { adjustable: &self.adjustable, map, scale };
         let search = Search { known_scales: deviation.is_some(), ..search.clone() };
-        let found = least_squares::fit_from(&model, &self.unknowns, &self.starts, &search)?;
+        let mut found = least_squares::fit_from(&model, &self.unknowns, &self.starts, &search)?;
+        found.fit = found.fit.on_bounds(&model);
         let scenario = self.adjustable.at(&found.fit.values()).map_err(|_| FitError::NoStart)?;
         let driven = scenario.driven().map_err(|_| FitError::NoStart)?;
         let errors = map.errors(&driven.actuator);

@@ -30,6 +30,12 @@ const SPREAD: f64 = 1.5;
 /// The part of its residual that a law with an offset of the pressure leaves at most where the offset is believed.
 const EXPLAINED: f64 = 0.5;
 
+/// Tensions at the end of a load cell: so many, that part of all, and the ratio of the ideal braid's at them beyond which they cannot be
+/// one tension.
+const MANY: usize = 4;
+const AT_END: f64 = 0.05;
+const APART: f64 = 1.2;
+
 /// A finding about the units of a force map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Suspicion {
@@ -78,7 +84,8 @@ pub fn misdirected(points: &[Point], scenario: &Scenario) -> Result<Option<Misdi
 }
 
 /// The gauge pressure in Pa at which the tensions of a force map vanish, where that is about the pressure of the atmosphere, as of
-/// absolute pressures that are taken for gauge; `None` where it is not, or pressures are too alike to show it.
+/// absolute pressures that are taken for gauge, or as far below zero, as of gauge pressures that are taken for absolute; `None` where
+/// it is neither, or pressures are too alike to show it.
 ///
 /// # Errors
 /// As [`Scenario::driven`].
@@ -109,7 +116,41 @@ pub fn vanishes_at_atmosphere(map: &ForceMap, scenario: &Scenario) -> Result<Opt
     let at = -offset / slope * largest;
     let atmosphere = scenario.air.atmospheric_pressure;
     let is_believed = slope > 0.0 && left(slope, offset) < EXPLAINED * left(through, 0.0);
-    Ok((is_believed && (at - atmosphere).abs() < NEAR * atmosphere).then_some(at))
+    Ok((is_believed && (at.abs() - atmosphere).abs() < NEAR * atmosphere).then_some(at))
+}
+
+/// Tensions of a load cell at its end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Saturated {
+    /// The tension in N that it reads there.
+    pub tension: f64,
+    /// How many tensions are this one.
+    pub count: usize,
+    /// Of how many that were held.
+    pub of: usize,
+    /// The ideal braid's largest tension at these over its least.
+    pub ratio: f64,
+}
+
+/// The largest tension of a force map, where so many are exactly this one at places where the ideal braid of a scenario pulls so
+/// differently that a load cell at its end is the cause; where others repeat as well, as in a table of tensions that were set, it is
+/// not.
+///
+/// # Errors
+/// As [`Scenario::driven`].
+pub fn saturated(map: &ForceMap, scenario: &Scenario) -> Result<Option<Saturated>, Error> {
+    let actuator = braid(scenario)?;
+    let tension = map.largest();
+    let (at_end, below): (Vec<&Point>, Vec<&Point>) = map.held().partition(|point| point.tension == tension);
+    let mut others: Vec<f64> = below.iter().map(|point| point.tension).collect();
+    others.sort_by(f64::total_cmp);
+    let repeated = others.windows(2).filter(|pair| pair[0] == pair[1]).count();
+    let ideals = || at_end.iter().map(|point| force(&actuator, point));
+    let (least, largest) = (ideals().fold(f64::INFINITY, f64::min), ideals().fold(0.0, f64::max));
+    let (count, of) = (at_end.len(), at_end.len() + others.len());
+    let are_many = count >= MANY && MANY <= others.len() && count as f64 >= AT_END * of as f64;
+    let is_end = are_many && 2 * repeated < others.len() && least > 0.0 && largest > APART * least;
+    Ok(is_end.then_some(Saturated { tension, count, of, ratio: largest / least }))
 }
 
 /// The scenario with the ideal braid alone.

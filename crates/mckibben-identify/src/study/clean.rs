@@ -116,8 +116,13 @@ pub(super) fn sheet(
         }
     }
     let timed = columns.iter().any(|column| column.quantity == Quantity::Time);
+    let times = columns.iter().find(|column| column.quantity == Quantity::Time).map(|time| time.values.clone());
+    let steps: Vec<f64> = times.unwrap_or_default().windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let step = median(&steps);
     for (column, entry) in columns.iter_mut().zip(entries) {
-        work.ends(column, &entry.rules)?;
+        // Readings of one sample that a sensor holds.
+        let repeated = entry.sensor.hold.zip(step).map_or(1.0, |(hold, step)| (hold / step).max(1.0));
+        work.ends(column, &entry.rules, repeated)?;
         work.impossible(column, entry, timed)?;
         work.slack(column, &entry.rules);
         work.vacuum(column);
@@ -431,8 +436,8 @@ impl Work<'_> {
         }
     }
 
-    /// Readings at the end of a sensor's range.
-    fn ends(&mut self, column: &mut Column, rules: &Rules) -> Result<(), StudyError> {
+    /// Readings at the end of a sensor's range, where each is repeated so often by a sensor that holds it.
+    fn ends(&mut self, column: &mut Column, rules: &Rules, repeated: f64) -> Result<(), StudyError> {
         let of = column.words();
         if let Some(end) = rules.saturates {
             let mut gone = 0;
@@ -456,7 +461,8 @@ impl Work<'_> {
         let least = column.values.iter().copied().filter(|value| value.is_finite()).fold(f64::INFINITY, f64::min);
         let is_length = matches!(column.quantity, Quantity::Length | Quantity::AntagonistLength);
         let pressed = is_length || column.quantity.is_tension();
-        if timed && pressed && largest > least && longest >= STUCK && 50 * longest >= column.values.len() {
+        let is_stuck = longest as f64 >= STUCK as f64 * repeated;
+        if timed && pressed && largest > least && is_stuck && 50 * longest >= column.values.len() {
             let unit = column.quantity.unit();
             let what = format!(
                 "the {of} reads {largest} {unit}, its largest value, {longest} times on end: the sensor is at its end"

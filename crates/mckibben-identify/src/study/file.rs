@@ -35,9 +35,14 @@ pub enum Kind {
 }
 
 impl Kind {
+    /// Those that are found by a search that may take long, and have a result whenever it is ended.
+    pub(super) const SEARCHED: [Self; 3] = [Self::ForceMap, Self::Hysteresis, Self::Trajectories];
+    /// Those whose unknowns are the study's; the others follow from the kind.
+    pub(super) const OF_NUMBERS: [Self; 2] = [Self::Hysteresis, Self::Trajectories];
+
     /// Whether it is found by a search that may take long, and has a result whenever it is ended.
     pub fn has_search(self) -> bool {
-        matches!(self, Self::ForceMap | Self::Hysteresis | Self::Trajectories)
+        Self::SEARCHED.contains(&self)
     }
 
     /// As it is written in a study.
@@ -349,6 +354,9 @@ impl Study {
             let what = format!("`{owner}` of `{}` in [fit] is of a study of the kind \"trajectories\"", entry.path);
             return Err(within.fault(None, what, "leave it out"));
         }
+        if let Some(entry) = fit_entries.first() {
+            within.read_by(&format!("[fit.\"{}\"]", entry.path), None, head.kind, &Kind::OF_NUMBERS)?;
+        }
         if let Some(entry) = fit_entries.iter().find(|entry| entry.per_run && entry.per_session) {
             let what = format!("`{}` in [fit] is each run’s and each session’s own at once", entry.path);
             return Err(within.fault(None, what, "leave out `per_run` or `per_session`"));
@@ -358,9 +366,8 @@ impl Study {
             let what = format!("a sensor of the {} is described, which only trajectories know", column.words());
             return Err(within.fault(None, what, "leave `shift`, `lag`, `drift` and `hold` out"));
         }
-        if head.input == Input::GaugePressure && head.kind != Kind::Trajectories {
-            let what = "`input` is of a study of the kind \"trajectories\"";
-            return Err(within.fault(Some(head_at), what, "leave it out"));
+        if head.input == Input::GaugePressure {
+            within.read_by("`input` in [study]", Some(head_at), head.kind, &[Kind::Trajectories])?;
         }
         let search = file.search.read(&within, head.kind)?;
         let sections = Sections { flow: file.flow, tank: file.tank, pulses: file.pulses };
@@ -449,6 +456,20 @@ impl Within<'_> {
     pub(super) fn fault(&self, at: Option<usize>, what: impl Into<String>, remedy: impl Into<String>) -> StudyError {
         let line = at.map(|at| self.line(at));
         StudyError::new(self.path, line, what, remedy)
+    }
+
+    /// Refuses a key that a study of a kind does not read, since it would change nothing: only some kinds do.
+    pub(super) fn read_by(&self, key: &str, at: Option<usize>, kind: Kind, kinds: &[Kind]) -> Result<(), StudyError> {
+        if kinds.contains(&kind) {
+            return Ok(());
+        }
+        let readers: Vec<String> = kinds.iter().map(|kind| format!("\"{}\"", kind.name())).collect();
+        let what = format!("a study of the kind \"{}\" does not read {key}", kind.name());
+        let remedy = format!(
+            "keys without effect are refused, leave them out; this one is of the kind {}",
+            readers.join(" or ")
+        );
+        Err(self.fault(at, what, remedy))
     }
 
     /// A quantity of a dimension, in SI.

@@ -27,18 +27,39 @@ pub struct SearchEntry {
 #[derive(Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawSearch {
-    more_starts: Option<usize>,
+    more_starts: Option<Spanned<usize>>,
     most_steps: Option<Spanned<u64>>,
     time_limit: Option<Spanned<String>>,
-    robust: Option<f64>,
-    horizon: Option<Vec<Spanned<String>>>,
+    robust: Option<Spanned<f64>>,
+    horizon: Option<Spanned<Vec<Spanned<String>>>>,
     segments: Option<Spanned<String>>,
 }
 
 impl RawSearch {
+    /// Refuses a key that a study of this kind does not read.
+    fn check_kind(&self, within: &Within<'_>, kind: Kind) -> Result<(), StudyError> {
+        let place = |span: std::ops::Range<usize>| span.start;
+        let (searched, followed) = (Kind::SEARCHED.as_slice(), [Kind::Trajectories].as_slice());
+        let keys = [
+            ("more_starts", self.more_starts.as_ref().map(|of| place(of.span())), Kind::OF_NUMBERS.as_slice()),
+            ("most_steps", self.most_steps.as_ref().map(|of| place(of.span())), searched),
+            ("time_limit", self.time_limit.as_ref().map(|of| place(of.span())), searched),
+            ("robust", self.robust.as_ref().map(|of| place(of.span())), searched),
+            ("horizon", self.horizon.as_ref().map(|of| place(of.span())), followed),
+            ("segments", self.segments.as_ref().map(|of| place(of.span())), followed),
+        ];
+        for (key, at, kinds) in keys {
+            if at.is_some() {
+                within.read_by(&format!("`{key}` in [search]"), at, kind, kinds)?;
+            }
+        }
+        Ok(())
+    }
+
     /// What it says, checked.
     pub(super) fn read(self, within: &Within<'_>, kind: Kind) -> Result<SearchEntry, StudyError> {
-        let robust = self.robust;
+        self.check_kind(within, kind)?;
+        let robust = self.robust.map(Spanned::into_inner);
         if robust.is_some_and(|scale| scale.is_nan() || scale <= 0.0) {
             return Err(within.fault(
                 None,
@@ -46,7 +67,8 @@ impl RawSearch {
                 "give a number of deviations such as 2.5",
             ));
         }
-        if let Some(count) = self.more_starts.filter(|count| *count > MOST_STARTS) {
+        let more_starts = self.more_starts.map(Spanned::into_inner);
+        if let Some(count) = more_starts.filter(|count| *count > MOST_STARTS) {
             let what = format!("`search.more_starts` is {count}, above {MOST_STARTS}");
             return Err(within.fault(None, what, "give fewer starts, such as 16"));
         }
@@ -57,11 +79,6 @@ impl RawSearch {
                 what,
                 "give a number of steps such as 500, or leave it out",
             ));
-        }
-        if !kind.has_search() && (self.most_steps.is_some() || self.time_limit.is_some()) {
-            let what =
-                format!("`most_steps` and `time_limit` in [search] are not of a study of the kind \"{}\"", kind.name());
-            return Err(within.fault(None, what, "leave them out: its fits take seconds"));
         }
         let time_limit = within.maybe(self.time_limit.as_ref(), Quantity::Time)?;
         if let (Some(text), Some(limit)) = (&self.time_limit, time_limit)
@@ -75,14 +92,14 @@ impl RawSearch {
         };
         let horizon = match (&self.horizon, &self.segments) {
             (None, None) => Horizon::Whole,
-            (Some(texts), None) => Horizon::Growing(ends(texts)?),
+            (Some(texts), None) => Horizon::Growing(ends(texts.as_ref())?),
             (None, Some(text)) => Horizon::Segments(within.si(text, Quantity::Time)?),
             (Some(_), Some(text)) => {
                 let what = "`search.horizon` and `search.segments` exclude each other";
                 return Err(within.fault(Some(text.span().start), what, "leave one of them out"));
             }
         };
-        let (more_starts, most_steps) = (self.more_starts, self.most_steps.map(Spanned::into_inner));
+        let most_steps = self.most_steps.map(Spanned::into_inner);
         Ok(SearchEntry { more_starts, most_steps, time_limit, robust, horizon })
     }
 }

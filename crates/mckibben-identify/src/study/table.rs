@@ -74,7 +74,10 @@ fn unreadable(file: &Path, error: impl std::fmt::Display) -> StudyError {
 }
 
 fn read_csv(file: &Path, named: &[&str]) -> Result<Table, StudyError> {
-    let text = std::fs::read_to_string(file).map_err(|error| unreadable(file, error))?;
+    let text = std::fs::read_to_string(file).map_err(|error| match error.kind() {
+        std::io::ErrorKind::InvalidData => StudyError::new(file, None, "its text is not UTF-8", "save it as UTF-8"),
+        _ => unreadable(file, error),
+    })?;
     let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
     let Some((above, text)) = from_the_head(text) else {
         let what = if text.trim().is_empty() { "it is empty" } else { "it has comments alone" };

@@ -37,7 +37,7 @@ mod subject;
 
 pub use held_out::HeldOutRun;
 pub use observed::{Observed, ObservedColumn};
-pub use rest::{Drift, Unexplained};
+pub use rest::{Drift, Understated, Unexplained};
 pub use sampling::Sampling;
 pub use search::{Horizon, Identified, Task, TrajectoryError};
 pub use sensor::{AMOUNTS, Amount, Sensor};
@@ -64,6 +64,28 @@ pub struct TimeSeries {
     pub deviation: Option<f64>,
     /// What the sensor makes of it.
     pub sensor: Sensor,
+}
+
+impl TimeSeries {
+    /// Takes each sample that the sensor holds as one reading: the mean of its readings, at the mean of their times. A table has such a
+    /// sample many times, and its repetitions know no more of it than the first.
+    pub fn without_repetitions(mut self) -> Self {
+        let Some(interval) = self.sensor.hold else { return self };
+        let readings = self.times.iter().copied().zip(self.values.iter().copied());
+        let mut samples: Vec<(f64, [f64; 3])> = Vec::new();
+        for (time, value) in readings {
+            let sample = sensor::sample(interval, time);
+            match samples.last_mut() {
+                Some((last, [count, times, values])) if *last == sample => {
+                    (*count, *times, *values) = (*count + 1.0, *times + time, *values + value);
+                }
+                _ => samples.push((sample, [1.0, time, value])),
+            }
+        }
+        let means = samples.into_iter().map(|(_, [count, times, values])| (times / count, values / count));
+        (self.times, self.values) = means.unzip();
+        self
+    }
 }
 
 /// One run of the rig.

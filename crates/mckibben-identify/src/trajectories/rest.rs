@@ -5,6 +5,7 @@
 //! its neighbours, whatever the model: by how far it lies from a parabola through three of them.
 
 use super::{Identified, Observed, Runs, Task};
+use crate::least_squares;
 use crate::series::{self, Polynomial};
 
 /// Standard errors of its slope above which the residual of a time series drifts.
@@ -36,15 +37,54 @@ pub struct Unexplained {
     pub noise: f64,
 }
 
+/// A quantity of which more is left than the standard deviation that is stated of its readings.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Understated {
+    /// What was read.
+    pub observed: Observed,
+    /// The size of its residuals, in the SI unit.
+    pub left: f64,
+    /// The standard deviation that is stated.
+    pub deviation: f64,
+}
+
 impl Task {
     /// The quantities of which the model leaves more than the noise of their readings.
     pub fn unexplained(&self, found: &Identified) -> Vec<Unexplained> {
-        let of = |(observed, left): &(Observed, f64)| {
+        let of = |(observed, scale): &(Observed, f64)| {
             let series = self.series_of(observed).map(|recorded| (&recorded.times[..], &recorded.values[..]));
-            let noise = series::beyond_noise(*left, series)?;
-            Some(Unexplained { observed: observed.clone(), left: *left, noise })
+            let left = self.typical(found, observed)? * scale;
+            let noise = series::beyond_noise(left, series)?;
+            Some(Unexplained { observed: observed.clone(), left, noise })
+        };
+        found.scales.iter().filter_map(of).collect()
+    }
+
+    /// The quantities of which the model leaves more than the standard deviation that is stated of their readings, beyond chance.
+    pub fn understated(&self, found: &Identified) -> Vec<Understated> {
+        let of = |(observed, _): &(Observed, f64)| {
+            let (deviation, is_known) = self.scale(observed);
+            let scale = found.scales.iter().find(|(of, _)| of == observed)?.1;
+            let left = self.typical(found, observed)? * scale;
+            let readings = self.series_of(observed).map(|recorded| recorded.values.len()).sum();
+            let is_more = is_known && least_squares::exceeds_scales(left / deviation, readings);
+            is_more.then(|| Understated { observed: observed.clone(), left, deviation })
         };
         found.left.iter().filter_map(of).collect()
+    }
+
+    /// The size of the residuals of a quantity in its scale: outliers that the search spares do not count to it. `None` without readings.
+    fn typical(&self, found: &Identified, observed: &Observed) -> Option<f64> {
+        let mut rest = found.found.fit.residuals.as_slice();
+        let mut residuals = Vec::new();
+        for recorded in self.runs.iter().flat_map(|run| &run.time_series) {
+            let (own, behind) = rest.split_at(recorded.times.len().min(rest.len()));
+            rest = behind;
+            if recorded.observed == *observed {
+                residuals.extend_from_slice(own);
+            }
+        }
+        (!residuals.is_empty()).then(|| least_squares::typical(residuals.into_iter(), self.search.loss))
     }
 
     /// The time series whose residuals drift from the first reading to the last.

@@ -233,7 +233,12 @@ impl Task {
                 Err(_) => runs.scales = rough,
             }
         }
-        let (found, joined) = found;
+        let (mut found, joined) = found;
+        // In segments the runs are simulated already, with the values as they were found.
+        if joined.is_none() {
+            let calm = Runs { scales: runs.scales.clone(), monitor: Monitor::default(), ..runs };
+            found.fit = found.fit.on_bounds(&calm);
+        }
         let values = found.fit.values();
         let scenario = |run: &Recorded| run.subject.at(&run.own(&values)).map_err(|error| run.failed(error));
         let scenarios = self.runs.iter().map(scenario).collect::<Result<_, _>>()?;
@@ -287,7 +292,7 @@ impl Task {
     }
 
     /// The standard deviation of a quantity's readings and that it is known, or their span.
-    fn scale(&self, observed: &Observed) -> (f64, bool) {
+    pub(super) fn scale(&self, observed: &Observed) -> (f64, bool) {
         let deviations: Vec<f64> = self.series_of(observed).filter_map(|recorded| recorded.deviation).collect();
         if let Some(deviation) = deviations.first().filter(|_| deviations.len() == self.series_of(observed).count()) {
             return (*deviation, true);

@@ -128,8 +128,7 @@ impl KnownSensor {
     /// When in s the quantity had the value that is read at a time.
     fn source(&self, time: f64) -> f64 {
         let taken = match self.hold {
-            // A sample that is due at the reading is taken.
-            Some(interval) => interval * (time / interval * (1.0 + f64::EPSILON) + 1e-9).floor(),
+            Some(interval) => interval * sample(interval, time),
             None => time,
         };
         taken - self.shift
@@ -178,6 +177,11 @@ impl KnownSensor {
             visit(Reading { value, by_amounts });
         }
     }
+}
+
+/// Which sample a sensor that holds has at a time, counted from the start of the run; one that is due then is taken.
+pub(super) fn sample(interval: f64, time: f64) -> f64 {
+    (time / interval * (1.0 + f64::EPSILON) + 1e-9).floor()
 }
 
 /// A quantity of a run over time, with its value at the start before that.

@@ -20,7 +20,7 @@ mod flow_curve;
 mod steady;
 mod tank;
 
-pub use delays::{Delays, DutyPoint, Onset, PulseTrain, delay_difference};
+pub use delays::{Delays, DutyPoint, Onset, PulseTrain, Windows, delay_difference};
 pub use flow_curve::FlowCurve;
 pub use steady::{Efficiency, Scatter, SteadyPoint, efficiency, flow_coefficient};
 pub use tank::{Tank, TankFit, TankRecord, TankUnknown, Transfer};

@@ -103,7 +103,10 @@ pub(super) fn check(points: &[SteadyPoint], least: usize) -> Result<(), ValveErr
             return wrong("downstream pressure", downstream.0, "Pa", problem, remedy);
         }
         if !(TEMPERATURES[0]..=TEMPERATURES[1]).contains(&temperature) {
-            let (problem, remedy) = ("no temperature of air in a laboratory", "give it in kelvin");
+            let (problem, remedy) = (
+                "no temperature of air in a laboratory",
+                "if it was measured in degC or degF, give it in kelvin, or with its own unit",
+            );
             return wrong("temperature", temperature, "K", problem, remedy);
         }
         if mass_flow <= 0.0 {

@@ -14,6 +14,9 @@
 //! trajectory, with exact derivatives. A tank is simulated as an actuator that is held at one length: the external volume
 //! makes up the rest.
 //!
+//! The unknown pressure and the stated temperature at the start are those of the valve's opening, which may be before the first
+//! sample.
+//!
 //! C and V cannot both be found from a pressure: a tank twice as large behind twice the valve has the same. The temperature
 //! at the start is that of the tank's wall.
 //!
@@ -50,6 +53,8 @@ const BRAID: (f64, f64, f64) = (0.1, 0.08, 1e4);
 /// Pressure over time in a tank, from the valve's opening on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TankRecord {
+    /// When the valve opens.
+    opened: f64,
     time: Vec<f64>,
     pressure: Vec<f64>,
 }
@@ -65,7 +70,31 @@ impl TankRecord {
         for (place, value) in pressure.iter().enumerate() {
             check_pressure("pressure", place, *value, "Pa")?;
         }
-        Ok(Self { time, pressure })
+        Ok(Self { opened: time[0], time, pressure })
+    }
+
+    /// With a valve that opens at a time in s, before the first sample: readings may be lacking there.
+    ///
+    /// # Errors
+    /// [`ValveError::Misuse`] for a time after the first sample, or none.
+    pub fn opened_at(self, time: f64) -> Result<Self, ValveError> {
+        match time.is_finite() && time <= self.time[0] {
+            true => Ok(Self { opened: time, ..self }),
+            false => Err(ValveError::Misuse {
+                what: "the valve opens after the first sample",
+                remedy: "leave out the samples before it opens",
+            }),
+        }
+    }
+
+    /// The pressure in Pa at the opening, on the line through the first samples.
+    fn first_guess(&self) -> f64 {
+        let few = LEAST_SAMPLES.min(self.time.len());
+        let line = Polynomial::fit(&self.time[..few], &self.pressure[..few], self.opened, 1);
+        let guess = line.filter(|_| self.opened < self.time[0]).map_or(self.pressure[0], |line| line.coefficients[0]);
+        // Far before the samples the line leads nowhere.
+        let [least, most] = [0.5, 2.0].map(|part| part * self.pressure[0]);
+        guess.clamp(least, most)
     }
 }
 
@@ -96,7 +125,7 @@ pub struct Tank {
     pub transfer: Transfer,
 }
 
-/// What is unknown in addition to the pressure at the first sample.
+/// What is unknown in addition to the pressure when the valve opens.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TankUnknown {
     /// C and b of the valve, from guesses in m³/(s·Pa) and 1.
@@ -178,7 +207,7 @@ impl Tank {
     }
 
     /// Fits several records, of discharges and charges from any pressures: the unknowns are common to all of them,
-    /// the pressure at the first sample is separate for each, and each is weighed by the noise of its samples. Guesses
+    /// the pressure when its valve opens is separate for each, and each is weighed by the noise of its samples. Guesses
     /// of volume and heat transfer are those of the first tank.
     ///
     /// # Errors
@@ -190,7 +219,7 @@ impl Tank {
         };
         let mut unknowns: Vec<Unknown> = runs
             .iter()
-            .map(|(_, record)| Unknown::new("pressure", "Pa", record.pressure[0]).between(1.0, f64::INFINITY))
+            .map(|(_, record)| Unknown::new("pressure", "Pa", record.first_guess()).between(1.0, f64::INFINITY))
             .collect();
         let mut rows = Vec::new();
         match wanted {
@@ -224,7 +253,7 @@ impl Tank {
         };
         let trajectories = runs.iter().map(trajectory).collect::<Result<Vec<_>, ValveError>>()?;
         let together = Together { trajectories, rows };
-        let fit = fit_from(&together, &unknowns, &starts(&unknowns), &Search::default())?.fit;
+        let fit = fit_from(&together, &unknowns, &starts(&unknowns), &Search::default())?.fit.on_bounds(&together);
         let of = |name: &str| fit.estimates.iter().find(|estimate| estimate.name == name).cloned();
         if let Some(ratio) = of("critical_ratio") {
             let reaches = ratio.confidence_interval.unwrap_or([ratio.value; 2]);
@@ -345,8 +374,9 @@ impl Trajectory {
         let initial = self.tank.initial(AbsolutePressure(start)).map(number);
         let start = rig.begin(&initial).ok()?;
         let time = &self.record.time;
-        let run = simulate(&rig, start, D::constant(time[time.len() - 1] - time[0]), TOLERANCE).ok()?;
-        let times = time.iter().map(|at| D::constant(at - time[0]));
+        let opened = self.record.opened;
+        let run = simulate(&rig, start, D::constant(time[time.len() - 1] - opened), TOLERANCE).ok()?;
+        let times = time.iter().map(|at| D::constant(at - opened));
         Some(run.at_each(times).map(|sample| sample.pressure.0).collect())
     }
 }

@@ -17,6 +17,7 @@ use mckibben::plant::PlantSteps;
 use mckibben::simulation::MOST_PARTS;
 use mckibben::{Error, GaugePressure};
 use mckibben_run::failure::Failure;
+use mckibben_run::host::end_of_step;
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use std::sync::{Mutex, PoisonError};
@@ -205,7 +206,7 @@ impl Actuator {
         commanded.map_or(Ok(()), |commanded| actuator.set(0, commanded)).or_exception()?;
         actuator.limit_step(longest).or_exception()?;
         let from = actuator.time();
-        let until = from + dt;
+        let until = end_of_step(from, dt);
         if until <= from {
             let title = format!("dt = {dt:?} s is lost in the rounding of the {from} s that have been reached");
             return Err(Failure::input(title, "give a longer dt")).or_exception();

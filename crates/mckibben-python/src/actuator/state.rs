@@ -2,15 +2,13 @@
 
 use crate::exceptions::OrException;
 use crate::typed::{Numbers, PortsWord, Sequence};
+use mckibben::valve::Ports;
 use mckibben_run::failure::Failure;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
 /// What a state of an actuator has before the numbers of the plant: mark, count, time, length, pressure, air mass, open ports.
 pub(super) const HEAD: usize = 7;
-
-/// The ports by the number that stands for them.
-const PORTS: [&str; 4] = ["closed", "supply", "exhaust", "both"];
 
 /// State of an `Actuator`: its air, the poppets and pulses of its valve, and the memory of its hysteresis.
 ///
@@ -144,10 +142,11 @@ impl ActuatorState {
         self.numbers[5]
     }
 
-    /// Open ports of the valve: "supply", "exhaust", "both" or "closed".
+    /// Open ports of the valve: "supply", "exhaust", "supply+exhaust" or "closed".
     #[getter]
     fn valve(&self) -> PortsWord {
-        PORTS.get(self.numbers[6] as usize).copied().unwrap_or_default().into()
+        let open = self.numbers[6] as usize;
+        Ports { supply: open & 1 != 0, exhaust: open & 2 != 0 }.name().into()
     }
 
     /// Return whether both states are bit-identical.

@@ -36,7 +36,8 @@ use std::collections::BTreeMap;
 ///
 /// Each instance may be reset, with its own values of parameters, while the others continue. The environments of
 /// `mckibben.learning` are made of it. The caller owns the arrays that `step` and `observe` use: they are C-contiguous, and are
-/// read and written in place. `values` and `rows` may have any memory layout.
+/// read and written in place. `values` and `rows` may have any memory layout. An array of other numbers or dimensions raises
+/// `TypeError`.
 ///
 /// Parameters
 /// ----------
@@ -47,7 +48,7 @@ use std::collections::BTreeMap;
 ///     Number of instances.
 /// parameters : sequence of str, optional
 ///     Paths of the parameters that differ between the instances: "load.mass", "initial.gauge_pressure"; where actuators have
-///     names also "actuators.biceps.friction.viscous" and "mechanism.joints.elbow.damping".
+///     names also "actuators.biceps.friction.viscous" and "mechanism.joints.elbow.damping"; none by default.
 /// action_mode : {"duty", "request", "position", "set-point"}, optional
 ///     What an action is: a duty cycle from 0 to 1 (the default); a request, 1 to fill, 0 to hold, -1 to exhaust; the position
 ///     of a proportional spool from -1 to 1; the set point of a pressure regulator, a gauge pressure in Pa.

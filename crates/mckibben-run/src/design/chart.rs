@@ -43,7 +43,7 @@ impl Objective {
     /// At every point; not a number where a run failed.
     fn of(of: &Outcome) -> Self {
         let values = || of.points().iter().map(|point| number(point, 0));
-        let shown = units().common(&of.unit, values());
+        let shown = units().for_name(&of.request().objective).common(&of.unit, values());
         let values = values().map(|value| shown.number(value)).collect();
         Self { axis: Axis::new(of.request().objective.clone(), shown.text), values }
     }

@@ -59,7 +59,12 @@ impl Constraint {
         self.scale.number(value)
     }
 
-    /// How far a value in SI is from the bound, in its unit; below zero where the bound is broken.
+    /// The unit of differences from the bound: its own, and K where that has an offset zero as °C has.
+    pub fn unit_of_margin(&self) -> &str {
+        self.scale.unit_of_differences(&self.unit)
+    }
+
+    /// How far a value in SI is from the bound, in [`Constraint::unit_of_margin`]; below zero where the bound is broken.
     pub fn margin(&self, value: f64) -> f64 {
         // A difference of zero has no sign.
         self.scale.difference(-self.excess(value)) + 0.0
@@ -109,6 +114,8 @@ mod tests {
         assert!((most.in_unit(0.079) - 79.0).abs() < 1e-12);
         let warm: Constraint = "temperature.max<=40 degC".parse().unwrap();
         assert!((warm.margin(303.15) - 10.0).abs() < 1e-9 && (warm.in_unit(303.15) - 30.0).abs() < 1e-9);
+        let hot: Constraint = "temperature.max<=100 degF".parse().unwrap();
+        assert_eq!([warm, hot, most].each_ref().map(Constraint::unit_of_margin), ["K", "degR", "mm"]);
         assert_eq!("exergy.efficiency>=0.2".parse::<Constraint>().unwrap().limit(), "0.2");
     }
 

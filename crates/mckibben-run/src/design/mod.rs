@@ -33,6 +33,7 @@ use crate::failure::{Failure, Reason};
 use crate::progress::Progress;
 use crate::quantities::counted;
 use crate::sweep::schedule::STACK;
+use crate::units::is_difference;
 use constraint::Constraint;
 use evaluate::{Evaluator, Named};
 use mckibben_identify::least_squares::Monitor;
@@ -300,6 +301,12 @@ fn named(request: &Request, numbers: &[Named]) -> Result<String, Failure> {
                 format!("a bound in {}, or a unit of its kind", number.unit)
             };
             return Err(Failure::input(title, format!("give {example}")));
+        }
+        let linear = constraint.unit_of_margin();
+        if is_difference(&number.name) && linear != constraint.unit {
+            let title =
+                format!("--subject-to {constraint}: `{}` has an offset zero, but a difference is due", constraint.unit);
+            return Err(Failure::input(title, format!("write `{linear}`, whose degrees are as large")));
         }
     }
     let option = match request.goal {

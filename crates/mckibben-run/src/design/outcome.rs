@@ -7,8 +7,9 @@ use super::vary::Vary;
 use super::written::Written;
 use super::{Goal, Request};
 use crate::failure::Failure;
-use crate::quantities::{digits, plain, quantity};
+use crate::quantities::{digits, plain};
 use crate::report::Table;
+use crate::units::units;
 use crate::warnings::Warning;
 use mckibben_plot::Figure;
 use mckibben_scenario::Document;
@@ -168,7 +169,7 @@ impl Outcome {
                 (true, false) => "",
             };
             let (found, margin) = (of.in_unit(*value), of.margin(*value));
-            vec![of.to_string(), with_unit(found, &of.unit), with_unit(margin, &of.unit), state.to_owned()]
+            vec![of.to_string(), with_unit(found, &of.unit), with_unit(margin, of.unit_of_margin()), state.to_owned()]
         };
         let rows = self.request.constraints.iter().enumerate().zip(self.numbers()).map(row).collect();
         table(["constraint", "value", "margin", ""], rows)
@@ -182,7 +183,8 @@ impl Outcome {
             Goal::Maximize => "Greatest",
         };
         if let Some((value, unit)) = self.objective() {
-            let value = format!("{} = {}", self.request.objective, quantity(value, unit));
+            let name = &self.request.objective;
+            let value = format!("{name} = {}", units().for_name(name).quantity(value, unit));
             words.push(if self.best().is_feasible() {
                 format!("{goal} {value}.")
             } else {

@@ -46,6 +46,20 @@ impl UnitScale {
         Ok((Self { zero: none.value, size: one.value - none.value }, one.dimension))
     }
 
+    /// Whether zero of the unit is not zero in SI, as of °C.
+    pub(super) fn has_offset(self) -> bool {
+        self.zero != 0.0
+    }
+
+    /// The unit of differences in a unit of this scale: kelvins are as large as °C, and degrees Rankine as °F.
+    pub(super) fn unit_of_differences(self, unit: &str) -> &str {
+        match (self.has_offset(), self.size > 0.9) {
+            (false, _) => unit,
+            (true, true) => "K",
+            (true, false) => "degR",
+        }
+    }
+
     /// A number in SI.
     pub(super) fn to_si(self, number: f64) -> f64 {
         self.zero + self.size * number

@@ -148,7 +148,7 @@ impl HostBatch {
         let Self { models, batch, .. } = self;
         for input in 0..inputs {
             let valve = models[0].commands()[input].valve;
-            let command = |row: usize| models[row].commands()[input].command(numbers[inputs * row + input]).ok();
+            let command = |row: usize| models[row].commands()[input].mode.command(numbers[inputs * row + input]).ok();
             batch.set_each(valve, command).map_err(|(row, error)| of_row(error.into(), row, models.len()))?;
         }
         Ok(())

@@ -4,27 +4,7 @@ use crate::failure::Failure;
 use mckibben::Error;
 use mckibben::network::{BranchKind, NodeKind};
 use mckibben::plant::Plant;
-use mckibben::valve::Request;
 use mckibben_scenario::{Document, Engine, MechanismNames, PlantExperiment, PlantNames, Scenario};
-
-/// What the valve of an actuator does on a request to hold: fill or exhaust where it is a five-way valve that supplies or
-/// exhausts its outputs at rest, as in the commands of a scenario. To the core each output of such a valve is a three-way
-/// valve, which cannot hold, so the kind is looked up in the document; `word` returns what stands there at a path.
-pub(super) fn hold_of(document: &Document, actuator: &str, word: impl FnOnce(&str) -> Option<String>) -> Request {
-    let own = match actuator {
-        "antagonist" if !document.is_plant() => "antagonist.valve".to_owned(),
-        _ => format!("actuators.{actuator}.valve"),
-    };
-    // An actuator's own kind or preset stands in the place of the common valve; no preset is a five-way valve.
-    let has_own = ["kind", "preset"].iter().any(|key| document.contains(&format!("{own}.{key}")));
-    let path = if has_own { format!("{own}.kind") } else { "valve.kind".to_owned() };
-    let kind = if document.contains(&path) { word(&path) } else { None };
-    match kind.as_deref() {
-        Some("five-way-exhausted") => Request::Exhaust,
-        Some("five-way-pressurised") => Request::Fill,
-        _ => Request::Hold,
-    }
-}
 
 /// The plant that a scenario of any kind describes; of one actuator or of a joint as [`experiment_of_one`] has it.
 ///

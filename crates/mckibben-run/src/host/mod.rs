@@ -64,3 +64,16 @@ pub use command::{COMMAND_MODES, CommandMode, Pulses};
 pub use experiment::{experiment_of, experiment_of_one, open};
 pub use model::{CommandInput, HostModel, HostOptions, Motion};
 pub use plant::HostPlant;
+
+/// The end in s of a step of `step` s from a time: the next multiple of `step` where the time is one.
+///
+/// A sum of equal steps drifts by a rounding in each. A duty cycle that is set where a pulse begins would then come after
+/// that begin, and count from the next pulse on. Where a pulse takes whole steps, steps that meet its begin lie at multiples
+/// of the step: so no state need count them, and any state goes on in this way.
+pub fn end_of_step(from: f64, step: f64) -> f64 {
+    /// Relative difference between a multiple and a sum by the rounding of a few operations.
+    const ROUNDINGS: f64 = 8.0 * f64::EPSILON;
+    let until = from + step;
+    let multiple = (until / step).round() * step;
+    if (multiple - until).abs() <= ROUNDINGS * until { multiple } else { until }
+}

@@ -4,16 +4,14 @@
 
 use super::command::{CommandMode, Pulses};
 use super::ends;
-use super::experiment::{experiment_of, hold_of};
+use super::experiment::experiment_of;
 use crate::failure::Failure;
 use mckibben::parameter::ACCURACY;
 use mckibben::plant::{Plant, PlantRow, PlantRun, PlantSample, PlantStart, PlantSteps, TimeStepping};
 use mckibben::simulation::{MOST_PARTS, Method};
-use mckibben::valve::{Request, RuntimeCommand, Solenoid};
+use mckibben::valve::{RuntimeCommand, Solenoid};
 use mckibben::{Error, GaugePressure};
 use mckibben_scenario::{Document, PlantColumn, PlantExperiment, PlantQuantity};
-use std::cell::LazyCell;
-use toml_edit::DocumentMut;
 
 /// The relative tolerance by which a start is discerned from rounding.
 const TOLERANCE: f64 = 1e-9;
@@ -57,30 +55,13 @@ pub struct CommandInput {
     pub mode: CommandMode,
     /// Its index in the network.
     pub(super) valve: usize,
-    /// What the valve does on a request to hold: see [`experiment::hold_of`](super::experiment::hold_of).
-    hold: Request,
 }
 
 impl CommandInput {
     /// Whether two inputs are commanded alike, in ranges that may differ.
     fn is_alike(&self, other: &Self) -> bool {
-        let Self { name, actuators, mode, valve, hold } = self;
-        *name == other.name
-            && *actuators == other.actuators
-            && *valve == other.valve
-            && *hold == other.hold
-            && mode.is_alike(&other.mode)
-    }
-
-    /// The command of a number.
-    ///
-    /// # Errors
-    /// As [`CommandMode::command`].
-    pub(super) fn command(&self, number: f64) -> Result<RuntimeCommand, Error> {
-        Ok(match self.mode.command(number)? {
-            RuntimeCommand::Request(Request::Hold) => RuntimeCommand::Request(self.hold),
-            other => other,
-        })
+        let Self { name, actuators, mode, valve } = self;
+        *name == other.name && *actuators == other.actuators && *valve == other.valve && mode.is_alike(&other.mode)
     }
 }
 
@@ -115,7 +96,7 @@ impl HostModel {
         };
         // A frequency that is none must not turn duty cycles into requests.
         Pulses::of(None, options.pulse_frequency)?;
-        let commands = inputs(document, &experiment, options)?;
+        let commands = inputs(&experiment, options)?;
         let valves: Vec<usize> = commands.iter().map(|input| input.valve).collect();
         // The scenario's own commands say what a step has to follow; those of the host are not known yet.
         let step = match options.motion {
@@ -203,11 +184,7 @@ impl HostModel {
     pub fn requests(&self, input: usize) -> Vec<f64> {
         let of_requests = self.commands.get(input).filter(|its| its.mode == CommandMode::Request);
         let Some(its) = of_requests else { return Vec::new() };
-        let can = |number: &f64| match its.command(*number) {
-            Ok(RuntimeCommand::Request(request)) => self.solenoid(its).check_request(request).is_ok(),
-            _ => false,
-        };
-        [-1.0, 0.0, 1.0].into_iter().filter(can).collect()
+        CommandMode::requests_of(std::iter::once(self.solenoid(its)))
     }
 
     /// Checks that a valve can be commanded a number, and returns the command.
@@ -218,7 +195,7 @@ impl HostModel {
         let its = self.input(input)?;
         let mode = &its.mode;
         let network = self.experiment.plant.network();
-        let command = its.command(number).and_then(|command| {
+        let command = mode.command(number).and_then(|command| {
             network.check_command(its.valve, &command)?;
             Ok(command)
         });
@@ -395,18 +372,9 @@ impl HostModel {
 }
 
 /// The valves of the actuators, each once, with their modes.
-fn inputs(
-    document: &Document,
-    experiment: &PlantExperiment,
-    options: &HostOptions<'_>,
-) -> Result<Vec<CommandInput>, Failure> {
+fn inputs(experiment: &PlantExperiment, options: &HostOptions<'_>) -> Result<Vec<CommandInput>, Failure> {
     let network = experiment.plant.network();
     let mut inputs: Vec<CommandInput> = Vec::new();
-    let text = LazyCell::new(|| document.to_toml().parse::<DocumentMut>().ok());
-    let word = |path: &str| {
-        let item = path.split('.').try_fold(text.as_ref()?.as_item(), |item, key| item.get(key))?;
-        item.as_str().map(str::to_owned)
-    };
     // A valve without its own pulse frequency has that of the first valve with one.
     let pulsed = experiment.names.valves.iter().flatten().map(|valve| &network.valves[*valve].command);
     let pulsed = pulsed.clone().find(|command| matches!(command, mckibben::valve::Command::Pwm { .. }));
@@ -431,8 +399,7 @@ fn inputs(
             None => CommandMode::of(&its.solenoid, pulses),
         };
         let mode = network.feed_of(valve).map_or(mode, |gauge| mode.fed_at(gauge));
-        let hold = hold_of(document, name, word);
-        inputs.push(CommandInput { name: mode.title(name), actuators: vec![actuator], mode, valve, hold });
+        inputs.push(CommandInput { name: mode.title(name), actuators: vec![actuator], mode, valve });
     }
     Ok(inputs)
 }

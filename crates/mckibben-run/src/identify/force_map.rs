@@ -2,12 +2,13 @@
 
 use super::outcome::{Outcome, WARNED};
 use super::prediction::Prediction;
-use super::{Material, column, gauge_pressures, units, values};
+use super::{Material, column, gauge_pressures, saturation, units, values};
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::quantities::counted;
 use crate::report::{Data, Plate, Section, Table};
 use mckibben::Actuator;
+use mckibben_identify::least_squares::exceeds_scales;
 use mckibben_identify::statics::candidates;
 use mckibben_identify::statics::effectiveness::{Ratio, ratios};
 use mckibben_identify::statics::held_out::{Grouping, HeldOut};
@@ -82,6 +83,7 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
         }
         other => Failure::input(other.to_string(), "mend the data or the columns"),
     })?;
+    saturation::check_map(material, &map, &base)?;
     let mut warnings = material.notes();
     warnings.extend(left_out(&base));
     warnings.extend(units::tensions(material, &map, &base)?);
@@ -98,6 +100,12 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
         return Err(Failure::stopped(title));
     };
     warnings.extend(values::warnings(&best.fit.fit, &best.candidate.unknowns));
+    let typical = best.fit.fit.typical_residual(material.search().loss);
+    if let Some(deviation) = deviation
+        && exceeds_scales(typical, best.fit.fit.degrees_of_freedom)
+    {
+        warnings.push(values::understated("tension", "N", [typical * deviation, deviation], true));
+    }
     warnings.extend(material.stopped());
     warnings.extend(astray_readings(&map, best, &place));
     let text = format!("# By `mckibben identify`: {}.\n\n{}", best.candidate.name, best.fit.scenario.to_toml());

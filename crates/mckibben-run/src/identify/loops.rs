@@ -48,7 +48,11 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     let minima = minima::of(&found.found, &task.unknowns);
     warnings.extend(minima.words());
     let has_intervals = found.found.fit.ending == Ending::Minimum;
-    warnings.extend(task.unexplained(&found).map(|noise| {
+    let unexplained = task.unexplained(&found);
+    let understated = task.understated(&found).filter(|_| unexplained.is_none());
+    warnings
+        .extend(understated.map(|scale| values::understated("tension", "N", [found.typical, scale], has_intervals)));
+    warnings.extend(unexplained.map(|noise| {
         let advice = match units::doubts(material).is_empty() {
             true => {
                 "look at the units, the offsets and the geometry; the scenario lacks something, or the search has ended away from the best \
@@ -56,7 +60,7 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
             }
             false => units::FIRST,
         };
-        values::beyond_noise("tension", "N", [found.left, noise], has_intervals, advice)
+        values::beyond_noise("tension", "N", [found.typical, noise], has_intervals, advice)
     }));
     let scenarios = vec![("scenario.toml".to_owned(), outcome::file(&found.scenario))];
     let numbers = values::table("Numbers with their 95 % intervals".to_owned(), &found.found.fit);

@@ -9,6 +9,7 @@
 //! | `rings` | friction from ring-downs, by every estimator |
 //! | `valve` | a valve from steady flow, a tank, or the pressure under a pulse train |
 //! | `units` | readings that the scenario cannot have, refused, and those that are far from what it has |
+//! | `saturation` | readings at an end of a sensor's range that no column states |
 //! | `unknowns` | the unknowns of a study |
 //! | `values` | numbers with their intervals, as tables |
 //! | `responses` | overshoot, first peak, frequency and settling of step-like runs |
@@ -27,6 +28,7 @@ mod plant;
 mod prediction;
 mod responses;
 mod rings;
+mod saturation;
 mod sensors;
 mod trajectories;
 mod units;
@@ -115,6 +117,7 @@ pub fn identified(request: Request, folder: Option<&Path>) -> Result<Outcome, Fa
         monitor.stop_after(limit);
     }
     let material = Material { study, document, recordings, monitor };
+    saturation::check(&material)?;
     units::check(&material)?;
     let found = match material.study.kind {
         Kind::ForceMap => force_map::outcome(&material),
@@ -130,7 +133,7 @@ pub fn identified(request: Request, folder: Option<&Path>) -> Result<Outcome, Fa
         Err(failure) if failure.reason() == Reason::Stopped => Ok(Outcome::nothing(&material, failure)),
         Ok(found) => {
             let interrupted = material.study.kind.has_search() && material.monitor.is_stopped();
-            Ok(Outcome { interrupted, ..found })
+            Ok(Outcome { interrupted, ..found }.without_refused())
         }
         Err(failure) => Err(units::doubts(&material).iter().fold(failure, |failure, doubt| {
             failure.advised(doubt.trim_start_matches(outcome::WARNED).trim_end_matches('.'))
@@ -184,7 +187,7 @@ impl Material {
         notes.sort_by_key(|note| std::cmp::Reverse(note.severity));
         let mark = |severity| if severity == Severity::Warned { outcome::WARNED } else { "" };
         let notes = notes.into_iter().map(|note| format!("{}{note}", mark(note.severity)));
-        units::doubts(self).into_iter().chain(notes).collect()
+        units::doubts(self).into_iter().chain(saturation::warnings(self)).chain(notes).collect()
     }
 }
 

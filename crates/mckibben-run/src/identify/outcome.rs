@@ -10,7 +10,7 @@ use crate::report::{Data, PAGE, Plate, Report, Section, Table};
 use mckibben_identify::least_squares::Estimate;
 use mckibben_identify::study::{Kind, Quantity, Recording, Sheet, Study, as_file_name};
 use mckibben_plot::{Axis, Figure, Legend, Panel, Series};
-use mckibben_scenario::Scenario;
+use mckibben_scenario::{Document, Scenario};
 use std::path::{Path, PathBuf};
 
 /// Names of the figures of six runs; a page has no more.
@@ -150,6 +150,25 @@ pub(super) fn of_each<'a, T>(
 }
 
 impl Outcome {
+    /// Without the scenario files that are refused where they are read: what is refused has failed, and is not written.
+    pub(super) fn without_refused(mut self) -> Self {
+        let refused = |(name, text): &(String, String)| {
+            let read = Document::parse(text, name).and_then(|document| match document.is_plant() {
+                true => document.plant_experiment().map(|_| ()),
+                false => document.scenario().map(|_| ()),
+            });
+            read.err().map(|error| (name.clone(), Failure::from(error)))
+        };
+        for (name, failure) in self.scenarios.iter().filter_map(refused).collect::<Vec<_>>() {
+            self.scenarios.retain(|(of, _)| *of != name);
+            self.sections.iter_mut().for_each(|section| section.files.retain(|(of, _)| *of != *name));
+            let why = format!("the values that were found make no scenario `{name}`: {}", failure.sentence());
+            self.warnings.push(format!("{WARNED}failed: {why}"));
+            self.failed.push(Failure::stopped(why));
+        }
+        self
+    }
+
     /// What was measured, and why nothing was found in it.
     pub(super) fn nothing(material: &Material, failure: Failure) -> Self {
         let plates = material.recordings.iter().zip(MEASURED).filter_map(|(run, stem)| measured(run, stem));
@@ -273,6 +292,24 @@ fn measured(run: &Recording, stem: &'static str) -> Option<Plate> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_scenario_that_is_refused_is_not_written() {
+        let text = |times: &str| {
+            format!(
+                "[actuator]\npreset = \"colbrunn-2001\"\n[actuator.friction.viscoelastic]\nrelaxation_time = [{times}]\n\
+                 stiffness_ratio = [0.3, 0.1]\n[load]\nkind = \"hanging-mass\"\nmass = \"3 kg\"\n[initial]\nlength = \"85 mm\"\n\
+                 gauge_pressure = \"4 bar\"\n[run]\nduration = \"1 s\"\n"
+            )
+        };
+        let of = |times: &str| Outcome { scenarios: vec![(SCENARIO.to_owned(), text(times))], ..Outcome::default() };
+        let right = of("\"0.1 s\", \"0.3 s\"").without_refused();
+        assert!(right.scenarios.len() == 1 && right.verdict(None).is_ok(), "{:?}", right.warnings);
+        let refused = of("\"0.3 s\", \"0.1 s\"").without_refused();
+        assert!(refused.scenarios.is_empty());
+        let said = refused.verdict(None).expect_err("a scenario that is refused").sentence();
+        assert!(said.contains("make no scenario") && said.contains("relaxation_time"), "{said}");
+    }
 
     #[test]
     fn an_estimate_that_is_not_finite_is_a_failure() {

@@ -105,7 +105,8 @@ fn time_series(
         if driven(of, quantity).is_none() {
             let (times, values) = over_time(recording, sheet, column)?;
             let sensor = sensors::sensor(material, (column.quantity, column.part.as_deref()), 0.0, sensors);
-            series.push((place, TimeSeries { observed, times, values, deviation: column.deviation, sensor }));
+            let read = TimeSeries { observed, times, values, deviation: column.deviation, sensor };
+            series.push((place, read.without_repetitions()));
         }
     }
     // In the order of a run's table: by the parts, as the file has them.
@@ -199,7 +200,7 @@ fn give_pressures(
         };
         // At the end of its hose it drives the muscle, which starts at what was read in it first.
         let (series, first) = match (of_it(&in_hose), of_it(&in_muscle)) {
-            (Some(in_hose), in_muscle) => (in_hose, in_muscle.and_then(|series| series.values().next())),
+            (Some(in_hose), in_muscle) => (in_hose, in_muscle.map(|series| series.start())),
             (None, Some(in_muscle)) => (in_muscle, None),
             (None, None) => continue,
         };

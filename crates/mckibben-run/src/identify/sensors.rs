@@ -1,7 +1,7 @@
 //! Sensors of a study: what its columns say is known of them, and which of their numbers are looked for.
 
 use super::Material;
-use super::unknowns::{check_order, read};
+use super::unknowns::{check_order, check_start, read};
 use crate::failure::Failure;
 use mckibben_identify::least_squares::Unknown;
 use mckibben_identify::study::{Column, ColumnEntry, FitEntry, Input, Quantity, SensorEntry};
@@ -83,6 +83,9 @@ pub(super) fn unknown(material: &Material, entry: &FitEntry, of: OfSensor) -> Re
         }
     }
     check_order(entry, unit, unknown.bounds)?;
+    if entry.start.is_some() {
+        check_start(entry, unit, unknown.start, unknown.bounds)?;
+    }
     unknown.start = unknown.start.clamp(unknown.bounds[0], unknown.bounds[1]);
     Ok(unknown)
 }

@@ -15,7 +15,7 @@ use mckibben_identify::least_squares::{Ending, Search, Unknown};
 use mckibben_identify::study::{Input, Quantity, Recording};
 use mckibben_identify::trajectories::{
     Described, Drift, HeldOutRun, Horizon, Identified, Observed, Recorded, Task, TimeSeries, TrajectoryError,
-    Unexplained,
+    Understated, Unexplained,
 };
 use mckibben_plot::{Axis, Colour, Figure, Legend, Panel, Series};
 use mckibben_scenario::{Document, Load, Place, PressurePlace, PressureSeries, Scenario};
@@ -55,7 +55,13 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     let is_doubted = !units::doubts(material).is_empty();
     warnings.extend(task.drifts(&found).iter().map(|drift| drifting(drift, is_doubted)));
     let has_intervals = found.found.fit.ending == Ending::Minimum;
-    warnings.extend(task.unexplained(&found).iter().map(|rest| unexplained(rest, has_intervals, is_doubted)));
+    let rest = task.unexplained(&found);
+    warnings.extend(rest.iter().map(|rest| unexplained(rest, has_intervals, is_doubted)));
+    let understated = task.understated(&found);
+    let understated = understated.iter().filter(|of| !rest.iter().any(|rest| rest.observed == of.observed));
+    warnings.extend(understated.map(|Understated { observed, left, deviation }| {
+        values::understated(&observed.words(), observed.unit(), [*left, *deviation], has_intervals)
+    }));
     let scenarios = outcome::files(
         task.runs.iter().map(|run| run.name.as_str()).zip(found.scenarios.iter().map(Described::to_toml)),
     );
@@ -188,7 +194,7 @@ fn give_pressure(
         // The muscle starts at what was read in it first, else at what the scenario says, else at what was read in the hose:
         // then no air flows at the start.
         if in_muscle.iter().any(|quantity| recording.column(*quantity).is_some()) {
-            scenario.initial.gauge_pressure = measured_series(of, in_muscle, (scenario, at), warnings)?.values().next();
+            scenario.initial.gauge_pressure = Some(measured_series(of, in_muscle, (scenario, at), warnings)?.start());
         } else if !document.contains(parameter::INITIAL_GAUGE_PRESSURE.key) {
             scenario.initial.gauge_pressure = None;
         }
@@ -263,7 +269,7 @@ fn time_series(
         let deviation = recording.column(quantity).and_then(|column| column.deviation);
         let sensor = sensors::sensor(material, (quantity, None), shift, sensors);
         let values = values.into_iter().map(|value| value - shift).collect();
-        Some(TimeSeries { observed, times, values, deviation, sensor })
+        Some(TimeSeries { observed, times, values, deviation, sensor }.without_repetitions())
     };
     [
         of(Quantity::Length, Observed::Length, 0.0),

@@ -3,13 +3,14 @@
 //! | of | is far | then |
 //! |---|---|---|
 //! | a length | half of the readings above five times the greatest length of the muscle, or below a fifth of the least | refused |
-//! | a pressure | a reading above five times the highest supply, or all within a hundredth of it about nothing | reported |
+//! | a pressure | a reading above five times the highest supply, or all within a hundredth of it about nothing; without a supply the pressure at which the sealed muscle of trajectories begins stands for it | reported |
 //! | a gauge pressure of trajectories | begins about the atmosphere's pressure above the scenario's initial gauge pressure | reported |
 //! | the times of trajectories | last a hundred times as long as the run of the scenario, or a hundredth of it; begin after its end | reported |
+//! | the times of trajectories | begin ten thousand times as late as the run of the scenario or the record is long | refused |
 //! | tensions with length and pressure | half of them below zero where the ideal braid pulls, or pulling where it pushes | refused |
 //! | tensions with length and pressure | not in proportion to the ideal braid's, and another unit puts that right | refused |
 //! | tensions of a force map | a twentieth of the ideal braid's or twenty times them | refused |
-//! | tensions of a force map | vanish at a gauge pressure that is about the atmosphere's | reported |
+//! | tensions of a force map | vanish at a gauge pressure that is about the atmosphere's, or as far below it | reported |
 //! | a pressure of a valve or a tank on a bench | a reading above five times the highest supply; before a valve all below a fifth of the atmosphere | refused |
 //! | a temperature of air before a valve | a reading above 400 K | refused |
 //!
@@ -35,6 +36,8 @@ const SMALL: f64 = 0.01;
 const SWINGS: f64 = 0.1;
 /// How many times as long as the run of the scenario a record is that was taken in another unit of time.
 const LASTING: f64 = 100.0;
+/// How many times as late as the run of the scenario and the record are long a record begins whose times are those of a clock.
+const LATE: f64 = 1e4;
 /// How near, as a part of it, a difference is to the pressure of the atmosphere.
 const ABOUT: f64 = 0.1;
 /// An absolute pressure in Pa below which the fit of a valve says that it is hardly more than a vacuum.
@@ -54,8 +57,7 @@ pub(super) fn doubts(material: &Material) -> Vec<String> {
     }
     let documents = documents(material);
     let columns = || material.study.columns.iter();
-    let of_columns =
-        columns().filter_map(|entry| doubt(entry, &readings(material, entry), &documents, material.study.kind));
+    let of_columns = columns().filter_map(|entry| doubt(entry, &readings(material, entry), &documents, material));
     let warned = of_columns.map(|doubt| format!("{WARNED}{}: {}.", doubt.title, doubt.help));
     let trajectories = material.study.kind == Kind::Trajectories;
     let of_runs = material.recordings.iter().zip(&documents).filter(|_| trajectories);
@@ -79,9 +81,15 @@ pub(super) fn check(material: &Material) -> Result<(), Failure> {
     let kind = material.study.kind;
     let refused = material.study.columns.iter().filter(|entry| is_of_bench(kind) || is_length(entry));
     if let Some(Doubt { title, help }) =
-        refused.filter_map(|entry| doubt(entry, &readings(material, entry), &documents, kind)).next()
+        refused.filter_map(|entry| doubt(entry, &readings(material, entry), &documents, material)).next()
     {
         return Err(Failure::input(title, help));
+    }
+    let of_runs = material.recordings.iter().zip(&documents).filter(|_| kind == Kind::Trajectories);
+    for (recording, document) in of_runs {
+        if let Some(Late { title, help, .. }) = late(recording, document).filter(|late| late.is_clock) {
+            return Err(Failure::input(title, help));
+        }
     }
     // A force map is compared as a whole; a plant has no single muscle.
     if !matches!(material.study.kind, Kind::Hysteresis | Kind::Trajectories) || material.document.is_plant() {
@@ -194,14 +202,20 @@ pub(super) fn tensions(material: &Material, map: &ForceMap, base: &Scenario) -> 
              geometry. Fitted turns take up any such factor."
         )));
     }
-    let is_gauge = material.study.columns.iter().any(|entry| entry.quantity == Quantity::GaugePressure);
-    let vanishes = vanishes_at_atmosphere(map, base).map_err(failed)?.filter(|_| is_gauge);
-    Ok(vanishes.map(|pressure| {
-        format!(
-            "{WARNED}the tensions vanish at a gauge pressure of {}, which is about that of the atmosphere: if the pressure is absolute, \
-             name it [columns.absolute_pressure].",
-            quantity(pressure, "Pa")
-        )
+    let has = |of: Quantity| material.study.columns.iter().any(|entry| entry.quantity == of);
+    Ok(vanishes_at_atmosphere(map, base).map_err(failed)?.and_then(|pressure| {
+        let (said, is_it, other) = match pressure > 0.0 {
+            true => (Quantity::GaugePressure, "absolute", Quantity::AbsolutePressure),
+            false => (Quantity::AbsolutePressure, "gauge", Quantity::GaugePressure),
+        };
+        let words = if pressure > 0.0 { "which is about that of the atmosphere" } else { "which is about a vacuum" };
+        has(said).then(|| {
+            format!(
+                "{WARNED}the tensions vanish at a gauge pressure of {}, {words}: if the pressure is {is_it}, name it [columns.{}].",
+                quantity(pressure, "Pa"),
+                other.name()
+            )
+        })
     }))
 }
 
@@ -247,15 +261,8 @@ fn begins_elsewhere(
     let name = &recording.name;
     match entry.quantity {
         Quantity::Time => {
-            let (first, duration) = (*recording.column(Quantity::Time)?.values.first()?, duration(document)?);
-            (first > duration).then(|| {
-                format!(
-                    "{WARNED}`{name}`: times begin at {}, after the end of the scenario's run of {}, which begins at zero. If the record \
-                     begins with the run, set `offset = \"{first:?} s\"` in [columns.time], which is taken off.",
-                    quantity(first, "s"),
-                    quantity(duration, "s")
-                )
-            })
+            let Late { title, help, .. } = late(recording, document)?;
+            Some(format!("{WARNED}{title}; {help}."))
         }
         Quantity::GaugePressure if entry.part.is_none() && material.study.input == Input::Scenario => {
             let scenario = document.scenario().ok()?;
@@ -278,6 +285,31 @@ fn begins_elsewhere(
     }
 }
 
+/// That the times of a run begin after the end of its scenario's.
+struct Late {
+    title: String,
+    help: String,
+    /// Whether they begin so late that they are those of a clock: nothing is simulated until then.
+    is_clock: bool,
+}
+
+fn late(recording: &Recording, document: &Document) -> Option<Late> {
+    let times = &recording.column(Quantity::Time)?.values;
+    let (first, last, duration) = (*times.first()?, *times.last()?, duration(document)?);
+    (first > duration).then(|| Late {
+        title: format!(
+            "`{}`: times begin at {}, after the end of the scenario's run of {}, which begins at zero",
+            recording.name,
+            quantity(first, "s"),
+            quantity(duration, "s")
+        ),
+        help: format!(
+            "if the record begins with the run, set `offset = \"{first:?} s\"` in [columns.time], which is taken off"
+        ),
+        is_clock: first > LATE * duration.max(last - first),
+    })
+}
+
 /// Duration in s of the run of a scenario.
 fn duration(document: &Document) -> Option<f64> {
     match document.is_plant() {
@@ -297,7 +329,8 @@ struct Doubt {
 }
 
 /// That a column is far from what the scenario can have, if it is.
-fn doubt(entry: &ColumnEntry, readings: &[f64], documents: &[Document], kind: Kind) -> Option<Doubt> {
+fn doubt(entry: &ColumnEntry, readings: &[f64], documents: &[Document], material: &Material) -> Option<Doubt> {
+    let kind = material.study.kind;
     let (least, greatest) = (*readings.first()?, *readings.last()?);
     let typical = readings[readings.len() / 2];
     let has = match entry.quantity {
@@ -320,12 +353,20 @@ fn doubt(entry: &ColumnEntry, readings: &[f64], documents: &[Document], kind: Ki
         of => {
             let is_absolute = is_absolute(of)?;
             let atmosphere = documents.iter().map(Document::atmosphere).reduce(f64::max)?;
-            let supply = documents.iter().filter_map(Document::highest_supply).reduce(f64::max)?;
-            let highest = if is_absolute { supply + atmosphere } else { supply };
+            let supply = documents.iter().filter_map(Document::highest_supply).reduce(f64::max);
+            let reference = supply.or_else(|| begins_at(documents, material))?;
+            let highest = if is_absolute { reference + atmosphere } else { reference };
             let swings = -least > SWINGS * greatest;
             let is_small = greatest > 0.0 && greatest < SMALL * highest && !swings;
-            let is_far = highest > 0.0 && (greatest > FAR * highest || is_small);
-            is_far.then(|| supplied(highest, is_absolute))
+            let is_far = reference > 0.0 && (greatest > FAR * highest || is_small);
+            is_far.then(|| match supply {
+                Some(_) => supplied(highest, is_absolute),
+                None => format!(
+                    "in the scenario the sealed muscle begins at {} {}",
+                    quantity(highest, "Pa"),
+                    kind_of(is_absolute)
+                ),
+            })
         }
     };
     let in_unit = |value: f64| plain(&digits((value - entry.zero) / entry.scale)).to_owned();
@@ -367,8 +408,22 @@ fn of_bench(of: Quantity, [least, greatest]: [f64; 2], documents: &[Document]) -
 
 /// The pressure in Pa of the highest supply, in words.
 fn supplied(highest: f64, is_absolute: bool) -> String {
-    let kind = if is_absolute { "absolute" } else { "gauge" };
-    format!("in the scenario the highest supply has {} {kind}", quantity(highest, "Pa"))
+    format!("in the scenario the highest supply has {} {}", quantity(highest, "Pa"), kind_of(is_absolute))
+}
+
+fn kind_of(is_absolute: bool) -> &'static str {
+    if is_absolute { "absolute" } else { "gauge" }
+}
+
+/// The highest gauge pressure in Pa at which a muscle of trajectories begins whose pressure follows from the scenario.
+fn begins_at(documents: &[Document], material: &Material) -> Option<f64> {
+    let follows = material.study.kind == Kind::Trajectories && material.study.input == Input::Scenario;
+    if !follows || material.document.is_plant() {
+        return None;
+    }
+    let scenarios = || documents.iter().filter_map(|document| document.scenario().ok());
+    let others = scenarios().filter_map(|scenario| scenario.of_antagonist()?.initial.gauge_pressure);
+    scenarios().filter_map(|scenario| scenario.initial.gauge_pressure).chain(others).reduce(f64::max)
 }
 
 /// Whether a pressure is absolute; `None` of what is no pressure in the air of muscles.
@@ -388,7 +443,7 @@ fn is_absolute(of: Quantity) -> Option<bool> {
 }
 
 /// The least and the greatest length in m of the muscle of a column, over all runs.
-fn lengths(entry: &ColumnEntry, documents: &[Document]) -> Option<[f64; 2]> {
+pub(super) fn lengths(entry: &ColumnEntry, documents: &[Document]) -> Option<[f64; 2]> {
     let is_own = |name: &str| match (&entry.part, entry.quantity) {
         (Some(part), _) => name == part,
         (None, Quantity::AntagonistLength) => name == "antagonist",

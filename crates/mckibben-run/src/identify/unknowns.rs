@@ -183,7 +183,12 @@ pub(super) fn read(
     }
     let (least, largest) = (given[0].1.unwrap_or(range[0]), given[1].1.unwrap_or(range[1]));
     check_order(entry, unit, [least, largest])?;
-    let start = read(&entry.start)?.unwrap_or_else(|| first.clamp(least, largest));
+    let start = read(&entry.start)?;
+    // What is outside the range of its key is refused where the run is built.
+    if let Some(start) = start.filter(|start| (range[0]..=range[1]).contains(start)) {
+        check_start(entry, unit, start, [least, largest])?;
+    }
+    let start = start.unwrap_or_else(|| first.clamp(least, largest));
     let prior = match &entry.prior {
         Some([mean, deviation]) => read(&Some(mean.clone()))?.zip(read(&Some(deviation.clone()))?),
         None => None,
@@ -206,6 +211,18 @@ pub(super) fn check_order(entry: &FitEntry, unit: &str, [least, largest]: [f64; 
     let [least, largest] = [least, largest].map(|bound| quantities::given(bound, unit));
     let title = format!("`{}` in [fit] lies from {least} to {largest}", entry.path);
     Err(Failure::input(title, "give `from` below `to`; a value that is known stands in the scenario, and not in [fit]"))
+}
+
+/// That a start which the study gives is within its bounds.
+pub(super) fn check_start(entry: &FitEntry, unit: &str, start: f64, [least, largest]: [f64; 2]) -> Result<(), Failure> {
+    let (side, bound) = match start {
+        _ if start < least => ("below its least value", least),
+        _ if start > largest => ("above its largest value", largest),
+        _ => return Ok(()),
+    };
+    let [start, bound] = [start, bound].map(|value| quantities::given(value, unit));
+    let title = format!("`start` of `{}` in [fit] is {start}, {side} of {bound}", entry.path);
+    Err(Failure::input(title, "give a start within the bounds `from` and `to`, or wider bounds"))
 }
 
 /// So many starts, spread evenly in the ranges of [`spread`]: a separate sequence for each unknown.

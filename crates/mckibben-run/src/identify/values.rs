@@ -95,6 +95,17 @@ pub(super) fn beyond_noise(
     )
 }
 
+/// That more is left of a quantity than the standard deviation that the study states, and what to do.
+pub(super) fn understated(words: &str, unit: &str, [left, deviation]: [f64; 2], has_intervals: bool) -> String {
+    let doubt = if has_intervals { " The intervals are too short." } else { "" };
+    format!(
+        "{WARNED}what the model leaves of the {words}, {}, is {} times the deviation that is stated for it, {}: state the standard          deviation of one reading as `deviation`, or leave it out, so that it is estimated from what is left; or the scenario lacks          something.{doubt}",
+        quantity(left, unit),
+        digits(left / deviation),
+        quantity(deviation, unit)
+    )
+}
+
 /// The name of the part of a plant that a path leads into.
 fn part_of(path: &str) -> Option<&str> {
     let mut names = path.split('.');
@@ -158,10 +169,13 @@ pub(super) fn early(ending: Ending) -> String {
 }
 
 /// Why a fit has no intervals, where it is not at a minimum.
-fn ended(ending: Ending) -> Option<String> {
+fn ended(fit: &Fit) -> Option<String> {
     const BEST: &str = "These are the best values that were found; they have no intervals.";
-    Some(match ending {
+    Some(match fit.ending {
         Ending::Minimum => return None,
+        Ending::Kink | Ending::Numbers if !fit.unidentifiable.is_empty() => format!(
+            "the search came to rest where parameters are not identifiable, as the next lines say: a change of these leaves every reading              as it is, and there is no single minimum. {BEST}"
+        ),
         Ending::Kink => format!(
             "the search ended at a kink: the sum of squares is not level there, as where a load meets a stop, sticks or goes slack, and no \
              step, with or without derivatives, lowers it. {BEST}"
@@ -175,7 +189,7 @@ fn ended(ending: Ending) -> Option<String> {
                 "the search took all its {most} steps (`most_steps` in [search]) before it was at a minimum. {BEST}"
             )
         }
-        Ending::Time | Ending::Interrupted => format!("{} They have no intervals.", early(ending)),
+        Ending::Time | Ending::Interrupted => format!("{} They have no intervals.", early(fit.ending)),
     })
 }
 
@@ -246,18 +260,16 @@ fn not_identifiable(direction: &Direction) -> String {
 
 /// What a reader must know of a fit before believing its numbers. `unknowns` are those of the fit, where they are the study's.
 pub(super) fn warnings(fit: &Fit, unknowns: &[Unknown]) -> Vec<String> {
-    let mut warnings: Vec<String> = ended(fit.ending).into_iter().collect();
+    let mut warnings: Vec<String> = ended(fit).into_iter().collect();
     warnings.extend(fit.unidentifiable.iter().map(not_identifiable));
     for (place, estimate) in fit.estimates.iter().enumerate().filter(|(_, estimate)| estimate.on_bound) {
         warnings.push(resting(estimate, unknowns.get(place)));
     }
-    // Of what may have either sign, such as an offset, zero is a value like any other.
+    // Of what may have either sign, such as an offset or a coefficient, zero is a value like any other.
     let signed = |estimate: &Estimate| unknowns.iter().any(|of| of.name == estimate.name && of.bounds[0] < 0.0);
     let contains_zero = |[low, high]: [f64; 2]| low < 0.0 && high > 0.0;
     let wide = |estimate: &&Estimate| estimate.confidence_interval.is_some_and(contains_zero) && !signed(estimate);
-    // An entry of a list, such as a coefficient, may well be zero.
-    let entry = |estimate: &&Estimate| estimate.name.contains('[') && !estimate.name.contains(" [");
-    for estimate in fit.estimates.iter().filter(wide).filter(|estimate| !entry(estimate)) {
+    for estimate in fit.estimates.iter().filter(wide) {
         warnings.push(match is_of_a_body(&estimate.name) {
             true => format!(
                 "the interval of `{}` contains zero, which no body has: it is hardly identifiable from the data. Weigh it, and hold it at that.",
@@ -326,10 +338,12 @@ mod tests {
             on_bound: false,
             bound: None,
         };
-        let names = ["columns.length.offset", "actuator.friction.viscous"];
+        let names =
+            ["columns.length.offset", "actuator.friction.viscous", "actuator.friction.viscoelastic.relaxation_time[0]"];
         let unknowns = [
             Unknown::new(names[0], "", 0.0).between(-20.0, 20.0),
             Unknown::new(names[1], "", 1.0).between(0.0, f64::INFINITY),
+            Unknown::new(names[2], "", 1.0).between(0.0, f64::INFINITY),
         ];
         let fit = Fit {
             estimates: names.map(estimate).to_vec(),
@@ -337,13 +351,35 @@ mod tests {
             cost: 4.5,
             degrees_of_freedom: 7,
             scatter: 1.0,
-            correlations: vec![vec![1.0, 0.0], vec![0.0, 1.0]],
+            correlations: vec![vec![0.0; 3]; 3],
             condition: 1.0,
             unidentifiable: Vec::new(),
             ending: Ending::Minimum,
         };
         let said = warnings(&fit, &unknowns);
-        assert!(said.len() == 1 && said[0].contains("`actuator.friction.viscous` contains zero"), "{said:?}");
+        assert!(said.len() == 2 && said[0].contains("`actuator.friction.viscous` contains zero"), "{said:?}");
+        // An entry of a list is no other number.
+        assert!(said[1].contains("relaxation_time[0]` contains zero"), "{said:?}");
+    }
+
+    #[test]
+    fn parameters_that_are_not_identifiable_are_no_kink() {
+        let shares = vec![("load.damping".to_owned(), -0.71), ("actuator.friction.viscous".to_owned(), 0.71)];
+        let fit = |unidentifiable| Fit {
+            estimates: Vec::new(),
+            residuals: vec![1.0; 9],
+            cost: 4.5,
+            degrees_of_freedom: 7,
+            scatter: 1.0,
+            correlations: Vec::new(),
+            condition: f64::INFINITY,
+            unidentifiable,
+            ending: Ending::Kink,
+        };
+        let said = warnings(&fit(vec![Direction { strength: 0.0, shares }]), &[]);
+        assert!(said[0].contains("not identifiable, as the next lines say") && !said[0].contains("kink"), "{said:?}");
+        assert!(said[1].contains("`load.damping` (-0.71) and `actuator.friction.viscous` (+0.71)"), "{said:?}");
+        assert!(warnings(&fit(Vec::new()), &[])[0].contains("kink"));
     }
 
     #[test]

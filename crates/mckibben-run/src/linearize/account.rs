@@ -4,6 +4,7 @@ use super::Model;
 use super::export::over_fastest;
 use crate::quantities::{digits, percent, quantity};
 use crate::report::{Table, typeset};
+use crate::units::{chosen_scale_of_differences, readable};
 use crate::warnings;
 use mckibben::air::Process;
 use mckibben::friction::Hysteresis;
@@ -127,7 +128,8 @@ fn point(model: &Model) -> Vec<Line> {
     if let Some(distance) = point.load_distance() {
         lines.push(("tendon", format!("the load is at {}", quantity(distance, "m"))));
     }
-    lines.push(("air", format!("{} at {:.1} K", quantity(state.air_mass, "kg"), point.temperature())));
+    let temperature = quantity(point.temperature(), "K");
+    lines.push(("air", format!("{} at {temperature}", quantity(state.air_mass, "kg"))));
     if point.rig.load().inertia().is_some() {
         let constant = actuator.stiffness(state.length, state.pressure);
         let sealed = actuator.sealed_stiffness(state.length, state.pressure);
@@ -205,7 +207,7 @@ pub(super) fn pwm(averaged: &ValveAverage, poles: &[Pole], swings: Vec<String>) 
         Line::new("duty", format!("{duty} commanded, open to the supply for {share} of the period")),
         Line::new("the seats follow", format!("from {} to {}", percent(from), percent(to)))
             .unless(averaged.follows(), "not here: the valve does not answer to the duty"),
-        Line::new("air used", quantity(1e3 * averaged.flow.outward, "g/s")),
+        Line::new("air used", quantity(averaged.flow.outward, "kg/s")),
         Line {
             warning: of_ripple(averaged, "too large for the mean flow to be trusted"),
             ..Line::new("ripple", ripple)
@@ -239,28 +241,40 @@ pub(super) fn of_ripple(averaged: &ValveAverage, too_large: &str) -> String {
 }
 
 pub(super) fn matrices(system: &StateSpace) -> Table {
-    let titled = |signal: &Signal| match signal.unit {
-        "" => signal.symbol.clone(),
+    matrices_in(system, chosen_scale_of_differences)
+}
+
+/// The matrices in units, given by the SI unit with their symbol and how many of them are one: signals are differences, so offsets
+/// have no part. An entry is a row's quantity over a column's, and its number is multiplied by the factor of the one over that of the
+/// other: the poles stay.
+fn matrices_in(system: &StateSpace, scale: impl Fn(&str) -> Option<(String, f64, f64)>) -> Table {
+    let unit = |signal: &Signal| match scale(signal.unit) {
+        Some((symbol, factor, _)) => (readable(&symbol), factor),
+        None => (signal.unit.to_owned(), 1.0),
+    };
+    let titled = |signal: &Signal| match unit(signal).0 {
+        unit if unit.is_empty() => signal.symbol.clone(),
         unit => format!("{} {unit}", signal.symbol),
     };
+    let factors: Vec<f64> = system.states.iter().chain(&system.inputs).map(|signal| unit(signal).1).collect();
     let columns = system.states.iter().chain(&system.inputs).map(titled);
     let sizes: Vec<f64> = system.states.iter().chain(&system.inputs).map(|signal| usual_size(signal.unit)).collect();
-    let row = |name: String, of_states: &[f64], of_inputs: &[f64]| -> Vec<String> {
+    let row = |name: String, factor: f64, of_states: &[f64], of_inputs: &[f64]| -> Vec<String> {
         let entries: Vec<f64> = of_states.iter().chain(of_inputs).copied().collect();
-        let entries = without_rounding(&entries, &sizes).into_iter().map(|entry| match entry {
+        let entries = without_rounding(&entries, &sizes).into_iter().zip(&factors).map(|(entry, of)| match entry {
             0.0 => "0".to_owned(),
-            entry => minus(format!("{entry:.4e}")),
+            entry => minus(format!("{:.4e}", entry * factor / of)),
         });
         std::iter::once(name).chain(entries).collect()
     };
     let mut rows = Vec::new();
     for (state, (a, b)) in system.states.iter().zip(system.a.iter().zip(&system.b)) {
-        rows.push(row(format!("d{}/dt", state.symbol), a, b));
+        rows.push(row(format!("d{}/dt", state.symbol), unit(state).1, a, b));
     }
     for (output, (c, d)) in
         system.outputs.iter().zip(system.c.iter().zip(&system.d)).filter(|(o, _)| is_tension(&o.name))
     {
-        rows.push(row(titled(output), c, d));
+        rows.push(row(titled(output), unit(output).1, c, d));
     }
     let head = std::iter::once(String::new()).chain(columns).collect();
     Table { caption: "rates and tension by states and inputs, as differences from the point".to_owned(), head, rows }
@@ -376,16 +390,33 @@ fn notes(model: &Model) -> Vec<String> {
         let damping = model.linear.equivalent_damping(amplitude, frequency).unwrap_or_default();
         notes.push(format!(
             "Coulomb friction is in the model as {} of viscous damping, right for an amplitude of {} at {}.",
-            quantity(damping, "N·s/m"),
+            quantity(damping, "N*s/m"),
             quantity(amplitude, "m"),
             quantity(frequency / TAU, "Hz"),
         ));
     }
+    notes.extend(of_delays(&model.system, &model.delays));
     if !model.assumed.is_empty() {
         let values = model.assumed.iter().map(|each| format!("{} = {}", each.parameter.symbol, typeset(&each.text)));
         notes.push(format!("Assumed, stated by no source: {}.", values.collect::<Vec<_>>().join(", ")));
     }
     notes
+}
+
+/// What of the inputs' delays the matrices leave out.
+pub(super) fn of_delays(system: &StateSpace, delays: &[f64]) -> Option<String> {
+    let late = system.inputs.iter().zip(delays).filter(|(_, delay)| **delay > 0.0);
+    let late: Vec<String> = late.map(|(input, delay)| format!("{} by {}", input.name, quantity(*delay, "s"))).collect();
+    let all = late.join(", ");
+    let sentence = || {
+        format!("Inputs act late, which the matrices leave out: {all}. A delay lowers the phase by ω times the delay.")
+    };
+    (!late.is_empty()).then(sentence)
+}
+
+/// The end of a figure's caption where it draws the response without delays.
+pub(super) fn left_out(delays: &[f64]) -> &'static str {
+    if delays.iter().any(|delay| *delay > 0.0) { ", without the delays of inputs" } else { "" }
 }
 
 /// A true minus sign.
@@ -396,6 +427,42 @@ fn minus(text: String) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A mass on a spring: the rate of the length is the velocity in every system, a stiffness of 1 N/m is 0.00571015 lbf/in, and
+    /// the eigenvalues, from trace and determinant, stay.
+    #[test]
+    fn matrices_in_other_units_are_a_similar_system() {
+        let signal = |name: &str, unit| Signal::new(name, unit);
+        let system = StateSpace {
+            states: vec![signal("L", "m"), signal("v", "m/s"), signal("T", "K")],
+            inputs: vec![signal("m_dot", "kg/s")],
+            outputs: vec![signal("tension", "N")],
+            a: vec![vec![0.0, 1.0, 0.0], vec![-400.0, -3.0, 0.0], vec![7.0, 0.0, -5.0]],
+            b: vec![vec![0.0], vec![2.0], vec![0.0]],
+            c: vec![vec![175.126_835_246_476_47, 0.0, 0.0]],
+            d: vec![vec![0.0]],
+        };
+        for (choice, stiffness, head) in [
+            ("metric", 175.126_835, "L m"),
+            ("si", 175.126_835, "L m"),
+            ("imperial", 1.0, "L in"),
+            ("metric,length=mm,velocity=mm/s,temperature=degC", 0.175_126_835, "L mm"),
+            ("length=in,velocity=in/s,force=lbf", 1.0, "L in"),
+        ] {
+            let units: crate::units::Units = choice.parse().unwrap();
+            let table = matrices_in(&system, |si| units.of_differences().scale(si));
+            let entry =
+                |row: usize, column: usize| -> f64 { table.rows[row][column + 1].replace('−', "-").parse().unwrap() };
+            let near =
+                |found: f64, due: f64| assert!((found - due).abs() <= 2e-4 * due.abs(), "{choice}: {found} {due}");
+            near(entry(0, 1), 1.0);
+            near(entry(3, 0), stiffness);
+            near(entry(0, 0) + entry(1, 1), -3.0);
+            near(entry(0, 0) * entry(1, 1) - entry(0, 1) * entry(1, 0), 400.0);
+            near(entry(2, 2), -5.0);
+            assert_eq!((table.head[1].as_str(), table.head[3].contains('C')), (head, false), "{choice}");
+        }
+    }
 
     /// Entries of one row have many units, so they are compared by what their columns usually do.
     #[test]

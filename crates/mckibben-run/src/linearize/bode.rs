@@ -1,6 +1,7 @@
 //! The frequency response as a figure: magnitude in dB and phase over a range that the poles choose.
 
 use super::Model;
+use super::account::left_out;
 use super::joint::JointModel;
 use super::plant::PlantModel;
 use crate::failure::Failure;
@@ -198,8 +199,9 @@ fn caption(model: &Model) -> String {
         ""
     };
     format!(
-        "At {} gauge and {}, {valve}{coulomb}.",
+        "At {} gauge and {}, {valve}{coulomb}{}.",
         quantity(point.gauge_pressure().0, "Pa"),
-        quantity(point.state.length, "m")
+        quantity(point.state.length, "m"),
+        left_out(&model.delays)
     )
 }

@@ -61,11 +61,13 @@ fn kind(model: &Model) -> &'static str {
 fn document(
     (name, kind): (&str, &str),
     point: Vec<(String, f64)>,
-    (system, poles, reach): (&StateSpace, &[Pole], &[Controllability]),
+    (system, delays, poles, reach): (&StateSpace, &[f64], &[Pole], &[Controllability]),
     assumed: &[Assumed],
     more: &[(&str, Value)],
 ) -> String {
-    let inputs = system.inputs.iter().zip(reach);
+    let reach = system.inputs.iter().zip(reach);
+    let mut inputs = signals(&system.inputs);
+    inputs.iter_mut().zip(delays).for_each(|(input, delay)| input["delay_s"] = json!(delay));
     let mut document = json!({
         "format": "mckibben-linear-model",
         "version": VERSION,
@@ -74,11 +76,11 @@ fn document(
         "model": kind,
         "operating_point": point.into_iter().map(|(name, value)| (name, json!(value))).collect::<Map<String, Value>>(),
         "states": signals(&system.states),
-        "inputs": signals(&system.inputs),
+        "inputs": inputs,
         "outputs": signals(&system.outputs),
         "A": system.a, "B": system.b, "C": system.c, "D": system.d,
         "poles": poles.iter().map(pole).collect::<Vec<_>>(),
-        "controllability": inputs.map(|(input, reach)| controllability(&input.name, reach)).collect::<Vec<_>>(),
+        "controllability": reach.map(|(input, reach)| controllability(&input.name, reach)).collect::<Vec<_>>(),
         "assumed": assumptions(assumed),
     });
     for (key, value) in more {
@@ -91,9 +93,7 @@ fn document(
 pub(super) fn json(model: &Model) -> String {
     let equivalent = model.oscillation.map(|(amplitude, frequency)| {
         let damping = model.linear.equivalent_damping(amplitude, frequency).ok();
-        json!({
-            "amplitude_m": amplitude, "angular_frequency_rad_s": frequency, "damping_n_s_m": damping,
-        })
+        as_damping(amplitude, frequency, damping)
     });
     let pulses = model.linear.averaged().map(|averaged| {
         let ripples = [("length_ripple_m", "length"), ("tension_ripple_n", "tension")];
@@ -104,8 +104,13 @@ pub(super) fn json(model: &Model) -> String {
         ("coulomb_friction_as_damping", json!(equivalent)),
         ("pwm", json!(pulses)),
     ];
-    let parts = (&model.system, &model.poles[..], &model.reach[..]);
+    let parts = (&model.system, &model.delays[..], &model.poles[..], &model.reach[..]);
     document((&model.name, kind(model)), owned(point(model)), parts, &model.assumed, &more)
+}
+
+/// Viscous damping in place of Coulomb friction, and the oscillation for which it holds.
+fn as_damping(amplitude: f64, frequency: f64, damping: Option<f64>) -> Value {
+    json!({ "amplitude_m": amplitude, "angular_frequency_rad_s": frequency, "damping_n_s_m": damping })
 }
 
 fn pole(pole: &Pole) -> Value {
@@ -165,7 +170,7 @@ pub(super) fn joint_json(model: &JointModel) -> String {
     let pulsed = |all: &[ValveAverage]| all.iter().map(|of| pwm(of, &model.poles, &[])).collect::<Vec<_>>();
     let pulses = Some(model.linear.averages()).filter(|all| !all.is_empty()).map(pulsed);
     let kind = if model.is_driven() { "joint-averaged-pwm" } else { "joint-held-valves" };
-    let parts = (&model.system, &model.poles[..], &model.reach[..]);
+    let parts = (&model.system, &model.delays[..], &model.poles[..], &model.reach[..]);
     document((&model.name, kind), owned(model.point()), parts, &model.assumed, &[("pwm", json!(pulses))])
 }
 
@@ -188,8 +193,16 @@ pub(super) fn plant_json(model: &PlantModel) -> String {
             },
         })
     });
-    let more = [("pwm", Value::Array(pulses.collect()))];
-    let parts = (&model.system, &model.poles[..], &model.reach[..]);
+    let dampings = model.dampings().map(|all| {
+        let of = |(name, (amplitude, frequency, damping)): (&str, (f64, f64, f64))| {
+            let mut value = as_damping(amplitude, frequency, Some(damping));
+            value["of"] = json!(name);
+            value
+        };
+        all.into_iter().map(of).collect::<Vec<_>>()
+    });
+    let more = [("coulomb_friction_as_damping", json!(dampings)), ("pwm", Value::Array(pulses.collect()))];
+    let parts = (&model.system, &model.delays[..], &model.poles[..], &model.reach[..]);
     document((&model.name, model.kind()), model.point(), parts, &model.assumed, &more)
 }
 
@@ -210,11 +223,16 @@ pub(super) fn matlab(model: &Model) -> String {
     };
     let mut values = point(model);
     values.extend(model.linear.averaged().map(|averaged| ("frequency_hz", averaged.frequency)));
-    script(&model.name, kind, &owned(values), &model.system, &model.poles)
+    script((&model.name, kind), &owned(values), (&model.system, &model.delays), &model.poles)
 }
 
-/// A model, the values at its point and its poles as a script.
-pub(super) fn script(name: &str, kind: &str, point: &[(String, f64)], system: &StateSpace, poles: &[Pole]) -> String {
+/// A model, the values at its point, the delays of its inputs and its poles as a script.
+pub(super) fn script(
+    (name, kind): (&str, &str),
+    point: &[(String, f64)],
+    (system, delays): (&StateSpace, &[f64]),
+    poles: &[Pole],
+) -> String {
     let mut text = String::new();
     let mut line = |words: &str| {
         text.push_str(words);
@@ -237,6 +255,9 @@ pub(super) fn script(name: &str, kind: &str, point: &[(String, f64)], system: &S
         line(&format!("{name} = {{{}}};", names(|signal| &signal.name)));
         line(&format!("{name}_units = {{{}}};", names(|signal| signal.unit)));
     }
+    line("% In s, by how much later than each input its effect begins; the matrices leave it out.");
+    let delays: Vec<String> = delays.iter().map(|delay| format!("{delay:e}")).collect();
+    line(&format!("delay = [{}];", delays.join(" ")));
     line("");
     for (name, rows) in [("A", &system.a), ("B", &system.b), ("C", &system.c), ("D", &system.d)] {
         line(&matrix(name, rows));

@@ -8,7 +8,7 @@
 
 use super::account::{self, Account, Block, Line};
 use super::export::owned;
-use super::{Request, export};
+use super::{Request, delays, export};
 use crate::failure::Failure;
 use crate::joint::NAMES;
 use crate::quantities::{digits, given, quantity};
@@ -30,6 +30,8 @@ pub(super) struct JointModel {
     pub(super) poles: Vec<Pole>,
     /// What each input reaches.
     pub(super) reach: Vec<Controllability>,
+    /// By how much later in s than each input its effect begins.
+    pub(super) delays: Vec<f64>,
     pub(super) assumed: Vec<Assumed>,
     driven: bool,
 }
@@ -69,7 +71,8 @@ impl JointModel {
         let system = if request.all_states { linear.system.clone() } else { linear.minimal() };
         let reach = (0..system.inputs.len()).map(|input| linear.controllability(&system, input));
         let reach = reach.collect::<Result<_, _>>()?;
-        Ok(Self { name: name.to_owned(), poles: system.poles()?, reach, system, linear, assumed, driven })
+        let delays = delays(&system, &linear.plant, &linear.inputs());
+        Ok(Self { name: name.to_owned(), poles: system.poles()?, reach, delays, system, linear, assumed, driven })
     }
 
     /// Whether the valves are taken by their commands.
@@ -103,7 +106,8 @@ impl JointModel {
         let gauge = self.gauge_pressures().map(|gauge| quantity(gauge.0, "Pa"));
         let coulomb = if self.linear.coulomb_bound() > 0.0 { ", sliding without Coulomb friction" } else { "" };
         let angle = quantity(self.linear.state.angle, "rad");
-        format!("At {angle}, {} and {} gauge, {}{coulomb}.", gauge[0], gauge[1], self.valves())
+        let delays = account::left_out(&self.delays);
+        format!("At {angle}, {} and {} gauge, {}{coulomb}{delays}.", gauge[0], gauge[1], self.valves())
     }
 
     /// The gauge pressures at the point.
@@ -166,7 +170,8 @@ impl JointModel {
         }
         blocks.push(Block::of_table("Model", account::matrices(&self.system)));
         blocks.extend(account::dynamics(&self.system, &self.poles, &self.reach));
-        Account { title: format!("{}, {}", self.name, self.valves()), blocks, notes: Vec::new() }
+        let notes = account::of_delays(&self.system, &self.delays).into_iter().collect();
+        Account { title: format!("{}, {}", self.name, self.valves()), blocks, notes }
     }
 
     /// The model as JSON.
@@ -177,7 +182,7 @@ impl JointModel {
     /// The model as a script for MATLAB and Octave.
     pub(super) fn matlab(&self) -> String {
         let kind = format!("antagonistic joint, {}", self.valves());
-        export::script(&self.name, &kind, &owned(self.point()), &self.system, &self.poles)
+        export::script((&self.name, &kind), &owned(self.point()), (&self.system, &self.delays), &self.poles)
     }
 }
 
@@ -218,9 +223,13 @@ fn of_request(request: &Request, error: Error) -> Failure {
 fn refuse(request: &Request) -> Result<(), Failure> {
     match request.first_beyond(&["angle"]) {
         None => Ok(()),
+        Some("amplitude") => Err(Failure::input(
+            "`amplitude` is not supported for a joint: its Coulomb friction is left out of the model",
+            "leave `amplitude` out, or describe the joint by a mechanism and two actuators with names",
+        )),
         Some(name) => Err(Failure::input(
             format!("a joint has two actuators, and `{name}` names no one of them"),
-            "give `angle` with `stiffness`, or set initial.gauge_pressure and command.duty in the scenario, and the same of \
+            "give `angle` with `stiffness`, or set initial.gauge_pressure and command.duty in the scenario, and those of \
              the antagonist",
         )),
     }

@@ -79,6 +79,15 @@ impl LinearModel {
         }
     }
 
+    /// By how much later in s than each input its effect begins. The matrices leave it out.
+    pub fn delays(&self) -> &[f64] {
+        match &self.0 {
+            Kind::Actuator(model) => &model.delays,
+            Kind::Joint(model) => &model.delays,
+            Kind::Plant(model) => &model.delays,
+        }
+    }
+
     /// The values at the operating point, each name with its unit at the end.
     pub fn point(&self) -> Vec<(String, f64)> {
         match &self.0 {

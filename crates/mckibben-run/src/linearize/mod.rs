@@ -24,7 +24,8 @@ use crate::failure::Failure;
 use crate::quantities;
 pub use account::{Account, Block, Line};
 pub use linear_model::LinearModel;
-use mckibben::linearize::{Controllability, Linearization, Pole, StateSpace};
+use mckibben::linearize::{Controllability, Linearization, Pole, Signal, StateSpace};
+use mckibben::plant::PlantLinearization;
 use mckibben_scenario::Assumed;
 
 /// Which linear model is requested. What is not given is that of the scenario.
@@ -87,6 +88,8 @@ struct Model {
     reach: Vec<Controllability>,
     /// Amplitude in m, and the angular frequency in rad/s at which Coulomb friction was replaced.
     oscillation: Option<(f64, f64)>,
+    /// By how much later in s than each input its effect begins.
+    delays: Vec<f64>,
     /// Numbers of the actuator that no source states.
     assumed: Vec<Assumed>,
 }
@@ -129,7 +132,7 @@ impl Request {
 impl Model {
     fn new(name: &str, linear: Linearization, request: &Request, assumed: Vec<Assumed>) -> Result<Self, Failure> {
         let oscillation = match request.amplitude {
-            Some(amplitude) => Some((amplitude, oscillation(&linear.minimal().poles()?)?)),
+            Some(amplitude) => oscillations(&linear.plant, amplitude)?[0],
             None => None,
         };
         let linear = match oscillation {
@@ -139,17 +142,30 @@ impl Model {
         let system = if request.all_states { linear.system.clone() } else { linear.minimal() };
         let reach = (0..system.inputs.len()).map(|input| linear.controllability(&system, input));
         let reach = reach.collect::<Result<_, _>>()?;
-        Ok(Self { name: name.to_owned(), poles: system.poles()?, system, reach, linear, oscillation, assumed })
+        let delays = delays(&system, &linear.plant, &linear.inputs());
+        let (name, poles) = (name.to_owned(), system.poles()?);
+        Ok(Self { name, poles, system, reach, linear, oscillation, delays, assumed })
     }
 }
 
-/// The angular frequency in rad/s at which a model of these poles swings with the least damping.
-fn oscillation(poles: &[Pole]) -> Result<f64, Failure> {
-    let least_damped = poles.iter().filter(|pole| pole.imaginary > 0.0).min_by(|a, b| {
-        let damping = |pole: &Pole| pole.damping_ratio().unwrap_or(1.0);
-        damping(a).total_cmp(&damping(b))
-    });
-    least_damped.map(|pole| pole.imaginary).ok_or_else(|| {
-        Failure::input("the model does not swing, so no oscillation has an amplitude", "leave `amplitude` out")
-    })
+/// Amplitude in m and angular frequency in rad/s of the oscillation of each actuator: in the mode in which it takes part most. An
+/// actuator that takes part in none has none.
+fn oscillations(linear: &PlantLinearization, amplitude: f64) -> Result<Vec<Option<(f64, f64)>>, Failure> {
+    let count = linear.point.plant.actuators().len();
+    let of = |actuator: usize| Ok(linear.oscillation(actuator)?.map(|frequency| (amplitude, frequency)));
+    let all = (0..count).map(of).collect::<Result<Vec<_>, Failure>>()?;
+    if all.iter().all(Option::is_none) {
+        let title = "no load swings in the model, so no oscillation has an amplitude";
+        return Err(Failure::input(title, "leave `amplitude` out"));
+    }
+    Ok(all)
+}
+
+/// By how much later in s than each input of a model its effect begins, of inputs in the order of the point's, with their names.
+fn delays(system: &StateSpace, linear: &PlantLinearization, inputs: &[(Signal, f64)]) -> Vec<f64> {
+    let of = |name: &str| {
+        let place = inputs.iter().position(|(its, _)| its.name == name)?;
+        linear.point.inputs.get(place).map(|(input, _)| linear.delay(input))
+    };
+    system.inputs.iter().map(|signal| of(&signal.name).unwrap_or(0.0)).collect()
 }

@@ -7,7 +7,7 @@
 //! | else, and with controllers | held shut | the balance at the initial gauge pressures |
 
 use super::account::{self, Account, Block, Line};
-use super::{Request, export, oscillation};
+use super::{Request, export, oscillations};
 use crate::failure::Failure;
 use crate::quantities::{percent, quantity};
 use mckibben::Error;
@@ -18,6 +18,7 @@ use mckibben::plant::{
 };
 use mckibben::valve::Port;
 use mckibben_scenario::{Assumed, PlantExperiment};
+use std::f64::consts::TAU;
 
 /// Columns of the matrices that are printed at most.
 const MOST_COLUMNS: usize = 10;
@@ -36,6 +37,11 @@ pub(super) struct PlantModel {
     pub(super) poles: Vec<Pole>,
     /// What each input reaches.
     pub(super) reach: Vec<Controllability>,
+    /// By how much later in s than each input its effect begins.
+    pub(super) delays: Vec<f64>,
+    /// Amplitude in m and angular frequency in rad/s of each actuator's oscillation, where Coulomb friction was replaced; none of
+    /// an actuator that does not swing.
+    pub(super) oscillations: Option<Vec<Option<(f64, f64)>>>,
     pub(super) assumed: Vec<Assumed>,
     experiment: PlantExperiment,
     balance: PlantBalance,
@@ -63,16 +69,17 @@ impl PlantModel {
         let air = request.temperature.map_or(PlantAir::Start, |kelvin| PlantAir::Temperatures(vec![kelvin; count]));
         let mut linear = linearize_plant(&of.plant, &of.start, &balance, &air)
             .map_err(|error| if request.pwm { of_commands(of, error) } else { error.into() })?;
-        if let Some(amplitude) = request.amplitude {
-            let frequency = oscillation(&linear.minimal().poles()?)?;
-            linear = linear.with_equivalent_damping(&vec![amplitude; count], frequency)?;
+        let swings = request.amplitude.map(|amplitude| oscillations(&linear, amplitude)).transpose()?;
+        if let Some(swings) = &swings {
+            linear = linear.with_equivalent_damping(swings)?;
         }
         let system = if request.all_states { linear.system.clone() } else { linear.minimal() };
         let reach = (0..system.inputs.len()).map(|input| linear.controllability(&system, input));
         let (reach, poles) = (reach.collect::<Result<_, _>>()?, system.poles()?);
+        let delays = system.inputs.iter().map(|input| linear.delay(input)).collect();
         let system = by_names(of, &linear, &system);
         let (name, experiment) = (name.to_owned(), of.clone());
-        Ok(Self { name, linear, system, poles, reach, assumed, experiment, balance })
+        Ok(Self { name, linear, system, poles, reach, delays, oscillations: swings, assumed, experiment, balance })
     }
 
     /// How the valves are taken, in a word of the file.
@@ -109,7 +116,8 @@ impl PlantModel {
         let point = &self.linear.point;
         let actuators = self.experiment.names.actuators.iter().enumerate();
         let gauge = actuators.map(|(i, name)| format!("{name} {}", quantity(point.gauge_pressure(i).0, "Pa")));
-        format!("Gauge pressures: {}; {}.", gauge.collect::<Vec<_>>().join(", "), self.valves())
+        let (gauge, delays) = (gauge.collect::<Vec<_>>().join(", "), account::left_out(&self.delays));
+        format!("Gauge pressures: {gauge}; {}{delays}.", self.valves())
     }
 
     /// The values at the operating point, each name with its unit at the end.
@@ -145,6 +153,21 @@ impl PlantModel {
         values
     }
 
+    /// Amplitude in m and angular frequency in rad/s of an actuator's oscillation, and the viscous damping in N·s/m in place of its
+    /// Coulomb friction.
+    fn damping(&self, actuator: usize) -> Option<(f64, f64, f64)> {
+        let (amplitude, frequency) = *self.oscillations.as_ref()?.get(actuator)?.as_ref()?;
+        let damping = self.linear.equivalent_damping(actuator, amplitude, frequency).ok()?;
+        Some((amplitude, frequency, damping))
+    }
+
+    /// These of each actuator that has them, by its name; none where Coulomb friction was not replaced.
+    pub(super) fn dampings(&self) -> Option<Vec<(&str, (f64, f64, f64))>> {
+        let names = self.experiment.names.actuators.iter().enumerate();
+        let damped = || names.filter_map(|(i, name)| Some((name.as_str(), self.damping(i)?))).collect();
+        self.oscillations.as_ref().map(|_| damped())
+    }
+
     /// The model in words and tables.
     pub(super) fn account(&self) -> Account {
         let (of, point) = (&self.experiment, &self.linear.point);
@@ -164,9 +187,17 @@ impl PlantModel {
                     .map(|(value, unit)| quantity(value, unit));
             let flow = point.input(PlantInput::MassFlow { actuator: i }).unwrap_or_default();
             let (kept, doubt) = kept(flow, 0.0);
-            let doubt = (!doubt.is_empty()).then(|| doubt.to_owned());
+            let is_still = self.oscillations.as_ref().is_some_and(|all| all[i].is_none()) && bound > 0.0;
+            let still = "it takes part in no oscillation, so its Coulomb friction is left out";
+            let doubt = [doubt, if is_still { still } else { "" }].into_iter().filter(|doubt| !doubt.is_empty());
+            let doubt = doubt.map(str::to_owned).reduce(|first, second| format!("{first}; {second}"));
             let warning = account::doubts(doubt, &point.plant.actuators()[i].actuator);
-            let value = format!("{gauge} gauge{kept}, {length}{taut}, {tension}{sticks}");
+            let damped = self.damping(i).map(|(_, frequency, damping)| {
+                let [damping, frequency] = [quantity(damping, "N*s/m"), quantity(frequency / TAU, "Hz")];
+                format!(", Coulomb friction as {damping} at {frequency}")
+            });
+            let damped = damped.unwrap_or_default();
+            let value = format!("{gauge} gauge{kept}, {length}{taut}, {tension}{sticks}{damped}");
             lines.push(Line { warning, ..Line::new(name, value) });
         }
         lines.extend(self.supplies());
@@ -198,7 +229,8 @@ impl PlantModel {
             blocks.push(Block::of_lines("Model, whose matrices are in its files", lines));
         }
         blocks.extend(account::dynamics(&self.system, &self.poles, &self.reach));
-        Account { title: format!("{}, {}", self.name, self.valves()), blocks, notes: Vec::new() }
+        let notes = account::of_delays(&self.system, &self.delays).into_iter().collect();
+        Account { title: format!("{}, {}", self.name, self.valves()), blocks, notes }
     }
 
     /// The pressures of reservoirs and outlets at the point.
@@ -221,7 +253,8 @@ impl PlantModel {
 
     /// The model as a script for MATLAB and Octave.
     pub(super) fn matlab(&self) -> String {
-        export::script(&self.name, &format!("plant, {}", self.valves()), &self.point(), &self.system, &self.poles)
+        let kind = format!("plant, {}", self.valves());
+        export::script((&self.name, &kind), &self.point(), (&self.system, &self.delays), &self.poles)
     }
 }
 

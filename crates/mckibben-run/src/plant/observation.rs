@@ -162,19 +162,22 @@ fn rows(of: &PlantExperiment) -> Vec<Row> {
     rows
 }
 
-/// The air in kg that valves let in from their supplies, less what went back, and that came in where a pressure is given. What a
-/// pressure regulator lets out goes to the atmosphere and not back.
+/// The air in kg that the valves of actuators let in from their supplies, less what went back, and that came in where a pressure
+/// is given. What a pressure regulator lets out goes to the atmosphere and not back. What fills a manifold is counted once, where
+/// it leaves it.
 pub fn air_used(of: &PlantExperiment, ledger: &PlantLedger) -> f64 {
     let network = of.plant.network();
     let branches = network.branches.iter().zip(&ledger.branches).filter(|(branch, _)| {
-        let is_inlet = matches!(branch.kind, BranchKind::Path { port: Port::Supply, .. });
+        let is_inlet = matches!(branch.kind, BranchKind::Path { port: Port::Supply, .. })
+            && of.plant.chamber_behind(branch.to).is_some();
         // A regulator is a node, and draws as one.
         is_inlet && !matches!(network.nodes[branch.from].kind, NodeKind::Port { .. })
     });
-    let nodes = network.nodes.iter().zip(&ledger.nodes).filter_map(|(node, its)| match node.kind {
-        NodeKind::Given { .. } => Some(its.supplied.mass),
-        NodeKind::Port { .. } => Some(its.supplied.mass + its.vented),
-        _ => None,
-    });
+    let nodes =
+        network.nodes.iter().zip(&ledger.nodes).enumerate().filter_map(|(index, (node, its))| match node.kind {
+            NodeKind::Given { .. } => Some(its.supplied.mass),
+            NodeKind::Port { .. } => of.plant.chamber_behind(index).map(|_| its.supplied.mass + its.vented),
+            _ => None,
+        });
     branches.map(|(_, its)| its.carried.mass).chain(nodes).sum()
 }

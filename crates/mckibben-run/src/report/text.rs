@@ -141,6 +141,11 @@ impl Table {
         table.lines_within(wide)
     }
 
+    /// Aligned columns in the units that the cells have, of a table that is more than columns of one quantity each.
+    pub fn to_text_unconverted(&self) -> String {
+        if self.head.is_empty() { String::new() } else { self.lines_within(usize::MAX) }
+    }
+
     fn lines_within(&self, wide: usize) -> String {
         let widths = self.widths(wide);
         let side = |column| if self.is_numeric(column) { Side::Right } else { Side::Left };

@@ -44,6 +44,9 @@ pub struct Hose {
     pub quickness: Quickness,
 }
 
+/// How many times the time that is due a lift through the widest valve is looked for.
+const LONGEST: f64 = 1000.0;
+
 /// How quick a valve that can be bought is.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ValveTime {
@@ -69,7 +72,7 @@ impl Quickness {
         match self {
             Self::Conductance(least) => number(litres_per_minute_and_bar(*least), 2),
             Self::TooSlow(Some(time)) => format!("none: {} at best", quantities::given(*time, "s")),
-            Self::TooSlow(None) => "none".to_owned(),
+            Self::TooSlow(None) => format!("none: over {LONGEST:.0} times as long"),
             Self::NoStart => "cannot hang unfilled".to_owned(),
         }
     }
@@ -137,7 +140,15 @@ pub(super) fn quickness(
         return Ok(Quickness::NoStart);
     }
     if of(high.exp(), time)?.is_none() {
-        return Ok(Quickness::TooSlow(of(high.exp(), 10.0 * time)?));
+        // Further and further, so that the interval that is looked at stays fine for one that is only a little too slow.
+        let mut times = 10.0;
+        loop {
+            let found = of(high.exp(), times * time)?;
+            if found.is_some() || times >= LONGEST {
+                return Ok(Quickness::TooSlow(found));
+            }
+            times *= 10.0;
+        }
     }
     while high - low > WITHIN {
         let middle = 0.5 * (low + high);

@@ -155,7 +155,10 @@ fn picture(sweep: &Sweep, totals: &SweepCounts, title: &str) -> Picture {
             if keys.len() > COLUMNS {
                 notes.push(format!("The first {COLUMNS} of {} keys.", keys.len()));
             }
-            notes.push("ρ: rank correlation after Spearman.".to_owned());
+            // Words have no order that ranks could be of.
+            if keys.iter().any(|key| key.axis.words.is_empty()) {
+                notes.push("ρ: rank correlation after Spearman.".to_owned());
+            }
             let figures = scatter(&keys[..keys.len().min(COLUMNS)], results);
             Picture::SideBySide(SideBySide {
                 title: title.to_owned(),
@@ -260,8 +263,19 @@ fn result(reduction: Reduction, at: Vec<f64>) -> Values {
 
 /// Values in the unit that is chosen for them, with the prefix of their size.
 fn scaled(label: String, unit: &str, at: Vec<f64>) -> Values {
-    let shown = units().common(unit, at.iter().copied());
+    let shown = units().for_name(&label).common(unit, at.iter().copied());
     Values { axis: Axis::new(label, shown.text.clone()), at: at.into_iter().map(|value| shown.number(value)).collect() }
+}
+
+/// The width in mm of a figure whose words along the horizontal axis do not touch; zero where numbers stand there.
+fn width_of_words(key: &Values) -> f64 {
+    /// Widths of a wide letter of a tick, of a gap between two words, and of what stands beside the axes, in mm.
+    const LETTER: f64 = 1.6;
+    const GAP: f64 = 2.0;
+    const BESIDE: f64 = 18.0;
+    let words = &key.axis.words;
+    let longest = words.iter().map(|(_, word)| word.chars().count()).max();
+    longest.map_or(0.0, |longest| BESIDE + words.len() as f64 * (LETTER * longest as f64 + GAP))
 }
 
 /// A panel for each reduction over one key.
@@ -278,7 +292,7 @@ fn lines(key: &Values, results: &[Values]) -> Figure {
         let series = Series { style, ..Series::line("", sorted(key), sorted(result)) };
         Panel::new(result.axis.clone()).series(series)
     });
-    panels.fold(Figure::new(key.axis.clone()), Figure::panel).size_mm(100.0, 28.0)
+    panels.fold(Figure::new(key.axis.clone()), Figure::panel).size_mm(width_of_words(key).max(100.0), 28.0)
 }
 
 /// A map for each reduction over two keys.
@@ -294,7 +308,7 @@ fn maps(x: &Values, y: &Values, results: &[Values]) -> Figure {
         let field = Field { label, unit, x: columns.clone(), y: rows.clone(), values };
         Panel::new(y.axis.clone()).field(field)
     });
-    panels.fold(Figure::new(x.axis.clone()), Figure::panel).size_mm(110.0, 36.0)
+    panels.fold(Figure::new(x.axis.clone()), Figure::panel).size_mm(width_of_words(x).max(110.0), 36.0)
 }
 
 /// A figure for each key, with a panel for each reduction.
@@ -307,6 +321,8 @@ fn scatter(keys: &[Values], results: &[Values]) -> Vec<Figure> {
                 (axis.label, axis.unit) = (String::new(), String::new());
             }
             let correlation = match rank_correlation(&key.at, &result.at) {
+                // A line over each panel, so that those of a row stand at one height.
+                _ if !key.axis.words.is_empty() => "words: no ρ".to_owned(),
                 // Adding zero turns a rounded −0 into 0.
                 Some(correlation) => {
                     format!("ρ = {:.2}", (100.0 * correlation).round() / 100.0 + 0.0).replace('-', "−")
@@ -316,7 +332,8 @@ fn scatter(keys: &[Values], results: &[Values]) -> Vec<Figure> {
             let points = Series::dots(correlation, key.at.clone(), result.at.clone());
             Panel::new(axis).series(points).legend(Legend::Above)
         });
-        let width = if column == 0 { 58.0 } else { 50.0 };
+        let width = if column == 0 { 58.0_f64 } else { 50.0 };
+        let width = width.max(width_of_words(key));
         panels.fold(Figure::new(key.axis.clone()), Figure::panel).size_mm(width, 26.0)
     });
     columns.collect()
@@ -371,6 +388,21 @@ mod tests {
         assert_eq!((masses.axis.scale, masses.at.len()), (Scale::Logarithmic, 3));
         assert!((masses.at[1] - 2.0).abs() < 1e-12, "the middle of 1 kg and 4 kg by the logarithm");
         assert_eq!(key(&sweep, 1, &[0, 1]).axis.scale, Scale::Linear);
+    }
+
+    /// Words have no order, and so no rank correlation; four long ones have room beside each other. Letters of a tick are 1.6 mm
+    /// wide at most.
+    #[test]
+    fn words_have_room_and_no_rank_correlation() {
+        let named = ["isentropic", "isothermal", "polytropic", "energy-balance"];
+        let words = named.iter().zip(0..).map(|(word, at)| (f64::from(at), (*word).to_owned()));
+        let words = Values { axis: Axis::new("air process", "").words(words), at: vec![0.0, 1.0, 2.0, 3.0] };
+        let number = Values { axis: Axis::new("load mass", "kg"), at: vec![1.0, 2.0, 3.0, 4.0] };
+        let result = Values { axis: Axis::new("final length", "m"), at: vec![0.1, 0.2, 0.3, 0.4] };
+        let [of_words, of_number] = &scatter(&[words, number], &[result])[..] else { panic!("two figures") };
+        let labels = |figure: &Figure| figure.panels[0].series[0].label.clone();
+        assert_eq!([labels(of_words), labels(of_number)], ["words: no ρ", "ρ = 1.00"]);
+        assert!(of_words.width_mm > 4.0 * 1.6 * 14.0 && of_number.width_mm < 60.0, "{}", of_words.width_mm);
     }
 
     /// Lengths that differ by their rounding are one length, on an axis around it; those that differ by more span theirs.

@@ -16,7 +16,7 @@ use crate::table::{Seal, seal};
 use crate::{output, temporary};
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use std::fs::File;
-use std::io::ErrorKind;
+use std::io::{ErrorKind, Write as _};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -175,30 +175,38 @@ impl Folder {
             let title = format!("`{}` is {what}", path.display());
             Failure::input(title, "delete it, and what was in it will be done again")
         };
-        let mut file = match File::open(&path) {
+        let file = match File::open(&path) {
             Ok(file) => file,
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
             Err(error) => return Err(refused(&format!("there and cannot be read: {error}"))),
         };
-        let damaged = || refused(&format!("damaged or not part {part} of this sweep"));
-        match seal(&mut file) {
-            Ok(Seal::Whole) => {}
-            Ok(Seal::Missing) => return Ok(None),
-            Ok(Seal::Damaged) | Err(_) => return Err(damaged()),
+        match read_part(file, plan, part) {
+            Found::Whole(known) => Ok(Some(known)),
+            Found::Unfinished => Ok(None),
+            Found::Damaged => Err(refused(&format!("damaged or not part {part} of this sweep"))),
         }
-        let rows = plan.rows_of(part);
-        let expected = [(PART, part.to_string()), (ROWS, format!("{}..{}", rows.start, rows.end))];
-        let found = || {
-            let reader = SerializedFileReader::new(file).ok()?;
-            let notes = reader.metadata().file_metadata().key_value_metadata()?.clone();
-            let value = |key: &str| notes.iter().find(|pair| pair.key == key)?.value.clone();
-            let is_this = expected.iter().all(|(key, expected)| value(key).as_ref() == Some(expected));
-            // A part of an earlier version has no warnings, and is not finished.
-            let Some(warned) = value(WARNINGS) else { return Some(None).filter(|_| is_this) };
-            let (failed, warned) = (value(FAILED)?.parse().ok()?, WarnedRuns::from_json(&warned)?);
-            Some(Some(FinishedPart { failed, warned })).filter(|_| is_this)
+    }
+
+    /// Writes a part that was computed elsewhere, whole, once its bytes were held to what [`Folder::finished`] asks of a part.
+    ///
+    /// # Errors
+    /// [`Failure::input`] when the bytes are not this part, [`Failure::output`] when it cannot be written.
+    pub fn put(&self, plan: &Plan, part: u64, bytes: &[u8]) -> Result<(), Failure> {
+        plan.check_part(part)?;
+        let path = self.part(part);
+        let copy = || {
+            let mut copy = tempfile::tempfile()?;
+            copy.write_all(bytes)?;
+            Ok::<_, std::io::Error>(copy)
         };
-        found().ok_or_else(damaged)
+        let copy = copy().map_err(|error| Failure::output(&path, error))?;
+        match read_part(copy, plan, part) {
+            Found::Whole(_) => output::write(&path, bytes),
+            Found::Unfinished | Found::Damaged => Err(Failure::input(
+                format!("`bytes`, {} of them, are not part {part} of this sweep, or not the whole of it", bytes.len()),
+                format!("give what `part({part})` of this sweep returned; nothing was written"),
+            )),
+        }
     }
 
     /// What stays in the folder when its sweep is ended before it is done, in words.
@@ -222,6 +230,36 @@ impl Folder {
     pub fn clear_remains(&self) {
         temporary::clear_abandoned(&self.path, |name| name == MANIFEST || name.starts_with("part-"));
     }
+}
+
+/// What a file is.
+enum Found {
+    Whole(FinishedPart),
+    /// Without a checksum, or without its warnings: of an earlier version.
+    Unfinished,
+    /// Damaged, or another file.
+    Damaged,
+}
+
+/// Holds a file to its checksum, and to what a part says of itself.
+fn read_part(mut file: File, plan: &Plan, part: u64) -> Found {
+    match seal(&mut file) {
+        Ok(Seal::Whole) => {}
+        Ok(Seal::Missing) => return Found::Unfinished,
+        Ok(Seal::Damaged) | Err(_) => return Found::Damaged,
+    }
+    let rows = plan.rows_of(part);
+    let expected = [(PART, part.to_string()), (ROWS, format!("{}..{}", rows.start, rows.end))];
+    let found = || {
+        let reader = SerializedFileReader::new(file).ok()?;
+        let notes = reader.metadata().file_metadata().key_value_metadata()?.clone();
+        let value = |key: &str| notes.iter().find(|pair| pair.key == key)?.value.clone();
+        let is_this = expected.iter().all(|(key, expected)| value(key).as_ref() == Some(expected));
+        let Some(warned) = value(WARNINGS) else { return Some(Found::Unfinished).filter(|_| is_this) };
+        let (failed, warned) = (value(FAILED)?.parse().ok()?, WarnedRuns::from_json(&warned)?);
+        Some(Found::Whole(FinishedPart { failed, warned })).filter(|_| is_this)
+    };
+    found().unwrap_or(Found::Damaged)
 }
 
 fn name(part: u64) -> String {

@@ -3,6 +3,8 @@
 //! A part is a fixed range of rows, whatever computes it: part p holds the rows from `p · part_rows` up to the next
 //! part. Shard i of n, counted from 1, holds the parts i − 1, i − 1 + n, i − 1 + 2n, …
 
+use crate::failure::Failure;
+use crate::quantities::count;
 use std::fmt;
 use std::ops::Range;
 use std::str::FromStr;
@@ -50,6 +52,9 @@ pub struct Plan {
     pub part_rows: u64,
 }
 
+/// Parts that one process takes at most: it keeps a list of them.
+pub const MOST_PARTS: u64 = 10_000_000;
+
 /// Rows that are computed together.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub struct Unit {
@@ -71,9 +76,40 @@ impl Plan {
         start..start.saturating_add(self.part_rows).min(self.rows)
     }
 
+    /// Checks that there is a part with that index.
+    ///
+    /// # Errors
+    /// [`Failure::input`] beyond the last.
+    pub fn check_part(&self, part: u64) -> Result<(), Failure> {
+        match self.parts() {
+            parts if part < parts => Ok(()),
+            parts => Err(Failure::input(
+                format!("the sweep has no part {part}"),
+                format!("parts are counted from 0, and there are {parts}"),
+            )),
+        }
+    }
+
     /// The parts of a shard.
     pub fn shard(&self, shard: Shard) -> impl Iterator<Item = u64> + use<> {
         (shard.index - 1..self.parts()).step_by(usize::try_from(shard.of).unwrap_or(usize::MAX))
+    }
+
+    /// The parts of a shard, as far as one process can keep account of them.
+    ///
+    /// # Errors
+    /// [`Failure::input`] for more than [`MOST_PARTS`].
+    pub fn parts_of(&self, shard: Shard) -> Result<Vec<u64>, Failure> {
+        let all = self.parts().div_ceil(shard.of);
+        if all > MOST_PARTS {
+            let [rows, all, most] = [self.rows, all, MOST_PARTS].map(count);
+            return Err(Failure::input(
+                format!("the sweep has {rows} runs: {all} parts, of which one process takes at most {most}"),
+                "give fewer values or `sweep.rows`, a larger `sweep.part_rows`, or a share of the parts by --shard I/N \
+                 and a folder",
+            ));
+        }
+        Ok(self.shard(shard).collect())
     }
 
     /// The rows of parts in units of at most `size` rows, in their order.
@@ -106,6 +142,15 @@ mod tests {
             seen.sort_unstable();
             assert_eq!(seen, (0..rows).collect::<Vec<_>>());
         }
+    }
+
+    /// A list of all parts of 10¹² runs would be 2 GB.
+    #[test]
+    fn more_parts_than_a_process_lists_are_refused_with_the_remedy() {
+        let plan = Plan { rows: 1_000_000_000_000, part_rows: 4096 };
+        let refused = plan.parts_of(Shard::WHOLE).unwrap_err().to_string();
+        assert!(refused.contains("--shard I/N") && refused.contains("part_rows"), "{refused}");
+        assert_eq!(plan.parts_of(Shard { index: 1, of: 1_000_000 }).unwrap().len(), 245);
     }
 
     #[test]

@@ -95,6 +95,11 @@ impl rows::Recorder for Recorder<'_> {
         self.series.turn_to_orbit(windows);
     }
 
+    fn see_orbit(&mut self, window: usize, weight: f64, sample: &PlantSample) {
+        let plant = &self.of.plant;
+        self.series.see_orbit((sample.time, window, weight), |quantity: PlantQuantity| quantity.of(plant, sample));
+    }
+
     fn takes_steps(&self) -> bool {
         self.keeper.is_some() || self.follower.is_some()
     }

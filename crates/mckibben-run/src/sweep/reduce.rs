@@ -22,7 +22,8 @@
 //!
 //! Over the orbit (`sweep.over`) the run goes on behind T until its states return after a period. `final`, `mean`, `min`, `max`,
 //! `peak`, `ripple` and `drift` are then of two periods there, and empty where the run does not settle; the others say something of
-//! the way there and stay those of the run.
+//! the way there and stay those of the run. There `mean` integrates over each step of the engine, so that what jumps at an event, as a
+//! mass flow does, has no part in its error, and extremes have the values on both sides of events.
 //!
 //! Checked by the tests below against closed forms and by the program's `tests/sweep.rs` against files of `mckibben simulate`.
 
@@ -79,6 +80,11 @@ impl Reducer {
     /// What comes is of the orbit, over whose last two periods the windows lie; without them there is none.
     pub(super) fn turn_to_orbit(&mut self, windows: Option<Windows>) {
         self.series.turn_to_orbit(windows);
+    }
+
+    /// Sees a sample of the orbit, in a window of ripples as of [`Windows::of`], with its weight in s in integrals.
+    pub(super) fn see_orbit(&mut self, seen: Seen<'_>, window: usize, weight: f64) {
+        self.series.see_orbit((seen.time(), window, weight), |quantity| seen.value(quantity));
     }
 
     /// Gives the air in kg that was drawn from the supply.

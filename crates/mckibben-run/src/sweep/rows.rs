@@ -17,7 +17,7 @@ use crate::engine::Subject;
 use crate::joint::pair::Pair;
 use crate::record::{Field, of_actuator, of_joint_alone};
 use crate::run::Ready;
-use crate::settle;
+use crate::settle::{self, OnOrbit};
 use crate::single_actuator::SingleActuator;
 use crate::table::Cell;
 use crate::warnings::{Reached, Warning};
@@ -65,6 +65,9 @@ pub(super) trait Recorder {
     /// The samples that come are of the orbit behind the run, with the windows of ripples there; without them there is none.
     fn turn_to_orbit(&mut self, windows: Option<Windows>);
 
+    /// Takes a sample of the orbit, with its weight in s in integrals, in a window of ripples as of [`Windows::of`].
+    fn see_orbit(&mut self, window: usize, weight: f64, sample: &PlantSample);
+
     /// Whether it takes steps besides.
     fn takes_steps(&self) -> bool;
 
@@ -80,25 +83,37 @@ struct Watch<'r> {
     recorder: Box<dyn Recorder + 'r>,
     actuators: Vec<Actuator>,
     reached: Vec<Reached>,
+    /// That there is no orbit, where statistics are taken over that.
+    unsettled: Option<Warning>,
 }
 
 impl<'r> Watch<'r> {
     fn new(plant: &Plant, recorder: Box<dyn Recorder + 'r>) -> Self {
         let actuators: Vec<Actuator> = plant.actuators().iter().map(|mounted| mounted.actuator.clone()).collect();
-        Self { recorder, reached: vec![Reached::NONE; actuators.len()], actuators }
+        Self { recorder, reached: vec![Reached::NONE; actuators.len()], actuators, unsettled: None }
     }
 
     fn see(&mut self, sample: &PlantSample) {
+        self.reach(sample);
+        self.recorder.see(sample);
+    }
+
+    /// Sees a sample of the last so many periods, those in which ripples are looked for.
+    fn see_orbit(&mut self, OnOrbit { period, weight, sample }: OnOrbit<'_>, periods: u32) {
+        self.reach(sample);
+        self.recorder.see_orbit((periods - 1 - period) as usize, weight, sample);
+    }
+
+    fn reach(&mut self, sample: &PlantSample) {
         for ((reached, actuator), sample) in self.reached.iter_mut().zip(&self.actuators).zip(&sample.actuators) {
             reached.see_briefly(actuator, sample);
         }
-        self.recorder.see(sample);
     }
 
     fn finish(self, run: Option<&PlantRun>) -> Ended {
         let outcome = self.recorder.finish(run);
         let reached = if matches!(outcome, Outcome::Failed(_)) { Vec::new() } else { self.reached };
-        Ended { outcome, reached }
+        Ended { outcome, reached, unsettled: self.unsettled }
     }
 }
 
@@ -149,10 +164,10 @@ fn over_orbit((mut run, plan): (PlantRun, &Run), watch: &mut Watch<'_>) -> Resul
     const PERIODS: u32 = 2;
     let orbit = settle::to_orbit(&mut run, plan)?;
     let end = run.time() + f64::from(PERIODS) * orbit.period;
+    watch.unsettled = settle::unsettled(&orbit);
     watch.recorder.turn_to_orbit(orbit.settled.then(|| Windows::last(orbit.period, end)));
     if orbit.settled {
-        watch.see(&run.sample());
-        settle::over_periods(&mut run, orbit.period, PERIODS, &mut |sample| watch.see(sample))?;
+        settle::over_periods(&mut run, orbit.period, PERIODS, &mut |seen| watch.see_orbit(seen, PERIODS))?;
     }
     Ok(())
 }
@@ -217,7 +232,8 @@ pub fn simulate_rows(
     groups.into_iter().try_for_each(|group| group.simulate(record, &mut ended, check))?;
     let mut simulated = Simulated::default();
     for ((_, built), ended) in built.iter().zip(ended) {
-        let warnings = built.as_ref().map(|built| built.ready.warnings_with(&ended.reached)).unwrap_or_default();
+        let mut warnings = built.as_ref().map(|built| built.ready.warnings_with(&ended.reached)).unwrap_or_default();
+        warnings.extend(ended.unsettled);
         simulated.warnings.push(warnings);
         simulated.outcomes.push(ended.outcome);
     }
@@ -229,11 +245,13 @@ struct Ended {
     outcome: Outcome,
     /// Empty where it did not come to its end.
     reached: Vec<Reached>,
+    /// That it has no orbit, where statistics are taken over that.
+    unsettled: Option<Warning>,
 }
 
 impl Ended {
     fn failed(reason: impl ToString) -> Self {
-        Self { outcome: Outcome::Failed(reason.to_string()), reached: Vec::new() }
+        Self { outcome: Outcome::Failed(reason.to_string()), reached: Vec::new(), unsettled: None }
     }
 }
 
@@ -532,18 +550,36 @@ impl<'r, S: Swept> ViewRecorder<'r, S> {
     }
 }
 
+impl<S: Swept> ViewRecorder<'_, S> {
+    /// Takes the cells of a sample, and what of them is not finite.
+    fn check(&mut self, sample: &SampleOf<S>) {
+        self.cells.clear();
+        self.cells.extend(self.fields.iter().map(|field| (field.cell)(sample)));
+        self.fault = not_finite(&self.cells, |place| self.fields[place].column.name.clone());
+    }
+}
+
 impl<S: Swept> Recorder for ViewRecorder<'_, S> {
     fn see(&mut self, sample: &PlantSample) {
         if self.fault.is_some() {
             return;
         }
         let sample = self.view.sample(sample);
-        self.cells.clear();
-        self.cells.extend(self.fields.iter().map(|field| (field.cell)(&sample)));
-        self.fault = not_finite(&self.cells, |place| self.fields[place].column.name.clone());
+        self.check(&sample);
         match &mut self.reductions {
             Some((_, reducer)) => reducer.see(S::seen(self.view.rig(), &sample)),
             None => self.rows.push(self.cells.clone()),
+        }
+    }
+
+    fn see_orbit(&mut self, window: usize, weight: f64, sample: &PlantSample) {
+        if self.fault.is_some() {
+            return;
+        }
+        let sample = self.view.sample(sample);
+        self.check(&sample);
+        if let Some((_, reducer)) = &mut self.reductions {
+            reducer.see_orbit(S::seen(self.view.rig(), &sample), window, weight);
         }
     }
 

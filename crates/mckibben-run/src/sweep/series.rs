@@ -87,13 +87,24 @@ impl<Q: Copy + PartialEq> Series<Q> {
 
     /// Sees the values of the quantities at the next time in s.
     pub(super) fn see(&mut self, time: f64, value: impl Fn(Q) -> f64) {
-        let Tracked { tracks, times, windows, span } = self.orbit.as_mut().unwrap_or(&mut self.run);
+        let Tracked { tracks, times, windows, span } = &mut self.run;
         let step = span.map(|[_, last]| time - last);
         tracks.iter_mut().for_each(|track| track.see(value(track.quantity), step, windows.of(time)));
         if let Some(times) = times {
             times.push(time);
         }
         *span = Some([span.map_or(time, |[first, _]| first), time]);
+    }
+
+    /// Sees the values of the quantities on the orbit, at a time in s, in a window as of [`Windows::of`], with a weight in s.
+    pub(super) fn see_orbit(&mut self, (time, window, weight): (f64, usize, f64), value: impl Fn(Q) -> f64) {
+        let Some(Tracked { tracks, span, .. }) = &mut self.orbit else { return };
+        for track in tracks {
+            let value = value(track.quantity);
+            track.integral += weight * value;
+            track.note(value, Some(window));
+        }
+        *span = Some(span.map_or([time; 2], |[first, last]| [time.min(first), time.max(last)]));
     }
 
     /// What comes is of the orbit, with its windows; without them there is none.
@@ -148,15 +159,20 @@ impl<Q: Copy + PartialEq> Track<Q> {
             None => self.first = value,
             Some(step) => self.integral += 0.5 * (self.last + value) * step,
         }
+        self.note(value, window);
+        if let Some(series) = &mut self.series {
+            series.push(value);
+        }
+    }
+
+    /// Takes a value, which is the last so far.
+    fn note(&mut self, value: f64, window: Option<usize>) {
         self.last = value;
         self.least = self.least.min(value);
         self.greatest = self.greatest.max(value);
         if let Some(window) = window {
             let (least, greatest, count) = self.windows[window];
             self.windows[window] = (least.min(value), greatest.max(value), count + 1);
-        }
-        if let Some(series) = &mut self.series {
-            series.push(value);
         }
     }
 

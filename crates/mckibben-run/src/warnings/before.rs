@@ -5,7 +5,7 @@ use crate::quantities::{given, quantity};
 use mckibben::mechanism::Mechanism;
 use mckibben::network::{BranchKind, Network, NodeKind};
 use mckibben::parameter;
-use mckibben::plant::{Plant, PlantStart};
+use mckibben::plant::{Mounted, Plant, PlantRun, PlantStart};
 use mckibben::valve::Port;
 use mckibben_scenario::GreatestRequest;
 
@@ -14,20 +14,39 @@ const SUPPLY: &str = parameter::SUPPLY_GAUGE_PRESSURE.key;
 const CUT_OUT: &str = parameter::CUT_OUT.key;
 /// A share of a length, and an angle in rad, that is rounding of its unit.
 const ROUNDING: f64 = 1e-9;
+/// The relative tolerance of a run that is begun and goes no further.
+const BEGINNING: f64 = 1e-6;
 
 /// The warnings of a plant at its start.
 pub(super) fn warnings(of: &Parts<'_>, start: &PlantStart) -> Vec<Warning> {
     let mut found = valve::warnings(of);
     found.extend(of_network(of));
+    let lengths = lengths(of.plant, start);
     for (index, name) in of.actuators.iter().enumerate() {
-        found.extend(of_actuator(of, start, index, name));
+        let length = lengths.get(index).copied().flatten();
+        found.extend(of_actuator(of, start, (index, name), length));
     }
     found.extend(of_stops(of, start));
     found
 }
 
-/// The pressures and the length at which an actuator starts.
-fn of_actuator(of: &Parts<'_>, start: &PlantStart, index: usize, name: &str) -> Vec<Warning> {
+/// The length in m at which each actuator starts, without its tendon: with one, muscle and tendon share the distance as their
+/// forces balance, which the begun run has computed. None where the run cannot begin; it then fails with the reason.
+fn lengths(plant: &Plant, start: &PlantStart) -> Vec<Option<f64>> {
+    let has_tendon = plant.actuators().iter().any(|mounted| mounted.tendon.is_some());
+    let begun = has_tendon.then(|| PlantRun::new(plant, start, BEGINNING).ok()).flatten().map(|run| run.sample());
+    let length = |(index, mounted): (usize, &Mounted)| match mounted.tendon {
+        Some(_) => begun.as_ref()?.actuators.get(index).map(|sample| sample.length),
+        None => {
+            let positions = start.positions.get(mounted.mechanism)?;
+            Some(mounted.coupling.span(&plant.mechanisms()[mounted.mechanism], positions))
+        }
+    };
+    plant.actuators().iter().enumerate().map(length).collect()
+}
+
+/// The pressures and the length in m at which an actuator starts.
+fn of_actuator(of: &Parts<'_>, start: &PlantStart, (index, name): (usize, &str), length: Option<f64>) -> Vec<Warning> {
     let mut found = Vec::new();
     let (Some(mounted), Some(air)) = (of.plant.actuators().get(index), start.air.get(index)) else { return found };
     let (gauge, key) = match &mounted.pressure {
@@ -37,11 +56,8 @@ fn of_actuator(of: &Parts<'_>, start: &PlantStart, index: usize, name: &str) -> 
     if gauge > PRESSURE {
         found.push(reached::beyond_pressure(name, &format!("{key} = {} is", given(gauge, "Pa")), key));
     }
-    let positions = start.positions.get(mounted.mechanism);
     let mechanism = &of.plant.mechanisms()[mounted.mechanism];
-    let on_tendon = start.lengths.get(index).copied().flatten();
-    let spanned = || positions.map(|positions| mounted.coupling.span(mechanism, positions));
-    let Some(length) = on_tendon.or_else(spanned) else { return found };
+    let Some(length) = length else { return found };
     let limits = mounted.actuator.limits();
     if length < limits.min_length() * (1.0 - ROUNDING) {
         let text = format!(

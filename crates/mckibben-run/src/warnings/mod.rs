@@ -222,7 +222,9 @@ fn open_balance(ledger: &PlantLedger, draws: bool) -> Option<Warning> {
         let [residual, turnover] = [of.residual.abs(), of.turnover].map(|value| quantity(value, unit));
         format!("{} of its {name} ({residual} of {turnover})", percent(of.residual.abs() / of.turnover))
     };
-    let open: Vec<String> = balances.filter(|(.., balance)| !balance.closes(OPEN)).map(share).collect();
+    // Numbers that are none are refused elsewhere: they say nothing of the steps.
+    let is_open = |of: &Balance| (of.residual + of.turnover).is_finite() && !of.closes(OPEN);
+    let open: Vec<String> = balances.filter(|(.., balance)| is_open(balance)).map(share).collect();
     (!open.is_empty()).then(|| {
         let text = format!(
             "the steps are too long for this run: {} comes from nowhere or is lost; give a shorter run.step, or leave it out",
@@ -317,6 +319,30 @@ mod tests {
         assert!(of("0").is_empty() && of("1").is_empty());
     }
 
+    /// A pause of a tenth of a period is 4 ms at 25 Hz, and 1 − 0.9 is not 0.1 in binary: the poppet moves all the same.
+    #[test]
+    fn a_pause_that_equals_the_delay_but_for_rounding_closes_the_valve() {
+        for (frequency, duty, delay) in [
+            ("25 Hz", "0.9", "4 ms"),
+            ("20 Hz", "0.8", "10 ms"),
+            ("25 Hz", "0.8", "8 ms"),
+            ("40 Hz", "0.8", "5 ms"),
+            ("50 Hz", "0.8", "4 ms"),
+        ] {
+            let of = |delay| {
+                let set = [("command.frequency", frequency), ("command.duty", duty), ("valve.closing_delay", delay)];
+                codes(&set)[0].clone()
+            };
+            assert!(of(delay).is_empty(), "{frequency}, {duty}");
+            assert_eq!(of("10.001 ms"), ["valve-never-closes"], "{frequency}, {duty}");
+        }
+        let table = "{ kind = \"table\", time = [\"0.1 s\", \"0.2 s\", \"0.203 s\"], \
+                     state = [\"fill\", \"exhaust\", \"fill\"] }";
+        let of = |delay| codes(&[("command", table), ("valve.closing_delay", delay)])[0].clone();
+        assert!(of("3 ms").is_empty());
+        assert_eq!(of("3.001 ms"), ["valve-never-closes"]);
+    }
+
     /// A normally open valve closes its path to the supply by the coil: a short fill is lost to the closing delay.
     #[test]
     fn a_normally_open_valve_has_the_delays_exchanged() {
@@ -371,6 +397,27 @@ mod tests {
             let text = &found.iter().find(|of| of.code == OVERSTRETCHED).expect("too long").text;
             assert!(text.contains("starts at 108.0 mm") && text.contains("lower initial.length"), "{text}");
         }
+    }
+
+    /// With a tendon the distance is that of both: the muscle, of 97.79 mm at most, is no longer than the distance without the tendon's
+    /// rest length. A stiff tendon leaves it all of that.
+    #[test]
+    fn a_start_on_a_tendon_is_judged_by_the_length_of_the_muscle() {
+        let of = |rest_length: &str| {
+            let motion = "{ kind = \"prescribed-motion\", length = \"111 mm\", amplitude = \"3 mm\", \
+                          frequency = \"1 Hz\" }";
+            let tendon = format!("{{ stiffness = \"1e7 N/m\", rest_length = \"{rest_length}\" }}");
+            let of_one = codes(&[("load", motion), ("tendon", &tendon)])[0].clone();
+            let joint = "[tendon]\nstiffness = \"1e7 N/m\"\n[load]\nkind = \"antagonistic-joint\"\nmass = \"1 kg\"\n\
+                         distance = \"0.1 m\"\npulley_radius = \"15 mm\"\nrest_length = \"111 mm\"\n[antagonist]\n\
+                         [initial]\ngauge_pressure = \"2 bar\"\n[run]\nduration = \"0.01 s\"";
+            let mut joint = Document::parse(joint, "joint.toml").unwrap();
+            joint.set_text("tendon.rest_length", &format!("\"{rest_length}\"")).unwrap();
+            let of_two = Ready::of(&joint).unwrap().warnings();
+            (of_one, of_two.iter().map(|warning| warning.code).collect::<Vec<_>>())
+        };
+        assert_eq!(of("20 mm"), (vec![], vec![]));
+        assert_eq!(of("2 mm"), (vec![OVERSTRETCHED], vec![OVERSTRETCHED; 2]));
     }
 
     /// A joint of two actuators and one of a chain. Stops give way, so that a joint may start at rest beyond one.

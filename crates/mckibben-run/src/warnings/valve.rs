@@ -1,7 +1,7 @@
 //! Valves that never open or never close under a command of pulses: PWM, or a table of requests.
 //!
 //! A pulse that is shorter than the delay of its path does not move the poppet, and neither does a pause that is shorter than the
-//! delay of the way back. One pulse, or pause, that is long enough is enough.
+//! delay of the way back. One pulse, or pause, that is long enough is enough. One that equals the delay but for rounding moves it.
 
 use super::{Parts, Warning};
 use crate::quantities::given;
@@ -14,16 +14,17 @@ pub(super) fn warnings(of: &Parts<'_>) -> Vec<Warning> {
 }
 
 fn of_valve(of: &Actuation, name: &str) -> Option<Warning> {
+    let command = of.command.map_requests(|request| of.solenoid.answer(request));
     for (request, where_to) in [(Request::Fill, "supply"), (Request::Exhaust, "exhaust")] {
-        let Some(longest) = Longest::of(&of.command, request) else { continue };
+        let Some(longest) = Longest::of(&command, request) else { continue };
         let [opens, closes] = delays(of, request);
-        let Longest { pulse, pause, words, remedies } = longest;
+        let Longest { pulse, pause, rounding, words, remedies } = longest;
         let found = [
             ("valve-never-opens", "opens", pulse, opens, words[0], remedies[0]),
             ("valve-never-closes", "closes", pause, closes, words[1], remedies[1]),
         ];
         for (code, verb, lasting, (key, delay), word, remedy) in found {
-            if let Some(lasting) = lasting.filter(|lasting| *lasting < delay) {
+            if let Some(lasting) = lasting.filter(|lasting| *lasting + rounding < delay) {
                 let (lasting, delay) = (given(lasting, "s"), given(delay, "s"));
                 let text = format!(
                     "the valve never {verb} to the {where_to}: {word} of {lasting} is shorter than {key} = {delay}; {remedy}"
@@ -39,6 +40,8 @@ fn of_valve(of: &Actuation, name: &str) -> Option<Warning> {
 struct Longest {
     pulse: Option<f64>,
     pause: Option<f64>,
+    /// By how much in s they may be too short by rounding.
+    rounding: f64,
     /// What they are called in the command, and what makes each of them longer.
     words: [&'static str; 2],
     remedies: [&'static str; 2],
@@ -54,19 +57,23 @@ impl Longest {
                     return None;
                 }
                 let lasting = [duty / frequency, (1.0 - duty) / frequency];
+                let rounding = ROUNDING / frequency;
                 let (words, remedies) = (["a pulse", "a pause"], [RAISE, LOWER]);
                 match (*pulse == request, *rest == request) {
-                    (true, false) => Some(Self { pulse: Some(lasting[0]), pause: Some(lasting[1]), words, remedies }),
+                    (true, false) => {
+                        Some(Self { pulse: Some(lasting[0]), pause: Some(lasting[1]), rounding, words, remedies })
+                    }
                     (false, true) => {
                         let (words, remedies) = (["a pause", "a pulse"], [LOWER, RAISE]);
-                        Some(Self { pulse: Some(lasting[1]), pause: Some(lasting[0]), words, remedies })
+                        Some(Self { pulse: Some(lasting[1]), pause: Some(lasting[0]), rounding, words, remedies })
                     }
                     _ => None,
                 }
             }
             Command::Table { time, request: requests } => {
                 let (words, remedies) = (["the longest pulse", "the longest pause"], [LATER; 2]);
-                let mut longest = Self { pulse: None, pause: None, words, remedies };
+                let rounding = ROUNDING * time.last().copied().unwrap_or(0.0).abs();
+                let mut longest = Self { pulse: None, pause: None, rounding, words, remedies };
                 // Whether it is requested, and since when.
                 let mut begun: Option<(bool, f64)> = None;
                 let ends = time.iter().copied().skip(1).chain([f64::INFINITY]);
@@ -88,6 +95,9 @@ impl Longest {
     }
 }
 
+/// The share of a period, or of the times of a table, by which the difference of two instants rounds: instants so close are one
+/// to the valve.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
 const RAISE: &str = "raise command.duty or lower command.frequency";
 const LOWER: &str = "lower command.duty or lower command.frequency";
 const LATER: &str = "let it last longer in command.time";

@@ -492,7 +492,7 @@ impl Scenario {
     }
 }
 
-/// The gauge pressure in Pa that an actuator starts at: its own, else the first of a pressure that is given.
+/// The gauge pressure in Pa that an actuator starts at: its own, else that of t = 0 where it is given.
 fn first_gauge_pressure(own: Option<f64>, given: Option<&scenario::PressureSeries>) -> f64 {
-    own.or_else(|| given?.values().next()).unwrap_or_default()
+    own.or_else(|| Some(given?.start())).unwrap_or_default()
 }

@@ -4,13 +4,13 @@
 //! itself.
 
 use super::{body, conditions, drive, flow_path, line, mechanism};
-use crate::choice::{CommandKind, InletKind, ValveOutput};
+use crate::choice::{CommandKind, InletKind, PressurePlace, ValveOutput};
 use crate::diagnostic::{Class, Diagnostic, Diagnostics, Place};
 use crate::document::Document;
 use crate::keys::{self, ACTUATORS, CONTROLLER, SUPPLIES};
 use crate::plant::parts::SUPPLY;
 use crate::plant::{Frame, Inlet, Member, Mount, PlantScenario, Store};
-use crate::reader::Reader;
+use crate::reader::{Reader, Unread};
 use crate::scenario::{Air, Command, Initial, InitialLength, Load, PressureSeries, Scenario, Supply};
 use mckibben::parameter as p;
 use std::collections::HashMap;
@@ -52,8 +52,10 @@ impl Document {
         let frames = mechanism::frames(self, r);
         let (Some(stores), Some(frames)) = (stores, frames) else { return Err(of_mistakes(reader)) };
         self.check_pairs(r, &frames);
-        let members: Vec<Option<Member>> =
-            actuators.iter().map(|(name, place)| self.read_member(r, (name, place), &stores, &frames)).collect();
+        let mut unread = Unread::of(self);
+        let members = actuators.iter().map(|named| self.read_member(r, *named, (&stores, &frames), &mut unread));
+        let members: Vec<Option<Member>> = members.collect();
+        r.check_unread(unread);
         let members: Option<Vec<Member>> = members.into_iter().collect();
         match (members, run) {
             (Some(members), Some(run)) if !r.has_mistakes() => {
@@ -300,8 +302,8 @@ impl Document {
         &self,
         r: &mut Reader<'_>,
         (name, place): (&str, &Place),
-        stores: &[Store],
-        frames: &[Frame],
+        (stores, frames): (&[Store], &[Frame]),
+        unread: &mut Unread<'_>,
     ) -> Option<Member> {
         let own = |section: &str| format!("{ACTUATORS}.{name}.{section}");
         let mut document = self.of_actuator(name);
@@ -320,8 +322,10 @@ impl Document {
             supply = Some(store.name.clone());
         } else {
             document.remove(SUPPLY);
-            // What no valve obeys is said of the others.
-            for section in ["command", "hose"].into_iter().filter(|section| !r.has(&own(section))) {
+            // What no valve obeys is said of the others. A pressure may be given at the end of a hose without a valve.
+            let at_hose = document.is_word(keys::PRESSURE_AT, PressurePlace::Hose.name());
+            let of_valve: &[&str] = if at_hose { &["command"] } else { &["command", "hose"] };
+            for section in of_valve.iter().filter(|section| !r.has(&own(section))) {
                 document.remove(section);
             }
         }
@@ -348,6 +352,7 @@ impl Document {
         } else {
             document.remove("load");
         }
+        unread.read_in(&document);
         let mut part = Reader::of_part(&document, r);
         let of = &mut part;
         let actuator = body::actuator(of);

@@ -106,7 +106,9 @@ impl<'d> Reader<'d> {
     /// Refuses keys that have no meaning under the choice that was made.
     pub(super) fn applies(&mut self, is_required: impl Fn(&Key) -> bool) {
         let joint = LoadKind::AntagonisticJoint.name();
-        if let Some(place) = self.key_place(keys::ANTAGONIST).filter(|_| !self.says("load.kind", joint)) {
+        // A plant has no second actuator of a joint whatever its load; its reading refuses the section.
+        let is_stray = !self.of_plant && !self.says("load.kind", joint);
+        if let Some(place) = self.key_place(keys::ANTAGONIST).filter(|_| is_stray) {
             let title = format!("[{}] has no meaning without `load.kind` = \"{joint}\"", keys::ANTAGONIST);
             self.note(
                 Diagnostic::at(Class::NotApplicable, place, title, "does not apply")

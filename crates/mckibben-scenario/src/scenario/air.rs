@@ -150,4 +150,25 @@ impl PressureSeries {
         let PressureSensor { offset, scale, .. } = self.sensor;
         self.gauge_pressure.iter().map(move |shown| true_pressure(*shown, [offset, scale]))
     }
+
+    /// The gauge pressure in Pa at t = 0, which is not that of the first row where readings come late.
+    pub fn start(&self) -> f64 {
+        let PressureSensor { offset, scale, .. } = self.sensor;
+        let (row, part) = self.place_at_start();
+        let [from, to] = [row, row + 1].map(|row| self.gauge_pressure.get(row).or(self.gauge_pressure.last()).copied());
+        let [from, to] = [from, to].map(Option::unwrap_or_default);
+        true_pressure(from + part * (to - from), [offset, scale])
+    }
+
+    /// The last row that has been recorded of t = 0, and the part of the way from it to the next one.
+    pub(crate) fn place_at_start(&self) -> (usize, f64) {
+        let shift = self.sensor.shift;
+        match self.time.partition_point(|time| *time <= shift) {
+            0 => (0, 0.0),
+            passed => match (self.time[passed - 1], self.time.get(passed)) {
+                (last, Some(next)) => (passed - 1, (shift - last) / (next - last)),
+                (_, None) => (passed - 1, 0.0),
+            },
+        }
+    }
 }

@@ -29,6 +29,8 @@ pub(super) struct Varied<'d> {
     parameter: Option<&'static Parameter>,
     /// The values one by one, or the one that stands for all of them in a first reading of the scenario.
     nodes: Vec<&'d Node>,
+    /// Whether it is an entry of a list that no row of one actuator can set: the scenario is read again with each value.
+    is_reread: bool,
 }
 
 /// A document without its section `[sweep]`, with the first value of every key that varies.
@@ -47,10 +49,11 @@ impl<'d> Varied<'d> {
         self.nodes[0]
     }
 
-    /// How many values there are for each of which the scenario is read again: words, and whole numbers.
+    /// How many values there are for each of which the scenario is read again: words, whole numbers, and entries of some lists.
     pub(super) fn read_each_row(&self) -> Option<u64> {
         let whole = matches!(self.row.kind, Kind::Whole(_));
-        (whole || matches!(self.values, Values::Words(_))).then_some(self.nodes.len() as u64)
+        let is_due = whole || self.is_reread || matches!(self.values, Values::Words(_));
+        is_due.then_some(self.nodes.len() as u64)
     }
 
     /// One of these values where it stands.
@@ -131,12 +134,22 @@ pub(super) fn read<'d>(r: &mut Reader<'d>, design: DesignKind) -> Vec<Varied<'d>
         }
         let regulated = if r.document().is_plant() { regulated_at(r.document(), &path) } else { regulated };
         let parameter = row.parameter().or_else(|| row_in_its_unit(regulated, row.path));
+        let is_reread = !r.document().is_plant()
+            && list_and_entry(&path).is_some()
+            && parameter.is_some_and(|row| place_of_list(row).is_none());
+        if is_reread && matches!(entry.node.value, Value::Table(_)) {
+            let title = format!("`{path}` varies by a list of values: the scenario is read again with each of them");
+            let place = entry.node.place.clone();
+            let help = format!("write the values one by one, as in `\"{path}\" = [.., ..]`");
+            r.note(Diagnostic::at(Class::NotApplicable, place, title, "no range or distribution here").help(help));
+            continue;
+        }
         let before = r.mistakes();
         let values = values(r, (row, parameter), &entry.node, design);
         // A controller's row in the unit of what it regulates has the path of the key.
         r.name_from(before, row.path, &path);
         if let Some((values, nodes)) = values.filter(|(_, nodes)| !nodes.is_empty()) {
-            varied.push(Varied { path, key: entry.key.clone(), values, row, parameter, nodes });
+            varied.push(Varied { path, key: entry.key.clone(), values, row, parameter, nodes, is_reread });
         }
     }
     varied
@@ -203,7 +216,7 @@ fn paths<'d>(r: &mut Reader<'d>, table: &'d Table, above: &str, found: &mut Vec<
         match (key, &entry.node.value) {
             (Some(row), _) if entry_of.is_some() && row.section() != SWEEP => {
                 let of = entry_of.as_ref().map(|(list, place)| (list.as_str(), place.as_str())).unwrap_or_default();
-                match refused_entry(r, row, of) {
+                match r.document().no_entry(of) {
                     Some((title, help)) => {
                         r.note(Diagnostic::at(Class::UnknownKey, entry.key.clone(), title, "cannot vary").help(help))
                     }
@@ -216,16 +229,6 @@ fn paths<'d>(r: &mut Reader<'d>, table: &'d Table, above: &str, found: &mut Vec<
             (None, _) => unknown(r, &path, entry),
         }
     }
-}
-
-/// Why an entry of a list does not vary, and what to do: the file has no such list or entry, or rows of one actuator cannot set it.
-fn refused_entry(r: &Reader<'_>, key: &Key, of: (&str, &str)) -> Option<(String, &'static str)> {
-    if let Some(fault) = r.document().no_entry(of) {
-        return Some(fault);
-    }
-    let settable = r.document().is_plant() || key.parameter().is_none_or(|row| place_of_list(row).is_some());
-    let title = || format!("the entries of `{}` cannot be set one by one in rows", of.0);
-    (!settable).then(|| (title(), "run one sweep for each value"))
 }
 
 /// Notes a key that does not vary.

@@ -3,6 +3,7 @@
 //! ```text
 //! poles             det(λ I − A) = 0        ω_n = |λ|, ζ = −Re λ/|λ|, τ = −1/Re λ
 //! response          G(jω) = C (jω I − A)⁻¹ B + D
+//! part of a mode    |c v w b|/|c b|       w A = λ w, A v = λ v, w v = 1:  c v w b = 1/(2πi) ∮ c (s I − A)⁻¹ b ds around λ
 //! controllability   singular values of [b, A b, A² b, …], states over their usual size, time over 1/max |λ|
 //! ```
 //!
@@ -15,6 +16,10 @@
 //! The states have sizes from 1e-6 to 1e6, so the matrix is balanced (Parlett & Reinsch) before anything is computed from
 //! it. A pole below a part 1e-12 of the balanced matrix is zero: that is what rounding leaves of an integrator.
 //!
+//! The part that a mode has in a motion is that of participation factors (Pérez-Arriaga, Verghese & Schweppe, IEEE Trans. Power
+//! Apparatus and Systems 101, 1982), to which it reduces where c and b have one entry each. By the integral it needs no
+//! eigenvectors, which equal poles do not determine one by one.
+//!
 //! The rank of controllability is a matter of rounding, its condition is not: how many times harder the least reachable
 //! combination of states is to reach than the most reachable one, in times of the fastest pole.
 //!
@@ -25,8 +30,9 @@
 use super::StateSpace;
 use crate::error::Error;
 use alloc::vec::Vec;
+use core::f64::consts::TAU;
 use nalgebra::linalg::{Schur, balancing::balance_parlett_reinsch};
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::{Complex, DMatrix, DVector, Dyn};
 
 /// A pole of a linear model.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -106,6 +112,10 @@ const ZERO: f64 = 1e-12;
 const ROUNDING: f64 = 1e-12;
 /// Steps of the eigenvalue iteration, which needs about two for each state.
 const STEPS: usize = 1000;
+/// Part of its size within which poles count as one mode.
+const ONE_MODE: f64 = 1e-6;
+/// Points of the integral around a pole, halfway to the nearest other: it is right but for about 2⁻²⁴.
+const AROUND: usize = 24;
 
 impl<X, U, Y> StateSpace<X, U, Y> {
     /// `A`, and the sizes that balance it: `x = sizes · z`.
@@ -116,17 +126,23 @@ impl<X, U, Y> StateSpace<X, U, Y> {
         (a, sizes)
     }
 
-    /// The poles, fastest first; the two of a pair one after the other, the one above the real axis first.
-    ///
-    /// # Errors
-    /// [`Error::NoSolution`] when the eigenvalues cannot be found, which only numbers of absurd size bring about.
-    pub fn poles(&self) -> Result<Vec<Pole>, Error> {
-        let (a, _) = self.balanced();
+    /// The real Schur form of the balanced `A`, the sizes that balance it, and the part below which a pole is zero.
+    fn schur(&self) -> Result<(Schur<f64, Dyn>, DVector<f64>, f64), Error> {
+        let (a, sizes) = self.balanced();
         let small = ZERO * a.norm();
         let schur = Schur::try_new(a, f64::EPSILON, STEPS).ok_or(Error::NoSolution {
             what: "the poles of the linear model cannot be found",
             remedy: "check that masses, volumes and pressures are of usual size",
         })?;
+        Ok((schur, sizes, small))
+    }
+
+    /// The poles, fastest first; the two of a pair one after the other, the one above the real axis first.
+    ///
+    /// # Errors
+    /// [`Error::NoSolution`] when the eigenvalues cannot be found, which only numbers of absurd size bring about.
+    pub fn poles(&self) -> Result<Vec<Pole>, Error> {
+        let (schur, _, small) = self.schur()?;
         let values = schur.complex_eigenvalues();
         let kept = |part: f64| if part.abs() <= small { 0.0 } else { part };
         let mut poles: Vec<Pole> =
@@ -152,6 +168,40 @@ impl<X, U, Y> StateSpace<X, U, Y> {
         let sum: Complex<f64> = (0..n).map(|n| state[n] * (self.c[output][n] * sizes[n])).sum();
         let value = sum + self.d[output][input];
         value.is_finite().then_some(Phasor { real: value.re, imaginary: value.im })
+    }
+
+    /// The part that each oscillating mode has in the first value of the motion `c x` that starts from `x = b`: each with its pole
+    /// above the real axis. Of equal poles each has the part of all. There is none where that value is zero.
+    ///
+    /// # Errors
+    /// As [`StateSpace::poles`].
+    pub fn oscillating_parts(&self, b: &[f64], c: &[f64]) -> Result<Vec<(Pole, f64)>, Error> {
+        let whole: f64 = c.iter().zip(b).map(|(c, b)| c * b).sum();
+        if whole == 0.0 {
+            return Ok(Vec::new());
+        }
+        let poles = self.poles()?;
+        let (schur, sizes, _) = self.schur()?;
+        let (basis, triangle) = schur.unpack();
+        let left = basis.tr_mul(&DVector::from_fn(sizes.len(), |row, _| c[row] * sizes[row]));
+        let right = basis.tr_mul(&DVector::from_fn(sizes.len(), |row, _| b[row] / sizes[row]));
+        let part = |pole: &Pole| -> f64 {
+            let nearest = poles
+                .iter()
+                .map(|other| (other.real - pole.real).hypot(other.imaginary - pole.imaginary))
+                .filter(|distance| *distance > ONE_MODE * pole.natural_frequency())
+                .fold(pole.natural_frequency(), f64::min);
+            let at = |point: usize| {
+                let (sine, cosine) = (TAU * point as f64 / AROUND as f64).sin_cos();
+                let offset = Complex::new(cosine, sine) * (0.5 * nearest);
+                let state = resolvent(&triangle, Complex::new(pole.real, pole.imaginary) + offset, &right);
+                let sum: Complex<f64> = state.iter().zip(left.iter()).map(|(state, left)| state * *left).sum();
+                sum * offset
+            };
+            let residue: Complex<f64> = (0..AROUND).map(at).sum();
+            residue.re.hypot(residue.im) / (AROUND as f64 * whole.abs())
+        };
+        Ok(poles.iter().filter(|pole| pole.imaginary > 0.0).map(|pole| (*pole, part(pole))).collect())
     }
 
     /// What one input reaches, with the usual size of each state.
@@ -185,4 +235,32 @@ impl<X, U, Y> StateSpace<X, U, Y> {
         };
         Ok(Controllability { singular_values, rank, condition })
     }
+}
+
+/// `(s I − T)⁻¹ b` for a real Schur form T: upper triangular but for blocks of two rows on the diagonal.
+fn resolvent(triangle: &DMatrix<f64>, s: Complex<f64>, b: &DVector<f64>) -> Vec<Complex<f64>> {
+    let mut x: Vec<Complex<f64>> = b.iter().map(|value| Complex::new(*value, 0.0)).collect();
+    let mut left = x.len();
+    while left > 0 {
+        let last = left - 1;
+        let first = if last > 0 && triangle[(last, last - 1)] != 0.0 { last - 1 } else { last };
+        if first == last {
+            x[last] /= s - triangle[(last, last)];
+        } else {
+            let [own, other] = [s - triangle[(first, first)], s - triangle[(last, last)]];
+            let [above, below] = [triangle[(first, last)], triangle[(last, first)]];
+            let determinant = own * other - above * below;
+            let [upper, lower] = [x[first], x[last]];
+            x[first] = (upper * other + lower * above) / determinant;
+            x[last] = (lower * own + upper * below) / determinant;
+        }
+        for row in 0..first {
+            for column in first..left {
+                let by = x[column] * triangle[(row, column)];
+                x[row] += by;
+            }
+        }
+        left = first;
+    }
+    x
 }

@@ -29,7 +29,8 @@
 //! an integrator too: a pole at zero that the mass flow does reach.
 //!
 //! Valid near the point. Sliding without Coulomb friction: under ± Q k_sec the load sticks and no linear model moves it;
-//! above, the describing function c_eq has the same loss in a cycle of amplitude X. The point must not be at rest on the
+//! above, the describing function c_eq has an equal loss in a cycle of amplitude X and the angular frequency ω of the mode in which
+//! the actuator takes part most (`PlantLinearization::oscillation`). The point must not be at rest on the
 //! shortest length, nor slack. Beyond the longest length the taut braid is part of the model, as long as it stays taut.
 //! Under the energy balance ṁ brings air at the supply's temperature; air that leaves takes the actuator's own.
 //!

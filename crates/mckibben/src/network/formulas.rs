@@ -21,7 +21,7 @@ pub trait FlowFormulas<S: Scalar> {
     ) -> Option<(S::Mask, T)>;
 
     /// Whether a poppet, or a pressure beyond a valve, is on its way at a time in s.
-    fn is_under_way(&self, time: S) -> bool;
+    fn is_under_way(&self, time: S) -> S::Mask;
 
     /// Flow in kg/s through a lumped hose between two pressures in Pa.
     fn loss<T: Over<S>>(&self, branch: usize, hose: &Hose<S>, pressure: [T; 2]) -> T;

@@ -26,19 +26,16 @@ use super::Plant;
 use super::formulas::Formulas;
 use super::held_motion::Holding;
 use super::mode::ActuatorMode;
-use super::wire::{Assembly, Span, Wire};
+use super::wire::{Assembly, Wire};
 use crate::air::{Air, Chamber, Flow};
 use crate::friction::Deflections;
 use crate::line::split;
-use crate::load::MomentArm;
-use crate::mechanism::chain::{Chain, ChainMotion};
-use crate::mechanism::coupling::ArmPieces;
-use crate::mechanism::{Coupling, Mechanism};
+use crate::mechanism::Coupling;
 use crate::network::NodeKind;
 use crate::network::flow::{AroundNetwork, NetworkState};
 use crate::network::formulas::FlowFormulas;
 use crate::network::piping::Piping;
-use crate::scalar::{Differentiable, Mask, Over, Real, Scalar, Work};
+use crate::scalar::{Differentiable, Over, Real, Scalar, Work};
 use crate::simulation::LengthRegime;
 use crate::simulation::member::Member;
 use alloc::sync::Arc;
@@ -228,20 +225,6 @@ impl<R: Scalar, T: Over<R>> Work for FlowFor<'_, R, T> {
     }
 }
 
-/// The moment arms of an actuator as a discrete state knows them.
-pub(super) struct ArmsOf<'m, F> {
-    pub(super) mode: &'m F,
-    /// The first of them among those of all actuators.
-    pub(super) first: usize,
-}
-
-impl<S: Scalar, F: Formulas<S>> ArmPieces<S> for ArmsOf<'_, F> {
-    #[inline(always)]
-    fn arm<T: Over<S>>(&self, number: usize, arm: &MomentArm<S>, angle: T) -> [T; 2] {
-        self.mode.arm(self.first + number, arm, angle)
-    }
-}
-
 impl<R: Scalar> System<R> {
     /// Of a plant in lanes, which watch their events individually: its borders have no width.
     #[inline(always)]
@@ -334,121 +317,6 @@ impl<R: Scalar> System<R> {
         T::apart(Compute { system: self, scope: Scope::Rates, time, state, mode, at, rates });
     }
 
-    #[inline(always)]
-    fn compute_distances<T: Over<R>>(&self, time: T, state: &[T], mode: &impl Formulas<R>, at: &mut Evaluation<T>) {
-        let Evaluation { units, chambers, gradient, directions, .. } = at;
-        for m in 0..self.assemblies.len() {
-            self.enter_directions(m, state, directions);
-        }
-        for (i, wire) in self.wires.iter().enumerate() {
-            let into = (&mut units[i], &mut gradient[..]);
-            let [length, velocity] = self.enter_ends(wire, time, (state, directions), mode, into);
-            let [pressure, mass] = wire.air(state);
-            chambers[i] = wire.member.actuator.chamber(length, velocity, pressure, mass, mode.is_slack(i));
-        }
-    }
-
-    /// Computes distance, length and their rates of an actuator.
-    #[inline(always)]
-    pub fn enter_ends_of<T: Over<R>>(
-        &self,
-        i: usize,
-        time: T,
-        state: &[T],
-        mode: &impl Formulas<R>,
-        at: &mut Evaluation<T>,
-    ) {
-        if let Coupling::Points(_) = self.plant.actuators[i].coupling {
-            self.enter_directions(self.wires[i].mechanism, state, &mut at.directions);
-        }
-        let into = (&mut at.units[i], &mut at.gradient[..]);
-        self.enter_ends(&self.wires[i], time, (state, &at.directions), mode, into);
-    }
-
-    /// Computes distances, lengths and their rates of the actuators on a mechanism.
-    #[inline(always)]
-    pub(super) fn enter_ends_on<T: Over<R>>(
-        &self,
-        m: usize,
-        time: T,
-        state: &[T],
-        mode: &impl Formulas<R>,
-        at: &mut Evaluation<T>,
-    ) {
-        self.enter_directions(m, state, &mut at.directions);
-        for &i in &self.assemblies[m].members {
-            let into = (&mut at.units[i], &mut at.gradient[..]);
-            self.enter_ends(&self.wires[i], time, (state, &at.directions), mode, into);
-        }
-    }
-
-    /// Enters the directions of the segments of a mechanism that is a chain.
-    #[inline(always)]
-    pub(super) fn enter_directions<T: Over<R>>(&self, m: usize, state: &[T], directions: &mut [[T; 2]]) {
-        let assembly = &self.assemblies[m];
-        if let Mechanism::Chain(chain) = &assembly.mechanism {
-            let (angle, _) = assembly.places.of(state);
-            chain.enter_directions(angle, &mut directions[assembly.places.accelerations()]);
-        }
-    }
-
-    /// Writes distance, length and their rates of an actuator; returns the last two.
-    #[inline(always)]
-    fn enter_ends<T: Over<R>>(
-        &self,
-        wire: &Wire<R>,
-        time: T,
-        (state, directions): (&[T], &[[T; 2]]),
-        mode: &impl Formulas<R>,
-        (unit, gradient): (&mut Unit<T>, &mut [T]),
-    ) -> [T; 2] {
-        let [distance, rate] = match wire.span {
-            Span::Direct { position, rate } => {
-                [state[position], T::select(mode.is_frozen(wire.mechanism), T::zero(), state[rate])]
-            }
-            Span::Fixed { position } => [state[position], T::zero()],
-            Span::Prescribed => match &self.plant.mechanisms[wire.mechanism] {
-                Mechanism::Prescribed(motion) => {
-                    let [length, velocity, _] = mode.motion(wire.mechanism, motion, time);
-                    [length, velocity]
-                }
-                _ => [T::zero(); 2],
-            },
-            Span::Coupled => self.span(wire.index, (state, directions), mode, gradient),
-        };
-        let (length, velocity) = match wire.places.length {
-            Some(place) => (state[place], T::zero()),
-            None => (distance, T::select(mode.is_stuck(wire.index), T::zero(), rate)),
-        };
-        (unit.distance, unit.rate, unit.length, unit.velocity) = (distance, rate, length, velocity);
-        [length, velocity]
-    }
-
-    /// Distance and its rate of an actuator that spans joints; its gradient is written.
-    #[inline(always)]
-    fn span<T: Over<R>>(
-        &self,
-        i: usize,
-        (state, directions): (&[T], &[[T; 2]]),
-        mode: &impl Formulas<R>,
-        gradients: &mut [T],
-    ) -> [T; 2] {
-        let Plant { actuators, mechanisms, places, .. } = &*self.plant;
-        let (mounted, here) = (&actuators[i], &places.actuators[i]);
-        let its = places.mechanisms[mounted.mechanism];
-        let (position, rates) = its.of(state);
-        let chain = match &mechanisms[mounted.mechanism] {
-            Mechanism::Chain(chain) => Some(chain),
-            _ => None,
-        };
-        let gradient = &mut gradients[here.gradient..here.gradient + position.len()];
-        let pieces = ArmsOf { mode, first: here.arms };
-        let at = (position, &directions[its.accelerations()]);
-        let distance = mounted.coupling.distance(chain, at, pieces, gradient);
-        let rate = super::dense::dot(gradient, rates);
-        [distance, T::select(mode.is_frozen(mounted.mechanism), T::zero(), rate)]
-    }
-
     /// Takes what flows into the chamber of an actuator, or the rate of a pressure that is given, which an end on a tendon
     /// follows.
     #[inline(always)]
@@ -511,112 +379,6 @@ impl<R: Scalar> System<R> {
         }
     }
 
-    /// Computes the accelerations of a mechanism.
-    #[inline(always)]
-    fn accelerate<T: Differentiable<R>>(
-        &self,
-        assembly: &Assembly<R>,
-        time: T,
-        state: &[T],
-        mode: &impl Formulas<R>,
-        at: &mut Evaluation<T>,
-    ) {
-        match &assembly.mechanism {
-            Mechanism::Mass(mass) => {
-                let mut force = mass.force(state[assembly.places.first]);
-                for &i in &assembly.members {
-                    force = force - at.units[i].tension;
-                }
-                let acceleration = force * T::of(mass.per_mass());
-                at.acceleration[assembly.places.acceleration] =
-                    T::select(mode.is_frozen(assembly.index), T::zero(), acceleration);
-            }
-            _ => self.accelerate_other(assembly, time, state, mode, at),
-        }
-    }
-
-    /// Computes the accelerations of a mechanism that is no mass.
-    #[inline(always)]
-    fn accelerate_other<T: Differentiable<R>>(
-        &self,
-        &Assembly { index, ref mechanism, places, .. }: &Assembly<R>,
-        time: T,
-        state: &[T],
-        mode: &impl Formulas<R>,
-        at: &mut Evaluation<T>,
-    ) {
-        let its = places.accelerations();
-        let frozen = mode.is_frozen(index);
-        if !(!frozen).any() {
-            at.acceleration[its].fill(T::zero());
-            return;
-        }
-        match mechanism {
-            Mechanism::Chain(chain) => {
-                self.accelerate_chain(index, chain, state, mode, at);
-                for acceleration in &mut at.acceleration[its] {
-                    *acceleration = T::select(frozen, T::zero(), *acceleration);
-                }
-            }
-            Mechanism::Prescribed(motion) => at.acceleration[its.start] = mode.motion(index, motion, time)[2],
-            Mechanism::Mass(_) | Mechanism::Fixed | Mechanism::External { .. } => at.acceleration[its].fill(T::zero()),
-        }
-    }
-
-    /// Computes the accelerations of a chain.
-    #[inline(always)]
-    fn accelerate_chain<T: Differentiable<R>>(
-        &self,
-        m: usize,
-        chain: &Chain<R>,
-        state: &[T],
-        mode: &impl Formulas<R>,
-        at: &mut Evaluation<T>,
-    ) {
-        let (places, first) = (&self.plant.places.mechanisms[m], self.plant.places.mechanisms[m].acceleration);
-        let count = places.coordinates;
-        self.enter_force(m, state, mode, at);
-        let matrix = &mut at.matrix[..count * count];
-        chain.mass_matrix(&at.directions[places.accelerations()], matrix);
-        if let [inertia] = matrix {
-            at.acceleration[first] = at.force[0] / *inertia;
-            return;
-        }
-        super::dense::factor(matrix, count);
-        let acceleration = &mut at.acceleration[first..first + count];
-        acceleration.copy_from_slice(&at.force[..count]);
-        super::dense::solve(&at.matrix[..count * count], count, acceleration);
-        self.hold(m, state, mode, at);
-    }
-
-    /// Generalised forces on a mechanism, of all but sticking actuators without a tendon: `τ − h − Σ Jᵀ F`.
-    #[inline(always)]
-    pub(crate) fn enter_force<T: Over<R>>(
-        &self,
-        m: usize,
-        state: &[T],
-        mode: &impl Formulas<R>,
-        at: &mut Evaluation<T>,
-    ) {
-        let places = &self.plant.places;
-        let (position, rates) = places.mechanisms[m].of(state);
-        let force = &mut at.force[..position.len()];
-        match &self.plant.mechanisms[m] {
-            Mechanism::Mass(mass) => force[0] = mass.force(position[0]),
-            Mechanism::Chain(_) => {
-                let directions = &at.directions[places.mechanisms[m].accelerations()];
-                mode.torques(self, m, ChainMotion { directions, angle: position, rate: rates }, force);
-            }
-            Mechanism::Prescribed(_) | Mechanism::Fixed | Mechanism::External { .. } => force.fill(T::zero()),
-        }
-        for &i in &places.members[m] {
-            let gradient = self.gradient(i, &at.gradient);
-            for (force, entry) in force.iter_mut().zip(gradient) {
-                *force = *force - *entry * at.units[i].tension;
-            }
-        }
-    }
-
     /// Writes the rates of all states, once everything is computed.
     #[inline(always)]
     fn enter_rates<T: Differentiable<R>>(
@@ -655,38 +417,6 @@ impl<R: Scalar> System<R> {
                 None => network.branch_rate(branch, &at.network),
                 Some((behind, per_pressure)) => per_pressure * self.pressure_rate(behind, mode, at),
             };
-        }
-    }
-
-    /// Writes the rates of a mechanism's states, whose accelerations are known.
-    #[inline(always)]
-    fn enter_motion<T: Differentiable<R>>(
-        &self,
-        assembly: &Assembly<R>,
-        time: T,
-        state: &[T],
-        mode: &impl Formulas<R>,
-        acceleration: &[T],
-        rates: &mut [T],
-    ) {
-        let places = assembly.places;
-        let (from, frozen) = (places.first, mode.is_frozen(assembly.index));
-        match &assembly.mechanism {
-            Mechanism::Mass(_) => {
-                rates[from] = T::select(frozen, T::zero(), state[from + 1]);
-                rates[from + 1] = acceleration[places.acceleration];
-            }
-            Mechanism::Fixed => (rates[from], rates[from + 1]) = (T::zero(), T::zero()),
-            Mechanism::Prescribed(motion) => {
-                let [_, velocity, acceleration] = mode.motion(assembly.index, motion, time);
-                (rates[from], rates[from + 1]) = (velocity, acceleration);
-            }
-            Mechanism::Chain(_) | Mechanism::External { .. } => {
-                for k in 0..places.coordinates {
-                    rates[places.position(k)] = T::select(frozen, T::zero(), state[places.rate(k)]);
-                    rates[places.rate(k)] = acceleration[places.acceleration + k];
-                }
-            }
         }
     }
 

@@ -18,7 +18,8 @@
 
 use super::Plant;
 use super::dense::{dot, factor, solve};
-use super::evaluation::{ArmsOf, Evaluation, System};
+use super::distances::ArmsOf;
+use super::evaluation::{Evaluation, System};
 use super::formulas::Formulas;
 use crate::mechanism::Mechanism;
 use crate::mechanism::chain::MAX_JOINTS;

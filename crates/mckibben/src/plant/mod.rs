@@ -15,9 +15,11 @@
 //!
 //! The smallest plant is the paper's: one actuator at a constant supply with a hanging mass (15)(19)(21).
 
+mod acceleration;
 mod bookkeeping;
 mod crossing;
 pub(crate) mod dense;
+mod distances;
 mod ends;
 mod equipment;
 pub(crate) mod evaluation;

@@ -74,7 +74,7 @@ impl<R: Real> System<R> {
             quantity,
             value: state[place].value(),
             unit,
-            remedy: "shorten run.step, or set run.method = \"stable\" or run.engine = \"event-located\"",
+            remedy: "shorten run.step, set run.engine = \"event-located\", or run.method = \"stable\" where it is \"rk4\"",
         }
     }
 

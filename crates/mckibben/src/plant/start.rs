@@ -149,7 +149,7 @@ impl<R: Instantiate> Plant<R> {
             parameter::INITIAL_GAUGE_PRESSURE.check(gauge_pressure.0.value())?;
             parameter::INITIAL_TEMPERATURE.check(temperature.value())?;
             let gauge = match pressure {
-                Some(given) => GaugePressure(given.at(R::zero(), 0)[0]),
+                Some(given) => GaugePressure(given.gauge_at(R::zero())),
                 None => gauge_pressure,
             };
             let absolute = gauge.absolute(air.atmosphere());
@@ -199,8 +199,8 @@ impl<R: Instantiate> Plant<R> {
                     let own = own.unwrap_or(self.network.atmosphere);
                     own.larger(self.network.atmosphere).smaller(self.network.absolute(*feed))
                 }
-                NodeKind::Given { series, .. } => {
-                    self.network.absolute(self.network.series[*series].at(R::zero(), 0)[0])
+                NodeKind::Given { series, late } => {
+                    self.network.absolute(self.network.series[*series].gauge_at(R::zero() - *late))
                 }
                 NodeKind::Hose(_) => match self.chamber_behind(index) {
                     Some(i) => state[self.places.actuators[i].pressure],
@@ -221,7 +221,7 @@ impl<R: Instantiate> Plant<R> {
     }
 
     /// The actuator whose chamber branches lead to from a node, without a reservoir between.
-    fn chamber_behind(&self, mut node: usize) -> Option<usize> {
+    pub fn chamber_behind(&self, mut node: usize) -> Option<usize> {
         for _ in 0..=self.network.branches.len() {
             match self.network.nodes[node].kind {
                 NodeKind::Chamber { actuator } => return Some(actuator),
@@ -274,10 +274,7 @@ impl<R: Real> System<R> {
         }
         for (i, mounted) in plant.actuators.iter().enumerate() {
             if let Some(given) = &mounted.pressure {
-                let its = &mut mode.actuators[i];
-                while given.row(its.rows_passed).is_some_and(|row| crate::valve::is_due(row, time)) {
-                    its.rows_passed += 1;
-                }
+                mode.actuators[i].rows_passed = given.passed(time);
             }
         }
         for node in 0..plant.network.nodes.len() {

@@ -32,7 +32,7 @@ use crate::line::Line;
 use crate::parameter;
 #[cfg(feature = "alloc")]
 use crate::pressure::GaugePressure;
-use crate::scalar::{Over, Scalar};
+use crate::scalar::{Over, Real, Scalar};
 use crate::straight::StraightLine;
 
 /// Two things that make the pressure.
@@ -184,8 +184,21 @@ impl<S: Scalar> PressureSeries<S> {
     }
 }
 
+impl<S: Real> PressureSeries<S> {
+    /// How many rows have passed at a time in s.
+    pub(crate) fn passed(&self, time: S) -> usize {
+        let has_passed = |row: &usize| self.row(*row).is_some_and(|row| crate::valve::is_due(row, time));
+        (0..self.rows.len()).take_while(has_passed).count()
+    }
+
+    /// Gauge pressure in Pa at a time in s.
+    pub(crate) fn gauge_at(&self, time: S) -> S {
+        self.at(time, self.passed(time))[0]
+    }
+}
+
 impl Rig {
-    /// Gives the gauge pressure in the actuator over time. It starts at the first row's, whatever [`Initial`](super::Initial)
+    /// Gives the gauge pressure in the actuator over time. It starts at that of t = 0, whatever [`Initial`](super::Initial)
     /// says. A hose that [`Rig::with_line`] adds then lies between that pressure and the actuator, which starts at its own.
     ///
     /// # Errors

@@ -365,7 +365,7 @@ impl<S: Real> Rig<S> {
     pub fn begin(&self, initial: &Initial<S>) -> Result<State<S>, Error> {
         let air = self.actuator.air();
         let gauge = match self.pressure.as_ref().filter(|_| self.line.hose.is_none()) {
-            Some(series) => GaugePressure(series.at(S::zero(), 0)[0]),
+            Some(series) => GaugePressure(series.gauge_at(S::zero())),
             None => initial.gauge_pressure,
         };
         let pressure = gauge.absolute(air.atmosphere());

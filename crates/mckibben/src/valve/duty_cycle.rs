@@ -13,7 +13,8 @@
 //! | s | actual duty cycle | – |
 //!
 //! A pulse shorter than `t_open` never opens the valve and a gap shorter than `t_close` never shuts it, so the actual duty
-//! cycle is 0 below `t_open f` and 1 above `1 − t_close f`. A dead time shifts pulses and does not change it.
+//! cycle is 0 below `t_open f` and 1 above `1 − t_close f`. A dead time, and the delay of a lumped hose behind the valve, shift
+//! pulses and do not change it: both are left out.
 //!
 //! The openings come from the solenoid's own clock ([`PoppetClock`]) in a period long after the start, over any scalar, so the
 //! derivative with respect to the commanded duty is exact.
@@ -43,16 +44,18 @@ pub fn actual_duty_cycle<S: Real>(solenoid: &Solenoid<S>, command: &Command<S>) 
     Some([0, 1].map(|port| intervals.iter().fold(S::zero(), |sum, part| sum + part.share * part.openings[port])))
 }
 
-/// The intervals of a period, in order from the instant at which the pulse is commanded; `None` unless the command is a
-/// PWM and the valve has seats.
+/// The intervals of a period, in order from the instant at which the pulse is commanded, without dead time and the delay of a
+/// hose; `None` unless the command is a PWM and the valve has seats.
 pub(crate) fn period<S: Real>(solenoid: &Solenoid<S>, command: &Command<S>) -> Option<Vec<Interval<S>>> {
     let Command::Pwm { frequency, .. } = command else { return None };
     if !solenoid.has_poppets() {
         return None;
     }
+    // Both shift all pulses: without them the first periods are soon over, however late the valve acts.
+    let solenoid = &solenoid.seen_late(S::zero() - solenoid.dead_time());
     let ([opening, closing], [rise, fall]) = (solenoid.delays(), solenoid.ramp().times());
     // After so many periods nothing is left of the start.
-    let slow = (opening + closing + rise + fall + solenoid.transport()) * *frequency;
+    let slow = (opening + closing + rise + fall) * *frequency;
     let begun = slow.value() as u64 + 3;
     let at = |period: u64| S::constant(period as f64) / *frequency;
     let (mut time, end) = (at(begun), at(begun + 1));

@@ -96,13 +96,11 @@ impl FiveWay {
                 remedy: "take a 5/3 valve, or ask for fill and exhaust only",
             });
         }
-        let own = |request| if request == Request::Hold { hold } else { request };
-        let (of_a, of_b) = (command.map_requests(own), command.map_requests(|request| own(mirrored(request))));
         let output = |kind, command| -> Result<FiveWayOutput, Error> {
             let solenoid = Solenoid::new(kind, self.opening_delay, self.closing_delay)?;
-            Ok(FiveWayOutput { solenoid: solenoid.with_dead_time(self.dead_time)?, command })
+            Ok(FiveWayOutput { solenoid: solenoid.holding_by(hold).with_dead_time(self.dead_time)?, command })
         };
-        Ok([output(kinds[0], of_a)?, output(kinds[1], of_b)?])
+        Ok([output(kinds[0], command.clone())?, output(kinds[1], command.map_requests(mirrored))?])
     }
 }
 

@@ -122,6 +122,8 @@ pub struct Solenoid<S = f64> {
     kind: ValveKind,
     opening_delay: S,
     closing_delay: S,
+    /// What it does on a request to hold.
+    hold: Request,
     ramp: Ramp<S>,
     /// By how much the command acts late, in s; that of a pressure regulator is its own.
     dead_time: S,
@@ -144,12 +146,18 @@ impl Solenoid {
             kind,
             opening_delay: parameter::OPENING_DELAY.check(opening_delay)?,
             closing_delay: parameter::CLOSING_DELAY.check(closing_delay)?,
+            hold: Request::Hold,
             ramp: Ramp::none(),
             dead_time: 0.0,
             transport: 0.0,
             regulator: None,
             spool: None,
         })
+    }
+
+    /// An output of a valve that does `hold` on a request to hold.
+    pub(super) fn holding_by(self, hold: Request) -> Self {
+        Self { hold, ..self }
     }
 
     /// Gives the valve's poppets a travel time.
@@ -177,16 +185,16 @@ impl Solenoid {
         // Released, its one flow path is open.
         let kind = ValveKind::ThreeWayNormallyOpen;
         let (ramp, spool) = (Ramp::none(), None);
-        let [opening_delay, closing_delay, dead_time, transport] = [0.0; 4];
-        Self { kind, opening_delay, closing_delay, ramp, dead_time, transport, regulator, spool }
+        let ([opening_delay, closing_delay, dead_time, transport], hold) = ([0.0; 4], Request::Hold);
+        Self { kind, opening_delay, closing_delay, hold, ramp, dead_time, transport, regulator, spool }
     }
 
     /// No solenoid, but a proportional spool that follows the positions of a [`Command::Positions`].
     pub fn proportional(spool: Spool) -> Self {
         let (ramp, spool) = (Ramp::none(), Some(spool));
         let kind = ValveKind::FillHoldExhaust;
-        let [opening_delay, closing_delay, dead_time, transport] = [0.0; 4];
-        Self { kind, opening_delay, closing_delay, ramp, dead_time, transport, regulator: None, spool }
+        let ([opening_delay, closing_delay, dead_time, transport], hold) = ([0.0; 4], Request::Hold);
+        Self { kind, opening_delay, closing_delay, hold, ramp, dead_time, transport, regulator: None, spool }
     }
 
     /// Checks that the valve can carry out the command.
@@ -216,7 +224,7 @@ impl<S: Scalar> Solenoid<S> {
     /// Checks that the valve can carry out the request.
     ///
     /// # Errors
-    /// [`Error::Misuse`] for `hold` on a three-way valve, for `exhaust` on a two-way valve, and for any request of a
+    /// [`Error::Misuse`] for `hold` on a three-way valve of two positions, for `exhaust` on a two-way valve, and for any request of a
     /// pressure regulator or a proportional spool.
     pub fn check_request(&self, request: Request) -> Result<(), Error> {
         if self.regulator.is_some() {
@@ -238,7 +246,7 @@ impl<S: Scalar> Solenoid<S> {
             ),
             ValveKind::FillHoldExhaust => return Ok(()),
         };
-        if request == impossible { Err(Error::Misuse { what, remedy }) } else { Ok(()) }
+        if self.answer(request) == impossible { Err(Error::Misuse { what, remedy }) } else { Ok(()) }
     }
 
     /// Converts the solenoid to another scalar type.
@@ -247,6 +255,7 @@ impl<S: Scalar> Solenoid<S> {
             kind: self.kind,
             opening_delay: convert.parameter(&parameter::OPENING_DELAY, self.opening_delay),
             closing_delay: convert.parameter(&parameter::CLOSING_DELAY, self.closing_delay),
+            hold: self.hold,
             ramp: self.ramp.convert(convert),
             dead_time: match self.regulator {
                 Some(_) => T::zero(),
@@ -310,8 +319,15 @@ impl<S: Scalar> Solenoid<S> {
         Self { transport, ..self }
     }
 
+    /// What the valve does on a request: where a five-way valve fills or exhausts its outputs at rest, that is what each of them
+    /// does on a request to hold.
+    pub fn answer(&self, request: Request) -> Request {
+        if request == Request::Hold { self.hold } else { request }
+    }
+
     /// Which coils a request energises; every kind but fill-hold-exhaust has the first only.
     pub(crate) fn coils(&self, request: Request) -> [bool; 2] {
+        let request = self.answer(request);
         match self.kind {
             ValveKind::TwoWay | ValveKind::ThreeWay => [request == Request::Fill, false],
             ValveKind::ThreeWayNormallyOpen => [request == Request::Exhaust, false],
@@ -407,10 +423,12 @@ impl<S: Real> PoppetClock<S> {
                 if self.due[side].is_some_and(|due| is_due(due, next)) {
                     self.due[side] = None;
                     self.poppet[side] = self.coil[side];
+                    let was_moving = self.strokes[side].end().is_some();
                     let stroke = solenoid.ramp.send(&self.strokes[side], next, self.poppet[side]);
                     let takes_time = stroke.end().is_some();
                     self.strokes[side] = if takes_time { stroke } else { Stroke::resting(self.poppet[side]) };
-                    self.strokes_counted += u64::from(takes_time);
+                    // One that jumps back ends the stroke that it was on.
+                    self.strokes_counted += u64::from(takes_time || was_moving);
                     poppet_moved = true;
                 }
             }

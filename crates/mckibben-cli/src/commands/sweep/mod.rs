@@ -97,7 +97,7 @@ pub struct SweepArguments {
     #[arg(long, value_name = "I/N", default_value = "1/1")]
     pub shard: Shard,
     /// Threads, at most 256, or four for each core where that is more; without it, one for each core.
-    #[arg(short, long, value_name = "N")]
+    #[arg(short, long, value_name = "N", value_parser = jobs, allow_negative_numbers = true)]
     pub jobs: Option<NonZeroUsize>,
     /// Print no summary.
     #[arg(short, long)]
@@ -126,7 +126,7 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
 
     let started = Instant::now();
     let mut totals = SweepCounts::new(sweep, figure.is_some());
-    let mut parts: Vec<u64> = plan.shard(arguments.shard).collect();
+    let mut parts = plan.parts_of(arguments.shard)?;
     let place = match target {
         Target::Nothing => Place::Nowhere,
         Target::File(path, format) => Place::file(path, format, prepared.columns())?,
@@ -168,6 +168,11 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
         }
         _ => Ok(()),
     }
+}
+
+/// A number of threads as users write it.
+fn jobs(text: &str) -> Result<NonZeroUsize, String> {
+    text.parse().map_err(|_| "give a whole number from 1, or leave --jobs out for one thread for each core".to_owned())
 }
 
 /// How many threads a sweep may have.
@@ -264,7 +269,7 @@ fn document(arguments: &SweepArguments) -> Result<(Document, Vec<String>), Failu
 /// Does all runs of a sweep, on all cores, and draws them.
 pub(crate) fn svg(prepared: &Prepared, theme: Theme) -> Result<Result<String, PlotError>, Failure> {
     let jobs = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
-    let (sweep, parts) = (prepared.sweep(), prepared.plan().shard(Shard::WHOLE).collect());
+    let (sweep, parts) = (prepared.sweep(), prepared.plan().parts_of(Shard::WHOLE)?);
     let choice = Choice::of(sweep, jobs)?;
     let mut totals = SweepCounts::new(sweep, true);
     prepared.simulate(choice.as_ref(), parts, jobs, Place::Nowhere, &mut totals)?;

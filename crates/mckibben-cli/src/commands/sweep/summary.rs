@@ -35,7 +35,9 @@ pub(super) fn summary(
         Some(first) => first.ok().map(|first| first.run),
         None => sweep.scenario(0).ok().map(|first| first.run),
     };
-    if let Some(run) = first {
+    if sweep.axes().iter().any(|axis| axis.path == "run.engine") {
+        text.push_str(&line("engine", "that of each run: `run.engine` varies"));
+    } else if let Some(run) = first {
         text.push_str(&line("engine", &describe::engine(&run)));
     }
     if let Some(choice) = choice {
@@ -100,7 +102,7 @@ fn ranges(totals: &SweepCounts) -> String {
     let mut rows = vec![["", "least", "mean", "greatest", ""].map(str::to_owned)];
     for (reduction, spread) in known() {
         let values = [spread.least, spread.sum / spread.runs as f64, spread.greatest];
-        let [least, mean, greatest] = values.map(formatter(&values, reduction.unit));
+        let [least, mean, greatest] = values.map(formatter(&reduction.name, &values, reduction.unit));
         let missing = totals.runs() - totals.failed() - spread.runs;
         let note = if missing > 0 { format!("none in {}", counted(missing, "run")) } else { String::new() };
         rows.push([reduction.name.clone(), least, mean, greatest, note]);
@@ -145,11 +147,11 @@ fn warnings(totals: &SweepCounts) -> String {
     if text.is_empty() { text } else { format!("\n{}\n{text}", styled(NOTABLE, "Warnings")) }
 }
 
-/// Values in one unit.
-fn formatter(values: &[f64], unit: &str) -> impl Fn(f64) -> String + use<> {
-    let shown = units().common(unit, values.iter().copied());
+/// Values of a reduction in one unit.
+fn formatter(name: &str, values: &[f64], unit: &str) -> impl Fn(f64) -> String + use<> {
+    let units = units().for_name(name);
     // What has no unit takes no prefix.
-    let shown = if unit.is_empty() { units().shown(unit, 0.0) } else { shown };
+    let shown = if unit.is_empty() { units.shown(unit, 0.0) } else { units.common(unit, values.iter().copied()) };
     move |value| shown.with(&digits(shown.number(value)))
 }
 

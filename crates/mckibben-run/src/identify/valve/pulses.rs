@@ -105,6 +105,15 @@ fn run<'a>(material: &Material, recording: &'a Recording, warnings: &mut Vec<Str
             found.missed
         ));
     }
+    for (which, windows) in ["opening", "closing"].iter().zip(&found.windows).filter(|(_, of)| of.unconfirmed) {
+        warnings.push(format!(
+            "{WARNED}`{name}`: too few samples lie between the bends of the pressure: the {which} delay differs by {:.3} ms between the \
+             narrowest windows about an edge, {} samples on a side, and the next wider ones. Its interval holds that; sample faster, or \
+             pulse so that the pressure comes near neither the supply’s nor the atmosphere’s.",
+            1e3 * windows.model_error,
+            windows.samples
+        ));
+    }
     Ok(Run { name, times, pressures, quantity, train, found })
 }
 

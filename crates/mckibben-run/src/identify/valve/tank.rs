@@ -24,6 +24,8 @@ use mckibben_scenario::{ExhaustTemperature, Process, Scenario};
 const LARGEST_RATIO: f64 = 0.9;
 /// Standard deviations of a reading by which a trajectory may be off before it is reported.
 const MISFIT: f64 = 1.5;
+/// Part of the record's time by which the first reading may come later than the valve opens before it is reported.
+const GAP: f64 = 0.1;
 /// An absolute pressure in Pa that no tank has.
 const VACUUM: f64 = 1e3;
 
@@ -154,6 +156,19 @@ fn experiment<'a>(
         return Err(Failure::input(title, help));
     }
     let record = TankRecord::new(times.clone(), pressures.clone()).map_err(|error| failed(run, &error))?;
+    let record = match entry.begins {
+        Some(begins) => record.opened_at(begins).map_err(|error| failed(run, &error))?,
+        None => record,
+    };
+    if let Some(gap) =
+        entry.begins.map(|begins| times[0] - begins).filter(|gap| *gap > GAP * (times[times.len() - 1] - times[0]))
+    {
+        warnings.push(format!(
+            "{WARNED}`{run}`: the first reading comes {} after the valve opens (`tank.begins`), and nothing was read of what happens \
+             there: check that `begins` is a time of the record.",
+            quantity(gap, "s")
+        ));
+    }
     let silent = !says_its_end(material, measured);
     possible(run, (measured, silent), &pressures, transfer, atmosphere, warnings)?;
     let tank = Tank { volume: entry.volume, temperature: scenario.initial.temperature, air, transfer };

@@ -40,6 +40,8 @@ const MOVING: f64 = 1e-3;
 /// What a step must leave at most of what was left, or it is halved up to so many times.
 const LESS: f64 = 0.9;
 const MOST_HALVINGS: usize = 6;
+/// Part of the range of a duty by which one is kept from its ends.
+const WITHIN: f64 = 1e-9;
 /// Usual size of a flow in kg/s, for scaling alone.
 const USUAL_FLOW: f64 = 1e-3;
 
@@ -98,6 +100,19 @@ enum UnknownKind {
     Slot(usize, bool),
     /// What drives a valve.
     Drive(usize),
+}
+
+/// Between which commands a valve follows. At an end of the range of a duty nothing answers to it on one side: the range ends before.
+pub(super) fn command_range(plant: &Plant, valve: usize) -> [f64; 2] {
+    let actuation = &plant.network.valves[valve];
+    match crate::valve::duty_range(&actuation.solenoid, &actuation.command) {
+        Some((low, high)) => {
+            let inside = WITHIN * (high - low).abs();
+            [low.min(high) + inside, high.max(low) - inside]
+        }
+        None if actuation.solenoid.spool().is_some() => [-1.0, 1.0],
+        None => [0.0, f64::MAX],
+    }
 }
 
 /// Brings the air of a plant to rest.
@@ -241,7 +256,7 @@ impl AirSolver<'_> {
                 }
             }
             UnknownKind::Drive(valve) => {
-                let [low, high] = self.command_range(valve);
+                let [low, high] = command_range(self.plant, valve);
                 match &mut frame.drives[valve] {
                     Drive::Duty(command) | Drive::Spool(command) | Drive::SetPoint(command, _) => {
                         *command = (*command + by).clamp(low, high);
@@ -252,15 +267,6 @@ impl AirSolver<'_> {
                     Drive::Openings(_) => {}
                 }
             }
-        }
-    }
-
-    fn command_range(&self, valve: usize) -> [f64; 2] {
-        let actuation = &self.plant.network.valves[valve];
-        match crate::valve::duty_range(&actuation.solenoid, &actuation.command) {
-            Some((low, high)) => [low.min(high), high.max(low)],
-            None if actuation.solenoid.spool().is_some() => [-1.0, 1.0],
-            None => [0.0, f64::MAX],
         }
     }
 
@@ -376,7 +382,7 @@ impl AirSolver<'_> {
             if let UnknownKind::Drive(valve) = unknown.kind
                 && let Drive::Duty(command) | Drive::Spool(command) | Drive::SetPoint(command, _) = frame.drives[valve]
             {
-                let [low, high] = self.command_range(valve);
+                let [low, high] = command_range(self.plant, valve);
                 if (command <= low || command >= high) && residuals.abs() > STILL {
                     return Err(no_command(&frame.drives[valve]));
                 }

@@ -1,4 +1,5 @@
-//! What a plant's linear model does: what its inputs reach, and how far an output swings under pulses.
+//! What a plant's linear model does: what its inputs reach, in which mode each actuator swings, and how far an output swings under
+//! pulses.
 //!
 //! Poles and frequency responses are those of every [`StateSpace`](crate::linearize::StateSpace).
 
@@ -17,6 +18,8 @@ use core::f64::consts::{PI, TAU};
 const HARMONICS: usize = 24;
 /// Instants of a period at which a ripple is looked at.
 const POINTS: usize = 480;
+/// The part in a mode below which an actuator does not take part in it.
+const LEAST_PART: f64 = 0.01;
 
 impl PlantLinearization {
     /// What one input of a model of this linearisation reaches: [`PlantLinearization::system`] or
@@ -29,6 +32,36 @@ impl PlantLinearization {
     pub fn controllability(&self, system: &PlantStateSpace, input: usize) -> Result<Controllability, Error> {
         let sizes: Vec<UsualSize> = system.states.iter().map(|state| self.usual_size(state)).collect();
         system.controllability(input, &sizes)
+    }
+
+    /// The damped angular frequency in rad/s of the oscillating mode in which an actuator takes part most; `None` where it takes
+    /// less than a hundredth part in each, as between fixed ends or on an overdamped load.
+    ///
+    /// Its part is that of the mode in how fast its ends move apart just after a push of the actuator: on a mechanism of one
+    /// coordinate the participation factor of the velocity.
+    ///
+    /// # Errors
+    /// As [`PlantStateSpace::poles`](crate::linearize::StateSpace::poles).
+    pub fn oscillation(&self, actuator: usize) -> Result<Option<f64>, Error> {
+        let (system, plant) = (self.minimal(), &self.frame.plant);
+        let m = plant.actuators[actuator].mechanism;
+        let (here, from) = (plant.places.mechanisms[m], plant.places.actuators[actuator].gradient);
+        let gradient = self.frame.evaluate(&[]).at.gradient;
+        let along = |coordinate: usize| gradient[from + coordinate].value;
+        let rate = |state: &PlantState| match *state {
+            PlantState::Velocity { mechanism, coordinate } if mechanism == m => along(coordinate),
+            _ => 0.0,
+        };
+        let rates: Vec<f64> = system.states.iter().map(rate).collect();
+        let mut push = alloc::vec![0.0; rates.len()];
+        for coordinate in 0..here.coordinates {
+            let force = PlantInput::Force { mechanism: m, coordinate };
+            let Some(column) = system.inputs.iter().position(|its| *its == force) else { continue };
+            push.iter_mut().zip(&system.b).for_each(|(push, row)| *push += along(coordinate) * row[column]);
+        }
+        let parts = system.oscillating_parts(&push, &rates)?;
+        let most = parts.into_iter().max_by(|(_, a), (_, b)| a.total_cmp(b));
+        Ok(most.filter(|(_, part)| *part >= LEAST_PART).map(|(pole, _)| pole.imaginary))
     }
 
     /// How large a state usually is.

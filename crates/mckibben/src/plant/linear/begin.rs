@@ -1,7 +1,7 @@
 //! From a plant, a start and what is given to a plant in balance: what drives each valve, which pressures are known, what
 //! holds those that are.
 
-use super::air::AirSolver;
+use super::air::{AirSolver, command_range};
 use super::frame::{Drive, Frame, Instant, Number};
 use super::{PlantAir, PlantBalance, balance};
 use crate::error::Error;
@@ -88,6 +88,13 @@ pub(super) fn fill<'a>(
                 remedy: "give the commands instead of the pressures, or a valve to each actuator",
             });
         }
+        // The duty is looked for: the start's may be one to which nothing answers.
+        for valve in holders.iter().flatten() {
+            if let Drive::Duty(duty) = &mut frame.drives[*valve] {
+                let [low, high] = command_range(plant, *valve);
+                *duty = duty.clamp(low, high);
+            }
+        }
     }
     let volumes = volumes(&frame);
     let start = content.iter().zip(&volumes).map(|([pressure, mass], volume)| [*pressure, *mass, *volume]).collect();
@@ -171,7 +178,7 @@ fn is_passive(plant: &Plant, valve: usize) -> bool {
 fn resting(solenoid: &Solenoid, request: Option<Request>) -> [f64; 2] {
     let mut clock = PoppetClock::released();
     let command = request.map_or(Command::nothing(), Command::Constant);
-    let late = solenoid.delays().into_iter().chain(solenoid.ramp().times()).sum::<f64>() + solenoid.transport() + 1.0;
+    let late = solenoid.delays().into_iter().chain(solenoid.ramp().times()).sum::<f64>() + solenoid.latency() + 1.0;
     clock.advance(late, solenoid, &command);
     let ports = clock.ports(solenoid);
     [ports.supply, ports.exhaust].map(|open| f64::from(u8::from(open)))

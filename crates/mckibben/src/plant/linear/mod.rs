@@ -27,7 +27,8 @@
 //! ([`PlantLinearization::coulomb_bound`]); [`PlantLinearization::with_equivalent_damping`] puts in its place the viscous
 //! damping with the same loss. Hysteresis is relaxed at the point. A compressor rests, and what it delivers on average is an
 //! input; so is what keeps a leaking actuator or a bottle at the pressure that is given. A reservoir that an open path supplies
-//! is where its flows balance. Dead times are left out.
+//! is where its flows balance. Delays are left out of the matrices: dead times, and those of lumped hoses
+//! ([`PlantLinearization::delay`]).
 //!
 //! Source: differentiation of (12) to (21) of Colbrunn, Nelson & Quinn (2001) and of the components; averaging: Sanders &
 //! Verhulst, Averaging Methods in Nonlinear Dynamical Systems (1985); edges: Gelb & Vander Velde, Multiple-Input Describing
@@ -54,7 +55,7 @@ use crate::error::Error;
 use crate::limit;
 use crate::linearize::StateSpace;
 use crate::mechanism::Mechanism;
-use crate::network::{BranchKind, NodeKind};
+use crate::network::{Branch, BranchKind, NodeKind};
 use crate::parameter;
 use crate::pressure::{AbsolutePressure, GaugePressure};
 use crate::scalar::Scalar;
@@ -165,7 +166,7 @@ pub(in crate::plant) fn steady_air(
 }
 
 impl Plant {
-    /// The plant with sources at the nodes whose pressures are given over time, each at its first pressure.
+    /// The plant with sources at the nodes whose pressures are given over time, each at its pressure at t = 0.
     fn with_sources(&self) -> Cow<'_, Self> {
         if self.network.series.is_empty() {
             return Cow::Borrowed(self);
@@ -173,7 +174,7 @@ impl Plant {
         let mut network = self.network.clone();
         for node in &mut network.nodes {
             if let NodeKind::Given { series, .. } = node.kind {
-                node.gauge = self.network.series[series].at(0.0, 0)[0];
+                node.gauge = self.network.series[series].gauge_at(0.0);
                 node.kind = NodeKind::Source;
             }
         }
@@ -258,6 +259,27 @@ impl PlantLinearization {
         [-frame::EDGE, frame::EDGE].iter().all(|by| spool.openings(at + by) == [0.0; 2])
     }
 
+    /// By how much later in s than an input its effect begins: the dead time of a valve, and the delay of a lumped hose behind it
+    /// or behind a pressure that is given over time. The matrices leave it out: it lowers the phase of a response by ω times it.
+    pub fn delay(&self, input: &PlantInput) -> f64 {
+        let network = &self.point.plant.network;
+        match *input {
+            PlantInput::Duty { valve } | PlantInput::SetPoint { valve } | PlantInput::SpoolCommand { valve } => {
+                network.valves[valve].solenoid.latency()
+            }
+            // An opening is that of the flow path itself: no dead time lies before it.
+            PlantInput::Opening { valve, .. } => network.valves[valve].solenoid.transport(),
+            PlantInput::SupplyPressure { node } => {
+                let delay = |branch: &Branch| match &branch.kind {
+                    BranchKind::Loss(hose) if branch.from == node => hose.transport_delay(),
+                    _ => 0.0,
+                };
+                network.branches.iter().map(delay).fold(0.0, f64::max)
+            }
+            _ => 0.0,
+        }
+    }
+
     /// Coulomb friction `Q k_sec` of an actuator in N: at rest it sticks while its tension lies within ± this of the
     /// balance.
     pub fn coulomb_bound(&self, actuator: usize) -> f64 {
@@ -277,25 +299,25 @@ impl PlantLinearization {
         Ok(4.0 * self.coulomb_bound(actuator) / (PI * frequency * amplitude))
     }
 
-    /// The model with Coulomb friction replaced by the viscous damping of the same loss, for an oscillation of `amplitudes`
-    /// (m, one for each actuator) at `angular_frequency` (rad/s), all above zero.
+    /// The model with Coulomb friction replaced by the viscous damping of equal loss, for an oscillation of each actuator by its
+    /// amplitude (m) and angular frequency (rad/s), all above zero. `None` leaves the Coulomb friction of an actuator out.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a number outside its range; [`Error::Table`] unless there is one amplitude for each
-    /// actuator.
-    pub fn with_equivalent_damping(&self, amplitudes: &[f64], angular_frequency: f64) -> Result<Self, Error> {
-        if amplitudes.len() != self.point.lengths.len() {
+    /// [`Error::OutOfRange`] for a number outside its range; [`Error::Table`] unless there is one entry for each actuator.
+    pub fn with_equivalent_damping(&self, oscillations: &[Option<(f64, f64)>]) -> Result<Self, Error> {
+        if oscillations.len() != self.point.lengths.len() {
             return Err(Error::Table {
                 name: crate::linearize::AMPLITUDE.key,
                 problem: "there is not one entry for each actuator",
-                entry: amplitudes.len().min(self.point.lengths.len()) + 1,
+                entry: oscillations.len().min(self.point.lengths.len()) + 1,
                 remedy: "give as many entries as there are actuators",
             });
         }
-        let dampings = amplitudes.iter().enumerate();
-        let dampings: Vec<f64> = dampings
-            .map(|(i, amplitude)| self.equivalent_damping(i, *amplitude, angular_frequency))
-            .collect::<Result<_, _>>()?;
+        let damping = |(i, of): (usize, &Option<(f64, f64)>)| match *of {
+            Some((amplitude, angular_frequency)) => self.equivalent_damping(i, amplitude, angular_frequency),
+            None => Ok(0.0),
+        };
+        let dampings: Vec<f64> = oscillations.iter().enumerate().map(damping).collect::<Result<_, _>>()?;
         let mut frame = self.frame.clone();
         frame.plant = frame.plant.map(|part, row, value: frame::Number| match part {
             Some(Part::Actuator(i)) if core::ptr::eq(row, &raw const parameter::VISCOUS) => {

@@ -81,7 +81,7 @@ pub enum PlantInput {
         /// The valve.
         valve: usize,
     },
-    /// Set point of a proportional pressure regulator, in Pa. Its dead time is not part of the model.
+    /// Set point of a proportional pressure regulator, in Pa.
     SetPoint {
         /// The valve.
         valve: usize,

@@ -185,7 +185,7 @@ impl Linearization {
     /// # Errors
     /// [`Error::OutOfRange`] for a number outside its range.
     pub fn with_equivalent_damping(&self, amplitude: f64, angular_frequency: f64) -> Result<Self, Error> {
-        let plant = self.plant.with_equivalent_damping(&[amplitude], angular_frequency)?;
+        let plant = self.plant.with_equivalent_damping(&[Some((amplitude, angular_frequency))])?;
         Ok(Self::of(self.point.clone(), self.view.clone(), (plant, self.driven)))
     }
 

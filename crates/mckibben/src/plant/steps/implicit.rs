@@ -13,6 +13,7 @@
 //! mechanism          k_q = f_q + r k_v
 //!                    [M + r C + r² S + Σ Jᵀ (r D + r² K) J] k_v = M f_v − r S f_q − r Σ Jᵀ (K J f_q + o)
 //! its air            f_P + P_L (k_L − f_L) for f_P
+//! given pressure     k_m = f_m/(1 + r λ)                                          λ: (γ − 1) h T_wall/(γ P V) of an energy balance
 //! network            by elimination on its tree
 //! ```
 //!
@@ -65,6 +66,8 @@ pub(super) struct Implicit<R> {
     gamma_h: R,
     network: Elimination<R>,
     tensions: Vec<TensionResponse<R>>,
+    /// `1/(1 + r λ)` of the mass of air at a pressure that is given, which heat drives to that of the wall.
+    given_mass: Vec<R>,
     /// Of each mechanism one after the other: M, S, C and the factored matrix.
     mass: Vec<R>,
     stiffness: Vec<R>,
@@ -90,6 +93,7 @@ impl<R: Scalar> Implicit<R> {
             gamma_h: zero,
             network: Elimination::new(plant),
             tensions: vec![TensionResponse::none(); plant.actuators().len()],
+            given_mass: vec![R::one(); plant.actuators().len()],
             mass: vec![zero; size],
             stiffness: vec![zero; size],
             damping: vec![zero; size],
@@ -296,6 +300,10 @@ impl<R: Scalar, F: Formulas<R>> Work for Factor<'_, R, F> {
             if wire.is_answered || system.own_place(i).is_some() {
                 implicit.tensions[i] = system.tension_response(i, gamma_h, state, mode, at);
             }
+            if wire.is_given {
+                let air = system.plant.actuators[i].actuator.air();
+                implicit.given_mass[i] = R::one() / (R::one() + gamma_h * air.given_mass_settling(&at.chambers[i]));
+            }
         }
         for m in 0..system.assemblies.len() {
             implicit.factor_mechanism(system, m, state, mode, at);
@@ -333,6 +341,12 @@ impl<R: Scalar, F: Formulas<R>> Work for Solve<'_, R, F> {
             for &i in &system.plant.places.members[m] {
                 implicit.solve_own(system, (i, here), at, right, slopes);
                 implicit.solve_branches(system, (i, here), (mode, at), right, slopes);
+            }
+        }
+        for (wire, share) in system.wires.iter().zip(&implicit.given_mass) {
+            if wire.is_given {
+                let place = wire.places.mass();
+                slopes[place] = right[place] * *share;
             }
         }
         implicit.network.solve(implicit.gamma_h, slopes);

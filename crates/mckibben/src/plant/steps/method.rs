@@ -178,10 +178,13 @@ impl<R: Scalar> Stages<R> {
         }
         // Where poppets move, the second stage has the matrix of how far they have come: the order stays.
         let mut evaluations = 2;
-        if mode.flows().is_under_way(time) {
-            mode.enter_pieces(system, time + step, state, at);
-            system.evaluate(time + step, state, mode, at);
-            self.implicit.factor(system, (time + step, gamma_h), state, mode, at);
+        let under_way = mode.flows().is_under_way(time);
+        if under_way.any() {
+            // Others of a batch keep the matrix that they have.
+            let late = R::select(under_way, time + step, time);
+            mode.enter_pieces(system, late, state, at);
+            system.evaluate(late, state, mode, at);
+            self.implicit.factor(system, (late, gamma_h), state, mode, at);
             evaluations += 1;
         }
         self.implicit.solve(system, mode, at, second, k2);

@@ -152,7 +152,7 @@ impl<S: Real> JointRig<S> {
     pub(super) fn first_pressure(&self, i: usize, gauge: GaugePressure<S>) -> AbsolutePressure<S> {
         let Fittings { line, pressure, .. } = &self.fittings[i];
         let gauge = match pressure.as_ref().filter(|_| line.hose.is_none()) {
-            Some(series) => GaugePressure(series.at(S::zero(), 0)[0]),
+            Some(series) => GaugePressure(series.gauge_at(S::zero())),
             None => gauge,
         };
         gauge.absolute(self.driven[i].actuator.air().atmosphere())
