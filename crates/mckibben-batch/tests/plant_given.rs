@@ -51,7 +51,7 @@ fn prescribed_motions_beside_others_whose_poppets_are_under_way_equal_scalar_ins
         let Some(Actuation { solenoid, command }) = rig.actuation().cloned() else { unreachable!("it has a valve") };
         let made = (0..21).map(|row| {
             let ramp = Ramp::new(1e-3 * f64::from(row), 5e-4 * f64::from(row)).expect("a ramp");
-            let ramped = Actuation { solenoid: solenoid.clone().with_ramp(ramp), command: command.clone() };
+            let ramped = Actuation { solenoid: solenoid.with_ramp(ramp), command: command.clone() };
             let actuator = paper.actuator().with_valve(paper.valve());
             let rig = Rig::new(actuator, Some(ramped), paper.load.clone()).expect("a rig");
             let start = rig.start(&paper.initial()).expect("a start");

@@ -276,7 +276,7 @@ impl Units {
         Self(ROWS.into_iter().filter_map(entry).collect())
     }
 
-    /// Metric units that nobody chose.
+    /// Metric units, none of them chosen.
     fn usual() -> Self {
         let Self(entries) = Self::of(System::default());
         Self(entries.into_iter().map(|entry| Entry { chosen: false, ..entry }).collect())
@@ -340,7 +340,7 @@ impl Units {
     }
 
     /// What makes the number in these units of one in a unit as people read it. Units that are not of the table stay, and so do those
-    /// of quantities that nobody chose a unit for, save SI where `from_si`.
+    /// of quantities whose unit was not chosen, save SI where `from_si`.
     fn conversion(&self, unit: &str, largest: f64, from_si: bool) -> Option<Conversion> {
         let symbol = SIGNS.iter().fold(unit.to_owned(), |text, (written, sign)| text.replace(sign, written));
         if symbol.is_empty() {

@@ -769,7 +769,12 @@ fn mistakes_of_lists() {
 fn mistakes_of_ranges() {
     in_grid("load.mass = { from = \"1 kg\", to = \"2 kg\" }", Class::Missing, 13, &["`count`", "count = 9"]);
     in_grid("load.mass = { from = \"1 kg\", count = 3 }", Class::Missing, 13, &["`to` is missing"]);
-    in_grid("load.mass = { from = \"1 kg\", to = \"2 kg\", count = 1 }", Class::OutOfRange, 51, &["at least 2", "as a list"]);
+    in_grid(
+        "load.mass = { from = \"1 kg\", to = \"2 kg\", count = 1 }",
+        Class::OutOfRange,
+        51,
+        &["at least 2", "as a list"],
+    );
     in_grid(
         "load.mass = { from = \"1 kg\", to = \"2 kg\", cuont = 3 }",
         Class::UnknownKey,

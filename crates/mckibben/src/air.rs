@@ -257,6 +257,7 @@ impl<S: Scalar> Air<S> {
     }
 
     /// How fast in 1/s heat alone brings the mass of air at a given pressure to that at the temperature of the wall.
+    #[cfg(feature = "alloc")]
     #[inline(always)]
     pub(crate) fn given_mass_settling<T: Over<S>>(&self, chamber: &Chamber<T>) -> T {
         match self.process {

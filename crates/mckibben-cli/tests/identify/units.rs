@@ -294,7 +294,7 @@ fn a_start_outside_its_range_is_named_as_the_file_has_it() {
     assert!(text.contains("mechanism.joints.elbow.damping = -1 N*m*s/rad is outside its range"), "{text}");
 }
 
-/// Times of a clock made a run of half a century, which nobody waits for.
+/// Times of a clock made a run of half a century.
 #[test]
 fn times_of_a_clock_are_refused_at_once() {
     let folder = Folder::new("identify-clock");

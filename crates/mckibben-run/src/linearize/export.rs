@@ -2,7 +2,7 @@
 
 use super::Model;
 use super::joint::JointModel;
-use super::plant::PlantModel;
+use super::plant::{Damping, PlantModel};
 use mckibben::linearize::{Controllability, Pole, Signal, StateSpace};
 use mckibben::load::Load;
 use mckibben::plant::ValveAverage;
@@ -194,9 +194,9 @@ pub(super) fn plant_json(model: &PlantModel) -> String {
         })
     });
     let dampings = model.dampings().map(|all| {
-        let of = |(name, (amplitude, frequency, damping)): (&str, (f64, f64, f64))| {
+        let of = |Damping { of, amplitude, frequency, damping }: Damping<'_>| {
             let mut value = as_damping(amplitude, frequency, Some(damping));
-            value["of"] = json!(name);
+            value["of"] = json!(of);
             value
         };
         all.into_iter().map(of).collect::<Vec<_>>()

@@ -29,6 +29,18 @@ const NO_FLOW: f64 = 1e-9;
 /// A gauge pressure in Pa that is rounding of the atmosphere's.
 const NO_PRESSURE: f64 = 1.0;
 
+/// What stands in place of the Coulomb friction of an actuator.
+pub(super) struct Damping<'m> {
+    /// Name of the actuator.
+    pub(super) of: &'m str,
+    /// Of its oscillation in m.
+    pub(super) amplitude: f64,
+    /// Angular frequency of its oscillation in rad/s.
+    pub(super) frequency: f64,
+    /// Viscous damping in N·s/m.
+    pub(super) damping: f64,
+}
+
 /// A plant's linear model with what is known about it.
 pub(super) struct PlantModel {
     pub(super) name: String,
@@ -153,19 +165,17 @@ impl PlantModel {
         values
     }
 
-    /// Amplitude in m and angular frequency in rad/s of an actuator's oscillation, and the viscous damping in N·s/m in place of its
-    /// Coulomb friction.
-    fn damping(&self, actuator: usize) -> Option<(f64, f64, f64)> {
+    /// How an actuator oscillates where its Coulomb friction was replaced.
+    fn damping(&self, actuator: usize) -> Option<Damping<'_>> {
         let (amplitude, frequency) = *self.oscillations.as_ref()?.get(actuator)?.as_ref()?;
         let damping = self.linear.equivalent_damping(actuator, amplitude, frequency).ok()?;
-        Some((amplitude, frequency, damping))
+        Some(Damping { of: &self.experiment.names.actuators[actuator], amplitude, frequency, damping })
     }
 
-    /// These of each actuator that has them, by its name; none where Coulomb friction was not replaced.
-    pub(super) fn dampings(&self) -> Option<Vec<(&str, (f64, f64, f64))>> {
-        let names = self.experiment.names.actuators.iter().enumerate();
-        let damped = || names.filter_map(|(i, name)| Some((name.as_str(), self.damping(i)?))).collect();
-        self.oscillations.as_ref().map(|_| damped())
+    /// These of each actuator that has them; none where Coulomb friction was not replaced.
+    pub(super) fn dampings(&self) -> Option<Vec<Damping<'_>>> {
+        let actuators = 0..self.experiment.names.actuators.len();
+        self.oscillations.as_ref().map(|_| actuators.filter_map(|i| self.damping(i)).collect())
     }
 
     /// The model in words and tables.
@@ -192,7 +202,7 @@ impl PlantModel {
             let doubt = [doubt, if is_still { still } else { "" }].into_iter().filter(|doubt| !doubt.is_empty());
             let doubt = doubt.map(str::to_owned).reduce(|first, second| format!("{first}; {second}"));
             let warning = account::doubts(doubt, &point.plant.actuators()[i].actuator);
-            let damped = self.damping(i).map(|(_, frequency, damping)| {
+            let damped = self.damping(i).map(|Damping { frequency, damping, .. }| {
                 let [damping, frequency] = [quantity(damping, "N*s/m"), quantity(frequency / TAU, "Hz")];
                 format!(", Coulomb friction as {damping} at {frequency}")
             });

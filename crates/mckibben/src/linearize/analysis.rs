@@ -106,6 +106,15 @@ pub(crate) struct UsualSize {
     pub(crate) is_rate: bool,
 }
 
+/// A balanced matrix.
+struct Balanced {
+    schur: Schur<f64, Dyn>,
+    /// What balances it: `x = sizes · z`.
+    sizes: DVector<f64>,
+    /// The size below which part of a pole is zero.
+    small: f64,
+}
+
 /// Part of the balanced matrix below which a pole is zero.
 const ZERO: f64 = 1e-12;
 /// Part of the largest singular value below which one is rounding.
@@ -126,15 +135,15 @@ impl<X, U, Y> StateSpace<X, U, Y> {
         (a, sizes)
     }
 
-    /// The real Schur form of the balanced `A`, the sizes that balance it, and the part below which a pole is zero.
-    fn schur(&self) -> Result<(Schur<f64, Dyn>, DVector<f64>, f64), Error> {
+    /// The real Schur form of the balanced `A`.
+    fn schur(&self) -> Result<Balanced, Error> {
         let (a, sizes) = self.balanced();
         let small = ZERO * a.norm();
         let schur = Schur::try_new(a, f64::EPSILON, STEPS).ok_or(Error::NoSolution {
             what: "the poles of the linear model cannot be found",
             remedy: "check that masses, volumes and pressures are of usual size",
         })?;
-        Ok((schur, sizes, small))
+        Ok(Balanced { schur, sizes, small })
     }
 
     /// The poles, fastest first; the two of a pair one after the other, the one above the real axis first.
@@ -142,7 +151,7 @@ impl<X, U, Y> StateSpace<X, U, Y> {
     /// # Errors
     /// [`Error::NoSolution`] when the eigenvalues cannot be found, which only numbers of absurd size bring about.
     pub fn poles(&self) -> Result<Vec<Pole>, Error> {
-        let (schur, _, small) = self.schur()?;
+        let Balanced { schur, small, .. } = self.schur()?;
         let values = schur.complex_eigenvalues();
         let kept = |part: f64| if part.abs() <= small { 0.0 } else { part };
         let mut poles: Vec<Pole> =
@@ -181,7 +190,7 @@ impl<X, U, Y> StateSpace<X, U, Y> {
             return Ok(Vec::new());
         }
         let poles = self.poles()?;
-        let (schur, sizes, _) = self.schur()?;
+        let Balanced { schur, sizes, .. } = self.schur()?;
         let (basis, triangle) = schur.unpack();
         let left = basis.tr_mul(&DVector::from_fn(sizes.len(), |row, _| c[row] * sizes[row]));
         let right = basis.tr_mul(&DVector::from_fn(sizes.len(), |row, _| b[row] / sizes[row]));
