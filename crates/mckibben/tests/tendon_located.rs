@@ -3,8 +3,9 @@
 use crate::common::accounts::Audited;
 use crate::common::steps::RigSteps;
 use crate::common::tendon::{MASS, REST, STIFFNESS, independent, on_tendon, smooth};
-use crate::common::{GRAVITY, INCH, Paper, assert_close, assert_within, scaled, seeded, slope};
+use crate::common::{ATMOSPHERE, GRAVITY, INCH, Paper, assert_close, assert_within, scaled, seeded, slope};
 use mckibben::friction::{BoucWen, Coulomb, Hysteresis, LuGre, MaxwellSlip};
+use mckibben::load::SeriesTendon;
 use mckibben::parameter::{self, Parameter};
 use mckibben::plant::RigTrajectory;
 use mckibben::simulation::{EventKind, Method, Rig, State, simulate};
@@ -43,6 +44,21 @@ fn two_springs_in_series_swing_at_their_frequency() {
         assert_within(sample.load_velocity, velocity * angle.cos(), 2e-4 * velocity);
     }
     assert!(trajectory.events().is_empty());
+}
+
+/// A muscle without pressure has no force below its taut length: it takes all that a slack tendon leaves of the distance, to the last
+/// digit, and moves with it.
+#[test]
+fn a_muscle_without_pressure_has_what_its_tendon_leaves() {
+    let paper = Paper::sealed().gauge(0.0);
+    let actuator = paper.actuator();
+    for stiffness in [1e4, 1e5, 1e6, 1e7] {
+        for rest in (0..60).map(|part| 5e-3 + 5e-4 * f64::from(part)) {
+            let distance = 0.102;
+            let tendon = SeriesTendon::new(stiffness, rest).expect("a tendon");
+            assert_eq!(tendon.balance(&actuator, distance, ATMOSPHERE), distance - rest);
+        }
+    }
 }
 
 #[test]

@@ -404,12 +404,12 @@ mod tests {
     #[test]
     fn a_start_on_a_tendon_is_judged_by_the_length_of_the_muscle() {
         let of = |rest_length: &str| {
-            let motion = "{ kind = \"prescribed-motion\", length = \"111 mm\", amplitude = \"3 mm\", \
+            let motion = "{ kind = \"prescribed-motion\", length = \"106 mm\", amplitude = \"1 mm\", \
                           frequency = \"1 Hz\" }";
             let tendon = format!("{{ stiffness = \"1e7 N/m\", rest_length = \"{rest_length}\" }}");
             let of_one = codes(&[("load", motion), ("tendon", &tendon)])[0].clone();
             let joint = "[tendon]\nstiffness = \"1e7 N/m\"\n[load]\nkind = \"antagonistic-joint\"\nmass = \"1 kg\"\n\
-                         distance = \"0.1 m\"\npulley_radius = \"15 mm\"\nrest_length = \"111 mm\"\n[antagonist]\n\
+                         distance = \"0.1 m\"\npulley_radius = \"15 mm\"\nrest_length = \"106 mm\"\n[antagonist]\n\
                          [initial]\ngauge_pressure = \"2 bar\"\n[run]\nduration = \"0.01 s\"";
             let mut joint = Document::parse(joint, "joint.toml").unwrap();
             joint.set_text("tendon.rest_length", &format!("\"{rest_length}\"")).unwrap();

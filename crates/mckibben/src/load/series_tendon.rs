@@ -94,14 +94,15 @@ impl<R: Real> SeriesTendon<R> {
         if excess(R::constant(least)).value() >= 0.0 {
             return actuator.limits().min_length();
         }
-        let at_end = excess(R::constant(most)).value();
-        if at_end.is_nan() || at_end < 0.0 || (at_end == 0.0 && most == end) {
-            return actuator.law().law.end_length();
+        if most < end && pushing(R::constant(most)).value() <= 0.0 {
+            // A braid that pushes there goes on to where it neither pushes nor pulls; one without force has all the length that the
+            // tendon leaves, whatever rounding makes of the tension there.
+            let is_pushed = pushing(R::constant(most)).value() < 0.0 && pushing(R::constant(end)).value() > 0.0;
+            return if is_pushed { root_between([most, end], &pushing) } else { distance - self.rest_length };
         }
-        // A braid that pushes there goes on to where it neither pushes nor pulls.
-        let is_pushed = pushing(R::constant(most)).value() < 0.0 && pushing(R::constant(end)).value() > 0.0;
-        if is_pushed && most < end {
-            return root_between([most, end], &pushing);
+        let at_end = excess(R::constant(most)).value();
+        if at_end.is_nan() || (at_end <= 0.0 && most == end) {
+            return actuator.law().law.end_length();
         }
         root_between([least, most], &excess)
     }
