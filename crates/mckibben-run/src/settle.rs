@@ -248,6 +248,13 @@ fn read<T>(
     Ok(Settled { orbit, rows })
 }
 
+/// Pulses at fixed length, on whose orbit the flow jumps where ports open and close.
+#[cfg(test)]
+pub(crate) const PULSED: &str = "[supply]\ngauge_pressure = \"5 bar\"\n[valve]\nkind = \"three-way\"\nsonic_conductance = \"0.02 L/(s*bar)\"\n\
+                          critical_ratio = 0.3\nopening_delay = \"2.013 ms\"\nclosing_delay = \"1.377 ms\"\n[command]\n\
+                          kind = \"pwm\"\nfrequency = \"25 Hz\"\nduty = 0.5\n[load]\nkind = \"isometric\"\n\
+                          [initial]\ngauge_pressure = \"1 bar\"\nlength = \"85 mm\"\n[run]\nduration = \"0.2 s\"\n";
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -280,12 +287,8 @@ mod tests {
     /// zero but for what the search leaves. Of a thousand points that see no jump it would be off by half of a thousandth of the jumps.
     #[test]
     fn the_mean_of_what_jumps_is_exact() {
-        let text = "[supply]\ngauge_pressure = \"5 bar\"\n[valve]\nkind = \"three-way\"\nsonic_conductance = \"0.02 L/(s*bar)\"\n\
-                          critical_ratio = 0.3\nopening_delay = \"2.013 ms\"\nclosing_delay = \"1.377 ms\"\n[command]\n\
-                          kind = \"pwm\"\nfrequency = \"25 Hz\"\nduty = 0.5\n[load]\nkind = \"isometric\"\n\
-                          [initial]\ngauge_pressure = \"1 bar\"\nlength = \"85 mm\"\n[run]\nduration = \"0.2 s\"\n";
         for more in ["", "[actuators.a]\n"] {
-            let document = Document::parse(&format!("{text}{more}"), "pulsed.toml").unwrap();
+            let document = Document::parse(&format!("{PULSED}{more}"), "pulsed.toml").unwrap();
             let settled = Ready::of(&document).unwrap().settle(&document, &mut |_| Ok(())).unwrap();
             let row = |name: &str| settled.rows.iter().find(|row| row.name.ends_with(name)).unwrap().clone();
             let (flow, mass) = (row("mass_flow"), row("air_mass"));

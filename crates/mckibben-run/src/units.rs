@@ -184,6 +184,11 @@ pub fn is_difference(name: &str) -> bool {
     }
 }
 
+/// The unit of temperature with an absolute zero whose degrees have a size in K: of °C or of °F.
+pub(crate) fn degrees_without_offset(size: f64) -> &'static str {
+    if size > 0.9 { "K" } else { "degR" }
+}
+
 /// How many decimals show as much of a number that is multiplied by a factor as so many did before.
 pub(crate) fn decimals(before: usize, factor: f64) -> usize {
     let digits = before as f64 - factor.abs().log10().round();
@@ -211,12 +216,10 @@ impl Unit {
 
     /// The unit of differences: of a scale with an offset zero, the one whose zero is absolute and whose degrees are as large.
     fn of_differences(&self) -> Self {
-        let symbol = match self.zero {
-            0.0 => return self.clone(),
-            _ if (self.size - 1.0).abs() < 1e-9 => "K",
-            _ => "degR",
-        };
-        Self::of(symbol).unwrap_or_else(|_| self.clone())
+        if self.zero == 0.0 {
+            return self.clone();
+        }
+        Self::of(degrees_without_offset(self.size)).unwrap_or_else(|_| self.clone())
     }
 
     fn shown(&self, largest: f64) -> Shown {

@@ -16,7 +16,7 @@
 //!
 //! Checked by `tests/follow.rs` of the identify crate: against differences of runs, with and without the number that follows.
 
-use crate::scenario::{Load, PressureSensor, Scenario};
+use crate::scenario::{Load, Scenario};
 use mckibben::Real;
 use mckibben::parameter::{self as p, Parameter};
 
@@ -69,23 +69,7 @@ impl Follower {
             }
             Self::FirstPressure => {
                 let given = of.pressure.as_ref().filter(|_| of.initial.gauge_pressure.is_none())?;
-                let PressureSensor { offset, scale, shift } = given.sensor;
-                let (row, part) = given.place_at_start();
-                let mut reading = |row: usize| {
-                    let gauge = number(&p::SERIES_GAUGE_PRESSURE, row, *given.gauge_pressure.get(row)?);
-                    Some([number(&p::SERIES_TIME, row, *given.time.get(row)?), gauge])
-                };
-                let [from, last] = reading(row)?;
-                let shown = match reading(row + 1) {
-                    // With the shift, and with the times, the place between two rows moves.
-                    Some([to, next]) if part > 0.0 => {
-                        let part = (number(&p::SERIES_SHIFT, 0, shift) - from) / (to - from);
-                        last + part * (next - last)
-                    }
-                    _ => last,
-                };
-                let sensor = [number(&p::SERIES_OFFSET, 0, offset), number(&p::SERIES_SCALE, 0, scale)];
-                Some(true_pressure(shown, sensor))
+                given.start_over(number)
             }
         }
     }

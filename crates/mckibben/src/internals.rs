@@ -1,4 +1,5 @@
-//! What `mckibben-batch` takes a plant's steps in lanes with, and `mckibben-identify` its searches. It may change with every version, and is no part of the interface.
+//! What `mckibben-batch` takes a plant's steps in lanes with, and `mckibben-identify` its searches. It may change with every
+//! version, and is no part of the interface.
 
 pub use crate::convert::Convert;
 pub use crate::root::lowest;

@@ -8,6 +8,7 @@
 //! A value is rounded to nine digits in the unit that the ends were written in, so that what was simulated is what is printed
 //! and written to a file.
 
+use crate::units::degrees_without_offset;
 use mckibben_scenario::{Dimension, list_and_entry, quantity};
 use std::fmt;
 use std::str::FromStr;
@@ -46,18 +47,9 @@ impl UnitScale {
         Ok((Self { zero: none.value, size: one.value - none.value }, one.dimension))
     }
 
-    /// Whether zero of the unit is not zero in SI, as of °C.
-    pub(super) fn has_offset(self) -> bool {
-        self.zero != 0.0
-    }
-
     /// The unit of differences in a unit of this scale: kelvins are as large as °C, and degrees Rankine as °F.
     pub(super) fn unit_of_differences(self, unit: &str) -> &str {
-        match (self.has_offset(), self.size > 0.9) {
-            (false, _) => unit,
-            (true, true) => "K",
-            (true, false) => "degR",
-        }
+        if self.zero == 0.0 { unit } else { degrees_without_offset(self.size) }
     }
 
     /// A number in SI.

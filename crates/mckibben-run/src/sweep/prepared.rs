@@ -194,27 +194,24 @@ fn notes(document: &Document, set: &[String], sweep: &Sweep) -> Vec<(String, Str
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::settle::PULSED;
     use mckibben::Error;
 
     /// Statistics over the orbit are those of a run that settles there alone, of a column that jumps too; as much air leaves as comes.
     #[test]
     fn means_over_orbits_are_those_of_single_runs() {
-        let text = "[supply]\ngauge_pressure = \"5 bar\"\n[valve]\nkind = \"three-way\"\nsonic_conductance = \"0.02 L/(s*bar)\"\n\
-                          critical_ratio = 0.3\nopening_delay = \"2.013 ms\"\nclosing_delay = \"1.377 ms\"\n[command]\n\
-                          kind = \"pwm\"\nfrequency = \"25 Hz\"\nduty = 0.5\n[load]\nkind = \"isometric\"\n\
-                          [initial]\ngauge_pressure = \"1 bar\"\nlength = \"85 mm\"\n[run]\nduration = \"0.2 s\"\n";
         for (more, names) in [("", ["mass_flow", "air_mass"]), ("[actuators.a]\n", ["a.mass_flow", "a.air_mass"])] {
             let reductions: Vec<String> = names.iter().map(|of| format!("\"{of}.mean\", \"{of}.ripple\"")).collect();
             let sweep = format!("[sweep]\nover = \"orbit\"\nreductions = [{}]\n", reductions.join(", "));
             let vary = "[sweep.vary]\n\"command.duty\" = [0.5]\n";
-            let document = Document::parse(&format!("{text}{more}{sweep}{vary}"), "pulsed.toml").expect("a document");
+            let document = Document::parse(&format!("{PULSED}{more}{sweep}{vary}"), "pulsed.toml").expect("a document");
             let prepared = Prepared::of(&document, &[]).expect("a valid sweep").expect("a sweep");
             let mut totals = SweepCounts::new(prepared.sweep(), false);
             prepared.simulate(None, vec![0], 1, Place::Nowhere, &mut totals).expect("done");
             let found: Vec<f64> = totals.ranges().map(|(_, spread)| spread.least).collect();
             let [mean, ripple, mass, mass_ripple] = found[..] else { panic!("{found:?}") };
             assert!(ripple > 1e-4 && mean.abs() < 2e-5 * ripple, "{found:?}");
-            let document = Document::parse(&format!("{text}{more}"), "pulsed.toml").expect("a document");
+            let document = Document::parse(&format!("{PULSED}{more}"), "pulsed.toml").expect("a document");
             let settled = crate::run::Ready::of(&document).unwrap().settle(&document, &mut |_| Ok(())).unwrap();
             let row = settled.rows.iter().find(|row| row.name == names[1]).expect("a column");
             let near = |one: f64, other: f64| assert!((one - other).abs() < 1e-4 * other, "{one} {other}");

@@ -2,6 +2,8 @@
 
 use crate::choice::{HoseKind, PressurePlace};
 use crate::follow::true_pressure;
+use mckibben::Real;
+use mckibben::parameter::{self as p, Parameter};
 
 /// The gas.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -153,22 +155,27 @@ impl PressureSeries {
 
     /// The gauge pressure in Pa at t = 0, which is not that of the first row where readings come late.
     pub fn start(&self) -> f64 {
-        let PressureSensor { offset, scale, .. } = self.sensor;
-        let (row, part) = self.place_at_start();
-        let [from, to] = [row, row + 1].map(|row| self.gauge_pressure.get(row).or(self.gauge_pressure.last()).copied());
-        let [from, to] = [from, to].map(Option::unwrap_or_default);
-        true_pressure(from + part * (to - from), [offset, scale])
+        self.start_over(|_, _, value| value).unwrap_or_default()
     }
 
-    /// The last row that has been recorded of t = 0, and the part of the way from it to the next one.
-    pub(crate) fn place_at_start(&self) -> (usize, f64) {
-        let shift = self.sensor.shift;
-        match self.time.partition_point(|time| *time <= shift) {
-            0 => (0, 0.0),
-            passed => match (self.time[passed - 1], self.time.get(passed)) {
-                (last, Some(next)) => (passed - 1, (shift - last) / (next - last)),
-                (_, None) => (passed - 1, 0.0),
-            },
-        }
+    /// [`PressureSeries::start`] over any scalar: `number` gives each number by its parameter, its index in a list, and its value. None
+    /// without rows.
+    pub(crate) fn start_over<S: Real>(&self, mut number: impl FnMut(&'static Parameter, usize, f64) -> S) -> Option<S> {
+        let PressureSensor { offset, scale, shift } = self.sensor;
+        let next = self.time.partition_point(|time| *time <= shift);
+        let mut reading = |row: usize| {
+            let gauge = number(&p::SERIES_GAUGE_PRESSURE, row, *self.gauge_pressure.get(row)?);
+            Some([number(&p::SERIES_TIME, row, *self.time.get(row)?), gauge])
+        };
+        let shown = match (next.checked_sub(1).and_then(&mut reading), reading(next)) {
+            // With the shift, and with the times, the place between two rows moves.
+            (Some([from, last]), Some([to, next])) if shift > from.value() => {
+                let part = (number(&p::SERIES_SHIFT, 0, shift) - from) / (to - from);
+                last + part * (next - last)
+            }
+            (only, other) => only.or(other)?[1],
+        };
+        let sensor = [number(&p::SERIES_OFFSET, 0, offset), number(&p::SERIES_SCALE, 0, scale)];
+        Some(true_pressure(shown, sensor))
     }
 }

@@ -115,6 +115,22 @@ struct Balanced {
     small: f64,
 }
 
+impl Balanced {
+    /// As [`StateSpace::poles`].
+    fn poles(&self) -> Vec<Pole> {
+        let values = self.schur.complex_eigenvalues();
+        let kept = |part: f64| if part.abs() <= self.small { 0.0 } else { part };
+        let mut poles: Vec<Pole> =
+            values.iter().map(|value| Pole { real: kept(value.re), imaginary: kept(value.im) }).collect();
+        poles.sort_by(|a, b| {
+            let fastest = b.natural_frequency().total_cmp(&a.natural_frequency());
+            let near = (a.natural_frequency() - b.natural_frequency()).abs() <= 1e-9 * a.natural_frequency();
+            if near { b.imaginary.total_cmp(&a.imaginary) } else { fastest }
+        });
+        poles
+    }
+}
+
 /// Part of the balanced matrix below which a pole is zero.
 const ZERO: f64 = 1e-12;
 /// Part of the largest singular value below which one is rounding.
@@ -151,17 +167,7 @@ impl<X, U, Y> StateSpace<X, U, Y> {
     /// # Errors
     /// [`Error::NoSolution`] when the eigenvalues cannot be found, which only numbers of absurd size bring about.
     pub fn poles(&self) -> Result<Vec<Pole>, Error> {
-        let Balanced { schur, small, .. } = self.schur()?;
-        let values = schur.complex_eigenvalues();
-        let kept = |part: f64| if part.abs() <= small { 0.0 } else { part };
-        let mut poles: Vec<Pole> =
-            values.iter().map(|value| Pole { real: kept(value.re), imaginary: kept(value.im) }).collect();
-        poles.sort_by(|a, b| {
-            let fastest = b.natural_frequency().total_cmp(&a.natural_frequency());
-            let near = (a.natural_frequency() - b.natural_frequency()).abs() <= 1e-9 * a.natural_frequency();
-            if near { b.imaginary.total_cmp(&a.imaginary) } else { fastest }
-        });
-        Ok(poles)
+        self.schur().map(|balanced| balanced.poles())
     }
 
     /// `G(jω)` from one input to one output at an angular frequency in rad/s; `None` on an undamped pole, where it has no
@@ -189,8 +195,9 @@ impl<X, U, Y> StateSpace<X, U, Y> {
         if whole == 0.0 {
             return Ok(Vec::new());
         }
-        let poles = self.poles()?;
-        let Balanced { schur, sizes, .. } = self.schur()?;
+        let balanced = self.schur()?;
+        let poles = balanced.poles();
+        let Balanced { schur, sizes, .. } = balanced;
         let (basis, triangle) = schur.unpack();
         let left = basis.tr_mul(&DVector::from_fn(sizes.len(), |row, _| c[row] * sizes[row]));
         let right = basis.tr_mul(&DVector::from_fn(sizes.len(), |row, _| b[row] / sizes[row]));

@@ -94,10 +94,11 @@ impl<R: Real> SeriesTendon<R> {
         if excess(R::constant(least)).value() >= 0.0 {
             return actuator.limits().min_length();
         }
-        if most < end && pushing(R::constant(most)).value() <= 0.0 {
+        let at_most = pushing(R::constant(most)).value();
+        if most < end && at_most <= 0.0 {
             // A braid that pushes there goes on to where it neither pushes nor pulls; one without force has all the length that the
             // tendon leaves, whatever rounding makes of the tension there.
-            let is_pushed = pushing(R::constant(most)).value() < 0.0 && pushing(R::constant(end)).value() > 0.0;
+            let is_pushed = at_most < 0.0 && pushing(R::constant(end)).value() > 0.0;
             return if is_pushed { root_between([most, end], &pushing) } else { distance - self.rest_length };
         }
         let at_end = excess(R::constant(most)).value();
