@@ -9,23 +9,53 @@ import numpy
 from numpy.typing import NDArray
 
 from mckibben._mckibben import Scenario, _si
+from mckibben.errors import InputError
 
 
 def array_of(name: str, given: typing.Any) -> NDArray[numpy.float64]:
-    """Return numbers as an array; what a mask hides is missing, and NaN. Truth values, lists of texts and `None` are no numbers.
+    """Return numbers as those of `numbers_of`; what a mask hides is missing, and NaN.
 
     One text is a quantity with its unit: the name says whether a length, a force or a pressure.
     """
     if isinstance(given, str):
         given = _si(name, given)
-    of = numpy.asarray(given)
-    hidden = numpy.ma.getmaskarray(given) if isinstance(given, numpy.ma.MaskedArray) else False
-    if of.dtype.kind == "O" and all(is_number(item) for item in of.ravel()) and of.size:
-        of = of.astype(float)
+    if isinstance(given, numpy.ma.MaskedArray):
+        return numpy.where(numpy.ma.getmaskarray(given), numpy.nan, numbers_of(name, numpy.ma.getdata(given)))
+    return numbers_of(name, given)
+
+
+def numbers_of(name: str, given: typing.Any) -> NDArray[numpy.float64]:
+    """Return numbers as a new array. Truth values, texts, `None` and what a mask hides are no numbers."""
+    if isinstance(given, numpy.ma.MaskedArray) and numpy.ma.getmaskarray(given).any():
+        raise InputError(f"`{name}` is a masked array whose mask hides entries; give {name}.filled(…), with numbers in their place")
+    remedy = "give a number or an array of numbers in SI"
+    try:
+        of = numpy.asarray(given)
+        # An empty list has no entries of another kind.
+        if of.dtype.kind == "O" and all(is_number(item) for item in of.ravel()) and of.size:
+            of = of.astype(float)
+    except (TypeError, ValueError, RuntimeError, OverflowError) as error:
+        raise TypeError(f"`{name}` holds no numbers ({error}); {remedy}") from error
     if of.dtype.kind not in "iuf":
-        what = f"an array of {of.dtype}" if of.ndim else repr(given)
-        raise TypeError(f"`{name}` is {what}; give a number or an array of numbers in SI")
-    return numpy.where(hidden, numpy.nan, of.astype(float))
+        raise TypeError(f"`{name}` is {f'an array of {of.dtype}' if of.ndim else repr(given)}; {remedy}")
+    if _holds_truth(given):
+        raise TypeError(f"`{name}` is a list with truth values; {remedy}")
+    return of.astype(float)
+
+
+def _holds_truth(given: typing.Any) -> bool:
+    """Return whether a truth value is among the items of a list, where NumPy counts it as 0 or 1."""
+    if isinstance(given, (list, tuple)):
+        return any(_holds_truth(item) for item in given)
+    return isinstance(given, (bool, numpy.bool_))
+
+
+def whole_of(name: str, given: typing.Any, least: int, most: float, remedy: str) -> int:
+    """Return a whole number within bounds. Truth values are none."""
+    is_whole = isinstance(given, numbers.Integral) and not isinstance(given, (bool, numpy.bool_))
+    if not is_whole or not least <= given <= most:
+        raise InputError(f"`{name}` = {given!r} is {'out of range' if is_whole else 'no whole number'}; {remedy}")
+    return int(given)
 
 
 def is_number(given: typing.Any) -> bool:

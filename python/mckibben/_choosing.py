@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import collections.abc
 import dataclasses
+import sys
 import typing
 import warnings
 
 import numpy
 from numpy.typing import NDArray
 
+from mckibben._arguments import whole_of
 from mckibben._listed import listed
 from mckibben._mckibben import Scenario, _design, _Sizes
 from mckibben.errors import InputError
@@ -182,10 +184,8 @@ class Sizes(collections.abc.Sequence[SizedMuscle]):
         return pandas.DataFrame([{name: getattr(muscle, name) for name in names} for muscle in self], columns=names)
 
     def _counted(self, place: int) -> int:
-        """Return an index from the front."""
-        if not -len(self) <= place < len(self):
-            raise InputError(f"`place` = {place}, but there are {len(self)} muscles; give 0 for the first")
-        return place % len(self)
+        """Return the index of a muscle."""
+        return whole_of("place", place, 0, len(self) - 1, f"there are {len(self)} muscles; give 0 for the first")
 
 
 def size(
@@ -409,8 +409,7 @@ def design(
     if not isinstance(vary, collections.abc.Mapping):
         raise InputError(f'`vary` is of type {type(vary).__name__}; give a dictionary of keys, such as {{"load.mass": (2.0, 3.0)}}')
     ranges = [(key, *_ends(key, ends)) for key, ends in vary.items()]
-    if isinstance(evaluations, int) and evaluations < 1:
-        raise InputError(f"`evaluations` = {evaluations}, but a search has at least one run; give a whole number from 1 on, such as 200")
+    evaluations = whole_of("evaluations", evaluations, 1, sys.maxsize, "give a whole number of runs from 1 on, such as 200")
     found = _design(scenario, ranges, least, objective, subject_to, settle, evaluations, progress)
     name, (value, unit) = found["objective"]
     result = DesignResult(

@@ -779,7 +779,8 @@ class HostedPlant:
     Plants of a scenario whose ends a simulator of your own moves: distances and commands in, tensions and pressures out.
 
     All actuators of the scenario, with the air network that they share, are one plant. The loads and mechanisms of the scenario
-    are not used: the simulator moves the ends. `count` plants, each with its own state, are stepped together, side by side in the
+    are not used: the simulator moves the ends. Nor are `run.method` and `run.step`: every part of a step is one of the stable
+    method. `count` plants, each with its own state, are stepped together, side by side in the
     vector registers of the processor; many of them on all cores. Each is bit-identical to a plant alone.
 
     Arrays have a row for each plant. Those of distances, velocities and commands are read in place, and are C-contiguous.
@@ -1272,7 +1273,7 @@ class Scenario:
 
     A quantity is text with its unit, such as "60 psi"; in values from Python it may be a number in SI. A scenario is immutable:
     `with_values` returns another one. Sections are attributes: `scenario.load.mass` is a number in SI. Two scenarios are equal
-    if `to_toml` returns equal text.
+    if `to_toml` returns equal text: a section `[sweep]` counts, and whether an engine is given.
 
     Parameters
     ----------
@@ -1458,7 +1459,8 @@ class Scenario:
         """
         Return the scenario as TOML: every value in SI, those of presets and defaults written out.
 
-        Of several actuators with names: every key that was given, with its value as it was written.
+        Where no engine is given none is written, as a sweep chooses it then. Of several actuators with names, and of a scenario with
+        a section `[sweep]`: every key that was given, with its value as it was written.
 
         Returns
         -------
@@ -2403,7 +2405,7 @@ def _register_mujoco() -> None:
 
 def _si(name: str, text: str) -> float:
     """
-    The value in SI of text in an argument, whose name says what it measures: a length, a force or a pressure.
+    The value in SI of text in an argument, whose name says what it measures: a length, a force, a time, a frequency or a pressure.
     """
 
 def linearize(scenario: Scenario, *, gauge_pressure: float | str | None = None, length: float | str | None = None, load: float | str | None = None, duty: float | str | None = None, pwm: bool = False, temperature: float | str | None = None, angle: float | str | None = None, stiffness: float | str | None = None, amplitude: float | str | None = None, all_states: bool = False) -> LinearModel:

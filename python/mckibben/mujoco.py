@@ -42,6 +42,7 @@ from xml.sax.saxutils import quoteattr
 import numpy
 from numpy.typing import NDArray
 
+from mckibben._arguments import numbers_of
 from mckibben._mckibben import HostedPlant, Scenario, _register_mujoco
 from mckibben._motors import addresses, check_actuation, check_motor
 from mckibben._tables import parameters
@@ -456,8 +457,8 @@ class Driver:
         """Commands of all worlds, a row for each."""
         shape = (self.plant.count, len(self.plant.commands))
         try:
-            given = numpy.asarray(commands, dtype=float)
-        except (TypeError, ValueError) as error:
+            given = numbers_of("commands", commands)
+        except (TypeError, InputError) as error:
             raise InputError(f"commands are no numbers ({error}): give an array of shape {shape}") from error
         try:
             return numpy.array(numpy.broadcast_to(given, shape), order="C")
@@ -516,10 +517,8 @@ def _offsets(given: Any, names: Sequence[str]) -> NDArray[numpy.float64]:
     """What is added to the length of each muscle, in m."""
     remedy = f"give a number in m, or one for each of {', '.join(names)}"
     try:
-        offsets = numpy.asarray(given, dtype=float)
-        if any(isinstance(offset, bool | numpy.bool_) for offset in numpy.asarray(given, dtype=object).ravel()):
-            raise TypeError("a truth value")
-    except (TypeError, ValueError) as error:
+        offsets = numbers_of("length_offset", given)
+    except (TypeError, InputError) as error:
         raise InputError(f"length_offset = {given!r} is no number: {remedy}") from error
     if offsets.shape not in [(), (len(names),)]:
         raise InputError(f"length_offset = {given!r} is of shape {offsets.shape}: {remedy}")

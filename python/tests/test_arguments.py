@@ -622,7 +622,7 @@ def test_numbers_of_another_shape_are_refused_by_their_argument(swing):
     with pytest.raises(TypeError, match="`time` is one number, and of type ndarray here; `at_times` takes several"):
         run.at(numpy.array([0.01, 0.02]))  # type: ignore[arg-type]
     of = mckibben.Differentiable(swing, ["load.mass"], ["length"], [0.1])
-    for wrong, words in [(numpy.zeros((2, 2)), "an array with 2 dimensions"), (None, "of type NoneType")]:
+    for wrong, words in [(numpy.zeros((2, 2)), "an array with 2 dimensions"), (None, "None; give a number")]:
         with pytest.raises(TypeError, match=f"`values` is {words}"):
             of(wrong)  # type: ignore[arg-type]
         with pytest.raises(TypeError, match=f"`times` is {words}"):
@@ -660,6 +660,42 @@ def test_what_is_no_number_is_refused_by_its_argument(scenario):
     for wrong in (True, [1]):
         with pytest.raises(TypeError, match="`gauge_pressure` is of type"):
             mckibben.linearize(scenario, gauge_pressure=wrong)
+
+
+def test_what_is_no_number_is_none_in_lists_either(scenario, swing):
+    """Truth values would count as 0 or 1, texts of digits as their number, and what a mask hides as what lies behind it."""
+    run, model = mckibben.simulate(swing), mckibben.linearize(swing)
+    of = mckibben.Differentiable(swing, ["load.mass"], ["length"], [0.1])
+    muscle = mckibben.Actuator(scenario)
+    step, plants = mckibben.DifferentiableStep(muscle, STEP), mckibben.VectorPlant(scenario, 1, parameters=["load.mass"])
+    inputs = step.pack(muscle.start(), 0.09, 0.0, 0.5)
+    outputs = step(inputs)
+    uses: list[tuple[str, typing.Any, typing.Any]] = [
+        ("times", run.at_times, [0.05]),
+        ("times", lambda given: mckibben.Differentiable(swing, ["load.mass"], ["length"], given), [0.1]),
+        ("values", of, [2.0]),
+        ("values", of.value_and_jacobian, [2.0]),
+        ("values", step, inputs),
+        ("values", step.value_and_jacobian, inputs),
+        ("outputs", step.unpack, outputs),
+        ("one", lambda given: plants.differ(given, [3.0]), [2.0]),
+        ("other", lambda given: plants.differ([3.0], given), [2.0]),
+        ("omega", model.response, [1.0]),
+        ("gauge_pressures", lambda given: mckibben.curves(scenario, given), [1e5]),
+    ]
+    for name, use, right in uses:
+        use(right)
+        use(numpy.ma.array(right, mask=False))
+        for wrong in (True, [True, *right[1:]], ["1", *map(str, right[1:])], ["1 kg"], [None], numpy.ones(len(right), dtype=bool)):
+            with pytest.raises(TypeError, match=f"`{name}` "):
+                use(wrong)
+        with pytest.raises(mckibben.InputError, match=f"`{name}` is a masked array whose mask hides entries"):
+            use(numpy.ma.array(right, mask=[True] + [False] * (len(right) - 1)))
+
+
+def test_a_whole_number_beyond_every_float_is_refused_by_its_key(swing):
+    with pytest.raises(mckibben.InputError, match="`load.mass` = 10000000… .401 digits. is larger than any number"):
+        swing.with_values({"load.mass": 10**400})
 
 
 def test_quantities_may_be_text_with_a_unit(scenario):

@@ -84,6 +84,11 @@ def test_the_valve_is_in_time_and_a_hose_needs_a_larger_one():
     times = [time if time is not None else math.inf for time in valves.values()]
     assert "festo-mha2" in valves and times == sorted(times)
     assert all(least is None or least > muscle.sonic_conductance for least in sizes.hoses("2 m", place).values())
+    for wrong in (-1, True, len(sizes)):
+        with pytest.raises(mckibben.InputError, match=f"`place` = {wrong}"):
+            sizes.valves(wrong)
+        with pytest.raises(mckibben.InputError, match=f"`place` = {wrong}"):
+            sizes.hoses("2 m", place=wrong)
 
 
 @pytest.mark.parametrize(
@@ -186,6 +191,7 @@ def test_an_interrupted_search_returns_the_best_values(rig):
         ({"supply.gauge_pressure": (1e5, 6e5)}, {"minimize": "air.used", "subject_to": ["length.final"]}, "`subject_to`"),
         ({"supply.gauge_pressure": (1e5, 6e5)}, {"minimize": "settled.length.mean"}, "give `settle`"),
         ({"supply.gauge_pressure": (1e5, 6e5)}, {"minimize": "air.used", "evaluations": 0}, "`evaluations`"),
+        ({"supply.gauge_pressure": (1e5, 6e5)}, {"minimize": "air.used", "evaluations": True}, "`evaluations` = True"),
     ],
 )
 def test_what_cannot_be_searched_is_refused(rig, vary, options, words):

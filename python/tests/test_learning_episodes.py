@@ -310,7 +310,10 @@ def test_what_a_range_draws_lies_in_it_and_every_kind_of_parameter_may_be_drawn(
         ({"duration": 0.05}, "no multiple of control_period"),
         ({"sensor_delay": 2e-3}, "no multiple of control_period"),
         ({"pulse_frequency": 0.0}, "pulse_frequency = 0.0"),
-        ({"max_pressure": "6 bar"}, "max_pressure = '6 bar'"),
+        ({"max_pressure": "6 kg"}, "`max_pressure`: "),
+        ({"control_period": "40"}, "`control_period`: "),
+        ({"sensor_delay": "-40 ms"}, "sensor_delay = -0.04 is out of range"),
+        ({"distance_limit": "2"}, "distance_limit = '2' is no finite number"),
         ({"terminal_penalty": -1.0}, "terminal_penalty = -1.0"),
         ({"success_tolerance": float("inf")}, "success_tolerance = inf"),
         ({"distance_limit": 0.0}, "distance_limit = 0.0"),
@@ -324,6 +327,17 @@ def test_what_a_range_draws_lies_in_it_and_every_kind_of_parameter_may_be_drawn(
 def test_an_option_out_of_its_range_is_refused(options: dict[str, Any], words: str) -> None:
     with pytest.raises(mckibben.InputError, match=words):
         gymnasium.make_vec(MASS, num_envs=1, **options)
+
+
+def test_options_that_are_quantities_may_be_text_with_a_unit() -> None:
+    texts = {"control_period": "40 ms", "duration": "0.8 s", "pulse_frequency": "50 Hz", "sensor_delay": "40 ms", "action_delay": "80 ms"}
+    numbers = {"control_period": 0.04, "duration": 0.8, "pulse_frequency": 50.0, "sensor_delay": 0.04, "action_delay": 0.08}
+    one, other = (gymnasium.make(MASS, **options) for options in (texts, numbers))
+    assert one.unwrapped.dt == other.unwrapped.dt == 0.04 and one.unwrapped._episodes.periods == 20
+    np.testing.assert_array_equal(one.reset(seed=3)[0], other.reset(seed=3)[0])
+    for _ in range(5):
+        np.testing.assert_array_equal(one.step(np.array([0.4]))[0], other.step(np.array([0.4]))[0])
+    assert learning.Options(action_mode="set-point", max_pressure="4 bar").max_pressure == 4e5
 
 
 def test_a_scenario_whose_duration_is_no_whole_number_of_steps_gets_the_nearest() -> None:

@@ -50,7 +50,14 @@ def at_steps(exact: numpy.ndarray, dt: float) -> numpy.ndarray:
 
 def test_the_table_of_errors_holds(scenario, exact):
     """Each number of the table is what is measured against steps of 10 us, to the digits that are printed."""
-    rows = ROW.findall((ROOT / "docs" / "python.md").read_text())
+    page = (ROOT / "docs" / "python.md").read_text()
+    rows = ROW.findall(page)
+    corners = re.search(r"its ends are ([\d., ]+) and ([\d.]+) mm apart", page)
+    pressures = re.search(r"After the first 20 ms the absolute pressure is (\d+) to (\d+) kPa", page)
+    assert corners is not None and pressures is not None
+    assert [1e-3 * float(end) for end in [*corners[1].split(", "), corners[2]]] == pytest.approx(LENGTHS)
+    later = 1e-3 * exact[round(CORNER / FINEST) :]
+    assert [later.min(), later.max()] == pytest.approx([float(end) for end in pressures.groups()], abs=0.6)
     assert [float(dt) for dt, _, _ in rows] == [0.5, 1.0, 2.0, 5.0, 10.0]
     for dt, whole, divided in rows:
         for written, max_step in [(whole, None), (divided, MAX_STEP)]:

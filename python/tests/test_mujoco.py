@@ -723,6 +723,8 @@ def test_arguments_of_a_driver_are_named():
         ({"worlds": True}, "worlds = True .*from 1 on"),
         ({"length_offset": True}, "length_offset = True is no number"),
         ({"length_offset": [False]}, r"length_offset = \[False\] is no number"),
+        ({"length_offset": ["0.1"]}, "length_offset = .* is no number"),
+        ({"length_offset": numpy.ma.array([0.1], mask=[True])}, "(?s)length_offset = .* is no number"),
     ):
         with pytest.raises(mckibben.InputError, match=words):
             made(**options)
@@ -737,6 +739,10 @@ def test_arguments_of_a_driver_are_named():
     for data, commands, words in (
         (worlds, [1.0, 1.0], r"commands are of shape \(2,\).*\(2, 1\).*actuator.request"),
         (worlds, "fill", "commands are no numbers"),
+        (worlds, "1", "commands are no numbers"),
+        (worlds, [["1"], ["-1"]], "commands are no numbers"),
+        (worlds, True, "commands are no numbers"),
+        (worlds, numpy.ma.array([[1.0], [-1.0]], mask=[[True], [False]]), "commands are no numbers.*mask hides"),
         (worlds, [[1.0], [7.0]], "plant 1: .*actuator.request"),
         (worlds[0], 1.0, "data is one MjData for 2 worlds"),
         (worlds[:1] * 2, 1.0, r"data\[1\] is given twice"),

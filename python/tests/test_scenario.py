@@ -185,3 +185,27 @@ def test_what_check_refuses_is_no_scenario(values, words, swing):
         swing.with_values({"actuator.preset": "colbrunn-2001", "actuator.force": {**law, **values}})
     with pytest.raises(mckibben.InputError, match=words):
         good.with_values({f"actuator.force.{key}": value for key, value in values.items()})
+
+
+def test_an_engine_counts_where_it_is_given(swing):
+    """A sweep chooses the engine where none is given: equal scenarios have equal sweeps."""
+    again, located = mckibben.Scenario(swing.to_toml()), swing.with_values({"run.engine": "event-located"})
+    assert again == swing and swing.diff(again) == {}
+    assert located != swing and swing.diff(located) == {"run.engine": (None, "event-located")}
+    assert mckibben.Scenario(located.to_toml()) == located and swing.run.engine == "event-located"
+    vary = {"load.mass": [2.0]}
+    one, other = (mckibben.sweep(of, vary=vary, reductions=["length.final"])["length_final_m"][0] for of in (swing, again))
+    assert one == other
+
+
+def test_a_sweep_is_part_of_its_scenario(swing, tmp_path):
+    """Its numbers in SI have units in the text, and what it varies is not fixed there."""
+    vary = {"actuator.thread_length": [0.112, 0.115], "initial.gauge_pressure": {"from": 2e5, "to": 4e5, "count": 3}}
+    swept = swing.with_values({"actuator.preset": "colbrunn-2001", "sweep": {"reductions": ["length.final"], "vary": vary}})
+    again = mckibben.Scenario(swept.to_toml())
+    assert again == swept == mckibben.Scenario.from_dict(swept.to_dict())
+    one, other = (mckibben.sweep(of, tmp_path / name).to_polars() for of, name in ((swept, "one"), (again, "other")))
+    assert one.equals(other) and len(one) == 6
+    other = swept.with_values({"sweep.reductions": ["tension.final"]})
+    assert other != swept and swept.diff(other) == {"sweep.reductions": (["length.final"], ["tension.final"])}
+    assert swept.sweep.reductions == ["length.final"] and swept.actuator.max_length > 0.0

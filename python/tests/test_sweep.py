@@ -246,6 +246,9 @@ def test_impossible_arguments_are_refused(swing, swept, tmp_path):
         mckibben.sweep(swept, tmp_path, executor="ray", jobs=2)
     with pytest.raises(mckibben.InputError, match="no part 8"):
         mckibben.Sweep(swept).part(8)
+    for part in (-1, True, 2**70):
+        with pytest.raises(mckibben.InputError, match=f"no part {part}"):
+            mckibben.Sweep(swept).part(part)
 
 
 def test_only_the_whole_part_is_put_in_its_place(swept, tmp_path):

@@ -330,6 +330,12 @@ fn mistakes_are_refused_in_words() {
         (format!("{head}[fit.\"actuator.turn\"]\n"), "did you mean `actuator.turns`?"),
         (format!("{head}[fit.\"actuator.turns\"]\nfrom = \"3 mm\"\n"), "a value in"),
         (format!("{head}[fit.\"load.mass\"]\nstart = \"3 mm\"\n"), "a value in kg is due"),
+        (
+            format!(
+                "{head}set = {{ \"load.mass\" = \"7 lb\" }}\n[[run]]\nname = \"b\"\nfile = \"d.csv\"\n[fit.\"load.mass\"]\n"
+            ),
+            "add `per_run = true` to [fit.\"load.mass\"]",
+        ),
         (head.replace("m.toml", "none.toml"), "cannot be read"),
         (head.replace("\"L\"", "\"X\""), "column `X`"),
     ] {

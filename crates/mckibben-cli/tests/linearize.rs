@@ -342,6 +342,83 @@ fn actuators_without_pressure_are_named_where_no_command_holds_it() {
     assert!(printed.contains("actuators.back.initial.gauge_pressure") && !printed.contains("front"), "{printed}");
 }
 
+/// A model of a muscle with what the text adds.
+fn model_of(text: &str, request: &Request) -> Result<LinearModel, String> {
+    let text = format!("[actuator]\npreset = \"colbrunn-2001\"\n{text}[run]\nduration = \"1 s\"\n");
+    let document = Document::parse(&text, "file.toml").expect("TOML");
+    LinearModel::of("file", &document, request).map_err(|failure| format!("{failure:?}"))
+}
+
+const THREE_WAY: &str = "[valve]\nkind = \"three-way\"\nflow_area = \"0.2 mm^2\"\n";
+const HANGS: &str = "[load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n[initial]\ngauge_pressure = \"2 bar\"\n";
+
+/// The commands that hold pressures are those of the other valves: one that a controller commands is shut, and keeps its air.
+#[test]
+fn valves_under_controllers_are_held_shut_while_commands_are_found() {
+    let text = format!(
+        "[supply]\ngauge_pressure = \"4 bar\"\n{THREE_WAY}{HANGS}\
+         [actuators.pulsed]\ncommand = {{ kind = \"pwm\", frequency = \"100 Hz\", duty = 0.5 }}\n\
+         [actuators.vents]\ncommand.kind = \"controllers\"\n\
+         [actuators.holds]\ncommand.kind = \"controllers\"\n\
+         valve = {{ kind = \"fill-hold-exhaust\", flow_area = \"0.2 mm^2\" }}\n\
+         [controller]\nkind = \"bang-bang\"\ngauge_pressure = \"2 bar\"\nrate = \"100 Hz\"\ndead_band = \"1 psi\"\n"
+    );
+    let model = model_of(&text, &Request { pwm: true, ..Request::default() }).expect("a model");
+    let point = model.point();
+    let of = |name: &str| point.iter().find(|(its, _)| its == name).expect("a name").1;
+    for name in ["vents", "holds"] {
+        assert!(of(&format!("{name}.mass_flow_kg_s")).abs() < 1e-15, "{name}: {point:?}");
+        assert_eq!([of(&format!("{name}.supply_opening")), of(&format!("{name}.exhaust_opening"))], [0.0; 2]);
+    }
+    assert!((0.1..0.9).contains(&of("pulsed.duty")) && of("pulsed.mass_flow_kg_s").abs() < 1e-15, "{point:?}");
+}
+
+/// Pressures lie between supply and atmosphere, whichever is the lower.
+#[test]
+fn a_vacuum_makes_what_lies_above_it() {
+    let text = format!(
+        "[supply]\ngauge_pressure = \"-0.5 bar\"\n{THREE_WAY}[command]\nkind = \"pwm\"\nfrequency = \"300 Hz\"\n\
+         duty = 0.5\n[load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n"
+    );
+    let warnings = |gauge_pressure: Option<f64>| {
+        let request = Request { gauge_pressure, ..Request::default() };
+        model_of(&text, &request).expect("a model").account().warnings().join("\n")
+    };
+    assert!(!warnings(None).contains("cannot make"));
+    assert!(warnings(Some(-0.7e5)).contains("lies below supply.gauge_pressure = -0.5 bar, which cannot make it"));
+    assert!(warnings(Some(0.3e5)).contains("exceeds the pressure of the atmosphere"), "{}", warnings(Some(0.3e5)));
+}
+
+#[test]
+fn hysteresis_that_is_a_stiffness_and_a_load_that_pushes_are_said_to_be_so() {
+    let slips = "friction.hysteresis.law = \"maxwell-slip\"\nfriction.hysteresis.reach = [\"0.1 mm\"]\n\
+                 friction.hysteresis.stiffness_ratio = [0.3]\n";
+    let model = model_of(&format!("{slips}{HANGS}"), &Request::default()).expect("a model");
+    assert!(model.account().warnings().join("\n").contains("stiffness for small signals"));
+    let pushes = "[load]\nkind = \"constant-force\"\nmass = \"2 kg\"\nforce = \"-5 N\"\n\
+                  [initial]\ngauge_pressure = \"2 bar\"\nlength = \"80 mm\"\n";
+    let failure = model_of(pushes, &Request::default()).err().expect("no equilibrium");
+    assert!(failure.contains("`length` with `gauge_pressure`") && !failure.contains("initial.length"), "{failure}");
+    let given = Request { gauge_pressure: Some(2e5), length: Some(0.08), ..Request::default() };
+    assert!(model_of(pushes, &given).is_ok());
+}
+
+/// What a regulator is set to is called a set point, with one actuator and with several that have names.
+#[test]
+fn the_set_point_of_a_regulator_has_one_name() {
+    let pulses = "[command]\nkind = \"pwm\"\nfrequency = \"200 Hz\"\nduty = 0.4\n";
+    let set = "gauge_pressure = \"5 bar\"\nlag = \"20 ms\"\ndroop = \"2e7 Pa*s/kg\"\n";
+    let names = |text: &str| -> Vec<String> {
+        let model = model_of(&format!("{THREE_WAY}{pulses}{HANGS}{text}"), &Request::default()).expect("a model");
+        model.system().inputs.iter().map(|signal| signal.name.clone()).collect()
+    };
+    let alone = names(&format!("[supply]\n{set}"));
+    let fed = format!("[supplies.tank]\ngauge_pressure = \"7 bar\"\n[supplies.reg]\nfrom = \"tank\"\n{set}");
+    let named = names(&format!("{fed}[actuators.m]\nsupply = \"reg\"\n"));
+    assert!(alone.contains(&"supply_set_point".to_owned()), "{alone:?}");
+    assert!(["reg.supply_set_point", "tank.supply_pressure"].iter().all(|name| named.contains(&(*name).to_owned())));
+}
+
 #[test]
 fn bode_plots_are_drawn() {
     let folder = Folder::new("linearize-bode");

@@ -252,11 +252,14 @@ fn of_command(plant: &HostPlant, input: &CommandInput) -> String {
     }
 }
 
-/// A command that the valve of an input can be given.
-fn least_command(plant: &HostPlant, index: usize) -> f64 {
+/// A command that leaves a valve as it is before the first one, where the valve can be given it: a set point is the initial gauge
+/// pressure of the actuator, and other valves rest at zero.
+fn first_command(plant: &HostPlant, index: usize) -> f64 {
     let input = &plant.commands()[index];
     let (low, high, _) = input.mode.range();
-    [0.0, low, high].into_iter().find(|number| plant.accepts(index, *number)).unwrap_or(0.0)
+    let initial = input.actuators.first().map(|actuator| plant.experiment().start.air[*actuator].gauge_pressure.0);
+    let rest = initial.filter(|_| matches!(input.mode, CommandMode::SetPoint { .. })).unwrap_or(0.0);
+    [rest, 0.0, low, high].into_iter().find(|number| plant.accepts(index, *number)).unwrap_or(0.0)
 }
 
 fn inputs(plant: &HostPlant) -> Vec<Variable> {
@@ -268,7 +271,7 @@ fn inputs(plant: &HostPlant) -> Vec<Variable> {
         inputs.push(Variable {
             min: Some(low),
             max: Some(high).filter(|high| high.is_finite()),
-            start: vec![least_command(plant, index)],
+            start: vec![first_command(plant, index)],
             ..of
         });
     }

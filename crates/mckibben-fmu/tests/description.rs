@@ -127,6 +127,21 @@ fn the_range_of_a_set_point_ends_at_the_supply() {
     assert!(of.max.is_some_and(|most| (most - 6e5).abs() < 1e-6), "{:?}", of.max);
 }
 
+/// A set point starts at the initial gauge pressure of the actuator, which the regulator gives before its first command; at zero where
+/// the supply cannot give that.
+#[test]
+fn a_set_point_starts_at_the_initial_pressure() {
+    for (initial, start) in [("1.5 bar", 1.5e5), ("7 bar", 0.0)] {
+        let text =
+            REGULATED.replace("length = \"90 mm\"", &format!("length = \"90 mm\"\ngauge_pressure = \"{initial}\""));
+        let unit = Unit::new(&text, &UnitOptions::default());
+        for name in ["actuator.set_point", "commands"] {
+            let its = unit.model.variables().all.iter().find(|its| its.name == name).expect("an input");
+            assert!((its.start[0] - start).abs() < 1e-6, "{name} starts at {:?} Pa for {initial}", its.start);
+        }
+    }
+}
+
 /// The element of a variable in a description.
 fn element<'t>(text: &'t str, name: &str) -> &'t str {
     let of = format!("name=\"{name}\"");

@@ -10,13 +10,14 @@
 //! samples. Its derivatives with respect to the unknowns are exact. A
 //! loop starts relaxed, which its first turn forgets: the readings before the first turn of the length do not count.
 //!
-//! Velocity, direction, and the length along which hysteresis and branches go are those of parabolas through several readings, in windows
-//! that follow from the noise of the length (`motion`). A reading whose direction is not known, near a turn or a rest, does not
+//! Direction, velocity, and the length along which hysteresis and branches go are those of parabolas and cubics through several readings, in
+//! windows that follow from the noise of the length (`motion`). A reading whose direction is not known, near a turn or a rest, does not
 //! count: dry friction has no known sign there. The static force takes the length as it was read, and not the parabola's: so its noise
 //! k σ, with the stiffness k, is another for each residual, as an interval takes it to be. A parabola would spread it over a window.
 //!
 //! ```text
-//! s² = σ_F² + k² σ_L²        where the deviation σ_F of a tension is known; k² is the mean of squared stiffnesses at the start
+//! s² = σ_F² + k² σ_L² + p² σ_P²     where the deviation σ_F of a tension is known; k² and p² are the means of squared derivatives of the
+//!                                   static force with respect to length and pressure, at the start
 //! ```
 //!
 //! With a Maxwell-slip law of given reaches its stiffness ratios are the weights of a play-operator sum (generalised
@@ -29,9 +30,10 @@
 use crate::adjustable::{Adjustable, Seeded};
 use crate::least_squares::{self, Evaluation, FitError, Found, Model, Search, Unknown};
 use crate::motion::Motion;
+use crate::propagation::Slope;
 use crate::series;
 use mckibben::friction::{Memory, SlidingState, Viscoelastic};
-use mckibben::{AbsolutePressure, Actuator, Error};
+use mckibben::{AbsolutePressure, Actuator, Dual, Error};
 use mckibben_scenario::Scenario;
 use thiserror::Error as ThisError;
 
@@ -61,6 +63,8 @@ pub struct Loop {
     pub name: String,
     samples: Vec<Sample>,
     motion: Motion,
+    /// Standard deviation of a pressure in Pa.
+    pressure_noise: f64,
     /// The first sample of a known direction after the first turn of the length.
     first: usize,
 }
@@ -109,12 +113,17 @@ pub enum LoopError {
 }
 
 impl Loop {
-    /// A loop of samples, whose lengths have a standard deviation in m that is known, or that is estimated from them.
+    /// A loop of samples, whose lengths and pressures have standard deviations in m and in Pa that are known, or that are estimated from
+    /// them.
     ///
     /// # Errors
     /// [`LoopError::BadSample`], [`LoopError::NoTurn`] when the length never turns, and [`LoopError::Hidden`] when its
     /// direction is known almost nowhere.
-    pub fn new(name: impl Into<String>, samples: Vec<Sample>, deviation: Option<f64>) -> Result<Self, LoopError> {
+    pub fn new(
+        name: impl Into<String>,
+        samples: Vec<Sample>,
+        [of_length, of_pressure]: [Option<f64>; 2],
+    ) -> Result<Self, LoopError> {
         let name = name.into();
         let bad = |(place, sample): (usize, &Sample)| {
             let finite = [sample.time, sample.length, sample.gauge_pressure, sample.tension]
@@ -125,14 +134,16 @@ impl Loop {
         if let Some(place) = samples.iter().enumerate().position(bad) {
             return Err(LoopError::BadSample { name, sample: place + 1 });
         }
-        let [times, lengths]: [Vec<f64>; 2] = [|sample: &Sample| sample.time, |sample: &Sample| sample.length]
-            .map(|value: fn(&Sample) -> f64| samples.iter().map(value).collect());
+        let all = |value: fn(&Sample) -> f64| samples.iter().map(value).collect::<Vec<f64>>();
+        let (times, lengths) = (all(|sample| sample.time), all(|sample| sample.length));
+        let pressure_noise =
+            series::noise(&times, &all(|sample| sample.gauge_pressure)).max(of_pressure.unwrap_or(0.0));
         if first_turn(lengths.windows(2).map(|pair| pair[1] - pair[0])).is_none() {
             return Err(LoopError::NoTurn { name });
         }
-        let motion = Motion::new(&times, &lengths, deviation);
+        let motion = Motion::new(&times, &lengths, of_length);
         let first = first_turn(motion.moving.iter().map(|moving| moving.map_or(0.0, |moving| moving.velocity)));
-        let found = Self { name, samples, motion, first: first.unwrap_or(0) };
+        let found = Self { name, samples, motion, pressure_noise, first: first.unwrap_or(0) };
         let [known, readings] = [found.counted(), found.moving()];
         match first {
             _ if known * KNOWN < readings || known == 0 => {
@@ -165,7 +176,7 @@ impl Loop {
         self.moving() - self.counted()
     }
 
-    /// Samples that the velocity is from, at the median of those that count.
+    /// Samples that the direction is from, at the median of those that count.
     pub fn window(&self) -> usize {
         let mut halves: Vec<usize> =
             self.counting().filter_map(|place| Some(self.motion.moving[place]?.half)).collect();
@@ -217,14 +228,17 @@ impl Loop {
         }
     }
 
-    /// Sum of the squares of what the noise of the length makes of the static force in N, over the samples that count.
+    /// Sum of the squares of what the noise of length and pressure makes of the static force in N, over the samples that count.
     fn squares_of_noise(&self, actuator: &Actuator) -> f64 {
         let atmosphere = actuator.air().atmosphere().0;
         let of = |place: usize| {
             let Sample { length, gauge_pressure, .. } = self.samples[place];
-            actuator.stiffness(length, AbsolutePressure(gauge_pressure + atmosphere)) * self.motion.noise
+            let pressure = gauge_pressure + atmosphere;
+            let by_length = actuator.stiffness(length, AbsolutePressure(pressure)) * self.motion.noise;
+            let force: Slope = actuator.static_force(Dual { value: length, slope: [0.0] }, Dual::variable(pressure, 0));
+            by_length.powi(2) + (force.slope[0] * self.pressure_noise).powi(2)
         };
-        self.counting().map(of).map(|force| force * force).sum()
+        self.counting().map(of).sum()
     }
 }
 
@@ -292,7 +306,7 @@ impl LoopTask {
         let start: Vec<f64> = self.unknowns.iter().map(|unknown| unknown.start).collect();
         let actuator = self.adjustable.at(&start)?.driven()?.actuator;
         let scale = match self.deviation {
-            Some(deviation) => deviation.hypot(self.noise_of_length(&actuator)),
+            Some(deviation) => deviation.hypot(self.noise_of_state(&actuator)),
             None => self.largest(),
         };
         let weighed = Weighed { task: self, scale: if scale > 0.0 { scale } else { 1.0 } };
@@ -305,15 +319,15 @@ impl LoopTask {
         Ok(LoopFit { found, scenario, left, typical, scale: weighed.scale })
     }
 
-    /// The standard deviation in N that the residuals should have by what is stated of tension and length, where they are more than
+    /// The standard deviation in N that the residuals should have by what is stated of tension, length and pressure, where they are more than
     /// chance makes of it.
     pub fn understated(&self, found: &LoopFit) -> Option<f64> {
         let exceeds = least_squares::exceeds_scales(found.typical / found.scale, found.found.fit.degrees_of_freedom);
         (self.deviation.is_some() && exceeds).then_some(found.scale)
     }
 
-    /// The noise of a tension in N, with what the noise of the length makes of the static force, where the model leaves more than three
-    /// times of it: the scenario lacks something, or readings are in other units.
+    /// The noise of a tension in N, with what the noise of length and pressure makes of the static force, where the model leaves more than
+    /// three times of it: the scenario lacks something, or readings are in other units. Outliers alone do not count to that.
     pub fn unexplained(&self, found: &LoopFit) -> Option<f64> {
         let series: Vec<[Vec<f64>; 2]> = self
             .loops
@@ -325,13 +339,18 @@ impl LoopTask {
             .collect();
         let of_tension = series::pooled_noise(series.iter().map(|[times, values]| (&times[..], &values[..])));
         let actuator = found.scenario.driven().ok()?.actuator;
-        let noise = of_tension.hypot(self.noise_of_length(&actuator));
+        let noise = of_tension.hypot(self.noise_of_state(&actuator));
+        let are_outliers = || {
+            let residuals = found.found.fit.residuals.iter().map(|residual| residual * found.scale);
+            series::are_outliers(&residuals.collect::<Vec<_>>(), noise)
+        };
         // Of readings without noise rounding is left.
-        (found.typical > series::BEYOND_NOISE * noise && found.typical > ROUNDING * self.largest()).then_some(noise)
+        let is_more = found.typical > series::BEYOND_NOISE * noise && found.typical > ROUNDING * self.largest();
+        (is_more && !are_outliers()).then_some(noise)
     }
 
-    /// Root mean square in N of what the noise of the lengths makes of the static force.
-    fn noise_of_length(&self, actuator: &Actuator) -> f64 {
+    /// Root mean square in N of what the noise of lengths and pressures makes of the static force.
+    fn noise_of_state(&self, actuator: &Actuator) -> f64 {
         let squares: f64 = self.loops.iter().map(|of| of.squares_of_noise(actuator)).sum();
         (squares / self.count().max(1) as f64).sqrt()
     }

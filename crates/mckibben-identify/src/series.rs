@@ -68,8 +68,19 @@ const WHOLE_STEPS: (usize, f64, f64) = (8, 0.9, 0.1);
 /// Steps of a sensor within the range of its samples at most: more are no wider than rounding.
 const MOST_STEPS: f64 = 1e4;
 
+/// Standard errors of their correlation above which one residual depends on the next.
+const CORRELATED: f64 = 3.0;
 /// Residuals over the noise of readings above which they are no noise.
 pub(crate) const BEYOND_NOISE: f64 = 3.0;
+
+/// Whether residuals in the order of time are those of independent readings with outliers: most are no larger than noise makes them, and
+/// none says anything of the next. Intervals hold with these as they do with normal noise.
+pub(crate) fn are_outliers(residuals: &[f64], noise: f64) -> bool {
+    let squares: f64 = residuals.iter().map(|residual| residual * residual).sum();
+    let products: f64 = residuals.windows(2).map(|pair| pair[0] * pair[1]).sum();
+    let is_white = products.abs() <= CORRELATED * squares / (residuals.len() as f64).sqrt();
+    is_white && deviation(residuals.iter().copied()) <= BEYOND_NOISE * noise
+}
 
 /// Pooled noise of several time series, where so much is left of them that it is no noise: the model lacks something, or a search has
 /// ended away from the best values.

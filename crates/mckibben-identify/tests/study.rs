@@ -175,6 +175,28 @@ fn outliers_are_reported_or_left_out() {
     assert_eq!(dropped.channel(Quantity::Length).expect("a time series").0.len(), 59);
 }
 
+/// Two readings on a steep edge with an empty cell between them: most readings about the first are those before the edge, and it was
+/// taken for an outlier.
+#[test]
+fn a_reading_on_an_edge_is_no_outlier() {
+    let folder = Folder::new("edge");
+    let text = table(60, |row| {
+        let jitter = 0.01 * ((7 * row) % 5) as f64;
+        let length = match row {
+            0..=29 => format!("{}", 90.0 + jitter),
+            30 => "93".to_owned(),
+            31 => String::new(),
+            32 => "97".to_owned(),
+            33 => "99".to_owned(),
+            _ => format!("{}", 100.0 + jitter),
+        };
+        format!("{},{length},20", 0.01 * row as f64)
+    });
+    let recording = folder.recording(&text, "drop_outliers = true", "").unwrap_or_else(|error| panic!("{error}"));
+    assert!(!notes(&recording).contains("outlier"), "{}", notes(&recording));
+    assert_eq!(recording.channel(Quantity::Length).expect("a time series").0.len(), 59);
+}
+
 /// Normal noise alone, of which a threshold in units of eight neighbours flagged about one reading in two hundred; a reading far off
 /// is still found.
 #[test]
@@ -312,6 +334,11 @@ fn mistakes_are_shown_where_they_are() {
         ),
         (head.to_owned(), Some(1), "no runs"),
         (format!("{head}[[run]]\nname = \"a\"\n"), None, "has no file"),
+        (
+            format!("{}{run}[fit.\"columns.tension.offset\"]\n", head.replace("force-map", "hysteresis")),
+            None,
+            "is a parameter of a sensor, which only trajectories estimate",
+        ),
         (format!("{head}[search]\nrobust = -1\n{run}"), None, "not above zero"),
     ] {
         let error = folder.study(&text).expect_err(&text);

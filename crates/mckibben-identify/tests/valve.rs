@@ -477,6 +477,17 @@ fn pulse_trains_without_an_answer_are_refused() {
     let still = Noise::new(2).added_to(&vec![3e5; 400], 100.0);
     let error = Delays::find(&time, &still, &train).expect_err("nothing happens").to_string();
     assert!(error.contains("after any of 4 times the coil was energised"), "{error}");
+    // Ten samples in a pulse and ten in a pause: of 15 half of a pause and a pulse are made, and 16 take 16/30 ms.
+    let every = |interval: f64| -> Vec<f64> { (0..480).map(|place| 0.013 + interval * f64::from(place)).collect() };
+    let train = PulseTrain::pwm(25.0, 0.5, 19).expect("a train");
+    let [slow, fast] = [2e-3, 1.0 / 600.0].map(|interval| {
+        let time = every(interval);
+        Delays::find(&time, &pulsed(25.0, 0.5, &time), &train)
+    });
+    let error = slow.expect_err("too few samples").to_string();
+    assert!(error.contains("only 15 samples") && error.contains("at 19 of 19 times"), "{error}");
+    assert!(error.contains("sample at 534 Hz or more"), "{error}");
+    assert!(!matches!(fast, Err(ValveError::Coarse { .. })), "{fast:?}");
     assert!(PulseTrain::new(&[0.0, 0.1], &[0.3]).expect_err("not by turns").to_string().contains("by turns"));
     assert!(PulseTrain::pwm(10.0, 50.0, 4).expect_err("percent").to_string().contains("50 % is 0.5"));
     let percent = [DutyPoint { frequency: 25.0, commanded: 50.0, effective: 43.0 }; 2];

@@ -3,7 +3,7 @@
 use crate::arguments;
 use crate::exceptions::OrException;
 use crate::scenario::ScenarioArgument;
-use crate::typed::{GaugePressures, Numbered, Sections, Sequence};
+use crate::typed::{GaugePressures, Numbered, Sections};
 use mckibben_run::curves::{Curves, Pressures};
 use mckibben_run::failure::Failure;
 use mckibben_scenario::presets::{ACTUATORS, Preset, VALVES};
@@ -30,27 +30,26 @@ use pyo3::types::PyDict;
 pub(crate) fn _curves<'py>(
     py: Python<'py>,
     scenario: ScenarioArgument<'py>,
-    gauge_pressures: Option<GaugePressures>,
+    gauge_pressures: Option<GaugePressures<'py>>,
 ) -> PyResult<Numbered<'py>> {
     let document = &scenario.0.get().document;
+    let text = |text: &str| {
+        text.parse().map_err(|why: String| {
+            let remedy = "give text such as \"35, 45, 55 psi\", or numbers in Pa";
+            Failure::input(format!("`gauge_pressures`: {why}"), remedy)
+        })
+    };
+    let pressures: Option<Pressures> = match gauge_pressures {
+        None => None,
+        Some(GaugePressures::Text(list)) => Some(text(&list).or_exception()?),
+        Some(GaugePressures::Numbers(numbers)) => {
+            let numbers = numbers.read("gauge_pressures")?;
+            arguments::finite("gauge_pressures", &numbers).or_exception()?;
+            Some(Pressures::of_pascals(&numbers))
+        }
+    };
     let (table, count) = py
         .detach(|| {
-            let text = |text: &str| {
-                text.parse().map_err(|why: String| {
-                    Failure::input(
-                        format!("`gauge_pressures`: {why}"),
-                        "give text such as \"35, 45, 55 psi\", or numbers in Pa",
-                    )
-                })
-            };
-            let pressures: Option<Pressures> = match gauge_pressures {
-                None => None,
-                Some(GaugePressures::Text(list)) => Some(text(&list)?),
-                Some(GaugePressures::Numbers(Sequence(numbers))) => {
-                    arguments::finite("gauge_pressures", &numbers)?;
-                    Some(Pressures::of_pascals(&numbers))
-                }
-            };
             let curves = Curves::of(document, pressures.as_ref())?;
             Ok::<_, Failure>((curves.data()?, curves.pressures().len()))
         })

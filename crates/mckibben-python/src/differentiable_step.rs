@@ -18,7 +18,7 @@ use crate::actuator::{
 };
 use crate::exceptions::OrException;
 use crate::python;
-use crate::typed::{Function, LENGTH, NewArguments, Numbers, Quantity, Sequence, TIME, VELOCITY, Value};
+use crate::typed::{Function, LENGTH, Line, NewArguments, Numbers, Quantity, TIME, VELOCITY, Value};
 use mckibben::plant::{PlantRun, PlantSteps};
 use mckibben::valve::RuntimeCommand;
 use mckibben::{DIRECTIONS, Error, GaugePressure, Instantiate, Over, Seeded};
@@ -342,14 +342,15 @@ impl DifferentiableStep {
     /// ------
     /// InputError
     ///     The numbers are no outputs of this step.
-    fn unpack(&self, outputs: Sequence) -> PyResult<(ActuatorState, f64)> {
-        let (count, expected) = (outputs.0.len(), self.states.len() + 1);
+    fn unpack(&self, outputs: Line<'_>) -> PyResult<(ActuatorState, f64)> {
+        let outputs = outputs.read("outputs")?;
+        let (count, expected) = (outputs.len(), self.states.len() + 1);
         if count != expected {
             let title = format!("{count} numbers were given for {expected} outputs");
             return Err(Failure::input(title, "give all outputs of this step, in their order")).or_exception();
         }
         let mut steps = self.model().steps.clone();
-        let (numbers, tension) = outputs.0.split_at(self.states.len());
+        let (numbers, tension) = outputs.split_at(self.states.len());
         steps.restore_from(numbers).map_err(Failure::from).or_exception()?;
         Ok((self.model().state_of(&mut steps).or_exception()?, tension[0]))
     }
@@ -365,8 +366,9 @@ impl DifferentiableStep {
     /// -------
     /// numpy.ndarray
     ///     Outputs in SI, of shape (len(outputs),).
-    fn __call__<'py>(&self, py: Python<'py>, values: Sequence) -> PyResult<Numbers<'py>> {
-        Ok(Self::numbers(py, py.detach(|| self.outputs_at(&values.0)).or_exception()?))
+    fn __call__<'py>(&self, py: Python<'py>, values: Line<'py>) -> PyResult<Numbers<'py>> {
+        let values = values.read("values")?;
+        Ok(Self::numbers(py, py.detach(|| self.outputs_at(&values)).or_exception()?))
     }
 
     /// Return the outputs and their Jacobian with respect to the inputs.
@@ -389,8 +391,9 @@ impl DifferentiableStep {
     ///     The values are of another number, out of range, or no state of the actuator; or the step has more than 20 000 parts.
     /// SimulationError
     ///     The step leads to a non-physical state.
-    fn value_and_jacobian<'py>(&self, py: Python<'py>, values: Sequence) -> PyResult<(Numbers<'py>, Numbers<'py>)> {
-        let both = || Ok::<_, Failure>((self.outputs_at(&values.0)?, self.jacobian_at(&values.0)?));
+    fn value_and_jacobian<'py>(&self, py: Python<'py>, values: Line<'py>) -> PyResult<(Numbers<'py>, Numbers<'py>)> {
+        let values = values.read("values")?;
+        let both = || Ok::<_, Failure>((self.outputs_at(&values)?, self.jacobian_at(&values)?));
         let (outputs, jacobian) = py.detach(both).or_exception()?;
         let jacobian = PyArray1::from_vec(py, jacobian).reshape([outputs.len(), self.width()])?;
         Ok((Self::numbers(py, outputs), Numbers(jacobian.into_any())))

@@ -26,7 +26,8 @@ pub(crate) fn _register_mujoco() -> PyResult<()> {
 /// Plants of a scenario whose ends a simulator of your own moves: distances and commands in, tensions and pressures out.
 ///
 /// All actuators of the scenario, with the air network that they share, are one plant. The loads and mechanisms of the scenario
-/// are not used: the simulator moves the ends. `count` plants, each with its own state, are stepped together, side by side in the
+/// are not used: the simulator moves the ends. Nor are `run.method` and `run.step`: every part of a step is one of the stable
+/// method. `count` plants, each with its own state, are stepped together, side by side in the
 /// vector registers of the processor; many of them on all cores. Each is bit-identical to a plant alone.
 ///
 /// Arrays have a row for each plant. Those of distances, velocities and commands are read in place, and are C-contiguous.
@@ -265,7 +266,9 @@ impl HostedPlant {
         arguments::room(py, count.0, "plants", EACH)?;
         let commands: String =
             plant.commands().iter().map(|its| format!("{}{:?}", its.name, its.mode.pulse_frequency())).collect();
-        let mark = mark(&scenario.get().to_toml(), &commands);
+        let of = scenario.get();
+        let described = of.understood().map_or_else(|| of.document.to_toml(), mckibben_scenario::Scenario::to_toml);
+        let mark = mark(&described, &commands);
         let (trial, pace) = (plant.clone(), Pace::default());
         let batch = HostBatch::with_precision(std::iter::repeat_n(plant, count.0), precision.read().or_exception()?)
             .or_exception()?;

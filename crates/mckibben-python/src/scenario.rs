@@ -8,7 +8,7 @@ use crate::values;
 use mckibben_run::failure::Failure;
 use mckibben_run::run::Ready;
 use mckibben_run::settle::Settling;
-use mckibben_scenario::{Diagnostics, Document};
+use mckibben_scenario::{Diagnostics, Document, keys};
 use pyo3::exceptions::PyTypeError;
 use pyo3::inspect::PyStaticExpr;
 use pyo3::prelude::*;
@@ -26,7 +26,7 @@ const SET: &str = "with_values";
 ///
 /// A quantity is text with its unit, such as "60 psi"; in values from Python it may be a number in SI. A scenario is immutable:
 /// `with_values` returns another one. Sections are attributes: `scenario.load.mass` is a number in SI. Two scenarios are equal
-/// if `to_toml` returns equal text.
+/// if `to_toml` returns equal text: a section `[sweep]` counts, and whether an engine is given.
 ///
 /// Parameters
 /// ----------
@@ -69,7 +69,7 @@ pub(crate) struct Scenario {
     pub(crate) document: Document,
     /// As it was understood; none of many actuators with names.
     understood: Option<mckibben_scenario::Scenario>,
-    /// The dictionary of `to_dict`, made at the first use of an attribute. It is read only.
+    /// The dictionary of the attributes, made at the first use of one. It is read only.
     sections: PyOnceLock<Py<PyDict>>,
 }
 
@@ -139,22 +139,33 @@ impl Scenario {
         self.set.iter().map(|(key, value)| format!("{key}={value}")).collect()
     }
 
-    /// A new dictionary of the sections.
+    /// A new dictionary of the sections of `to_toml`.
     fn dictionary<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        // What was written is read back.
-        let table: toml::Table = self.to_toml().parse().unwrap_or_default();
-        values::dict_of(py, &table)
+        values::dict_of(py, &table_of(&self.to_toml()))
     }
 
-    /// The dictionary of the sections that all attributes share. It is never changed.
+    /// The dictionary of the sections that all attributes share: with every default, and with what a sweep varies. It is never
+    /// changed.
     fn sections<'py>(&self, py: Python<'py>) -> PyResult<&Bound<'py, PyDict>> {
-        self.sections.get_or_try_init(py, || self.dictionary(py).map(Bound::unbind)).map(|sections| sections.bind(py))
+        let all = || {
+            let given = table_of(&self.to_toml());
+            let mut all =
+                self.understood.as_ref().map_or_else(|| given.clone(), |understood| table_of(&understood.to_toml()));
+            all.extend(given.into_iter().filter(|(section, _)| section == keys::SWEEP));
+            values::dict_of(py, &all).map(Bound::unbind)
+        };
+        self.sections.get_or_try_init(py, all).map(|sections| sections.bind(py))
     }
 
     /// The name without folder and ending.
     pub(crate) fn title(&self) -> String {
         PathBuf::from(&self.name).file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default()
     }
+}
+
+/// The sections of text that a scenario has written: it reads back.
+fn table_of(text: &str) -> toml::Table {
+    text.parse().unwrap_or_default()
 }
 
 /// Builds what a scenario of one actuator or joint describes, as `mckibben check` does.
@@ -277,13 +288,14 @@ impl Scenario {
 
     /// Return the scenario as TOML: every value in SI, those of presets and defaults written out.
     ///
-    /// Of several actuators with names: every key that was given, with its value as it was written.
+    /// Where no engine is given none is written, as a sweep chooses it then. Of several actuators with names, and of a scenario with
+    /// a section `[sweep]`: every key that was given, with its value as it was written.
     ///
     /// Returns
     /// -------
     /// str
     pub(crate) fn to_toml(&self) -> String {
-        self.understood.as_ref().map_or_else(|| self.document.to_toml(), mckibben_scenario::Scenario::to_toml)
+        self.document.to_toml_with(self.understood.as_ref())
     }
 
     /// Return the content of `to_toml` as a dictionary of sections, which `from_dict` accepts.
@@ -386,7 +398,7 @@ impl Scenario {
     ///     {'load.mass': ('2 kg', '3.5 kg')}
     fn diff<'py>(&self, other: &Bound<'py, Self>) -> PyResult<Sections<'py>> {
         let py = other.py();
-        python::call(py, ("_scenario", "diff"), (self.sections(py)?, other.get().sections(py)?)).map(Sections)
+        python::call(py, ("_scenario", "diff"), (self.dictionary(py)?, other.get().dictionary(py)?)).map(Sections)
     }
 
     /// Return a section or a value by its name, such as `scenario.load.mass`: a quantity is a number in SI.
@@ -407,7 +419,7 @@ impl Scenario {
     }
 
     fn _repr_html_<'py>(&self, py: Python<'py>) -> PyResult<Object<'py>> {
-        python::call(py, ("_scenario", "to_html"), (&self.name, self.sections(py)?)).map(Object)
+        python::call(py, ("_scenario", "to_html"), (&self.name, self.dictionary(py)?)).map(Object)
     }
 
     fn __getnewargs__(&self) -> (&str, &str, Vec<(String, String)>, bool) {

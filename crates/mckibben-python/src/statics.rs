@@ -3,7 +3,7 @@
 use crate::arguments;
 use crate::exceptions::OrException;
 use crate::scenario::ScenarioArgument;
-use crate::typed::{FORCE, LENGTH, Numbers, PRESSURE, Quantity, Sequence, si_of_text};
+use crate::typed::{FORCE, FREQUENCY, LENGTH, Numbers, PRESSURE, Quantity, Sequence, TIME, si_of_text};
 use mckibben::{Actuator, GaugePressure};
 use mckibben_run::failure::Failure;
 use numpy::PyArray1;
@@ -69,12 +69,14 @@ fn not_infinite(name: &str, numbers: &[f64]) -> Result<(), Failure> {
     }
 }
 
-/// The value in SI of text in an argument, whose name says what it measures: a length, a force or a pressure.
+/// The value in SI of text in an argument, whose name says what it measures: a length, a force, a time, a frequency or a pressure.
 #[pyfunction]
 pub(crate) fn _si(name: &str, text: &str) -> PyResult<f64> {
     let measured = match name {
         "length" => LENGTH,
         "force" => FORCE,
+        "control_period" | "duration" | "sensor_delay" | "action_delay" => TIME,
+        "pulse_frequency" => FREQUENCY,
         _ => PRESSURE,
     };
     si_of_text(name, text, measured).or_exception()

@@ -1,9 +1,9 @@
 //! A sweep by its parts: the class `Sweep`.
 
-use crate::exceptions::OrException;
+use crate::exceptions::{OrException, exception};
 use crate::scenario::{Scenario, ScenarioArgument};
 use crate::signals::interruptible;
-use crate::typed::{Items, Names, Progress};
+use crate::typed::{Items, Names, Progress, is_truth, shortened};
 use mckibben_run::failure::Failure;
 use mckibben_run::sweep::counts::SweepCounts;
 use mckibben_run::sweep::destination::Place;
@@ -12,8 +12,9 @@ use mckibben_run::sweep::prepared::Prepared;
 use mckibben_run::sweep::step::Choice;
 use mckibben_run::sweep::warned::Warned;
 use mckibben_run::table::Kind;
+use pyo3::inspect::PyStaticExpr;
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict};
+use pyo3::types::{PyBytes, PyDict, PyInt};
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
@@ -86,6 +87,25 @@ impl Sweep {
             }
         }
         Ok((missing, known))
+    }
+}
+
+/// The index of a part. That a sweep has so many is checked by what uses it.
+struct Part(u64);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Part {
+    type Error = PyErr;
+    const INPUT_TYPE: PyStaticExpr = <u64 as FromPyObject<'a, 'py>>::INPUT_TYPE;
+
+    fn extract(index: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        match index.extract() {
+            Ok(part) if !is_truth(&index) => Ok(Self(part)),
+            Err(error) if !index.is_instance_of::<PyInt>() && !index.hasattr("__index__")? => Err(error),
+            _ => {
+                let title = format!("the sweep has no part {}", shortened(&index.to_string()));
+                Err(exception(&Failure::input(title, "parts are counted from 0: give a whole number below `parts`")))
+            }
+        }
     }
 }
 
@@ -182,8 +202,8 @@ impl Sweep {
     /// ------
     /// InputError
     ///     There is no such part.
-    fn part<'py>(&self, py: Python<'py>, part: u64) -> PyResult<Bound<'py, PyBytes>> {
-        let bytes = py.detach(|| self.prepared.part(self.choice.as_ref(), part)).or_exception()?;
+    fn part<'py>(&self, py: Python<'py>, part: Part) -> PyResult<Bound<'py, PyBytes>> {
+        let bytes = py.detach(|| self.prepared.part(self.choice.as_ref(), part.0)).or_exception()?;
         Ok(PyBytes::new(py, &bytes))
     }
 
@@ -252,10 +272,10 @@ impl Sweep {
     ///     The folder holds something else, or the bytes are not that part, whole; what stands in its place stays.
     /// OutputError
     ///     The file cannot be written.
-    fn put(&self, py: Python<'_>, folder: PathBuf, part: u64, bytes: &[u8]) -> PyResult<()> {
+    fn put(&self, py: Python<'_>, folder: PathBuf, part: Part, bytes: &[u8]) -> PyResult<()> {
         py.detach(|| {
             let (folder, plan) = (self.prepared.folder(&folder)?, self.prepared.plan());
-            folder.put(&plan, part, bytes).map_err(|failure| failure.staying(|| folder.stays(&plan)))
+            folder.put(&plan, part.0, bytes).map_err(|failure| failure.staying(|| folder.stays(&plan)))
         })
         .or_exception()
     }

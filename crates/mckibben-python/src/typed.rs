@@ -1,13 +1,14 @@
 //! Python objects with the types that the stubs give them.
 
 use crate::exceptions::{OrException, exception};
+use crate::python;
 use mckibben_batch::Precision;
 use mckibben_run::failure::Failure;
 use mckibben_run::quantities;
 use numpy::ndarray::Dimension;
 use numpy::{
-    AllowTypeChange, BorrowError, Element, Ix1, Ix2, PyArray, PyArrayLike1, PyArrayMethods, PyReadonlyArray,
-    PyReadwriteArray, PyUntypedArray, PyUntypedArrayMethods,
+    AllowTypeChange, BorrowError, Element, Ix1, Ix2, PyArray, PyArray1, PyArrayLike1, PyArrayMethods, PyReadonlyArray,
+    PyReadonlyArrayDyn, PyReadwriteArray, PyUntypedArray, PyUntypedArrayMethods,
 };
 use pyo3::conversion::FromPyObjectOwned;
 use pyo3::exceptions::PyTypeError;
@@ -502,14 +503,15 @@ impl<'a, 'py, const LEAST: usize> FromPyObject<'a, 'py> for Count<LEAST> {
 }
 
 /// A number whose digits do not fill the screen.
-fn shortened(digits: &str) -> String {
+pub(crate) fn shortened(digits: &str) -> String {
     match digits.len() {
         ..=24 => digits.to_owned(),
         length => format!("{}… ({length} digits)", &digits[..8]),
     }
 }
 
-/// Numbers in a sequence or an array of any type and layout; a number counts as one.
+/// Numbers that the package itself gives, in a sequence or an array of any type and layout; a number counts as one. Those of a caller
+/// are a [`Line`].
 pub(crate) struct Sequence(pub(crate) Vec<f64>);
 
 impl<'a, 'py> FromPyObject<'a, 'py> for Sequence {
@@ -531,23 +533,30 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Sequence {
     }
 }
 
-/// Numbers as of [`Sequence`]. They are read by [`Line::read`], which knows the name of the argument.
+/// Numbers that a caller gives, in a sequence or an array of any type and layout; a number counts as one. They are read by
+/// [`Line::read`], which knows the name of the argument.
 pub(crate) struct Line<'py>(Bound<'py, PyAny>);
 
 impl Line<'_> {
-    /// The numbers of the argument of a name.
+    /// The numbers of the argument of a name. Truth values, texts and what a mask hides are none.
     pub(crate) fn read(&self, name: &str) -> PyResult<Vec<f64>> {
         let given = &self.0;
-        if let Ok(numbers) = given.extract::<Sequence>() {
-            return Ok(numbers.0);
+        // Calls in a loop give such an array.
+        if given.is_exact_instance_of::<PyUntypedArray>()
+            && let Ok(array) = given.cast::<PyArray1<f64>>()
+            && let Ok(array) = array.try_readonly()
+            && let Ok(numbers) = array.as_slice()
+        {
+            return Ok(numbers.to_vec());
         }
-        let remedy = "give a number, or numbers in one dimension";
-        let dimensions = given.cast::<PyUntypedArray>().map_or(0, |array| array.ndim());
-        let what = match dimensions {
-            0 | 1 => format!("of type {}, which holds no such numbers", kind(given)),
-            _ => format!("an array with {dimensions} dimensions"),
-        };
-        Err(PyTypeError::new_err(format!("`{name}` is {what}; {remedy}")))
+        let numbers = python::call(given.py(), ("_arguments", "numbers_of"), (name, given))?;
+        let numbers = numbers.extract::<PyReadonlyArrayDyn<'_, f64>>()?;
+        match numbers.ndim() {
+            0 | 1 => Ok(numbers.as_array().iter().copied().collect()),
+            dimensions => Err(PyTypeError::new_err(format!(
+                "`{name}` is an array with {dimensions} dimensions; give a number, or numbers in one dimension"
+            ))),
+        }
     }
 }
 
@@ -582,19 +591,19 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Single<'py> {
 }
 
 /// Gauge pressures: numbers in Pa, or text with a unit.
-pub(crate) enum GaugePressures {
-    Numbers(Sequence),
+pub(crate) enum GaugePressures<'py> {
+    Numbers(Line<'py>),
     Text(String),
 }
 
-impl<'a, 'py> FromPyObject<'a, 'py> for GaugePressures {
+impl<'a, 'py> FromPyObject<'a, 'py> for GaugePressures<'py> {
     type Error = PyErr;
     const INPUT_TYPE: PyStaticExpr = type_hint_union!(name!("numpy.typing", "ArrayLike"), STR);
 
     fn extract(given: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
         match given.extract() {
             Ok(text) => Ok(Self::Text(text)),
-            Err(_) => given.extract().map(Self::Numbers),
+            Err(_) => Ok(Self::Numbers(Line(given.to_owned()))),
         }
     }
 }

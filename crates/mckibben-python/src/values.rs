@@ -1,7 +1,7 @@
 //! Values of Python as TOML, and back.
 
 use crate::exceptions::exception;
-use crate::typed::kind;
+use crate::typed::{kind, shortened};
 use mckibben_run::failure::Failure;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -74,7 +74,10 @@ impl<'py> Walk<'py> {
         if value.is_instance_of::<PyInt>() || (!value.is_instance_of::<PyFloat>() && value.hasattr("__index__")?) {
             return match value.extract::<i64>() {
                 Ok(whole) => Ok(toml::Value::Integer(whole)),
-                Err(_) => value.extract().map(toml::Value::Float),
+                Err(_) => value.extract().map(toml::Value::Float).map_err(|_| {
+                    let title = format!("`{path}` = {} is larger than any number", shortened(&value.to_string()));
+                    exception(&Failure::input(title, "give a number in SI below 1.8e308, or text with a unit"))
+                }),
             };
         }
         value.extract().map(toml::Value::Float).map_err(|_| {

@@ -89,12 +89,25 @@ impl<V: AsRef<[f64]>> Peaks<V> {
         self.ranges.iter_mut().zip(values.as_ref()).for_each(|(range, value)| range.see(*value));
     }
 
-    /// Ends a step: the times in s in it at which quantities turn about what is an extreme so far, to be taken by [`Self::widen`].
-    pub(crate) fn turns(&mut self) -> Vec<f64> {
+    /// Ends a step: reads it where quantities turn about what is an extreme so far, and again there, since a parabola through points far
+    /// apart turns beside them.
+    pub(crate) fn turn(&mut self, mut read: impl FnMut(f64) -> V) {
+        for _ in 0..TURNS {
+            let times = self.turns();
+            if times.is_empty() {
+                break;
+            }
+            times.into_iter().for_each(|time| self.see(time, read(time)));
+        }
+        self.points.clear();
+    }
+
+    /// The times in s, other than those seen, at which quantities turn about what is an extreme so far.
+    fn turns(&mut self) -> Vec<f64> {
         let Self { ranges, points } = self;
         points.sort_by(|one, other| one.0.total_cmp(&other.0));
         points.dedup_by(|one, other| one.0 == other.0);
-        let mut times = Vec::new();
+        let mut times: Vec<f64> = Vec::new();
         for three in points.windows(3) {
             let [before, at, after] = three else { continue };
             let values = before.1.as_ref().iter().zip(at.1.as_ref()).zip(after.1.as_ref());
@@ -103,11 +116,12 @@ impl<V: AsRef<[f64]>> Peaks<V> {
                 if left * right > 0.0 && (*it == range.least || *it == range.greatest) {
                     let (back, forth) = (at.0 - before.0, after.0 - at.0);
                     let from_middle = (forth * forth * left - back * back * right) / (forth * left + back * right);
-                    times.push(at.0 + 0.5 * from_middle);
+                    if from_middle.abs() > NEAR * (after.0 - before.0) {
+                        times.push(at.0 + 0.5 * from_middle);
+                    }
                 }
             }
         }
-        points.clear();
         times
     }
 
@@ -247,6 +261,11 @@ const POINTS: u64 = 400;
 /// Samples in which extremes are looked for at least.
 const LEAST_SAMPLES: f64 = 5000.0;
 
+/// How often an extreme within a step is looked for between the points next to the last one, at most.
+const TURNS: usize = 6;
+/// Part of the time between these points by which it is found: its value then is to some millionths of how much that falls off there.
+const NEAR: f64 = 1e-3;
+
 /// Times at which a run is read.
 pub(crate) type Times = Box<dyn Iterator<Item = f64> + Send>;
 
@@ -382,11 +401,11 @@ impl Observes<RigPlant> for Observer {
         if step.holds(step.start()) {
             [step.start(), step.end()].into_iter().for_each(|time| see(time, &step.at(time)));
         }
-        for time in peaks.turns() {
+        peaks.turn(|time| {
             let sample = step.at(time);
-            peaks.widen(&Extremes::values(&sample));
             reached.see(actuator, &sample);
-        }
+            Extremes::values(&sample)
+        });
         let Ok(()) = points.step(step, |sample| {
             if let Some(window) = window {
                 let weight = window.step();
@@ -422,18 +441,31 @@ mod tests {
         assert!(range.least.is_nan() && range.greatest.is_nan());
     }
 
-    /// A parabola is read where it turns, whatever the distances of its points; what only rises has no turn, nor has what turns below
-    /// an extreme that was seen before.
+    /// Extremes are read where they are, whatever the distances of the points; what only rises has no turn, nor has what turns below an
+    /// extreme that was seen before.
     #[test]
-    fn peaks_are_read_where_a_parabola_turns() {
+    fn peaks_are_read_where_they_are() {
         let of = |time: f64| [3.0 - (time - 0.37).powi(2), time];
         let mut peaks = Peaks::new(2);
         [0.0, 0.5, 0.2, 1.0].into_iter().for_each(|time| peaks.see(time, of(time)));
-        let turns = peaks.turns();
-        assert!(turns.len() == 1 && (turns[0] - 0.37).abs() < 1e-12, "{turns:?}");
-        turns.iter().for_each(|time| peaks.widen(&of(*time)));
+        let mut read = Vec::new();
+        peaks.turn(|time| {
+            read.push(time);
+            of(time)
+        });
+        assert!((read[0] - 0.37).abs() < 1e-12 && read.len() == 1, "{read:?}");
         assert!((peaks.ranges()[0].greatest - 3.0).abs() < 1e-12 && peaks.ranges()[1].greatest == 1.0);
         [0.0, 0.2, 0.6].into_iter().for_each(|time| peaks.see(time, of(time)));
-        assert!(peaks.turns().is_empty());
+        peaks.turn(|time| panic!("what turns below is read at {time}"));
+    }
+
+    /// A pulse that decays turns beside the parabola through points far apart: at 1 it is 1.
+    #[test]
+    fn a_skew_peak_is_found() {
+        let of = |time: f64| [time * (1.0 - time).exp()];
+        let mut peaks = Peaks::new(1);
+        [0.0, 0.75, 1.5, 2.25, 3.0].into_iter().for_each(|time| peaks.see(time, of(time)));
+        peaks.turn(of);
+        assert!((peaks.ranges()[0].greatest - 1.0).abs() < 1e-6, "{:?}", peaks.ranges());
     }
 }

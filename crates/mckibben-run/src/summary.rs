@@ -76,6 +76,13 @@ impl Summary {
         self.range(name, "Pa", last - atmosphere, Range { least: least - atmosphere, greatest: greatest - atmosphere });
     }
 
+    /// The air that came in through valves and where a pressure is given, if the run has one of these.
+    fn air_used(&mut self, ended: &Ended) {
+        if ended.draws || ended.ledger.has_given_pressure() {
+            self.put("air.used", "kg", ended.ledger.air_used());
+        }
+    }
+
     fn air(&mut self, prefix: &str, air: &AirUse) {
         self.put(format!("{prefix}air.from_supply"), "kg", air.from_supply);
         self.put(format!("{prefix}air.to_exhaust"), "kg", air.to_atmosphere);
@@ -123,6 +130,9 @@ impl Summary {
             ("heat", total.heat_loss),
         ];
         exergy.into_iter().for_each(|(name, value)| self.put(format!("exergy.{name}"), "J", value));
+        if let Some(temperature) = ledger.reference_temperature() {
+            self.put("exergy.reference_temperature", "K", temperature);
+        }
         self.residual("exergy", "J", &ledger.exergy());
         self.residual("air", "kg", &ledger.air());
         if let Some(efficiency) = total.efficiency() {
@@ -192,8 +202,8 @@ fn of_actuator(of: &ViewFigures<Rig, observation::Observation>) -> Summary {
             summary.put("length.drift", "m", drift);
         }
     }
+    summary.air_used(&seen.ended);
     if seen.ended.draws {
-        summary.put("air.used", "kg", seen.air.used());
         summary.air("", &seen.air);
     }
     summary.ledger(&seen.ended.ledger, seen.ended.draws);
@@ -219,8 +229,8 @@ fn of_joint(of: &ViewFigures<JointRig, joint::observation::Observation>) -> Summ
         summary.range(&format!("{name}.tension"), "N", its.tension, tension);
         summary.gauge(&format!("{name}.gauge_pressure"), its.pressure.0, pressure, atmosphere);
     }
+    summary.air_used(&seen.ended);
     if seen.ended.draws {
-        summary.put("air.used", "kg", seen.air.iter().map(AirUse::used).sum());
         NAMES.iter().zip(&seen.air).for_each(|(name, air)| summary.air(&format!("{name}."), air));
     }
     summary.ledger(&seen.ended.ledger, seen.ended.draws);
@@ -239,9 +249,7 @@ fn of_plant(of: &PlantFigures) -> Summary {
     for row in seen.rows.iter().filter(|row| !row.key.is_empty()) {
         summary.range(&row.key, row.unit, row.last, row.range);
     }
-    if seen.ended.draws {
-        summary.put("air.used", "kg", crate::plant::observation::air_used(&of.experiment, &seen.ended.ledger));
-    }
+    summary.air_used(&seen.ended);
     summary.ledger(&seen.ended.ledger, seen.ended.draws);
     if let Some(closed) = &of.control {
         let named = closed.names.iter().zip(&closed.goals);
@@ -258,6 +266,7 @@ mod tests {
     use crate::record::Values;
     use crate::run::Ready;
     use crate::settle::End;
+    use crate::sweep::rows::{Outcome, UNCHECKED, simulate_rows};
     use crate::units::ending;
     use mckibben_scenario::Document;
     use std::collections::BTreeSet;
@@ -321,6 +330,68 @@ mod tests {
             numbers.iter().find(|number| number.name == "air.used").unwrap().value
         });
         assert!(used[0] > 3e-5 && used.iter().all(|its| (its / used[0] - 1.0).abs() < 1e-6), "{used:?}");
+    }
+
+    /// The number of a name of the run of a text; none where it has none.
+    fn number_of(text: &str, name: &str) -> Option<f64> {
+        let document = Document::parse(text, "file.toml").unwrap();
+        let finished = Ready::of(&document).unwrap().run(&document, End::Duration, &mut |_| Ok(())).unwrap().0;
+        let numbers = finished.figures().unwrap().summary().numbers;
+        numbers.iter().find(|number| number.name == name).map(|number| number.value)
+    }
+
+    /// The atmosphere is as warm as the coldest supply, in whatever order the file has them.
+    #[test]
+    fn exergy_does_not_depend_on_the_order_of_supplies() {
+        let part = |name: &str, kelvin| {
+            format!("[supplies.{name}]\ngauge_pressure = \"4 bar\"\ntemperature = \"{kelvin} K\"\n")
+        };
+        let [hot, cold] = [part("hot", 330), part("cold", 270)];
+        let of = |supplies: String, name: &str| {
+            let text = format!(
+                "{supplies}[air]\nprocess = \"energy-balance\"\n[valve]\nkind = \"three-way\"\nflow_area = \"1 mm^2\"\n\
+                 [command]\nkind = \"fill\"\n[load]\nkind = \"isometric\"\n[initial]\nlength = \"3.4 in\"\n\
+                 [actuators.a]\npreset = \"colbrunn-2001\"\nsupply = \"hot\"\n\
+                 [actuators.b]\npreset = \"colbrunn-2001\"\nsupply = \"cold\"\n[run]\nduration = \"0.1 s\"\n"
+            );
+            number_of(&text, name).unwrap()
+        };
+        for name in ["exergy.drawn", "exergy.left_inside", "exergy.throttled", "exergy.mixing"] {
+            let [one, other] = [format!("{hot}{cold}"), format!("{cold}{hot}")].map(|supplies| of(supplies, name));
+            assert!(one > 0.0 && (one / other - 1.0).abs() < 1e-6, "{name}: {one} and {other}");
+        }
+        assert_eq!(of(format!("{hot}{cold}"), "exergy.reference_temperature"), 270.0);
+    }
+
+    /// A muscle whose pressure is given takes in air as one with a valve does: alone, with a name, behind a hose and together with a
+    /// valve, in the summary and in a sweep.
+    #[test]
+    fn air_that_comes_in_at_a_given_pressure_is_used() {
+        let pressure = "pressure = { time = [\"0 s\", \"0.1 s\"], gauge_pressure = [\"0 bar\", \"2 bar\"] }\n";
+        let valve = "supply = { gauge_pressure = \"4 bar\" }\nvalve = { kind = \"two-way\", flow_area = \"1 mm^2\" }\n\
+                     command = { kind = \"fill\" }\n";
+        let hose =
+            pressure.replace("{ time", "{ at = \"hose\", time") + "hose = { length = \"1 m\", diameter = \"2 mm\" }\n";
+        let common = "load = { kind = \"isometric\" }\ninitial = { length = \"3.4 in\" }\n\
+                      run = { duration = \"0.3 s\", engine = \"event-located\" }\nactuator = { preset = \"colbrunn-2001\" }\n";
+        let named = |name: &str, its: &str| format!("[actuators.{name}]\n{its}");
+        let used = |parts: &[&str]| {
+            let text = format!("{common}{}", parts.concat());
+            let used = number_of(&text, "air.used").unwrap();
+            let vary = "[sweep]\nreductions = [\"air.used\"]\n[sweep.vary]\n\"air.heat_capacity_ratio\" = [1.4]\n";
+            let sweep = Document::parse(&format!("{text}{vary}"), "sweep.toml").unwrap().sweep().unwrap().unwrap();
+            let rows = simulate_rows(&sweep, None, 0..1, UNCHECKED).unwrap();
+            let [Outcome::Reduced(values)] = &rows.outcomes[..] else { panic!("{rows:?}") };
+            assert!((values[0].unwrap() / used - 1.0).abs() < 1e-9, "{values:?} for {used} kg");
+            used
+        };
+        let [given, drawn, behind] = [pressure, valve, hose.as_str()].map(|its| used(&[&named("p", its)]));
+        let [alone, both] = [used(&[pressure]), used(&[&named("p", pressure), &named("v", valve)])];
+        assert!(given > 5e-6 && drawn > given, "{given} and {drawn} kg");
+        // At the end the muscle has the pressure that is given in front of the hose.
+        assert!((behind / given - 1.0).abs() < 1e-3, "{behind} for {given} kg");
+        assert!((alone / given - 1.0).abs() < 1e-6, "{alone} for {given} kg");
+        assert!((both / (given + drawn) - 1.0).abs() < 1e-5, "{both} for {given} + {drawn} kg");
     }
 
     /// A load that swings under pulses: friction jumps where the velocity turns, and its tension has its peak just before.

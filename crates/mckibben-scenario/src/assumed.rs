@@ -123,6 +123,8 @@ impl Document {
                 let without = [ValveKind::PressureRegulator, ValveKind::ProportionalSpool].map(ValveKind::name);
                 !self.said("valve.kind").is_some_and(|kind| without.contains(&kind))
             }
+            // A supply has the temperature of what feeds it.
+            path if path == p::SUPPLY_TEMPERATURE.key => !self.contains("supplies.*.from"),
             // What describes a reservoir or a compressor more closely.
             path if path == p::RESERVOIR_INDEX.key => self.contains(p::RESERVOIR_VOLUME.key),
             path if path == p::CLEARANCE.key => self.contains(p::DISPLACEMENT.key),
@@ -286,6 +288,14 @@ mod tests {
         for key in [p::SUPPLY_TEMPERATURE.key, p::RESERVOIR_INDEX.key, p::CLEARANCE.key] {
             assert_eq!(found.iter().filter(|its| **its == key).count(), 1, "{key} in {found:?}");
         }
+    }
+
+    #[test]
+    fn a_supply_that_another_feeds_assumes_no_temperature() {
+        let text = "[supplies.tank]\ngauge_pressure = \"6 bar\"\ntemperature = \"310 K\"\nreservoir_volume = \"1 L\"\n\
+                    [supplies.manifold]\nfrom = \"tank\"\nreservoir_volume = \"20 mL\"\ninlet.flow_area = \"1 mm^2\"\n\
+                    [load]\nkind = \"isometric\"\n[actuators.one]\nsupply = \"manifold\"\n";
+        assert!(!keys_of(text).contains(&p::SUPPLY_TEMPERATURE.key), "{:?}", keys_of(text));
     }
 
     #[test]

@@ -333,6 +333,34 @@ fn names_that_there_are_not_are_met_with_the_nearest() {
     }
 }
 
+/// A segment without a name is called as its joint, so that a name that is stated can meet one that is not, in either order.
+#[test]
+fn two_segments_of_one_name_are_refused_whichever_is_stated() {
+    let chain = |first: &str, second: &str| {
+        let numbers = "length = \"20 cm\"\nmass = \"1 kg\"\ndistance = \"5 cm\"\n";
+        let joints = [("upper", first), ("lower", second)];
+        let joints = joints.map(|(name, lines)| format!("[mechanism.joints.{name}]\n{numbers}{lines}"));
+        let origin = "coupling.origin.along = \"17 cm\"\n";
+        let insertion = "coupling.insertion = { segment = \"lower\", along = \"4 cm\", across = \"1 cm\" }\n";
+        format!("{ALL}[mechanism]\nkind = \"chain\"\n{}[actuators.one]\n{origin}{insertion}", joints.concat())
+    };
+    plant(&chain("segment = \"arm\"\n", ""));
+    plant(&chain("segment = \"arm\"\n", "segment = \"lower\"\n"));
+    for (first, second) in [
+        ("segment = \"lower\"\n", ""),
+        ("", "segment = \"upper\"\n"),
+        ("segment = \"lower\"\n", "segment = \"lower\"\n"),
+        // `lower` stands second in the file and first in the chain.
+        ("after = \"lower\"\nsegment = \"lower\"\n", ""),
+    ] {
+        let text = chain(first, second);
+        let error = mistakes(&text);
+        let name = if second.contains("upper") { "upper" } else { "lower" };
+        assert!(error.contains(&format!("two segments are called `{name}`")), "{error}\n{text}");
+        assert!(error.contains("first of that name") && error.contains("second of that name"), "{error}");
+    }
+}
+
 #[test]
 fn what_makes_no_sense_is_refused_with_its_reason() {
     let base = format!("{ALL}{CHAIN}[actuators.flexor]\ncoupling.arms.elbow = \"1 cm\"\n");
@@ -472,6 +500,45 @@ fn a_mistake_of_all_that_each_actuator_replaces_is_found() {
         assert!(found.count() == 1 && found.to_string().contains(words), "{section}.{line}\n{found}");
         let at = text.lines().position(|of| of == line).expect("a line") + 1;
         assert_eq!(found.iter().next().and_then(|one| one.line()), Some(at), "{line}");
+    }
+}
+
+/// Moment arms are replaced as a whole. Those of all that each actuator replaces have joints that there are and arms that turn
+/// them, and so have names of mechanisms and segments, as those of an actuator.
+#[test]
+fn arms_and_names_of_all_are_replaced_whole_and_checked() {
+    let with = |all: &str| {
+        let chain = CHAIN.replace("rest_length = \"88 mm\"\n", &format!("rest_length = \"88 mm\"\n{all}\n"));
+        let own = "coupling.mechanism = \"mechanism\"\ncoupling.arms.elbow = \"-1 cm\"\n";
+        format!("{ALL}{chain}[actuators.one]\n{own}[actuators.two]\n{own}")
+    };
+    let none = plant(&with(""));
+    for all in [
+        "arms = { shoulder = \"1 cm\", elbow = \"5 mm\" }",
+        "arms.shoulder = { angle = [\"0 deg\", \"9 deg\"], arm = [\"1 cm\", \"2 cm\"] }",
+        "mechanism = \"mechanism\"",
+        "insertion.segment = \"forearm\"",
+    ] {
+        assert_eq!(plant(&with(all)), none, "{all}");
+    }
+    for (all, words) in [
+        ("arms.elbwo = \"5 mm\"", "there is no joint `elbwo`"),
+        ("arms.elbow = \"0 m\"", "a moment arm is above zero, or below it, at all angles"),
+        ("arms.elbow = \"5 psi\"", "`coupling.arms.elbow` is a length"),
+        (
+            "arms.shoulder = { angle = [\"0 deg\", \"9 deg\"], arm = [\"1 cm\", \"-2 cm\"] }",
+            "a moment arm is above zero, or below it, at all angles",
+        ),
+        ("arms.shoulder = { angle = [\"0 deg\"], arm = [\"1 cm\", \"2 cm\"] }", "`coupling.arms.shoulder.a"),
+        ("mechanism = \"mechanisms\"", "there is no mechanism `mechanisms`"),
+        ("origin.segment = \"forarm\"", "there is no segment `forarm`"),
+        ("insertion.segment = 3", "`coupling.insertion.segment` is a name"),
+    ] {
+        let text = with(all);
+        let found = document(&text).plant_experiment().expect_err(&text);
+        assert!(found.count() == 1 && found.to_string().contains(words), "{all}\n{found}");
+        let line = text.lines().position(|of| of == all).expect("a line") + 1;
+        assert_eq!(found.iter().next().and_then(|one| one.line()), Some(line), "{all}");
     }
 }
 

@@ -1,11 +1,11 @@
-//! What `mckibben-batch` takes a plant's steps in lanes with, and `mckibben-identify` its searches. It may change with every
-//! version, and is no part of the interface.
+//! What `mckibben-batch` takes a plant's steps in lanes with, `mckibben-identify` its searches, and `mckibben-run` the rounding of
+//! instants. It may change with every version, and is no part of the interface.
 
 pub use crate::convert::Convert;
 pub use crate::root::lowest;
 pub use crate::straight::StraightLine;
 pub use crate::trigonometry::{cosine, sine};
-pub use crate::valve::solenoid::is_due;
+pub use crate::valve::solenoid::{SIMULTANEOUS, is_due};
 #[cfg(feature = "alloc")]
 pub use of_plants::*;
 

@@ -4,7 +4,7 @@
 use crate::common::{ATMOSPHERE, GRAVITY, PSI, Paper, ROOM, assert_close, assert_within, between, slope};
 use mckibben::GaugePressure;
 use mckibben::load::MomentArm;
-use mckibben::mechanism::{Arm, Belt, Chain, ChainSegment, Coupling, JointStops, Mechanism, Revolute};
+use mckibben::mechanism::{Arm, Attachment, Belt, Chain, ChainSegment, Coupling, JointStops, Mechanism, Revolute};
 use mckibben::network::Network;
 use mckibben::plant::{InitialAir, Mounted, Plant, PlantRun, PlantSample, PlantStart, simulate_plant};
 use mckibben::simulation::{Method, PressureSeries};
@@ -242,4 +242,50 @@ fn what_is_out_of_range_is_refused_by_name() {
     let plant = on(chain([free; 2], 0.0, None), &Paper::sealed(), None);
     let bent = PlantRun::new(&plant, &start([-3.0, 0.0], [0.0; 2], [0.0; 6]), 1e-9).expect_err("too long");
     assert!(bent.to_string().contains("thread"), "{bent}");
+}
+
+/// Where the points of a muscle meet its length has no slope, and it pulls nothing: the segment swings on as a pendulum, whose energy
+/// stays.
+#[test]
+fn a_segment_swings_through_where_the_points_of_its_muscle_meet() {
+    let place = [0.1, 0.0];
+    let points = [Attachment { segment: None, place }, Attachment { segment: Some(0), place }];
+    let paper = Paper::sealed();
+    let mounted = Mounted {
+        actuator: paper.actuator(),
+        mechanism: 0,
+        coupling: Coupling::Points(points),
+        tendon: None,
+        pressure: None,
+    };
+    let pendulum = Chain::new(vec![THIGH], vec![joint(0.0, 0.0)], [GRAVITY, 0.0], None).expect("a chain");
+    let plant =
+        Plant::new(vec![mounted], Network::new(&paper.air()), vec![Mechanism::Chain(pendulum)]).expect("a plant");
+    let energy = |angle: f64, rate: f64| {
+        let about_the_joint = THIGH.inertia + THIGH.mass * THIGH.distance * THIGH.distance;
+        0.5 * about_the_joint * rate * rate - THIGH.mass * GRAVITY * THIGH.distance * angle.cos()
+    };
+    for (angle, rate) in [(0.0, 0.0), (0.0, 2.0), (0.3, 0.0)] {
+        let start = PlantStart {
+            positions: vec![vec![angle]],
+            rates: vec![vec![rate]],
+            air: vec![InitialAir { gauge_pressure: GaugePressure(5e4), temperature: ROOM }],
+            lengths: vec![None],
+            ..PlantStart::default()
+        };
+        let begin = || PlantRun::new(&plant, &start, 1e-10).expect("a start");
+        let mut located = begin();
+        located.advance_to(0.6).expect("a run");
+        let mut ends = vec![located.steps(Method::Rk4).sample()];
+        for method in [Method::Rk4, Method::Stable] {
+            let mut steps = begin().steps(method);
+            (1..=6000).for_each(|step| steps.advance_to(1e-4 * f64::from(step)).expect("a step"));
+            ends.push(steps.sample());
+        }
+        for sample in ends {
+            let its = &sample.mechanisms[0];
+            assert_close(energy(its.position[0], its.rate[0]) + 1.0, energy(angle, rate) + 1.0, 1e-6);
+            assert_eq!(sample.actuators[0].tension, 0.0);
+        }
+    }
 }

@@ -2,6 +2,7 @@
 
 use crate::common::{ATMOSPHERE, GRAVITY, INCH, LB, PSI, Paper, ROOM, assert_close, assert_within};
 use mckibben::air::Process;
+use mckibben::friction::{Hysteresis, MaxwellSlip};
 use mckibben::linearize::{
     Aim, Balance, Content, Linearization, OperatingPoint, Signal, StateSpace, linearize, linearize_driven,
 };
@@ -90,6 +91,19 @@ fn entries_of_the_matrices_in_closed_form() {
     assert_eq!(c[3][1], paper.viscous);
     assert!(d.iter().flatten().all(|entry| *entry == 0.0));
     assert_eq!((c[0].as_slice(), c[2].as_slice()), (&[1.0, 0.0, 0.0, 0.0][..], &[0.0, 0.0, 1.0, 0.0][..]));
+}
+
+/// Before any element of Maxwell slip slides, all of them together are a spring of Σ wᵢ k_sec.
+#[test]
+fn elements_that_stick_add_their_stiffness() {
+    let law = MaxwellSlip::new(&[1e-4, 5e-4], &[0.3, 0.2]).expect("a law");
+    let paper = Paper::sealed();
+    let with = at_60_psi(&paper.clone().with(|rig| rig.hysteresis = Some(Hysteresis::MaxwellSlip(law))));
+    let without = at_60_psi(&paper);
+    let stiffness = |linear: &Linearization| linear.system.c[linear.system.output("tension").expect("a tension")][0];
+    let state = without.point.state;
+    let secant = paper.actuator().secant_stiffness(state.length, state.pressure.0);
+    assert_close(stiffness(&with) - stiffness(&without), 0.5 * secant, 1e-9);
 }
 
 /// The row of d ln[P (V/m)^κ] by the states.

@@ -5,6 +5,7 @@ use crate::common::tendon::on_tendon;
 use crate::common::{LB, PSI, Paper, ROOM, assert_close, assert_within, between, bisect};
 use mckibben::GaugePressure;
 use mckibben::air::Process;
+use mckibben::friction::Coulomb;
 use mckibben::linearize::{Aim, Balance, Content, Linearization, Pole, StateSpace, linearize, linearize_driven};
 use mckibben::plant::RigTrajectory;
 use mckibben::simulation::Rig;
@@ -125,6 +126,25 @@ fn the_equivalent_damping_takes_as_much_as_coulomb_friction_does() {
     assert_close(PI * damping * 70.0 * 1e-6, 4.0 * linear.point.coulomb_bound() * 1e-3, 1e-14);
 }
 
+/// Friction that falls with velocity holds ρ F_c at rest. Over a cycle `∫ s(v cos θ) cos θ dθ` of a quarter is 1 + (ρ − 1) D(r)/r,
+/// with r = ωX/v_s and Dawson's integral D, whose values are tabulated.
+#[test]
+fn friction_that_falls_with_velocity_holds_more_and_damps_by_dawsons_integral() {
+    let (ratio, scale) = (1.8, 0.02);
+    let coulomb = Coulomb::new(5e-6).expect("a width").with_force(0.3, 0.0).expect("a force");
+    let at = |coulomb: Coulomb| at_60_psi(&Paper::sealed().with(|rig| rig.coulomb = Some(coulomb)));
+    let [_, kinetic] = at(coulomb).plant.coulomb_bounds(0);
+    let linear = at(coulomb.with_stribeck(ratio, scale).expect("a fall"));
+    assert_close(linear.plant.coulomb_bounds(0)[1], ratio * kinetic, 1e-12);
+    let amplitude = 1e-3;
+    for (r, dawson) in [(0.5, 0.424_436_383_502_022), (1.0, 0.538_079_506_912_768), (2.0, 0.301_340_388_923_792)] {
+        let frequency = r * scale / amplitude;
+        let mean = kinetic * (1.0 + (ratio - 1.0) * dawson / r);
+        let damping = linear.equivalent_damping(amplitude, frequency).expect("a damping");
+        assert_close(damping, 4.0 * mean / (PI * frequency * amplitude), 1e-9);
+    }
+}
+
 #[test]
 fn the_response_to_a_force_is_that_of_a_damped_spring() {
     let paper = Paper::sealed();
@@ -204,4 +224,20 @@ fn a_stiff_tendon_is_none_under_pulses_on_average() {
             }
         }
     }
+}
+
+/// A muscle pulls or is slack: where friction exceeds the tension T, it holds T less and F_c more, and a cycle takes T + F_c in place
+/// of 2 F_c. A slack one neither holds nor takes anything.
+#[test]
+fn friction_beyond_the_tension_holds_and_damps_by_what_is_pulled() {
+    let friction = 400.0;
+    let coulomb = Coulomb::new(0.0).expect("a width").with_force(friction, 0.0).expect("a force");
+    let linear = at_60_psi(&Paper::sealed().with(|rig| rig.coulomb = Some(coulomb)));
+    let tension = linear.point.tension();
+    assert!(tension < friction, "{tension}");
+    let [less, more] = linear.plant.coulomb_bounds(0);
+    assert_close(less, tension, 1e-9);
+    assert_close(more, friction, 1e-12);
+    let damping = linear.equivalent_damping(1e-3, 70.0).expect("a damping");
+    assert_close(PI * damping * 70.0 * 1e-6, 2.0 * (tension + friction) * 1e-3, 1e-9);
 }

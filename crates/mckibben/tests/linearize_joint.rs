@@ -241,7 +241,7 @@ fn a_stiffness_has_its_point() {
     let swing = 0.3 * GRAVITY * 0.05 * (angle - 0.4).cos();
     let inertia = 1e-3 + 0.3 * 0.05 * 0.05;
     assert_close(model.system.a[1][0], -(requested + swing) / inertia, 1e-7);
-    assert!(model.coulomb_bound() == 0.0);
+    assert!(model.coulomb_bounds() == [0.0; 2]);
 }
 
 #[test]

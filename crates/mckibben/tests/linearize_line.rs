@@ -223,6 +223,37 @@ fn a_pressure_regulator_makes_its_set_point() {
     assert_close(-system.b[row][0] / system.a[row][row], 1.0, 1e-12);
 }
 
+/// The duty, or the set point, that holds a pressure at the muscle of a leaking hose in cells is the one that makes it.
+#[test]
+fn a_command_holds_a_pressure_behind_a_leaking_hose_in_cells() {
+    for leak in [1e-17, 5e-14, 1e-12] {
+        let leakage = Some(Leakage::new(leak).expect("a leak"));
+        let line = Line { hose: Some(hose(HoseKind::Distributed { cells: 4 })), leakage, supply: None };
+        let pulsed = |duty: f64| {
+            let paper = Paper::pwm(100.0, duty).with(|rig| rig.delays = (1e-3, 1e-3)).friction(6.0, 0.0);
+            (with_line(&paper, line), Content::Of(paper.start()))
+        };
+        let (rig, content) = pulsed(0.5);
+        let made = linearize_driven(&rig, Aim::Command, content).expect("a balance of flows");
+        let balance = Aim::Balance(Balance::AtPressure(made.point.gauge_pressure()));
+        let (rig, content) = pulsed(0.3);
+        let held = linearize_driven(&rig, balance, content).expect("a duty");
+        assert_close(held.averaged().expect("averaged").duty, 0.5, 1e-8);
+        let regulated = |set: f64| {
+            let command = Command::set_points(vec![0.0], vec![set]).expect("a set point");
+            let paper = Paper::sealed().friction(6.0, 0.0).with(|rig| rig.command = Some(command.clone()));
+            let solenoid = Solenoid::regulating(Regulator::new(0.03, 0.0, 1e9).expect("a regulator"));
+            let rig = Rig::new(paper.actuator(), Some(Actuation { solenoid, command }), paper.load.clone());
+            rig.expect("a rig").with_line(line).expect("a rig")
+        };
+        let content = Content::Of(Paper::sealed().gauge(3e5).start());
+        let made = linearize_driven(&regulated(4e5), Aim::Command, content).expect("a model");
+        let balance = Aim::Balance(Balance::AtPressure(made.point.gauge_pressure()));
+        let held = linearize_driven(&regulated(3e5), balance, content).expect("a set point");
+        assert_close(held.inputs()[0].1, 4e5, 1e-8);
+    }
+}
+
 /// The plant of a chain of one joint is what a file of many actuators states: the same numbers under other names.
 #[test]
 fn pulses_through_a_hose_from_a_bottle_have_the_model_of_the_plant() {

@@ -4,8 +4,8 @@ use crate::common::{ATMOSPHERE, INCH, PSI, Paper, ROOM, assert_close, assert_wit
 use mckibben::GaugePressure;
 use mckibben::air::Process;
 use mckibben::linearize::{Aim, Balance, Content, Linearization, linearize_driven};
-use mckibben::simulation::Rig;
-use mckibben::valve::{Command, Request, ValveKind};
+use mckibben::simulation::{Actuation, Rig};
+use mckibben::valve::{Command, Ramp, Request, Solenoid, ValveKind};
 
 const PROCESSES: [Process; 4] = [
     Process::Isentropic,
@@ -41,6 +41,31 @@ fn the_share_is_the_duty_less_the_delays() {
         let column = linear.system.input("duty").unwrap();
         assert!(linear.system.b.iter().all(|row| row[column] == 0.0));
     }
+}
+
+/// The opening over a pulse is a trapezoid. The air beyond the mean flow, which swings the pressure by γ P/m, is its area above the
+/// actual duty cycle.
+#[test]
+fn the_ripple_under_strokes_is_the_area_of_their_trapezoid() {
+    let (frequency, duty, [rise, fall]) = (100.0, 0.5, [4e-3, 3e-3]);
+    let paper = Paper::pwm(frequency, duty).isometric(3.5 * INCH);
+    let solenoid = Solenoid::new(ValveKind::ThreeWay, 1e-3, 1e-3).expect("a solenoid");
+    let solenoid = solenoid.with_ramp(Ramp::new(rise, fall).expect("a ramp"));
+    let command = paper.command.clone().expect("pulses");
+    let rig = Rig::new(paper.actuator(), Some(Actuation { solenoid, command }), paper.load.clone()).expect("a rig");
+    let aim = Aim::DutyAtLength(duty, 3.5 * INCH);
+    let linear = linearize_driven(&rig, aim, Content::Of(paper.start())).expect("a balance of flows");
+    let averaged = linear.averaged().expect("pulses");
+    let share = duty - 0.5 * (rise - fall) * frequency;
+    assert_close(averaged.supply_share(), share, 1e-11);
+    let open = duty / frequency - rise;
+    let area = (1.0 - share) * (open + 0.5 * (1.0 - share) * (rise + fall));
+    let flows = averaged.flow.inward / share + averaged.flow.outward / (1.0 - share);
+    let state = linear.point.state;
+    assert_close(averaged.pressure_ripple, 1.4 * state.pressure.0 / state.air_mass * flows * area, 1e-7);
+    // By harmonics through the model, whose pressure follows the flow but for what the valve loses within a period.
+    #[cfg(feature = "analysis")]
+    assert_close(linear.ripple("pressure").expect("an output"), averaged.pressure_ripple, 0.02);
 }
 
 #[test]

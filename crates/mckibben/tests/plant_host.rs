@@ -3,6 +3,7 @@
 
 use crate::common::plants::{external, on_a_bottle, requested};
 use crate::common::{ATMOSPHERE, Paper, ROOM, assert_close, assert_within, bisect};
+use mckibben::force::{Characteristic, ForceMap, Law, StaticForce};
 use mckibben::friction::{BoucWen, Hysteresis, MaxwellSlip};
 use mckibben::load::SeriesTendon;
 use mckibben::mechanism::{Coupling, Mechanism};
@@ -86,6 +87,27 @@ fn hysteresis_elsewhere_is_that_after_a_move_there() {
                 }
             }
         }
+    }
+}
+
+/// Ends that jump over pieces of a measured law take the piece where they are: without friction a tension is that of the law, as near
+/// the start as far from it. The piece of the start, continued to there, may push.
+#[test]
+fn ends_that_jump_take_the_piece_of_a_map_where_they_are() {
+    let paper = Paper::sealed().friction(0.0, 0.0).gauge(2.57e5).from(0.084, 0.0);
+    let tensions = [0.0, 0.0, 0.0, 2.0, 0.0, 5.0, 10.0, 30.0, 0.0, 20.0, 40.0, 90.0];
+    let map = ForceMap::new(&[0.0, 1e5, 3e5], &[0.07, 0.076, 0.08, 0.087], &tensions).expect("a map");
+    let law = Characteristic::new(paper.braid(), Law::Map(map.clone()));
+    let paper = paper.with(|rig| rig.characteristic = Some(law));
+    let (plant, mut start) = sealed(std::slice::from_ref(&paper), None, external(1));
+    start.positions = vec![vec![0.084]];
+    let mut here = steps(&plant, &start);
+    for length in [0.0705, 0.0735, 0.075, 0.078, 0.0835, 0.086] {
+        let mut response = [Response::default()];
+        here.compute_at(&[length], &[0.0], &mut response).expect("a response");
+        let expected = map.force(length, GaugePressure(2.57e5));
+        assert!(expected > 1.0);
+        assert_close(response[0].tension, expected, 1e-9);
     }
 }
 

@@ -272,6 +272,80 @@ fn lines_close() {
     }
 }
 
+/// A tank with a compressor, a regulator and a muscle that stands for three is the plant of three muscles: its efficiency is theirs, and
+/// the muscle's share of their air a third.
+#[test]
+fn actuators_alike_have_the_efficiency_of_the_plant_written_out() {
+    let air = Paper::sealed().air();
+    let compressor = Compressor::new([1e-3, 0.0], [GaugePressure(5.5e5), GaugePressure(6.05e5)], &air).expect("one");
+    let tank = reservoir([1e-4, 1.3], 6e5, Some(compressor));
+    let muscle = |copies| Muscle { copies, ..Muscle::of(Paper::pwm(12.0, 0.4).mass(4.0)) };
+    for regulator in [None, Some(Regulator::new(1e7, 2e3, 0.01).expect("a regulator"))] {
+        let ledger_of = |muscles: &[Muscle]| {
+            let (plant, start) = on_one_tank(tank, regulator, muscles);
+            simulate_plant(&plant, &start, 0.4, 1e-9).expect("a run").ledger()
+        };
+        let (one, three) = (ledger_of(&[muscle(3.0)]), ledger_of(&[muscle(1.0), muscle(1.0), muscle(1.0)]));
+        let [alike, all] = [&one, &three].map(|ledger| ledger.total());
+        assert!(alike.compressed > 0.0 && alike.others > 0.0 && all.others == 0.0 && alike.work != 0.0, "{alike:?}");
+        assert_close(alike.efficiency().expect("it draws"), all.efficiency().expect("they draw"), 1e-5);
+        assert_close(alike.efficiency().expect("it draws"), 3.0 * alike.work / alike.compressed, 1e-9);
+        assert_close(one.air_used(), three.air_used() / 3.0, 1e-5);
+    }
+}
+
+/// What comes in at a given pressure is used, and what goes out there is not given back: in an isothermal chamber of a constant volume
+/// `V ΔP/(R T)` of the rise. Behind a hose it is what the muscle gains.
+#[test]
+fn air_that_comes_in_at_a_given_pressure_is_used() {
+    let paper = Paper::sealed().gauge(1e5).isometric(3.4 * INCH).process(Process::Isothermal);
+    let ledger_of = |rig: &Rig| run_of(rig, &paper, 0.4, 1e-9).ledger();
+    let volume: f64 = paper.actuator().volume(3.4 * INCH);
+    let series = PressureSeries::new(&[0.0, 0.2, 0.4], &[1e5, 4e5, 2e5]).expect("a time series");
+    let ledger = ledger_of(&paper.rig().with_pressure(series).expect("a rig"));
+    assert!(ledger.has_given_pressure());
+    assert_close(ledger.air_used(), 3e5 * volume / (GAS_CONSTANT * ROOM), 1e-8);
+    assert_close(ledger.actuators[0].given.mass, 1e5 * volume / (GAS_CONSTANT * ROOM), 1e-8);
+    let hose = Hose::new(HoseKind::Lumped, [1.0, 3e-3], [1.8e-5, ROOM, 1.2], &paper.air()).expect("a hose");
+    let line = Line { hose: Some(hose), ..Line::NONE };
+    for (gauges, both_ways) in [([1e5, 4e5, 4e5], false), ([1e5, 4e5, 2e5], true)] {
+        let series = PressureSeries::new(&[0.0, 0.2, 0.4], &gauges).expect("a time series");
+        let rig = paper.rig().with_pressure(series).and_then(|rig| rig.with_line(line)).expect("a rig");
+        let ledger = ledger_of(&rig);
+        let gained = ledger.actuators[0].air_gain + ledger.nodes.iter().map(|of| of.air_gain).sum::<f64>();
+        if both_ways {
+            assert!(ledger.air_used() > 1.5 * gained && gained > 0.0, "{} of {gained}", ledger.air_used());
+        } else {
+            assert_close(ledger.air_used(), gained, 1e-5);
+        }
+    }
+    let sealed = ledger_of(&paper.rig());
+    assert!(!sealed.has_given_pressure() && sealed.air_used().to_bits() == 0, "no air, and no −0");
+}
+
+/// By long fixed steps flows between equal pressures are integrated badly. What comes from a bottle is even so what that lost, and
+/// of a muscle that stands for three a third.
+#[test]
+fn air_from_a_bottle_is_what_that_lost() {
+    use mckibben::plant::TimeStepping;
+    use mckibben::simulation::Method;
+    let two_way = (ValveKind::TwoWay, Request::Hold);
+    let three_way = (ValveKind::ThreeWay, Request::Exhaust);
+    for ((kind, off), copies) in [(two_way, 1.0), (two_way, 3.0), (three_way, 1.0)] {
+        let command = Command::pwm(17.0, 0.5, Request::Fill, off).expect("a command");
+        let paper = Paper::driven(command).isometric(3.5 * INCH).process(Process::Isothermal).with(|it| it.kind = kind);
+        let hose = Hose::new(HoseKind::Lumped, [1.0, 2e-3], [1.8e-5, ROOM, 1.0], &paper.air()).expect("a hose");
+        let muscle = Muscle { hose: Some(hose), copies, ..Muscle::of(paper) };
+        let (plant, start) = on_one_tank(reservoir([5e-5, 1.0], 4e5, None), None, &[muscle]);
+        let how = TimeStepping::Fixed { method: Method::Stable, step: 5e-3 };
+        let ledger = simulate_plant(&plant, &start, 0.5, how).expect("a run").ledger();
+        let lost = -ledger.nodes[TANK].air_gain / copies;
+        assert_close(ledger.air_used(), lost, 1e-9);
+        let integral = -ledger.nodes[TANK].air_in / copies;
+        assert!((integral / lost - 1.0).abs() > 1e-3, "{integral} is as good as {lost}");
+    }
+}
+
 /// An end on a tendon without much viscous friction: its velocity follows from a balance of stiff forces, and errs by much more than its
 /// length in long steps. The ledger goes by the length, and so has the work of located events.
 #[test]

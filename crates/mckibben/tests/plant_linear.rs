@@ -163,7 +163,7 @@ fn compare_rig(paper: &Paper, rig: &Rig, balance: Balance, gauge: f64) {
     let state = |it| old_state(rig, it);
     assert_same(&old.system, &new.system, &state, &old_input, &old_output, 1e-8);
     assert_same(&old.minimal(), &new.minimal(), &state, &old_input, &old_output, 1e-8);
-    assert_within(new.coulomb_bound(0), old.point.coulomb_bound(), 1e-9 * old.point.coulomb_bound());
+    assert_within(new.coulomb_bounds(0)[1], old.point.coulomb_bound(), 1e-9 * old.point.coulomb_bound());
     if old.point.coulomb_bound() > 0.0 {
         let old = old.with_equivalent_damping(1e-4, 50.0).expect("a model");
         let new = new.with_equivalent_damping(&[Some((1e-4, 50.0))]).expect("a model");

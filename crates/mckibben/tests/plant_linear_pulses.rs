@@ -90,6 +90,69 @@ fn a_seat_that_takes_its_time_passes_the_area_of_its_strokes() {
     assert_close(of(duty), (0.5 * top * open + 0.5 * top * top * fall) * frequency, 1e-10);
 }
 
+/// Where a poppet reaches one end only in a period that repeats, its strokes away from that end and back are a triangle. It is the
+/// end towards which it drifts from period to period.
+#[test]
+fn a_poppet_that_drifts_over_periods_has_the_duty_cycle_of_those_that_repeat() {
+    let (opening, closing) = (1e-3, 0.5e-3);
+    let cases: [([f64; 2], f64, &[f64]); 3] = [
+        ([10e-3, 10e-3], 100.0, &[0.5, 0.54, 0.551, 0.56, 0.6, 0.7]),
+        ([6e-3, 3e-3], 200.0, &[0.6, 0.74, 0.77, 0.78]),
+        ([3e-3, 6e-3], 200.0, &[0.3, 0.4, 0.45, 0.5]),
+    ];
+    for ([rise, fall], frequency, duties) in cases {
+        let valve = |kind| {
+            let jumps = Solenoid::new(kind, opening, closing).expect("a solenoid");
+            jumps.with_ramp(Ramp::new(rise, fall).expect("a ramp"))
+        };
+        // The mean opening, and its derivative with respect to the duty of the coil.
+        let literal = |duty: f64| {
+            let pulse = duty / frequency - opening + closing;
+            let gap = 1.0 / frequency - pulse;
+            let (up, down) = (pulse / rise, gap / fall);
+            assert!(up <= 1.0 || down <= 1.0);
+            if up > down {
+                let whole = 1.0 + rise / fall;
+                (1.0 - 0.5 * frequency * gap * down * whole, down * whole)
+            } else {
+                let whole = 1.0 + fall / rise;
+                (0.5 * frequency * pulse * up * whole, up * whole)
+            }
+        };
+        for duty in duties.iter().copied() {
+            let (expected, derivative) = literal(duty);
+            let of = |kind, duty: f64| {
+                actual_duty_cycle(&valve(kind), &pulses(frequency, duty, Request::Exhaust)).expect("pulses")
+            };
+            let [supply, exhaust] = of(ValveKind::ThreeWay, duty);
+            assert_within(supply, expected, 1e-11);
+            assert_within(supply + exhaust, 1.0, 1e-11);
+            assert_close(slope(1e-5, |by| of(ValveKind::ThreeWay, duty + by)[0]), derivative, 1e-6);
+            assert_close(by_duty(valve(ValveKind::ThreeWay), frequency, duty), derivative, 1e-9);
+            // The coil of a normally open valve is energised for the gap, and the coils of two poppets for one each.
+            assert_within(of(ValveKind::ThreeWayNormallyOpen, 1.0 - duty)[1], expected, 1e-11);
+            let both = of(ValveKind::FillHoldExhaust, duty);
+            assert_within(both[0], expected, 1e-11);
+            assert_within(both[1], literal(1.0 - duty).0, 1e-11);
+        }
+    }
+    // Where nothing drifts, a poppet that starts shut stays off the open end.
+    let still = Solenoid::new(ValveKind::ThreeWay, 1e-3, 0.5e-3).expect("a solenoid");
+    let still = still.with_ramp(Ramp::new(10e-3, 10e-3).expect("a ramp"));
+    let [supply, _] = actual_duty_cycle(&still, &pulses(100.0, 0.55, Request::Exhaust)).expect("pulses");
+    assert_within(supply, 0.25, 1e-9);
+}
+
+/// The derivative of the duty cycle of the path to the supply with respect to the commanded duty, by dual numbers.
+fn by_duty(valve: Solenoid, frequency: f64, duty: f64) -> f64 {
+    let mut network = Network::new(&Paper::sealed().air());
+    network.valve(Actuation { solenoid: valve, command: pulses(frequency, duty, Request::Exhaust) });
+    let plant = Plant::new(vec![], network, vec![]).expect("a plant");
+    let wide = plant.map(|_, row, value| toward(value, f64::from(u8::from(row.key == "command.duty"))));
+    let Actuation { solenoid, command } = &wide.network().valves[0];
+    actual_duty_cycle(solenoid, command).expect("pulses")[0].slope[0]
+}
+
 /// Over dual numbers it carries its derivative with respect to the commanded duty.
 #[test]
 fn its_derivative_is_exact() {
@@ -100,12 +163,7 @@ fn its_derivative_is_exact() {
             actual_duty_cycle(&valve, &pulses(frequency, duty + by, Request::Exhaust)).expect("pulses")[0]
         });
         assert_within(measured, expected, 1e-8);
-        let mut network = Network::new(&Paper::sealed().air());
-        network.valve(Actuation { solenoid: valve, command: pulses(frequency, duty, Request::Exhaust) });
-        let plant = Plant::new(vec![], network, vec![]).expect("a plant");
-        let wide = plant.map(|_, row, value| toward(value, f64::from(u8::from(row.key == "command.duty"))));
-        let Actuation { solenoid, command } = &wide.network().valves[0];
-        assert_within(actual_duty_cycle(solenoid, command).expect("pulses")[0].slope[0], expected, 1e-12);
+        assert_within(by_duty(valve, frequency, duty), expected, 1e-12);
     }
     assert_eq!(actual_duty_cycle(&valve, &Command::Constant(Request::Fill)), None);
 }

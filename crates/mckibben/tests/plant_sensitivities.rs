@@ -12,7 +12,7 @@ use mckibben::mechanism::{
 use mckibben::network::{BranchKind, Network, NodeKind};
 use mckibben::parameter::Parameter;
 use mckibben::plant::{InitialAir, Mounted, Part, Plant, PlantStart, StartNumber, TimeStepping, simulate_plant};
-use mckibben::simulation::{Actuation, Method};
+use mckibben::simulation::{Actuation, EventKind, Method};
 use mckibben::valve::{Command, Port, Regulator, Request, Solenoid, Spool, ValveKind};
 use mckibben::{GaugePressure, Scalar};
 
@@ -357,4 +357,16 @@ fn a_mass_at_rest_by_its_first_velocity() {
         let closed = (-decay * time).exp() * (swing * time).sin() / swing;
         assert!((found - closed).abs() < 1e-6 / swing, "{time} s: {found} is not {closed}");
     }
+}
+
+/// The rates are continuous where an arm goes from one row of its table to the next: so are the derivatives of its angle.
+#[test]
+fn an_arm_that_passes_a_row_of_its_table_by_all_of_its_parameters() {
+    let (plant, mut start) = arm();
+    (start.positions[0][0], start.rates[0][0]) = (-0.02, 2.0);
+    let run = simulate_plant(&plant, &start, 0.02, LOCATED).expect("a run");
+    let passed = run.events().iter().find(|event| event.kind.kind == EventKind::MomentArm).expect("the row at zero");
+    assert!(passed.time < 0.015, "{}", passed.time);
+    check_parameters(&plant, &start, (0.02, LOCATED), 50);
+    check_start(&plant, &start, (0.02, LOCATED));
 }

@@ -58,9 +58,9 @@ class Episodes:
         self.elapsed = np.zeros(count, dtype=np.int64)
         # Plants whose episode has not begun, or has ended.
         self.over = np.ones(count, dtype=bool)
-        late = periods("action_delay", options.action_delay, self.period)
+        late = periods("action_delay", float(options.action_delay), self.period)
         self._late = [np.zeros((count, valves)) for _ in range(late)]
-        old = periods("sensor_delay", options.sensor_delay, self.period)
+        old = periods("sensor_delay", float(options.sensor_delay), self.period)
         self._old = [np.zeros((count, len(task.seen)), dtype=np.float32) for _ in range(old)]
         self._clock = 0
 
@@ -250,7 +250,7 @@ class Episodes:
         if self.options.action_mode != "set-point":
             return commands
         highest: Numbers = self.plants.command_range[1]
-        wanted: Numbers = np.minimum(commands * (self.options.max_pressure or MAX_PRESSURE), highest)
+        wanted: Numbers = np.minimum(commands * float(self.options.max_pressure or MAX_PRESSURE), highest)
         return wanted
 
     def targets(self, place: int) -> dict[str, float]:

@@ -8,13 +8,15 @@ from typing import Any, Literal
 
 import numpy as np
 
-from mckibben._mckibben import VectorPlant
+from mckibben._mckibben import VectorPlant, _si
 from mckibben.errors import InputError
 
 ActionMode = Literal["duty", "request", "position", "set-point"]
 Precision = Literal["double", "single"]
 Draw = tuple[float, float] | Callable[[np.random.Generator, int], Any]
 
+# Options that may be text with a unit.
+QUANTITIES = ("control_period", "duration", "pulse_frequency", "max_pressure", "sensor_delay", "action_delay")
 # Gauge pressure in Pa of a set point of 1 by default.
 MAX_PRESSURE = 6e5
 # Least control period in s by default, where actions are no duty cycles.
@@ -51,20 +53,22 @@ class Options:
     numbers come from the generator, or generators, that `reset(seed=...)` seeds.
 
     `precision` is that of `mckibben.VectorPlant`: "double" or "single".
+
+    Durations, delays, `pulse_frequency` and `max_pressure` are numbers in SI or text with a unit: "40 ms", "50 Hz", "4 bar".
     """
 
     action_mode: ActionMode = "duty"
-    control_period: float | None = None
-    duration: float | None = None
+    control_period: float | str | None = None
+    duration: float | str | None = None
     max_episode_steps: int | None = None
-    pulse_frequency: float | None = None
-    max_pressure: float | None = None
+    pulse_frequency: float | str | None = None
+    max_pressure: float | str | None = None
     distance_limit: float = 2.0
     terminal_penalty: float | None = None
     success_tolerance: float = 0.05
     noise: Mapping[str, float] | None = field(default_factory=dict)
-    sensor_delay: float = 0.0
-    action_delay: float = 0.0
+    sensor_delay: float | str = 0.0
+    action_delay: float | str = 0.0
     randomize: Mapping[str, Draw] | None = field(default_factory=dict)
     precision: Precision = "double"
 
@@ -92,13 +96,17 @@ class Options:
                 raise InputError(f"noise: `{column}` = {deviation!r} is no standard deviation; give zero or more, in SI")
 
     def _check(self, name: str, *, above_zero: bool) -> None:
-        """Refuse an option that is no finite number of zero or more."""
+        """Refuse an option that is no finite number of zero or more; text with a unit becomes its number in SI."""
         number = getattr(self, name)
+        if isinstance(number, str) and name in QUANTITIES:
+            number = _si(name, number)
+            object.__setattr__(self, name, number)
         if number is None and self.__dataclass_fields__[name].default is None:
             return
         if not (is_number(number) and (number > 0.0 or number == 0.0 and not above_zero)):
             range_ = "above zero" if above_zero else "of zero or more"
-            raise InputError(f"{name} = {number!r} is out of range; give a finite number {range_}")
+            fault = "out of range" if is_number(number) else "no finite number"
+            raise InputError(f"{name} = {number!r} is {fault}; give a finite number {range_}")
 
     @property
     def deviations(self) -> Mapping[str, float]:
@@ -113,7 +121,7 @@ class Options:
     def period(self, plants: VectorPlant) -> float:
         """Return the duration in s of an action of these plants."""
         if self.control_period is not None:
-            return self.control_period
+            return float(self.control_period)
         if plants.pulses is not None:
             return 1.0 / plants.pulses
         return REQUEST_PERIOD * (math.floor(plants.valve_delay / REQUEST_PERIOD * (1.0 + 1e-9)) + 1)
@@ -122,7 +130,7 @@ class Options:
         """Return the number of steps of an episode of these plants."""
         steps = self.max_episode_steps
         if self.duration is not None:
-            given = max(1, periods("duration", self.duration, period))
+            given = max(1, periods("duration", float(self.duration), period))
             if steps not in (None, given):
                 raise InputError(f"duration = {self.duration} s is {given} steps, but max_episode_steps = {steps}; give one of them")
             return given

@@ -305,6 +305,12 @@ fn wrong_use_is_refused_and_changes_nothing() {
             Status::Input,
             "NaN",
         );
+        // The force of viscous friction at such a rate is no finite number.
+        for fast in [1e308, -1e308] {
+            let status = mckibben_compute(plant.0, d.as_ptr(), &raw const fast, 1, two.as_mut_ptr(), 1);
+            refused(status, Status::Input, "cannot move at");
+            refused(mckibben_begin_at(plant.0, d.as_ptr(), &raw const fast, 1), Status::Input, "cannot move at");
+        }
         refused(mckibben_outputs(plant.0, numbers.as_mut_ptr(), 1), Status::Count, "mckibben_output_count");
         refused(mckibben_time(plant.0, null_mut()), Status::Pointer, "`time`");
         refused(mckibben_distances(plant.0, numbers.as_mut_ptr(), 2), Status::Count, "distances");

@@ -69,7 +69,7 @@ pub(crate) fn exergy(page: &Page, ledger: &PlantLedger) {
         ("left inside", total.stored, "gained by the air in actuators, hoses and reservoirs"),
         ("exhaust", total.exhaust, "let go with the air"),
         ("leaked", total.leaked, "let go with the air that leaked"),
-        ("others", total.others, "drawn by the other actuators alike, as supply.actuators says"),
+        ("others", total.others, "of the air of the other actuators alike, as supply.actuators says"),
         ("throttled", total.throttled, "destroyed in valves, hoses and regulators"),
         ("mixing", total.mixed, "destroyed as air of two temperatures mixes"),
         ("heat", total.heat_loss, "lost with heat, also with what the process implies; negative: gained"),
@@ -79,14 +79,14 @@ pub(crate) fn exergy(page: &Page, ledger: &PlantLedger) {
     if let Some(efficiency) = total.efficiency() {
         let what = match total.others {
             0.0 => "work on the load over what was drawn and compressed",
-            _ => "work on the load over what was drawn and compressed, less what others drew",
+            _ => "work on the loads, also of the others alike, over what was drawn and compressed",
         };
         page.value("efficiency", &page.percent(efficiency), what);
         let least = total.least_work + total.compressed;
         // Where nothing is drawn from sources it is the same.
         if total.least_work > 0.0 && least > 0.0 {
             let what = format!("over the isothermal work of compressors, {}", page.quantity(least, "J"));
-            page.value("of compressor", &page.percent(total.work / least), &what);
+            page.value("of compressor", &page.percent((total.work + total.work_of_others) / least), &what);
         }
     }
 }

@@ -84,7 +84,7 @@ impl Summary<'_> {
         page.events(&self.observation.events);
         if let Some(closed) = self.control {
             goals(page, &closed.goals);
-            effort(page, closed, self.observation.air.used());
+            effort(page, closed, self.observation.ended.ledger.air_used());
         }
         let periodic = self.control.is_some() || is_periodic(RigPlant::new(self.rig).plant());
         page.settled(self.common.settled, periodic);

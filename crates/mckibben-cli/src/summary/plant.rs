@@ -5,7 +5,7 @@ use crate::summary::{Common, Page, goals_by_name, is_periodic, ledger};
 use mckibben::mechanism::Mechanism;
 use mckibben::network::NodeKind;
 use mckibben_run::failure::Failure;
-use mckibben_run::plant::{PlantFigures, control, observation};
+use mckibben_run::plant::{PlantFigures, control};
 use mckibben_run::quantities::{counted, given};
 
 /// Printed behind the name of a part whose gauge pressure is on a line.
@@ -114,8 +114,7 @@ impl Summary<'_> {
         let fine = 1e-9 * ledger.air().turnover;
         let mass = |mass: f64| page.quantity(if mass.abs() < fine { 0.0 } else { mass }, "kg");
         if !page.verbose {
-            let used = observation::air_used(of, ledger);
-            return page.line("air", &format!("{} from the supplies", mass(used)));
+            return page.line("air", &format!("{} from the supplies", mass(ledger.air_used())));
         }
         page.heading("Air");
         let mut gained: f64 = ledger.nodes.iter().map(|of| of.air_gain).sum();

@@ -3,7 +3,7 @@
 use super::{Instance, Kind, Phase, Refusal};
 use crate::tunable::changes_parts;
 use crate::variables::{Array, Causality, Slot, Variable};
-use mckibben_run::host::{CommandInput, CommandMode, Motion};
+use mckibben_run::host::{CommandInput, CommandMode, GREATEST_MOTION, Motion};
 
 /// Variables that a message names, of more.
 const MOST_NAMED: usize = 4;
@@ -179,13 +179,18 @@ impl Instance {
                 given.iter().enumerate().try_for_each(|(index, number)| self.check_command(index, *number))?;
             }
             Slot::Distance(_) | Slot::Array(Array::Distances) => {
-                if let Some(wrong) = given.iter().find(|number| !(number.is_finite() && **number > 0.0)) {
-                    return Err(Refusal::error(format!("`{name}` = {wrong:?} m is no distance; give one above zero")));
+                if let Some(wrong) = given.iter().find(|number| !(**number > 0.0 && **number <= GREATEST_MOTION)) {
+                    return Err(Refusal::error(format!(
+                        "`{name}` = {wrong:?} m is no distance; give one above zero and up to {GREATEST_MOTION:e} m"
+                    )));
                 }
             }
             Slot::Rate(_) | Slot::Array(Array::Rates) => {
-                if let Some(wrong) = given.iter().find(|number| !number.is_finite()) {
-                    return Err(Refusal::error(format!("`{name}` = {wrong:?} m/s is no rate; give a finite one")));
+                let is_none = |number: &&f64| number.is_nan() || number.abs() > GREATEST_MOTION;
+                if let Some(wrong) = given.iter().find(is_none) {
+                    return Err(Refusal::error(format!(
+                        "`{name}` = {wrong:?} m/s is no rate; give one from -{GREATEST_MOTION:e} to {GREATEST_MOTION:e} m/s"
+                    )));
                 }
             }
             _ => return Err(Refusal::error(format!("`{name}` is computed; set inputs and parameters"))),

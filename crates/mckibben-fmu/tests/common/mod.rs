@@ -93,6 +93,34 @@ gauge_pressure = "30 psi"
 duration = "1 s"
 "#;
 
+/// A muscle by a measured map of its force, behind a hose and a valve of seats: its laws have many pieces.
+pub const MAPPED: &str = r#"
+[actuator]
+preset = "colbrunn-2001"
+[actuator.force]
+law = "map"
+gauge_pressure = ["0 bar", "1 bar", "3 bar"]
+length = ["70 mm", "76 mm", "80 mm", "87 mm"]
+tension = ["0 N", "0 N", "0 N", "2 N", "0 N", "5 N", "10 N", "30 N", "0 N", "20 N", "40 N", "90 N"]
+[supply]
+gauge_pressure = "6 bar"
+[valve]
+kind = "fill-hold-exhaust"
+flow_area = "2 mm^2"
+[hose]
+length = "0.3 m"
+diameter = "3 mm"
+[command]
+kind = "hold"
+[load]
+kind = "isometric"
+[initial]
+length = "84 mm"
+gauge_pressure = "1 bar"
+[run]
+duration = "1 s"
+"#;
+
 pub type Handle = *mut c_void;
 pub const OK: c_int = 0;
 pub const DISCARD: c_int = 2;

@@ -11,7 +11,7 @@
 //! | two spans of `zero` | the straight line through both is taken off: offset and drift |
 //! | readings at or beyond `saturates` | left out |
 //! | the same extreme value many times on end, nothing said about it | refused: say `saturates`, or that it does not with a larger one |
-//! | a reading 8 robust deviations from the median of its 8 neighbours, and farther from it than half a reading of the column is expected to be by its noise | reported; left out with `drop_outliers` |
+//! | a reading 8 robust deviations from the median of its 8 neighbours, and farther from it than half a reading of the column is expected to be by its noise, and not on an edge | reported; left out with `drop_outliers` |
 //! | few readings a hundred times as large as all others; of lengths and temperatures ten times as large or as small; one reading over time a thousand times | refused; left out with `drop_outliers` |
 //! | a length or a temperature that is not above zero | refused; left out with `drop_outliers` |
 //! | a step in time a thousand times as long as all others together | refused |
@@ -416,7 +416,19 @@ impl Work<'_> {
         let off: Vec<(usize, f64, f64)> = (half..values.len().saturating_sub(half)).filter_map(off).collect();
         let usual = chauvenet(off.len()) * deviation(off.iter().map(|(_, off, _)| *off));
         let is_far = |off: f64, spread: f64| spread > 0.0 && off.abs() > FAR * spread && off.abs() > usual;
-        let far: Vec<usize> = off.iter().filter(|(_, off, spread)| is_far(*off, *spread)).map(|(at, ..)| *at).collect();
+        let mut far: Vec<usize> =
+            off.iter().filter(|(_, off, spread)| is_far(*off, *spread)).map(|(at, ..)| *at).collect();
+        // On a steep edge a reading is far from the median of its neighbours, and yet between those before and behind it, which are not far.
+        let all = far.clone();
+        let near = |mut places: std::ops::Range<usize>, back: bool| {
+            let is_read = |place: &usize| values[*place].is_finite();
+            let place = if back { places.rfind(is_read) } else { places.find(is_read) };
+            place.filter(|place| !all.contains(place)).map(|place| values[place])
+        };
+        far.retain(|at| match (near(0..*at, true), near(at + 1..values.len(), false)) {
+            (Some(before), Some(behind)) => (values[*at] - before) * (behind - values[*at]) <= 0.0,
+            _ => true,
+        });
         if rules.drop_outliers {
             far.iter().for_each(|at| column.values[*at] = f64::NAN);
         }

@@ -357,6 +357,13 @@ impl Study {
         if let Some(entry) = fit_entries.first() {
             within.read_by(&format!("[fit.\"{}\"]", entry.path), None, head.kind, &Kind::OF_NUMBERS)?;
         }
+        let is_of_sensor = |entry: &&FitEntry| entry.path.starts_with("columns.");
+        if let Some(entry) = fit_entries.iter().find(is_of_sensor).filter(|_| head.kind != Kind::Trajectories) {
+            let what =
+                format!("`{}` in [fit] is a parameter of a sensor, which only trajectories estimate", entry.path);
+            let remedy = "leave it out, and take off what you know by `offset` or `zero` in the column; or set kind = \"trajectories\"";
+            return Err(within.fault(None, what, remedy));
+        }
         if let Some(entry) = fit_entries.iter().find(|entry| entry.per_run && entry.per_session) {
             let what = format!("`{}` in [fit] is each run’s and each session’s own at once", entry.path);
             return Err(within.fault(None, what, "leave out `per_run` or `per_session`"));

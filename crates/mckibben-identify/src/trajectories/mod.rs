@@ -11,7 +11,8 @@
 //!
 //! The scale s of a quantity is the standard deviation of its readings where that is known. Else a first fit weighs each
 //! quantity by its span, and a second by the scatter that the first has left: so a poor pressure sensor does not
-//! outweigh a good length sensor.
+//! outweigh a good length sensor. Where the second leaves another scatter than that, as when the first has ended in a poor
+//! place, further fits follow until the scales are what is left; [`Identified::unsettled`] names those that are not.
 //!
 //! A start far off may lie in another valley, since an oscillation of the wrong frequency falls out of step. Then
 //! give more starts, or let the horizon grow: [`Horizon::Growing`] fits a short beginning first and lengthens it,
@@ -40,7 +41,7 @@ pub use observed::{Observed, ObservedColumn};
 pub use rest::{Drift, Understated, Unexplained};
 pub use sampling::Sampling;
 pub use search::{Horizon, Identified, Task, TrajectoryError};
-pub use sensor::{AMOUNTS, Amount, Sensor};
+pub use sensor::{AMOUNTS, Amount, Sensor, sample};
 pub use simulated::{Simulated, SimulatedReader, Watch};
 pub use step_info::StepInfo;
 pub use subject::{AdjustablePlant, Described, Subject, SubjectError};
@@ -74,7 +75,7 @@ impl TimeSeries {
         let readings = self.times.iter().copied().zip(self.values.iter().copied());
         let mut samples: Vec<(f64, [f64; 3])> = Vec::new();
         for (time, value) in readings {
-            let sample = sensor::sample(interval, time);
+            let sample = sample(interval, time);
             match samples.last_mut() {
                 Some((last, [count, times, values])) if *last == sample => {
                     (*count, *times, *values) = (*count + 1.0, *times + time, *values + value);

@@ -21,6 +21,13 @@ pub enum Horizon {
 
 /// Segments into which a run may be divided: the unknowns of their joints are solved for densely.
 const MOST_SEGMENTS: f64 = 500.0;
+/// Fits at most in which quantities are weighed by their residuals, after the one in which they are weighed by their spans.
+const WEIGHINGS: usize = 6;
+/// Ratio of a residual and its scale up to which the scale has settled. Values change with the square of what is left, and standard
+/// errors by as much.
+const SETTLED: f64 = 1.1;
+/// Part of its span below which what is left of a quantity is no noise, and no measure of a weight; and the least scale.
+const NOISELESS: [f64; 2] = [1e-6, 1e-9];
 
 /// What is to be found, from what.
 #[derive(Clone, Debug)]
@@ -50,6 +57,8 @@ pub struct Identified {
     pub left: Vec<(Observed, f64)>,
     /// Scale by which each quantity was weighed.
     pub scales: Vec<(Observed, f64)>,
+    /// Quantities without a known deviation whose scale and residual differ although they were weighed again and again.
+    pub unsettled: Vec<Observed>,
     /// The runs with these values, up to their last reading.
     pub simulated: Vec<Simulated>,
     /// Duration in s of the segments of which the runs are made, where they could not be fitted whole.
@@ -175,6 +184,33 @@ impl Runs<'_> {
     }
 }
 
+/// The span of each quantity, or its known deviation, and whether that is one.
+type Spans = [(Observed, (f64, bool))];
+
+/// The scales of all quantities, of those without a known deviation by the residuals of a fit.
+fn weighed(runs: &Runs<'_>, spans: &Spans, residuals: &[f64]) -> Vec<(Observed, f64)> {
+    let scatter = runs.scatter(residuals);
+    let mut weighed = Vec::with_capacity(spans.len());
+    for ((of, scale), (_, (span, known))) in runs.scales.iter().zip(spans) {
+        let residual = scatter.iter().find(|(other, _)| other == of).map_or(1.0, |(_, residual)| *residual);
+        // The residual of noiseless data says nothing: its scale is the span's rounding.
+        weighed.push((of.clone(), if *known { *scale } else { (scale * residual).max(NOISELESS[1] * span) }));
+    }
+    weighed
+}
+
+/// The quantities without a known deviation whose scale is not what a fit leaves of them, unless both are no noise.
+fn unsettled_in(scales: &[(Observed, f64)], left: &[(Observed, f64)], spans: &Spans) -> Vec<Observed> {
+    let mut found = Vec::new();
+    for (((of, scale), (_, left)), (_, (span, is_known))) in scales.iter().zip(left).zip(spans) {
+        let ratio = (left / scale).max(scale / left);
+        if !is_known && ratio > SETTLED && left.max(*scale) > NOISELESS[0] * span {
+            found.push(of.clone());
+        }
+    }
+    found
+}
+
 impl Task {
     /// Searches for the values that fit best. Where the search does not end at a minimum, or is ended by its monitor, the result
     /// has the best values without intervals, and says so: [`Fit::ending`], [`Identified::stopped`].
@@ -216,22 +252,50 @@ impl Task {
         if let Some(first) = first {
             found.0 = Found { fit: found.0.fit, ..first };
         }
-        if !all_known && !search.monitor.is_stopped() {
-            // Weigh each quantity by its residual, and go on from there.
-            let scatter = runs.scatter(&found.0.fit.residuals);
-            let rough = runs.scales.clone();
-            for ((of, scale), _) in runs.scales.iter_mut().zip(&spans).filter(|(_, (_, (_, known)))| !known) {
-                let residual = scatter.iter().find(|(other, _)| other == of).map_or(1.0, |(_, residual)| *residual);
-                // The residual of noiseless data says nothing: its scale is the span's rounding.
-                *scale *= residual.max(1e-9);
+        // Weigh each quantity by its residual, and go on from there. A fit that leaves a poor place behind leaves other residuals than
+        // those that it was weighed by, so that they are weighed again.
+        let mut unsettled = Vec::new();
+        for weighing in 0..=WEIGHINGS {
+            if all_known || search.monitor.is_stopped() {
+                break;
             }
+            let (rough, weighed) = (runs.scales.clone(), weighed(&runs, &spans, &found.0.fit.residuals));
+            unsettled = unsettled_in(&rough, &weighed, &spans);
+            if weighing == WEIGHINGS || (weighing > 0 && unsettled.is_empty()) {
+                break;
+            }
+            // A search that may take no more steps does not take them by other weights.
+            if weighing > 0 && matches!(found.0.fit.ending, Ending::Steps { .. }) {
+                unsettled.clear();
+                break;
+            }
+            // Readings without noise leave nothing to weigh by.
+            let noisy: Vec<Observed> = weighed
+                .iter()
+                .zip(&spans)
+                .filter(|((_, left), (_, (span, _)))| *left > NOISELESS[0] * span)
+                .map(|((of, _), _)| of.clone())
+                .collect();
+            unsettled.retain(|of| noisy.contains(of));
+            runs.scales = weighed;
             unknowns = least_squares::starting_at(&unknowns, &found.0.fit.values());
-            let polish = Search { any_end: found.0.fit.ending != Ending::Minimum, ..search.clone() };
-            match self.searched(&runs, &unknowns, &[], &polish) {
-                Ok((polished, joined)) => found = (Found { fit: polished.fit, ..found.0 }, joined),
-                // Readings without noise leave nothing to weigh by.
-                Err(_) => runs.scales = rough,
-            }
+            let was_minimum = found.0.fit.ending == Ending::Minimum;
+            let polish = |any_end: bool| self.searched(&runs, &unknowns, &[], &Search { any_end, ..search.clone() });
+            let polished = match polish(!was_minimum) {
+                // Steps by derivatives alone may stall short of a minimum to which steps without them lead.
+                Err(_) if was_minimum && !noisy.is_empty() => {
+                    polish(true).ok().filter(|(polished, _)| polished.fit.ending == Ending::Minimum)
+                }
+                polished => polished.ok(),
+            };
+            let Some((polished, joined)) = polished else {
+                runs.scales = rough;
+                break;
+            };
+            found = (Found { fit: polished.fit, ..found.0 }, joined);
+        }
+        if search.monitor.is_stopped() {
+            unsettled.clear();
         }
         let (mut found, joined) = found;
         // In segments the runs are simulated already, with the values as they were found.
@@ -252,7 +316,7 @@ impl Task {
         let left = scatter.into_iter().map(|(of, residual)| (of.clone(), residual * runs.scale(&of))).collect();
         let scales = runs.scales;
         let stopped = self.search.monitor.ending();
-        Ok(Identified { found, scenarios, left, scales, simulated, segments, stopped })
+        Ok(Identified { found, scenarios, left, scales, unsettled, simulated, segments, stopped })
     }
 
     /// The best values from these starts, with the runs in segments where they cannot be fitted whole.

@@ -180,7 +180,7 @@ impl KnownSensor {
 }
 
 /// Which sample a sensor that holds has at a time, counted from the start of the run; one that is due then is taken.
-pub(super) fn sample(interval: f64, time: f64) -> f64 {
+pub fn sample(interval: f64, time: f64) -> f64 {
     (time / interval * (1.0 + f64::EPSILON) + 1e-9).floor()
 }
 

@@ -27,6 +27,7 @@
 
 use super::ValveError;
 use crate::least_squares::{Estimate, Evaluation, Model, Search, Unknown, fit};
+use crate::median::median;
 use crate::propagation;
 use crate::series;
 use mckibben::internals::lowest;
@@ -194,18 +195,26 @@ impl Delays {
     /// Of a pulse train and the `pressure` in Pa, gauge or absolute, at each `time` in s.
     ///
     /// # Errors
-    /// [`ValveError::Series`] for samples that are no series, [`ValveError::NoOnset`] when the pressure answers to no edge.
+    /// [`ValveError::Series`] for samples that are no series, [`ValveError::NoOnset`] when the pressure answers to no edge, and
+    /// [`ValveError::Coarse`] when there are too few samples to see it.
     pub fn find(time: &[f64], pressure: &[f64], train: &PulseTrain) -> Result<Self, ValveError> {
         series::check(time, pressure, "the pressure", LEAST_SAMPLES)?;
         let last = time[time.len() - 1];
         let edges = &train.edges;
         let mut fits = Vec::new();
+        // Of edges with too few samples: whether the coil is energised, the samples, and the time in s that they take.
+        let mut coarse: Vec<(bool, usize, f64)> = Vec::new();
         for (place, (edge, energised)) in edges.iter().enumerate() {
             let from = match place.checked_sub(1) {
                 Some(before) => 0.5 * (edges[before].0 + edge),
                 None => time[0],
             };
             let to = edges.get(place + 1).map_or(last, |next| next.0);
+            let samples = series::between(time, from, to).len();
+            // Edges beyond the record have none, and more often would not help.
+            if samples < LEAST_SAMPLES && from >= time[0] && from < to && to <= last {
+                coarse.push((*energised, samples, to - from));
+            }
             fits.extend(Fits::of(time, pressure, [from, *edge, to]).map(|fits| (*edge, *energised, fits)));
         }
         let missed = edges.len() - fits.len();
@@ -219,9 +228,20 @@ impl Delays {
         let onsets: Vec<Onset> = fits.iter().map(onset).collect();
         let delay = |energised: bool| {
             mean_delay(&onsets, energised, windows[usize::from(!energised)].model_error).ok_or_else(|| {
-                ValveError::NoOnset {
-                    coil: if energised { "energised" } else { "released" },
-                    edges: edges.iter().filter(|edge| edge.1 == energised).count(),
+                let coil = if energised { "energised" } else { "released" };
+                let edges = edges.iter().filter(|edge| edge.1 == energised).count();
+                let few = coarse.iter().filter(|few| few.0 == energised);
+                match few.clone().count() {
+                    // The edges at the ends of a record may have few samples, or many.
+                    count if count > 0 && count + 2 >= edges => ValveError::Coarse {
+                        coil,
+                        edges,
+                        coarse: count,
+                        samples: few.clone().map(|few| few.1).max().unwrap_or(0),
+                        least: LEAST_SAMPLES,
+                        rate: LEAST_SAMPLES as f64 / median(&few.map(|few| few.2).collect::<Vec<_>>()).unwrap_or(0.0),
+                    },
+                    _ => ValveError::NoOnset { coil, edges },
                 }
             })
         };

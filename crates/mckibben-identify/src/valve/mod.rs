@@ -100,6 +100,26 @@ pub enum ValveError {
         /// How often it was.
         edges: usize,
     },
+    /// Too few samples between the edges to see the pressure answer.
+    #[error(
+        "only {samples} samples of the pressure lie between the middle of the pause before the coil was {coil} and the next edge, at {coarse} of \
+         {edges} times, and it takes {least} to see when the pressure responds; sample at {} Hz or more, or pulse more slowly",
+        rate.ceil()
+    )]
+    Coarse {
+        /// `energised` or `released`.
+        coil: &'static str,
+        /// How often it was.
+        edges: usize,
+        /// At how many of these there are too few.
+        coarse: usize,
+        /// The most that there are at one of these.
+        samples: usize,
+        /// How many it takes.
+        least: usize,
+        /// The rate in Hz at which there are as many.
+        rate: f64,
+    },
     /// A request that has no answer.
     #[error("{what}; {remedy}")]
     Misuse {

@@ -1,7 +1,7 @@
 //! Where an actuator is and what it answers: the classes `ActuatorState` and `Response`.
 
 use crate::exceptions::OrException;
-use crate::typed::{Numbers, PortsWord, Sequence};
+use crate::typed::{Line, Numbers, PortsWord};
 use mckibben::valve::Ports;
 use mckibben_run::failure::Failure;
 use numpy::PyArray1;
@@ -114,8 +114,8 @@ pub(crate) struct Response {
 #[pymethods]
 impl ActuatorState {
     #[new]
-    fn new(numbers: Sequence) -> PyResult<Self> {
-        Self::of_numbers(&numbers.0).or_exception()
+    fn new(numbers: Line<'_>) -> PyResult<Self> {
+        Self::of_numbers(&numbers.read("numbers")?).or_exception()
     }
 
     /// Time in s since the start.

@@ -17,8 +17,8 @@ use crate::pace::Span;
 use crate::pool;
 use crate::scenario::{Scenario, ScenarioArgument};
 use crate::typed::{
-    ActionWord, Copied, Count, FREQUENCY, Flags, NewArguments, Numbers as Array, PrecisionWord, Quantity, Rows,
-    Sequence, TIME, Table, Texts,
+    ActionWord, Copied, Count, FREQUENCY, Flags, Line, NewArguments, Numbers as Array, PrecisionWord, Quantity, Rows,
+    TIME, Table, Texts,
 };
 use file::File;
 use fleet::Fleet;
@@ -448,9 +448,10 @@ impl VectorPlant {
     /// ------
     /// InputError
     ///     A value is missing or not valid.
-    fn differ(this: &Bound<'_, Self>, one: Sequence, other: Sequence) -> PyResult<bool> {
+    fn differ(this: &Bound<'_, Self>, one: Line<'_>, other: Line<'_>) -> PyResult<bool> {
+        let (one, other) = (one.read("one")?, other.read("other")?);
         let plants = alone::to_read(this, CLASS)?;
-        let values = [one.0.as_slice(), other.0.as_slice()];
+        let values = [one.as_slice(), other.as_slice()];
         if values.iter().any(|values| values.len() != plants.parameters.len()) {
             let remedy = format!("give a value for each of {}, in SI", plants.parameters.join(", "));
             return Err(Failure::input("values are missing, or there are too many", remedy)).or_exception();

@@ -9,6 +9,9 @@ use crate::quantities::given;
 use mckibben::plant::Plant;
 use mckibben::{Error, parameter};
 
+/// The greatest distance in m and rate in m/s: what follows from them, such as the force of viscous friction, is a finite number.
+pub const GREATEST_MOTION: f64 = 1e100;
+
 /// The distances in m at which the actuators end, with the names of what ends them; none with a tendon.
 pub(super) fn limits(plant: &Plant) -> Result<Vec<Option<(&'static str, f64)>>, Error> {
     (0..plant.actuators().len()).map(|actuator| plant.end_distance(actuator)).collect()
@@ -20,11 +23,12 @@ impl HostModel {
     /// # Errors
     /// With the actuator.
     pub(super) fn check_distance(&self, place: usize, distance: f64) -> Result<(), Failure> {
-        if distance.is_finite() && distance > 0.0 {
+        if distance > 0.0 && distance <= GREATEST_MOTION {
             return Ok(());
         }
         let title = format!("a distance of {distance:?} m between the ends is none");
-        Err(Failure::input(title, "give a finite number in m above zero").of(self.actuator(place)))
+        let remedy = format!("give a number in m above zero and up to {GREATEST_MOTION:e}");
+        Err(Failure::input(title, remedy).of(self.actuator(place)))
     }
 
     /// That the ends of an actuator can move at a rate in m/s.
@@ -32,11 +36,13 @@ impl HostModel {
     /// # Errors
     /// With the actuator.
     pub(super) fn check_rate(&self, place: usize, rate: f64) -> Result<(), Failure> {
-        if rate.is_finite() {
+        if rate.abs() <= GREATEST_MOTION {
             return Ok(());
         }
         let title = format!("the ends cannot move at {rate:?} m/s");
-        Err(Failure::input(title, "give a finite number in m/s, or more time to move").of(self.actuator(place)))
+        let remedy =
+            format!("give a number from -{GREATEST_MOTION:e} to {GREATEST_MOTION:e} in m/s, or more time to move");
+        Err(Failure::input(title, remedy).of(self.actuator(place)))
     }
 
     /// Both, of all actuators of a plant.

@@ -61,9 +61,12 @@ mod plant;
 
 pub use batch::HostBatch;
 pub use command::{COMMAND_MODES, CommandMode, Pulses};
+pub use ends::GREATEST_MOTION;
 pub use experiment::{experiment_of, experiment_of_one, open};
 pub use model::{CommandInput, HostModel, HostOptions, Motion};
 pub use plant::HostPlant;
+
+use mckibben::internals::SIMULTANEOUS;
 
 /// The end in s of a step of `step` s from a time: the next multiple of `step` where the time is one.
 ///
@@ -71,9 +74,7 @@ pub use plant::HostPlant;
 /// that begin, and count from the next pulse on. Where a pulse takes whole steps, steps that meet its begin lie at multiples
 /// of the step: so no state need count them, and any state goes on in this way.
 pub fn end_of_step(from: f64, step: f64) -> f64 {
-    /// Relative difference between a multiple and a sum by the rounding of a few operations.
-    const ROUNDINGS: f64 = 8.0 * f64::EPSILON;
     let until = from + step;
     let multiple = (until / step).round() * step;
-    if (multiple - until).abs() <= ROUNDINGS * until { multiple } else { until }
+    if (multiple - until).abs() <= SIMULTANEOUS * until { multiple } else { until }
 }

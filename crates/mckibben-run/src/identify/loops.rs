@@ -110,8 +110,12 @@ fn read(recording: &Recording, atmosphere: f64) -> Result<Loop, Failure> {
         [sample.time, sample.length, sample.gauge_pressure, sample.tension].iter().all(|number| number.is_finite())
     };
     let samples = (0..times.len()).map(sample).filter(whole).collect();
-    let deviation = column(recording, Quantity::Length)?.deviation;
-    Loop::new(recording.name.clone(), samples, deviation)
+    let of_pressure = [Quantity::AbsolutePressure, Quantity::GaugePressure]
+        .into_iter()
+        .find_map(|pressure| recording.column(pressure))
+        .and_then(|pressure| pressure.deviation);
+    let deviations = [column(recording, Quantity::Length)?.deviation, of_pressure];
+    Loop::new(recording.name.clone(), samples, deviations)
         .map_err(|error| Failure::input(error.to_string(), "see docs/identify.md"))
 }
 
@@ -130,7 +134,7 @@ fn left_out(of: &Loop) -> Option<String> {
     Some(match of.window() {
         ..=3 => format!("{what} a reversal or a rest is too near. Read more often, or move farther between reversals."),
         window => format!(
-            "{what} the length has noise of {}, and its velocity is taken from {window} readings. Read the length with less noise, move \
+            "{what} the length has noise of {}, and its direction is taken from {window} readings. Read the length with less noise, move \
              faster, or fit kind = \"trajectories\".",
             quantity(of.length_noise(), "m")
         ),
@@ -242,7 +246,7 @@ mod tests {
             let length = 86e-3 + 2e-3 * way + 1e-6 * noise * 3.46 * (shake - shake.floor() - 0.5);
             Sample { time: 0.02 * f64::from(place), length, gauge_pressure: 4e5, tension: 50.0 }
         };
-        Loop::new("slow", (0..10 * readings).map(sample).collect(), None).expect("a loop")
+        Loop::new("slow", (0..10 * readings).map(sample).collect(), [None; 2]).expect("a loop")
     }
 
     #[test]

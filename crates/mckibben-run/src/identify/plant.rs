@@ -23,7 +23,7 @@ pub(super) fn runs(material: &Material, warnings: &mut Vec<String>) -> Result<(V
         }
         plants.push((document, experiment));
     }
-    let (unknowns, numbers) = unknowns::of_runs(material, |run, entry, sensor| {
+    let (unknowns, numbers) = unknowns::of_runs((material, warnings), |run, entry, sensor| {
         let (document, experiment) = &plants[run];
         let path = match sensor {
             None => entry.path.clone(),

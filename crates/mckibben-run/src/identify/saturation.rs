@@ -21,6 +21,7 @@ use mckibben_identify::statics::ForceMap;
 use mckibben_identify::statics::units::saturated;
 use mckibben_identify::study::clean::STUCK;
 use mckibben_identify::study::{Column, ColumnEntry, Kind, Quantity, Sheet};
+use mckibben_identify::trajectories::sample;
 use mckibben_scenario::{Document, Scenario};
 
 /// Part of the readings that are at an end from which on it is reported.
@@ -151,7 +152,7 @@ fn may_end(of: Quantity) -> bool {
 /// The first reading of each sample that a sensor holds.
 fn samples(times: &[f64], values: &[f64], hold: Option<f64>) -> Vec<f64> {
     let Some(interval) = hold else { return values.to_vec() };
-    let sample = |place: usize| (times[place] / interval + 1e-9).floor();
+    let sample = |place: usize| sample(interval, times[place]);
     let is_first = |place: &usize| *place == 0 || sample(*place) != sample(place - 1);
     (0..values.len()).filter(is_first).map(|place| values[place]).collect()
 }

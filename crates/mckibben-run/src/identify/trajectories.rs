@@ -57,6 +57,7 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     let has_intervals = found.found.fit.ending == Ending::Minimum;
     let rest = task.unexplained(&found);
     warnings.extend(rest.iter().map(|rest| unexplained(rest, has_intervals, is_doubted)));
+    warnings.extend(found.unsettled.iter().map(|of| unsettled(of, &found)));
     let understated = task.understated(&found);
     let understated = understated.iter().filter(|of| !rest.iter().any(|rest| rest.observed == of.observed));
     warnings.extend(understated.map(|Understated { observed, left, deviation }| {
@@ -121,7 +122,7 @@ fn runs(material: &Material, warnings: &mut Vec<String>) -> Result<(Vec<Recorded
         scenarios.push((recording.name.clone(), scenario));
         documents.push(document);
     }
-    let (unknowns, numbers) = unknowns::of_runs(material, |run, entry, sensor| {
+    let (unknowns, numbers) = unknowns::of_runs((material, warnings), |run, entry, sensor| {
         let (name, scenario) = &mut scenarios[run];
         match (sensor, sensor.and_then(|of| sensors::of_driving(material, of))) {
             (None, _) => unknowns::in_run(material, entry, (&documents[run], name, scenario)).map(Stands::Scenario),
@@ -329,6 +330,19 @@ fn unexplained(rest: &Unexplained, has_intervals: bool, is_doubted: bool) -> Str
     };
     let (words, unit) = (rest.observed.words(), rest.observed.unit());
     values::beyond_noise(&words, unit, [rest.left, rest.noise], has_intervals, advice)
+}
+
+/// That a quantity is not weighed by its scatter, and what to do.
+fn unsettled(of: &Observed, found: &Identified) -> String {
+    let [left, scale] = [&found.left, &found.scales].map(|all| {
+        let value = all.iter().find(|(its, _)| its == of).map_or(f64::NAN, |(_, value)| *value);
+        quantity(value, of.unit())
+    });
+    format!(
+        "{WARNED}the weights did not settle: the model leaves {left} of the {}, which was weighed by {scale}. Values and intervals may be \
+         off by more than they say: state the `deviation` of each column in [columns], or begin nearer (`start` in [fit]).",
+        of.words()
+    )
 }
 
 /// Residuals of each quantity over all runs, and of each run with and without it in the fit.

@@ -41,9 +41,9 @@ pub(super) enum Stands<P> {
 
 /// All of them in the scenarios of runs; `find` finds that of an entry, which may name a number of a sensor, in a run by its index. A
 /// number that is each run's or each session's own is an unknown for each, named behind its path; a common one starts at the first
-/// run's value.
+/// run's value, and runs that state different values of it are refused.
 pub(super) fn of_runs<P>(
-    material: &Material,
+    (material, warnings): (&Material, &mut Vec<String>),
     mut find: impl FnMut(usize, &FitEntry, Option<OfSensor>) -> Result<Stands<P>, Failure>,
 ) -> Result<(Vec<Unknown>, Vec<OfRun<P>>), Failure> {
     let mut unknowns: Vec<Unknown> = Vec::new();
@@ -53,6 +53,7 @@ pub(super) fn of_runs<P>(
         let of_sensor = sensors::named(material, entry)?;
         // The owners that the number has had so far, each with its unknown.
         let mut owners: Vec<(&str, usize)> = Vec::new();
+        let mut stated: Vec<Stated> = Vec::new();
         for (run, of) in numbers.iter_mut().enumerate() {
             let owner = owner(material, entry, run)?;
             let known = owners.iter().find(|(other, _)| *other == owner).map(|(_, unknown)| *unknown);
@@ -72,7 +73,8 @@ pub(super) fn of_runs<P>(
             };
             match stands {
                 Stands::Sensor(its) => of.sensors.push((its, unknown)),
-                Stands::Scenario((place, ..)) => {
+                Stands::Scenario((place, row, value)) => {
+                    stated.push(Stated { owner, run, value, unit: row.unit });
                     of.unknowns.push(unknown);
                     of.places.push(place);
                 }
@@ -81,8 +83,48 @@ pub(super) fn of_runs<P>(
                 owners.push((owner, unknown));
             }
         }
+        warnings.extend(of_set(material, entry, &stated)?);
     }
     Ok((unknowns, numbers))
+}
+
+/// The value that a number of [fit] has in the scenario of a run.
+struct Stated<'m> {
+    owner: &'m str,
+    run: usize,
+    value: f64,
+    unit: &'static str,
+}
+
+/// Refuses a number that runs have in common, and of which `set` gives them different values: the estimate would take the place of each.
+/// Where they have one value, what is said of it.
+fn of_set(material: &Material, entry: &FitEntry, stated: &[Stated]) -> Result<Option<String>, Failure> {
+    let path = &entry.path;
+    let leads_there =
+        |key: &str| path.strip_prefix(key).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']));
+    let is_set = |of: &&Stated| material.recordings[of.run].set.iter().any(|(key, _)| leads_there(key));
+    // The value of a run is where the search for that run's own number starts.
+    let mut set = stated.iter().filter(is_set).filter(|_| !entry.per_run).peekable();
+    if set.peek().is_none() {
+        return Ok(None);
+    }
+    for of in set {
+        if let Some(other) = stated.iter().find(|other| other.owner == of.owner && other.value != of.value) {
+            let [one, another] = [of, other].map(|of| {
+                format!("{} in the run `{}`", quantities::given(of.value, of.unit), material.recordings[of.run].name)
+            });
+            let title =
+                format!("`{path}` in [fit] is one parameter of several runs, and by `set` it is {one} and {another}");
+            let remedy = format!(
+                "add `per_run = true` to [fit.\"{path}\"] to estimate it for each run, or leave it out of [fit] where it is known, and out \
+                 of `set` where it is not"
+            );
+            return Err(Failure::input(title, remedy));
+        }
+    }
+    Ok(Some(format!(
+        "`{path}` is in `set` and in [fit]: it is estimated, and the value of `set` is where the search starts."
+    )))
 }
 
 /// Whose a number is in a run: the run's, its session's, or, with an empty name, that of all.

@@ -77,11 +77,11 @@ impl Observes<JointPlant> for Observer {
         if step.holds(step.start()) {
             [step.start(), step.end()].into_iter().for_each(|time| see(time, &step.at(time)));
         }
-        for time in peaks.turns() {
+        peaks.turn(|time| {
             let sample = step.at(time);
-            peaks.widen(&values(&sample));
             reach(reached, driven, &sample);
-        }
+            values(&sample)
+        });
         if let Some(event) = step.event() {
             *events.entry(event.kind.kind).or_insert(0) += 1;
         }

@@ -145,12 +145,14 @@ fn point(model: &Model) -> Vec<Line> {
     lines
 }
 
-/// What casts doubt on an actuator in a linear model: the warning of what feeds it, and hysteresis that has no state.
+/// What casts doubt on an actuator in a linear model: the warning of what feeds it, and hysteresis that has no state, of which the
+/// model has the stiffness about the point alone.
 pub(super) fn doubts(feed: Option<String>, actuator: &Actuator) -> String {
-    let is_left_out =
+    let is_stiffness =
         matches!(actuator.friction().hysteresis(), Some(Hysteresis::MaxwellSlip(_) | Hysteresis::BoucWen(_)));
-    let hysteresis = is_left_out.then(|| {
-        "the model leaves the hysteresis of friction out: signals that turn within its width meet a stiffer muscle"
+    let hysteresis = is_stiffness.then(|| {
+        "the model has the hysteresis of friction as its stiffness for small signals: larger ones, beyond its width, meet a \
+         softer muscle and lose energy"
             .to_owned()
     });
     feed.into_iter().chain(hysteresis).collect::<Vec<_>>().join("; ")
@@ -188,10 +190,10 @@ pub(super) fn of_spools(linear: &PlantLinearization, name: impl Fn(usize) -> Str
 /// Part of the larger of two gains up to which both are equal.
 const EQUAL_GAINS: f64 = 1e-9;
 
-/// How far length and tension swing under the pulses, as far as the model has them.
+/// How far length, pressure in the actuator and tension swing under the pulses, as far as the model has them.
 fn swings(model: &Model) -> Vec<String> {
     let swing = |(name, unit): &(&str, &str)| Some(format!("{name} {}", quantity(model.linear.ripple(name)?, unit)));
-    [("length", "m"), ("tension", "N")].iter().filter_map(swing).collect()
+    [("length", "m"), ("pressure", "Pa"), ("tension", "N")].iter().filter_map(swing).collect()
 }
 
 /// A valve under PWM on average, and how far that holds.
@@ -354,6 +356,19 @@ fn of_reach(system: &StateSpace, reach: &[Controllability]) -> Table {
     Table { caption: "states by their usual size, time by the fastest pole".to_owned(), head, rows: rows.collect() }
 }
 
+/// Whether dry friction holds anything, by how much less or more than the balance.
+pub(super) fn is_held([less, more]: [f64; 2]) -> bool {
+    less > 0.0 || more > 0.0
+}
+
+/// A range about a balance, by how much less and more: below no tension a muscle holds less than it may hold more.
+pub(super) fn around([less, more]: [f64; 2], unit: &'static str) -> String {
+    match (less - more).abs() > 1e-9 * more.abs() {
+        true => format!("−{} and +{}", quantity(less, unit), quantity(more, unit)),
+        false => format!("± {}", quantity(more, unit)),
+    }
+}
+
 /// What the model leaves out, and what is assumed.
 fn notes(model: &Model) -> Vec<String> {
     let point = &model.linear.point;
@@ -371,19 +386,18 @@ fn notes(model: &Model) -> Vec<String> {
                 .to_owned(),
         );
     }
-    let bound = point.coulomb_bound();
-    if bound > 0.0 && point.rig.load().inertia().is_some() {
+    let bounds = model.linear.plant.coulomb_bounds(0);
+    if is_held(bounds) && point.rig.load().inertia().is_some() {
         let (actuator, State { length, pressure, air_mass, .. }) = (point.rig.actuator(), point.state);
         let air = ActuatorState::new(pressure, air_mass, length);
         let per_pressure = actuator.respond(&air, length, 0.0, Ports::CLOSED).per_pressure;
         let sealed = actuator.sealed_stiffness(length, pressure);
         let sliding = if model.oscillation.is_some() { "" } else { " The model is about sliding without it." };
         notes.push(format!(
-            "Coulomb friction holds the load at rest within ± {}: that is ± {} with the valve shut, or ± {} of \
-             pressure.{sliding}",
-            quantity(bound, "N"),
-            quantity(bound / sealed, "m"),
-            quantity((bound / per_pressure).abs(), "Pa"),
+            "Coulomb friction holds the load at rest within {}: that is {} with the valve shut, or {} of pressure.{sliding}",
+            around(bounds, "N"),
+            around(bounds.map(|bound| bound / sealed), "m"),
+            around(bounds.map(|bound| (bound / per_pressure).abs()), "Pa"),
         ));
     }
     if let Some((amplitude, frequency)) = model.oscillation {

@@ -1,7 +1,7 @@
 //! The frequency response as a figure: magnitude in dB and phase over a range that the poles choose.
 
 use super::Model;
-use super::account::left_out;
+use super::account::{is_held, left_out};
 use super::joint::JointModel;
 use super::plant::PlantModel;
 use crate::failure::Failure;
@@ -193,7 +193,7 @@ fn caption(model: &Model) -> String {
         None if model.linear.is_driven() => "valve by its command".to_owned(),
         None => "valve held shut".to_owned(),
     };
-    let coulomb = if model.oscillation.is_none() && point.coulomb_bound() > 0.0 {
+    let coulomb = if model.oscillation.is_none() && is_held(model.linear.plant.coulomb_bounds(0)) {
         ", sliding without Coulomb friction"
     } else {
         ""

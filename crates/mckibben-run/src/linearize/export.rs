@@ -18,6 +18,7 @@ const VERSION: u32 = 1;
 pub(super) fn point(model: &Model) -> Vec<(&'static str, f64)> {
     let point = &model.linear.point;
     let state = point.state;
+    let [less, more] = model.linear.plant.coulomb_bounds(0);
     let mut values = vec![
         ("length_m", state.length),
         ("velocity_m_s", state.velocity),
@@ -26,7 +27,8 @@ pub(super) fn point(model: &Model) -> Vec<(&'static str, f64)> {
         ("air_mass_kg", state.air_mass),
         ("temperature_k", point.temperature()),
         ("tension_n", point.tension()),
-        ("coulomb_bound_n", point.coulomb_bound()),
+        ("coulomb_bound_n", more),
+        ("coulomb_bound_below_n", less),
     ];
     values.extend(point.load_distance().map(|distance| ("load_distance_m", distance)));
     if let Load::HangingMass { mass, .. } | Load::ConstantForce { mass, .. } = point.rig.load() {
@@ -96,7 +98,11 @@ pub(super) fn json(model: &Model) -> String {
         as_damping(amplitude, frequency, damping)
     });
     let pulses = model.linear.averaged().map(|averaged| {
-        let ripples = [("length_ripple_m", "length"), ("tension_ripple_n", "tension")];
+        let ripples = [
+            ("length_ripple_m", "length"),
+            ("actuator_pressure_ripple_pa", "pressure"),
+            ("tension_ripple_n", "tension"),
+        ];
         pwm(averaged, &model.poles, &ripples.map(|(name, output)| (name, model.linear.ripple(output))))
     });
     let more = [

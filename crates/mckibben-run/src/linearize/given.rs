@@ -46,7 +46,15 @@ pub(super) fn linearization(request: &Request, experiment: &Experiment) -> Resul
         (None, Some(length)) => linearize_driven(&rig, Aim::CommandAtLength(length), content),
         (None, None) => linearize_driven(&rig, Aim::Command, content),
     };
-    found.map_err(|error| of_request(request, error))
+    found.map_err(|error| match error {
+        // The length of a start has no part in a point, which is in balance.
+        Error::NoSolution { what, remedy } if remedy.contains(parameter::INITIAL_LENGTH.key) => Failure::input(
+            what,
+            "give a load that pulls, such as load.force = \"5 N\", or `length` with `gauge_pressure`, which give the \
+             load",
+        ),
+        error => of_request(request, error),
+    })
 }
 
 /// An error of the core, in which a requested length has the name of the request: the core calls it after the key of a start.

@@ -6,7 +6,7 @@
 //! | pulses, set points or positions of a spool | by their commands, pulses on average | the balance at the pressures that they make |
 //! | else | held shut | the balance at the scenario's initial gauge pressures |
 
-use super::account::{self, Account, Block, Line};
+use super::account::{self, Account, Block, Line, around, is_held};
 use super::export::owned;
 use super::{Request, delays, export};
 use crate::failure::Failure;
@@ -104,7 +104,7 @@ impl JointModel {
     /// The caption of a figure.
     pub(super) fn caption(&self) -> String {
         let gauge = self.gauge_pressures().map(|gauge| quantity(gauge.0, "Pa"));
-        let coulomb = if self.linear.coulomb_bound() > 0.0 { ", sliding without Coulomb friction" } else { "" };
+        let coulomb = if is_held(self.linear.coulomb_bounds()) { ", sliding without Coulomb friction" } else { "" };
         let angle = quantity(self.linear.state.angle, "rad");
         let delays = account::left_out(&self.delays);
         format!("At {angle}, {} and {} gauge, {}{coulomb}{delays}.", gauge[0], gauge[1], self.valves())
@@ -126,6 +126,7 @@ impl JointModel {
     pub(super) fn point(&self) -> Vec<(&'static str, f64)> {
         let (state, gauge) = (&self.linear.state, self.gauge_pressures());
         let [open, shut] = self.stiffnesses();
+        let [less, more] = self.linear.coulomb_bounds();
         let mut point = vec![
             ("angle_rad", state.angle),
             ("angular_velocity_rad_s", state.angular_velocity),
@@ -135,7 +136,8 @@ impl JointModel {
             ("antagonist_air_mass_kg", state.air_mass[1]),
             ("stiffness_n_m_rad", open),
             ("sealed_stiffness_n_m_rad", shut),
-            ("coulomb_bound_n_m", self.linear.coulomb_bound()),
+            ("coulomb_bound_n_m", more),
+            ("coulomb_bound_below_n_m", less),
         ];
         for average in self.linear.averages() {
             let name = if self.whose(average.valve) == NAMES[0] { "agonist_duty" } else { "antagonist_duty" };
@@ -159,9 +161,9 @@ impl JointModel {
         lines.extend(account::of_spools(&self.linear.plant, whose));
         let stiffness = format!("{} N*m/rad, with the valves shut {}", digits(open), digits(shut));
         lines.push(Line::new("stiffness", stiffness));
-        let bound = self.linear.coulomb_bound();
-        if bound > 0.0 {
-            lines.push(Line::new("sticks within", format!("± {} of the balance", quantity(bound, "N*m"))));
+        let bounds = self.linear.coulomb_bounds();
+        if is_held(bounds) {
+            lines.push(Line::new("sticks within", format!("{} of the balance", around(bounds, "N*m"))));
         }
         let mut blocks = vec![Block::of_lines("", lines)];
         for average in self.linear.averages() {

@@ -3,10 +3,10 @@
 //! | requested | the valves | the point |
 //! |---|---|---|
 //! | nothing, with pulsed or proportional valves | by their commands, pulses on average | where all is balanced under these |
-//! | `pwm` | by the commands that hold the initial gauge pressures | the balance at these |
+//! | `pwm` | by the commands that hold the initial gauge pressures, those of controllers held shut | the balance at these |
 //! | else, and with controllers | held shut | the balance at the initial gauge pressures |
 
-use super::account::{self, Account, Block, Line};
+use super::account::{self, Account, Block, Line, around, is_held};
 use super::{Request, export, oscillations};
 use crate::failure::Failure;
 use crate::quantities::{percent, quantity};
@@ -14,10 +14,11 @@ use mckibben::Error;
 use mckibben::linearize::{Controllability, Pole, Signal, StateSpace};
 use mckibben::network::{BranchKind, NodeKind};
 use mckibben::plant::{
-    PlantAir, PlantBalance, PlantInput, PlantLinearization, PlantOutput, PlantState, PlantStateSpace, linearize_plant,
+    Plant, PlantAir, PlantBalance, PlantInput, PlantLinearization, PlantOutput, PlantState, PlantStateSpace,
+    linearize_plant,
 };
-use mckibben::valve::Port;
-use mckibben_scenario::{Assumed, PlantExperiment};
+use mckibben::valve::{Command, Port};
+use mckibben_scenario::{Assumed, PlantControl, PlantExperiment};
 use std::f64::consts::TAU;
 
 /// Columns of the matrices that are printed at most.
@@ -79,7 +80,8 @@ impl PlantModel {
         };
         let count = of.plant.actuators().len();
         let air = request.temperature.map_or(PlantAir::Start, |kelvin| PlantAir::Temperatures(vec![kelvin; count]));
-        let mut linear = linearize_plant(&of.plant, &of.start, &balance, &air)
+        let plant = if request.pwm { without_controllers(of)? } else { of.plant.clone() };
+        let mut linear = linearize_plant(&plant, &of.start, &balance, &air)
             .map_err(|error| if request.pwm { of_commands(of, error) } else { error.into() })?;
         let swings = request.amplitude.map(|amplitude| oscillations(&linear, amplitude)).transpose()?;
         if let Some(swings) = &swings {
@@ -106,7 +108,12 @@ impl PlantModel {
         match self.balance {
             PlantBalance::Shut(_) => "all valves held shut",
             PlantBalance::Driven => "valves by their commands, pulses on average",
-            PlantBalance::DrivenAt(_) => "valves by the commands that hold the initial pressures",
+            PlantBalance::DrivenAt(_) if self.experiment.controls.is_empty() => {
+                "valves by the commands that hold the initial pressures"
+            }
+            PlantBalance::DrivenAt(_) => {
+                "valves by the commands that hold the initial pressures, those under controllers held shut"
+            }
         }
     }
 
@@ -148,7 +155,9 @@ impl PlantModel {
             value("tension_n", point.tensions[i]);
             value("gauge_pressure_pa", point.gauge_pressure(i).0);
             value("temperature_k", point.temperature(i));
-            value("coulomb_bound_n", self.linear.coulomb_bound(i));
+            let [less, more] = self.linear.coulomb_bounds(i);
+            value("coulomb_bound_n", more);
+            value("coulomb_bound_below_n", less);
         }
         for (name, node) in &of.names.nodes {
             let slot = places.nodes[*node];
@@ -189,15 +198,15 @@ impl PlantModel {
         }
         for (i, name) in of.names.actuators.iter().enumerate() {
             let taut = if point.is_taut(i) { ", on the taut braid" } else { "" };
-            let bound = self.linear.coulomb_bound(i);
+            let bounds = self.linear.coulomb_bounds(i);
             let sticks =
-                if bound > 0.0 { format!(", sticks within ± {}", quantity(bound, "N")) } else { String::new() };
+                if is_held(bounds) { format!(", sticks within {}", around(bounds, "N")) } else { String::new() };
             let [gauge, length, tension] =
                 [(point.gauge_pressure(i).0, "Pa"), (point.lengths[i], "m"), (point.tensions[i], "N")]
                     .map(|(value, unit)| quantity(value, unit));
             let flow = point.input(PlantInput::MassFlow { actuator: i }).unwrap_or_default();
             let (kept, doubt) = kept(flow, 0.0);
-            let is_still = self.oscillations.as_ref().is_some_and(|all| all[i].is_none()) && bound > 0.0;
+            let is_still = self.oscillations.as_ref().is_some_and(|all| all[i].is_none()) && is_held(bounds);
             let still = "it takes part in no oscillation, so its Coulomb friction is left out";
             let doubt = [doubt, if is_still { still } else { "" }].into_iter().filter(|doubt| !doubt.is_empty());
             let doubt = doubt.map(str::to_owned).reduce(|first, second| format!("{first}; {second}"));
@@ -277,6 +286,21 @@ fn kept(flow: f64, delivery: f64) -> (String, &'static str) {
         _ => "its compressor does not deliver this mass flow: without it the pressure does not last",
     };
     (format!(", kept by a mass flow of {} from outside", quantity(1e3 * flow, "g/s")), warning)
+}
+
+/// The plant with no request to the valves that controllers command, which a linear model holds shut.
+fn without_controllers(of: &PlantExperiment) -> Result<Plant, Error> {
+    let mut network = of.plant.network().clone();
+    for control in &of.controls {
+        let valves = match control {
+            PlantControl::Actuator(of) => std::slice::from_ref(&of.valve),
+            PlantControl::Joint(of) => &of.valves[..],
+        };
+        for valve in valves {
+            network.valves[*valve].command = Command::Table { time: Vec::new(), request: Vec::new() };
+        }
+    }
+    Plant::new(of.plant.actuators().to_vec(), network, of.plant.mechanisms().to_vec())
 }
 
 /// Refuses options of one actuator or of one joint alone.
@@ -377,14 +401,17 @@ impl Names<'_> {
         Signal::new(name, unit)
     }
 
-    fn input(&self, of: &PlantInput, plant: &mckibben::plant::Plant) -> Signal {
+    fn input(&self, of: &PlantInput, plant: &Plant) -> Signal {
         let name = match *of {
             PlantInput::Duty { valve } => format!("{}.duty", self.valve(valve)),
             PlantInput::SetPoint { valve } => format!("{}.set_point", self.valve(valve)),
             PlantInput::SpoolCommand { valve } => format!("{}.spool_command", self.valve(valve)),
             PlantInput::Opening { valve, port: Port::Supply } => format!("{}.supply_opening", self.valve(valve)),
             PlantInput::Opening { valve, port: Port::Exhaust } => format!("{}.exhaust_opening", self.valve(valve)),
-            PlantInput::SupplyPressure { node } => self.0.name_of_node(node, "supply_pressure"),
+            PlantInput::SupplyPressure { node } => {
+                let is_set = matches!(plant.network().nodes[node].kind, NodeKind::Outlet { .. });
+                self.0.name_of_node(node, if is_set { "supply_set_point" } else { "supply_pressure" })
+            }
             PlantInput::MassFlow { actuator } => format!("{}.mass_flow", self.actuator(actuator)),
             PlantInput::NodeFlow { node } => self.0.name_of_node(node, "mass_flow"),
             PlantInput::Force { mechanism, coordinate } => match self.coordinate(mechanism, coordinate) {

@@ -1,15 +1,13 @@
 //! The figures of a run of a plant: extremes, events, and the ledger of energy, exergy and air.
 //!
-//! A run is observed step by step as it is made, at both ends of each step, at the sample interval, at least at 2000 instants, and
+//! A run is observed step by step as it is made, in five points of each step, at the sample interval, at least at 2000 instants, and
 //! where a quantity turns at an extreme: nothing of it is kept.
 
 use super::Made;
 use crate::observation::{Ended, Peaks, Range, Times, dense_times};
 use crate::warnings::Reached;
-use mckibben::network::{BranchKind, NodeKind};
-use mckibben::plant::{PlantLedger, PlantLedgerKeeper, PlantSample, PlantStep};
+use mckibben::plant::{PlantLedgerKeeper, PlantSample, PlantStep};
 use mckibben::simulation::{EventKind, Readable as _, Reading};
-use mckibben::valve::Port;
 use mckibben_scenario::{PlantExperiment, PlantQuantity};
 use std::collections::BTreeMap;
 
@@ -89,13 +87,14 @@ impl<'e> Observer<'e> {
         // What is passed within an instant has no place in the run.
         let (start, end) = (step.start(), step.end());
         if step.holds(start) {
-            [start, 0.5 * (start + end), end].into_iter().for_each(|time| see(time, &step.read(time)));
+            let within = [0.25, 0.5, 0.75].map(|part| start + part * (end - start));
+            [start, end].into_iter().chain(within).for_each(|time| see(time, &step.read(time)));
         }
-        for time in peaks.turns() {
+        peaks.turn(|time| {
             let sample = step.read(time);
-            peaks.widen(&values(rows, experiment, &sample));
             reach(reached, experiment, &sample);
-        }
+            values(rows, experiment, &sample)
+        });
         if let Some(event) = step.event() {
             *events.entry(event.kind.kind).or_insert(0) += 1;
         }
@@ -160,24 +159,4 @@ fn rows(of: &PlantExperiment) -> Vec<Row> {
         rows.push(row(&format!("{name}, gauge"), format!("{name}.gauge_pressure"), "Pa", Some(quantity), atmosphere));
     }
     rows
-}
-
-/// The air in kg that the valves of actuators let in from their supplies, less what went back, and that came in where a pressure
-/// is given. What a pressure regulator lets out goes to the atmosphere and not back. What fills a manifold is counted once, where
-/// it leaves it.
-pub fn air_used(of: &PlantExperiment, ledger: &PlantLedger) -> f64 {
-    let network = of.plant.network();
-    let branches = network.branches.iter().zip(&ledger.branches).filter(|(branch, _)| {
-        let is_inlet = matches!(branch.kind, BranchKind::Path { port: Port::Supply, .. })
-            && of.plant.chamber_behind(branch.to).is_some();
-        // A regulator is a node, and draws as one.
-        is_inlet && !matches!(network.nodes[branch.from].kind, NodeKind::Port { .. })
-    });
-    let nodes =
-        network.nodes.iter().zip(&ledger.nodes).enumerate().filter_map(|(index, (node, its))| match node.kind {
-            NodeKind::Given { .. } => Some(its.supplied.mass),
-            NodeKind::Port { .. } => of.plant.chamber_behind(index).map(|_| its.supplied.mass + its.vented),
-            _ => None,
-        });
-    branches.map(|(_, its)| its.carried.mass).chain(nodes).sum()
 }

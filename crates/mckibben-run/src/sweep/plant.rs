@@ -6,10 +6,9 @@ use super::series::{LAST_PART, Series, Windows};
 use super::step::{self, Choice};
 use crate::plant::columns;
 use crate::plant::control::Follower;
-use crate::plant::observation::air_used;
 use crate::table::Cell;
 use mckibben::Error;
-use mckibben::plant::{PlantLedgerKeeper, PlantRun, PlantSample, PlantStep};
+use mckibben::plant::{PlantLedger, PlantLedgerKeeper, PlantRun, PlantSample, PlantStep};
 use mckibben::valve::Command;
 use mckibben_scenario::{
     PlantColumn, PlantContent, PlantExperiment, PlantQuantity, PlantReduced, PlantReduction, Record, Sweep,
@@ -31,7 +30,7 @@ struct Recorder<'a> {
     series: Series<PlantQuantity>,
     rows: Vec<Vec<Cell<'static>>>,
     fault: Option<String>,
-    /// The ledger, where the air from sources or its exergy is recorded.
+    /// The ledger, where the air that is used or its exergy is recorded.
     keeper: Option<PlantLedgerKeeper<'a>>,
     /// What controllers decide, where their errors are recorded.
     follower: Option<Follower<'a>>,
@@ -122,7 +121,7 @@ impl rows::Recorder for Recorder<'_> {
         let owners = self.follower.as_ref().map_or_else(Vec::new, Follower::owners);
         let goals = self.follower.and_then(Follower::finish).map_or_else(Vec::new, |closed| closed.goals);
         let value = |reduction: &PlantReduction| match reduction.of {
-            PlantReduced::Air => ledger.as_ref().map(|ledger| air_used(self.of, ledger)),
+            PlantReduced::Air => ledger.as_ref().map(PlantLedger::air_used),
             PlantReduced::Efficiency => {
                 ledger.as_ref().filter(|_| !self.of.plant.network().valves.is_empty())?.total().efficiency()
             }

@@ -11,11 +11,11 @@
 //! | `drift` | by how much the least or the greatest value of that interval differs from that of the interval before |
 //! | `settling_time` | the first sample from which on `|x − x(T)| ≤ 2 % · |x(T) − x(0)|` |
 //! | `overshoot` | how far x passes x(T) in the direction of `x(T) − x(0)`, as a share of that change |
-//! | `used` | the air drawn from the supply, the integral of its flow over the steps |
+//! | `used` | the air that came in through valves and where a pressure is given, by the ledger of the run |
 //! | `efficiency` of the exergy | the work on the load over the exergy that was supplied, by the ledger of the run |
 //! | `rms`, `peak` of an error | of what a controller was to reach less what its sensors showed, at its sampling instants |
 //!
-//! What happens between two samples is not seen, but for the flow of `used` and what the ledger has.
+//! What happens between two samples is not seen, but for what the ledger has.
 //!
 //! A reduction without a value (the overshoot of a quantity that ends where it began; a ripple over fewer than two
 //! samples) has none: it is empty, never zero. Only `settling_time` keeps the samples of its quantity.
@@ -39,7 +39,7 @@ use mckibben_scenario::sweep::{Quantity, Statistic};
 #[derive(Clone, Debug)]
 pub struct Reducer {
     series: Series<Quantity>,
-    /// In kg, where it was integrated.
+    /// In kg, where a ledger was kept.
     air_used: Option<f64>,
     efficiency: Option<f64>,
     goals: Vec<Goal>,
@@ -87,7 +87,7 @@ impl Reducer {
         self.series.see_orbit((seen.time(), window, weight), |quantity| seen.value(quantity));
     }
 
-    /// Gives the air in kg that was drawn from the supply.
+    /// Gives the air in kg that was used.
     pub fn set_air_used(&mut self, mass: Option<f64>) {
         self.air_used = mass;
     }

@@ -21,11 +21,10 @@ use crate::settle::{self, OnOrbit};
 use crate::single_actuator::SingleActuator;
 use crate::table::Cell;
 use crate::warnings::{Reached, Warning};
-use mckibben::air::Flow;
 use mckibben::command::Driver;
 use mckibben::plant::{
-    Plant, PlantLedgerKeeper, PlantRun, PlantSample, PlantSampler, PlantStart, PlantStep, PlantSteps, PlantView,
-    TimeStepping,
+    Plant, PlantLedger, PlantLedgerKeeper, PlantRun, PlantSample, PlantSampler, PlantStart, PlantStep, PlantSteps,
+    PlantView, TimeStepping,
 };
 use mckibben::simulation::{JointRig, JointSample, Reading, Rig, Sample, SampleTimes};
 use mckibben::valve::Command;
@@ -357,13 +356,13 @@ impl<'a> GroupKey<'a> {
 /// What a row describes.
 struct Built {
     ready: Ready,
-    /// The plant of one actuator or a joint, where its ledger is recorded.
+    /// The plant of one actuator or a joint, where its ledger is kept.
     plant: Option<Plant>,
 }
 
 fn build(sweep: &Sweep, row: u64) -> Result<Built, String> {
     let ready = ready_of(sweep, row)?;
-    let is_of_ledger = |of: &Reduction| of.quantity == Quantity::Exergy;
+    let is_of_ledger = |of: &Reduction| matches!(of.quantity, Quantity::Air | Quantity::Exergy);
     let records = matches!(sweep.record(), Record::Reductions(list) if list.iter().any(is_of_ledger));
     let plant = if records { ready.plant().map_err(|error| error.to_string())? } else { None };
     Ok(Built { ready, plant })
@@ -460,9 +459,6 @@ trait Swept: Subject {
 
     /// The command whose period is that of a ripple.
     fn command(rig: &RigOf<Self>) -> Option<&Command>;
-
-    /// The mass flow in kg/s that comes from supplies, less what goes back.
-    fn drawn(flows: &<Self::View as PlantView>::Flows) -> f64;
 }
 
 type RigOf<S> = <<S as Subject>::View as PlantView>::Rig;
@@ -480,10 +476,6 @@ impl Swept for SingleActuator<'_> {
     fn command(rig: &Rig) -> Option<&Command> {
         rig.actuation().map(|actuation| &actuation.command)
     }
-
-    fn drawn([supply, _]: &[Flow; 2]) -> f64 {
-        supply.inward - supply.outward
-    }
 }
 
 impl Swept for Pair<'_> {
@@ -497,10 +489,6 @@ impl Swept for Pair<'_> {
 
     fn command(rig: &JointRig) -> Option<&Command> {
         rig.driven()[0].actuation.as_ref().map(|actuation| &actuation.command)
-    }
-
-    fn drawn(flows: &[[Flow; 2]; 2]) -> f64 {
-        flows.iter().map(|[supply, _]| supply.inward - supply.outward).sum()
     }
 }
 
@@ -516,9 +504,7 @@ struct ViewRecorder<'r, S: Swept> {
     fault: Option<String>,
     /// The set points of a controller, where they are recorded.
     goals: Option<Vec<Goal>>,
-    /// Air in kg that came from supplies, where it is recorded.
-    drawn: Option<f64>,
-    /// The ledger, where the exergy of the air is recorded.
+    /// The ledger, where the air that is used or its exergy is recorded.
     keeper: Option<PlantLedgerKeeper<'r>>,
 }
 
@@ -531,22 +517,10 @@ impl<'r, S: Swept> ViewRecorder<'r, S> {
         };
         let records = |wanted: fn(Quantity) -> bool| reductions.into_iter().flatten().any(|of| wanted(of.quantity));
         let goals = if records(|quantity| matches!(quantity, Quantity::Error(_))) { of.goals() } else { None };
-        let drawn = records(|quantity| quantity == Quantity::Air).then_some(0.0);
         let reducer = |list| Reducer::new(list, S::command(view.rig()), of.plan().duration);
         let reductions = reductions.map(|list| (list, reducer(list)));
         let fields = S::columns(view.rig());
-        Self {
-            of,
-            reductions,
-            view,
-            fields,
-            rows: Vec::new(),
-            cells: Vec::new(),
-            fault: None,
-            goals,
-            drawn,
-            keeper: None,
-        }
+        Self { of, reductions, view, fields, rows: Vec::new(), cells: Vec::new(), fault: None, goals, keeper: None }
     }
 }
 
@@ -590,16 +564,13 @@ impl<S: Swept> Recorder for ViewRecorder<'_, S> {
     }
 
     fn takes_steps(&self) -> bool {
-        self.goals.is_some() || self.drawn.is_some() || self.keeper.is_some()
+        self.goals.is_some() || self.keeper.is_some()
     }
 
     fn step(&mut self, step: &PlantStep<'_>) {
-        let Self { of, view, goals, drawn, keeper, .. } = self;
+        let Self { of, view, goals, keeper, .. } = self;
         if let Some(keeper) = keeper {
             keeper.step(step);
-        }
-        if let Some(drawn) = drawn {
-            step.quadrature(|weight, sample| *drawn += weight * S::drawn(&view.valve_flows(sample)));
         }
         if let (Some(goals), Some((_, decision))) = (goals, step.decision())
             && let Some(decision) = view.decision(decision)
@@ -615,12 +586,12 @@ impl<S: Swept> Recorder for ViewRecorder<'_, S> {
         let Some((reductions, mut reducer)) = self.reductions else {
             return Outcome::Sampled(self.rows);
         };
-        reducer.set_air_used(self.drawn);
         reducer.set_goals(self.goals.unwrap_or_default());
-        // As in a summary: without a valve nothing is drawn.
-        let drawing = run.filter(|run| !run.plant().network().valves.is_empty());
-        let ledger = self.keeper.zip(drawing).map(|(keeper, run)| keeper.finish(run));
-        reducer.set_efficiency(ledger.and_then(|ledger| ledger.total().efficiency()));
+        let ledger = self.keeper.zip(run).map(|(keeper, run)| keeper.finish(run));
+        reducer.set_air_used(ledger.as_ref().map(PlantLedger::air_used));
+        // As in a summary: without a valve no exergy is drawn.
+        let has_valves = run.is_some_and(|run| !run.plant().network().valves.is_empty());
+        reducer.set_efficiency(ledger.filter(|_| has_valves).and_then(|ledger| ledger.total().efficiency()));
         Outcome::Reduced(reducer.finish(reductions))
     }
 }

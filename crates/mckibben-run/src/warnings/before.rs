@@ -2,7 +2,7 @@
 
 use super::{BEYOND_STOP, PRESSURE, Parts, STRETCH, Warning, behind, fed, reached, valve};
 use crate::quantities::{given, quantity};
-use mckibben::mechanism::Mechanism;
+use mckibben::mechanism::{Coupling, Mechanism};
 use mckibben::network::{BranchKind, Network, NodeKind};
 use mckibben::parameter;
 use mckibben::plant::{Mounted, Plant, PlantRun, PlantStart};
@@ -56,20 +56,31 @@ fn of_actuator(of: &Parts<'_>, start: &PlantStart, (index, name): (usize, &str),
     if gauge > PRESSURE {
         found.push(reached::beyond_pressure(name, &format!("{key} = {} is", given(gauge, "Pa")), key));
     }
-    let mechanism = &of.plant.mechanisms()[mounted.mechanism];
-    let Some(length) = length else { return found };
+    let (mechanism, coupling) = (&of.plant.mechanisms()[mounted.mechanism], &mounted.coupling);
     let limits = mounted.actuator.limits();
+    let apart = start.positions.get(mounted.mechanism).map(|positions| coupling.span(mechanism, positions));
+    let is_point = |apart: f64| apart <= limits.min_length() * ROUNDING;
+    if matches!(coupling, Coupling::Points(_)) && apart.is_some_and(is_point) {
+        // The length of a muscle on a tendon does not show it.
+        let text = format!(
+            "it starts slack with both ends at one point, from where it has no direction to pull in; raise {}",
+            reached::key_of_length(mechanism, coupling),
+        );
+        found.push(Warning::new("starts-slack", name, text));
+        return found;
+    }
+    let Some(length) = length else { return found };
     if length < limits.min_length() * (1.0 - ROUNDING) {
         let text = format!(
             "it starts slack, {} long, below actuator.min_length = {}: the muscle cannot be so short; raise {}",
             quantity(length, "m"),
             quantity(limits.min_length(), "m"),
-            reached::key_of_length(mechanism),
+            reached::key_of_length(mechanism, coupling),
         );
         found.push(Warning::new("starts-slack", name, text));
     }
     if length > limits.max_length() * (1.0 + STRETCH) {
-        found.push(reached::starts_overstretched(name, length, limits.max_length(), mechanism));
+        found.push(reached::starts_overstretched(name, [length, limits.max_length()], mechanism, coupling));
     }
     found
 }
@@ -145,13 +156,23 @@ fn feed(network: &Network, valve: usize) -> Option<(&'static str, f64)> {
     }
 }
 
-/// What is wrong with a gauge pressure in Pa that an actuator is to have, where the supply of its valve cannot make it.
+/// What is wrong with a gauge pressure in Pa that an actuator is to have, where it does not lie between the supply of its valve and
+/// the atmosphere, of which either may be lower.
 pub(crate) fn feed_of(plant: &Plant, actuator: usize, gauge: f64) -> Option<String> {
     let network = plant.network();
     let valve = (0..network.valves.len()).find(|valve| fed(network, *valve) == Some(actuator))?;
     let (key, feed) = feed(network, valve)?;
-    (gauge > feed * (1.0 + ROUNDING))
-        .then(|| format!("exceeds {key} = {}, which cannot make it; raise {key} or request less", given(feed, "Pa")))
+    let rounding = ROUNDING * feed.abs().max(network.atmosphere);
+    let (is_above, is_below) = (gauge > feed.max(0.0) + rounding, gauge < feed.min(0.0) - rounding);
+    (is_above || is_below).then(|| {
+        let (lies, raise, less) = if is_above { ("exceeds", "raise", "less") } else { ("lies below", "lower", "more") };
+        let supply = format!("{key} = {}", given(feed, "Pa"));
+        let limit = match is_above == (feed > 0.0) {
+            true => format!("{supply}, which cannot make it"),
+            false => format!("the pressure of the atmosphere, and {supply} cannot make it either"),
+        };
+        format!("{lies} {limit}; {raise} {key} or request {less}")
+    })
 }
 
 /// What a controller may request of a valve, against what feeds that.

@@ -7,7 +7,7 @@
 //! | `valve-never-opens` | a path that the command requests stays shut: its pulses are shorter than the delay | before |
 //! | `valve-never-closes` | a path stays open: the pauses of the command are shorter than the delay | before |
 //! | `supply-exceeded` | a controller may request a pressure above that of the supply; of linear models, that of the point | before |
-//! | `starts-slack` | an actuator starts shorter than `actuator.min_length` | before |
+//! | `starts-slack` | an actuator starts shorter than `actuator.min_length`, or with both ends at one point | before |
 //! | `beyond-stop` | a joint starts beyond one of its stops, and not at rest against it | before |
 //! | `overstretched` | an actuator is longer than its taut length by more than [`STRETCH`] | both |
 //! | `pressure` | a gauge pressure is above [`PRESSURE`] | both |
@@ -456,6 +456,41 @@ mod tests {
         let of = |length| codes(&[("initial.length", length)])[0].clone();
         assert_eq!(of("2.4 in"), ["starts-slack"]);
         assert!(of("2.5 in").is_empty());
+    }
+
+    /// Between two points the start has the length of the straight line; on moment arms that of `rest_length`.
+    #[test]
+    fn a_slack_start_over_a_joint_names_what_its_length_follows_from() {
+        let of = |coupling: &str, tendon: &str| {
+            let joint = "mass = \"0.5 kg\"\ndistance = \"0.1 m\"\ninertia = \"1e-3 kg*m^2\"\n";
+            let text = format!(
+                "[mechanism]\nkind = \"chain\"\n[mechanism.joints.elbow]\n{joint}[actuators.biceps]\n\
+                 preset = \"colbrunn-2001\"\n{coupling}\n{tendon}\n[run]\nduration = \"10 ms\"\n"
+            );
+            let document = Document::parse(&text, "arm.toml").unwrap();
+            let found = Ready::of(&document).unwrap().warnings();
+            found.iter().filter(|of| of.code == "starts-slack").map(ToString::to_string).collect::<Vec<_>>()
+        };
+        let points = |along: &str| {
+            format!(
+                "coupling.origin.along = \"{along}\"\n\
+                 coupling.insertion = {{ segment = \"elbow\", along = \"10 cm\" }}"
+            )
+        };
+        let tendon = "tendon = { stiffness = \"8 N/mm\", rest_length = \"2 mm\" }";
+        let remedy = "raise the distance between coupling.origin and coupling.insertion, or start at another angle";
+        for (coupling, tendon, words) in [
+            (points("10 cm"), "", "both ends at one point"),
+            (points("10 cm"), tendon, "both ends at one point"),
+            (points("6 cm"), "", "it starts slack, 40.00 mm long"),
+        ] {
+            let found = of(&coupling, tendon);
+            assert!(found.len() == 1 && found[0].starts_with("biceps: "), "{found:?}");
+            assert!(found[0].contains(words) && found[0].ends_with(remedy), "{found:?}");
+        }
+        assert!(of(&points("1 cm"), "").is_empty());
+        let found = of("coupling = { rest_length = \"40 mm\", arms.elbow = \"1 cm\" }", "");
+        assert!(found.len() == 1 && found[0].contains("raise the rest length over the joint"), "{found:?}");
     }
 
     /// A pressure regulator refuses such a set point; a controller may aim for it.

@@ -6,7 +6,7 @@ use super::{NEGATIVE, OVERSTRETCHED, PRESSURE, Parts, STRENGTH, STRETCH, Warning
 use crate::observation::Range;
 use crate::quantities::{given, percent, quantity};
 use mckibben::force::{Effectiveness, Law, StaticForce as _};
-use mckibben::mechanism::Mechanism;
+use mckibben::mechanism::{Coupling, Mechanism};
 use mckibben::plant::ActuatorSample;
 use mckibben::simulation::Sample;
 use mckibben::{AbsolutePressure, Actuator, GaugePressure};
@@ -150,7 +150,12 @@ pub(super) fn beyond_pressure(name: &str, what: &str, key: &str) -> Warning {
 }
 
 /// That an actuator starts longer than it can be: by what its start says, or where that is found from the load, by the load.
-pub(super) fn starts_overstretched(name: &str, length: f64, longest: f64, mechanism: &Mechanism) -> Warning {
+pub(super) fn starts_overstretched(
+    name: &str,
+    [length, longest]: [f64; 2],
+    mechanism: &Mechanism,
+    coupling: &Coupling,
+) -> Warning {
     let by_load = match mechanism {
         Mechanism::Mass(_) => {
             format!(
@@ -160,7 +165,7 @@ pub(super) fn starts_overstretched(name: &str, length: f64, longest: f64, mechan
         }
         _ => String::new(),
     };
-    let cause = format!("lower {}{by_load}", key_of_length(mechanism));
+    let cause = format!("lower {}{by_load}", key_of_length(mechanism, coupling));
     overstretched(name, &format!("starts at {}", quantity(length, "m")), length, longest, &cause)
 }
 
@@ -186,9 +191,12 @@ fn remedy_of_load(mechanism: &Mechanism) -> &'static str {
 }
 
 /// The key that says how long an actuator starts.
-pub(super) fn key_of_length(mechanism: &Mechanism) -> &'static str {
+pub(super) fn key_of_length(mechanism: &Mechanism, coupling: &Coupling) -> &'static str {
     match mechanism {
         Mechanism::Mass(_) | Mechanism::Fixed => "initial.length",
+        Mechanism::Chain(_) if matches!(coupling, Coupling::Points(_)) => {
+            "the distance between coupling.origin and coupling.insertion, or start at another angle"
+        }
         Mechanism::Chain(_) => "the rest length over the joint, or start at another angle",
         Mechanism::Prescribed(_) => "the length of load.motion",
         Mechanism::External { .. } => "the distance that the host gives",

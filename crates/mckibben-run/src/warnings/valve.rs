@@ -5,6 +5,7 @@
 
 use super::{Parts, Warning};
 use crate::quantities::given;
+use mckibben::internals::SIMULTANEOUS;
 use mckibben::simulation::Actuation;
 use mckibben::valve::{Command, Request, ValveKind};
 
@@ -57,7 +58,7 @@ impl Longest {
                     return None;
                 }
                 let lasting = [duty / frequency, (1.0 - duty) / frequency];
-                let rounding = ROUNDING / frequency;
+                let rounding = SIMULTANEOUS / frequency;
                 let (words, remedies) = (["a pulse", "a pause"], [RAISE, LOWER]);
                 match (*pulse == request, *rest == request) {
                     (true, false) => {
@@ -72,7 +73,7 @@ impl Longest {
             }
             Command::Table { time, request: requests } => {
                 let (words, remedies) = (["the longest pulse", "the longest pause"], [LATER; 2]);
-                let rounding = ROUNDING * time.last().copied().unwrap_or(0.0).abs();
+                let rounding = SIMULTANEOUS * time.last().copied().unwrap_or(0.0).abs();
                 let mut longest = Self { pulse: None, pause: None, rounding, words, remedies };
                 // Whether it is requested, and since when.
                 let mut begun: Option<(bool, f64)> = None;
@@ -95,9 +96,6 @@ impl Longest {
     }
 }
 
-/// The share of a period, or of the times of a table, by which the difference of two instants rounds: instants so close are one
-/// to the valve.
-const ROUNDING: f64 = 8.0 * f64::EPSILON;
 const RAISE: &str = "raise command.duty or lower command.frequency";
 const LOWER: &str = "lower command.duty or lower command.frequency";
 const LATER: &str = "let it last longer in command.time";

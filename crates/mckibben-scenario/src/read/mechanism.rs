@@ -9,10 +9,13 @@ use crate::keys::{self, MECHANISM, MECHANISMS};
 use crate::model::core_motion;
 use crate::plant::{Frame, JointController, Mount};
 use crate::quantity;
-use crate::reader::{Reader, out_of_range};
+use crate::reader::{Reader, Unread, out_of_range};
 use mckibben::mechanism::chain::MAX_JOINTS;
 use mckibben::mechanism::{Belt, Chain, ChainSegment, JointStops, Mass, Mechanism, Pull, Revolute, Spring};
 use mckibben::parameter::Parameter;
+
+/// The section of moment arms, each under the name of its joint.
+const ARMS: &str = "coupling.arms";
 
 /// The keys of a motion.
 static MOTION: MotionRows = MotionRows {
@@ -178,14 +181,23 @@ fn chain(document: &Document, r: &mut Reader<'_>, frame: &mut Frame, place: &Pla
     let (mut segments, mut joints) = (Vec::new(), Vec::new());
     (frame.positions, frame.rates) = (Vec::new(), Vec::new());
     let order = order(r, &named);
+    // Where the name of each segment is stated: its own, or that of its joint.
+    let mut named_at: Vec<Place> = Vec::new();
     for (place, index) in order.iter().enumerate() {
         let (name, key) = named[*index];
         let path = format!("mechanism.joints.{name}.segment");
         let segment = r.name(&path).unwrap_or(name).to_owned();
-        if let Some(at) = r.value_place(&path).filter(|_| frame.segments.contains(&segment)) {
+        let at = r.value_place(&path).unwrap_or_else(|| key.clone());
+        if let Some(first) = frame.segments.iter().position(|other| *other == segment) {
             let title = format!("two segments are called `{segment}`");
-            r.note(Diagnostic::at(Class::Conflict, at, title, "second of that name").help("give it another name"));
+            let help = "give each a different name in `segment`; a segment without one has the name of its joint";
+            r.note(
+                Diagnostic::at(Class::Conflict, at.clone(), title, "second of that name")
+                    .related(Some(named_at[first].clone()), "first of that name")
+                    .help(help),
+            );
         }
+        named_at.push(at);
         let document = document.of_joint(name);
         let mut part = Reader::of_part(&document, r);
         let of = &mut part;
@@ -257,12 +269,7 @@ fn order(r: &mut Reader<'_>, named: &[(&str, &Place)]) -> Vec<usize> {
     let mut said: Vec<Option<usize>> = Vec::new();
     for name in &names {
         let path = format!("mechanism.joints.{name}.after");
-        let before = r.name(&path);
-        let found = before.and_then(|before| names.iter().position(|name| *name == before));
-        if let (Some(before), None, Some(place)) = (before, found, r.value_place(&path)) {
-            r.no_such(place, before, "joint", &names);
-        }
-        said.push(found);
+        said.push(index_of(r, &path, "joint", &names));
     }
     // A joint that says nothing is behind the one above it in the file, unless that is behind it.
     let mut before = said.clone();
@@ -308,16 +315,10 @@ pub(super) fn mount(
 ) -> Option<Mount> {
     let names: Vec<&str> = frames.iter().map(|frame| frame.name.as_str()).collect();
     let path = "coupling.mechanism";
-    let mechanism = match (r.name(path), frames) {
-        (Some(said), _) => {
-            let found = names.iter().position(|name| *name == said);
-            if let (None, Some(place)) = (found, r.value_place(path)) {
-                r.no_such(place, said, "mechanism", &names);
-            }
-            found?
-        }
-        (None, [_]) => 0,
-        (None, _) => {
+    let mechanism = match frames {
+        _ if r.has(path) => index_of(r, path, "mechanism", &names)?,
+        [_] => 0,
+        _ => {
             let title = format!("nothing says which mechanism `{actuator}` pulls on");
             let help = format!("add `coupling.mechanism = \"{}\"`; known: {}", names[0], names.join(", "));
             r.note(Diagnostic::at(Class::Missing, place.clone(), title, "on which?").help(help));
@@ -325,7 +326,7 @@ pub(super) fn mount(
         }
     };
     let frame = &frames[mechanism];
-    let ways = ["coupling.arms", "coupling.origin", "coupling.insertion"];
+    let ways = [ARMS, "coupling.origin", "coupling.insertion"];
     if !matches!(frame.mechanism, Mechanism::Chain(_)) {
         for path in ways.into_iter().chain([keys::REST_LENGTH.key]) {
             if let Some(place) = r.key_place(path) {
@@ -361,32 +362,71 @@ fn arms(r: &mut Reader<'_>, document: &Document, mechanism: usize, frame: &Frame
             1.0
         }
     };
-    let mut arms = Vec::new();
-    for (name, key) in document.named("coupling.arms") {
-        let Some(joint) = joints.iter().position(|joint| *joint == name) else {
-            r.no_such(key.clone(), name, "joint", &joints);
-            continue;
-        };
-        let document = document.of_arm(name);
-        let mut part = Reader::of_part(&document, r);
-        let of = &mut part;
-        let is_table = matches!(of.entry("coupling.arms.*").map(|entry| &entry.node.value), Some(Value::Table(_)));
-        let (angle, arm) = if is_table { table(of) } else { (Vec::new(), of.number(&keys::ARM).into_iter().collect()) };
-        let signs = arm.iter().filter(|arm| **arm > 0.0).count();
-        if (signs != 0 && signs != arm.len()) || arm.contains(&0.0) {
-            let row: &Parameter = if is_table { &keys::ARM_TABLE } else { &keys::ARM };
-            if let Some(place) = of.value_place(row.key) {
-                let title = "a moment arm is above zero, or below it, at all angles".to_owned();
-                of.note(Diagnostic::at(Class::OutOfRange, place, title, "must not be zero nor change its sign").help(
-                    "leave out a joint that the actuator does not span; the sign says which way it turns the joint",
-                ));
-            }
-        }
-        if r.take(part, |path| path.strip_prefix("coupling.arms.*").map(|key| format!("coupling.arms.{name}{key}"))) {
-            arms.push((joint, angle, arm));
+    let arms = document.named(ARMS).into_iter().filter_map(|named| arm(r, document, named, &joints)).collect();
+    (!r.has_mistakes()).then_some(Mount::Arms { mechanism, rest_length, arms })
+}
+
+/// A moment arm, with the index of its joint; `None` when there is a mistake, which has been noted.
+fn arm(
+    r: &mut Reader<'_>,
+    document: &Document,
+    (name, key): (&str, &Place),
+    joints: &[&str],
+) -> Option<(usize, Vec<f64>, Vec<f64>)> {
+    let Some(joint) = joints.iter().position(|joint| *joint == name) else {
+        r.no_such(key.clone(), name, "joint", joints);
+        return None;
+    };
+    let document = document.of_arm(name);
+    let mut part = Reader::of_part(&document, r);
+    let of = &mut part;
+    let is_table = matches!(of.entry("coupling.arms.*").map(|entry| &entry.node.value), Some(Value::Table(_)));
+    let (angle, arm) = if is_table { table(of) } else { (Vec::new(), of.number(&keys::ARM).into_iter().collect()) };
+    let signs = arm.iter().filter(|arm| **arm > 0.0).count();
+    if (signs != 0 && signs != arm.len()) || arm.contains(&0.0) {
+        let row: &Parameter = if is_table { &keys::ARM_TABLE } else { &keys::ARM };
+        if let Some(place) = of.value_place(row.key) {
+            let title = "a moment arm is above zero, or below it, at all angles".to_owned();
+            let help = "leave out a joint that the actuator does not span; the sign says which way it turns the joint";
+            let label = "must not be zero nor change its sign";
+            of.note(Diagnostic::at(Class::OutOfRange, place, title, label).help(help));
         }
     }
-    (!r.has_mistakes()).then_some(Mount::Arms { mechanism, rest_length, arms })
+    let sound = r.take(part, |path| path.strip_prefix("coupling.arms.*").map(|key| format!("{ARMS}.{name}{key}")));
+    sound.then_some((joint, angle, arm))
+}
+
+/// Notes what is wrong with moment arms and names that are stated for all actuators and that each replaces: a name may be that of
+/// any mechanism, joint or segment of the file.
+pub(super) fn check_unread(r: &mut Reader<'_>, document: &Document, frames: &[Frame], unread: &mut Unread<'_>) {
+    // Without a mechanism there is nothing that a name could lead to; values alone are checked.
+    if frames.is_empty() {
+        return;
+    }
+    let joints: Vec<&str> = frames.iter().flat_map(|frame| &frame.joints).map(String::as_str).collect();
+    for named in document.named(ARMS) {
+        if unread.take_out(&format!("{ARMS}.{}", named.0)) {
+            arm(r, document, named, &joints);
+        }
+    }
+    let mechanisms: Vec<&str> = frames.iter().map(|frame| frame.name.as_str()).collect();
+    let segments: Vec<&str> = frames.iter().flat_map(|frame| &frame.segments).map(String::as_str).collect();
+    let ends = ["coupling.origin.segment", "coupling.insertion.segment"].map(|path| (path, "segment", &segments));
+    for (path, what, known) in [("coupling.mechanism", "mechanism", &mechanisms)].into_iter().chain(ends) {
+        if unread.take_out(path) {
+            index_of(r, path, what, known);
+        }
+    }
+}
+
+/// Which part a key names, of those that the file has; `None` when it is absent or there is a mistake, which has been noted.
+fn index_of(r: &mut Reader<'_>, path: &str, what: &str, known: &[&str]) -> Option<usize> {
+    let said = r.name(path)?;
+    let found = known.iter().position(|name| *name == said);
+    if let (None, Some(place)) = (found, r.value_place(path)) {
+        r.no_such(place, said, what, known);
+    }
+    found
 }
 
 fn table(r: &mut Reader<'_>) -> (Vec<f64>, Vec<f64>) {
@@ -408,12 +448,7 @@ fn points(r: &mut Reader<'_>, mechanism: usize, frame: &Frame) -> Option<Mount> 
     let mut ends = [(None, [0.0; 2]); 2];
     for ((section, rows), end) in ["origin", "insertion"].into_iter().zip(&keys::PLACES).zip(&mut ends) {
         let path = format!("coupling.{section}.segment");
-        if let Some(said) = r.name(&path) {
-            end.0 = segments.iter().position(|segment| *segment == said);
-            if let (None, Some(place)) = (end.0, r.value_place(&path)) {
-                r.no_such(place, said, "segment", &segments);
-            }
-        }
+        end.0 = index_of(r, &path, "segment", &segments);
         end.1 = [r.value(&rows[0], None), r.value(&rows[1], None)];
     }
     if ends[0].0 == ends[1].0

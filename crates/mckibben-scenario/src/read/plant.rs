@@ -55,6 +55,7 @@ impl Document {
         let mut unread = Unread::of(self);
         let members = actuators.iter().map(|named| self.read_member(r, *named, (&stores, &frames), &mut unread));
         let members: Vec<Option<Member>> = members.collect();
+        mechanism::check_unread(r, self, &frames, &mut unread);
         r.check_unread(unread);
         let members: Option<Vec<Member>> = members.into_iter().collect();
         match (members, run) {

@@ -31,6 +31,14 @@ impl<'d> Unread<'d> {
             |path: &str, entry: &Entry| part.entry(path).is_some_and(|its| its.node.place.is(&entry.node.place));
         self.0.retain(|(path, entry)| !is_there(path, entry));
     }
+
+    /// Takes out the value at a path, or those of the section there, which the caller checks; says whether there were any.
+    pub(crate) fn take_out(&mut self, path: &str) -> bool {
+        let is_there = |of: &str| of.strip_prefix(path).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
+        let count = self.0.len();
+        self.0.retain(|(of, _)| !is_there(of));
+        self.0.len() < count
+    }
 }
 
 fn collect<'d>(table: &'d Table, section: &str, found: &mut Vec<(String, &'d Entry)>) {

@@ -5,7 +5,7 @@
 //! a joint        x = (δθ, δω, δP₁, δm₁, δP₂, δm₂)        u = (ṁ₁, ṁ₂, W)       y = (δθ, δω, δP₁, δP₂, δτ)
 //!
 //! P (V/m)^κ = const   →   δm = m (V′ δL/V + δP/(κ P))        one state less serves: [`Linearization::minimal`]
-//! c_eq = 4 Q k_sec/(π ω X)                                    Coulomb friction at amplitude X
+//! c_eq = 4 F̄/(π ω X)                                          Coulomb friction at amplitude X, F̄ the mean of F_c s(v)
 //! ```
 //!
 //! | symbol | name in code | unit |
@@ -15,7 +15,7 @@
 //! | W | `force` or `torque`, on the load, in addition to its own pull; a force is positive when it stretches the actuator | N, N·m |
 //! | d | `duty`, as commanded: the first input of a pulsed valve | – |
 //! | F, τ | `tension`; torque of both actuators | N, N·m |
-//! | Q k_sec | `coulomb_bound` | N |
+//! | ρ F_c | `coulomb_bounds`, Q k_sec in the paper's law | N |
 //! | X, ω | `amplitude`, `angular_frequency` | m, rad/s |
 //!
 //! Both are [plants](crate::plant): their model is that of [`linearize_plant`](crate::plant::linearize_plant), with all that a
@@ -28,7 +28,7 @@
 //! states, which no input reaches; without the air mass as a state it is gone. With the valve held the air itself is
 //! an integrator too: a pole at zero that the mass flow does reach.
 //!
-//! Valid near the point. Sliding without Coulomb friction: under ± Q k_sec the load sticks and no linear model moves it;
+//! Valid near the point. Sliding without Coulomb friction: under ± ρ F_c the load sticks and no linear model moves it;
 //! above, the describing function c_eq has an equal loss in a cycle of amplitude X and the angular frequency ω of the mode in which
 //! the actuator takes part most (`PlantLinearization::oscillation`). The point must not be at rest on the
 //! shortest length, nor slack. Beyond the longest length the taut braid is part of the model, as long as it stays taut.

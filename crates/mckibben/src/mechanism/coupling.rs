@@ -246,6 +246,9 @@ impl<S: Real> Coupling<S> {
     }
 }
 
+/// Distance in m between points that meet.
+const NO_DISTANCE: f64 = 1e-15;
+
 /// The distance between two points and its gradient.
 #[inline(always)]
 fn between<S: Scalar, T: Over<S>>(
@@ -257,7 +260,8 @@ fn between<S: Scalar, T: Over<S>>(
     let first = ends[0].from(0, chain, directions);
     let second = ends[1].from(0, chain, directions);
     let apart = [first[0] - second[0], first[1] - second[1]];
-    let distance = (apart[0] * apart[0] + apart[1] * apart[1]).sqrt();
+    // Points that meet have no direction, but any will do: what is so short is slack.
+    let distance = (apart[0] * apart[0] + apart[1] * apart[1]).larger(T::constant(NO_DISTANCE * NO_DISTANCE)).sqrt();
     let per_distance = T::one() / distance;
     let unit = [apart[0] * per_distance, apart[1] * per_distance];
     for (joint, entry) in gradient.iter_mut().enumerate() {

@@ -1,6 +1,7 @@
 //! Integrates the [ledger](super::ledger) over the steps of a run.
 
 use super::exergy::DeadState;
+use super::feed::Inlets;
 use super::ledger::{Carried, PlantLedger};
 use super::mode::PlantMode;
 use super::sample::Observer;
@@ -68,19 +69,20 @@ pub(super) struct Bookkeeper<'a> {
 
 impl<'a> Bookkeeper<'a> {
     pub(super) fn new(plant: &'a Plant, stepping: TimeStepping) -> Self {
-        let network = plant.network();
+        let (network, dead) = (plant.network(), DeadState::of(plant));
         let ledger = PlantLedger {
             actuators: vec![Default::default(); plant.actuators().len()],
             mechanisms: vec![Default::default(); plant.mechanisms().len()],
             nodes: vec![Default::default(); network.nodes.len()],
             branches: vec![Default::default(); network.branches.len()],
-            leaks: network.branches.iter().map(|branch| matches!(branch.kind, BranchKind::Leak(_))).collect(),
+            inlets: Inlets::of(plant),
+            reference_temperature: dead.map(|dead| dead.temperature),
             errors: [[0.0; 2]; 3],
         };
         Self {
             plant,
             observer: Observer::new(&Arc::new(plant.clone()), stepping),
-            dead: DeadState::of(plant),
+            dead,
             ledger,
             nodes: vec![Passing::default(); network.nodes.len()],
             state: vec![0.0; plant.indices().states],
@@ -405,6 +407,9 @@ impl<'a> Bookkeeper<'a> {
             NodeKind::Atmosphere | NodeKind::Source | NodeKind::Given { .. } => {
                 of.supplied.mass += weight * (outward - inward);
                 of.supplied.enthalpy += weight * enthalpy;
+                if matches!(kind, NodeKind::Given { .. }) {
+                    of.vented += weight * inward;
+                }
                 if !matches!(kind, NodeKind::Atmosphere) {
                     of.supplied.exergy += weight * (outward * dead.stream(temperature, pressure) - worth);
                     of.least_work += weight * (outward - inward) * dead.throttle(pressure, dead.pressure);
@@ -416,6 +421,7 @@ impl<'a> Bookkeeper<'a> {
                 return;
             }
             NodeKind::Hose(_) | NodeKind::Reservoir(_) => {
+                of.air_in += weight * (inward - outward);
                 if let Some([volume, stiffness]) = volume(kind) {
                     heat += volume / dead.excess * network.node_rate(n, &mode.network, &self.observer.at.network);
                     let mass = pressure / stiffness;
@@ -442,6 +448,7 @@ impl<'a> Bookkeeper<'a> {
         if mounted.pressure.is_some() {
             let worth = dead.stream(temperature, chamber.pressure);
             of.given.add(weight * unit.flow.net(), dead.heat_capacity * temperature, worth);
+            of.vented += weight * unit.flow.outward;
         }
         sizes[1] += chamber.mass * dead.heat_capacity * temperature;
         sizes[2] += chamber.mass;

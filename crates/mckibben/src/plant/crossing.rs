@@ -205,7 +205,10 @@ impl<R: Real> System<R> {
                     let piece = &mut mode.arms[self.plant.places.actuators[actuator].arms + arm];
                     let (low, high) = arms[arm].arm.piece_bounds(*piece);
                     let place = self.plant.places.mechanisms[mounted.mechanism].position(arms[arm].joint);
-                    state[place] = if up { high } else { low }.unwrap_or(state[place]);
+                    if let Some(bound) = if up { high } else { low } {
+                        // The value alone: the border is smooth, so the place of its crossing has no derivatives.
+                        state[place] = state[place] + R::constant((bound - state[place]).value());
+                    }
                     *piece = if up { *piece + 1 } else { piece.saturating_sub(1) };
                 }
                 of(Part::Actuator(actuator), EventKind::MomentArm)

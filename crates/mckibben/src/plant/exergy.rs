@@ -47,13 +47,21 @@ pub(crate) struct DeadState {
 }
 
 impl DeadState {
-    /// The atmosphere of a plant: at the temperature of its first node of that kind, or of its first source. None without
-    /// actuators, as no other part says what gas it is.
+    /// The atmosphere of a plant, at the lowest temperature of its supplies: the air of a compressor cools in the line, and no
+    /// order of the supplies counts. Without supplies at the lowest of its nodes of the atmosphere. None without actuators, as no
+    /// other part says what gas it is.
     pub(crate) fn of(plant: &Plant) -> Option<Self> {
         let air = plant.actuators().first()?.actuator.air();
-        let nodes = &plant.network().nodes;
-        let first = |wanted: NodeKind| nodes.iter().find(|node| node.kind == wanted).map(|node| node.temperature);
-        let temperature = first(NodeKind::Atmosphere).or_else(|| first(NodeKind::Source)).unwrap_or(ROOM);
+        let lowest = |wanted: fn(&NodeKind) -> bool| {
+            let nodes = plant.network().nodes.iter().filter(|node| wanted(&node.kind));
+            nodes.map(|node| node.temperature).reduce(f64::min)
+        };
+        let is_supply = |kind: &NodeKind| {
+            use NodeKind::{Outlet, Port, Reservoir, Source};
+            matches!(kind, Source | Reservoir(_) | Outlet { .. } | Port { .. })
+        };
+        let outside = || lowest(|kind| matches!(kind, NodeKind::Atmosphere));
+        let temperature = lowest(is_supply).or_else(outside).unwrap_or(ROOM);
         let (gas_constant, ratio) = (air.gas_constant(), air.heat_capacity_ratio());
         let heat_capacity = ratio / (ratio - 1.0) * gas_constant;
         Some(Self { pressure: air.atmosphere().0, temperature, gas_constant, excess: ratio - 1.0, heat_capacity })

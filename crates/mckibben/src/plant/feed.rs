@@ -1,14 +1,16 @@
-//! What feeds an actuator of a plant, and what the plant's samples and modes say of both.
+//! What feeds an actuator of a plant, what the plant's samples and modes say of both, and where its air comes in.
 
 use super::equipment::SupplyNodes;
 use super::{Plant, PlantMode, PlantSample};
 use crate::air::Flow;
 use crate::error::Error;
-use crate::network::NodeKind;
+use crate::network::{Branch, BranchKind, Network, NodeKind};
 use crate::scalar::Real;
 use crate::simulation::decision::with_poppets;
 use crate::simulation::{Mode, Sample};
-use crate::valve::Ports;
+use crate::valve::{Port, Ports};
+use alloc::vec;
+use alloc::vec::Vec;
 
 /// Where what feeds an actuator lies in a network.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -23,6 +25,75 @@ pub struct Feed {
     pub hose: Option<[usize; 2]>,
     /// What the valve draws from.
     pub supply: Option<SupplyNodes>,
+}
+
+/// Where air comes into the actuators of a plant, for its ledger.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Inlets {
+    /// Which branches are leaks.
+    pub(super) leaks: Vec<bool>,
+    /// Which branches are flow paths of valves from what feeds an actuator to that actuator.
+    pub(super) branches: Vec<bool>,
+    /// Which nodes feed an actuator in place of a valve: regulators that are valves, and pressures that are given.
+    pub(super) nodes: Vec<bool>,
+    /// Which nodes store air that came from tanks alone, on its way to inlets: what they lost went in.
+    pub(super) stores: Vec<bool>,
+    /// How many actuators alike each actuator stands for.
+    pub(super) copies: Vec<f64>,
+    /// Whether a pressure is given, of an actuator or at its hose.
+    pub(super) has_given: bool,
+}
+
+impl Inlets {
+    pub(super) fn of(plant: &Plant) -> Self {
+        let Network { nodes, branches, .. } = plant.network();
+        let is_given = |kind: &NodeKind| matches!(kind, NodeKind::Given { .. });
+        // A regulator in a valve's place is a node, and draws as one.
+        let is_inlet = |branch: &Branch| {
+            matches!(branch.kind, BranchKind::Path { port: Port::Supply, .. })
+                && plant.chamber_behind(branch.to).is_some()
+                && !matches!(nodes[branch.from].kind, NodeKind::Port { .. })
+        };
+        let feeds = |(index, kind): (usize, &NodeKind)| {
+            is_given(kind) || matches!(kind, NodeKind::Port { .. }) && plant.chamber_behind(index).is_some()
+        };
+        let stores = |(index, kind): (usize, &NodeKind)| {
+            matches!(kind, NodeKind::Reservoir(_) | NodeKind::Hose(_))
+                && plant.chamber_behind(index).is_none()
+                && matches!(nodes[root(plant.network(), index)].kind, NodeKind::Reservoir(_))
+        };
+        let mut copies = vec![1.0; plant.actuators().len()];
+        for branch in branches {
+            if let (BranchKind::Path { port: Port::Supply, copies: alike, .. }, Some(actuator)) =
+                (&branch.kind, plant.chamber_behind(branch.to))
+            {
+                copies[actuator] = *alike;
+            }
+        }
+        let kinds = || nodes.iter().map(|node| &node.kind);
+        Self {
+            leaks: branches.iter().map(|branch| matches!(branch.kind, BranchKind::Leak(_))).collect(),
+            branches: branches.iter().map(is_inlet).collect(),
+            nodes: kinds().enumerate().map(feeds).collect(),
+            stores: kinds().enumerate().map(stores).collect(),
+            copies,
+            has_given: plant.actuators().iter().any(|mounted| mounted.pressure.is_some()) || kinds().any(is_given),
+        }
+    }
+}
+
+/// The node from which all air comes that a node gets: what a compressor takes from the atmosphere is the tank's.
+fn root(network: &Network, mut node: usize) -> usize {
+    for _ in 0..network.nodes.len() {
+        let brings = |of: &&Branch| of.to == node && !matches!(network.nodes[of.from].kind, NodeKind::Atmosphere);
+        let before = match network.nodes[node].kind {
+            NodeKind::Outlet { inlet, .. } => inlet,
+            _ => network.branches.iter().find(brings).map(|of| of.from),
+        };
+        let Some(before) = before else { break };
+        node = before;
+    }
+    node
 }
 
 impl Feed {

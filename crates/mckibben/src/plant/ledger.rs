@@ -12,7 +12,7 @@
 //!
 //! All flows are those of the branches: what a source gives is what flows out of it, at its own pressure and temperature, and
 //! what flows in from the atmosphere brings the atmosphere's enthalpy. A flow keeps its temperature as it is throttled, and
-//! destroys exergy where it meets air of another temperature. `T_0` is the temperature of the network's atmosphere.
+//! destroys exergy where it meets air of another temperature. `T_0` is the lowest temperature of the supplies.
 //!
 //! | process | heat |
 //! |---|---|
@@ -34,6 +34,7 @@
 //! Source: `docs/energy.md`. Checked by `tests/plant_ledger.rs`.
 
 use super::bookkeeping::Bookkeeper;
+use super::feed::Inlets;
 use super::trajectory::PlantTrajectory;
 use alloc::vec::Vec;
 
@@ -99,8 +100,10 @@ pub struct ActuatorLedger {
     pub atmosphere_work: f64,
     /// Heat into its air, by its process.
     pub heat: f64,
-    /// Air that a given pressure brought, as warm as the contents.
+    /// Air that a given pressure brought, as warm as the contents, less what went out.
     pub given: Carried,
+    /// Mass in kg of what went out where the pressure is given.
+    pub vented: f64,
     /// Exergy that its air gained.
     pub exergy_gain: f64,
     /// Exergy destroyed as inflow met air of another temperature.
@@ -172,8 +175,11 @@ pub struct NodeLedger {
     pub supplied: Carried,
     /// The least work of a compressor for the mass that a source gave, `m R T_0 ln(P/P_0)`: the isothermal ideal.
     pub least_work: f64,
-    /// Air that it gained, in kg.
+    /// Air that it gained, in kg, by its states.
     pub air_gain: f64,
+    /// Of a hose or a reservoir: what flowed in less what flowed out, in kg, integrated over the dense output. Long fixed steps
+    /// leave it apart from `air_gain`.
+    pub air_in: f64,
     /// Internal energy that its air gained.
     pub internal_energy: f64,
     /// Heat into its air.
@@ -186,7 +192,7 @@ pub struct NodeLedger {
     pub throttled: f64,
     /// Exergy of what a regulator let go to the atmosphere.
     pub released: f64,
-    /// Mass in kg of that.
+    /// Mass in kg of that, or of what flowed back where a pressure is given.
     pub vented: f64,
     /// Exergy lost with heat; gained where negative.
     pub heat_loss: f64,
@@ -269,8 +275,10 @@ pub struct PlantLedger {
     pub nodes: Vec<NodeLedger>,
     /// Its branches.
     pub branches: Vec<BranchLedger>,
-    /// Which branches are leaks.
-    pub(super) leaks: Vec<bool>,
+    /// Where air comes into the actuators.
+    pub(super) inlets: Inlets,
+    /// `T_0` in K from which exergy counts; none of a plant without actuators.
+    pub(super) reference_temperature: Option<f64>,
     /// Rounding and resolution of the work, and those of the air in addition, in J; of the air's mass in kg.
     pub(super) errors: [[f64; 2]; 3],
 }
@@ -296,7 +304,7 @@ pub struct LedgerTotal {
     pub mixed: f64,
     /// Exergy lost with heat; gained where negative.
     pub heat_loss: f64,
-    /// Exergy drawn by branches alike that are not a part of the plant.
+    /// Exergy of the air that actuators alike took which are not a part of the plant.
     pub others: f64,
     /// Heat into the air.
     pub heat: f64,
@@ -310,14 +318,17 @@ pub struct LedgerTotal {
     pub dissipated: f64,
     /// Work on the mechanisms.
     pub work: f64,
+    /// Work of actuators alike that are not a part of the plant: each does what the one does that stands for it.
+    pub work_of_others: f64,
 }
 
 impl LedgerTotal {
-    /// Work on the mechanisms over the exergy that was supplied, drawn and compressed, less what others alike drew; none where none
-    /// was. Of a cycle it is the efficiency; of a run that ends in another state than it began, what is stored belongs to it too.
+    /// Work on the mechanisms, that of others alike included, over the exergy that was supplied, drawn and compressed, which feeds
+    /// them all; none where none was. Of a cycle it is the efficiency; of a run that ends in another state than it began, what is
+    /// stored belongs to it too.
     pub fn efficiency(&self) -> Option<f64> {
-        let supplied = self.drawn + self.compressed - self.others;
-        (supplied > 0.0).then(|| self.work / supplied)
+        let supplied = self.drawn + self.compressed;
+        (supplied > 0.0).then(|| (self.work + self.work_of_others) / supplied)
     }
 }
 
@@ -368,9 +379,45 @@ impl PlantLedger {
         Balance::of(gives, gains.chain(self.branches.iter().map(|of| of.others.mass)), self.errors[2])
     }
 
+    /// Temperature `T_0` in K of the atmosphere from which exergy counts; none of a plant without actuators.
+    pub fn reference_temperature(&self) -> Option<f64> {
+        self.reference_temperature
+    }
+
+    /// Whether a pressure is given, of an actuator or at the end of its hose: air comes in there without a valve.
+    pub fn has_given_pressure(&self) -> bool {
+        self.inlets.has_given
+    }
+
+    /// The air in kg that came into the actuators: what valves let in from their supplies, less what went back, and what came in
+    /// where a pressure is given. What a pressure regulator lets out goes to the atmosphere, and so does what leaves at a given
+    /// pressure: neither is given back. What fills a manifold is counted once, where it leaves it.
+    ///
+    /// What came from tanks alone is what these lost, by their states. All other air is the integral of the flows.
+    pub fn air_used(&self) -> f64 {
+        let Inlets { branches, nodes, stores, .. } = &self.inlets;
+        let through = |of: fn(&BranchLedger) -> f64| -> f64 {
+            self.branches.iter().zip(branches).filter(|(_, is_inlet)| **is_inlet).map(|(its, _)| of(its)).sum()
+        };
+        let [let_in, others] = [through(|of| of.carried.mass), through(|of| of.others.mass)];
+        let of_nodes = self.nodes.iter().zip(nodes).filter(|(_, feeds)| **feeds);
+        let at_nodes: f64 = of_nodes.map(|(of, _)| of.supplied.mass + of.vented).sum();
+        let given: f64 = self.actuators.iter().map(|of| of.given.mass + of.vented).sum();
+        let of_stores = self.nodes.iter().zip(stores).filter(|(_, stores)| **stores);
+        let missing: f64 = of_stores.map(|(of, _)| of.air_in - of.air_gain).sum();
+        // Others alike took their part of what the tanks lost.
+        let all = let_in + others;
+        let part = if all == 0.0 { 1.0 } else { let_in / all };
+        // The sum of nothing is −0, which is not printed as a mass.
+        let_in + missing * part + at_nodes + given + 0.0
+    }
+
     /// The sums over all parts.
     pub fn total(&self) -> LedgerTotal {
         let mut total = LedgerTotal::default();
+        for (of, copies) in self.actuators.iter().zip(&self.inlets.copies) {
+            total.work_of_others += (copies - 1.0) * of.work;
+        }
         for of in &self.actuators {
             total.drawn += of.given.exergy;
             total.stored += of.exergy_gain;
@@ -393,7 +440,7 @@ impl PlantLedger {
             total.heat_loss += of.heat_loss;
             total.heat += of.heat;
         }
-        for (of, leaks) in self.branches.iter().zip(&self.leaks) {
+        for (of, leaks) in self.branches.iter().zip(&self.inlets.leaks) {
             *(if *leaks { &mut total.leaked } else { &mut total.exhaust }) += of.released;
             total.throttled += of.throttled;
             total.compressed += of.compressed;

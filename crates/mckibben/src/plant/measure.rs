@@ -67,6 +67,8 @@ impl<R: Real> System<R> {
         mode: &mut PlantMode<R>,
         at: &mut Evaluation<R>,
     ) {
+        // Ends may have jumped over pieces of a law, from which forces follow.
+        self.enter_actuator_pieces(time, state, mode, at);
         self.enter_length_regimes(m, time, state, mode, at);
         self.settle(m, time, state, mode, at);
         self.follow_all(time, state, mode, at, None);

@@ -505,4 +505,4 @@ pub fn is_due<S: Real>(instant: S, time: S) -> bool {
 }
 
 /// Relative difference below which two instants are one: a few roundings of a sum and a quotient.
-pub(crate) const SIMULTANEOUS: f64 = 8.0 * f64::EPSILON;
+pub const SIMULTANEOUS: f64 = 8.0 * f64::EPSILON;

@@ -12,7 +12,7 @@
 //! Behind these stands what hoses, leaks, supplies, regulators, spools, tendons and given pressures add.
 //!
 //! As for [one actuator](crate::linearize), every process but the energy balance keeps `P (V/m)^κ` of each, so four states serve.
-//! The joint slides without Coulomb friction: within ± [`JointLinearization::coulomb_bound`] it sticks. Neither actuator may be
+//! The joint slides without Coulomb friction: within [`JointLinearization::coulomb_bounds`] it sticks. Neither actuator may be
 //! slack or at its shortest at the point; a taut braid and a pressed stop are part of the model as long as they last.
 //!
 //! Checked by `tests/linearize_joint.rs` and `tests/linearize_line.rs`.
@@ -235,10 +235,12 @@ impl JointLinearization {
         self.view.words().controllability(&self.plant, system, input)
     }
 
-    /// Torque in N·m that the Coulomb friction of both actuators holds at the point, either way.
-    pub fn coulomb_bound(&self) -> f64 {
-        let leverage = self.rig.joint().leverage(self.state.angle);
-        leverage.arms[0] * self.plant.coulomb_bound(0) + leverage.arms[1] * self.plant.coulomb_bound(1)
+    /// By how much less and by how much more torque than that of the balance, in N·m, the Coulomb friction of both actuators
+    /// holds at the point.
+    pub fn coulomb_bounds(&self) -> [f64; 2] {
+        let arms = self.rig.joint().leverage(self.state.angle).arms;
+        let [agonist, antagonist] = [0, 1].map(|i| self.plant.coulomb_bounds(i).map(|bound| arms[i] * bound));
+        [agonist[0] + antagonist[1], agonist[1] + antagonist[0]]
     }
 }
 

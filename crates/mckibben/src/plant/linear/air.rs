@@ -272,6 +272,20 @@ impl AirSolver<'_> {
 
     /// Brings the rates of all unknown pressures and flows to zero.
     pub(super) fn solve(&self, frame: &mut Frame) -> Result<(), Error> {
+        let begun = frame.clone();
+        let Err(error) = self.solve_by(frame, false) else { return Ok(()) };
+        if self.holders.iter().all(Option::is_none) {
+            return Err(error);
+        }
+        // A command that holds a pressure in a muscle behind a hose in cells acts through one cell after the other: the shorter a
+        // step, the more of the command it takes to change the muscle within it. Newton's steps have no end in time.
+        *frame = begun;
+        self.solve_by(frame, true).map_err(|_| error)
+    }
+
+    /// Brings them there by steps that begin short and grow, or by Newton's alone. Of these the first may leave more than there was:
+    /// the flows through a hose settle before the pressures that drive them.
+    fn solve_by(&self, frame: &mut Frame, newton: bool) -> Result<(), Error> {
         let unknowns = self.unknowns(frame);
         let count = unknowns.len();
         if count == 0 {
@@ -287,7 +301,8 @@ impl AirSolver<'_> {
             unknowns.iter().map(|unknown| rates[unknown.row].value / unknown.row_size).collect()
         };
         let norm = |values: &[f64]| values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
-        let (mut step, longest, growth) = STEPS;
+        let (first, longest, growth) = STEPS;
+        let (mut step, shortest) = if newton { (longest, longest) } else { (first, SHORTEST) };
         let mut residuals = residual(frame);
         let mut settled = 0;
         for _ in 0..MOST_STEPS {
@@ -324,7 +339,7 @@ impl AirSolver<'_> {
                 _ => most,
             });
             // A shorter step, not a part of a long one: where pressures move freely at first, that leads elsewhere.
-            if largest > 1.0 && step > SHORTEST {
+            if largest > 1.0 && step > shortest {
                 step /= 2.0;
                 continue;
             }
@@ -356,7 +371,7 @@ impl AirSolver<'_> {
                     next = tried(whole, frame);
                 }
             }
-            let is_better = norm(&next).is_finite() && norm(&next) <= 2.0 * norm(&residuals) + STILL;
+            let is_better = norm(&next).is_finite() && (newton || norm(&next) <= 2.0 * norm(&residuals) + STILL);
             if !is_better && step > 1e-12 {
                 *frame = before;
                 step /= 2.0 * growth;

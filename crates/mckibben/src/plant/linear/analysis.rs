@@ -115,9 +115,13 @@ impl PlantLinearization {
                 let (mut cosine, mut sine, mut from) = (0.0, 0.0, 0.0);
                 for part in &intervals {
                     let (begin, end) = (order * TAU * from, order * TAU * (from + part.share));
-                    let opening = part.openings[port as usize];
-                    cosine += opening * (end.sin() - begin.sin()) / (order * PI);
-                    sine += opening * (begin.cos() - end.cos()) / (order * PI);
+                    let [first, last] = part.ends.map(|openings| openings[port as usize]);
+                    // The integrals of a straight line times cosine and sine, by parts.
+                    let slope = if begin < end { (last - first) / (end - begin) } else { 0.0 };
+                    let of_cosine = last * end.sin() - first * begin.sin() + slope * (end.cos() - begin.cos());
+                    let of_sine = first * begin.cos() - last * end.cos() + slope * (end.sin() - begin.sin());
+                    cosine += of_cosine / (order * PI);
+                    sine += of_sine / (order * PI);
                     from += part.share;
                 }
                 // cos and sin of a real signal are the parts of cosine − j sine.

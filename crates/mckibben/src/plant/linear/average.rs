@@ -34,7 +34,8 @@ pub struct ValveAverage {
     pub flow: Flow,
     /// Commanded duties between which every pulse and every gap moves the poppets.
     pub duty_range: (f64, f64),
-    /// Peak to peak ripple in Pa of the pressure that the valve opens into, at a fixed length.
+    /// Peak to peak ripple in Pa of the pressure that the valve opens into, at a fixed length: of a hose that of its volume or
+    /// its first cell, which is larger than the ripple in the actuator.
     pub pressure_ripple: f64,
     /// Pressure in Pa from there to the nearest pressure beyond a path.
     pub pressure_margin: f64,
@@ -87,10 +88,17 @@ pub(super) fn averages(plant: &Plant, frame: &Frame) -> Vec<ValveAverage> {
                     .sum()
             };
             let mean: f64 = intervals.iter().map(|part| part.share * into(part.openings)).sum();
-            let (mut beside, mut least, mut greatest) = (0.0_f64, 0.0_f64, 0.0_f64);
+            let (mut sum, mut least, mut greatest) = (0.0_f64, 0.0_f64, 0.0_f64);
             for part in &intervals {
-                beside += (into(part.openings) - mean) * part.share / frequency;
-                (least, greatest) = (least.min(beside), greatest.max(beside));
+                let [first, last] = part.ends.map(|openings| into(openings) - mean);
+                let lasting = part.share / frequency;
+                // Where the flow passes its mean on a stroke, the sum has an extreme.
+                let extreme = if first * last < 0.0 { 0.5 * first * first / (first - last) * lasting } else { 0.0 };
+                let after = sum + 0.5 * (first + last) * lasting;
+                for value in [sum + extreme, after] {
+                    (least, greatest) = (least.min(value), greatest.max(value));
+                }
+                sum = after;
             }
             ripple = ripple.max((greatest - least) * per_mass(frame, node));
             let [here, beyond] = [node, first.from].map(|node| now.at.network.nodes[node].pressure.value);

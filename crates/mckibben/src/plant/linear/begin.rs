@@ -70,9 +70,8 @@ pub(super) fn fill<'a>(
     for here in &plant.places.mechanisms {
         state[here.rate(0)..here.rate(0) + here.coordinates].fill(0.0);
     }
-    let shut = matches!(what, PlantBalance::Shut(_));
     let valves = plant.network.valves.iter().enumerate();
-    let drives: Vec<Drive> = valves.map(|(valve, actuation)| drive(plant, valve, actuation, shut, &state)).collect();
+    let drives: Vec<Drive> = valves.map(|(valve, actuation)| drive(plant, valve, actuation, what, &state)).collect();
     let mut frame = Frame::new(plant, drives, &state)?;
     if let PlantBalance::Driven = what {
         let fed = fed(&frame);
@@ -133,8 +132,9 @@ fn volumes(frame: &Frame) -> Vec<f64> {
 }
 
 /// What drives a valve at the point.
-fn drive(plant: &Plant, valve: usize, actuation: &Actuation, shut: bool, state: &[f64]) -> Drive {
+fn drive(plant: &Plant, valve: usize, actuation: &Actuation, what: &PlantBalance, state: &[f64]) -> Drive {
     let Actuation { solenoid, command } = actuation;
+    let shut = matches!(what, PlantBalance::Shut(_));
     if solenoid.regulator().is_some() {
         let last = (0..).map_while(|index| command.set_point(index)).last();
         let port = plant.network.nodes.iter().zip(&plant.places.nodes).find_map(|(node, place)| match node.kind {
@@ -159,7 +159,11 @@ fn drive(plant: &Plant, valve: usize, actuation: &Actuation, shut: bool, state: 
                 Command::Table { request, .. } => request.last().copied(),
                 _ => None,
             };
-            Drive::Openings(resting(solenoid, last))
+            match what {
+                // Nothing commands it, so that none of its commands can hold a pressure.
+                PlantBalance::DrivenAt(_) if last.is_none() => Drive::Openings([0.0; 2]),
+                _ => Drive::Openings(resting(solenoid, last)),
+            }
         }
     }
 }

@@ -23,8 +23,8 @@
 //! | pressures of hoses, reservoirs, outlets, ports; flows in cells of hoses; spools | – |
 //!
 //! Valid near the point, in the mode that holds there: flow zones, taut and slack actuators, pressed stops. The plant slides
-//! without Coulomb friction: within ± Q k_sec an actuator sticks and no linear model moves it
-//! ([`PlantLinearization::coulomb_bound`]); [`PlantLinearization::with_equivalent_damping`] puts in its place the viscous
+//! without Coulomb friction: within ± ρ F_c at rest an actuator sticks and no linear model moves it
+//! ([`PlantLinearization::coulomb_bounds`]); [`PlantLinearization::with_equivalent_damping`] puts in its place the viscous
 //! damping with the same loss. Hysteresis is relaxed at the point. A compressor rests, and what it delivers on average is an
 //! input; so is what keeps a leaking actuator or a bottle at the pressure that is given. A reservoir that an open path supplies
 //! is where its flows balance. Delays are left out of the matrices: dead times, and those of lumped hoses
@@ -65,6 +65,9 @@ use core::f64::consts::PI;
 use derivatives::{derivatives, length_seed};
 use frame::{Drive, Fed, Frame, Instant};
 
+/// Parts of the way of an oscillation, an even number, over which dry friction that falls with velocity is averaged.
+const PARTS: usize = 1000;
+
 /// The linear model of a plant.
 pub type PlantStateSpace = StateSpace<PlantState, PlantInput, PlantOutput>;
 
@@ -77,7 +80,8 @@ pub enum PlantBalance {
     /// The commands: the duty of a PWM on average, the last position of a spool, the last set point of a regulator, the last
     /// request of a schedule. An actuator that nothing feeds keeps the pressure of the start.
     Driven,
-    /// The gauge pressure of each actuator, with commands of the pulsed and proportional valves that hold them.
+    /// The gauge pressure of each actuator, with commands of the pulsed and proportional valves that hold them. A valve with
+    /// seats whose command has no request, such as that of a controller, is held shut.
     DrivenAt(Vec<GaugePressure>),
 }
 
@@ -280,23 +284,48 @@ impl PlantLinearization {
         }
     }
 
-    /// Coulomb friction `Q k_sec` of an actuator in N: at rest it sticks while its tension lies within ± this of the
-    /// balance.
-    pub fn coulomb_bound(&self, actuator: usize) -> f64 {
+    /// By how much less and by how much more tension than that of the balance, in N, the dry friction of an actuator holds at rest,
+    /// (P.2): `ρ F_c` with Stribeck's ratio ρ both ways, but no tension below zero, and none where the braid is slack. Within
+    /// them it sticks.
+    pub fn coulomb_bounds(&self, actuator: usize) -> [f64; 2] {
+        let Some((force, kinetic)) = self.pull(actuator) else { return [0.0; 2] };
+        let bound = self.point.plant.actuators[actuator].actuator.friction().coulomb().holding(kinetic);
+        [bound.min(force.max(0.0)), (bound + force.min(0.0)).max(0.0)]
+    }
+
+    /// The force in N of an actuator at the point, below zero where it would push, and its dry friction `F_c` in N in motion fast
+    /// enough; none where the braid is slack.
+    fn pull(&self, actuator: usize) -> Option<(f64, f64)> {
         let PlantPoint { plant, state, lengths, .. } = &self.point;
+        let (its, length) = (&plant.actuators[actuator].actuator, lengths[actuator]);
         let pressure = state[plant.places.actuators[actuator].pressure];
-        plant.actuators[actuator].actuator.coulomb_bound(lengths[actuator], pressure)
+        let force = its.static_force(length, pressure) + its.limits().force(length, 0.0);
+        (!its.limits().is_slack(length)).then(|| (force, its.coulomb_bound(length, pressure)))
     }
 
     /// The viscous damping in N·s/m that takes as much energy from an actuator's oscillation of `amplitude` (m) at
-    /// `angular_frequency` (rad/s), both above zero, as its Coulomb friction: `c_eq = 4 Q k_sec/(π ω X)`.
+    /// `angular_frequency` (rad/s), both above zero, as its Coulomb friction: `c_eq = 4 F̄/(π ω X)`, with the mean F̄ over the way
+    /// of a cycle of `F_c s(v)`, or of half of what the tensions of both ways differ by where one of them is zero.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a number outside its range.
     pub fn equivalent_damping(&self, actuator: usize, amplitude: f64, angular_frequency: f64) -> Result<f64, Error> {
         let amplitude = crate::linearize::AMPLITUDE.check(amplitude)?;
         let frequency = crate::linearize::ANGULAR_FREQUENCY.check(angular_frequency)?;
-        Ok(4.0 * self.coulomb_bound(actuator) / (PI * frequency * amplitude))
+        let coulomb = self.point.plant.actuators[actuator].actuator.friction().coulomb();
+        let Some((force, kinetic)) = self.pull(actuator) else { return Ok(0.0) };
+        // Half of what the tensions of both ways differ by.
+        let loss = |friction: f64| if friction <= force { friction } else { 0.5 * (force + friction).max(0.0) };
+        // At 1 − w² of the amplitude the velocity is ω X w √(2 − w²), and the way goes with 2 w dw: smooth at both ends.
+        let more = |w: f64| {
+            let velocity = amplitude * frequency * w * Scalar::sqrt(2.0 - w * w);
+            2.0 * w * (loss(coulomb.sliding(1.0, velocity, kinetic)) - loss(kinetic))
+        };
+        // Simpson's rule; at w = 0 there is nothing to add.
+        let part = |n: usize| if n.is_multiple_of(2) { 2.0 } else { 4.0 } * more(n as f64 / PARTS as f64);
+        let sum: f64 = (1..PARTS).map(part).sum::<f64>() + more(1.0);
+        let mean = loss(kinetic) + sum / (3.0 * PARTS as f64);
+        Ok(4.0 * mean / (PI * frequency * amplitude))
     }
 
     /// The model with Coulomb friction replaced by the viscous damping of equal loss, for an oscillation of each actuator by its

@@ -110,7 +110,7 @@ impl OperatingPoint {
         self.state.pressure.gauge(self.rig.actuator().air().atmosphere())
     }
 
-    /// Coulomb friction `Q k_sec` in N: at rest the load sticks while the rest of the balance lies within ± this.
+    /// Coulomb friction `F_c` in N in motion, `Q k_sec` in the paper's law.
     pub fn coulomb_bound(&self) -> f64 {
         self.rig.actuator().coulomb_bound(self.state.length, self.state.pressure.0)
     }

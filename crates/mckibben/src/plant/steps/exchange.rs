@@ -11,11 +11,9 @@
 //! ```
 //!
 //! The mode and its rules are those of the event-located engine: see [`crate::engine::Hybrid`]. A host differs in one thing:
-//! it comes to an event from either side of the root, by its own tolerance. So a guard has fired where it is below zero, or
-//! where its rate brings it there within [`NEAR`]. At zero without a rate it has fired unless it rises by its second derivative.
-//! Once a mode has begun in the same instant its guards may start at zero or a rounding below; then only those that descend have
-//! fired (rule 4 of the contract of events). A guard at zero is written as the least positive number: the mode lasts there, and
-//! the host sees the guard leave it.
+//! it comes to an event from either side of the root, by its own tolerance, and may step over several borders at once. When a
+//! guard has fired is in [`fired`]; an update crosses until none has. A guard at zero is written as the least positive number:
+//! the mode lasts there, and the host sees the guard leave it.
 //!
 //! One mode ends here alone. An actuator whose given rate is zero rests, without dry friction. In every other engine the rates of
 //! given ends are constant between events; here they leave zero smoothly. So a guard that only this list has ends the rest:
@@ -24,7 +22,10 @@
 //! guard of rest:  v₀ − |v|        v₀ the velocity by which a reversal passes zero, a part of the longest length in a second
 //! ```
 //!
-//! Source: FMI 3.0.2, section 3, for what a host requires. Checked by `tests/plant_exchange.rs`.
+//! Source: FMI 3.0.2, section 3, for what a host requires. Checked by `tests/plant_exchange.rs`, and by `tests/abi.rs` of
+//! `mckibben-fmu`.
+
+mod fired;
 
 use super::super::crossing::{Part, PlantEventKind};
 use super::super::evaluation::{Evaluation, System};
@@ -42,6 +43,7 @@ use crate::scalar::Scalar as _;
 use crate::simulation::{EventKind, Guard, LengthRegime, Sliding};
 use alloc::vec;
 use alloc::vec::Vec;
+use fired::Fired;
 
 /// The time in s within which the rate of a guard brings it to zero, for it to have fired; and by which pulses are laid out
 /// ahead of the time that has been reached.
@@ -234,39 +236,6 @@ impl PlantExchange {
         self.rates = rates;
     }
 
-    /// Of the guards that have fired the one that comes to zero first; of a mode that has begun in this instant, those that
-    /// descend.
-    fn fired(&mut self, steps: &PlantSteps, is_new: bool) -> Option<PlantGuard> {
-        self.list(steps.mode());
-        self.system.rates(steps.time(), steps.state(), steps.mode(), &mut self.at, &mut self.rates);
-        self.seed_with_rates(steps);
-        let mut first: Option<(PlantGuard, f64)> = None;
-        for place in 0..self.guards.len() {
-            let guard = self.guards[place];
-            let (value, rate) = (self.value(steps, guard), self.value_along(steps, guard, 1.0));
-            let descends = rate < 0.0 && value + rate * NEAR < 0.0;
-            let is_below =
-                value < 0.0 || (value == 0.0 && rate == 0.0 && !is_new && !self.rises_from_rest(steps, guard));
-            let instant = if descends { -value / rate } else { 0.0 };
-            if (descends || (is_below && !is_new)) && first.is_none_or(|(_, earlier)| instant < earlier) {
-                first = Some((guard.0, instant));
-            }
-        }
-        first.map(|(guard, _)| guard)
-    }
-
-    /// Whether a guard without a rate rises by the second derivatives of the states, which are seeded with their rates.
-    fn rises_from_rest(&mut self, steps: &PlantSteps, guard: (PlantGuard, GuardForm)) -> bool {
-        let time = Along { value: steps.time(), slope: [1.0] };
-        self.system.rates(time, &self.seeded, steps.mode(), &mut self.along, &mut self.seeded_rates);
-        let second = core::mem::take(&mut self.seeded_rates);
-        self.seed(steps, |place| second[place].slope[0]);
-        self.seeded_rates = second;
-        let rate = self.value_along(steps, guard, 0.0);
-        self.seed_with_rates(steps);
-        rate > 0.0
-    }
-
     /// Crosses the guards that have fired and passes what is due, until nothing changes. A time that lies less than a
     /// nanosecond before the next instant is taken for that instant.
     ///
@@ -302,17 +271,27 @@ impl PlantExchange {
         }
         self.before.copy_from_slice(state);
         let (mut events, mut is_new) = (0, self.is_within && time == self.updated);
+        // Once in an update: where entering all pieces has not brought a guard above zero, it is crossed as others are.
+        let mut may_enter = true;
         loop {
-            let kind = if let Some(guard) = self.fired(steps, is_new) {
+            let kind = if let Some(fired) = self.fired(steps, is_new, may_enter) {
                 let (_, state, mode) = steps.row.reached.parts();
                 self.system.project(time, state, mode, &mut self.at);
-                match guard {
-                    PlantGuard::Of(i, Guard::Rest) if mode.actuators[i].mode.sliding == Sliding::Held => {
+                match fired {
+                    Fired::Pieces => {
+                        may_enter = false;
+                        self.system.enter_pieces(time, state, mode, &mut self.at);
+                        self.system.follow_all(time, state, mode, &mut self.at, None);
+                        self.system.settle_ends(time, state, mode, &mut self.at);
+                        self.system.check_jumps(time, state, mode, &mut self.at)?;
+                        None
+                    }
+                    Fired::Guard(PlantGuard::Of(i, Guard::Rest)) if mode.actuators[i].mode.sliding == Sliding::Held => {
                         let m = self.system.plant.actuators()[i].mechanism;
                         self.system.enter_given_motion(m, time, state, mode, &mut self.at);
-                        PlantEventKind { part: Part::Actuator(i), kind: EventKind::BreakAway }
+                        Some(PlantEventKind { part: Part::Actuator(i), kind: EventKind::BreakAway })
                     }
-                    _ => self.system.cross(guard, time, state, mode, &mut self.at)?,
+                    Fired::Guard(guard) => Some(self.system.cross(guard, time, state, mode, &mut self.at)?),
                 }
             } else {
                 if is_last {
@@ -322,12 +301,12 @@ impl PlantExchange {
                 if self.system.next_instant(mode, time).is_none() {
                     break;
                 }
-                self.system.pass_instant(time, state, mode, &mut self.at)?
+                Some(self.system.pass_instant(time, state, mode, &mut self.at)?)
             };
             is_new = true;
             events += 1;
             if events > MOST_EVENTS {
-                return Err(self.system.halts(time, steps.state(), Halt::Events, Some(kind)));
+                return Err(self.system.halts(time, steps.state(), Halt::Events, kind));
             }
         }
         steps.row.forget_guards();

@@ -56,7 +56,13 @@ impl<R: Real> System<R> {
     }
 
     /// Takes the pieces of arms and of the laws of actuators: what lengths, volumes and tensions follow from.
-    pub(super) fn enter_actuator_pieces(&self, time: R, state: &[R], mode: &mut PlantMode<R>, at: &mut Evaluation<R>) {
+    pub(in super::super) fn enter_actuator_pieces(
+        &self,
+        time: R,
+        state: &[R],
+        mode: &mut PlantMode<R>,
+        at: &mut Evaluation<R>,
+    ) {
         self.enter_arms(state, mode);
         for (i, wire) in self.wires.iter().enumerate() {
             let [pressure, _] = wire.air(state);
