@@ -262,7 +262,8 @@ class Pulses:
     seats_follow : bool
         Whether they follow at this duty cycle. If not, the valve is in its dead zone and its gain is zero.
     pressure_ripple : float
-        Peak-to-peak ripple of the pressure in Pa within a period, at a fixed length.
+        Peak-to-peak ripple in Pa, within a period at a fixed length, of the pressure that the valve opens into: with a hose, of the
+        hose at the valve.
     pressure_margin : float
         Distance in Pa of the pressure from the nearest pressure beyond a port, such as that of the supply.
     ripple_is_small : bool

@@ -211,7 +211,8 @@ impl PlantModel {
             let doubt = [doubt, if is_still { still } else { "" }].into_iter().filter(|doubt| !doubt.is_empty());
             let doubt = doubt.map(str::to_owned).reduce(|first, second| format!("{first}; {second}"));
             let warning = account::doubts(doubt, &point.plant.actuators()[i].actuator);
-            let damped = self.damping(i).map(|Damping { frequency, damping, .. }| {
+            let damped = self.damping(i).filter(|of| of.damping > 0.0);
+            let damped = damped.map(|Damping { frequency, damping, .. }| {
                 let [damping, frequency] = [quantity(damping, "N*s/m"), quantity(frequency / TAU, "Hz")];
                 format!(", Coulomb friction as {damping} at {frequency}")
             });

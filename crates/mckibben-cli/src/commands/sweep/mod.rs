@@ -205,7 +205,8 @@ impl<'a> Target<'a> {
             None => Self::Nothing,
             Some(path) if path.is_dir() => Self::Folder(path),
             Some(path) if record::ending(path).is_none() => {
-                if path.exists() {
+                // Looked at once: another sweep may begin this folder meanwhile.
+                if path.metadata().is_ok_and(|its| !its.is_dir()) {
                     let title = format!("`{}` is there and is no folder", path.display());
                     let help = "give --output a folder, or a name with .csv, .parquet or .mat at its end for one file";
                     return Err(Failure::input(title, help));
