@@ -72,6 +72,18 @@ pub(crate) struct Motion {
     pub(crate) moving: Vec<Option<Moving>>,
 }
 
+/// The readings to either side of one, as many as `half`: how far in s they reach, and of each the time, from −1 to 1, and the length in
+/// m less that of the one; `None` where there are not so many.
+fn window<'r>(
+    time: &'r [f64],
+    length: &'r [f64],
+    (at, half): (usize, usize),
+) -> Option<(f64, impl Iterator<Item = (f64, f64)> + Clone + 'r)> {
+    let window = at.checked_sub(half)?..=at + half;
+    let reach = (time.get(at + half)? - time[at]).max(time[at] - time[at - half]);
+    Some((reach, window.map(move |place| ((time[place] - time[at]) / reach, length[place] - length[at]))))
+}
+
 /// The middle of a parabola through readings.
 #[derive(Clone, Copy)]
 struct Middle {
@@ -84,14 +96,12 @@ struct Middle {
 }
 
 impl Middle {
-    /// Of the readings to either side of one, as many as `half`; `None` where there are not so many, or they determine no parabola.
-    fn new(time: &[f64], length: &[f64], noise: f64, (at, half): (usize, usize)) -> Option<Self> {
-        let window = at.checked_sub(half)?..=at + half;
-        let reach = (time.get(at + half)? - time[at]).max(time[at] - time[at - half]);
+    /// Of the readings in a [`window`]; `None` where there are not so many, or they determine no parabola.
+    fn new(time: &[f64], length: &[f64], noise: f64, within: (usize, usize)) -> Option<Self> {
+        let (reach, window) = window(time, length, within)?;
         // Sums of powers of the time from −1 to 1, and of these times the length.
         let (mut s, mut y) = ([0.0; 5], [0.0; 3]);
-        for place in window {
-            let (u, off) = ((time[place] - time[at]) / reach, length[place] - length[at]);
+        for (u, off) in window {
             let square = u * u;
             for (sum, power) in s.iter_mut().zip([1.0, u, square, square * u, square * square]) {
                 *sum += power;
@@ -129,23 +139,19 @@ struct Cubic {
 }
 
 impl Cubic {
-    /// Of the readings to either side of one, as [`Middle::new`].
-    fn new(time: &[f64], length: &[f64], noise: f64, (at, half): (usize, usize)) -> Option<Self> {
-        let window = at.checked_sub(half)?..=at + half;
-        let reach = (time.get(at + half)? - time[at]).max(time[at] - time[at - half]);
-        let powers = |place: usize| {
-            let u = (time[place] - time[at]) / reach;
-            (Vector4::new(1.0, u, u * u, u * u * u), length[place] - length[at])
-        };
+    /// As [`Middle::new`].
+    fn new(time: &[f64], length: &[f64], noise: f64, within: (usize, usize)) -> Option<Self> {
+        let (reach, window) = window(time, length, within)?;
+        let readings = window.map(|(u, off)| (Vector4::new(1.0, u, u * u, u * u * u), off));
         let (mut normal, mut right) = (Matrix4::zeros(), Vector4::zeros());
-        for (powers, off) in window.clone().map(powers) {
+        for (powers, off) in readings.clone() {
             normal += powers * powers.transpose();
             right += powers * off;
         }
         let inverse = normal.cholesky()?.inverse();
         let cubic = inverse * right;
-        let squares: f64 = window.map(powers).map(|(powers, off)| (off - cubic.dot(&powers)).powi(2)).sum();
-        let freedom = (2 * half + 1) as f64 - 4.0;
+        let squares: f64 = readings.map(|(powers, off)| (off - cubic.dot(&powers)).powi(2)).sum();
+        let freedom = (2 * within.1 + 1) as f64 - 4.0;
         let (velocity, standard_error) = (cubic[1] / reach, noise * inverse[(1, 1)].sqrt() / reach);
         let fits = squares <= noise * noise * (freedom + SCATTERED * (2.0 * freedom).sqrt());
         (velocity.is_finite() && standard_error.is_finite()).then_some(Self { velocity, standard_error, fits })

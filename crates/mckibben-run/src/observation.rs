@@ -152,11 +152,6 @@ pub struct AirUse {
 }
 
 impl AirUse {
-    /// What was let in from the supply, less what went back, in kg.
-    pub fn used(&self) -> f64 {
-        self.from_supply - self.to_supply
-    }
-
     /// Adds the flows to the supply and to the atmosphere at a point of a quadrature with its weight in s.
     pub fn see(&mut self, weight: f64, [supply, atmosphere]: [Flow; 2]) {
         self.from_supply += weight * supply.inward;

@@ -40,7 +40,7 @@ impl Summary<'_> {
         page.events(&self.observation.events);
         if let Some(closed) = self.control {
             goals(page, &closed.goals);
-            effort(page, closed, used.iter().map(AirUse::used).sum());
+            effort(page, closed, ended.ledger.air_used());
         }
         let periodic = self.control.is_some() || JointPlant::new(self.rig).is_ok_and(|view| is_periodic(view.plant()));
         page.settled(self.common.settled, periodic);
