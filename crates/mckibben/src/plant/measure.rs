@@ -58,8 +58,9 @@ impl<R: Real> System<R> {
         }
     }
 
-    /// Enters the modes of a mechanism whose given motion has changed its rates.
-    pub(crate) fn enter_given_motion(
+    /// Enters the modes of a mechanism whose ends or pressures have jumped, perhaps over pieces of a law, from which forces
+    /// follow.
+    pub(crate) fn enter_jumped_ends(
         &self,
         m: usize,
         time: R,
@@ -67,8 +68,19 @@ impl<R: Real> System<R> {
         mode: &mut PlantMode<R>,
         at: &mut Evaluation<R>,
     ) {
-        // Ends may have jumped over pieces of a law, from which forces follow.
         self.enter_actuator_pieces(time, state, mode, at);
+        self.enter_given_rates(m, time, state, mode, at);
+    }
+
+    /// Enters the modes of a mechanism whose given motion has changed its rates alone.
+    pub(crate) fn enter_given_rates(
+        &self,
+        m: usize,
+        time: R,
+        state: &mut [R],
+        mode: &mut PlantMode<R>,
+        at: &mut Evaluation<R>,
+    ) {
         self.enter_length_regimes(m, time, state, mode, at);
         self.settle(m, time, state, mode, at);
         self.follow_all(time, state, mode, at, None);

@@ -143,7 +143,7 @@ impl<R: Instantiate> PlantSnapshot<R> {
         }
         rates.iter().try_for_each(|rate| parameter::INITIAL_VELOCITY.check(rate.value()).map(drop))?;
         self.state[here.rate(0)..here.rate(0) + here.coordinates].copy_from_slice(rates);
-        system.enter_given_motion(mechanism, self.time, &mut self.state, &mut self.mode, at);
+        system.enter_given_rates(mechanism, self.time, &mut self.state, &mut self.mode, at);
         Ok(())
     }
 

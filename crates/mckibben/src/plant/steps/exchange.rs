@@ -288,7 +288,7 @@ impl PlantExchange {
                     }
                     Fired::Guard(PlantGuard::Of(i, Guard::Rest)) if mode.actuators[i].mode.sliding == Sliding::Held => {
                         let m = self.system.plant.actuators()[i].mechanism;
-                        self.system.enter_given_motion(m, time, state, mode, &mut self.at);
+                        self.system.enter_given_rates(m, time, state, mode, &mut self.at);
                         Some(PlantEventKind { part: Part::Actuator(i), kind: EventKind::BreakAway })
                     }
                     Fired::Guard(guard) => Some(self.system.cross(guard, time, state, mode, &mut self.at)?),
@@ -319,7 +319,7 @@ impl PlantExchange {
         let (time, state, mode) = steps.row.reached.parts();
         for m in 0..self.system.plant.mechanisms().len() {
             if matches!(self.system.plant.mechanisms()[m], Mechanism::External { .. }) {
-                self.system.enter_given_motion(m, *time, state, mode, &mut self.at);
+                self.system.enter_jumped_ends(m, *time, state, mode, &mut self.at);
             }
         }
         steps.row.forget_guards();

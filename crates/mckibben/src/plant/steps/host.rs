@@ -253,7 +253,7 @@ impl<R: Instantiate> PlantSteps<R> {
                 state[here.rate(k)] = (distances[first + k] - state[here.position(k)]) / span;
             }
             first += here.coordinates;
-            system.enter_given_motion(m, *time, state, mode, &mut work.at);
+            system.enter_given_rates(m, *time, state, mode, &mut work.at);
         }
         if work.has_turned(mode) {
             course.forget_guards();
@@ -338,7 +338,7 @@ impl PlantSteps {
         state[here.mass()] *= pressure / state[here.pressure];
         state[here.pressure] = pressure;
         course.forget_guards();
-        system.enter_given_motion(mounted.mechanism, *time, state, mode, &mut work.at);
+        system.enter_jumped_ends(mounted.mechanism, *time, state, mode, &mut work.at);
         Ok(())
     }
 }

@@ -87,7 +87,7 @@ impl<R: Instantiate> PlantSteps<R> {
             state[here.position(0)..here.position(0) + here.coordinates].copy_from_slice(&distances[theirs.clone()]);
             state[here.rate(0)..here.rate(0) + here.coordinates].copy_from_slice(&rates[theirs]);
             system.carry_memories(m, *time, state, mode, &mut work.at);
-            system.enter_given_motion(m, *time, state, mode, &mut work.at);
+            system.enter_jumped_ends(m, *time, state, mode, &mut work.at);
         }
         self.evaluate(0..self.plant().mechanisms().len());
         for (actuator, response) in responses.iter_mut().enumerate() {
