@@ -136,6 +136,25 @@ fn poles(model: &Value) -> Vec<[f64; 2]> {
     poles
 }
 
+/// Six regulators of one time constant are six equal poles beside the far faster ones of hoses, on which an iteration for eigenvalues
+/// may not end. The trace is the sum of the poles.
+#[test]
+fn equal_poles_of_regulators_beside_hoses_are_found() {
+    let folder = Folder::new("linearize-equal-poles");
+    for diameter in ["2 mm", "2.5 mm", "3 mm", "3.5 mm"] {
+        let diameter = format!("hose.diameter={diameter}");
+        let set = ["--set", "hose.length=0.5 m", "--set", &diameter, "--output", "leg.json"];
+        run(&folder, "examples/plant/leg.toml", &set);
+        let model = read(&folder, "leg.json");
+        let (a, poles) = (rows(&model["A"]), poles(&model));
+        let trace: f64 = a.iter().enumerate().map(|(place, row)| row[place]).sum();
+        let sum: f64 = poles.iter().map(|pole| pole[0]).sum();
+        assert!(poles.len() == a.len() && (sum / trace - 1.0).abs() < 1e-10, "{diameter}: {sum} {trace}");
+        let of_regulators = poles.iter().filter(|pole| (pole[0] * 0.03 + 1.0).hypot(pole[1] * 0.03) < 1e-6);
+        assert_eq!(of_regulators.count(), 6, "{diameter}: {poles:?}");
+    }
+}
+
 /// Loads that share nothing have the damping that each has in a file with no other.
 #[test]
 fn an_amplitude_damps_each_load_in_its_own_mode() {

@@ -135,23 +135,23 @@ fn limits_are_kept_or_named() {
     assert!(printed.contains("a braid of 35° must be at least") && printed.contains("100.0"), "{printed}");
 }
 
-/// The measured map of this preset does not hold the load without pressure: there is no lift from rest, and so no valve.
+/// Without pressure a muscle hangs on its taut braid, whose spring the threads' length ends: two tonnes pull it straight. Then there
+/// is no lift from rest, and so no valve.
 #[test]
 fn a_muscle_without_a_valve_is_named_with_the_reason() {
     let folder = Folder::new("size-without-valve");
+    let heavy = ["size", "--load", "2000 kg", "--stroke", "30 mm", "--gauge-pressure", "4 bar"];
     let options = ["--time", "0.3 s", "--braid-angles", "25", "--output", "sizes.csv"];
-    let printed = text(&size(&folder, &options));
-    let rows = Numbers::read(&folder, "sizes.csv").1.len();
+    let size = |more: &[&str]| folder.mckibben().args(heavy).args(options).args(more).output().expect("it runs");
+    let printed = text(&size(&[]));
     assert!(printed.contains("cannot hang unfilled"), "{printed}");
-    // The preset takes the most air, and stands last.
-    let last = rows.to_string();
-    let printed = text(&size(&folder, &[&options[..], &["--pick", &last]].concat()));
+    let printed = text(&size(&["--pick", "1"]));
     let printed = printed.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(
         printed.contains("No named valve: there is no valve for place") && !printed.contains("valve time ms"),
         "{printed}"
     );
-    let output = size(&folder, &[&options[..4], &["--pick", &last, "--scenario", "muscle.toml"]].concat());
+    let output = size(&["--pick", "1", "--scenario", "muscle.toml"]);
     let error = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(output.status.code() == Some(2) && error.contains("does not hold the load without pressure"), "{error}");
     assert_eq!(folder.names(), ["sizes.csv"]);

@@ -98,6 +98,8 @@ pub(crate) struct Instance {
     /// The pressures that it was brought to besides.
     here_acts: Vec<f64>,
     brought: Brought,
+    /// Whether there is no force where it was computed last.
+    is_refused: bool,
     zeros: Vec<f64>,
     distances: Vec<f64>,
     responses: Vec<Response>,
@@ -117,6 +119,11 @@ pub(crate) fn state_size(config: &mut Config) -> usize {
 /// The gauge pressure in Pa that an actuator came to in the last step.
 pub(crate) fn pressure(state: &[f64], actuator: usize) -> f64 {
     state[1 + actuator]
+}
+
+/// A failure with what becomes of the plant behind it.
+fn ending(why: &Failure, of_plant: &str) -> Failure {
+    Failure::stopped(format!("{}; {of_plant}", why.sentence()))
 }
 
 /// Makes the numbers of a state those of an instance that has not begun.
@@ -220,6 +227,7 @@ impl Instance {
             here: vec![f64::NAN; (head(count) + host.state_size()).max(2 * count)],
             here_acts: zeros.clone(),
             brought: Brought::Nowhere,
+            is_refused: false,
             zeros: zeros.clone(),
             distances: zeros,
             outputs: vec![0.0; columns.len()],
@@ -238,25 +246,32 @@ impl Instance {
         head(self.wires.len()) + self.host.state_size()
     }
 
-    /// Computes tensions where MuJoCo has the ends.
+    /// Computes tensions where MuJoCo has the ends. The state stays as it is: those who plan look at many places, and step from
+    /// none of them.
     ///
     /// # Errors
-    /// Why they cannot be had; the instance has then stopped.
-    pub(crate) fn compute(&mut self, state: &mut [f64]) -> Result<(), Failure> {
+    /// Why they cannot be had, once for places that follow one another. A step from there stops the instance.
+    pub(crate) fn compute(&mut self, state: &[f64]) -> Result<(), Failure> {
         if state[0] == STOPPED {
             return Ok(());
         }
-        let done = self.respond(state);
-        if done.is_err() {
-            state[0] = STOPPED;
-        }
-        done
+        let was_refused = std::mem::replace(&mut self.is_refused, false);
+        self.respond(state).or_else(|why| {
+            (self.is_refused, self.brought) = (true, Brought::Nowhere);
+            match was_refused && state[0] != FRESH {
+                true => Ok(()),
+                false => Err(ending(
+                    &why,
+                    "there is no force there, and a step from there stops the plant until the data are reset",
+                )),
+            }
+        })
     }
 
-    /// The tensions in N that act on MuJoCo's bodies, as computed, for each actuator; none where the instance has stopped,
-    /// and none of an actuator that MuJoCo has disabled.
+    /// The tensions in N that act on MuJoCo's bodies, as computed, for each actuator; none where they cannot be had, none where
+    /// the instance has stopped, and none of an actuator that MuJoCo has disabled.
     pub(crate) fn tensions(&self, state: &[f64]) -> impl Iterator<Item = f64> + '_ {
-        let is_stopped = state[0] == STOPPED;
+        let is_stopped = self.is_refused || state[0] == STOPPED;
         let each = self.responses.iter().zip(&self.ends.disabled);
         each.map(move |(response, disabled)| if is_stopped || *disabled { 0.0 } else { response.tension })
     }
@@ -273,16 +288,19 @@ impl Instance {
     /// Goes on by a step of `h` in s, and writes the state that it comes to.
     ///
     /// # Errors
-    /// Why it cannot; the state is then that of an instance that has stopped.
+    /// Why it cannot, unless [`compute`](Self::compute) has said so; the state is then that of an instance that has stopped.
     pub(crate) fn advance(&mut self, state: &mut [f64], h: f64) -> Result<(), Failure> {
         if state[0] == STOPPED {
             return Ok(());
         }
-        let done = self.step(state, h);
-        if done.is_err() {
+        if self.is_refused {
             state[0] = STOPPED;
+            return Ok(());
         }
-        done
+        self.step(state, h).map_err(|why| {
+            state[0] = STOPPED;
+            ending(&why, "the plant has stopped until the data are reset")
+        })
     }
 
     fn step(&mut self, state: &mut [f64], h: f64) -> Result<(), Failure> {
@@ -321,13 +339,13 @@ impl Instance {
         Ok(())
     }
 
-    /// Writes the sensors. Of an instance that has stopped the tensions are zero, as its forces are; the other sensors keep their
+    /// Writes the sensors. Of an instance that has stopped, or has no force here, the tensions are zero, as its forces are; the other sensors keep their
     /// last values. So is the tension of an actuator that MuJoCo has disabled.
     ///
     /// # Errors
     /// Why they cannot be had.
     pub(crate) fn sense(&mut self, state: &[f64], mut write: impl FnMut(usize, f64)) -> Result<(), Failure> {
-        if state[0] == STOPPED {
+        if self.is_refused || state[0] == STOPPED {
             let tensions = self.sensors.iter().filter(|(_, quantity, _)| matches!(quantity, PlantQuantity::Tension(_)));
             tensions.for_each(|(address, ..)| write(*address, 0.0));
             return Ok(());
@@ -505,7 +523,7 @@ mod tests {
         let mut state = vec![0.0; instance.size()];
         instance.ends.lengths[0] = 0.09;
         instance.ends.controls[0] = control;
-        instance.compute(&mut state)?;
+        instance.compute(&state)?;
         instance.advance(&mut state, 1e-3)?;
         Ok(state)
     }
@@ -583,7 +601,7 @@ mod tests {
         let mut instance = instance(&keys, "muscle", &[]).expect("a muscle");
         let mut state = vec![0.0; instance.size()];
         instance.ends.lengths[0] = 0.09;
-        instance.compute(&mut state).expect("forces");
+        instance.compute(&state).expect("forces");
         let mut before = pressure(&state, 0);
         // MuJoCo may change the step.
         let steps = [(1e-3, 40); 160].into_iter().chain([(2e-3, 20); 160]);
@@ -622,5 +640,30 @@ mod tests {
         assert!(instance.advance(&mut state, 1e-3).is_err(), "longer than the thread");
         instance.sense(&state, |address, value| data[address] = value).expect("sensors");
         assert_eq!(data, [gauge, 0.0]);
+    }
+
+    #[test]
+    fn a_look_where_there_is_no_force_changes_nothing() {
+        let mut instance = instance(&TANK, "muscle", &["muscle.tension"]).expect("a muscle");
+        let mut state = stepped(&mut instance, 1.0).expect("a step");
+        let (here, before) = (instance.ends.lengths[0], state.clone());
+        instance.compute(&state).expect("a force");
+        let tension = instance.tensions(&state).next();
+        assert!(tension > Some(0.0));
+        instance.ends.lengths[0] = 0.5;
+        let said = instance.compute(&state).expect_err("longer than the thread").to_string();
+        assert!(said.contains("until the data are reset"), "{said}");
+        assert!(instance.compute(&state).is_ok(), "once");
+        assert_eq!(instance.tensions(&state).next(), Some(0.0));
+        instance.ends.lengths[0] = here;
+        instance.compute(&state).expect("a force");
+        assert_eq!((instance.tensions(&state).next(), &state), (tension, &before));
+        // A step from there is one that cannot be taken.
+        instance.ends.lengths[0] = 0.5;
+        instance.compute(&state).expect_err("longer than the thread");
+        instance.advance(&mut state, 1e-3).expect("said already");
+        instance.ends.lengths[0] = here;
+        instance.compute(&state).expect("nothing to compute");
+        assert_eq!(instance.tensions(&state).next(), Some(0.0));
     }
 }

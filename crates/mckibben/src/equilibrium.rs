@@ -4,7 +4,9 @@
 //! F_s(L, P) + F_limit(L) = F          (9)(14), without friction
 //! ```
 //!
-//! Both grow with the length, so that there is one such length at most between the shortest one and the end of the law.
+//! Both grow with the length in the paper's law, so that there is one such length at most between the shortest one and the end
+//! of the law. A measured law may fall on a part of it. Then the longest length counts at which the sum grows: the one to which
+//! a muscle comes when it is filled from full length.
 //!
 //! Source: Colbrunn, Nelson & Quinn (2001), (9) and (14). Checked by `tests/plant_host_pulses.rs`, `tests/simulation.rs`,
 //! `tests/plant_host.rs` and `tests/equilibrium.rs`.
@@ -21,7 +23,7 @@ use crate::valve::below_vacuum;
 
 /// Part of a length to which its last step of Newton's is believed.
 const CLOSE: f64 = 1e-9;
-/// Parts of the range of pressures in which the one that bears a pull is looked for.
+/// Parts of the range of lengths, or of pressures, in which the one that bears a pull is looked for.
 const BRACKETS: u32 = 64;
 /// Golden sections about the highest force: to rounding.
 const SECTIONS: u32 = 80;
@@ -39,14 +41,26 @@ impl<R: Real> Actuator<R> {
         let at = |length: f64| surplus(R::constant(length)).value();
         let (shortest, longest) = (limits.min_length().value(), limits.max_length().value());
         let thread = self.law().law.end_length().value();
-        let bracket = if at(longest) < 0.0 { (longest, thread) } else { (shortest, longest) };
-        if at(bracket.1) < 0.0 {
-            return Err(Error::NoSolution {
-                what: "the load would pull the braid straight: there is no equilibrium below the thread length",
-                remedy: "lighten the load or stiffen actuator.limit.stiffness",
-            });
-        }
-        if at(bracket.0) > 0.0 {
+        // From the longest length upwards where that bears less than the pull, downwards where it bears more.
+        let is_beyond = at(longest) < 0.0;
+        let end = if is_beyond { thread } else { shortest };
+        let point = |part: u32| {
+            let share = f64::from(part) / f64::from(BRACKETS);
+            if part == BRACKETS { end } else { longest + (end - longest) * share }
+        };
+        let mut parts = 0..=BRACKETS;
+        let found = if is_beyond {
+            parts.find(|part| at(point(*part)) >= 0.0)
+        } else {
+            parts.find(|part| at(point(*part)) <= 0.0)
+        };
+        let Some(part) = found else {
+            if is_beyond {
+                return Err(Error::NoSolution {
+                    what: "the load would pull the braid straight: there is no equilibrium below the thread length",
+                    remedy: "lighten the load or stiffen actuator.limit.stiffness",
+                });
+            }
             return if pull.value() >= 0.0 {
                 Ok(limits.min_length())
             } else {
@@ -55,8 +69,9 @@ impl<R: Real> Actuator<R> {
                     remedy: "give initial.length a length",
                 })
             };
-        }
-        let root = R::constant(root::bracketed(bracket.0, bracket.1, 1e-16, at));
+        };
+        let (one, other) = (point(part.saturating_sub(1)), point(part));
+        let root = R::constant(root::bracketed(one.min(other), one.max(other), 1e-16, at));
         // One Newton step over the scalar: it polishes the value and carries the derivatives.
         let slope: Dual<R, 1> = {
             let length = Dual::variable(root, 0);

@@ -1,8 +1,9 @@
-//! The pressure at which an actuator bears a pull: against the closed form of the ideal braid, and at the edges of its reach.
+//! The pressure at which an actuator bears a pull, and the length: against the closed form of the ideal braid, against SciPy, and at
+//! the edges of its reach.
 
 use crate::common::Paper;
 use mckibben::GaugePressure;
-use mckibben::force::Effectiveness;
+use mckibben::force::{Characteristic, Effectiveness, Law, MartensBoblan};
 
 #[test]
 fn the_pressure_of_a_pull_is_that_of_the_ideal_braid() {
@@ -59,4 +60,30 @@ fn a_pull_that_the_force_just_reaches_has_its_least_pressure() {
         }
         assert_eq!(actuator.pressure_under(length, 0.2501 * zero * per_pressure, GaugePressure(most)), None);
     }
+}
+
+/// The 20 mm muscle of Martens & Boblan (2017), table 1, whose membrane softens where it is long, so that its force falls with the
+/// length on a part of its range. At 4 bar it bears 3 kg at 238.07 mm and, unstable, at 202.69 mm: roots of (11) there by Brent's
+/// method in SciPy.
+#[test]
+fn the_longest_length_at_which_the_force_rises_bears_the_pull() {
+    let (rest, diameter, angle) = (0.3, 0.026_444, f64::to_radians(30.007));
+    let thread = rest / angle.cos();
+    let turns = thread * angle.sin() / (std::f64::consts::PI * diameter);
+    let muscle = Paper::sealed().with(|rig| {
+        (rig.thread_length, rig.turns, rig.max_length) = (thread, turns, rest);
+        rig.min_length = Some(0.58 * thread);
+    });
+    let modulus = [1_279.299_36e6, -13_723.543_96e6, 49_023.326_6e6, -58_017.709_3e6];
+    let law = MartensBoblan::new(&muscle.braid(), rest, 1.8e-3, modulus).expect("a law");
+    let law = Characteristic::new(muscle.braid(), Law::MartensBoblan(law));
+    let actuator = muscle.with(|rig| rig.characteristic = Some(law)).actuator();
+    let at = |bar: f64| GaugePressure(1e5 * bar).absolute(actuator.air().atmosphere());
+    let length = actuator.length_under(3.0 * 9.806_65, at(4.0)).expect("a length");
+    assert!((length - 0.238_07).abs() < 1e-5, "{length}");
+    // Without pressure it hangs on the taut braid.
+    let length = actuator.length_under(5.0 * 9.806_65, at(0.0)).expect("a length");
+    let taut = actuator.static_force(length, at(0.0).0) + actuator.limits().force(length, 0.0);
+    assert!(length > rest && length < 0.301, "{length}");
+    assert!((taut - 5.0 * 9.806_65).abs() < 1e-6, "{taut}");
 }

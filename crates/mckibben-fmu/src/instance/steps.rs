@@ -1,7 +1,7 @@
 //! Co-simulation: steps of any length by the plant's own engine.
 //!
 //! Where the host moves the ends, they go in a straight line to `distance + rate · step`. A host that gives the distances at
-//! the end of the step leaves the rates at zero; one that gives both as they are at its beginning is right to first order.
+//! the end of the step sets the rates to zero, from those of the scenario at which they start; one that gives both as they are at its beginning is right to first order.
 
 use super::{Instance, Kind, Phase, Refusal, SAME};
 use mckibben_run::host::Motion;
