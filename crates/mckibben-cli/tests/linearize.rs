@@ -136,6 +136,21 @@ fn poles(model: &Value) -> Vec<[f64; 2]> {
     poles
 }
 
+/// The stiffness of a joint is in the units that are chosen: 1 lbf·in is 0.112984829 N·m.
+#[test]
+fn the_stiffness_of_a_joint_has_the_chosen_unit() {
+    let folder = Folder::new("linearize-units");
+    let of = |unit: &str, symbol: &str| -> f64 {
+        let printed = run(&folder, "examples/linearize-joint.toml", &["--units", &format!("angular-stiffness={unit}")]);
+        let (_, rest) = printed.split_once("with the valves shut ").expect("a stiffness");
+        let (number, rest) = rest.split_once(' ').expect("a unit");
+        assert!(rest.starts_with(symbol), "{printed}");
+        number.parse().expect("a number")
+    };
+    let ratio = of("lbf*in/rad", "lbf·in/rad") / of("N*m/rad", "N·m/rad");
+    assert!((ratio * 0.112_984_829 - 1.0).abs() < 1e-3, "{ratio}");
+}
+
 /// Six regulators of one time constant are six equal poles beside the far faster ones of hoses, on which an iteration for eigenvalues
 /// may not end. The trace is the sum of the poles.
 #[test]

@@ -159,7 +159,8 @@ impl JointModel {
         }));
         let whose = |valve: usize| format!("{}'s spool", self.whose(valve));
         lines.extend(account::of_spools(&self.linear.plant, whose));
-        let stiffness = format!("{} N*m/rad, with the valves shut {}", digits(open), digits(shut));
+        let of = |stiffness| quantity(stiffness, "N*m/rad");
+        let stiffness = format!("{}, with the valves shut {}", of(open), of(shut));
         lines.push(Line::new("stiffness", stiffness));
         let bounds = self.linear.coulomb_bounds();
         if is_held(bounds) {
