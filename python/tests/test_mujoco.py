@@ -301,6 +301,8 @@ def test_the_elbow_bends_when_the_biceps_is_filled():
         ({"command_mode": "position"}, "command_mode"),
         ({"length_offset": "3 kg"}, "unit of m"),
         ({"sensors": ["warmth"]}, "name it after one of"),
+        ({"sensors": ["tensio"]}, "name it after one of muscle.tension"),
+        ({"length_offset": "muscel = -1 mm"}, "name muscle"),
         ({"length_offset": "actuator = -1 mm, actuator = -9 mm"}, "names `actuator` twice"),
         ({"keys": KEYS | {"coupling.rest_length": "90 mm"}}, "in <tendon>"),
         ({"scenario": "nowhere.toml", "keys": {}}, "nowhere.toml"),
@@ -887,6 +889,16 @@ def test_a_length_offset_that_cannot_be_is_named(offset):
     run(model, data, 0.002, 0.0)
     said = log()
     assert "length_offset" in said and "initial.length" not in said, said
+
+
+def test_an_offset_goes_by_the_name_of_the_muscle():
+    """The only muscle may be named as in the model; its distance is then that of an offset without a name."""
+    tensions = []
+    for offset in ["-5 mm", "muscle = -5 mm"]:
+        model, data = hanging(length_offset=offset)
+        mujoco.mj_forward(model, data)
+        tensions.append(float(data.actuator_force[0]))
+    assert tensions[0] == tensions[1] < 0.0, tensions
 
 
 @pytest.mark.parametrize(("act", "gauge"), [("1e-3", 1e-3), ("150000", 150000.0), ("0", None)])

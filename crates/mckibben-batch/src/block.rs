@@ -9,7 +9,6 @@
 //! changes.
 
 use crate::deal::{Blank, Deal, List};
-use crate::group::FEW;
 use crate::held::{self, Held};
 use crate::kept::{keep_contents, keep_given, keep_rates, stay};
 use crate::motion::HostEnds;
@@ -454,7 +453,7 @@ impl<W: Wide> Block<W> {
             arrived[lane] = row.steps.time() >= until && !is_due(row.next, until);
             left += usize::from(!arrived[lane] && row.is_alive());
         }
-        let is_together = left >= FEW;
+        let is_together = left >= W::FEW;
         for (lane, row) in list.iter_mut().enumerate() {
             if arrived[lane] || !row.is_alive() {
                 continue;

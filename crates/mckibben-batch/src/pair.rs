@@ -6,6 +6,7 @@
 //! An operation of a pair is two instructions with no function between: with functions around each, the compiler takes twice as long and
 //! twice the memory.
 
+use crate::group::FEW;
 use crate::wide::{Apart, Instructions, Wide};
 use mckibben::scalar::{Mask, Scalar, Work};
 use pulp::Simd;
@@ -192,6 +193,7 @@ macro_rules! pair {
             const SMALLEST: f64 = $number::MIN_POSITIVE as f64;
             const MARGIN: f64 = $margin;
             const LONGEST: f64 = $longest;
+            const FEW: usize = if size_of::<$number>() < size_of::<f64>() { 1 } else { FEW };
 
             #[inline(always)]
             fn from_lanes(mut lane: impl FnMut(usize) -> f64) -> Self {

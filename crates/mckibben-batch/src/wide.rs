@@ -21,6 +21,9 @@ pub(crate) trait Wide: Scalar<Mask: Send + Sync> + Send + Sync {
     const MARGIN: f64;
     /// The longest time in s of which lanes have digits enough: later times are counted from a later origin.
     const LONGEST: f64;
+    /// The least number of rows that go on side by side after an event; fewer are scalar instances, which is less work. A row of lower
+    /// precision must not depend on how many stand beside it, and never is one.
+    const FEW: usize;
 
     /// Lanes from a function of their index.
     fn from_lanes(lane: impl FnMut(usize) -> f64) -> Self;

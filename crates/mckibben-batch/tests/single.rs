@@ -11,6 +11,9 @@ use mckibben_batch::{PlantBatch, Precision, Width};
 /// Part of its largest value by which a state may be off, and a rate.
 const STATE: f64 = 1e-2;
 const RATE: f64 = 5e-2;
+/// Part of its largest value by which a state of the first row may differ from that of the row alone. Rows that step in double precision
+/// instead are ten times as far from it.
+const BESIDE: f64 = 1e-6;
 /// What slower rates (m/s, rad/s) and weaker flows (kg/s) are compared with: near rest they are rounding.
 const SLOW: f64 = 1e-3;
 const WEAK: f64 = 1e-5;
@@ -20,21 +23,34 @@ const STICKS: f64 = 0.1;
 /// Batches of every width in single precision, and how far their states come from those of scalar instances.
 pub(crate) struct Singles {
     batches: Vec<PlantBatch>,
+    /// Of every width, the first row alone.
+    alone: Vec<PlantBatch>,
     /// Of each state of each row: how far it has been from its scalar instance, and how large that has been.
     apart: Vec<Vec<[f64; 2]>>,
 }
 
 impl Singles {
     pub(crate) fn new(rows: &[PlantSteps]) -> Self {
-        let single = |width| PlantBatch::with_lanes(rows.to_vec(), width, Precision::Single).expect("rows at one time");
+        let of = |rows: &[PlantSteps]| {
+            let single =
+                |width| PlantBatch::with_lanes(rows.to_vec(), width, Precision::Single).expect("rows at one time");
+            Width::available().into_iter().map(single).collect()
+        };
         let apart = rows.iter().map(|row| vec![[0.0; 2]; row.state().len()]).collect();
-        Self { batches: Width::available().into_iter().map(single).collect(), apart }
+        Self { batches: of(rows), alone: of(&rows[..rows.len().min(1)]), apart }
     }
 
     /// Goes on to a time in s that the scalar instances have reached, unless they have stopped.
     pub(crate) fn go_on(&mut self, until: f64, scalar: &[PlantSteps], faults: &[Option<Error>]) {
-        for batch in &mut self.batches {
+        for (batch, alone) in self.batches.iter_mut().zip(&mut self.alone) {
             batch.advance_to(until).expect("a time");
+            alone.advance_to(until).expect("a time");
+            if let (Ok(beside), Ok(alone)) = (batch.row(0), alone.row(0)) {
+                for ((beside, alone), [_, size]) in beside.state().iter().zip(alone.state()).zip(&self.apart[0]) {
+                    let off = (beside - alone).abs();
+                    assert!(off <= BESIDE * size.max(SLOW), "{beside} beside others and {alone} alone at {until} s");
+                }
+            }
             for (index, (row, apart)) in scalar.iter().zip(&mut self.apart).enumerate() {
                 match (batch.row(index), &faults[index]) {
                     (Ok(found), None) => {

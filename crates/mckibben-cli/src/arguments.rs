@@ -110,6 +110,20 @@ mod tests {
     /// Options of numbers and quantities, whose values may begin with a minus sign.
     const NUMBERS: [&str; 3] = ["QUANTITY", "LIST", "PART"];
 
+    /// The terminal's width breaks the lines of a paragraph: one that the source has broken as well would be torn.
+    #[test]
+    fn paragraphs_of_the_help_are_one_line_each() {
+        for command in Arguments::command().get_subcommands() {
+            let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+            let lines: Vec<&str> = help.lines().collect();
+            for pair in lines.windows(2) {
+                let is_prose = |line: &str| !line.is_empty() && !line.starts_with(' ');
+                let is_torn = is_prose(pair[0]) && is_prose(pair[1]);
+                assert!(!is_torn, "{}: {:?}", command.get_name(), pair);
+            }
+        }
+    }
+
     /// A negative value comes to the message about the range of its option, which `clap` would take for another option.
     #[test]
     fn options_of_quantities_take_negative_values() {

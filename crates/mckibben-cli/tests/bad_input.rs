@@ -123,7 +123,7 @@ fn a_length_outside_the_thread() {
         "\"equilibrium\"",
         "\"5 in\"",
         "17:10",
-        &["`initial.length` = 0.127 m", "must be less than actuator.thread_length", "between 0 and the thread length"],
+        &["`initial.length` = 5 in", "must be less than actuator.thread_length", "between 0 and the thread length"],
     );
     refused("short", "\"equilibrium\"", "\"-1 in\"", "17:10", &["`initial.length`", "-1 in", "0"]);
 }

@@ -213,7 +213,7 @@ fn a_measured_pressure_and_masses_of_each_run() {
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
     for (from, to, words) in [
         ("kind = \"trajectories\"", "kind = \"ring-down\"", "`per_run` of `load.mass` in [fit]"),
-        ("actuator.friction.viscous", "valve.efficiency", "is no number of this scenario"),
+        ("actuator.friction.viscous", "valve.efficiency", "the run follows the measured pressure"),
     ] {
         let output = identify(&folder, &folder.file("study.toml", &study.replace(from, to)));
         let error = String::from_utf8_lossy(&output.stderr).into_owned();

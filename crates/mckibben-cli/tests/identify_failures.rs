@@ -1,6 +1,6 @@
 //! `mckibben identify` where something is wrong: what it reads is safe, what it has is written, and what failed is said in words.
 
-use crate::common::{Folder, of_repository};
+use crate::common::{Folder, PULSES, of_repository};
 use std::path::Path;
 use std::process::Output;
 
@@ -232,4 +232,70 @@ fn every_file_that_is_written_is_known_beforehand() {
             assert_eq!(output.status.code(), Some(2), "{study}, {table}: {}", error(&output));
         }
     }
+}
+
+/// What the program prints, without the breaks of its lines.
+fn words(output: &Output) -> String {
+    let text = String::from_utf8_lossy(&output.stdout).into_owned() + &error(output);
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+const TIME: &str = "[columns.time]\nname = \"time_s\"\nunit = \"s\"\n";
+
+/// A folder with the readings of a run under pulses, and a study of it: with more keys of [study], its column of times, and one parameter.
+fn pulsed(name: &str) -> (Folder, impl Fn(&str, &str, &str) -> String) {
+    let folder = Folder::new(name);
+    folder.file(
+        "rig.toml",
+        &format!("{PULSES}[actuator]\npreset = \"colbrunn-2001\"\n[initial]\ngauge_pressure = \"40 psi\"\n"),
+    );
+    let run = folder.mckibben().args(["simulate", "rig.toml", "--output", "run.csv"]).output().expect("it runs");
+    assert!(run.status.success(), "{}", error(&run));
+    let study = |input: &str, time: &str, path: &str| {
+        format!(
+            "[study]\nkind = \"trajectories\"\nscenario = \"rig.toml\"\n{input}{time}[columns.length]\nname = \"length_m\"\nunit = \"m\"\n\
+             [columns.absolute_pressure]\nname = \"absolute_pressure_pa\"\nunit = \"Pa\"\n[[run]]\nfile = \"run.csv\"\n[fit.\"{path}\"]\n"
+        )
+    };
+    (folder, study)
+}
+
+/// No page is named in place of what to do.
+#[test]
+fn what_a_study_lacks_is_said_with_what_to_do() {
+    let (folder, study) = pulsed("identify-lacks");
+    let driven = "input = \"gauge-pressure\"\n";
+    let long = format!("{}[search]\nsegments = \"9 s\"\n", study("", TIME, "load.mass"));
+    for (text, what, remedy) in [
+        (study("", TIME, "initial.length"), "the run starts at the equilibrium", "at which the search starts"),
+        (
+            study(driven, TIME, "valve.flow_area"),
+            "the run follows the measured pressure",
+            "so that the valve drives the run",
+        ),
+        (study("", "", "load.mass"), "has no absolute pressure over time", "in the same table"),
+        (long, "segments of 9 s do not divide a run", "give a duration above zero"),
+    ] {
+        folder.file("study.toml", &text);
+        let output = identify(&folder, "study.toml", "out");
+        let printed = words(&output);
+        assert!(!output.status.success() && printed.contains(what), "{printed}");
+        assert!(printed.contains(remedy) && !printed.contains("docs/identify.md"), "{printed}");
+    }
+}
+
+#[test]
+fn a_start_outside_the_bounds_is_said_to_be_moved() {
+    let (folder, study) = pulsed("identify-moved");
+    let search = "[search]\nmore_starts = 0\n";
+    let with = |bounds: &str| {
+        let text = study("", TIME, "actuator.friction.viscous");
+        folder.file("study.toml", &format!("{text}{bounds}{search}"));
+        words(&identify(&folder, "study.toml", "out"))
+    };
+    // The preset has 3.503 N·s/m.
+    let moved = with("from = \"6 N*s/m\"\nto = \"50 N*s/m\"\n");
+    assert!(moved.contains("the search starts at 6 N·s/m"), "{moved}");
+    let kept = with("from = \"1 N*s/m\"\nto = \"50 N*s/m\"\n");
+    assert!(!kept.contains("the search starts at"), "{kept}");
 }

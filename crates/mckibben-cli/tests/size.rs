@@ -157,12 +157,27 @@ fn a_muscle_without_a_valve_is_named_with_the_reason() {
     assert_eq!(folder.names(), ["sizes.csv"]);
 }
 
+/// 25° are 0.4363 rad; a number without a unit has that of the next, and behind the last one degrees.
+#[test]
+fn angles_and_shares_are_read_with_their_units() {
+    let folder = Folder::new("size-units");
+    let of = |angles, share| text(&size(&folder, &["--braid-angles", angles, "--effectiveness", share]));
+    let plain = of("25,30", "0.8");
+    assert_eq!(of("25deg,30 deg", "80%"), plain);
+    assert_eq!(of("25, 30deg", "80 %"), plain);
+    let radians = of("0.4363323129985824,0.5235987755982988rad", "0.8");
+    assert!(radians.contains("braid of 25°") && radians.contains("braid of 30°"), "{radians}");
+}
+
 #[test]
 fn what_cannot_be_is_refused_in_words() {
     let folder = Folder::new("size-refused");
     for (more, words) in [
         (&["--braid-angles", "60"][..], "54.7 deg"),
         (&["--effectiveness", "0"], "`--effectiveness` is 0"),
+        (&["--effectiveness", "80"], "80 % is 0.8"),
+        (&["--effectiveness", "80 mm"], "write a number such as 0.8, or one in percent"),
+        (&["--braid-angles", "25 mm"], "is no angle; write a unit such as deg or rad"),
         (&["--most-length", "31 mm", "--braid-angles", "25"], "no muscle does it"),
         (&["--output", "sizes.txt"], "end the name of --output with .csv"),
         (&["--pick", "99"], "and none of them is place 99"),

@@ -940,6 +940,16 @@ fn wrong_use_is_refused() {
         assert_ne!(step(handle, 0.0, 1e-3).0, OK, "longer than the thread");
         assert_eq!(get(handle, tension), before);
         assert_eq!(set(handle, unit.reference("actuator.distance"), 0.09), OK);
+        // Both directions lead where no plant goes; a shorter step leads nearer.
+        messages.take();
+        for (rate, words) in [(100.0, "braid straight"), (-100.0, "lead to a distance of -0.01")] {
+            assert_eq!(set(handle, unit.reference("actuator.rate"), rate), OK);
+            assert_eq!(step(handle, 0.0, 1e-3).0, DISCARD, "{rate} m/s");
+            let message = messages.take();
+            assert!(message.contains(words) && message.contains("logStatusDiscard"), "{message}");
+            assert_eq!(get(handle, tension), before);
+        }
+        assert_eq!(set(handle, unit.reference("actuator.rate"), 0.0), OK);
         assert_eq!(step(handle, 0.0, 1e-3).0, OK, "{}", messages.take());
         fmi3FreeInstance(handle);
         assert_eq!(fmi3Terminate(handle), ERROR, "freed");
@@ -954,6 +964,71 @@ fn wrong_use_is_refused() {
             Some(log),
         );
         assert!(refused.is_null() && messages.take().contains("of two units"));
+    }
+}
+
+/// The tables of allowed calls of FMI 2.0.4 and 3.0.2: states, their rates, event indicators and directional derivatives are there from
+/// initialisation on. Until it ends they are those of the parameters and inputs that have been set.
+#[test]
+fn states_and_derivatives_are_read_from_initialisation_on() {
+    let text = format!("{MUSCLE}[actuator]\npreset = \"colbrunn-2001\"\nturns = 2.5\n");
+    let (unit, messages) = (Unit::new(&text, &UnitOptions::default()), Messages::default());
+    let [turns, distance, tension] =
+        ["actuator.turns", "actuator.distance", "actuator.tension"].map(|name| unit.reference(name));
+    let variables = unit.model.variables();
+    let (count, indicators) = (variables.states.len(), variables.indicators);
+    let [mut states, mut guards] = [count, indicators].map(|count| vec![0.0; count]);
+    let alike = |one: f64, two: f64| (one - two).abs() <= 1e-12 * one.abs();
+    // SAFETY: instances, and room for what is written.
+    unsafe {
+        // The stiffness in N/m of the muscle at its length.
+        let stiffness = |handle: Handle| {
+            let (mut slope, seed) = (0.0, 1.0);
+            let status = fmi3GetDirectionalDerivative(handle, &tension, 1, &distance, 1, &seed, 1, &mut slope, 1);
+            (status, slope)
+        };
+        let handle = unit.model_exchange(&messages);
+        for status in [
+            fmi3GetContinuousStates(handle, states.as_mut_ptr(), count),
+            fmi3GetContinuousStateDerivatives(handle, states.as_mut_ptr(), count),
+            fmi3GetEventIndicators(handle, guards.as_mut_ptr(), indicators),
+            stiffness(handle).0,
+        ] {
+            assert_eq!(status, ERROR);
+        }
+        assert_eq!(messages.take().matches("called in the phase Instantiated").count(), 4);
+        assert_eq!(fmi3EnterInitializationMode(handle, false, 0.0, 0.0, false, 0.0), OK);
+        let (status, first) = stiffness(handle);
+        assert_eq!(status, OK, "{}", messages.take());
+        assert_eq!(set(handle, turns, 2.2), OK);
+        let mut read = || {
+            let status = fmi3GetEventIndicators(handle, guards.as_mut_ptr(), indicators);
+            assert_eq!(status, OK, "{}", messages.take());
+            assert_eq!(fmi3GetContinuousStates(handle, states.as_mut_ptr(), count), OK);
+            let (status, slope) = stiffness(handle);
+            assert_eq!(status, OK, "{}", messages.take());
+            (states.clone(), slope)
+        };
+        let within = read();
+        assert!(!alike(within.1, first), "{first} N/m, whatever the turns");
+        let air_mass = unit.reference("state.actuator.air_mass") as usize % 65_536;
+        assert!(within.0[air_mass] > 0.0);
+        assert_eq!(fmi3ExitInitializationMode(handle), OK);
+        let after = read();
+        assert!(after.0 == within.0 && alike(after.1, within.1), "{after:?} {within:?}");
+        assert_eq!(fmi3Terminate(handle), OK);
+        assert_eq!(read(), after);
+        fmi3FreeInstance(handle);
+        // In co-simulation derivatives follow the parameters too.
+        let stepped = unit.co_simulation(&messages, false);
+        assert_eq!(stiffness(stepped).0, ERROR);
+        assert_eq!(fmi3EnterInitializationMode(stepped, false, 0.0, 0.0, false, 0.0), OK);
+        assert!(alike(stiffness(stepped).1, first));
+        assert_eq!(set(stepped, turns, 2.2), OK);
+        assert!(alike(stiffness(stepped).1, within.1), "the turns that are set");
+        assert_eq!(fmi3ExitInitializationMode(stepped), OK);
+        assert!(alike(stiffness(stepped).1, within.1));
+        fmi3FreeInstance(stepped);
     }
 }
 

@@ -17,6 +17,8 @@ pub mod least_squares;
 pub mod loops;
 mod median;
 mod motion;
+mod path;
+mod polynomial;
 mod propagation;
 pub mod ring_down;
 mod series;

@@ -10,8 +10,8 @@
 //! samples. Its derivatives with respect to the unknowns are exact. A
 //! loop starts relaxed, which its first turn forgets: the readings before the first turn of the length do not count.
 //!
-//! Direction, velocity, and the length along which hysteresis and branches go are those of parabolas and cubics through several readings, in
-//! windows that follow from the noise of the length (`motion`). A reading whose direction is not known, near a turn or a rest, does not
+//! Direction and velocity are those of parabolas and cubics through several readings, in windows that follow from the noise of the length
+//! (`motion`), and so is the way along which hysteresis and branches go, with its turns between two samples (`path`). A reading whose direction is not known, near a turn or a rest, does not
 //! count: dry friction has no known sign there. The static force takes the length as it was read, and not the parabola's: so its noise
 //! k σ, with the stiffness k, is another for each residual, as an interval takes it to be. A parabola would spread it over a window.
 //!
@@ -203,28 +203,40 @@ impl Loop {
 
     /// Visits the tension at each sample that counts, in order, over any scalar of the actuator.
     fn tensions<S: mckibben::Real>(&self, actuator: &Actuator<S>, mut visit: impl FnMut(usize, S)) {
-        let Some(begin) = self.motion.path.first().copied() else { return };
+        let path = &self.motion.path;
+        if self.samples.is_empty() {
+            return;
+        }
+        let begin = path.length(0);
         let atmosphere = actuator.air().atmosphere().0;
         let mut memory = Memory::relaxed(actuator.limits().actuator_length(S::constant(begin)));
         let branches = actuator.friction().viscoelastic();
         let mut relaxed = vec![S::constant(begin); branches.map_or(0, Viscoelastic::count)];
         for place in 1..self.samples.len() {
-            let here = self.samples[place];
-            let span = here.time - self.samples[place - 1].time;
-            let ends = [self.motion.path[place - 1], self.motion.path[place]];
-            let moving = self.motion.moving[place];
-            let velocity = S::constant(moving.map_or((ends[1] - ends[0]) / span, |moving| moving.velocity));
-            let path = S::constant(ends[1]);
-            if let Some(law) = branches {
-                relax(law, &mut relaxed, ends, span);
+            let (here, moving) = (self.samples[place], self.motion.moving[place]);
+            let (mut time, mut length) = (self.samples[place - 1].time, path.length(place - 1));
+            if let Some(turn) = path.turn(place) {
+                let span = turn.time - time;
+                if let Some(law) = branches {
+                    relax(law, &mut relaxed, [length, turn.length], span);
+                }
+                let velocity = S::constant((turn.length - length) / span);
+                actuator.remember(&mut memory, S::constant(turn.length), velocity);
+                (time, length) = (turn.time, turn.length);
             }
+            let (span, end) = (here.time - time, path.length(place));
+            let velocity = S::constant(moving.map_or((end - length) / span, |moving| moving.velocity));
+            if let Some(law) = branches {
+                relax(law, &mut relaxed, [length, end], span);
+            }
+            let end = S::constant(end);
             if place >= self.first && moving.is_some() {
-                let sliding = SlidingState { width: actuator.width(&memory, path, velocity), ..velocity.sign().into() };
-                let sliding = sliding.with_branches(branches, path, branches.map(|law| law.sums(&relaxed)));
+                let sliding = SlidingState { width: actuator.width(&memory, end, velocity), ..velocity.sign().into() };
+                let sliding = sliding.with_branches(branches, end, branches.map(|law| law.sums(&relaxed)));
                 let pressure = S::constant(here.gauge_pressure) + atmosphere;
                 visit(place, actuator.tension_sliding(S::constant(here.length), velocity, pressure, sliding));
             }
-            actuator.remember(&mut memory, path, velocity);
+            actuator.remember(&mut memory, end, velocity);
         }
     }
 

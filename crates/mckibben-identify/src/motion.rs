@@ -3,7 +3,7 @@
 //! ```text
 //! L(t_k + u) ≈ ℓ_k + v_k u + ½ a_k u²        least squares over the readings k − m … k + m
 //! σ_v(m) = σ √C₂₂                            C: the inverse of the normal matrix;  √(3/(m (m + 1)(2m + 1))) σ/h for readings every h
-//!        … + ⅙ j_k u³                        the velocity, over as many readings as a cubic fits:  Σ r² ≤ σ² (ν + 3 √(2ν)),  ν = 2m − 3
+//!        … + ⅙ j_k u³                        the velocity, over as many readings as a cubic fits (`polynomial`)
 //! ```
 //!
 //! | symbol | name in code | unit |
@@ -20,9 +20,13 @@
 //! That is enough for a direction, and not for a velocity. Next to dry friction only changes of the speed identify damping, and of these
 //! σ_v is a larger part. And a window that is longer where the length is slower takes more off small velocities than off large ones, since
 //! the parabola of a sine has a slope that is too small by (ω m h)²/10. At 2 mm and 3 Hz with noise of 20 µm both made the damping 2 % too
-//! small and the dry friction 1.6 % too large, however long the record. So the window of the velocity goes on to double while a cubic fits
-//! its readings as well as their noise lets it, and both halves go its way, up to [`CLEAR_ENOUGH`]. A cubic misses the slope of a sine by
-//! (ω m h)⁴/504 alone. How well it fits says nothing of the noise of its slope, so that this choice biases none.
+//! small and the dry friction 1.6 % too large, however long the record. So the velocity is that of the cubic with the smallest standard
+//! error among those that fit their readings as well as the noise lets them, and whose halves both go its way. Its windows are twice as long
+//! as the ones before, until two have no such cubic, or one is certain enough ([`CLEAR_ENOUGH`]): the ones about the reading, whose cubic
+//! misses the slope of a sine by (ω m h)⁴/504 alone, and where these reach over a corner, the ones that lie to one side by half of their own
+//! half. How well a cubic fits says nothing of the noise of its slope, so that this choice biases none. Were the first misfit the last word,
+//! one velocity in a hundred would be that of five readings, by chance: at a constant speed with steps of 10 µm and noise of 1 µm such
+//! outliers made the Stribeck velocity a tenth too small.
 //!
 //! A reading has no direction where one half of its window does not go its way with at least half of its velocity (a reversal, a rest or
 //! a change of speed is near), where no window is long enough, and where its window passes the end of the record.
@@ -32,8 +36,9 @@
 //! Checked by `tests/loops.rs`.
 
 use crate::median::median;
+use crate::path::Path;
+use crate::polynomial::Polynomial;
 use crate::series;
-use nalgebra::{Matrix4, Vector4};
 
 /// Standard errors from which on a velocity is clear.
 const CLEAR: f64 = 10.0;
@@ -41,8 +46,8 @@ const CLEAR: f64 = 10.0;
 const CLEAR_ALONE: f64 = 30.0;
 /// Standard errors from which on a velocity gains nothing from more readings.
 const CLEAR_ENOUGH: f64 = 300.0;
-/// Standard deviations by which the scatter about a cubic may be more than is expected.
-const SCATTERED: f64 = 3.0;
+/// Windows without a cubic that fits after which a longer one has none either.
+const MISSES: u32 = 2;
 /// Part of the velocity that each half of a window must show.
 const OF_EACH_HALF: f64 = 0.5;
 /// Readings to either side that the longest window for a choice has.
@@ -57,6 +62,8 @@ const ROUNDING: f64 = 8.0;
 pub(crate) struct Moving {
     /// Velocity in m/s.
     pub(crate) velocity: f64,
+    /// Standard error of the velocity in m/s.
+    pub(crate) error: f64,
     /// Readings to either side that its direction is from.
     pub(crate) half: usize,
 }
@@ -66,8 +73,8 @@ pub(crate) struct Moving {
 pub(crate) struct Motion {
     /// Standard deviation of a reading in m.
     pub(crate) noise: f64,
-    /// The length in m without most of its noise where the motion is known, the reading elsewhere.
-    pub(crate) path: Vec<f64>,
+    /// The way of the length.
+    pub(crate) path: Path,
     /// The motion at each reading, where its direction is known.
     pub(crate) moving: Vec<Option<Moving>>,
 }
@@ -128,60 +135,38 @@ impl Middle {
     }
 }
 
-/// The middle of a cubic through readings.
-struct Cubic {
-    /// Velocity in m/s.
-    velocity: f64,
-    /// In m/s.
-    standard_error: f64,
-    /// Whether the readings scatter about it as their noise does.
-    fits: bool,
-}
-
-impl Cubic {
-    /// As [`Middle::new`].
-    fn new(time: &[f64], length: &[f64], noise: f64, within: (usize, usize)) -> Option<Self> {
-        let (reach, window) = window(time, length, within)?;
-        let readings = window.map(|(u, off)| (Vector4::new(1.0, u, u * u, u * u * u), off));
-        let (mut normal, mut right) = (Matrix4::zeros(), Vector4::zeros());
-        for (powers, off) in readings.clone() {
-            normal += powers * powers.transpose();
-            right += powers * off;
-        }
-        let inverse = normal.cholesky()?.inverse();
-        let cubic = inverse * right;
-        let squares: f64 = readings.map(|(powers, off)| (off - cubic.dot(&powers)).powi(2)).sum();
-        let freedom = (2 * within.1 + 1) as f64 - 4.0;
-        let (velocity, standard_error) = (cubic[1] / reach, noise * inverse[(1, 1)].sqrt() / reach);
-        let fits = squares <= noise * noise * (freedom + SCATTERED * (2.0 * freedom).sqrt());
-        (velocity.is_finite() && standard_error.is_finite()).then_some(Self { velocity, standard_error, fits })
-    }
-}
-
-/// The velocity in m/s at a reading whose direction is known, from as many readings as a cubic fits.
-fn refined(time: &[f64], length: &[f64], noise: f64, (at, known): (usize, Moving)) -> f64 {
+/// The motion at a reading whose direction is known, with a velocity from as many readings as a cubic fits, and the length in m there.
+fn refined(time: &[f64], length: &[f64], noise: f64, (at, known): (usize, Moving)) -> Option<(Moving, f64)> {
     let middle = |at: usize, half: usize| Middle::new(time, length, noise, (at, half));
-    let Moving { mut velocity, half: narrowest } = known;
-    if middle(at, narrowest).is_some_and(|middle| middle.is_clear(CLEAR_ENOUGH)) {
-        return velocity;
-    }
-    let mut half = narrowest.max(2);
-    while half <= 2 * LONGEST {
-        let Some(cubic) = Cubic::new(time, length, noise, (at, half)) else { break };
-        let (Some(before), Some(after)) = (middle(at - half / 2, half / 2), middle(at + half / 2, half / 2)) else {
-            break;
-        };
-        let goes_its_way = cubic.velocity * velocity > 0.0 && agree(cubic.velocity, [before.velocity, after.velocity]);
-        if !cubic.fits || !goes_its_way {
-            break;
-        }
-        velocity = cubic.velocity;
-        if velocity.abs() > CLEAR_ENOUGH * cubic.standard_error {
-            break;
+    let narrow = middle(at, known.half)?;
+    let (mut found, mut smooth) = (Moving { error: narrow.standard_error, ..known }, length[at] + narrow.offset);
+    // By so many readings to either side of one: whether it fits, and whether it also goes its way.
+    let cubic = |centre: usize, half: usize| {
+        let cubic = Polynomial::through([time, length], centre.checked_sub(half)?..centre + half + 1, 3)?;
+        let (before, after) = (middle(centre - half / 2, half / 2)?, middle(centre + half / 2, half / 2)?);
+        let velocity = cubic.velocity(time[at]);
+        let goes_its_way = velocity * known.velocity > 0.0 && agree(velocity, [before.velocity, after.velocity]);
+        cubic.fits(noise).then_some((cubic, goes_its_way))
+    };
+    let (mut half, mut is_cubic, mut misses) = (known.half.max(2), false, 0);
+    while half <= 2 * LONGEST && misses < MISSES && found.velocity.abs() <= CLEAR_ENOUGH * found.error {
+        let aside = || [at.checked_sub(half / 2), Some(at + half / 2)].into_iter().flatten();
+        let best = cubic(at, half).or_else(|| {
+            let cubics = aside().filter_map(|centre| cubic(centre, half)).filter(|(_, goes_its_way)| *goes_its_way);
+            cubics.min_by(|one, other| one.0.squares.total_cmp(&other.0.squares))
+        });
+        let best = best.filter(|(_, goes_its_way)| *goes_its_way);
+        misses = if best.is_some() { 0 } else { misses + 1 };
+        if let Some((cubic, _)) = best {
+            let error = cubic.error_of_velocity(time[at], noise);
+            if !is_cubic || error < found.error {
+                (found.velocity, found.error, smooth) = (cubic.velocity(time[at]), error, cubic.length(time[at]));
+                is_cubic = true;
+            }
         }
         half *= 2;
     }
-    velocity
+    Some((found, smooth))
 }
 
 /// Whether the velocities of both halves of a window go with the velocity of all of it.
@@ -205,15 +190,16 @@ impl Motion {
         let middles = |half: usize| -> Vec<Option<Middle>> {
             (0..time.len()).map(|at| Middle::new(time, length, noise, (at, half))).collect()
         };
-        let (mut path, mut moving) = (length.to_vec(), vec![None; time.len()]);
+        let (mut smooth, mut moving) = (length.to_vec(), vec![None; time.len()]);
         let mut narrow = middles(1);
         let mut open = Vec::new();
         for (at, middle) in narrow.iter().enumerate() {
-            let Some(Middle { velocity, .. }) = *middle else { continue };
+            let Some(Middle { velocity, standard_error: error, .. }) = *middle else { continue };
             let step = |to: usize| (length[to] - length[to - 1]) / (time[to] - time[to - 1]);
             match middle.is_some_and(|middle| middle.is_clear(CLEAR_ALONE)) {
                 true => {
-                    moving[at] = agree(velocity, [step(at), step(at + 1)]).then_some(Moving { velocity, half: 1 });
+                    moving[at] =
+                        agree(velocity, [step(at), step(at + 1)]).then_some(Moving { velocity, error, half: 1 });
                 }
                 false => open.push(at),
             }
@@ -226,8 +212,8 @@ impl Motion {
                 let (Some(before), Some(after)) = (narrow[at - half], narrow[at + half]) else { return false };
                 if middle.is_clear(CLEAR) {
                     if agree(all.velocity, [before.velocity, after.velocity]) {
-                        moving[*at] = Some(Moving { velocity: all.velocity, half: 2 * half });
-                        path[*at] = length[*at] + all.offset;
+                        let (velocity, error) = (all.velocity, all.standard_error);
+                        moving[*at] = Some(Moving { velocity, error, half: 2 * half });
                     }
                     return false;
                 }
@@ -238,10 +224,16 @@ impl Motion {
             });
             (narrow, half) = (wide, 2 * half);
         }
-        for (at, moving) in moving.iter_mut().enumerate() {
-            if let Some(known) = moving {
-                known.velocity = refined(time, length, noise, (at, *known));
+        for at in 0..time.len() {
+            if let Some((known, length)) = moving[at].and_then(|known| refined(time, length, noise, (at, known))) {
+                (moving[at], smooth[at]) = (Some(known), length);
             }
+        }
+        let path = Path::new([time, length], noise, &mut moving, smooth);
+        let speeds: Vec<f64> = moving.iter().flatten().map(|known| known.velocity.abs()).collect();
+        let most = median(&speeds).unwrap_or(0.0) / CLEAR_ALONE;
+        for moving in &mut moving {
+            *moving = moving.filter(|known| known.error <= most);
         }
         Self { noise, path, moving }
     }

@@ -466,6 +466,53 @@ fn force_map_recording(folder: &Folder, table: &str, rule: &str) -> Result<Recor
     folder.study(&text)?.recordings().map(|mut all| all.remove(0))
 }
 
+/// A slack muscle reads as far above zero as below it. Three standard deviations of that noise are no tension, be they stated or taken from
+/// the readings below zero; what a rig pushes with is no noise.
+#[test]
+fn noise_of_a_slack_muscle_is_no_tension() {
+    let folder = Folder::new("slack-noise");
+    let mut noise = Noise::new(5);
+    // Every third place is slack; the others hold 6 N and more.
+    let tensions: Vec<f64> =
+        (0..60).map(|row| if row % 3 == 0 { 0.0 } else { 5.0 + f64::from(row) } + 0.09 * noise.normal()).collect();
+    let slack = |tensions: &[f64], rule: &str| {
+        let line = |(row, tension): (usize, &f64)| format!("{},{},{tension}\n", 1 + row / 10, 300 - 3 * (row % 10));
+        let table: String = tensions.iter().enumerate().map(line).collect();
+        folder.write("map.csv", &format!("P,L,F\n{table}"));
+        let text = format!(
+            "[study]\nkind = \"force-map\"\nscenario = \"m.toml\"\n[columns.gauge_pressure]\nname = \"P\"\nunit = \"bar\"\n\
+             [columns.length]\nname = \"L\"\nunit = \"mm\"\n[columns.tension]\nname = \"F\"\nunit = \"N\"\n{rule}\n[[run]]\nfile = \"map.csv\"\n"
+        );
+        let recording = folder.study(&text).and_then(|study| study.recordings()).expect("a recording").remove(0);
+        let tension = recording.column(Quantity::Tension).expect("one");
+        (tension.slack.clone(), notes(&recording))
+    };
+    let every_third: Vec<bool> = (0..60).map(|row| row % 3 == 0).collect();
+    assert!(tensions.iter().zip(&every_third).any(|(tension, slack)| *slack && *tension > 0.0));
+    let (seen, said) = slack(&tensions, "");
+    assert_eq!(seen, every_third);
+    assert!(said.contains("20 readings of the tension are at or below "), "{said}");
+    let noise =
+        said.split("three times the noise of ").nth(1).and_then(|rest| rest.split(' ').next()?.parse::<f64>().ok());
+    // By some ten readings below zero: known to a quarter, and 0.09 N lies within twice that.
+    assert!(noise.is_some_and(|noise| (noise / 0.09 - 1.0).abs() < 0.5), "{said}");
+    let (stated, said) = slack(&tensions, "deviation = \"0.09 N\"");
+    assert_eq!(stated, every_third);
+    assert!(said.contains("at or below 0.27 N, three times the noise of 0.09 N"), "{said}");
+    // What the study says goes before: of one reading and no more.
+    let least = tensions.iter().copied().fold(f64::INFINITY, f64::min);
+    let (few, said) = slack(&tensions, &format!("slack = \"{least} N\""));
+    assert_eq!(few.iter().filter(|slack| **slack).count(), 1, "{said}");
+    // Pushes of a fifth of the largest tension.
+    let pushes: Vec<f64> = tensions.iter().map(|tension| if *tension < 1.0 { -12.0 } else { *tension - 5.5 }).collect();
+    let (of_pushes, said) = slack(&pushes, "");
+    assert_eq!(of_pushes, every_third);
+    assert!(
+        said.contains("at or below 0 N: slack") && pushes.iter().any(|tension| (0.0..1.0).contains(tension)),
+        "{said}"
+    );
+}
+
 #[test]
 fn a_bad_cell_is_refused_with_its_place_and_left_out_on_request() {
     let folder = Folder::new("cells");

@@ -10,6 +10,7 @@
 //! | `length_offset` | what is added to MuJoCo's length for the distance between the ends of a muscle, such as `-30 mm` for fittings; for several, `biceps = -30 mm, triceps = -25 mm` |
 //! | `actuator.thread_length`, … | any key of a scenario file by its path, as there: `4.3 in`, `0.9`, `isentropic` |
 
+use crate::instance::{index_of, plain_name};
 use mckibben_run::failure::Failure;
 use mckibben_run::host::{HostOptions, HostPlant};
 use mckibben_scenario::keys::{PLANT_KEYS, all_keys};
@@ -44,8 +45,17 @@ const AT_REST: [&str; 4] = [
 #[derive(Clone, Debug)]
 pub(crate) struct Config {
     pub(crate) host: HostPlant,
-    /// What is added to MuJoCo's length, in m, for each actuator of the plant.
-    pub(crate) offsets: Vec<f64>,
+    /// What is added to MuJoCo's lengths.
+    pub(crate) offsets: Offsets,
+}
+
+/// What is added to MuJoCo's length for the distance between the ends of a muscle, in m, as `length_offset` gives it.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Offsets {
+    /// One number for every actuator of the plant.
+    OfAll(f64),
+    /// The text of the attribute, and its numbers by names; zero for the others.
+    ByName(String, Vec<(String, f64)>),
 }
 
 /// The names of all attributes.
@@ -75,7 +85,7 @@ pub(crate) fn read<'m>(attribute: impl Fn(&str) -> Option<&'m str>) -> Result<Co
         false => made(document, &options)?,
         true => at_rest(&document, made, &options)?,
     };
-    let offsets = offsets(given("length_offset"), host.actuators())?;
+    let offsets = given("length_offset").map_or(Ok(Offsets::OfAll(0.0)), Offsets::read)?;
     Ok(Config { host, offsets })
 }
 
@@ -168,29 +178,42 @@ fn number(name: &str, text: &str, unit: &str) -> Result<f64, Failure> {
     Ok(read.value)
 }
 
-/// What is added to the length of each actuator.
-fn offsets(text: Option<&str>, names: &[String]) -> Result<Vec<f64>, Failure> {
-    let Some(text) = text else { return Ok(vec![0.0; names.len()]) };
-    if !text.contains('=') {
-        return Ok(vec![number("length_offset", text, "m")?; names.len()]);
-    }
-    let mut offsets = vec![None; names.len()];
-    for entry in text.split(',') {
-        let (name, value) = entry.split_once('=').unwrap_or((entry, ""));
-        let Some(at) = names.iter().position(|known| known == name.trim()) else {
-            return Err(Failure::input(
-                format!("length_offset = \"{text}\" names `{}`, which is no actuator", name.trim()),
-                format!("name {}", names.join(", ")),
-            ));
-        };
-        if offsets[at].replace(number("length_offset", value.trim(), "m")?).is_some() {
-            return Err(Failure::input(
-                format!("length_offset = \"{text}\" names `{}` twice", name.trim()),
-                "give one offset for each actuator",
-            ));
+impl Offsets {
+    fn read(text: &str) -> Result<Self, Failure> {
+        if !text.contains('=') {
+            return Ok(Self::OfAll(number("length_offset", text, "m")?));
         }
+        let entries = text.split(',').map(|entry| {
+            let (name, value) = entry.split_once('=').unwrap_or((entry, ""));
+            Ok((name.trim().to_owned(), number("length_offset", value.trim(), "m")?))
+        });
+        Ok(Self::ByName(text.to_owned(), entries.collect::<Result<_, Failure>>()?))
     }
-    Ok(offsets.into_iter().map(Option::unwrap_or_default).collect())
+
+    /// What is added to the length of each actuator of the plant; `muscle` is the name in MuJoCo of one that is alone.
+    pub(crate) fn of_each(&self, names: &[String], muscle: Option<&str>) -> Result<Vec<f64>, Failure> {
+        let (text, entries) = match self {
+            Self::OfAll(offset) => return Ok(vec![*offset; names.len()]),
+            Self::ByName(text, entries) => (text, entries),
+        };
+        let of_muscle = |name: &str| muscle.filter(|own| plain_name(own) == plain_name(name)).map(|_| 0);
+        let mut offsets = vec![None; names.len()];
+        for (name, offset) in entries {
+            let Some(at) = index_of(name, names).or_else(|| of_muscle(name)) else {
+                return Err(Failure::input(
+                    format!("length_offset = \"{text}\" names `{name}`, which is no actuator"),
+                    format!("name {}", muscle.map_or_else(|| names.join(", "), str::to_owned)),
+                ));
+            };
+            if offsets[at].replace(*offset).is_some() {
+                return Err(Failure::input(
+                    format!("length_offset = \"{text}\" names `{name}` twice"),
+                    "give one offset for each actuator",
+                ));
+            }
+        }
+        Ok(offsets.into_iter().map(Option::unwrap_or_default).collect())
+    }
 }
 
 #[cfg(test)]
@@ -200,7 +223,9 @@ mod tests {
     fn with(pairs: &[(&str, &str)]) -> Result<Config, Failure> {
         let pairs: Vec<(String, String)> = pairs.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned())).collect();
         let value = |name: &str| pairs.iter().find(|(key, _)| key == name).map(|(_, value)| value.as_str());
-        read(value)
+        let config = read(value)?;
+        config.offsets.of_each(config.host.actuators(), None)?;
+        Ok(config)
     }
 
     #[test]
@@ -212,7 +237,7 @@ mod tests {
         ];
         let of = with(&[&muscle[..], &[("pulse_frequency", "25 Hz"), ("length_offset", "-30 mm")]].concat())
             .expect("a muscle");
-        assert_eq!((of.offsets, of.host.commands()[0].name.as_str()), (vec![-0.03], "actuator.duty"));
+        assert_eq!((of.offsets, of.host.commands()[0].name.as_str()), (Offsets::OfAll(-0.03), "actuator.duty"));
         let of = with(&muscle).expect("a muscle");
         assert_eq!(of.host.commands()[0].name, "actuator.request", "no frequency is said");
         let regulator = [
@@ -246,6 +271,45 @@ mod tests {
                 .concat();
             let failure = with(&pairs).expect_err("a mistake").to_string();
             assert!(failure.contains(words), "{words}: {failure}");
+        }
+    }
+
+    /// A muscle alone has a name in the model and one in the scenario; what stands before `/` in attached models does not count.
+    #[test]
+    fn an_offset_goes_by_either_name_of_a_muscle() {
+        let names = ["actuator".to_owned()];
+        for (text, muscle) in [
+            ("biceps = -30 mm", Some("biceps")),
+            ("biceps = -30 mm", Some("left/biceps")),
+            ("left/biceps = -30 mm", Some("left/biceps")),
+            ("actuator = -30 mm", Some("biceps")),
+            ("actuator = -30 mm", None),
+        ] {
+            let offsets = Offsets::read(text).and_then(|offsets| offsets.of_each(&names, muscle));
+            assert_eq!(offsets.expect(text), [-0.03], "{text} of {muscle:?}");
+        }
+        let refused = |text: &str| {
+            let offsets = Offsets::read(text).and_then(|offsets| offsets.of_each(&names, Some("biceps")));
+            offsets.expect_err(text).to_string()
+        };
+        assert!(refused("bicep = -30 mm").contains("name biceps"), "{}", refused("bicep = -30 mm"));
+        assert!(refused("biceps = -1 mm, actuator = -9 mm").contains("names `actuator` twice"));
+    }
+
+    /// Of the plant of a file an attribute sets what all actuators share; one that each replaces would change nothing.
+    #[test]
+    fn an_attribute_that_reaches_no_part_is_refused() {
+        const PLANT: &str = "[supplies.tank]\ngauge_pressure = \"6 bar\"\n[valve]\npreset = \"matrix-eight-channel\"\n\
+            [load]\nkind = \"isometric\"\n[initial]\nlength = \"90 mm\"\n[run]\nduration = \"1 s\"\n\
+            [actuators.a]\nsupply = \"tank\"\nvalve.opening_delay = \"3 ms\"\n";
+        let text = ("scenario_text", PLANT);
+        with(&[text, ("valve.closing_delay", "2 ms")]).expect("a delay of all");
+        for (key, value, words) in [
+            ("supply.gauge_pressure", "3 bar", "[supplies.tank]"),
+            ("valve.opening_delay", "4 ms", "[actuators.a.valve]"),
+        ] {
+            let failure = with(&[text, (key, value)]).expect_err(key).to_string();
+            assert!(failure.contains(key) && failure.contains("in the file") && failure.contains(words), "{failure}");
         }
     }
 

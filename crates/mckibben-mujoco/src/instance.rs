@@ -131,22 +131,23 @@ pub(crate) fn reset(state: &mut [f64]) {
     state.fill(0.0);
 }
 
+/// A MuJoCo name without what attached models put before it with `/`.
+pub(crate) fn plain_name(name: &str) -> &str {
+    name.rsplit('/').next().unwrap_or(name)
+}
+
 /// The index of what a MuJoCo name stands for among names: the name itself, or what follows its last `/`, as attached models
 /// have it.
 pub(crate) fn index_of(name: &str, names: &[String]) -> Option<usize> {
-    let last = name.rsplit('/').next().unwrap_or(name);
     let of = |name: &str| names.iter().position(|known| known == name);
-    of(name).or_else(|| of(last))
+    of(name).or_else(|| of(plain_name(name)))
 }
 
 /// What the name of a sensor says of a muscle alone: the quantity, behind one of the muscle's names or behind none. What attached
 /// models put before a name with `/` does not count.
 fn short_of<'n>(name: &'n str, muscles: [&str; 2]) -> Option<&'n str> {
-    let name = name.rsplit('/').next().unwrap_or(name);
-    let mut behind = muscles.into_iter().filter_map(|muscle| {
-        let muscle = muscle.rsplit('/').next().unwrap_or(muscle);
-        name.strip_prefix(muscle)?.strip_prefix('.')
-    });
+    let name = plain_name(name);
+    let mut behind = muscles.into_iter().filter_map(|muscle| name.strip_prefix(plain_name(muscle))?.strip_prefix('.'));
     // Any other prefix is another part, which must not read the muscle in silence.
     behind.next().or_else(|| (!name.contains('.')).then_some(name))
 }
@@ -160,6 +161,12 @@ impl Instance {
     ) -> Result<Self, Failure> {
         let Config { mut host, offsets } = config;
         let names = host.actuators().to_vec();
+        // The name in the model of a muscle alone, where it has one.
+        let muscle = match (names.as_slice(), actuators) {
+            ([_], [(title, _)]) => Some(plain_name(title)).filter(|title| !title.is_empty()),
+            _ => None,
+        };
+        let offsets = offsets.of_each(&names, muscle)?;
         let mut wires: Vec<Option<Wire>> = vec![None; names.len()];
         for (name, wire) in actuators {
             // A muscle alone may have any name.
@@ -195,9 +202,13 @@ impl Instance {
             };
             let at = index_of(name, &columns).or_else(of_muscle);
             let at = at.ok_or_else(|| {
-                // MuJoCo cuts a long message, so what may be meant comes first.
-                let last = name.rsplit('/').next().unwrap_or(name);
-                let nearest = nearest_few(last, columns.iter().map(String::as_str), NAMED);
+                // MuJoCo cuts a long message, so what may be meant comes first; a muscle alone is called as in the model.
+                let of_muscle = |column: &String| match (muscle, column.strip_prefix(&format!("{}.", names[0]))) {
+                    (Some(muscle), Some(output)) => format!("{muscle}.{output}"),
+                    _ => column.clone(),
+                };
+                let shown: Vec<String> = columns.iter().map(of_muscle).collect();
+                let nearest = nearest_few(plain_name(name), shown.iter().map(String::as_str), NAMED);
                 let rest = columns.len().saturating_sub(NAMED);
                 let more =
                     if rest > 0 { format!(", or another of its {} outputs", columns.len()) } else { String::new() };
@@ -555,6 +566,8 @@ mod tests {
         // MuJoCo cuts long messages.
         let refused = reads("muscle", "supply.guage_pressure").expect_err("misspelt").to_string();
         assert!(refused.contains("name it after one of supply.gauge_pressure"), "{refused}");
+        let refused = reads("arm/muscle", "arm/muscle.tensio").expect_err("misspelt").to_string();
+        assert!(refused.contains("name it after one of muscle.tension") && !refused.contains("actuator."), "{refused}");
     }
 
     #[test]

@@ -97,6 +97,55 @@ pub fn read(text: &str, what: &str, unit: &str, example: &str) -> Result<f64, St
     Err(format!("`{text}` is no {what}; write a number with its unit, as in \"{example}\""))
 }
 
+/// A share as users write it: a number, or one in percent.
+///
+/// # Errors
+/// What is wrong, in words, with what is expected.
+pub fn read_share(text: &str) -> Result<f64, String> {
+    let expected = || format!("`{text}` is no share; write a number such as 0.8, or one in percent, \"80 %\"");
+    let read = quantity::parse(text).map_err(|_| expected())?;
+    if read.dimension == quantity::parse("1").map_err(|error| error.message)?.dimension {
+        Ok(read.value)
+    } else {
+        Err(expected())
+    }
+}
+
+/// Several quantities in a list such as `35,45,55psi`, each with its label in its unit. A number without a unit has that of the next;
+/// behind the last it has `usual`, where there is one.
+///
+/// # Errors
+/// What is wrong, in words, with `what` each should be, which `unit` has the dimension of, and some `units` of it.
+pub(crate) fn read_list(
+    text: &str,
+    [what, unit, units]: [&str; 3],
+    usual: Option<&str>,
+) -> Result<Vec<(f64, String)>, String> {
+    let (dimension, _) = quantity::parse_unit(unit).map_err(|error| error.message)?;
+    let mut found = Vec::new();
+    let mut unit = usual.unwrap_or_default();
+    // From the right, because a number without a unit has that of the next.
+    for item in text.rsplit(',').map(str::trim) {
+        let (number, own) = split(item).ok_or_else(|| format!("`{item}` is not a number with a unit of {what}"))?;
+        unit = if own.is_empty() { unit } else { own };
+        let label = format!("{number} {unit}");
+        let read = quantity::parse(&label).map_err(|error| error.message)?;
+        if read.dimension != dimension {
+            return Err(format!("`{item}` is no {what}; write a unit such as {units} behind the last number"));
+        }
+        found.push((read.value, label));
+    }
+    found.reverse();
+    Ok(found)
+}
+
+/// The number at the beginning of a text and what follows it.
+fn split(item: &str) -> Option<(&str, &str)> {
+    let mut ends = item.char_indices().map(|(at, c)| at + c.len_utf8());
+    let end = ends.rfind(|end| item[..*end].trim_end().parse::<f64>().is_ok_and(f64::is_finite))?;
+    Some((item[..end].trim_end(), item[end..].trim_start()))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -115,6 +164,14 @@ mod tests {
         ];
         for ((value, unit), text) in cases {
             assert_eq!(quantity(value, unit), text);
+        }
+    }
+
+    #[test]
+    fn shares_are_numbers_or_percent() {
+        assert_eq!(["0.8", "80%", "80 %", "1"].map(|text| read_share(text).ok()), [0.8, 0.8, 0.8, 1.0].map(Some));
+        for text in ["80 mm", "much", "", "80 psi"] {
+            assert!(read_share(text).is_err_and(|error| error.contains("80 %")), "{text}");
         }
     }
 

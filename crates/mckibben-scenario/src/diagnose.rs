@@ -20,13 +20,14 @@ impl Document {
     pub fn diagnose(&self, error: &Error) -> Diagnostic {
         match error {
             Error::OutOfRange { parameter, value } => {
-                let title = format!("`{}` = {} is out of range", parameter.key, in_unit(parameter, *value));
+                let value = self.in_words(parameter.key, *value, parameter.unit, parameter.key);
+                let title = format!("`{}` = {value} is out of range", parameter.key);
                 let label = format!("must be {} {}", parameter.range, parameter.unit);
                 self.shown(Class::OutOfRange, parameter.key, None, title, label.trim_end().to_owned())
                     .help(parameter.remedy)
             }
             Error::TooMany { parameter, value, count, counted, remedy } => {
-                let value = in_unit(parameter, *value);
+                let value = self.in_words(parameter.key, *value, parameter.unit, parameter.key);
                 let title = format!("`{}` = {value} makes {} {counted}", parameter.key, Count(*count));
                 let label = format!("a run may have {} {counted}", Count(MAX_COUNT));
                 let length = self.given(DURATION.key, parameter.key).filter(|_| self.entry(parameter.key).is_some());
@@ -39,15 +40,34 @@ impl Document {
             {
                 self.pushes()
             }
-            Error::Inconsistent { parameter, value, requirement, remedy } => {
-                let other =
-                    format!("{} = {}", requirement.other, quantity::format(requirement.value, requirement.unit));
-                let value = in_unit(parameter, *value);
-                let title = format!(
-                    "`{}` = {value} contradicts the rule that it {} {other}",
-                    parameter.key, requirement.relation
-                );
+            Error::Inconsistent { parameter, value: number, requirement, remedy } => {
+                let mut bound = self.in_words(requirement.other, requirement.value, requirement.unit, parameter.key);
+                let mut value = self.in_words(parameter.key, *number, parameter.unit, requirement.other);
+                // Numbers that differ by less than the digits that are shown have all of theirs.
+                if value == bound {
+                    bound = quantity::format(requirement.value, requirement.unit);
+                    value = quantity::format(*number, parameter.unit);
+                }
+                let other = format!("{} = {bound}", requirement.other);
                 let label = format!("{} {other}", requirement.relation);
+                // A relation may begin with what it holds for, as in "on a tendon must be at least".
+                let (holds_for, must) = requirement.relation.split_at(requirement.relation.find("must").unwrap_or(0));
+                if let Some((key, place)) =
+                    self.length_follows_from().filter(|_| parameter.key == p::INITIAL_LENGTH.key)
+                {
+                    let value = self.in_words(key, *number, parameter.unit, key);
+                    let title = format!("an actuator starts {value} long, and {holds_for}this {must} {other}");
+                    return Diagnostic::at(
+                        Class::Inconsistent,
+                        place,
+                        title,
+                        format!("its length at the start {label}"),
+                    )
+                    .related(self.given(requirement.other, parameter.key), "the other value")
+                    .help(*remedy);
+                }
+                let title =
+                    format!("`{}` = {value} contradicts the rule that {holds_for}it {must} {other}", parameter.key);
                 self.shown(Class::Inconsistent, parameter.key, None, title, label)
                     .related(self.given(requirement.other, parameter.key), "the other value")
                     .help(*remedy)
@@ -82,6 +102,37 @@ impl Document {
             }
             other => Diagnostic::whole(Class::Stopped, self.source().name(), other.to_string()),
         }
+    }
+
+    /// The key and the place of what says how long an actuator is at the start, where the file gives no `initial.length`.
+    fn length_follows_from(&self) -> Option<(&'static str, Place)> {
+        let of = |key: &'static str| Some((key, self.entry(key)?.node.place.clone()));
+        let found = [keys::REST_LENGTH.key, p::REST_LENGTH.key].into_iter().find_map(of);
+        found.filter(|_| self.entry(p::INITIAL_LENGTH.key).is_none())
+    }
+
+    /// A number in a unit of SI as the file writes it at its key. One that the file does not write is rounded, in the unit at that key or
+    /// else at another.
+    fn in_words(&self, key: &str, value: f64, unit: &str, another: &str) -> String {
+        let written = [key, another].map(|key| match &self.entry(key)?.node.value {
+            Value::String(text) => Some((text.trim(), quantity::parse(text).ok()?)),
+            _ => None,
+        });
+        let is = |number: f64, value: f64| (number - value).abs() <= ROUNDING * value.abs();
+        if let Some((text, _)) = written[0].as_ref().filter(|(_, read)| is(read.value, value)) {
+            return (*text).to_owned();
+        }
+        let dimension = quantity::parse_unit(unit).map(|of| of.0);
+        for (text, read) in written.into_iter().flatten() {
+            // Where the number times the unit is not the value, the unit has a zero that is its own.
+            let Some((number, name)) = text.split_once(' ') else { continue };
+            let Ok((its, size)) = quantity::parse_unit(name.trim()) else { continue };
+            let is_plain = number.parse().is_ok_and(|number: f64| is(number * size, read.value));
+            if is_plain && dimension.as_ref().is_ok_and(|dimension| *dimension == its) {
+                return quantity::format(rounded(value / size), name.trim());
+            }
+        }
+        quantity::format(rounded(value), unit)
     }
 
     /// How many entries the tensions of a force map, its pressures and its lengths have; none where `name` is no such list.
@@ -201,6 +252,16 @@ impl Document {
     }
 }
 
+/// Digits of a number in a message that no file has.
+const DIGITS: usize = 6;
+/// Part of a number that is rounding of its unit.
+const ROUNDING: f64 = 1e-12;
+
+/// A number in the digits of a message.
+pub(crate) fn rounded(value: f64) -> f64 {
+    format!("{value:.*e}", DIGITS - 1).parse().unwrap_or(value)
+}
+
 /// Keys of the frequencies of pulses and given sinusoids.
 static FREQUENCIES: [&Parameter; 3] = [&p::PWM_FREQUENCY, &p::MOTION_FREQUENCY, &p::SET_FREQUENCY];
 
@@ -209,8 +270,4 @@ fn period(frequency: f64) -> String {
     let (size, unit) = if frequency > 1.0 { (1e3, "ms") } else { (1.0, "s") };
     let rounded: f64 = format!("{:.3e}", size / frequency).parse().unwrap_or(f64::NAN);
     format!("{rounded} {unit}")
-}
-
-fn in_unit(parameter: &Parameter, value: f64) -> String {
-    quantity::format(value, parameter.unit)
 }

@@ -25,16 +25,28 @@ pub struct Source {
     text: String,
     /// Whether a number where a quantity is due is in SI: so in what a program hands over, never in a file.
     numbers_are_si: bool,
+    /// Whether a user sets the value in addition to a file, as by `--set`. It is then meant to reach a part.
+    is_setting: bool,
 }
 
 impl Source {
     pub(crate) fn new(name: impl Into<String>, text: impl Into<String>) -> Arc<Self> {
-        Arc::new(Self { name: name.into(), text: text.into(), numbers_are_si: false })
+        Arc::new(Self { name: name.into(), text: text.into(), numbers_are_si: false, is_setting: false })
     }
 
     /// The text of values that a program hands over: numbers without a unit are in SI.
     pub(crate) fn in_si(name: impl Into<String>, text: impl Into<String>) -> Arc<Self> {
-        Arc::new(Self { name: name.into(), text: text.into(), numbers_are_si: true })
+        Arc::new(Self { name: name.into(), text: text.into(), numbers_are_si: true, is_setting: false })
+    }
+
+    /// The text of a value that a user sets in addition to a file.
+    pub(crate) fn setting(name: impl Into<String>, text: impl Into<String>) -> Arc<Self> {
+        Arc::new(Self { name: name.into(), text: text.into(), numbers_are_si: false, is_setting: true })
+    }
+
+    /// Whether a user sets the value in addition to a file.
+    pub(crate) fn is_setting(&self) -> bool {
+        self.is_setting
     }
 
     /// Whether a number without a unit is in SI.

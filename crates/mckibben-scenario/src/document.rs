@@ -159,18 +159,22 @@ impl Document {
     /// As [`Document::set_text_from`], from what people write without a second pair of quotes: TOML where it reads as one value
     /// (`0.5`, `["0 s", "1 s"]`), and a string where it does not (`10 lb`, `exhaust`).
     ///
+    /// In a file of many actuators a value that reaches none of its parts is refused when the scenario is read: one for all
+    /// actuators that each of them replaces, and one of a supply from which nothing draws.
+    ///
     /// # Errors
     /// When the path is no path, as for [`Document::set`].
     pub fn set_plain_from(&mut self, name: &str, path: &str, value: &str) -> Result<(), Diagnostics> {
+        let source = |text: String| Source::setting(name, text);
         // A line end could begin a second key, which TOML would read without notice.
         if !value.contains('\n') {
             let mut changed = self.clone();
-            if changed.set_text_from(name, path, value).is_ok() {
+            if changed.graft_from(source, path, value).is_ok() {
                 *self = changed;
                 return Ok(());
             }
         }
-        self.set_text_from(name, path, &text_on_one_line(value))
+        self.graft_from(source, path, &text_on_one_line(value))
     }
 
     /// As [`Document::set_text_from`], from a program: a number where a quantity is due is in SI.
@@ -495,6 +499,9 @@ fn said(node: &Node, unit: &str) -> String {
     }
 }
 
+/// What the parser of TOML says of a key or section that is there already.
+const TWICE: &str = "duplicate key";
+
 /// Parses a source and takes ownership of what is in it.
 fn table_of(source: &Arc<Source>) -> Result<Table, Diagnostics> {
     let (parsed, errors) = DeTable::parse_recoverable(source.text());
@@ -505,6 +512,11 @@ fn table_of(source: &Arc<Source>) -> Result<Table, Diagnostics> {
             span.end = span.start;
         }
         let place = Place::new(source.clone(), span);
+        if error.message() == TWICE {
+            let title = format!("`{}` stands in the file twice", place.text());
+            return Diagnostic::at(Class::Syntax, place, title, "again here")
+                .help("keep one of the two, or join the sections");
+        }
         Diagnostic::at(Class::Syntax, place, format!("this is not TOML: {}", error.message()), "here")
             .help("values are strings such as \"60 psi\", numbers such as 0.85, or lists; see https://toml.io")
     });

@@ -618,7 +618,7 @@ pub static KEYS: &[Key] = &[
     key(
         p::INITIAL_LENGTH.key,
         Kind::QuantityOr(&p::INITIAL_LENGTH, EQUILIBRIUM),
-        p::INITIAL_LENGTH.meaning,
+        "Distance between the attachments at the start; on a tendon the length of the muscle alone.",
         "\"equilibrium\"",
     )
     .or("equilibrium"),

@@ -73,11 +73,24 @@ impl Preset {
         self.words.iter().find_map(|(of, word)| (*of == path).then_some(*word))
     }
 
+    /// The coefficients of the modulus of its wall over the length in m, in Pa, Pa/m, Pa/m² and Pa/m³, where it has such a wall.
+    pub fn modulus(&self) -> Option<[f64; 4]> {
+        let coefficients = <[f64; 4]>::try_from(self.get(&p::MEMBRANE_MODULUS)?.list()?).ok()?;
+        let units = ["actuator.force.modulus_unit", "actuator.force.length_unit"].map(|path| self.unit(path));
+        Some(modulus_in_si(coefficients, units))
+    }
+
     /// The size in SI of the unit that the preset names at a path.
     pub(crate) fn unit(&self, path: &str) -> f64 {
         // A test reads every unit of a preset.
         self.word(path).and_then(|unit| quantity::parse_unit(unit).ok()).map_or(1.0, |(_, size)| size)
     }
+}
+
+/// The coefficients of a wall's modulus in SI from those in units of modulus and length.
+pub(crate) fn modulus_in_si([c0, c1, c2, c3]: [f64; 4], [modulus, length]: [f64; 2]) -> [f64; 4] {
+    let per_length = modulus / length;
+    [c0 * modulus, c1 * per_length, c2 * per_length / length, c3 * per_length / (length * length)]
 }
 
 /// A number that the source states.

@@ -10,6 +10,7 @@ mod known;
 mod unread;
 
 use crate::choice::{Choice, Word};
+use crate::diagnose::rounded;
 use crate::diagnostic::{Class, Diagnostic, Diagnostics, Place};
 use crate::dimension::Dimension;
 use crate::document::{Document, Entry, Node, Value};
@@ -170,7 +171,7 @@ impl<'d> Reader<'d> {
         match &node.value {
             // What starts with a letter is a word gone wrong, not a quantity.
             Value::String(text) if text.trim_start().starts_with(|c: char| c.is_alphabetic()) => {
-                let title = format!("\"{text}\" is no choice for `{}`", row.key);
+                let title = format!("\"{text}\" is not a valid value of `{}`", row.key);
                 let diagnostic = Diagnostic::at(Class::InvalidChoice, node.place.clone(), title, "unknown word");
                 let meant = nearest(text, [word]).map(|name| format!("did you mean \"{name}\"?"));
                 let valid = format!("valid: `{word}`, or {}", dimension_of(row.unit).noun());
@@ -359,7 +360,7 @@ impl<'d> Reader<'d> {
             Value::String(word) => {
                 let found = names().find(|name| name == word);
                 if found.is_none() {
-                    let title = format!("\"{word}\" is no choice for `{path}`");
+                    let title = format!("\"{word}\" is not a valid value of `{path}`");
                     let diagnostic = Diagnostic::at(Class::InvalidChoice, node.place.clone(), title, "unknown word");
                     let meant = nearest(word, names()).map(|name| format!("did you mean \"{name}\"?"));
                     self.note(meant.into_iter().fold(diagnostic, Diagnostic::help).help(valid));
@@ -526,7 +527,7 @@ pub(crate) fn list_of<'w>(words: impl Iterator<Item = &'w str>) -> String {
 
 /// A value outside what is admissible; `admissible` is words such as "greater than 0 Pa".
 pub(crate) fn out_of_range(place: Place, row: &Parameter, value: f64, admissible: &str) -> Diagnostic {
-    let title = format!("`{}` = {} is out of range", row.key, quantity::format(value, row.unit));
+    let title = format!("`{}` = {} is out of range", row.key, quantity::format(rounded(value), row.unit));
     if !value.is_finite() {
         return Diagnostic::at(Class::OutOfRange, place, title, "is no finite number").help("give a finite number");
     }

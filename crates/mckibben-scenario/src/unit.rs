@@ -235,6 +235,20 @@ const WORDS: &[(&str, &str)] = &[
     ("torr", "Torr"),
 ];
 
+/// Products that are written without a sign between their factors.
+const PRODUCTS: &[(&str, &str)] = &[
+    ("Ns", "N*s"),
+    ("Nm", "N*m"),
+    ("Nms", "N*m*s"),
+    ("Nmm", "N*mm"),
+    ("Ncm", "N*cm"),
+    ("Pas", "Pa*s"),
+    ("kgm", "kg*m"),
+    ("lbfs", "lbf*s"),
+    ("lbfin", "lbf*in"),
+    ("lbfft", "lbf*ft"),
+];
+
 /// Prefixed units that suggestions may name.
 const COMMON: &[&str] = &[
     "mm", "cm", "km", "um", "kg", "mg", "ms", "us", "kN", "mN", "kPa", "MPa", "hPa", "mbar", "kJ", "mW", "kW", "kHz",
@@ -286,6 +300,9 @@ fn explain(symbol: &str) -> Unknown {
     if letters.len() < symbol.len() && find(letters).is_ok() {
         return Unknown { message, help: Some(format!("write the power as `{letters}^{}`", &symbol[letters.len()..])) };
     }
+    if let Some((_, product)) = PRODUCTS.iter().find(|(word, _)| *word == symbol) {
+        return Unknown { message, help: Some(format!("write the product with its sign: `{product}`")) };
+    }
     let word = WORDS.iter().find(|(word, _)| *word == symbol || word.len() > 1 && word.eq_ignore_ascii_case(symbol));
     let meant = word
         .map(|(_, unit)| *unit)
@@ -319,7 +336,7 @@ fn find_quietly(symbol: &str) -> Option<Unit> {
 
 #[cfg(test)]
 mod tests {
-    use super::{COMMON, UNITS, WORDS, find};
+    use super::{COMMON, PRODUCTS, UNITS, WORDS, find};
     use crate::dimension::Dimension;
 
     #[test]
@@ -329,6 +346,17 @@ mod tests {
         }
         for symbol in COMMON.iter().copied().chain(WORDS.iter().flat_map(|(_, to)| to.split("\", \""))) {
             assert!(find(symbol).is_ok(), "{symbol}");
+        }
+    }
+
+    /// Each is no unit, and its factors joined are what is suggested.
+    #[test]
+    fn products_without_a_sign_have_one_suggested() {
+        for (word, product) in PRODUCTS {
+            assert_eq!(product.replace('*', ""), *word);
+            assert!(product.split('*').all(|factor| find(factor).is_ok()), "{product}");
+            let unknown = find(word).expect_err(word);
+            assert!(unknown.help.is_some_and(|help| help.contains(&format!("`{product}`"))), "{word}");
         }
     }
 

@@ -54,12 +54,12 @@ fn what_is_wrong_is_said() {
         ("three-way", pid.to_owned() + "length = \"9 cm\"", "`controller.proportional_band`"),
         ("three-way", LAWS[0].replace("0.05 bar", "1 bar"), "controller.hysteresis"),
         ("three-way", LAWS[1].replace("2 mm", "10 cm"), "controller.length"),
-        ("three-way", LAWS[4].to_owned() + "\nbias = 0.1", "`controller.bias` has no meaning"),
+        ("three-way", LAWS[4].to_owned() + "\nbias = 0.1", "`controller.bias` is not used"),
         ("three-way", LAWS[0].to_owned() + "\ndelay = 17", "must be at least 0 and at most 16"),
         (
             "three-way",
             LAWS[0].to_owned() + "\nproportional_band = \"1 bar\"",
-            "`controller.proportional_band` has no meaning",
+            "`controller.proportional_band` is not used",
         ),
         ("three-way", LAWS[2].replace("\"0 s\", \"1 s\"", "\"1 s\", \"0 s\""), "must increase from entry to entry"),
         ("three-way", LAWS[2].replace(", \"1 s\"", ""), "`controller.time` has 1 entries"),
@@ -118,7 +118,7 @@ fn controllers_of_joints_read_back_the_same_and_can_be_run() {
 fn what_is_wrong_with_a_controller_of_a_joint_is_said() {
     let antagonist = "\n[antagonist.command]\nkind = \"hold\"";
     for (kind, text, part) in [
-        ("three-way", LAWS[0].to_owned(), "`controller.gauge_pressure` has no meaning for a joint"),
+        ("three-way", LAWS[0].to_owned(), "`controller.gauge_pressure` is not used for a joint"),
         ("three-way", LAWS[4].to_owned(), "`controller.angle`"),
         ("three-way", LAWS_OF_JOINTS[3].replace("\"5 deg\"", "\"80 deg\""), "actuator.min_length"),
         ("three-way", LAWS_OF_JOINTS[2].replace("0.6 N*m/rad", "-1 N*m/rad"), "`controller.stiffness` = -1 N*m/rad"),
@@ -135,5 +135,5 @@ fn what_is_wrong_with_a_controller_of_a_joint_is_said() {
     }
     let text = LAWS[0].replace("gauge_pressure = \"2 bar\"", "angle = \"2 deg\"");
     let error = document(&text, "three-way").controlled_experiment().expect_err("refused").to_string();
-    assert!(error.contains("`controller.angle` has no meaning without a joint"), "{error}");
+    assert!(error.contains("`controller.angle` is not used without a joint"), "{error}");
 }

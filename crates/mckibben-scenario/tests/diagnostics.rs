@@ -61,7 +61,13 @@ fn the_good_file_is_good() {
 #[test]
 fn syntax() {
     check("turns = 2.5", "turns 2.5", Class::Syntax, (3, 7), &["this is not TOML", "turns 2.5"]);
-    check("duty = 0.5", "duty = 0.5\nduty = 0.6", Class::Syntax, (15, 1), &["duplicate key"]);
+    check(
+        "duty = 0.5",
+        "duty = 0.5\nduty = 0.6",
+        Class::Syntax,
+        (15, 1),
+        &["`duty` stands in the file twice", "keep one of the two"],
+    );
 }
 
 #[test]
@@ -69,6 +75,15 @@ fn unknown_keys_and_sections() {
     check("turns = 2.5", "turns = 2.5\nturn = 2", Class::UnknownKey, (4, 1), &["[actuator]", "did you mean `turns`?"]);
     let study = "[study]\nkind = \"ring-down\"\nscenario = \"muscle.toml\"\n[load]";
     check("[load]", study, Class::UnknownKey, (15, 2), &["no section [study]", "fit it by `mckibben identify`"]);
+    for tank in ["[supply.tank]\nvolume = \"1 L\"", "tank_volume = \"1 L\""] {
+        let text = format!("{GOOD}\n").replacen(
+            "[supply]\ngauge_pressure = \"100 psi\"\n",
+            &format!("[supply]\ngauge_pressure = \"100 psi\"\n{tank}\n"),
+            1,
+        );
+        let found = mistakes(&text).to_string();
+        assert!(found.contains("give `reservoir_volume` in [supply]"), "{found}");
+    }
     check("[load]", "[laod]", Class::UnknownKey, (15, 2), &["no section [laod]", "did you mean `load`?"]);
     check("duration", "pressure = 1\nduration", Class::UnknownKey, (19, 1), &["`pressure` is not a key of [run]"]);
     check(
@@ -322,10 +337,18 @@ fn errors_of_the_core_are_shown_in_the_file() {
     let shown = document.diagnose(&error);
     assert_eq!((shown.line(), shown.column()), (Some(4), Some(14)), "{shown}");
     for word in
-        ["must be less than actuator.thread_length = 0.09 m", "the other value", "thread_length = \"4.3218 in\""]
+        ["must be less than actuator.thread_length = 3.54331 in", "the other value", "thread_length = \"4.3218 in\""]
     {
         assert!(shown.to_string().contains(word), "{word}:\n{shown}");
     }
+    // The number of the file as it stands there; one that it does not have is rounded.
+    let of = |value, relation| {
+        let requirement = Requirement { relation, other: "what follows", value: 0.005_999_999_999_999_9, unit: "m" };
+        document.diagnose(&mckibben::Error::Inconsistent { parameter: &p::MAX_LENGTH, value, requirement, remedy: "" })
+    };
+    let shown = of(3.85 * 0.0254, "on a tendon must be at least").to_string();
+    let words = "`actuator.max_length` = 3.85 in contradicts the rule that on a tendon it must be at least what follows = 0.23622 in";
+    assert!(shown.contains(words), "{shown}");
     let absent = document.diagnose(&mckibben::Error::OutOfRange { parameter: &p::MIN_LENGTH, value: -1.0 });
     assert_eq!(absent.line(), Some(1), "{absent}");
     let nowhere = document.diagnose(&mckibben::Error::OutOfRange { parameter: &p::GAS_CONSTANT, value: -1.0 });

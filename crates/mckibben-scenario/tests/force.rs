@@ -125,7 +125,7 @@ fn what_is_missing_or_out_of_place_is_said() {
         ("[actuator.force]\nlaw = \"tondu-lopes\"", "did you mean \"tondu-lopez\"?"),
         (
             "[actuator.force]\nend_factor = 1.1",
-            "`actuator.force.end_factor` has no meaning with `actuator.force.law` = \"ideal-braid\"",
+            "`actuator.force.end_factor` is not used when `actuator.force.law` = \"ideal-braid\"",
         ),
         ("[actuator.force]\nlaw = \"tondu-lopez\"\na = 12", "which `a` needs in addition"),
         ("[actuator.force]\nlaw = \"tondu-lopez\"\nend_factor = 0", "end_factor"),
@@ -144,7 +144,7 @@ fn what_is_missing_or_out_of_place_is_said() {
         ("[actuator.force]\nlaw = \"extensible-braid\"", "`actuator.force.thread_stiffness` (K) is missing"),
         (soft.as_str(), "give a stiffness above zero"),
         (far.as_str(), "`actuator.force.max_contraction` = 1.5 is out of range"),
-        ("[actuator.force]\nmax_force = \"9 N\"", "has no meaning with `actuator.force.law` = \"ideal-braid\""),
+        ("[actuator.force]\nmax_force = \"9 N\"", "is not used when `actuator.force.law` = \"ideal-braid\""),
         (short.as_str(), "`actuator.force.tension` has 3 entries, and 4 are due"),
         (falling.as_str(), "the entries do not rise"),
         ("[actuator.force]\nlaw = \"map\"", "`actuator.force.tension` (F) is missing"),
@@ -155,7 +155,7 @@ fn what_is_missing_or_out_of_place_is_said() {
         (wide.as_str(), "must be at most the braid's radius at actuator.max_length"),
         (long.as_str(), "must be less than actuator.min_length over the braid's diameter there"),
         ("[actuator.bladder]\nforce = \"1 N\"", "`actuator.bladder.form` is missing"),
-        ("[actuator.bladder]\nform = \"linear\"\nforce = \"1 N\"\nscale = 0.1", "has no meaning with"),
+        ("[actuator.bladder]\nform = \"linear\"\nforce = \"1 N\"\nscale = 0.1", "is not used when"),
         ("[actuator.bladder]\nform = \"saturating\"\nforce = \"1 N\"", "`actuator.bladder.scale` (s) is missing"),
         ("[actuator]\nwall_thickness = \"4 mm\"", "must be less than the braid's radius"),
         (

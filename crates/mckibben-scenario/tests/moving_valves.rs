@@ -80,7 +80,7 @@ fn mistakes_are_reported() {
         (mistakes(&[&SPOOL.replace("flow_area", "opening_time = \"1 ms\"\nflow_area"), POSITIONS]), "no seats"),
         (
             mistakes(&[&SEATS.replace("closing_time", "spool.damping_ratio = 0.6\nclosing_time"), FILL]),
-            "has no meaning with `valve.kind`",
+            "is not used when `valve.kind`",
         ),
     ];
     for (said, word) in cases {

@@ -367,6 +367,10 @@ fn what_makes_no_sense_is_refused_with_its_reason() {
     for (text, expected) in [
         (base.replace("coupling.arms.elbow = \"1 cm\"", ""), "nothing says how `flexor` spans `mechanism`"),
         (base.replace("coupling.arms.elbow = \"1 cm\"", "coupling.arms.elbow = \"0 cm\""), "above zero, or below it"),
+        (
+            base.replace("angle = \"20 deg\"", "angle = \"20 deg\"\nmin_angle = \"60 deg\"\nmax_angle = \"40 deg\""),
+            "must be less than `max_angle`, 40 deg",
+        ),
         (format!("{base}initial.length = \"9 cm\"\n"), "the mechanism says how long the actuator is"),
         (format!("{base}air.gas_constant = \"300 J/(kg*K)\"\n"), "those of the whole plant"),
         (format!("{base}[load]\nkind = \"isometric\"\n"), "[load] and a mechanism both say"),
@@ -384,7 +388,7 @@ fn what_makes_no_sense_is_refused_with_its_reason() {
         (format!("{base}[supplies.m]\ngauge_pressure = \"1 bar\"\ninlet.flow_area = \"1 mm^2\"\n"), "nothing feeds it"),
         (
             base.replace("kind = \"chain\"", "kind = \"fixed\"\nposition = \"9 cm\""),
-            "has no meaning with `mechanism.kind`",
+            "is not used when `mechanism.kind`",
         ),
         (base.replace("length = \"28 cm\"\n", ""), "`mechanism.joints.shoulder.length`"),
         (base.replace("[actuators.flexor]\ncoupling.arms.elbow = \"1 cm\"\n", ""), "no actuator is named"),
@@ -483,10 +487,10 @@ fn a_mistake_of_all_that_each_actuator_replaces_is_found() {
             "`actuator.force.pressure_unit` is one of a pressure",
         ),
         ("valve", "flow_area = \"5 psi\"", "`valve.flow_area` is an area"),
-        ("valve", "kind = \"banana\"", "\"banana\" is no choice for `valve.kind`"),
+        ("valve", "kind = \"banana\"", "\"banana\" is not a valid value of `valve.kind`"),
         ("valve.exhaust", "kv = 3", "`valve.exhaust.kv`"),
         ("command", "duty = 7", "`command.duty` = 7 is out of range"),
-        ("command", "state = [\"fill\", \"banana\"]", "\"banana\" is no choice for `command.state`"),
+        ("command", "state = [\"fill\", \"banana\"]", "\"banana\" is not a valid value of `command.state`"),
         ("command", "time = [\"1 s\", \"2 m\"]", "`command.time` is a time"),
         ("hose", "length = \"5 psi\"", "`hose.length` is a length"),
         ("coupling", "insertion.along = \"banana\"", "banana"),
@@ -501,6 +505,64 @@ fn a_mistake_of_all_that_each_actuator_replaces_is_found() {
         let at = text.lines().position(|of| of == line).expect("a line") + 1;
         assert_eq!(found.iter().next().and_then(|one| one.line()), Some(at), "{line}");
     }
+}
+
+/// What a user sets in addition to a file is meant to change something. In the file itself the value may stand for parts to come.
+#[test]
+fn a_setting_that_reaches_no_part_is_refused() {
+    let base = format!("{ALL}[load]\nkind = \"isometric\"\n[supplies.tank]\ngauge_pressure = \"6 bar\"\n");
+    let base = base.replace("[supply]\ngauge_pressure = \"5 bar\"\n", "");
+    let one = |own: &str| format!("{base}[actuators.one]\ninitial.length = \"90 mm\"\n{own}\n");
+    let (drawn, own_delay) = (one("supply = \"tank\""), one("valve.opening_delay = \"3 ms\""));
+    let own_supply =
+        one("supply.gauge_pressure = \"4 bar\"").replace("[supplies.tank]\ngauge_pressure = \"6 bar\"\n", "");
+    let set = |text: &str, path: &str, value: &str| {
+        let mut document = document(text);
+        document.set_plain_from("--set", path, value).expect("a path");
+        document.plant_experiment()
+    };
+    for (text, path, value, words) in [
+        (
+            &drawn,
+            "supply.gauge_pressure",
+            "3 bar",
+            "no valve draws from [supply]|give `gauge_pressure`|[supplies.tank]",
+        ),
+        (&own_supply, "supply.gauge_pressure", "3 bar", "no valve draws from [supply]|[actuators.one.supply]"),
+        (&own_delay, "valve.opening_delay", "4 ms", "none of them takes it|[actuators.one.valve]"),
+        (&drawn, "coupling.rest_length", "90 mm", "`coupling.rest_length` is set for all|[actuators.one.coupling]"),
+    ] {
+        let found = set(text, path, value).expect_err(path).to_string();
+        assert!(words.split('|').all(|words| found.contains(words)), "{path}: {found}");
+    }
+    for (text, path, value) in [
+        // A supply with a volume is simulated, whether or not anything draws from it.
+        (
+            &drawn.replace("[supplies.tank]", "[supply]\nreservoir_volume = \"1 L\"\n[supplies.tank]"),
+            "supply.gauge_pressure",
+            "3 bar",
+        ),
+        (&drawn, "supplies.tank.gauge_pressure", "3 bar"),
+        (&drawn, "valve.opening_delay", "3 ms"),
+        (&own_delay, "actuators.one.valve.opening_delay", "4 ms"),
+    ] {
+        set(text, path, value).unwrap_or_else(|found| panic!("{path}: {found}"));
+    }
+    // The first actuator draws from `[supply]`, which is there as soon as it is set.
+    let undecided = one("");
+    set(&undecided, "supply.gauge_pressure", "3 bar").expect("a supply that is drawn from");
+    plant(&drawn.replace("[supplies.tank]", "[supply]\ngauge_pressure = \"3 bar\"\n[supplies.tank]"));
+}
+
+/// Keys of the section [actuator] stand in the section of an actuator without that name.
+#[test]
+fn a_section_actuator_of_one_actuator_has_its_remedy() {
+    let text = format!(
+        "{ALL}[load]\nkind = \"isometric\"\n[actuators.one]\ninitial.length = \"90 mm\"\nactuator.friction.viscous = \"5 N*s/m\"\n"
+    );
+    let found = mistakes(&text);
+    assert!(found.contains("write `friction` for `actuator.friction`") && !found.contains("of [supply]"), "{found}");
+    plant(&text.replace("actuator.friction.viscous = \"5", "friction.viscous = \"5"));
 }
 
 /// Moment arms are replaced as a whole. Those of all that each actuator replaces have joints that there are and arms that turn
@@ -703,9 +765,10 @@ fn a_start_that_is_refused_names_its_actuator() {
         "{ALL}{CHAIN}[actuators.sound]\ncoupling.arms.elbow = \"1 cm\"\n[actuators.long]\ncoupling.arms.elbow = \"-1 cm\"\n\
          coupling.rest_length = \"120 mm\"\n"
     );
-    // Its 120 mm and what the arm adds are beyond the thread's 110 mm.
+    // Its 120 mm and the 1 cm · 20° that the arm adds are beyond the thread's 110 mm.
     let error = mistakes(&text);
-    assert!(error.contains("initial.length") && error.contains("this is of the actuator `long`"), "{error}");
+    let words = "an actuator starts 123.491 mm long, and this must be less than actuator.thread_length";
+    assert!(error.contains(words) && error.contains("this is of the actuator `long`"), "{error}");
 }
 
 /// Files in which the keys of plants apply.

@@ -420,7 +420,7 @@ fn mistakes_in_a_joint_are_shown_where_they_are() {
     let error = error_of(
         "[load]\nkind = \"isometric\"\n[initial]\nlength = \"9 cm\"\n[run]\nduration = \"1 s\"\n[antagonist]\nactuator.turns = 3",
     );
-    assert!(error.contains("[antagonist] has no meaning"), "{error}");
+    assert!(error.contains("[antagonist] is not used"), "{error}");
 }
 
 #[test]
@@ -459,10 +459,10 @@ fn a_pressure_over_time_is_read_built_and_written() {
     let again = Scenario::from_str(&text, "again.toml").unwrap_or_else(|error| panic!("{error}\n{text}"));
     assert_eq!(again, read);
     for (more, words) in [
-        ("[initial]\ngauge_pressure = \"1 bar\"\n", "`initial.gauge_pressure` has no meaning where `[pressure]`"),
+        ("[initial]\ngauge_pressure = \"1 bar\"\n", "`initial.gauge_pressure` is not used where `[pressure]`"),
         (
             "[supply]\ngauge_pressure = \"6 bar\"\n[valve]\nkind = \"three-way\"\nflow_area = \"1 mm^2\"\n[command]\nkind = \"fill\"\n",
-            "`valve` has no meaning where `[pressure]`",
+            "`valve` is not used where `[pressure]`",
         ),
         ("[actuator]\nleakage = \"1e-12 m^3/(s*Pa)\"\n", "a valve or a leak would change it too"),
         ("[hose]\nlength = \"1 m\"\ndiameter = \"3 mm\"\n", "set `pressure.at = \"hose\"`"),

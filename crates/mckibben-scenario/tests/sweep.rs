@@ -407,7 +407,7 @@ fn rows_are_joints_all_or_none() {
     assert!(found.to_string().contains("of a joint, and there is none"), "{found}");
     let found =
         document("[sweep.vary]\n\"antagonist.valve.flow_area\" = [\"1 mm^2\"]\n").sweep().expect_err("no joint");
-    assert!(found.to_string().contains("[antagonist] has no meaning"), "{found}");
+    assert!(found.to_string().contains("[antagonist] is not used"), "{found}");
     in_grid("\"antagonist.load.mass\" = [\"1 kg\"]", Class::UnknownKey, 1, &["no path to a key"]);
 }
 
@@ -446,7 +446,7 @@ fn entries_of_lists_vary() {
         ("\"pressure.time[0]\" = [\"1 s\"]", "the file has no list `pressure.time`"),
         ("\"load.mass[0]\" = [\"1 kg\"]", "the file has no list `load.mass`"),
         ("\"command.time[1]\" = [\"1 kg\"]", "`command.time[1]` is a time"),
-        ("\"command.state[1]\" = [\"fil\"]", "\"fil\" is no choice for `command.state[1]`"),
+        ("\"command.state[1]\" = [\"fil\"]", "\"fil\" is not a valid value of `command.state[1]`"),
         ("\"command.time[1]\" = [\"60 ms\"]\n\"command.time[01]\" = [\"60 ms\"]", "`command.time[01]` varies twice"),
     ] {
         let found = read(vary).expect_err(vary).to_string();
@@ -680,11 +680,11 @@ fn rows_leave_out_what_has_no_meaning_under_their_word() {
         assert!(left_out.contains(&(format!("actuator.force.{key}").as_str(), "ideal-braid")), "{left_out:?}");
     }
     assert_eq!(left_out.len(), 3, "{left_out:?}");
-    // What has no meaning in any row is refused as before.
+    // What is not used in any row is refused as before.
     let never =
         "[sweep.vary]\n\"actuator.force.law\" = [\"ideal-braid\"]\n\"actuator.force.end_factor\" = [1.1, 1.3]\n";
     let found = document(never).sweep().expect_err("no row has it").to_string();
-    assert!(found.contains("`actuator.force.end_factor` has no meaning"), "{found}");
+    assert!(found.contains("`actuator.force.end_factor` is not used"), "{found}");
 }
 
 #[test]
@@ -696,7 +696,7 @@ fn mistakes_of_the_keys() {
     check(twice, Class::Conflict, (3, 1), &["varies twice", "first time"]);
     in_grid("\"sweep.rows\" = [1, 2]", Class::NotApplicable, 1, &["describes the sweep itself"]);
     in_grid("\"command.time\" = [\"1 s\"]", Class::NotApplicable, 1, &["is a list"]);
-    in_grid("\"load.force\" = [\"1 N\"]", Class::NotApplicable, 1, &["has no meaning", "hanging-mass"]);
+    in_grid("\"load.force\" = [\"1 N\"]", Class::NotApplicable, 1, &["is not used", "hanging-mass"]);
 }
 
 /// What a controller's keys take is in the unit of what it regulates.
@@ -888,7 +888,7 @@ fn rows_of_plants_leave_out_what_has_no_meaning_under_their_word() {
     assert_eq!(of.chooses, "actuators.biceps.force.law");
     let never = laws.replace(", \"tondu-lopez\"", "");
     let found = read(&never).expect_err("no row has it").to_string();
-    assert!(found.contains("end_factor") && found.contains("has no meaning"), "{found}");
+    assert!(found.contains("end_factor") && found.contains("is not used"), "{found}");
 }
 
 /// What varies is set from outside by its path, with or without the quotes of the file, whole or in a part of its range.

@@ -21,7 +21,7 @@ Examples:
   mckibben check --strict - < muscle.toml
   mckibben check muscle.toml --set 'load.mass=10 lb'
 
-Warnings are those that are known before a run: `mckibben simulate --help` lists them. Of a sweep the file's own values are
+Warnings are those that are known before a run: `mckibben simulate --help` lists them. Of a sweep the file's own values are \
 looked at.
 
 Exit codes: 0 every file is good; 2 at least one is not, or with --strict has a warning.")]
@@ -71,7 +71,11 @@ pub fn run(arguments: &CheckArguments) -> Result<(), Failure> {
         if files == 1 { "the file is wrong".to_owned() } else { format!("{wrong} of {files} files wrong") };
     let counts = [(mistakes, plural(mistakes)), (warned, warnings::plural(warned))];
     let counts: Vec<String> = counts.into_iter().filter(|(count, _)| *count > 0).map(|(_, words)| words).collect();
-    Err(Failure::input(format!("{of_how_many}, {}", counts.join(" and ")), "mend what is shown above and check again"))
+    let help = match mistakes {
+        0 => "change what is warned of above, or leave --strict out",
+        _ => "correct the mistakes above and check again",
+    };
+    Err(Failure::input(format!("{of_how_many}, {}", counts.join(" and ")), help))
 }
 
 /// Reads a file, sets values and builds what it describes; a few words about it with its warnings and a note, or its mistakes.

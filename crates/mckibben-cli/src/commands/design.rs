@@ -27,15 +27,15 @@ Examples:
   mckibben design arm.toml --vary 'coupling.rest_length=80..95 mm' --vary 'run.duration=1..2 s' \\
       --maximize elbow.angle.max --subject-to 'air.used<=2 g' --plot search.png --format json
 
-Keys are those that --set takes, with a number and a unit; an entry of a list is KEY[0]. The unit may stand on either end
-of the range. A range above zero over more than a factor of ten is searched on a logarithmic scale. Names of numbers are
-length.final, tension.max, air.used, energy.gas_work, exergy.efficiency, of a plant with the part before them,
-flexor.gauge_pressure.max; the names that `simulate --format json` prints, such as length_final_m, are taken too. A name
-that does not exist is answered with the nearest ones. With --settle there are also settled.length.mean, .ripple, .min
+Keys are those that --set takes, with a number and a unit; an entry of a list is KEY[0]. The unit may stand on either end \
+of the range. A range above zero over more than a factor of ten is searched on a logarithmic scale. Names of numbers are \
+length.final, tension.max, air.used, energy.gas_work, exergy.efficiency, of a plant with the part before them, \
+flexor.gauge_pressure.max; the names that `simulate --format json` prints, such as length_final_m, are taken too. A name \
+that does not exist is answered with the nearest ones. With --settle there are also settled.length.mean, .ripple, .min \
 and .max, and so of every column.
 
-The search screens the ranges on all cores and goes on from the best points by COBYLA, which needs no derivatives. It is
-deterministic, and equal on any number of cores. It finds a local optimum. A run that fails counts as infeasible. A
+The search screens the ranges on all cores and goes on from the best points by COBYLA, which needs no derivatives. It is \
+deterministic, and equal on any number of cores. It finds a local optimum. A run that fails counts as infeasible. A \
 constraint is met to a millionth of its bound. The warnings of the run at the best point are printed, as by `simulate`.
 
 Exit codes:

@@ -26,8 +26,8 @@ Examples:
   mckibben fmu muscle.toml --output muscle.fmu --pulse-frequency '50 Hz'
 
 The unit:
-  With --motion host the host owns masses and joints: `NAME.distance` and `NAME.rate` are inputs, `NAME.tension` is an
-  output. With --motion scenario loads and mechanisms of the file move. Valves are commanded by `NAME.duty`,
+  With --motion host the host owns masses and joints: `NAME.distance` and `NAME.rate` are inputs, `NAME.tension` is an \
+  output. With --motion scenario loads and mechanisms of the file move. Valves are commanded by `NAME.duty`, \
   `NAME.request`, `NAME.position` or `NAME.set_point`. Controllers of the file are left out.
   The numbers that the file says are parameters, which a host may change before the run.
   Values are in SI. --units chooses the units in which hosts display them.

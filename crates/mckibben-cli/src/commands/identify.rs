@@ -53,7 +53,7 @@ A study file:
   time_limit = \"600 s\"                    # likewise; Ctrl-C does so at once
 
 Of a valve:
-  kind = \"flow-curve\" finds C and b of ISO 6358, \"steady-flow\" the efficiency, from the columns upstream_absolute_pressure,
+  kind = \"flow-curve\" finds C and b of ISO 6358, \"steady-flow\" the efficiency, from the columns upstream_absolute_pressure, \
   downstream_absolute_pressure (or _gauge_pressure), temperature, and mass_flow or volume_flow (\"L/min ANR\")
   [flow]
   scatter = \"constant\"                    # of the flow: the same for all readings, or \"proportional\" to each
@@ -67,7 +67,7 @@ Of a valve:
   volume = \"0.5 L\"                        # line included; where it is estimated, a guess
   temperature = \"20 degC\"                 # of air and wall at the start; begins, ends, heat, windows, length: docs/identify.md
 
-  kind = \"pulse-train\" finds the delays, from the same; the edges are those of [columns.command] or of the scenario's PWM
+  kind = \"pulse-train\" finds the delays from such pressures; the edges are those of [columns.command] or of the scenario's PWM
   [pulses]
   begins = \"0 s\"                          # the first pulse of that PWM
   threshold = 2.5                         # of that column

@@ -8,6 +8,7 @@ use crate::terminal::{self, HEADING, NOTABLE, styled};
 use mckibben_run::failure::Failure;
 use mckibben_run::linearize::{Account, Line, LinearModel, Measure, Request};
 use mckibben_run::output::{self, Pending};
+use mckibben_run::quantities::read_share;
 use std::path::PathBuf;
 
 /// Arguments of `mckibben linearize`.
@@ -22,10 +23,10 @@ Examples:
 
 The point:
   Two of --gauge-pressure, --length and --load give the third; what is not given is that of the scenario.
-  --duty gives the pressure by the valve's mean flow; so does the scenario's own PWM when neither --gauge-pressure nor
-  --length is given, and the last set point of a regulator or the last position of a spool. With --pwm the command
+  --duty gives the pressure by the valve's mean flow; so does the scenario's own PWM when neither --gauge-pressure nor \
+  --length is given, and the last set point of a regulator or the last position of a spool. With --pwm the command \
   follows from the pressure. Otherwise the valve is held shut, and the mass flow into the actuator is the input.
-  Of a file of many actuators pulsed and proportional valves are taken by their commands; where there are none, or with
+  Of a file of many actuators pulsed and proportional valves are taken by their commands; where there are none, or with \
   controllers, all valves are held shut at the initial pressures. With --pwm the commands are those that hold these.
 
 Exit codes:
@@ -45,8 +46,8 @@ pub struct LinearizeArguments {
     /// The load: a mass that hangs, such as `10 lb`, or a force, such as `40 N`.
     #[arg(long, value_name = "QUANTITY", value_parser = Measure::read, allow_hyphen_values = true)]
     pub load: Option<Measure>,
-    /// Commanded duty at the point: the valve by its mean flow under PWM.
-    #[arg(long, value_name = "PART", conflicts_with = "gauge_pressure", allow_hyphen_values = true)]
+    /// Commanded duty at the point, such as `0.4` or `40%`: the valve by its mean flow under PWM.
+    #[arg(long, value_name = "PART", value_parser = read_share, conflicts_with = "gauge_pressure", allow_hyphen_values = true)]
     pub duty: Option<f64>,
     /// The valve by its mean flow under PWM, at the duty that holds the pressure.
     #[arg(long, conflicts_with = "duty")]

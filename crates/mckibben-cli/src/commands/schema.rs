@@ -9,8 +9,7 @@ use mckibben_run::failure::Failure;
 Examples:
   mckibben schema > mckibben.schema.json
 
-An editor that knows TOML then completes keys and explains them.
-With Taplo or \"Even Better TOML\", begin the scenario file with the line
+An editor that knows TOML then completes keys and explains them. With Taplo or \"Even Better TOML\", begin the scenario file with the line
   #:schema ./mckibben.schema.json")]
 pub struct SchemaArguments {}
 

@@ -36,13 +36,13 @@ Examples:
   mckibben simulate muscle.toml --format json | jq .numbers.length_final_m
   generate-scenario | mckibben simulate - --strict
 
-A run whose samples alone are wanted is written as it is made, in memory that does not grow with it; under a controller
-what was decided is kept, some 50 bytes a sample. For a figure or events every step is kept, about a kilobyte each:
+A run whose samples alone are wanted is written as it is made, in memory that does not grow with it; under a controller \
+what was decided is kept, some 50 bytes a sample. For a figure or events every step is kept, about a kilobyte each: \
 past 256 MB a note says how much it will be. A run may have 1e9 samples, steps, pulses and samples of its controller.
 
-What cannot be meant is a warning, at the end of the summary: a valve that never opens or closes under its pulses, a pressure,
-tension or length that no braid holds, a load thrown above its attachment, a start below actuator.min_length, a law of force
-beyond its table. With --quiet it goes to standard error. --strict makes an error of it.
+What cannot be meant is a warning, at the end of the summary: a valve that never opens or closes under its pulses, a pressure, \
+tension or length that no braid holds, a load thrown above its attachment, a start below actuator.min_length, a set \
+point that is never reached, an effectiveness above 2, a law of force beyond its table or of another muscle. With --quiet it goes to standard error. --strict makes an error of it.
 
 Exit codes:
   0  done

@@ -8,9 +8,9 @@ use crate::terminal;
 use mckibben_run::failure::Failure;
 use mckibben_run::linearize::Measure;
 use mckibben_run::output;
-use mckibben_run::quantities::given;
+use mckibben_run::quantities::{given, read_share};
 use mckibben_run::report::{Table, number};
-use mckibben_run::size::{Pulses, Requirement, Sizes, UNCHECKED, ValveTime, force_of};
+use mckibben_run::size::{BraidAngles, Pulses, Requirement, Sizes, UNCHECKED, ValveTime, force_of};
 use mckibben_run::units;
 use std::path::PathBuf;
 
@@ -24,11 +24,11 @@ Examples:
   mckibben size --load '5 kg' --stroke '30 mm' --gauge-pressure '4 bar' --time '0.3 s' --scenario muscle.toml
   mckibben size --load '5 kg' --stroke '30 mm' --gauge-pressure '4 bar' --time '0.3 s' --ripple '0.2 mm'
 
-A muscle hangs under the load at rest, at its greatest length and without pressure. Its stroke is how much shorter it
-is where it holds the load at the whole pressure. Friction is left out. A braid that is made to measure is the ideal
-one unless --effectiveness says how much of its force a real one has. With --time the valve opens at once and the load
-is lifted from rest; the time is that of nine tenths of the stroke. With --ripple the valve is pulsed in the middle of
-the stroke, at the duty whose mean flow holds the load there; the ripple is that of the linear model. The scenario that
+A muscle hangs under the load at rest, at its greatest length and without pressure. Its stroke is how much shorter it \
+is where it holds the load at the whole pressure. Friction is left out. A braid that is made to measure is the ideal \
+one unless --effectiveness says how much of its force a real one has. With --time the valve opens at once and the load \
+is lifted from rest; the time is that of nine tenths of the stroke. With --ripple the valve is pulsed in the middle of \
+the stroke, at the duty whose mean flow holds the load there; the ripple is that of the linear model. The scenario that \
 is written then starts there. A named valve is too slow where its delays are longer than the pulses.")]
 pub struct SizeArguments {
     /// What is moved: a mass that hangs, such as `5 kg`, or a force, such as `40 N`.
@@ -40,17 +40,11 @@ pub struct SizeArguments {
     /// The gauge pressure that there is, such as `4 bar`.
     #[arg(long, value_name = "QUANTITY", value_parser = measured("pressure", "Pa", "4 bar"), allow_hyphen_values = true)]
     pub gauge_pressure: f64,
-    /// Braid angles at rest of the braids that are made to measure, as in `20,25,30`, in degrees.
-    #[arg(
-        long,
-        value_name = "LIST",
-        value_delimiter = ',',
-        default_value = "15,20,25,30,35",
-        allow_hyphen_values = true
-    )]
-    pub braid_angles: Vec<f64>,
-    /// Force over that of the ideal braid, of the braids that are made to measure.
-    #[arg(long, value_name = "PART", default_value_t = 1.0, allow_hyphen_values = true)]
+    /// Braid angles at rest of the braids that are made to measure, as in `20,25,30` or `0.4,0.5rad`; without a unit in degrees.
+    #[arg(long, value_name = "LIST", default_value = "15,20,25,30,35", allow_hyphen_values = true)]
+    pub braid_angles: BraidAngles,
+    /// Force over that of the ideal braid, of the braids that are made to measure, such as `0.8` or `80%`.
+    #[arg(long, value_name = "PART", value_parser = read_share, default_value = "1", allow_hyphen_values = true)]
     pub effectiveness: f64,
     /// The greatest length that a muscle may have at rest.
     #[arg(long, value_name = "QUANTITY", value_parser = measured("length", "m", "30 mm"), allow_hyphen_values = true)]
@@ -96,7 +90,7 @@ pub fn run(arguments: &SizeArguments) -> Result<(), Failure> {
         load: force_of(arguments.load),
         stroke: arguments.stroke,
         gauge_pressure: arguments.gauge_pressure,
-        braid_angles: arguments.braid_angles.iter().map(|angle| angle.to_radians()).collect(),
+        braid_angles: arguments.braid_angles.0.clone(),
         effectiveness: arguments.effectiveness,
         most_length: arguments.most_length,
         most_diameter: arguments.most_diameter,

@@ -182,7 +182,7 @@ fn controllers_have_what_they_drive() {
         ),
         "the command of no actuator refers to it",
     );
-    refused(&CONTROLLED.replace("angle = [\"0 deg\", \"15 deg\"]", "length = \"9 cm\""), "has no meaning for a joint");
+    refused(&CONTROLLED.replace("angle = [\"0 deg\", \"15 deg\"]", "length = \"9 cm\""), "is not used for a joint");
 }
 
 /// The number at the end of the line of the summary that begins with a name.

@@ -116,9 +116,10 @@ impl Instance {
     /// Writes the continuous states.
     ///
     /// # Errors
-    /// In co-simulation; for another count.
+    /// In co-simulation; before initialisation; for another count.
     pub fn states(&mut self, states: &mut [f64]) -> Result<(), Refusal> {
         self.check_exchange()?;
+        self.check_begun()?;
         self.check_states(states.len())?;
         for (into, place) in states.iter_mut().zip(&self.model.variables().states) {
             *into = self.plant.steps().state()[*place];
@@ -130,7 +131,7 @@ impl Instance {
     ///
     /// # Errors
     /// In co-simulation; discarded where a rate is not finite.
-    pub fn rates(&mut self) -> Result<Vec<f64>, Refusal> {
+    pub(super) fn rates(&mut self) -> Result<Vec<f64>, Refusal> {
         let mut all = core::mem::take(&mut self.scratch[1]);
         let computed = self.exchange().and_then(|(exchange, plant)| Ok(exchange.rates(plant.steps(), &mut all)?));
         let rates: Vec<f64> = self.model.variables().states.iter().map(|place| all[*place]).collect();
@@ -145,8 +146,10 @@ impl Instance {
     /// Writes the rates of the continuous states.
     ///
     /// # Errors
-    /// As [`Instance::rates`]; for another count.
+    /// In co-simulation; before initialisation; for another count; discarded where a rate is not finite.
     pub fn write_rates(&mut self, into: &mut [f64]) -> Result<(), Refusal> {
+        self.check_exchange()?;
+        self.check_begun()?;
         let rates = self.rates()?;
         if into.len() != rates.len() {
             return Err(Refusal::error(format!("there are {} continuous states, not {}", rates.len(), into.len())));
@@ -158,8 +161,18 @@ impl Instance {
     /// Writes the event indicators: guards of the mode that holds, positive while it lasts.
     ///
     /// # Errors
-    /// In co-simulation; for another count; discarded where one is not a number.
+    /// In co-simulation; before initialisation; for another count; discarded where one is not a number.
     pub fn indicators(&mut self, values: &mut [f64]) -> Result<(), Refusal> {
+        self.check_exchange()?;
+        self.check_begun()?;
+        self.read_indicators(values)
+    }
+
+    /// Writes the event indicators in any phase, as those of the description's starts.
+    ///
+    /// # Errors
+    /// In co-simulation; for another count; discarded where one is not a number.
+    pub(super) fn read_indicators(&mut self, values: &mut [f64]) -> Result<(), Refusal> {
         let count = self.indicator_count();
         if values.len() != count {
             return Err(Refusal::error(format!("{} numbers are given for {count} event indicators", values.len())));

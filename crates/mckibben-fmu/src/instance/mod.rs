@@ -232,6 +232,14 @@ impl Instance {
         Err(Refusal::error(format!("called in the phase {:?}; call it in the phase {known}", self.phase)))
     }
 
+    /// That initialisation has begun, before which a host may read neither states nor derivatives. Until its end they are those of
+    /// parameters and inputs.
+    fn check_begun(&mut self) -> Result<(), Refusal> {
+        use Phase::{Continuous, Event, Initialization, Step, Terminated};
+        self.check_phase(&[Initialization, Event, Step, Continuous, Terminated])?;
+        if self.phase == Initialization { self.refresh_start() } else { Ok(()) }
+    }
+
     /// That it is made for model exchange.
     fn check_exchange(&self) -> Result<(), Refusal> {
         match self.kind {
@@ -321,6 +329,8 @@ impl Instance {
         }
         plant.state_size();
         (self.plant, self.inputs) = (plant, inputs);
+        // What was evaluated for is the plant of other parameters.
+        self.exchange = None;
         self.built.clone_from(&self.parameters);
         self.sent.fill(None);
         self.entered.clone_from(&self.inputs.rates);

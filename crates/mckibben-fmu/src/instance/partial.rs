@@ -10,7 +10,7 @@ impl Instance {
     /// Writes how unknowns change where knowns change by `seed`, the elements of arrays one behind the other.
     ///
     /// # Errors
-    /// For a reference that no variable has, another count of numbers; for a known that is no continuous state, distance or
+    /// Before initialisation; for a reference that no variable has, another count of numbers; for a known that is no continuous state, distance or
     /// rate, and an unknown that is computed otherwise.
     pub fn directional(
         &mut self,
@@ -18,6 +18,7 @@ impl Instance {
         seed: &[f64],
         sensitivity: &mut [f64],
     ) -> Result<(), Refusal> {
+        self.check_begun()?;
         let (needed, given) = (self.count(knowns)?, seed.len());
         let (unknown, places) = (self.count(unknowns)?, sensitivity.len());
         if needed != given || unknown != places {

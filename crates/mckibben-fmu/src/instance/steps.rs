@@ -4,7 +4,7 @@
 //! the end of the step sets the rates to zero, from those of the scenario at which they start; one that gives both as they are at its beginning is right to first order.
 
 use super::{Instance, Kind, Phase, Refusal, SAME};
-use mckibben_run::host::Motion;
+use mckibben_run::host::{GREATEST_MOTION, Motion};
 
 /// By how much pulses are laid out beyond an edge, relative to a time of one second or more.
 const AHEAD: f64 = 1e-12;
@@ -70,11 +70,26 @@ impl Instance {
                 targets.push(if is_early { begin + (target - begin) * part } else { target });
             }
         }
-        let done = self.plant.advance(end, &targets);
+        let done = self.check_targets(&targets, step).and_then(|()| {
+            // The call is right, so what keeps the plant from going there are the values: others, or a shorter step, may do.
+            self.plant.advance(end, &targets).map_err(|failure| Refusal::discard(failure.sentence()))
+        });
         self.scratch[0] = targets;
         self.are_outputs_known = false;
         done?;
         Ok(StepEnd { time: if is_early { self.offset + end } else { time + step }, is_early, is_event })
+    }
+
+    /// That the distances in m to which a step in s takes the ends are some.
+    fn check_targets(&self, targets: &[f64], step: f64) -> Result<(), Refusal> {
+        let is_none = |target: &f64| !(*target > 0.0 && *target <= GREATEST_MOTION);
+        let Some(index) = targets.iter().position(is_none) else { return Ok(()) };
+        let (name, target) = (&self.plant.actuators()[index], targets[index]);
+        let (distance, rate) = (self.inputs.distances[index], self.inputs.rates[index]);
+        Err(Refusal::discard(format!(
+            "`{name}.distance` = {distance:?} m and `{name}.rate` = {rate:?} m/s lead to a distance of {target:?} m in a step of \
+             {step:?} s, which is not above zero and up to {GREATEST_MOTION:e} m; take a shorter step, or set another rate"
+        )))
     }
 
     /// The next instant in s up to `until` at which something moves; infinite where there is none. Pulses are laid out as far as that

@@ -78,7 +78,7 @@ impl Instance {
             }
             Slot::Indicator(index) => {
                 let mut values = vec![0.0; self.model.variables().indicators];
-                self.indicators(&mut values)?;
+                self.read_indicators(&mut values)?;
                 into[0] = values[index];
             }
             Slot::Array(Array::Commands) => into.copy_from_slice(&self.inputs.commands),

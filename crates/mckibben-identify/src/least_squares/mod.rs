@@ -43,6 +43,9 @@ use thiserror::Error;
 /// are few.
 const PASSES: usize = 3;
 
+/// Part of the larger of its bounds that the size of an unknown is at least.
+const LEAST_SIZE: f64 = 1e-7;
+
 /// A model of measurements: how far it is from each of them.
 pub trait Model {
     /// How many residuals there are.
@@ -111,12 +114,12 @@ impl Unknown {
         Self { bounds: [least, largest], ..self }
     }
 
-    /// What its value is divided by in the search.
+    /// What its value is divided by in the search. A start that an earlier search has left near zero is no size.
     fn size(&self) -> f64 {
         let widest =
             self.bounds.iter().filter(|bound| bound.is_finite()).fold(0.0_f64, |size, bound| size.max(bound.abs()));
         match (self.start.abs(), widest) {
-            (start, _) if start > 0.0 => start,
+            (start, widest) if start > 0.0 => start.max(LEAST_SIZE * widest),
             (_, widest) if widest > 0.0 => widest,
             _ => 1.0,
         }
@@ -209,6 +212,16 @@ pub struct Search {
     pub any_end: bool,
     /// Follows the search, and may end it: [`Ending::Interrupted`] and [`Ending::Time`].
     pub monitor: Monitor,
+}
+
+impl Search {
+    /// The loss of residuals in their scales: its measure is their standard deviation, by the median of their sizes where the scales are
+    /// not known.
+    pub(crate) fn loss_of(&self, residuals: &[f64]) -> Loss {
+        let deviation = if self.known_scales { 1.0 } else { median::deviation(residuals.iter().copied()) };
+        // Half of the residuals are nothing: there is no measure of an outlier.
+        if deviation > 0.0 { self.loss.of_deviation(deviation) } else { Loss::Squares }
+    }
 }
 
 impl Default for Search {
@@ -332,6 +345,12 @@ fn check(model: &dyn Model, unknowns: &[Unknown]) -> Result<(), FitError> {
         }
     }
     Ok(())
+}
+
+/// What a fit says of values at which a search of these unknowns has ended.
+pub(crate) fn fitted(model: &dyn Model, unknowns: &[Unknown], search: &Search, values: Vec<f64>) -> Fit {
+    let there = with_priors(model, unknowns, &values);
+    Fit::new(model, unknowns, search, (values, there))
 }
 
 /// The values where steps by derivatives end from one start, be it a minimum or not: a stage on the way to one.

@@ -56,7 +56,7 @@ pub struct Estimate {
     pub value: f64,
     /// Its standard error; `None` where the unknown is not identifiable from the data or rests on a bound.
     pub standard_error: Option<f64>,
-    /// The 95 % confidence interval, likewise.
+    /// The 95 % confidence interval, likewise; of a sensor's lag that rests on zero from there on.
     pub confidence_interval: Option<[f64; 2]>,
     /// Whether it rests on one of its bounds.
     pub on_bound: bool,

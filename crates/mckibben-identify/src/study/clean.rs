@@ -16,6 +16,7 @@
 //! | a length or a temperature that is not above zero | refused; left out with `drop_outliers` |
 //! | a step in time a thousand times as long as all others together | refused |
 //! | uneven steps, gaps | reported: nothing is resampled, every reading is compared at its own time |
+//! | a tension at or below `slack`, or three times its noise: its `deviation`, or the scatter of those below zero | marked as slack |
 //! | a gauge pressure below the atmosphere, of a muscle that is not evacuated | reported as a likely offset |
 
 use super::file::ColumnEntry;
@@ -38,6 +39,10 @@ const SLIPS: usize = 20;
 const OTHERS: usize = 4;
 /// How many times as long as all other steps together a step in time is that cannot be.
 const JUMP: f64 = 1e3;
+/// Standard deviations of the noise at or below which a tension is none; and the part of the largest tension that they are at most, where
+/// the noise is taken from the readings.
+const WITHIN_NOISE: f64 = 3.0;
+const MOST_NOISE: f64 = 0.05;
 /// Equal largest readings on end from which on a sensor may be taken to be at its end.
 pub const STUCK: usize = 8;
 
@@ -50,7 +55,7 @@ pub fn longest_at_the_end(values: &[f64]) -> (usize, f64) {
 /// The rules of one column.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rules {
-    /// At or below this no tension was held.
+    /// At or below this no tension was held; unless it is given, three times the noise.
     pub slack: Option<f64>,
     /// At or above this the sensor is at its end.
     pub saturates: Option<f64>,
@@ -491,15 +496,23 @@ impl Work<'_> {
         if !column.quantity.is_tension() {
             return;
         }
-        let end = rules.slack.unwrap_or(0.0);
+        let noise = rules.deviation.or_else(|| noise_about_zero(&column.values)).filter(|_| rules.slack.is_none());
+        let end = rules.slack.unwrap_or(noise.map_or(0.0, |noise| WITHIN_NOISE * noise));
         let mut count = 0;
         for (slack, value) in column.slack.iter_mut().zip(&column.values) {
             *slack = *value <= end;
             count += usize::from(*slack);
         }
         if count > 0 {
+            let end = match noise {
+                Some(noise) => {
+                    let [end, noise] = [end, noise].map(|tension| format!("{tension:.2e}").parse().unwrap_or(tension));
+                    format!("{end} N, three times the noise of {noise} N")
+                }
+                None => format!("{end} N"),
+            };
             let text = format!(
-                "{} of the {} {} at or below {end} N: slack, which says only that the muscle does not pull",
+                "{} of the {} {} at or below {end}: slack, which says only that the muscle does not pull",
                 readings(count),
                 column.words(),
                 if count == 1 { "is" } else { "are" }
@@ -517,6 +530,18 @@ impl Work<'_> {
             self.note(Severity::Warned, text);
         }
     }
+}
+
+/// The noise in N of tensions, by those below zero, of few by the farthest: a slack muscle reads as far below zero as above. `None`
+/// where there are none, and where they are so far below that they are no noise, as those of a rig that pushes.
+fn noise_about_zero(tensions: &[f64]) -> Option<f64> {
+    let below: Vec<f64> = tensions.iter().filter(|tension| **tension < 0.0).map(|tension| -tension).collect();
+    let largest = tensions.iter().copied().filter(|tension| tension.is_finite()).fold(0.0, f64::max);
+    let noise = match below.len() {
+        0..OTHERS => below.iter().copied().fold(0.0, f64::max),
+        _ => deviation(below),
+    };
+    (noise > 0.0 && WITHIN_NOISE * noise <= MOST_NOISE * largest).then_some(noise)
 }
 
 /// A number of readings in words.

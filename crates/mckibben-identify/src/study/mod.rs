@@ -13,7 +13,7 @@
 //! [columns.tension]                  # of a plant behind the name of a part: [columns."flexor.tension"], [columns."knee.angle"]
 //! name = "F"
 //! unit = "N"
-//! slack = "0 N"                      # at or below this no tension was held
+//! slack = "0.3 N"                    # at or below this no tension was held; three times the noise, unless given
 //! saturates = "500 N"                # at or above this the sensor was at its end
 //! deviation = "0.5 N"                # of one reading, where it is known
 //!

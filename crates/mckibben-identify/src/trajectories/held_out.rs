@@ -2,7 +2,7 @@
 //! has cannot come from the others: it is found from the run itself, with all others held.
 
 use super::{Identified, Observed, Recorded, Runs, Simulated, Task};
-use crate::least_squares::{self, Search, Unknown};
+use crate::least_squares::{self, Loss, Search, Unknown};
 
 /// The errors of one run, in it and out of it.
 #[derive(Clone, Debug)]
@@ -53,7 +53,7 @@ impl Task {
                 fit_runs(this, &own, &mut predicted)?;
             }
             let alone = Runs::whole(this, scales(), self.tolerance, &self.search.monitor);
-            let error = |values: &[f64]| alone.scatter(&alone.tried(&self.runs[place], values));
+            let error = |values: &[f64]| alone.scatter(&alone.tried(&self.runs[place], values), Loss::Squares);
             let (inside, outside) = (error(&values), error(&predicted));
             let errors = inside.into_iter().zip(outside).map(|((of, inside), (_, outside))| {
                 let scale = alone.scale(&of);

@@ -11,7 +11,7 @@
 //!
 //! The scale s of a quantity is the standard deviation of its readings where that is known. Else a first fit weighs each
 //! quantity by its span, and a second by the scatter that the first has left: so a poor pressure sensor does not
-//! outweigh a good length sensor. Where the second leaves another scatter than that, as when the first has ended in a poor
+//! outweigh a good length sensor. Under a loss that spares outliers the scatter is that of the median residual. Where the second leaves another scatter than that, as when the first has ended in a poor
 //! place, further fits follow until the scales are what is left; [`Identified::unsettled`] names those that are not.
 //!
 //! A start far off may lie in another valley, since an oscillation of the wrong frequency falls out of step. Then
@@ -46,7 +46,7 @@ pub use simulated::{Simulated, SimulatedReader, Watch};
 pub use step_info::StepInfo;
 pub use subject::{AdjustablePlant, Described, Subject, SubjectError};
 
-use crate::least_squares::{Evaluation, Model, Monitor};
+use crate::least_squares::{self, Evaluation, Loss, Model, Monitor};
 use mckibben::Error;
 use mckibben::Instantiate;
 use rayon::prelude::*;
@@ -302,18 +302,18 @@ impl Runs<'_> {
         }
     }
 
-    /// Root mean square residual of each quantity that has readings, in scales.
-    pub(crate) fn scatter(&self, residuals: &[f64]) -> Vec<(Observed, f64)> {
-        let mut sums: Vec<(Observed, f64, u32)> = observed_in(self.runs).into_iter().map(|of| (of, 0.0, 0)).collect();
+    /// The size of the residuals of each quantity that has readings, in scales: the root mean square, or, under a loss that spares
+    /// outliers, a size that these do not change.
+    pub(crate) fn scatter(&self, residuals: &[f64], loss: Loss) -> Vec<(Observed, f64)> {
+        let mut own: Vec<(Observed, Vec<f64>)> =
+            observed_in(self.runs).into_iter().map(|of| (of, Vec::new())).collect();
         let mut residuals = residuals.iter();
         for series in self.runs.iter().flat_map(|run| &run.time_series) {
-            let Some((_, squares, count)) = sums.iter_mut().find(|(of, ..)| *of == series.observed) else { continue };
-            for (_, residual) in self.within(series).zip(residuals.by_ref()) {
-                (*squares, *count) = (*squares + residual * residual, *count + 1);
-            }
+            let Some((_, own)) = own.iter_mut().find(|(of, _)| *of == series.observed) else { continue };
+            own.extend(self.within(series).zip(residuals.by_ref()).map(|(_, residual)| *residual));
         }
-        let read = sums.into_iter().filter(|(.., count)| *count > 0);
-        read.map(|(of, squares, count)| (of, (squares / f64::from(count)).sqrt())).collect()
+        let read = own.into_iter().filter(|(_, own)| !own.is_empty());
+        read.map(|(of, own)| (of, least_squares::typical(own.into_iter(), loss))).collect()
     }
 }
 

@@ -75,16 +75,9 @@ impl Task {
 
     /// The size of the residuals of a quantity in its scale: outliers that the search spares do not count to it. `None` without readings.
     fn typical(&self, found: &Identified, observed: &Observed) -> Option<f64> {
-        let mut rest = found.found.fit.residuals.as_slice();
-        let mut residuals = Vec::new();
-        for recorded in self.runs.iter().flat_map(|run| &run.time_series) {
-            let (own, behind) = rest.split_at(recorded.times.len().min(rest.len()));
-            rest = behind;
-            if recorded.observed == *observed {
-                residuals.extend_from_slice(own);
-            }
-        }
-        (!residuals.is_empty()).then(|| least_squares::typical(residuals.into_iter(), self.search.loss))
+        let runs = Runs::whole(&self.runs, Vec::new(), self.tolerance, &self.search.monitor);
+        let sizes = runs.scatter(&found.found.fit.residuals, self.search.loss);
+        sizes.into_iter().find(|(of, _)| of == observed).map(|(_, size)| size)
     }
 
     /// The time series whose residuals drift from the first reading to the last.

@@ -1,10 +1,13 @@
 //! The search: scales of the quantities, starts, and a horizon that grows.
 
 use super::shooting::{self, Shot};
-use super::{Described, Observed, Recorded, Runs, Simulated, SubjectError, TimeSeries, observed_in};
+use super::{Amount, Described, Observed, Recorded, Runs, Simulated, SubjectError, TimeSeries, observed_in};
 use crate::adjustable::SwitchedOff;
-use crate::least_squares::{self, Ending, Evaluation, Fit, FitError, Found, Model, Monitor, Search, Unknown};
+use crate::least_squares::{
+    self, Ending, Estimate, Evaluation, Fit, FitError, Found, Loss, Model, Monitor, Search, Unknown,
+};
 use crate::series;
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 use thiserror::Error as ThisError;
 
 /// How much of the runs is fitted.
@@ -28,6 +31,11 @@ const WEIGHINGS: usize = 6;
 const SETTLED: f64 = 1.1;
 /// Part of its span below which what is left of a quantity is no noise, and no measure of a weight; and the least scale.
 const NOISELESS: [f64; 2] = [1e-6, 1e-9];
+
+/// Ratio of what a whole run and its segments leave, up to which they are alike; and the probability of the F distribution beyond which
+/// their difference is no chance.
+const ALIKE: f64 = 1.01;
+const NO_CHANCE: f64 = 0.999;
 
 /// What is to be found, from what.
 #[derive(Clone, Debug)]
@@ -187,14 +195,19 @@ impl Runs<'_> {
 /// The span of each quantity, or its known deviation, and whether that is one.
 type Spans = [(Observed, (f64, bool))];
 
-/// The scales of all quantities, of those without a known deviation by the residuals of a fit.
-fn weighed(runs: &Runs<'_>, spans: &Spans, residuals: &[f64]) -> Vec<(Observed, f64)> {
-    let scatter = runs.scatter(residuals);
+/// The scales of all quantities, of those without a known deviation by the residuals of a fit under a loss.
+fn weighed(runs: &Runs<'_>, spans: &Spans, residuals: &[f64], loss: Loss) -> Vec<(Observed, f64)> {
+    let (typical, mean) = (runs.scatter(residuals, loss), runs.scatter(residuals, Loss::Squares));
+    let of_quantity = |sizes: &[(Observed, f64)], of: &Observed| {
+        sizes.iter().find(|(other, _)| other == of).map_or(1.0, |(_, size)| *size)
+    };
     let mut weighed = Vec::with_capacity(spans.len());
     for ((of, scale), (_, (span, known))) in runs.scales.iter().zip(spans) {
-        let residual = scatter.iter().find(|(other, _)| other == of).map_or(1.0, |(_, residual)| *residual);
+        let typical = scale * of_quantity(&typical, of);
+        // Half of the readings are met exactly, as those of a muscle at rest: the others are no outliers.
+        let left = if typical > NOISELESS[0] * span { typical } else { scale * of_quantity(&mean, of) };
         // The residual of noiseless data says nothing: its scale is the span's rounding.
-        weighed.push((of.clone(), if *known { *scale } else { (scale * residual).max(NOISELESS[1] * span) }));
+        weighed.push((of.clone(), if *known { *scale } else { left.max(NOISELESS[1] * span) }));
     }
     weighed
 }
@@ -209,6 +222,20 @@ fn unsettled_in(scales: &[(Observed, f64)], left: &[(Observed, f64)], spans: &Sp
         }
     }
     found
+}
+
+/// Whether the initial states of segments explain more of the readings than as many unknowns do by chance. If not, the whole run, which
+/// has none of them, is as good: what it leaves is more by a hundredth at most, or by what the F test of nested models leaves to chance
+/// (the extra sum of squares; Bates & Watts 1988, Nonlinear Regression Analysis and Its Applications, chapter 3).
+fn is_needed(states: usize, joined: &Fit, whole: &Fit, search: &Search) -> bool {
+    let loss = search.loss_of(&joined.residuals);
+    let [of_joined, of_whole] = [joined, whole].map(|fit| loss.cost(&fit.residuals));
+    if of_whole <= ALIKE * of_joined {
+        return false;
+    }
+    let (states, rest) = (states.max(1) as f64, joined.degrees_of_freedom.max(1) as f64);
+    let ratio = (of_whole - of_joined) / states / (of_joined / rest);
+    FisherSnedecor::new(states, rest).is_ok_and(|chance| chance.cdf(ratio) > NO_CHANCE)
 }
 
 impl Task {
@@ -259,7 +286,7 @@ impl Task {
             if all_known || search.monitor.is_stopped() {
                 break;
             }
-            let (rough, weighed) = (runs.scales.clone(), weighed(&runs, &spans, &found.0.fit.residuals));
+            let (rough, weighed) = (runs.scales.clone(), weighed(&runs, &spans, &found.0.fit.residuals, search.loss));
             unsettled = unsettled_in(&rough, &weighed, &spans);
             if weighing == WEIGHINGS || (weighing > 0 && unsettled.is_empty()) {
                 break;
@@ -301,7 +328,7 @@ impl Task {
         // In segments the runs are simulated already, with the values as they were found.
         if joined.is_none() {
             let calm = Runs { scales: runs.scales.clone(), monitor: Monitor::default(), ..runs };
-            found.fit = found.fit.on_bounds(&calm);
+            found.fit = self.with_lags_at_zero(found.fit.on_bounds(&calm), &calm, &search);
         }
         let values = found.fit.values();
         let scenario = |run: &Recorded| run.subject.at(&run.own(&values)).map_err(|error| run.failed(error));
@@ -312,7 +339,7 @@ impl Task {
         };
         let whole = || self.runs.iter().map(|run| run.simulated(&values, self.tolerance)).collect();
         let simulated = joined.map_or_else(whole, Ok)?;
-        let scatter = runs.scatter(&found.fit.residuals);
+        let scatter = runs.scatter(&found.fit.residuals, Loss::Squares);
         let left = scatter.into_iter().map(|(of, residual)| (of.clone(), residual * runs.scale(&of))).collect();
         let scales = runs.scales;
         let stopped = self.search.monitor.ending();
@@ -330,8 +357,8 @@ impl Task {
         let Horizon::Segments(every) = self.horizon else {
             return Ok((least_squares::fit_from(runs, unknowns, starts, search)?, None));
         };
-        let (joined, simulated) = match shooting::fit(runs, unknowns, every, search)? {
-            Shot::Joined(fit, simulated) => (fit, simulated),
+        let (joined, simulated, states) = match shooting::fit(runs, unknowns, every, search)? {
+            Shot::Joined(fit, simulated, states) => (fit, simulated, states),
             Shot::Stopped(values, ending) => {
                 let reached = least_squares::starting_at(unknowns, &values);
                 return Ok((Found::only(runs.unfinished(&reached, ending)), None));
@@ -340,11 +367,31 @@ impl Task {
         let from = least_squares::starting_at(unknowns, &joined.values());
         // From there a run that can be fitted whole is, in a few steps.
         let few = Search { most_steps: search.most_steps.min(20), any_end: false, ..search.clone() };
-        let squares = |fit: &Fit| fit.residuals.iter().map(|residual| residual * residual).sum::<f64>();
         match least_squares::fit(runs, &from, &few) {
-            Ok(fit) if squares(&fit) <= 1.01 * squares(&joined) => Ok((Found::only(fit), None)),
+            Ok(fit) if !is_needed(states, &joined, &fit, search) => Ok((Found::only(fit), None)),
             _ => Ok((Found::only(joined), Some(simulated))),
         }
+    }
+
+    /// With an interval from zero on of each lag of a sensor that came out as zero: as far as the readings would let it go. Zero is no
+    /// choice of the study: a lag has no lesser value.
+    fn with_lags_at_zero(&self, mut fit: Fit, runs: &Runs<'_>, search: &Search) -> Fit {
+        let series = || self.runs.iter().flat_map(|run| &run.time_series);
+        let is_lag = |unknown: usize| series().any(|series| series.sensor.lag == Amount::Unknown(unknown));
+        let is_at_zero = |unknown: &usize| is_lag(*unknown) && fit.estimates[*unknown].bound == Some(0.0);
+        let lags: Vec<usize> = (0..self.unknowns.len()).filter(is_at_zero).collect();
+        if lags.is_empty() || fit.ending != Ending::Minimum {
+            return fit;
+        }
+        let mut unknowns = self.unknowns.clone();
+        lags.iter().for_each(|lag| unknowns[*lag].bounds[0] = f64::NEG_INFINITY);
+        let search = Search { loss: search.loss_of(&fit.residuals), ..search.clone() };
+        let open = least_squares::fitted(runs, &unknowns, &search, fit.values());
+        for lag in lags {
+            let Estimate { value, confidence_interval, .. } = &open.estimates[lag];
+            fit.estimates[lag].confidence_interval = confidence_interval.map(|[_, most]| [*value, most]);
+        }
+        fit
     }
 
     pub(super) fn series_of<'s>(&'s self, observed: &'s Observed) -> impl Iterator<Item = &'s TimeSeries> {

@@ -111,8 +111,9 @@ pub(super) struct Reading<R> {
 
 /// Half of the span in s over which a time series is differenced in time.
 const HALF_SPAN: f64 = 1e-5;
-/// Part of a lag by which it is differenced.
+/// Part of a lag by which it is differenced, and the least such difference in s: between two lags near zero nothing is left but rounding.
 const LAG_PART: f64 = 1e-4;
+const LEAST_LAG: f64 = 1e-7;
 /// Lags after which a filter has forgotten where it was, and parts of a lag that are a step of it; but a step need not be shorter
 /// than a time in s in which any motion is a parabola.
 const FORGOTTEN: f64 = 30.0;
@@ -146,8 +147,12 @@ impl KnownSensor {
         let mut simulated_series =
             SimulatedSeries { reader: SimulatedReader::new(simulated), observed, last: simulated.duration().value() };
         let [.., shift_is_unknown, lag_is_unknown] = self.is_unknown;
-        let parts: &[f64] = if lag_is_unknown { &[1.0, 1.0 + LAG_PART, 1.0 - LAG_PART] } else { &[1.0] };
-        let mut filter = (self.lag > 0.0).then(|| Filter::new(self.lag, parts, &mut simulated_series));
+        let step = (LAG_PART * self.lag).max(LEAST_LAG);
+        // No lag is below zero: from one that is shorter than the difference, this is one-sided.
+        let less = if self.lag > step { self.lag - step } else { self.lag };
+        let lags = [self.lag, self.lag + step, less];
+        let lags = if lag_is_unknown { &lags[..] } else { &lags[..1] };
+        let mut filter = (self.lag > 0.0).then(|| Filter::new(lags, &mut simulated_series));
         let (base, scale) = (R::constant(self.base), R::constant(self.scale));
         for time in times {
             let source = self.source(time);
@@ -160,13 +165,16 @@ impl KnownSensor {
                     filter.advance(source, &mut simulated_series);
                     let value = filter.values[0];
                     let by_lag = match filter.values[..] {
-                        [_, more, less] => (more.value() - less.value()) / (2.0 * LAG_PART * self.lag),
+                        [_, more, less] => (more.value() - less.value()) / (lags[1] - lags[2]),
                         _ => 0.0,
                     };
-                    let rate = if shift_is_unknown {
-                        (simulated_series.at(source).value() - value.value()) / self.lag
-                    } else {
-                        0.0
+                    let rate = match shift_is_unknown {
+                        true if self.lag > LEAST_LAG => {
+                            (simulated_series.at(source).value() - value.value()) / self.lag
+                        }
+                        // What so short a lag leaves of the difference is rounding.
+                        true => simulated_series.rate(source),
+                        false => 0.0,
                     };
                     (value, rate, by_lag)
                 }
@@ -206,34 +214,34 @@ impl<R: Instantiate> SimulatedSeries<'_, R> {
     }
 }
 
-/// A lag of first order, and others that are parts of it, taken on from reading to reading by the same nodes: between them the
+/// A lag of first order, and others near it, taken on from reading to reading by common nodes: between them the
 /// quantity is a parabola, of which a lag is exact.
-struct Filter<'p, R> {
-    lag: f64,
-    parts: &'p [f64],
+struct Filter<'l, R> {
+    /// In s, the first of them above zero.
+    lags: &'l [f64],
     time: f64,
     /// What each lag leaves of the quantity.
     values: Vec<R>,
 }
 
-impl<'p, R: Instantiate> Filter<'p, R> {
-    fn new(lag: f64, parts: &'p [f64], simulated_series: &mut SimulatedSeries<'_, R>) -> Self {
-        Self { lag, parts, time: 0.0, values: vec![simulated_series.at(0.0); parts.len()] }
+impl<'l, R: Instantiate> Filter<'l, R> {
+    fn new(lags: &'l [f64], simulated_series: &mut SimulatedSeries<'_, R>) -> Self {
+        Self { lags, time: 0.0, values: vec![simulated_series.at(0.0); lags.len()] }
     }
 
     fn advance(&mut self, until: f64, simulated_series: &mut SimulatedSeries<'_, R>) {
         if until <= self.time {
             return;
         }
-        let forgotten = until - FORGOTTEN * self.lag;
+        // The longest of them has forgotten last.
+        let forgotten = until - FORGOTTEN * self.lags.iter().copied().fold(0.0, f64::max);
         if forgotten > self.time {
             self.time = forgotten;
             self.values.fill(simulated_series.at(forgotten));
         }
-        let steps = ((until - self.time) / (STEP * self.lag).max(SHORTEST)).ceil().max(1.0);
+        let steps = ((until - self.time) / (STEP * self.lags[0]).max(SHORTEST)).ceil().max(1.0);
         let (from, step) = (self.time, (until - self.time) / steps);
-        let moments: Vec<[R; 3]> =
-            self.parts.iter().map(|part| moments(step / (part * self.lag)).map(R::constant)).collect();
+        let moments: Vec<[R; 3]> = self.lags.iter().map(|lag| moments(step / lag).map(R::constant)).collect();
         let [four, three, two] = [4.0, 3.0, 2.0].map(R::constant);
         let mut begin = simulated_series.at(from);
         for count in 1..=steps as u64 {

@@ -285,8 +285,8 @@ impl Model for Segments<'_> {
 
 /// What came of segments.
 pub(super) enum Shot {
-    /// The parameters, and each run in its segments.
-    Joined(Fit, Vec<Simulated>),
+    /// The parameters, each run in its segments, and how many initial states of segments were estimated with them.
+    Joined(Fit, Vec<Simulated>, usize),
     /// The values that had been reached when the search was ended from outside.
     Stopped(Vec<f64>, Ending),
 }
@@ -317,5 +317,5 @@ pub(super) fn fit(runs: &Runs<'_>, unknowns: &[Unknown], every: f64, search: &Se
         values = found[..segments.numbers].to_vec();
     }
     let (fit, simulated) = segments.found(unknowns, values, search)?;
-    Ok(Shot::Joined(fit, simulated))
+    Ok(Shot::Joined(fit, simulated, segments.joint_unknowns()))
 }

@@ -3,7 +3,7 @@
 use crate::failure::Failure;
 use crate::quantities;
 use crate::units::units;
-use mckibben_scenario::{Scenario, quantity};
+use mckibben_scenario::Scenario;
 use std::str::FromStr;
 
 /// One gauge pressure.
@@ -23,33 +23,9 @@ impl FromStr for Pressures {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let mut pressures = Vec::new();
-        let mut unit = "";
-        // From the right, because a number without a unit has that of the next.
-        for item in text.rsplit(',').map(str::trim) {
-            let (number, own) =
-                split(item).ok_or_else(|| format!("`{item}` is not a number with a unit of pressure"))?;
-            unit = if own.is_empty() { unit } else { own };
-            let label = format!("{number} {unit}");
-            let read = quantity::parse(&label).map_err(|error| error.message)?;
-            let pascal = quantity::parse_unit("Pa").map_err(|error| error.message)?.0;
-            if read.dimension != pascal {
-                return Err(format!(
-                    "`{item}` is no pressure; write a unit such as psi, bar or kPa behind the last number"
-                ));
-            }
-            pressures.push(Pressure { gauge: read.value, label });
-        }
-        pressures.reverse();
-        Ok(Self(pressures))
+        let read = quantities::read_list(text, ["pressure", "Pa", "psi, bar or kPa"], None)?;
+        Ok(Self(read.into_iter().map(|(gauge, label)| Pressure { gauge, label }).collect()))
     }
-}
-
-/// The number at the beginning of a text and what follows it.
-fn split(item: &str) -> Option<(&str, &str)> {
-    let mut ends = item.char_indices().map(|(at, c)| at + c.len_utf8());
-    let end = ends.rfind(|end| item[..*end].trim_end().parse::<f64>().is_ok_and(f64::is_finite))?;
-    Some((item[..end].trim_end(), item[end..].trim_start()))
 }
 
 /// Gauge pressures in psi of the paper's Fig. 3.

@@ -2,7 +2,7 @@
 
 use super::outcome::{self, Outcome, Stems, WARNED};
 use super::prediction::Prediction;
-use super::{Material, column, gauge_pressures, minima, units, unknowns, values};
+use super::{Material, column, gauge_pressures, minima, remedied, units, unknowns, values};
 use crate::failure::Failure;
 use crate::quantities::{counted, quantity};
 use crate::report::{Data, Plate, Section, Table};
@@ -39,7 +39,7 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     };
     let found = task.identify().map_err(|error| match error {
         LoopError::Fit(_) => Failure::stopped(error.to_string()),
-        _ => Failure::input(error.to_string(), "see docs/identify.md"),
+        _ => remedied(&error.to_string(), "change the study"),
     })?;
     let mut warnings = material.notes();
     warnings.extend(task.loops.iter().filter_map(left_out));
@@ -116,7 +116,7 @@ fn read(recording: &Recording, atmosphere: f64) -> Result<Loop, Failure> {
         .and_then(|pressure| pressure.deviation);
     let deviations = [column(recording, Quantity::Length)?.deviation, of_pressure];
     Loop::new(recording.name.clone(), samples, deviations)
-        .map_err(|error| Failure::input(error.to_string(), "see docs/identify.md"))
+        .map_err(|error| remedied(&error.to_string(), "record the length to and fro"))
 }
 
 /// That more than a tenth of the readings of a loop does not count, and why.

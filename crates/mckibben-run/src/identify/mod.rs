@@ -122,7 +122,10 @@ pub fn identified(request: Request, folder: Option<&Path>) -> Result<Outcome, Fa
     let found = match material.study.kind {
         Kind::ForceMap => force_map::outcome(&material),
         Kind::Trajectories => trajectories::outcome(&material),
-        Kind::Hysteresis => loops::outcome(&material),
+        Kind::Hysteresis => loops::outcome(&material).and_then(|found| {
+            let warnings = found.warnings.iter().cloned().chain(unknowns::moved_starts(&material)?).collect();
+            Ok(Outcome { warnings, ..found })
+        }),
         Kind::RingDown => rings::outcome(&material),
         Kind::FlowCurve => valve::flow_curve(&material),
         Kind::SteadyFlow => valve::steady_flow(&material),
@@ -191,6 +194,20 @@ impl Material {
     }
 }
 
+/// A failure by a sentence that ends with what to do, behind its last semicolon or as its last sentence; `otherwise` is what to do where
+/// it does not say so.
+fn remedied(sentence: &str, otherwise: &str) -> Failure {
+    let parts = [sentence.rsplit_once("; "), sentence.rsplit_once(". ")];
+    match parts.into_iter().flatten().min_by_key(|(_, remedy)| remedy.len()) {
+        Some((what, remedy)) => {
+            let mut letters = remedy.chars();
+            let first = letters.next().map(char::to_lowercase);
+            Failure::input(what, first.into_iter().flatten().chain(letters).collect::<String>())
+        }
+        None => Failure::input(sentence, otherwise),
+    }
+}
+
 /// A column that a study of this kind cannot do without.
 fn column(recording: &Recording, quantity: Quantity) -> Result<&Column, Failure> {
     recording.column(quantity).ok_or_else(|| {
@@ -216,11 +233,14 @@ fn pressure_of(
     };
     match recording.channel(measured) {
         Some((times, values)) => Ok((measured, times, values)),
-        None => {
-            let title = format!("the run `{}` has no {} over time", recording.name, measured.words());
-            Err(Failure::input(title, "add `[columns.time]`, in the same table"))
-        }
+        None => Err(without_times(recording, measured.words())),
     }
+}
+
+/// That a recording has a quantity, in words, whose table has no times.
+fn without_times(recording: &Recording, quantity: &str) -> Failure {
+    let title = format!("the run `{}` has no {quantity} over time", recording.name);
+    Failure::input(title, "add `[columns.time]`, in the same table")
 }
 
 /// The gauge pressures of a recording in Pa, from whichever pressure was measured.

@@ -1,9 +1,9 @@
 //! The runs of trajectories of a plant: its file with what a run changes, and columns behind the names of parts.
 
-use super::Material;
 use super::sensors::{self, OfSensor};
 use super::trajectories::held_at_its_end;
 use super::unknowns::{self, OfRun, Stands};
+use super::{Material, without_times};
 use crate::failure::Failure;
 use mckibben::network::NodeKind;
 use mckibben_identify::least_squares::Unknown;
@@ -150,10 +150,7 @@ fn parts(of: &PlantExperiment) -> Vec<String> {
 
 /// Times and values of a column.
 fn over_time(recording: &Recording, sheet: &Sheet, column: &Column) -> Result<(Vec<f64>, Vec<f64>), Failure> {
-    sheet.channel(column).ok_or_else(|| {
-        let title = format!("the run `{}` has no {} over time", recording.name, column.words());
-        Failure::input(title, "add `[columns.time]`, in the same table")
-    })
+    sheet.channel(column).ok_or_else(|| without_times(recording, &column.words()))
 }
 
 /// Drives each actuator whose pressure was measured by that in place of what the file says; the others go on as it says.

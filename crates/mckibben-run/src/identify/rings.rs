@@ -1,9 +1,9 @@
 //! Friction from ring-downs: all estimators, for comparison.
 
-use super::Material;
 use super::outcome::{self, Outcome, Stems, WARNED};
 use super::prediction::Prediction;
 use super::values::give_or_take;
+use super::{Material, remedied};
 use crate::failure::Failure;
 use crate::figure::symbols;
 use crate::quantities::quantity;
@@ -27,6 +27,10 @@ const EXACT: f64 = 1e-4;
 /// Part of the absolute pressure by which the one that fits may differ from the measured one.
 const APART: f64 = 0.1;
 
+/// What to do where a ring-down has no friction and its error does not say more.
+const MEND: &str =
+    "look at the load, the pressure and the geometry in the scenario: a mass that hangs on the sealed muscle is due";
+
 pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     let mut warnings = material.notes();
     let (mut rows, mut plates, mut scenarios) = (Vec::new(), Vec::new(), Vec::new());
@@ -38,7 +42,7 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
         scenario.initial.gauge_pressure = measured.or(scenario.initial.gauge_pressure);
         let record = record(recording)?;
         let found = compared(&scenario, &record)
-            .map_err(|why| Failure::input(format!("the run `{}`: {why}", recording.name), "see docs/identify.md"))?;
+            .map_err(|why| remedied(&format!("the run `{}`: {why}", recording.name), MEND))?;
         Ok((recording, (scenario, measured), record, found))
     })?;
     for (place, (recording, (scenario, measured), record, found)) in runs.iter().enumerate() {

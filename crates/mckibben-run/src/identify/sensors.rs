@@ -104,6 +104,13 @@ fn known(column: &ColumnEntry, amount: usize) -> f64 {
     [0.0, sensor.drift, 1.0, sensor.shift, sensor.lag][amount]
 }
 
+/// The value that a column states of a number of its sensor, where it states one.
+pub(super) fn stated(material: &Material, of: OfSensor) -> Option<f64> {
+    let value = known(&material.study.columns[of.column], of.amount);
+    let of_exact_sensor = if AMOUNTS[of.amount] == "scale" { 1.0 } else { 0.0 };
+    (value != of_exact_sensor).then_some(value)
+}
+
 /// The section of a scenario that a column gives the pressure of, where it drives the run of one actuator or a joint.
 pub(super) fn of_driving(material: &Material, of: OfSensor) -> Option<&'static str> {
     let columns = &material.study.columns;

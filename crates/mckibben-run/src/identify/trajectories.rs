@@ -4,7 +4,7 @@ use super::outcome::{self, Outcome, Stems, WARNED};
 use super::prediction::Prediction;
 use super::sensors::{self, OfSensor};
 use super::unknowns::{self, OfRun, Stands};
-use super::{Material, minima, plant, pressure_of, responses, units, values};
+use super::{Material, minima, plant, pressure_of, remedied, responses, units, values, without_times};
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::quantities::{counted, quantity};
@@ -12,7 +12,7 @@ use crate::report::{Data, Plate, Section, Table};
 use mckibben::parameter;
 use mckibben_identify::adjustable::Adjustable;
 use mckibben_identify::least_squares::{Ending, Search, Unknown};
-use mckibben_identify::study::{Input, Quantity, Recording};
+use mckibben_identify::study::{Column, ColumnEntry, Input, Quantity, Recording};
 use mckibben_identify::trajectories::{
     Described, Drift, HeldOutRun, Horizon, Identified, Observed, Recorded, Task, TimeSeries, TrajectoryError,
     Understated, Unexplained,
@@ -34,7 +34,10 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     let progress = Progress::begin("fitting", None);
     let found = task.identify().map_err(|error| match error {
         TrajectoryError::Fit(_) => Failure::stopped(error.to_string()),
-        _ => Failure::input(error.to_string(), "see docs/identify.md"),
+        _ => remedied(
+            &error.to_string(),
+            "start where the run can be simulated: change the scenario, or give the parameters of [fit] a `start`",
+        ),
     })?;
     let held_out = task.held_out(&found);
     let step_responses = responses::of(&task, &found, &held_out);
@@ -89,6 +92,7 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
 }
 
 fn task(material: &Material, warnings: &mut Vec<String>) -> Result<Task, Failure> {
+    material.recordings.iter().try_for_each(|recording| check_times(material, recording))?;
     let (runs, unknowns) = match material.document.is_plant() {
         true => plant::runs(material, warnings)?,
         false => runs(material, warnings)?,
@@ -102,6 +106,17 @@ fn task(material: &Material, warnings: &mut Vec<String>) -> Result<Task, Failure
     };
     let starts = unknowns::more_starts(&material.study, &unknowns, count);
     Ok(Task { runs, unknowns, starts, horizon, search: Search { refined, ..material.search() }, tolerance: 1e-8 })
+}
+
+/// Refuses readings of a table that has no times: they can be compared with nothing.
+fn check_times(material: &Material, recording: &Recording) -> Result<(), Failure> {
+    let is_read = |column: &&Column| {
+        let is_it = |entry: &ColumnEntry| entry.quantity == column.quantity && entry.part == column.part;
+        column.quantity != Quantity::Time && material.study.columns.iter().any(is_it)
+    };
+    let timeless = recording.sheets.iter().filter(|sheet| sheet.column(Quantity::Time).is_none());
+    let Some(column) = timeless.flat_map(|sheet| &sheet.columns).find(is_read) else { return Ok(()) };
+    Err(without_times(recording, &column.words()))
 }
 
 /// The runs of one actuator or a joint, and the numbers that are looked for in them.

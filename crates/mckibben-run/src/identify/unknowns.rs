@@ -1,13 +1,15 @@
 //! The unknowns of a study: their places, bounds, priors and starts.
 
 use super::Material;
+use super::outcome::WARNED;
 use super::sensors::{self, OfSensor};
 use crate::failure::Failure;
 use crate::quantities;
-use mckibben::parameter::Parameter;
+use mckibben::parameter::{self, Parameter};
 use mckibben_identify::least_squares::Unknown;
-use mckibben_identify::study::{FitEntry, Study};
-use mckibben_scenario::{Document, Place, PlaceError, Scenario, quantity as grammar};
+use mckibben_identify::study::{FitEntry, Input, Study};
+use mckibben_scenario::keys::in_antagonist;
+use mckibben_scenario::{Document, InitialLength, Place, PlaceError, Scenario, quantity as grammar};
 
 /// All of them, in the scenario of the study.
 pub(super) fn all(material: &Material) -> Result<(Vec<Place>, Vec<Unknown>), Failure> {
@@ -71,6 +73,12 @@ pub(super) fn of_runs<P>(
                     begin(self::unknown(&material.study, entry, row, *value)?, &mut unknowns)
                 }
             };
+            // Where the search starts, unless [fit] says so or the value lies outside the bounds.
+            let first = match (of_sensor, &stands) {
+                (Some(its), _) => sensors::stated(material, its).map(|value| (value, "its column")),
+                (None, Stands::Sensor(its)) => sensors::stated(material, *its).map(|value| (value, "its column")),
+                (None, Stands::Scenario((_, _, value))) => Some((*value, "the scenario")),
+            };
             match stands {
                 Stands::Sensor(its) => of.sensors.push((its, unknown)),
                 Stands::Scenario((place, row, value)) => {
@@ -80,12 +88,37 @@ pub(super) fn of_runs<P>(
                 }
             }
             if known.is_none() {
+                warnings.extend(moved(entry, &unknowns[unknown], first));
                 owners.push((owner, unknown));
             }
         }
         warnings.extend(of_set(material, entry, &stated)?);
     }
     Ok((unknowns, numbers))
+}
+
+/// That the search does not start at the value which the study or its scenario has, since that is outside the bounds.
+fn moved(entry: &FitEntry, unknown: &Unknown, first: Option<(f64, &str)>) -> Option<String> {
+    let (first, place) = first?;
+    if entry.start.is_some() || !first.is_finite() || first == unknown.start {
+        return None;
+    }
+    let [first, start] = [first, unknown.start].map(|value| quantities::given(value, unknown.unit));
+    Some(format!(
+        "{WARNED}`{}` is {first} in {place}, outside `from` and `to` in [fit]: the search starts at {start}. Widen the \
+         bounds, or give a `start` within them.",
+        unknown.name
+    ))
+}
+
+/// What is said of the starts of a study whose runs have one scenario: see [`of_runs`].
+pub(super) fn moved_starts(material: &Material) -> Result<Vec<String>, Failure> {
+    let mut scenario = material.document.scenario()?;
+    let (places, unknowns) = all(material)?;
+    let of = |((entry, unknown), place): ((&FitEntry, &Unknown), &Place)| {
+        moved(entry, unknown, place.value(&mut scenario).map(|value| (value, "the scenario")))
+    };
+    Ok(material.study.fit_entries.iter().zip(&unknowns).zip(&places).filter_map(of).collect())
 }
 
 /// The value that a number of [fit] has in the scenario of a run.
@@ -168,13 +201,44 @@ fn place(
     run: Option<&str>,
 ) -> Result<Place, Failure> {
     let all = material.study.fit_entries.iter().map(|other| other.path.as_str());
-    document.find(&entry.path, all, scenario).map_err(|error| misplaced(&error, run))
+    document.find(&entry.path, all, scenario).map_err(|error| match absent(&material.study, entry, scenario) {
+        Some((why, remedy)) => Failure::input(format!("`{}` in [fit]: {why}{}", entry.path, in_run_named(run)), remedy),
+        None => misplaced(&error, run),
+    })
+}
+
+/// Why a scenario has no number that a study of it might look for, and what to do: the start of a run at equilibrium, and what
+/// a given pressure stands for.
+fn absent(study: &Study, entry: &FitEntry, scenario: &Scenario) -> Option<(&'static str, &'static str)> {
+    let path = in_antagonist(&entry.path).unwrap_or(entry.path.as_str());
+    if path == parameter::INITIAL_LENGTH.key && scenario.initial.length == InitialLength::Equilibrium {
+        return Some((
+            "the run starts at the equilibrium, whose length follows from load and pressure",
+            "leave it out of [fit], or give `length` in [initial] of the scenario a value at which the search starts, such as \"90 mm\"",
+        ));
+    }
+    let is_behind = ["valve.", "supply.", "command.", "hose."].iter().any(|part| path.starts_with(part));
+    match (is_behind && scenario.pressure.is_some(), study.input) {
+        (false, _) => None,
+        (true, Input::GaugePressure) => Some((
+            "the run follows the measured pressure, and what the scenario says of this part takes no part",
+            "leave it out of [fit], or leave `input` out of [study], so that the valve drives the run and the pressure is compared",
+        )),
+        (true, _) => Some((
+            "the run follows the pressure that [pressure] of the scenario gives, and has no such part",
+            "leave it out of [fit], or describe valve, supply and command in place of [pressure]",
+        )),
+    }
+}
+
+/// Of which run a scenario is, behind what is said of it.
+fn in_run_named(run: Option<&str>) -> String {
+    run.map(|run| format!(", in the scenario of the run `{run}`")).unwrap_or_default()
 }
 
 /// That a path of [fit] leads to no parameter of the study's scenario, or of a run's.
 pub(super) fn misplaced(error: &PlaceError, run: Option<&str>) -> Failure {
-    let whose = run.map(|run| format!(", in the scenario of the run `{run}`")).unwrap_or_default();
-    Failure::input(format!("{}{whose}", error.what()), error.remedy())
+    Failure::input(format!("{}{}", error.what(), in_run_named(run)), error.remedy())
 }
 
 /// Bounds are those of the study within those of the parameter.

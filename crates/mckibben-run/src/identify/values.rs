@@ -99,7 +99,9 @@ pub(super) fn beyond_noise(
 pub(super) fn understated(words: &str, unit: &str, [left, deviation]: [f64; 2], has_intervals: bool) -> String {
     let doubt = if has_intervals { " The intervals are too short." } else { "" };
     format!(
-        "{WARNED}what the model leaves of the {words}, {}, is {} times the deviation that is stated for it, {}: state the standard          deviation of one reading as `deviation`, or leave it out, so that it is estimated from what is left; or the scenario lacks          something.{doubt}",
+        "{WARNED}what the model leaves of the {words}, {}, is {} times the deviation that is stated for it, {}: state the standard \
+         deviation of one reading as `deviation`, or leave it out, so that it is estimated from what is left; or the scenario lacks \
+         something.{doubt}",
         quantity(left, unit),
         digits(left / deviation),
         quantity(deviation, unit)
@@ -174,7 +176,8 @@ fn ended(fit: &Fit) -> Option<String> {
     Some(match fit.ending {
         Ending::Minimum => return None,
         Ending::Kink | Ending::Numbers if !fit.unidentifiable.is_empty() => format!(
-            "the search came to rest where parameters are not identifiable, as the next lines say: a change of these leaves every reading              as it is, and there is no single minimum. {BEST}"
+            "the search came to rest where parameters are not identifiable, as the next lines say: a change of these leaves every reading \
+             as it is, and there is no single minimum. {BEST}"
         ),
         Ending::Kink => format!(
             "the search ended at a kink: the sum of squares is not level there, as where a load meets a stop, sticks or goes slack, and no \
@@ -222,6 +225,7 @@ fn resting(estimate: &Estimate, unknown: Option<&Unknown>) -> String {
                     "no body has so little. Look for a unit that was mistaken, a force or a length with a wrong offset, or a part of the \
                      load that the scenario lacks; weigh it, and hold it at that"
                 }
+                "lag" if least <= 0.0 => "the readings follow at once: leave the lag out of [fit]",
                 _ if least <= 0.0 && (last.ends_with("_delay") || last == "dead_time") => {
                     "the readings respond at once, or before the command: look at the clocks of both, or hold the delay"
                 }
@@ -235,10 +239,11 @@ fn resting(estimate: &Estimate, unknown: Option<&Unknown>) -> String {
         }
     };
     let at = format!("{} {unit}", digits(at));
-    format!(
-        "`{name}` rests on {bound}, {}: {why}. It has no interval, and those of the others hold with it there.",
-        at.trim_end()
-    )
+    let interval = match estimate.confidence_interval {
+        None => "It has no interval, and those of the others hold with it there.",
+        Some(_) => "Its interval begins there, and those of the others hold with it there.",
+    };
+    format!("`{name}` rests on {bound}, {}: {why}. {interval}", at.trim_end())
 }
 
 /// That the data do not identify a combination of parameters.
@@ -320,6 +325,7 @@ mod tests {
             ("load.mass", [3.0, infinite], 3.0, "least value, 3.000: the data would take it lower"),
             ("load.mass", [1.0, 3.0], 3.0, "largest value, 3.000: the data would take it higher: raise `to`"),
             ("valve.opening_delay", [0.0, infinite], 0.0, "look at the clocks of both"),
+            ("columns.length.lag", [0.0, 0.15], 0.0, "the readings follow at once"),
             ("actuator.friction.viscous", [0.0, 50.0], 0.0, "lower `from` in [fit]"),
         ] {
             let said = said(name, bounds, value);

@@ -20,10 +20,12 @@ use crate::failure::Failure;
 use crate::linearize::Measure;
 use crate::quantities::{self, digits};
 use crate::report::{Data, Table, number};
+use crate::warnings::EFFECTIVENESS;
 use mckibben::{Actuator, GaugePressure};
 use mckibben_plot::{Axis, Colour, Figure, Panel, Series};
 use mckibben_scenario::{Document, presets};
 pub use ripple::Pulses;
+use std::str::FromStr;
 pub use valve::{Hose, Quickness, ValveTime};
 
 /// More muscles side by side than anybody mounts.
@@ -50,6 +52,19 @@ pub fn force_of(load: Measure) -> f64 {
     match load {
         Measure::Mass(mass) => mass * GRAVITY,
         Measure::Force(force) => force,
+    }
+}
+
+/// Braid angles in rad, written as in `20,25,30` or `0.4,0.5rad`; without a unit they are in degrees.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BraidAngles(pub Vec<f64>);
+
+impl FromStr for BraidAngles {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let read = quantities::read_list(text, ["angle", "rad", "deg or rad"], Some("deg"))?;
+        Ok(Self(read.into_iter().map(|(angle, _)| angle).collect()))
     }
 }
 
@@ -138,6 +153,14 @@ impl Requirement {
                 let title = format!("`{name}` is {}, which is not above zero", quantities::given(value, unit));
                 return Err(Failure::input(title, "give a value above zero"));
             }
+        }
+        if self.effectiveness > EFFECTIVENESS {
+            let title = format!(
+                "`--effectiveness` is {}: no braid pulls with more than {} times the force of the ideal one",
+                digits(self.effectiveness),
+                quantities::plain(&digits(EFFECTIVENESS)),
+            );
+            return Err(Failure::input(title, "give a share of that force: 80 % is 0.8"));
         }
         if self.ripple.is_some() && self.time.is_none() {
             return Err(Failure::input("a ripple is that of a valve, which is chosen by a time", NO_TIME));

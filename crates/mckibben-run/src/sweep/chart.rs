@@ -306,9 +306,22 @@ fn maps(x: &Values, y: &Values, results: &[Values]) -> Figure {
         }
         let (label, unit) = (result.axis.label.clone(), result.axis.unit.clone());
         let field = Field { label, unit, x: columns.clone(), y: rows.clone(), values };
-        Panel::new(y.axis.clone()).field(field)
+        Panel::new(beyond_zero(&y.axis, &rows)).field(field)
     });
-    panels.fold(Figure::new(x.axis.clone()), Figure::panel).size_mm(width_of_words(x).max(110.0), 36.0)
+    panels.fold(Figure::new(beyond_zero(&x.axis, &columns)), Figure::panel).size_mm(width_of_words(x).max(110.0), 36.0)
+}
+
+/// The axis of a map over rising values: cells reach half way beyond the outer ones, but not below zero where no value is.
+fn beyond_zero(axis: &Axis, values: &[f64]) -> Axis {
+    let axis = axis.clone();
+    match values {
+        [first, second, ..]
+            if axis.scale == Scale::Linear && axis.words.is_empty() && *first > 0.0 && *second > 3.0 * first =>
+        {
+            axis.starting_at(0.0)
+        }
+        _ => axis,
+    }
 }
 
 /// A figure for each key, with a panel for each reduction.
@@ -388,6 +401,22 @@ mod tests {
         assert_eq!((masses.axis.scale, masses.at.len()), (Scale::Logarithmic, 3));
         assert!((masses.at[1] - 2.0).abs() < 1e-12, "the middle of 1 kg and 4 kg by the logarithm");
         assert_eq!(key(&sweep, 1, &[0, 1]).axis.scale, Scale::Linear);
+    }
+
+    /// From 0.1 L to 1.1 L are two halves of 0.5 L: the cell about 0.1 L would begin at −0.4 L, where there is no volume.
+    #[test]
+    fn a_map_of_values_above_zero_begins_at_zero_at_the_lowest() {
+        let values = |at: &[f64]| Values { axis: Axis::new("volume", "L"), at: at.to_vec() };
+        let of = |low: &[f64]| {
+            let x: Vec<f64> = low.iter().flat_map(|low| [*low; 2]).collect();
+            let y: Vec<f64> = low.iter().flat_map(|_| [1.0, 2.0]).collect();
+            let result = values(&vec![1.0; x.len()]);
+            let figure = maps(&values(&x), &values(&y), &[result]);
+            (figure.x.min, figure.panels[0].y.min)
+        };
+        assert_eq!(of(&[0.1, 1.1, 2.1]), (Some(0.0), None));
+        assert_eq!(of(&[0.6, 1.6]), (None, None));
+        assert_eq!(of(&[-1.0, 1.0]), (None, None));
     }
 
     /// Words have no order, and so no rank correlation; four long ones have room beside each other. Letters of a tick are 1.6 mm

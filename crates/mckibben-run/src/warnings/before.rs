@@ -1,17 +1,23 @@
 //! What is known before a run: from the commands of the valves, the pressures that are given, and the start.
 
-use super::{BEYOND_STOP, PRESSURE, Parts, STRETCH, Warning, behind, fed, reached, valve};
-use crate::quantities::{given, quantity};
+use super::{BEYOND_STOP, EFFECTIVENESS, Loop, PRESSURE, Parts, STRETCH, Warning, behind, fed, reached, valve};
+use crate::quantities::{digits, given, given_percent, percent, plain, quantity};
+use mckibben::control::Quantity;
+use mckibben::force::Law;
+use mckibben::load::SeriesTendon;
 use mckibben::mechanism::{Coupling, Mechanism};
 use mckibben::network::{BranchKind, Network, NodeKind};
 use mckibben::parameter;
 use mckibben::plant::{Mounted, Plant, PlantRun, PlantStart};
 use mckibben::valve::Port;
-use mckibben_scenario::GreatestRequest;
+use mckibben::{Actuator, GaugePressure};
+use mckibben_scenario::{GreatestRequest, presets};
 
 /// The key of the pressure that feeds a valve, and of that up to which a compressor fills a tank.
 const SUPPLY: &str = parameter::SUPPLY_GAUGE_PRESSURE.key;
 const CUT_OUT: &str = parameter::CUT_OUT.key;
+/// That a controller requests what supply and atmosphere cannot make.
+const SUPPLY_EXCEEDED: &str = "supply-exceeded";
 /// A share of a length, and an angle in rad, that is rounding of its unit.
 const ROUNDING: f64 = 1e-9;
 /// The relative tolerance of a run that is begun and goes no further.
@@ -56,6 +62,13 @@ fn of_actuator(of: &Parts<'_>, start: &PlantStart, (index, name): (usize, &str),
     if gauge > PRESSURE {
         found.push(reached::beyond_pressure(name, &format!("{key} = {} is", given(gauge, "Pa")), key));
     }
+    let network = of.plant.network();
+    let supply = (0..network.valves.len())
+        .find(|valve| fed(network, *valve) == Some(index))
+        .and_then(|valve| feed(network, valve));
+    let gauges: Vec<f64> = [0.0, gauge].into_iter().chain(supply.map(|(_, feed)| feed)).collect();
+    found.extend(of_effectiveness(&mounted.actuator, name, &gauges));
+    found.extend(of_preset(&mounted.actuator, name));
     let (mechanism, coupling) = (&of.plant.mechanisms()[mounted.mechanism], &mounted.coupling);
     let limits = mounted.actuator.limits();
     let apart = start.positions.get(mounted.mechanism).map(|positions| coupling.span(mechanism, positions));
@@ -175,8 +188,113 @@ pub(crate) fn feed_of(plant: &Plant, actuator: usize, gauge: f64) -> Option<Stri
     })
 }
 
+/// What a controller may request of its valves and is to reach, against what feeds them, their delays and the muscle.
+pub(super) fn of_controller(of: &Parts<'_>, controller: &Loop<'_>) -> Vec<Warning> {
+    let mut found = Vec::new();
+    for &valve in controller.valves {
+        // A five-way valve feeds both actuators of a joint.
+        let Some(actuation) = of.plant.network().valves.get(valve) else { continue };
+        let name = of.valves.get(valve).map_or("", String::as_str);
+        found.extend(controller.request.and_then(|request| of_request(of, request, valve)));
+        found.extend(controller.pulses.and_then(|pulses| valve::of_controller(actuation, name, pulses)));
+    }
+    for &actuator in controller.actuators {
+        let name = of.actuators.get(actuator).map_or("", String::as_str);
+        for (quantity, set_point) in controller.set_points {
+            let (key, ends) = (quantity.rows().set_point.key, set_point.ends());
+            let text = match quantity {
+                Quantity::Pressure => too_low(of, actuator, key, ends[0]).map(|text| (SUPPLY_EXCEEDED, text)),
+                Quantity::Length => too_far(of, actuator, key, ends).map(|text| ("set-point-beyond", text)),
+                _ => None,
+            };
+            found.extend(text.map(|(code, text)| Warning::new(code, name, text)));
+        }
+    }
+    found
+}
+
+/// That a gauge pressure in Pa that an actuator is to have is lower than anything that its valve can make.
+fn too_low(of: &Parts<'_>, actuator: usize, key: &str, gauge: f64) -> Option<String> {
+    let vacuum = -of.plant.network().atmosphere;
+    let requested = format!("the requested pressure {key} = {}", given(gauge, "Pa"));
+    if gauge <= vacuum {
+        let vacuum = given(vacuum, "Pa");
+        return Some(format!(
+            "{requested} is a gauge pressure and not above vacuum, {vacuum}: it is never reached; raise {key}"
+        ));
+    }
+    let why = feed_of(of.plant, actuator, gauge).filter(|_| gauge < 0.0)?;
+    Some(format!("{requested} {why}"))
+}
+
+/// That a distance in m between the attachments that an actuator is to have is none that its braid allows. A tendon stretches, but
+/// it does not push.
+fn too_far(of: &Parts<'_>, actuator: usize, key: &str, [least, greatest]: [f64; 2]) -> Option<String> {
+    let mounted = of.plant.actuators().get(actuator)?;
+    let limits = mounted.actuator.limits();
+    let tendon = mounted.tendon.as_ref().map(SeriesTendon::rest_length);
+    let shortest = limits.min_length() + tendon.unwrap_or(0.0);
+    let (length, limit, remedy) = if least < shortest * (1.0 - ROUNDING) {
+        let with = if tendon.is_some() { " with the tendon's rest_length" } else { "" };
+        (least, format!("below the {} of actuator.min_length{with}", quantity(shortest, "m")), "raise")
+    } else if tendon.is_none() && greatest > limits.max_length() * (1.0 + STRETCH) {
+        let longest = limits.max_length();
+        let more = percent((greatest - longest) / longest);
+        (greatest, format!("{more} above actuator.max_length = {}", quantity(longest, "m")), "lower")
+    } else {
+        return None;
+    };
+    Some(format!(
+        "the set point {key} = {} is {limit}: the muscle never has this length; {remedy} {key}",
+        given(length, "m")
+    ))
+}
+
+/// That an effectiveness, at a gauge pressure in Pa of those that an actuator may have, is no share.
+fn of_effectiveness(actuator: &Actuator, name: &str, gauges: &[f64]) -> Option<Warning> {
+    let at = |gauge: &f64| actuator.law().effectiveness.at(GaugePressure(*gauge));
+    let (value, gauge) = gauges.iter().map(|gauge| (at(gauge), *gauge)).find(|(value, _)| *value > EFFECTIVENESS)?;
+    let text = format!(
+        "the effectiveness is {} at a gauge pressure of {}, above {}, where this program begins to doubt it: measured forces are not so \
+         far above the ideal braid's; correct actuator.effectiveness, where 80 % is 0.8",
+        digits(value),
+        given(gauge, "Pa"),
+        plain(&digits(EFFECTIVENESS)),
+    );
+    Some(Warning::new("effectiveness", name, text))
+}
+
+/// That the wall of a preset's law, whose modulus was fitted over the length of its muscle, is that of a muscle of another length.
+fn of_preset(actuator: &Actuator, name: &str) -> Option<Warning> {
+    let Law::MartensBoblan(wall) = actuator.law().law.law() else { return None };
+    let longest = actuator.limits().max_length();
+    let (preset, fitted) = presets::ACTUATORS.iter().find_map(|preset| {
+        let fitted = preset.get(&parameter::MAX_LENGTH)?.value()?;
+        let [c0, c1, c2, c3] = preset.modulus()?;
+        // Two cubics that agree at four lengths agree everywhere.
+        let is_its = |share: f64| {
+            let length = share * fitted;
+            let its = c0 + length * (c1 + length * (c2 + length * c3));
+            (wall.modulus(length) - its).abs() <= ROUNDING * c0.abs()
+        };
+        [0.0, 0.5, 1.0, 1.5].into_iter().all(is_its).then_some((preset, fitted))
+    })?;
+    ((longest - fitted).abs() > STRETCH * fitted).then(|| {
+        let text = format!(
+            "the law of force is that of the preset {}, whose wall was fitted to a muscle of {}, and actuator.max_length = {}: it says \
+             nothing of a muscle of this length; give another actuator.force, or a muscle of {} ± {}",
+            preset.name,
+            given(fitted, "m"),
+            quantity(longest, "m"),
+            given(fitted, "m"),
+            given_percent(STRETCH),
+        );
+        Warning::new("preset-length", name, text)
+    })
+}
+
 /// What a controller may request of a valve, against what feeds that.
-pub(super) fn of_request(of: &Parts<'_>, request: GreatestRequest, valve: usize) -> Option<Warning> {
+fn of_request(of: &Parts<'_>, request: GreatestRequest, valve: usize) -> Option<Warning> {
     let (supply, feed) = feed(of.plant.network(), valve)?;
     let GreatestRequest { key, gauge_pressure } = request;
     let name = of.valves.get(valve).map_or("", String::as_str);
@@ -186,6 +304,6 @@ pub(super) fn of_request(of: &Parts<'_>, request: GreatestRequest, valve: usize)
             given(gauge_pressure, "Pa"),
             given(feed, "Pa"),
         );
-        Warning::new("supply-exceeded", name, text)
+        Warning::new(SUPPLY_EXCEEDED, name, text)
     })
 }

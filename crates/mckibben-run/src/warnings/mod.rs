@@ -6,7 +6,10 @@
 //! |---|---|---|
 //! | `valve-never-opens` | a path that the command requests stays shut: its pulses are shorter than the delay | before |
 //! | `valve-never-closes` | a path stays open: the pauses of the command are shorter than the delay | before |
-//! | `supply-exceeded` | a controller may request a pressure above that of the supply; of linear models, that of the point | before |
+//! | `supply-exceeded` | a controller may request a pressure that supply and atmosphere cannot make; of linear models, that of the point | before |
+//! | `set-point-beyond` | a controller is to reach a length that the muscle never has | before |
+//! | `effectiveness` | the effectiveness is above [`EFFECTIVENESS`] | before |
+//! | `preset-length` | a law of force with the wall of a preset is that of a muscle of another length, by more than [`STRETCH`] | before |
 //! | `starts-slack` | an actuator starts shorter than `actuator.min_length`, or with both ends at one point | before |
 //! | `beyond-stop` | a joint starts beyond one of its stops, and not at rest against it | before |
 //! | `overstretched` | an actuator is longer than its taut length by more than [`STRETCH`] | both |
@@ -24,6 +27,7 @@
 //!   stiffness, and springs back. Beyond 5 % the straight line of `actuator.limit.stiffness` is no longer that of a taut thread.
 //! - [`STRENGTH`], 50 bar: chosen, so that an impact on the taut braid in this project's examples stays below. The tension is compared
 //!   with what the same braid makes then, so that the limit grows with the muscle.
+//! - [`EFFECTIVENESS`], 2: chosen. Measured ones lie below 1 or little above; a number in percent is far above.
 //! - [`OPEN`], 2 %: chosen. Steps that `run.accuracy` chooses leave less than a quarter of it in this project's examples; steps of 1 ms
 //!   leave 15 % of the work of `examples/fill-hold-exhaust.toml`, whose length is then off by a quarter of its way. What the tolerance
 //!   of a run may leave whatever is turned over ([`Balance::resolution`]) is not counted.
@@ -42,6 +46,7 @@ use crate::joint::NAMES;
 use crate::plant;
 use crate::quantities::{percent, quantity};
 use crate::run::{Figures, Ready};
+use mckibben::control::{Controller as _, JointController as _, Quantity, RegulatorMemory, Sampling, SetPoint};
 use mckibben::network::{Network, NodeKind};
 use mckibben::plant::{Balance, JointPlant, Part, Plant, PlantLedger, PlantStart, RigPlant};
 use mckibben::simulation::JointState;
@@ -54,6 +59,8 @@ pub const PRESSURE: f64 = 20e5;
 pub const STRENGTH: f64 = 50e5;
 /// Stretch beyond the taut length, as a share of it, up to which the stiffness of the taut braid describes it.
 pub const STRETCH: f64 = 0.05;
+/// Measured over ideal force above which an effectiveness is doubted: chosen.
+pub const EFFECTIVENESS: f64 = 2.0;
 /// Force below zero, as a share of the largest force of the run, that is more than rounding of a law's coefficients.
 pub const NEGATIVE: f64 = 0.05;
 
@@ -139,10 +146,27 @@ impl Ready {
             Self::Actuator(of) => of_rig(&of.rig, |of_rig| of_rig.start(&of.start), None),
             Self::Controlled(of) => {
                 let (rig, start) = (&of.experiment.rig, of.experiment.start);
-                of_rig(rig, |of_rig| of_rig.start(&start), of.greatest_request)
+                let loop_of = Loop {
+                    request: of.greatest_request,
+                    set_points: &of.set_points,
+                    pulses: matches!(of.law.begin(), RegulatorMemory::Pid(_)).then_some(&of.sampling),
+                    actuators: &[0],
+                    valves: &[0],
+                };
+                of_rig(rig, |of_rig| of_rig.start(&start), Some(loop_of))
             }
             Self::Joint(of) => of_joint(&of.rig, &of.start, None),
-            Self::ControlledJoint(of) => of_joint(&of.experiment.rig, &of.experiment.start, of.greatest_request),
+            Self::ControlledJoint(of) => {
+                let [first, _] = of.law.begin();
+                let loop_of = Loop {
+                    request: of.greatest_request,
+                    set_points: &of.set_points,
+                    pulses: matches!(first, RegulatorMemory::Pid(_)).then_some(&of.sampling),
+                    actuators: &[],
+                    valves: &[0, 1],
+                };
+                of_joint(&of.experiment.rig, &of.experiment.start, Some(loop_of))
+            }
             Self::Plant(of) => {
                 let parts = Parts {
                     plant: &of.plant,
@@ -152,10 +176,41 @@ impl Ready {
                         .collect(),
                     joints: of.names.mechanisms.iter().map(|names| names.joints.clone()).collect(),
                 };
-                let requests = of.controls.iter().filter_map(PlantControl::greatest_request);
-                let requests = requests.flat_map(|(request, valves)| valves.iter().map(move |valve| (request, *valve)));
-                parts.warnings(&of.start, requests)
+                parts.warnings(&of.start, of.controls.iter().map(Loop::of_plant))
             }
+        }
+    }
+}
+
+/// What of a controller is known before a run.
+struct Loop<'c> {
+    /// The greatest gauge pressure that it may request, where it requests any.
+    request: Option<GreatestRequest>,
+    set_points: &'c [(Quantity, SetPoint)],
+    /// When it samples and pulses, where it commands pulses.
+    pulses: Option<&'c Sampling>,
+    /// The actuator of a controller that regulates one.
+    actuators: &'c [usize],
+    valves: &'c [usize],
+}
+
+impl<'c> Loop<'c> {
+    fn of_plant(of: &'c PlantControl) -> Self {
+        match of {
+            PlantControl::Actuator(of) => Self {
+                request: of.greatest_request,
+                set_points: &of.set_points,
+                pulses: matches!(of.law.begin(), RegulatorMemory::Pid(_)).then_some(&of.sampling),
+                actuators: core::slice::from_ref(&of.actuator),
+                valves: core::slice::from_ref(&of.valve),
+            },
+            PlantControl::Joint(of) => Self {
+                request: of.greatest_request,
+                set_points: &of.set_points,
+                pulses: matches!(of.law.begin(), [RegulatorMemory::Pid(_), _]).then_some(&of.sampling),
+                actuators: &[],
+                valves: &of.valves,
+            },
         }
     }
 }
@@ -163,22 +218,16 @@ impl Ready {
 fn of_rig(
     rig: &mckibben::simulation::Rig,
     start: impl FnOnce(&RigPlant) -> PlantStart,
-    request: Option<GreatestRequest>,
+    controller: Option<Loop<'_>>,
 ) -> Vec<Warning> {
     let view = RigPlant::new(rig);
-    let parts = Parts::named(view.plant(), &[""]);
-    parts.warnings(&start(&view), request.map(|request| (request, 0)))
+    Parts::named(view.plant(), &[""]).warnings(&start(&view), controller)
 }
 
-fn of_joint(
-    rig: &mckibben::simulation::JointRig,
-    state: &JointState,
-    request: Option<GreatestRequest>,
-) -> Vec<Warning> {
+fn of_joint(rig: &mckibben::simulation::JointRig, state: &JointState, controller: Option<Loop<'_>>) -> Vec<Warning> {
     // A joint that was read has been checked; what cannot be built fails in the run, which says why.
     let Ok(view) = JointPlant::new(rig) else { return Vec::new() };
-    let requests = (0..view.plant().network().valves.len()).filter_map(|valve| Some((request?, valve)));
-    let mut found = Parts::named(view.plant(), &NAMES).warnings(&view.start(state), requests);
+    let mut found = Parts::named(view.plant(), &NAMES).warnings(&view.start(state), controller);
     // A joint that starts where its torques balance may rest against a stop, which gives way by what presses it.
     let rests = |angle: f64| (state.angle - angle).abs() <= AT_REST;
     if found.iter().any(|of| of.code == BEYOND_STOP) && rig.equilibrium(state.pressure).is_ok_and(rests) {
@@ -243,14 +292,10 @@ struct Parts<'p> {
 }
 
 impl<'p> Parts<'p> {
-    /// The warnings before a run from a start, under controllers that may request pressures of valves.
-    fn warnings(
-        &self,
-        start: &PlantStart,
-        requests: impl IntoIterator<Item = (GreatestRequest, usize)>,
-    ) -> Vec<Warning> {
+    /// The warnings before a run from a start, under controllers.
+    fn warnings<'c>(&self, start: &PlantStart, controllers: impl IntoIterator<Item = Loop<'c>>) -> Vec<Warning> {
         let mut found = before::warnings(self, start);
-        found.extend(requests.into_iter().filter_map(|(request, valve)| before::of_request(self, request, valve)));
+        found.extend(controllers.into_iter().flat_map(|controller| before::of_controller(self, &controller)));
         found
     }
 
@@ -524,6 +569,95 @@ mod tests {
         let (plant, key) = ("plant/controlled.toml", "actuators.gripper.controller.gauge_pressure");
         assert!(of(plant, &[(key, "[\"1 bar\", \"4.4 bar\", \"2 bar\"]")]).is_empty());
         assert_eq!(of(plant, &[(key, "[\"1 bar\", \"4.6 bar\", \"2 bar\"]")]), ["gripper"]);
+    }
+
+    /// The codes and texts of an example with values set, before anything is run.
+    fn known(file: &str, set: &[(&str, &str)]) -> Vec<(&'static str, String)> {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples").join(file);
+        let mut document = Document::load(path).unwrap();
+        set.iter().for_each(|(key, value)| document.set_plain_from("--set", key, value).unwrap());
+        Ready::of(&document).unwrap().warnings().into_iter().map(|of| (of.code, of.to_string())).collect()
+    }
+
+    /// The muscle of the examples is 97.79 mm long where it is taut and 63.38 mm at full contraction.
+    #[test]
+    fn set_points_that_no_muscle_reaches_are_warned_of() {
+        let of = |length: &str| known("control/pid.toml", &[("controller.length", length)]);
+        for (length, words) in [
+            ("200 mm", "controller.length = 203 mm is 107.6 % above actuator.max_length = 97.79 mm"),
+            ("60 mm", "controller.length = 57 mm is below the 63.38 mm of actuator.min_length"),
+        ] {
+            let found = of(length);
+            assert!(found.len() == 1 && found[0].0 == "set-point-beyond", "{found:?}");
+            assert!(found[0].1.contains(words), "{found:?}");
+        }
+        // 98 mm and 3 mm of its swing: a heavy load stretches the taut braid so far.
+        assert!(of("98 mm").is_empty());
+        let model = known("control/feed-forward.toml", &[("controller.length", "[\"92 mm\", \"86 mm\", \"110 mm\"]")]);
+        assert!(model.iter().map(|of| of.0).eq(["set-point-beyond"]), "{model:?}");
+    }
+
+    /// Nothing is below vacuum, −1.013 bar gauge; between it and the atmosphere no exhaust pulls the air out.
+    #[test]
+    fn requested_pressures_below_the_atmosphere_are_warned_of() {
+        let of = |gauge: &str| {
+            let list = format!("[\"40 psi\", \"60 psi\", \"{gauge}\"]");
+            known("control/bang-bang.toml", &[("controller.gauge_pressure", &list)])
+        };
+        let found = of("-2 bar");
+        let words = "controller.gauge_pressure = -2 bar is a gauge pressure and not above vacuum, -1.013 bar";
+        assert!(found.len() == 1 && found[0].0 == "supply-exceeded" && found[0].1.contains(words), "{found:?}");
+        let found = of("-0.2 bar");
+        let words = "controller.gauge_pressure = -0.2 bar lies below the pressure of the atmosphere";
+        assert!(found.len() == 1 && found[0].1.contains(words), "{found:?}");
+        assert!(of("0 bar").is_empty());
+    }
+
+    /// At 25 Hz even a pulse of a whole period is lost to a delay of 50 ms; at 15 Hz one of 67 ms is not.
+    #[test]
+    fn pulses_of_a_controller_that_are_shorter_than_the_delay_are_warned_of() {
+        let of = |frequency: &str| {
+            let set = [("valve.opening_delay", "50 ms"), ("controller.pulse_frequency", frequency)];
+            known("control/pid.toml", &set)
+        };
+        let found = of("25 Hz");
+        let words = "a whole period of 40 ms is shorter than valve.opening_delay = 50 ms; lower controller.pulse_frequency = 25 Hz";
+        assert!(found.len() == 1 && found[0].0 == "valve-never-opens" && found[0].1.contains(words), "{found:?}");
+        assert!(of("15 Hz").is_empty() && of("20 Hz").is_empty());
+        // A relay holds a request for as many samples as it likes.
+        assert!(known("control/bang-bang.toml", &[("valve.opening_delay", "5 ms")]).is_empty());
+    }
+
+    /// 80 % written as 80; a measured force may exceed the ideal braid's, but not twofold.
+    #[test]
+    fn an_effectiveness_in_percent_is_warned_of() {
+        let of = |value| known("valves/opening-ramp.toml", &[("actuator.effectiveness", value)]);
+        let found = of("{ constant = 80 }");
+        let words = "the effectiveness is 80.00 at a gauge pressure of 0 bar, above 2";
+        assert!(found.len() == 1 && found[0].0 == "effectiveness" && found[0].1.contains(words), "{found:?}");
+        assert!(of("{ constant = 1.3 }").is_empty() && of("{ constant = \"80 %\" }").is_empty());
+        // 0.7 at no pressure and 4.1 at the 100 psi of the supply.
+        let rising = of("{ polynomial = [0.7, 0.034], pressure_unit = \"psi\" }");
+        assert!(rising.len() == 1 && rising[0].1.contains("is 4.100 at a gauge pressure of 6.895 bar"), "{rising:?}");
+    }
+
+    /// The modulus of the wall is a cubic of the length in m, fitted from 237 mm to 300 mm: at 180 mm it is 59 MPa in place of 8.
+    #[test]
+    fn a_preset_of_another_length_is_warned_of() {
+        let of = |length: &str| {
+            let text = format!(
+                "[actuator]\npreset = \"festo-dmsp-20-300\"\nlength = \"{length}\"\ndiameter = \"20 mm\"\n\
+                 braid_angle = \"25 deg\"\n[load]\nkind = \"hanging-mass\"\nmass = \"5 kg\"\n[run]\nduration = \"10 ms\"\n"
+            );
+            let document = Document::parse(&text, "muscle.toml").unwrap();
+            let found = Ready::of(&document).unwrap().warnings();
+            found.into_iter().filter(|of| of.code == "preset-length").map(|of| of.text).collect::<Vec<_>>()
+        };
+        let found = of("180 mm");
+        let words = "of the preset festo-dmsp-20-300, whose wall was fitted to a muscle of 300 mm, and actuator.max_length = 180.0 mm";
+        assert!(found.len() == 1 && found[0].contains(words), "{found:?}");
+        assert!(of("300 mm").is_empty() && of("290 mm").is_empty());
+        assert_eq!(of("320 mm").len(), 1);
     }
 
     #[test]

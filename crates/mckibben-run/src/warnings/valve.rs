@@ -5,7 +5,9 @@
 
 use super::{Parts, Warning};
 use crate::quantities::given;
+use mckibben::control::Sampling;
 use mckibben::internals::SIMULTANEOUS;
+use mckibben::parameter::PULSE_FREQUENCY;
 use mckibben::simulation::Actuation;
 use mckibben::valve::{Command, Request, ValveKind};
 
@@ -35,6 +37,29 @@ fn of_valve(of: &Actuation, name: &str) -> Option<Warning> {
         }
     }
     None
+}
+
+/// That a controller by pulses opens the path to the supply by a full output alone: even the longest of its pulses, a whole period, is
+/// shorter than the delay.
+pub(super) fn of_controller(of: &Actuation, name: &str, pulses: &Sampling) -> Option<Warning> {
+    let [(key, delay), _] = delays(of, Request::Fill);
+    let period = 1.0 / pulses.pulse_frequency();
+    let is_short = period * (1.0 + SIMULTANEOUS) < delay;
+    is_short.then(|| {
+        // Where the file gives none, there is a pulse for each sample.
+        let is_rate = pulses.pulse_frequency() == pulses.rate();
+        let remedy = match is_rate {
+            true => format!("give a {} below {}", PULSE_FREQUENCY.key, given(1.0 / delay, "Hz")),
+            false => format!("lower {} = {}", PULSE_FREQUENCY.key, given(pulses.pulse_frequency(), "Hz")),
+        };
+        let text = format!(
+            "the pulses of the controller never open the valve to the supply, only its full output does: a whole period of {} is \
+             shorter than {key} = {}; {remedy}",
+            given(period, "s"),
+            given(delay, "s"),
+        );
+        Warning::new("valve-never-opens", name, text)
+    })
 }
 
 /// The longest pulse of a request in s, and the longest pause behind one; none where there is no such.

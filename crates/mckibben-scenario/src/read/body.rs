@@ -280,16 +280,12 @@ fn polynomial(r: &mut Reader<'_>) -> Force {
 fn modulus(r: &mut Reader<'_>, preset: Option<&Preset>) -> [f64; 4] {
     let help = "give c0 to c3 of c0 + c1 L + c2 L^2 + c3 L^3";
     // Coefficients of the file's own need units of the file's own.
-    let preset = preset.filter(|_| !r.has(p::MEMBRANE_MODULUS.key));
-    let of_preset = preset.and_then(|preset| <[f64; 4]>::try_from(preset.get(&p::MEMBRANE_MODULUS)?.list()?).ok());
-    let [c0, c1, c2, c3] = of_preset.unwrap_or_else(|| coefficients(r, &p::MEMBRANE_MODULUS, "four", help));
-    let of_modulus = [("actuator.force.modulus_unit", "Pa"), ("actuator.force.length_unit", "m")];
-    let [modulus, length] = match preset.filter(|_| of_preset.is_some()) {
-        Some(preset) => of_modulus.map(|(path, _)| preset.unit(path)),
-        None => units(r, of_modulus),
-    };
-    let per_length = modulus / length;
-    [c0 * modulus, c1 * per_length, c2 * per_length / length, c3 * per_length / (length * length)]
+    let of_preset = preset.filter(|_| !r.has(p::MEMBRANE_MODULUS.key)).and_then(Preset::modulus);
+    of_preset.unwrap_or_else(|| {
+        let coefficients = coefficients(r, &p::MEMBRANE_MODULUS, "four", help);
+        let units = units(r, [("actuator.force.modulus_unit", "Pa"), ("actuator.force.length_unit", "m")]);
+        presets::modulus_in_si(coefficients, units)
+    })
 }
 
 /// A list that must be there with its `count` entries; zeros, with the mistake noted, where it has not.

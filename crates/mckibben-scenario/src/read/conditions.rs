@@ -34,8 +34,8 @@ pub(super) fn pressure(r: &mut Reader<'_>) -> Option<PressureSeries> {
     ] {
         if let Some(place) = r.key_place(path).filter(|_| is_out) {
             let title = match path {
-                "hose" => "`hose` has no meaning where `[pressure]` gives the pressure in the muscle".to_owned(),
-                _ => format!("`{path}` has no meaning where `[pressure]` gives the pressure over time"),
+                "hose" => "`hose` is not used where `[pressure]` gives the pressure in the muscle".to_owned(),
+                _ => format!("`{path}` is not used where `[pressure]` gives the pressure over time"),
             };
             r.note(
                 Diagnostic::at(Class::NotApplicable, place, title, "does not apply")
@@ -239,7 +239,7 @@ pub(super) fn initial(
             };
             for path in [path, p::INITIAL_VELOCITY.key] {
                 if let Some(place) = r.key_place(path) {
-                    let title = format!("`{path}` has no meaning with {what}");
+                    let title = format!("`{path}` is not used with {what}");
                     r.note(
                         Diagnostic::at(Class::NotApplicable, place, title, "does not apply")
                             .related(r.value_place("load.kind"), "chosen here")

@@ -82,9 +82,9 @@ fn refuse_foreign(r: &mut Reader<'_>, of_joint: bool) {
     for path in foreign.iter().map(|quantity| quantity.rows().set_point.key) {
         if let Some(place) = r.key_place(path) {
             let (title, help) = if of_joint {
-                (format!("`{path}` has no meaning for a joint"), "give controller.angle in its place")
+                (format!("`{path}` is not used for a joint"), "give controller.angle in its place")
             } else {
-                (format!("`{path}` has no meaning without a joint"), "remove it, or choose another load.kind")
+                (format!("`{path}` is not used without a joint"), "remove it, or choose another load.kind")
             };
             let load = r.value_place("load.kind");
             let found = Diagnostic::at(Class::NotApplicable, place, title, "does not apply");
@@ -136,7 +136,7 @@ fn regulator(r: &mut Reader<'_>, kind: ControllerKind, regulated: Quantity) -> O
         let free = matches!(kind, ControllerKind::FeedForward | ControllerKind::AirMass);
         if let Some(place) = r.key_place(path).filter(|_| free && chosen.is_some()) {
             let other = if chosen == Some(0) { "dead_band" } else { "proportional_band" };
-            let title = format!("`{path}` has no meaning with `{other}`");
+            let title = format!("`{path}` is not used with `{other}`");
             r.note(Diagnostic::at(Class::NotApplicable, place, title, "does not apply").help("remove it"));
         }
     }

@@ -81,7 +81,7 @@ pub(super) fn actuators(r: &mut Reader<'_>) -> f64 {
 /// Refuses a key without another that it describes more closely.
 fn needs(r: &mut Reader<'_>, row: &'static Parameter, other: &'static Parameter) {
     let Some(place) = r.key_place(row.key).filter(|_| !r.has(other.key)) else { return };
-    let title = format!("`{}` has no meaning without `{}`", row.key, other.key);
+    let title = format!("`{}` is not used without `{}`", row.key, other.key);
     let help = format!("remove it, or add `{}`", other.key);
     r.note(Diagnostic::at(Class::NotApplicable, place, title, "does not apply").help(help));
 }

@@ -67,7 +67,7 @@ fn frame(document: &Document, r: &mut Reader<'_>, name: Option<&str>, place: &Pl
         let path = format!("mechanism.{section}");
         if let Some(place) = of.key_place(&path).filter(|_| kind.is_some_and(|kind| kind != MechanismKind::Chain)) {
             let title =
-                format!("`{path}` has no meaning with `mechanism.kind` = \"{}\"", kind.map_or("", MechanismKind::name));
+                format!("`{path}` is not used when `mechanism.kind` = \"{}\"", kind.map_or("", MechanismKind::name));
             of.note(
                 Diagnostic::at(Class::NotApplicable, place, title, "does not apply")
                     .help("remove it, or set `mechanism.kind` to `chain`"),
@@ -225,8 +225,9 @@ fn chain(document: &Document, r: &mut Reader<'_>, frame: &mut Frame, place: &Pla
         if let ([Some(low), Some(high)], Some(at)) = (ends, of.value_place(keys::MIN_ANGLE.key))
             && low >= high
         {
-            let bound = format!("less than `max_angle`, {}", quantity::format(high, "rad"));
             let other = of.value_place(keys::MAX_ANGLE.key);
+            let written = other.as_ref().map(|place| place.text().trim_matches(['"', '\'']).to_owned());
+            let bound = format!("less than `max_angle`, {}", written.unwrap_or_else(|| quantity::format(high, "rad")));
             of.note(out_of_range(at, &keys::MIN_ANGLE, low, &bound).related(other, "the greatest angle"));
         }
         joints.push(Revolute {
@@ -441,7 +442,7 @@ fn table(r: &mut Reader<'_>) -> (Vec<f64>, Vec<f64>) {
 
 fn points(r: &mut Reader<'_>, mechanism: usize, frame: &Frame) -> Option<Mount> {
     if let Some(place) = r.key_place(keys::REST_LENGTH.key) {
-        let title = "`coupling.rest_length` has no meaning between two points, which say how far apart they are";
+        let title = "`coupling.rest_length` is not used between two points, which say how far apart they are";
         r.note(Diagnostic::at(Class::NotApplicable, place, title, "does not apply").help("remove it"));
     }
     let segments: Vec<&str> = frame.segments.iter().map(String::as_str).collect();

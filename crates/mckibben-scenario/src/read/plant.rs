@@ -6,7 +6,7 @@
 use super::{body, conditions, drive, flow_path, line, mechanism};
 use crate::choice::{CommandKind, InletKind, PressurePlace, ValveOutput};
 use crate::diagnostic::{Class, Diagnostic, Diagnostics, Place};
-use crate::document::Document;
+use crate::document::{Document, Value};
 use crate::keys::{self, ACTUATORS, CONTROLLER, SUPPLIES};
 use crate::plant::parts::SUPPLY;
 use crate::plant::{Frame, Inlet, Member, Mount, PlantScenario, Store};
@@ -71,6 +71,9 @@ impl Document {
                     let found = Diagnostic::at(Class::NotApplicable, place, title, "drives no valve");
                     return Err(found.help("set `command.kind` to `controllers`, or remove the section").into());
                 }
+                if let Some(found) = self.idle_setting(&members, &stores) {
+                    return Err(found.into());
+                }
                 members.iter_mut().for_each(|member| member.alone.run = run);
                 // Supplies that are an actuator's own stand behind the named ones.
                 let mut stores = stores;
@@ -88,6 +91,39 @@ impl Document {
             }
             _ => Err(of_mistakes(reader)),
         }
+    }
+
+    /// A value that a user has set of a supply in addition to the file, as by `--set`, and that changes nothing: no actuator and no
+    /// supply draws from that one, and it has neither a volume nor a regulator.
+    fn idle_setting(&self, members: &[Member], stores: &[Store]) -> Option<Diagnostic> {
+        let is_idle = |(index, store): &(usize, &Store)| {
+            let is_drawn_from = members.iter().any(|member| member.supply.as_ref() == Some(&store.name))
+                || stores.iter().any(|of| of.from == Some(*index));
+            !is_drawn_from && store.supply.reservoir.is_none() && store.supply.regulator.is_none()
+        };
+        let (section, entry) = stores.iter().enumerate().filter(is_idle).find_map(|(_, store)| {
+            let section = if store.name == SUPPLY { SUPPLY.to_owned() } else { format!("{SUPPLIES}.{}", store.name) };
+            let Value::Table(table) = &self.entry(&section)?.node.value else { return None };
+            let set = table.0.iter().find(|entry| entry.key.source().is_setting())?;
+            Some((section, set))
+        })?;
+        let named: Vec<String> = self
+            .named(SUPPLIES)
+            .iter()
+            .map(|(name, _)| format!("{SUPPLIES}.{name}"))
+            .filter(|of| *of != section)
+            .collect();
+        let own = members.iter().filter(|member| member.supply.as_deref() == Some(""));
+        let own: Vec<String> = own.map(|member| format!("{ACTUATORS}.{}.{SUPPLY}", member.name)).collect();
+        let sections = [named, own].concat().iter().map(|of| format!("[{of}]")).collect::<Vec<_>>();
+        let help = match sections.as_slice() {
+            [] => "leave it out: no actuator has a valve".to_owned(),
+            sections => {
+                format!("give `{}` in the file, in the section of a supply: {}", entry.name, sections.join(", "))
+            }
+        };
+        let title = format!("`{section}.{}` is set, and no valve draws from [{section}]", entry.name);
+        Some(Diagnostic::at(Class::NotApplicable, entry.key.clone(), title, "reaches nothing").help(help))
     }
 
     /// The actuators that controllers of joints name are there, each named once.

@@ -85,8 +85,21 @@ impl<'d> Reader<'d> {
         let elsewhere: Vec<String> =
             KEYS.iter().filter(|key| key.name() == name).map(|key| format!("[{}]", key.section())).collect();
         let of_plant = !self.of_plant && keys::is_of_plant(&child);
-        let help = if child == "study" {
+        // Keys of [actuator] stand in the section of an actuator without that name.
+        let is_actuator = self.of_plant && name == "actuator" && keys::stands_for(section) == "actuators.*";
+        let is_tank = (name.starts_with("tank") || ["reservoir", "bottle"].contains(&name))
+            && keys::stands_for(section) == "supply";
+        let help = if is_tank {
+            format!("a tank is a supply with a volume: give `reservoir_volume` in [{section}]")
+        } else if child == "study" {
             "this file is a study: fit it by `mckibben identify`, and give the scenario that it names here".to_owned()
+        } else if is_actuator {
+            let inner = match &entry.node.value {
+                Value::Table(inner) => inner.0.first().map(|first| first.name.as_str()),
+                _ => None,
+            };
+            let inner = inner.unwrap_or("turns");
+            format!("keys of [actuator] stand in [{section}] without that name: write `{inner}` for `actuator.{inner}`")
         } else if of_plant {
             "this is for files in which actuators have names: add for instance `[actuators.muscle]`".to_owned()
         } else if let Some(meant) = nearest(name, valid.iter().copied()).or(within) {
@@ -109,7 +122,7 @@ impl<'d> Reader<'d> {
         // A plant has no second actuator of a joint whatever its load; its reading refuses the section.
         let is_stray = !self.of_plant && !self.says("load.kind", joint);
         if let Some(place) = self.key_place(keys::ANTAGONIST).filter(|_| is_stray) {
-            let title = format!("[{}] has no meaning without `load.kind` = \"{joint}\"", keys::ANTAGONIST);
+            let title = format!("[{}] is not used without `load.kind` = \"{joint}\"", keys::ANTAGONIST);
             self.note(
                 Diagnostic::at(Class::NotApplicable, place, title, "does not apply")
                     .related(self.value_place("load.kind"), "chosen here")
@@ -133,7 +146,7 @@ impl<'d> Reader<'d> {
             };
             let Some(word) = chosen.filter(valid) else { continue };
             if !when.words.contains(&word) {
-                let title = format!("`{}` has no meaning with `{}` = \"{word}\"", key.path, when.key);
+                let title = format!("`{}` is not used when `{}` = \"{word}\"", key.path, when.key);
                 let words = list_of(when.words.iter().copied());
                 let choice = self.value_place(when.key);
                 self.note(

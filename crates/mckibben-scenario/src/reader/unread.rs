@@ -1,13 +1,16 @@
 //! Values that a plant's file says of all actuators and that none of them has, since each replaces them.
 //!
-//! No reading of an actuator sees them, so that word, unit and range are checked here, as the table of keys states them.
+//! No reading of an actuator sees them, so that word, unit and range are checked here, as the table of keys states them. In a file
+//! such a value may stand for actuators to come. One that a user sets in addition to a file, as by `--set`, is meant to change
+//! something, and is refused.
 //!
 //! Checked by `tests/plant.rs`.
 
 use super::Reader;
 use crate::choice::Choice;
+use crate::diagnostic::{Class, Diagnostic};
 use crate::document::{Document, Entry, Table, Value};
-use crate::keys::{self, Kind};
+use crate::keys::{self, ACTUATORS, Kind};
 
 /// The values that are said of all actuators and that no actuator read so far has, each with its path.
 pub(crate) struct Unread<'d>(Vec<(String, &'d Entry)>);
@@ -54,13 +57,35 @@ fn collect<'d>(table: &'d Table, section: &str, found: &mut Vec<(String, &'d Ent
 impl<'d> Reader<'d> {
     /// Notes what is wrong with values that nothing reads.
     pub(crate) fn check_unread(&mut self, unread: Unread<'d>) {
+        // An actuator with a mistake may not have been read to its end.
+        let are_all_read = !self.has_mistakes();
         for (path, entry) in unread.0 {
             // A key that there is not has been refused.
             let Some(key) = keys::key_at(&keys::stands_for(&path)) else { continue };
             let first = self.mistakes();
             self.check_value(&path, entry, key.kind);
             self.name_from(first, key.path, &path);
+            if are_all_read && self.mistakes() == first && entry.key.source().is_setting() {
+                self.reaches_none(&path, entry);
+            }
         }
+    }
+
+    /// Notes a value that a user has set for all actuators, and that none of them takes.
+    fn reaches_none(&mut self, path: &str, entry: &Entry) {
+        let section = path.rsplit_once('.').map_or("", |(section, _)| section);
+        let section = if section == "actuator" { "" } else { section.strip_prefix("actuator.").unwrap_or(section) };
+        let title = format!("`{path}` is set for all actuators, and none of them takes it");
+        let named = self.document().named(ACTUATORS);
+        let own = named.first().map_or_else(String::new, |(name, _)| match section {
+            "" => format!(", such as [{ACTUATORS}.{name}]"),
+            section => format!(", such as [{ACTUATORS}.{name}.{section}]"),
+        });
+        let help = format!(
+            "give `{}` in the file, in the section of an actuator{own}, which replaces the value for all; or leave it out",
+            entry.name
+        );
+        self.note(Diagnostic::at(Class::NotApplicable, entry.key.clone(), title, "reaches nothing").help(help));
     }
 
     fn check_value(&mut self, path: &str, entry: &'d Entry, kind: Kind) {

@@ -182,7 +182,7 @@ fn reductions(r: &mut Reader<'_>, path: &str) -> Option<Vec<Reduction>> {
         match Reduction::from_name(name) {
             Some(reduction) => found.push((reduction, item.place.clone())),
             None => {
-                let (title, help) = (format!("\"{name}\" is no choice for `{path}`"), meant(r.document(), name));
+                let (title, help) = (format!("\"{name}\" is not a valid value of `{path}`"), meant(r.document(), name));
                 r.note(Diagnostic::at(Class::InvalidChoice, item.place.clone(), title, "unknown word").help(help));
             }
         }

@@ -50,7 +50,7 @@ controllers stay those of the run. The orbit is that of the event-located engine
 without run.engine the run takes that engine too.
 
 Without run.engine and --engine a plant takes the event-located engine, as in `mckibben simulate`, and one actuator or a joint \
-the fixed-step engine, save with --settle and under a controller without run.step.
+the fixed-step engine, except with --settle and under a controller without run.step.
 
 The fixed-step engine takes run.step; without it, one step for all runs: the least that eight of them, evenly spread, need \
 for run.accuracy. One of them that no step is short enough for, as when it bounces without end, is named in the summary; \

@@ -16,7 +16,7 @@ pub(super) use tank::tank;
 
 use super::outcome::{Stems, WARNED};
 use super::values::with_interval;
-use super::{Material, column};
+use super::{Material, column, remedied};
 use crate::failure::Failure;
 use crate::quantities::digits;
 use mckibben::Actuator;
@@ -58,12 +58,15 @@ fn law_of(flow_path: FlowPath, efficiency: f64, valve: &Valve, actuator: &Actuat
         .map_err(|error| Failure::input(error.to_string(), "mend `[valve]` of the scenario"))
 }
 
+/// What to do where a study of a valve has no result and its error does not say more.
+const MEND: &str = "look at the units in [columns], and at valve, supply and air in the scenario";
+
 /// Why nothing can be estimated from a run.
 fn failed(run: &str, error: &ValveError) -> Failure {
     let title = format!("the run `{run}`: {error}");
     match error {
         ValveError::Fit(_) => Failure::stopped(title),
-        _ => Failure::input(title, "see docs/identify.md"),
+        _ => remedied(&title, MEND),
     }
 }
 

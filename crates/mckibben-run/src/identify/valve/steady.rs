@@ -1,8 +1,8 @@
 //! Steady flow through a valve: C and b of a flow curve, or the factor on the calculated flow.
 
 use super::super::outcome::{self, Outcome, WARNED, file};
-use super::super::{Material, Prediction, column, values};
-use super::{absolute_pressures, actuator_of, flow_path_of, law_of, named, put, rows, valve_of, with_interval};
+use super::super::{Material, Prediction, column, remedied, values};
+use super::{MEND, absolute_pressures, actuator_of, flow_path_of, law_of, named, put, rows, valve_of, with_interval};
 use super::{says_its_end, with_conductance, with_efficiency, with_flow_path};
 use crate::failure::Failure;
 use crate::quantities::{counted, quantity};
@@ -35,7 +35,6 @@ struct Points {
 impl Points {
     /// Why nothing can be estimated from them; a point is named by its run.
     fn failed(&self, error: &ValveError) -> Failure {
-        let help = "see docs/identify.md";
         match error {
             ValveError::Implausible { what, point, value, unit, problem, remedy } => {
                 match self.origins.get(point - 1) {
@@ -43,11 +42,11 @@ impl Points {
                         format!("the run `{run}`: {what} of reading {reading} is {value} {unit}, {problem}"),
                         *remedy,
                     ),
-                    None => Failure::input(error.to_string(), help),
+                    None => remedied(&error.to_string(), MEND),
                 }
             }
             ValveError::Fit(_) => Failure::stopped(error.to_string()),
-            _ => Failure::input(error.to_string(), help),
+            _ => remedied(&error.to_string(), MEND),
         }
     }
 }
