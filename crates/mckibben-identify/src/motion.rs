@@ -29,7 +29,8 @@
 //! outliers made the Stribeck velocity a tenth too small.
 //!
 //! A reading has no direction where one half of its window does not go its way with at least half of its velocity (a reversal, a rest or
-//! a change of speed is near), where no window is long enough, and where its window passes the end of the record.
+//! a change of speed is near), where no window is long enough, and where its window passes the end of the record. It does not count, either,
+//! where the standard error of its velocity is more than a thirtieth of that velocity and of the median speed.
 //!
 //! σ is the largest of the stated one, the scatter of the readings about parabolas through their neighbours, and that of a sensor's steps
 //! ([`series::noise`]). Lengths that go on by equal steps are those of a constant speed, not of a sensor.
@@ -233,7 +234,7 @@ impl Motion {
         let speeds: Vec<f64> = moving.iter().flatten().map(|known| known.velocity.abs()).collect();
         let most = median(&speeds).unwrap_or(0.0) / CLEAR_ALONE;
         for moving in &mut moving {
-            *moving = moving.filter(|known| known.error <= most);
+            *moving = moving.filter(|known| known.error <= most.max(known.velocity.abs() / CLEAR_ALONE));
         }
         Self { noise, path, moving }
     }

@@ -551,11 +551,11 @@ fn recovered<const N: usize>(
     (means, hits)
 }
 
-const FEW_DRAWS: u64 = 20;
-/// How many of them hold the truth: binomial with 0.95; 19 with a standard deviation of 1; fewer in one of 390.
-const LEAST_OF_FEW: u32 = 16;
+const FEW_DRAWS: u64 = 8;
+/// How many of them hold the truth: binomial with 0.95; fewer in one of 170.
+const LEAST_OF_FEW: u32 = 6;
 /// Where an interval takes the velocity to be certain and it is not: three in four.
-const LEAST_OF_UNCERTAIN: u32 = 10;
+const LEAST_OF_UNCERTAIN: u32 = 4;
 
 /// A memory that followed readings near turns, which go to and fro by their noise, had a γ of 0.3 of the truth by 2 µm.
 #[test]
@@ -582,7 +582,8 @@ fn noise_of_the_length_leaves_a_memory_as_it_is() {
         for noise in [0.0, 2e-6, 5e-6] {
             let name = format!("{shape}, {noise} m");
             let found = recovered(&name, &start, numbers, |random| shaken(drawn, [noise, 0.02], random, loops));
-            assert!(found.0.iter().all(|mean| (mean - 1.0).abs() < 0.02), "{name}: {:?} of the truth", found.0);
+            // One draw of γ scatters by 3 %.
+            assert!(found.0.iter().all(|mean| (mean - 1.0).abs() < 0.04), "{name}: {:?} of the truth", found.0);
             assert!(found.1.iter().all(|hits| *hits >= LEAST_OF_FEW), "{name}: {:?} of {FEW_DRAWS}", found.1);
         }
     }

@@ -442,6 +442,24 @@ fn sections_of_a_valve_are_read_to_si() {
     }
 }
 
+/// Brackets and dots of TOML that are not meant.
+#[test]
+fn brackets_and_dots_that_are_not_meant_have_their_remedy() {
+    let folder = Folder::new("study-syntax");
+    let text = "[study]\nkind = \"trajectories\"\nscenario = \"m.toml\"\n[columns.time]\nname = \"t\"\nunit = \"s\"\n\
+                [columns.\"flexor.length\"]\nname = \"L\"\nunit = \"m\"\n[[run]]\nfile = \"d.csv\"\n\
+                [fit.\"load.mass\"]\nprior = { mean = \"5 lb\", deviation = \"1 lb\" }\n";
+    for (right, wrong, remedy) in [
+        ("[[run]]", "[run]", "write `[[run]]`, in two brackets"),
+        ("[fit.\"load.mass\"]", "[fit.load.mass]", "`[fit.\"load.mass\"]`"),
+        ("[columns.\"flexor.length\"]", "[columns.flexor.length]", "`[columns.\"flexor.length\"]`"),
+    ] {
+        let error = folder.study(&text.replace(right, wrong)).expect_err(wrong).to_string();
+        assert!(error.contains(remedy), "{error}");
+    }
+    assert!(folder.study(text).is_ok());
+}
+
 /// A force map of 5 lengths and 4 pressures without times, as text, with one cell in another's place.
 fn force_map(cell: Option<(usize, usize, &str)>) -> String {
     let mut text = "P,L,F\n".to_owned();

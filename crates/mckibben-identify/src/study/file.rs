@@ -315,6 +315,7 @@ impl Study {
                 true => "see `help(mckibben.Study)`",
                 false => "see `mckibben identify --help` for a study file",
             };
+            let help = super::syntax::remedy(text).unwrap_or_else(|| help.to_owned());
             within.fault(at, error.message().to_owned(), help)
         })?;
         let head_at = file.study.span().start;

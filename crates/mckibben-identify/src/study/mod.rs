@@ -29,6 +29,7 @@
 //! | module | what it holds |
 //! |---|---|
 //! | `file` | the file with its mistakes |
+//! | `syntax` | brackets and dots that are not meant |
 //! | `valve` | the sections of a study of a valve: `[flow]`, `[tank]`, `[pulses]` |
 //! | `table` | CSV and Parquet to columns of numbers |
 //! | [`clean`] | the rules by which dirty data are handled or refused, and the notes about them |
@@ -39,6 +40,7 @@ pub mod clean;
 mod file;
 mod search;
 mod sensors;
+mod syntax;
 mod table;
 mod valve;
 
