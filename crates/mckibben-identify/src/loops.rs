@@ -212,31 +212,30 @@ impl Loop {
         let mut memory = Memory::relaxed(actuator.limits().actuator_length(S::constant(begin)));
         let branches = actuator.friction().viscoelastic();
         let mut relaxed = vec![S::constant(begin); branches.map_or(0, Viscoelastic::count)];
+        let (mut time, mut length) = (self.samples[0].time, begin);
         for place in 1..self.samples.len() {
-            let (here, moving) = (self.samples[place], self.motion.moving[place]);
-            let (mut time, mut length) = (self.samples[place - 1].time, path.length(place - 1));
-            if let Some(turn) = path.turn(place) {
-                let span = turn.time - time;
+            let here = self.samples[place];
+            let turn = path.turn(place).map(|turn| (turn.time, turn.length, None));
+            // To the turn before the sample, if there is one, and from there to the sample.
+            for (until, end, moving) in
+                turn.into_iter().chain([(here.time, path.length(place), self.motion.moving[place])])
+            {
+                let span = until - time;
+                let velocity = S::constant(moving.map_or((end - length) / span, |moving| moving.velocity));
                 if let Some(law) = branches {
-                    relax(law, &mut relaxed, [length, turn.length], span);
+                    relax(law, &mut relaxed, [length, end], span);
                 }
-                let velocity = S::constant((turn.length - length) / span);
-                actuator.remember(&mut memory, S::constant(turn.length), velocity);
-                (time, length) = (turn.time, turn.length);
+                (time, length) = (until, end);
+                let end = S::constant(end);
+                if place >= self.first && moving.is_some() {
+                    let sliding =
+                        SlidingState { width: actuator.width(&memory, end, velocity), ..velocity.sign().into() };
+                    let sliding = sliding.with_branches(branches, end, branches.map(|law| law.sums(&relaxed)));
+                    let pressure = S::constant(here.gauge_pressure) + atmosphere;
+                    visit(place, actuator.tension_sliding(S::constant(here.length), velocity, pressure, sliding));
+                }
+                actuator.remember(&mut memory, end, velocity);
             }
-            let (span, end) = (here.time - time, path.length(place));
-            let velocity = S::constant(moving.map_or((end - length) / span, |moving| moving.velocity));
-            if let Some(law) = branches {
-                relax(law, &mut relaxed, [length, end], span);
-            }
-            let end = S::constant(end);
-            if place >= self.first && moving.is_some() {
-                let sliding = SlidingState { width: actuator.width(&memory, end, velocity), ..velocity.sign().into() };
-                let sliding = sliding.with_branches(branches, end, branches.map(|law| law.sums(&relaxed)));
-                let pressure = S::constant(here.gauge_pressure) + atmosphere;
-                visit(place, actuator.tension_sliding(S::constant(here.length), velocity, pressure, sliding));
-            }
-            actuator.remember(&mut memory, end, velocity);
         }
     }
 

@@ -148,10 +148,7 @@ impl Path {
             None => lengths.iter().copied().fold(f64::NEG_INFINITY, f64::max).max(behind),
         };
         for (place, length) in of.gap.clone().zip(lengths) {
-            let is_behind = match turn {
-                Some(turn) => of.series[0][place] > turn.time,
-                None => false,
-            };
+            let is_behind = turn.is_some_and(|turn| of.series[0][place] > turn.time);
             let least = if is_behind { behind } else { before.unwrap_or(f64::NEG_INFINITY) };
             let most = if of.turns { top } else { behind };
             self.lengths[place] = sign * length.min(most).max(least);
@@ -341,7 +338,7 @@ fn crossing(mut begin: f64, mut end: f64, of: impl Fn(f64) -> f64) -> Option<f64
 struct Pooled {
     /// Mean and number of the lengths that are pooled.
     pools: Vec<(f64, usize)>,
-    /// The sum of squared residuals in m² of the first so many lengths, each by a fit of its own.
+    /// The sum of squared residuals in m² of the first so many lengths, fitted alone.
     squares: Vec<f64>,
 }
 
