@@ -149,7 +149,7 @@ impl Ready {
                 let loop_of = Loop {
                     request: of.greatest_request,
                     set_points: &of.set_points,
-                    pulses: matches!(of.law.begin(), RegulatorMemory::Pid(_)).then_some(&of.sampling),
+                    pulses: pulses(&of.law.begin(), &of.sampling),
                     actuators: &[0],
                     valves: &[0],
                 };
@@ -157,11 +157,10 @@ impl Ready {
             }
             Self::Joint(of) => of_joint(&of.rig, &of.start, None),
             Self::ControlledJoint(of) => {
-                let [first, _] = of.law.begin();
                 let loop_of = Loop {
                     request: of.greatest_request,
                     set_points: &of.set_points,
-                    pulses: matches!(first, RegulatorMemory::Pid(_)).then_some(&of.sampling),
+                    pulses: pulses(&of.law.begin()[0], &of.sampling),
                     actuators: &[],
                     valves: &[0, 1],
                 };
@@ -194,20 +193,25 @@ struct Loop<'c> {
     valves: &'c [usize],
 }
 
+/// When a regulator samples and pulses, where it commands pulses, as a PID does.
+fn pulses<'c>(regulator: &RegulatorMemory, sampling: &'c Sampling) -> Option<&'c Sampling> {
+    matches!(regulator, RegulatorMemory::Pid(_)).then_some(sampling)
+}
+
 impl<'c> Loop<'c> {
     fn of_plant(of: &'c PlantControl) -> Self {
         match of {
             PlantControl::Actuator(of) => Self {
                 request: of.greatest_request,
                 set_points: &of.set_points,
-                pulses: matches!(of.law.begin(), RegulatorMemory::Pid(_)).then_some(&of.sampling),
+                pulses: pulses(&of.law.begin(), &of.sampling),
                 actuators: core::slice::from_ref(&of.actuator),
                 valves: core::slice::from_ref(&of.valve),
             },
             PlantControl::Joint(of) => Self {
                 request: of.greatest_request,
                 set_points: &of.set_points,
-                pulses: matches!(of.law.begin(), [RegulatorMemory::Pid(_), _]).then_some(&of.sampling),
+                pulses: pulses(&of.law.begin()[0], &of.sampling),
                 actuators: &[],
                 valves: &of.valves,
             },
